@@ -1,0 +1,77 @@
+/// Declares the codes with their documentation in one place.
+macro_rules! codes {
+    ($($(#[doc = $doc:literal])+ $variant:ident = $name:literal,)+) => {
+        /// A stable kebab-case code. `admire explain CODE` prints its documentation.
+        #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
+        pub enum Code { $($(#[doc = $doc])+ $variant,)+ }
+
+        impl Code {
+            /// Every code there is.
+            pub const ALL: &'static [Code] = &[$(Code::$variant,)+];
+
+            /// The code as shown, for example `undefined-id`.
+            pub const fn as_str(self) -> &'static str {
+                match self { $(Code::$variant => $name,)+ }
+            }
+
+            /// What the code means: the documentation of its variant.
+            pub const fn explain(self) -> &'static str {
+                match self { $(Code::$variant => concat!($($doc, "\n",)+),)+ }
+            }
+        }
+    };
+}
+
+codes! {
+    // Reading a dataset or a command file.
+    /// A statement or command whose keyword is not in the grammar. It is kept as it is and takes part in nothing.
+    UnknownStatement = "unknown-statement",
+    /// An argument whose keyword the statement does not have.
+    UnknownArgument = "unknown-argument",
+    /// A keyword cut so short that several keywords begin with it.
+    AmbiguousKeyword = "ambiguous-keyword",
+    /// Text that does not follow the syntax of the statement it stands in.
+    SyntaxError = "syntax-error",
+    /// A number that cannot be read.
+    BadNumber = "bad-number",
+    /// A FUNCTION expression that does not follow the grammar of expressions.
+    BadExpression = "bad-expression",
+    /// An argument has more or fewer values than the grammar allows.
+    WrongCount = "wrong-count",
+    /// A value of the wrong type: a word where a number is needed, a real where an id is needed.
+    WrongType = "wrong-type",
+    /// A number outside of the range the argument allows.
+    OutOfRange = "out-of-range",
+    /// A required argument is missing.
+    MissingArgument = "missing-argument",
+    /// The dataset has no END statement.
+    MissingEnd = "missing-end",
+    // Meaning of a model.
+    /// An id that no statement of the needed kind defines.
+    UndefinedId = "undefined-id",
+    /// Two statements of one kind with the same id.
+    DuplicateId = "duplicate-id",
+    /// A statement ADAMS accepts and the built-in solver does not solve.
+    NotSolvedNatively = "not-solved-natively",
+    /// A statement that has no effect on a static answer, or is inactive in statics.
+    InactiveInStatics = "inactive-in-statics",
+    /// A user-written subroutine, which only real ADAMS can run.
+    UserSubroutine = "user-subroutine",
+    // Files.
+    /// A file that does not exist or cannot be read.
+    CannotRead = "cannot-read",
+    /// A file that cannot be written.
+    CannotWrite = "cannot-write",
+}
+
+impl std::fmt::Display for Code {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.as_str())
+    }
+}
+
+impl serde::Serialize for Code {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.as_str())
+    }
+}

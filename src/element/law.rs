@@ -1,0 +1,35 @@
+use crate::mechanics::{Mat6, RelativeMotion, Vec6};
+
+/// The wrench on marker I at the I origin, in J axes, and its derivatives.
+///
+/// J feels the opposite force at the I origin, that is `-F` and `-T - d x F` at the J origin (ADAMS-FORMATS 2.7).
+#[derive(Clone, Debug, Default)]
+pub struct Wrench {
+    /// (force, torque).
+    pub value: Vec6,
+    /// Derivative by (change of `p_ij_j`, rotation `dtheta` in J axes with `R_ji <- exp(dtheta) R_ji`).
+    pub by_motion: Mat6,
+    /// Derivative by each parameter of the law; as long as the law's parameter list.
+    pub by_parameter: Vec<Vec6>,
+}
+
+/// A force law between two markers.
+pub trait Law: std::fmt::Debug + Send + Sync {
+    /// How many numbers of `theta` are this law's.
+    fn parameter_count(&self) -> usize;
+
+    /// Wrench and `by_motion` at this motion; `by_parameter` too when `with_parameters`. `theta` holds the law's parameters in
+    /// the order of its catalogue names. `out` is reused: implementations overwrite every field they return.
+    fn evaluate(
+        &self,
+        motion: &RelativeMotion,
+        theta: &[f64],
+        with_parameters: bool,
+        out: &mut Wrench,
+    );
+
+    /// Elastic energy, where the law has a potential.
+    fn energy(&self, _motion: &RelativeMotion, _theta: &[f64]) -> Option<f64> {
+        None
+    }
+}

@@ -1,0 +1,154 @@
+use super::{ArgumentDef, Choice, FUNCTIONS, FunctionDef, Role, STATEMENTS, StatementDef};
+
+/// What a typed keyword stands for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Lookup<T> {
+    /// Exactly one keyword.
+    Found(T),
+    /// Several keywords begin like this and none has it as its documented minimum.
+    Ambiguous(Vec<&'static str>),
+    /// None.
+    Unknown,
+}
+
+impl<T> Lookup<T> {
+    /// The keyword found, if it is one.
+    pub fn found(self) -> Option<T> {
+        match self {
+            Self::Found(value) => Some(value),
+            Self::Ambiguous(_) | Self::Unknown => None,
+        }
+    }
+}
+
+/// Case-insensitive unique-prefix match: an exact match wins, then the one keyword that begins with what was typed, then the
+/// one whose documented minimum is reached (ADAMS-FORMATS 1.5). `STATIC` for `STATICS` works as a prefix; a longer spelling
+/// (`TRANSLATIONAL` for `TRANSLATION`) works when what was typed begins with a whole keyword.
+fn resolve<T: Copy>(
+    typed: &[u8],
+    candidates: impl Iterator<Item = (T, &'static str, usize)> + Clone,
+) -> Lookup<T> {
+    let begins = |name: &str| {
+        name.len() >= typed.len() && name.as_bytes()[..typed.len()].eq_ignore_ascii_case(typed)
+    };
+    if typed.is_empty() {
+        return Lookup::Unknown;
+    }
+    if let Some(hit) = candidates
+        .clone()
+        .find(|(_, name, _)| name.as_bytes().eq_ignore_ascii_case(typed))
+    {
+        return Lookup::Found(hit.0);
+    }
+    let prefixed: Vec<_> = candidates
+        .clone()
+        .filter(|(_, name, _)| begins(name))
+        .collect();
+    let reached: Vec<_> = prefixed
+        .iter()
+        .filter(|(_, _, minimum)| typed.len() >= *minimum)
+        .collect();
+    match (reached.as_slice(), prefixed.as_slice()) {
+        ([one], _) => Lookup::Found(one.0),
+        ([], [one]) => Lookup::Found(one.0),
+        ([], []) => {
+            let longer: Vec<_> = candidates
+                .filter(|(_, name, _)| {
+                    name.len() >= 5
+                        && typed.len() > name.len()
+                        && typed[..name.len()].eq_ignore_ascii_case(name.as_bytes())
+                })
+                .collect();
+            match longer.as_slice() {
+                [one] => Lookup::Found(one.0),
+                _ => Lookup::Unknown,
+            }
+        }
+        (several, all) => {
+            let shown = if several.is_empty() {
+                all.iter().map(|c| c.1).collect()
+            } else {
+                several.iter().map(|c| c.1).collect()
+            };
+            Lookup::Ambiguous(shown)
+        }
+    }
+}
+
+/// The statement (of a dataset) or command (of a command file) that a typed keyword stands for.
+pub fn find_statement(typed: &[u8], file: Role) -> Lookup<&'static StatementDef> {
+    let here = move |def: &&'static StatementDef| {
+        file == Role::Both || def.role == Role::Both || def.role == file
+    };
+    resolve(
+        typed,
+        STATEMENTS
+            .iter()
+            .filter(here)
+            .map(|def| (def, def.name, def.minimum)),
+    )
+}
+
+/// The argument of a statement that a typed keyword stands for.
+pub fn find_argument(
+    statement: &'static StatementDef,
+    typed: &[u8],
+) -> Lookup<&'static ArgumentDef> {
+    resolve(
+        typed,
+        statement
+            .arguments
+            .iter()
+            .map(|def| (def, def.name, def.minimum)),
+    )
+}
+
+/// The choice word that a typed word stands for.
+pub fn find_choice(choices: &'static [Choice], typed: &[u8]) -> Lookup<&'static Choice> {
+    resolve(
+        typed,
+        choices
+            .iter()
+            .map(|choice| (choice, choice.name, choice.minimum)),
+    )
+}
+
+/// A function by its whole name.
+pub fn find_function(typed: &[u8]) -> Option<&'static FunctionDef> {
+    FUNCTIONS
+        .iter()
+        .find(|def| def.name.as_bytes().eq_ignore_ascii_case(typed))
+}
+
+/// The name nearest to what was typed by edit distance, if any is near enough to be what was meant.
+pub fn nearest<'a>(typed: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let typed = typed.to_ascii_uppercase();
+    let limit = (typed.len() / 3).max(1);
+    names
+        .map(|name| (distance(typed.as_bytes(), name.as_bytes()), name))
+        .filter(|(d, _)| *d <= limit)
+        .min()
+        .map(|(_, name)| name)
+}
+
+/// Optimal string alignment distance: insert, delete, replace, swap of neighbours.
+fn distance(a: &[u8], b: &[u8]) -> usize {
+    let mut rows = vec![vec![0; b.len() + 1]; a.len() + 1];
+    for i in 0..=a.len() {
+        for j in 0..=b.len() {
+            rows[i][j] = if i == 0 || j == 0 {
+                i + j
+            } else {
+                let same = usize::from(a[i - 1] != b[j - 1]);
+                let mut best = (rows[i - 1][j] + 1)
+                    .min(rows[i][j - 1] + 1)
+                    .min(rows[i - 1][j - 1] + same);
+                if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                    best = best.min(rows[i - 2][j - 2] + 1);
+                }
+                best
+            };
+        }
+    }
+    rows[a.len()][b.len()]
+}

@@ -1,0 +1,14 @@
+//! The dataset language as data: statements, commands and functions with their arguments.
+//!
+//! The tables in [`generated`] are written by `cargo run -p grammar` from `grammar/*.grammar`; this module looks things up
+//! in them. Knows nothing about texts, models or solving.
+
+mod definition;
+mod generated;
+mod lookup;
+
+pub use definition::{
+    ArgumentDef, Bound, Choice, Count, FunctionDef, Presence, Role, Solved, StatementDef, ValueKind,
+};
+pub use generated::{FUNCTIONS, STATEMENTS};
+pub use lookup::{Lookup, find_argument, find_choice, find_function, find_statement, nearest};

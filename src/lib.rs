@@ -1,0 +1,55 @@
+//! `admire`: an ADAMS-compatible file toolkit and drop-in solver.
+//!
+//! It reads, edits, checks and writes ADAMS datasets (`.adm`), command files (`.acf`) and results (`.res`), solves the same decks
+//! for static equilibrium, identifies bushing stiffnesses from measured part displacements, and says what a model still gets
+//! wrong.
+//!
+//! # The ladder: one word, one owner, one direction
+//!
+//! ```text
+//! bytes -> Source -> tokens -> Dataset -> lower -> Model -> compile -> System + Parameters -> newton(State) -> Equilibrium
+//!                     ^ Edit <- editor <- Address <- Origin                                         |
+//!                     |                                                                             v
+//!                     +-- edited bytes + .acf -> external ADAMS -> .res/.msg ------------> Equilibrium (same type)
+//! Measurement -> identify(theta) -> Edits (one-line diffs) -> new Dataset
+//! Fit + Measurement -> discrepancy -> Findings -> extended Dataset -> gain on held-out load cases
+//! ```
+//!
+//! # Floors
+//!
+//! A module uses only lower floors; on the same floor there is no edge. `tests/architecture.rs` reads this table and holds
+//! every `use crate::` line to it.
+//!
+//! | floor | module | what it owns |
+//! |---|---|---|
+//! | 0 | text | bytes, spans, edits |
+//! | 0 | units | units of a dataset, dimensions |
+//! | 0 | mechanics | pose, rotation, relative motion |
+//! | 1 | diagnostic | what to tell a person, as data |
+//! | 2 | grammar | statements, commands and functions as tables |
+//! | 3 | syntax | lexer, dataset, command file, expressions, addresses, editor, lint |
+//! | 3 | results | .res, .req: readers and writers |
+//! | 4 | model | resolved, typed, named objects |
+//! | 5 | function | compiled FUNCTION expressions |
+//! | 6 | element | force laws |
+//! | 6 | constraint | joints and primitives |
+//! | 7 | system | compile, assemble, parameters, state |
+//! | 8 | statics | equilibrium, sensitivities, report |
+//! | 9 | session | executes a command file: the drop-in solver |
+//! | 10 | backend | who solves: native, external command, replay |
+//! | 11 | rig | marks, orientation, load cases, noise, planted effects |
+//! | 12 | identify | regression, direct, Gauss-Newton |
+//! | 13 | discrepancy | hypotheses, screening, selection, extension, gain |
+//! | 14 | report | HTML and SVG |
+//! | 15 | cli | subcommands |
+#![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
+
+pub mod constraint;
+pub mod diagnostic;
+pub mod element;
+pub mod grammar;
+pub mod mechanics;
+pub mod model;
+pub mod syntax;
+pub mod text;
+pub mod units;

@@ -1,0 +1,106 @@
+use super::{Mat3, Vec3};
+
+/// The cross-product matrix: `skew(a) * b = a x b`.
+pub fn skew(a: &Vec3) -> Mat3 {
+    Mat3::new(0.0, -a.z, a.y, a.z, 0.0, -a.x, -a.y, a.x, 0.0)
+}
+
+/// The rotation by the rotation vector `a` (Rodrigues' formula).
+pub fn exp(a: &Vec3) -> Mat3 {
+    let angle2 = a.norm_squared();
+    let s = skew(a);
+    // sin(t)/t and (1 - cos t)/t^2, by series where the quotients lose digits.
+    let (f, g) = if angle2 < 1e-8 {
+        (1.0 - angle2 / 6.0, 0.5 - angle2 / 24.0)
+    } else {
+        let angle = angle2.sqrt();
+        (angle.sin() / angle, (1.0 - angle.cos()) / angle2)
+    };
+    Mat3::identity() + s * f + s * s * g
+}
+
+/// The rotation vector of a rotation matrix, of length at most pi.
+pub fn log(R: &Mat3) -> Vec3 {
+    let q = nalgebra::UnitQuaternion::from_rotation_matrix(
+        &nalgebra::Rotation3::from_matrix_unchecked(*R),
+    );
+    q.scaled_axis()
+}
+
+/// Body-fixed 3-1-3 rotation: `Rz(psi) * Rx(theta) * Rz(phi)` (ADAMS-FORMATS 4.1). Angles in radians.
+pub fn euler313(psi: f64, theta: f64, phi: f64) -> Mat3 {
+    let (sa, ca) = psi.sin_cos();
+    let (sb, cb) = theta.sin_cos();
+    let (sc, cc) = phi.sin_cos();
+    Mat3::new(
+        ca * cc - sa * cb * sc,
+        -ca * sc - sa * cb * cc,
+        sa * sb,
+        sa * cc + ca * cb * sc,
+        -sa * sc + ca * cb * cc,
+        -ca * sb,
+        sb * sc,
+        sb * cc,
+        cb,
+    )
+}
+
+/// PSI, THETA, PHI of a rotation matrix: theta in [0, pi], the others in (-pi, pi]; at theta = 0 or pi the whole turn about z
+/// is put into psi (ADAMS-FORMATS 4.1).
+pub fn psi_theta_phi(R: &Mat3) -> [f64; 3] {
+    let s = R[(0, 2)].hypot(R[(1, 2)]);
+    if s < 1e-12 {
+        let theta = if R[(2, 2)] > 0.0 {
+            0.0
+        } else {
+            std::f64::consts::PI
+        };
+        return [R[(1, 0)].atan2(R[(0, 0)]), theta, 0.0];
+    }
+    [
+        R[(0, 2)].atan2(-R[(1, 2)]),
+        s.atan2(R[(2, 2)]),
+        R[(2, 0)].atan2(R[(2, 1)]),
+    ]
+}
+
+/// AX, AY, AZ of I with respect to J from `R_ji`: `atan2(-zi.yj, zi.zj)`, `atan2(zi.xj, zi.zj)`, `atan2(xi.yj, xi.xj)`
+/// (ADAMS-FORMATS 2.7, 4.3). Radians, each in (-pi, pi].
+pub fn projected_angles(R_ji: &Mat3) -> Vec3 {
+    Vec3::new(
+        (-R_ji[(1, 2)]).atan2(R_ji[(2, 2)]),
+        R_ji[(0, 2)].atan2(R_ji[(2, 2)]),
+        R_ji[(1, 0)].atan2(R_ji[(0, 0)]),
+    )
+}
+
+/// The angle that differs from `angle` by whole turns and is nearest to `reference`.
+pub fn unwrap_near(angle: f64, reference: f64) -> f64 {
+    angle + ((reference - angle) / std::f64::consts::TAU).round() * std::f64::consts::TAU
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn euler_angles_come_back() {
+        for (psi, theta, phi) in [(0.3, 0.7, -1.2), (-2.9, 2.8, 3.0), (1.0, 1e-9, 0.0)] {
+            let R = euler313(psi, theta, phi);
+            let [a, b, c] = psi_theta_phi(&R);
+            assert!((euler313(a, b, c) - R).norm() < 1e-9, "{psi} {theta} {phi}");
+        }
+    }
+
+    #[test]
+    fn exp_and_log_are_inverse() {
+        for a in [
+            Vec3::new(0.1, -0.2, 0.3),
+            Vec3::new(1e-6, 2e-6, 0.0),
+            Vec3::new(2.0, -1.5, 1.0),
+        ] {
+            assert!((log(&exp(&a)) - a).norm() < 1e-12);
+            assert!((exp(&a) * exp(&-a) - Mat3::identity()).norm() < 1e-14);
+        }
+    }
+}

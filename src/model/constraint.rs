@@ -1,0 +1,141 @@
+use super::{Function, Header, MarkerIx};
+
+/// The type of a JOINT.
+#[derive(Clone, Copy, PartialEq, Debug)]
+#[allow(missing_docs)] // The names are the manual's.
+pub enum JointKind {
+    Spherical,
+    Revolute,
+    Translational,
+    Cylindrical,
+    Planar,
+    Fixed,
+    Hooke,
+    Universal,
+    Convel,
+    /// PITCH: translation per turn.
+    Screw {
+        pitch: f64,
+    },
+    /// PD: pitch diameter.
+    RackPin {
+        pitch_diameter: f64,
+    },
+}
+
+/// JOINT.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Joint {
+    /// Id, name, origin.
+    pub header: Header,
+    /// Type.
+    pub kind: JointKind,
+    /// I marker.
+    pub i: MarkerIx,
+    /// J marker.
+    pub j: MarkerIx,
+}
+
+/// The type of a JPRIM.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[allow(missing_docs)] // The names are the manual's.
+pub enum PrimitiveKind {
+    AtPoint,
+    Inline,
+    Inplane,
+    Orientation,
+    ParallelAxes,
+    Perpendicular,
+}
+
+/// JPRIM.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Primitive {
+    /// Id, name, origin.
+    pub header: Header,
+    /// Type.
+    pub kind: PrimitiveKind,
+    /// I marker.
+    pub i: MarkerIx,
+    /// J marker.
+    pub j: MarkerIx,
+}
+
+/// Which displacement of a joint a COUPLER term takes.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum CouplerKind {
+    /// Along zj.
+    Translation,
+    /// About zj.
+    Rotation,
+}
+
+/// COUPLER: sum of scale times joint displacement is zero.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Coupler {
+    /// Id, name, origin.
+    pub header: Header,
+    /// Index into `Model::joints`, which displacement, scale.
+    pub terms: Vec<(usize, CouplerKind, f64)>,
+}
+
+/// GEAR.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Gear {
+    /// Id, name, origin.
+    pub header: Header,
+    /// Indices into `Model::joints`.
+    pub joints: [usize; 2],
+    /// The common-velocity marker.
+    pub cv: MarkerIx,
+}
+
+/// GCON: the function is zero.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Gcon {
+    /// Id, name, origin.
+    pub header: Header,
+    /// The constrained function.
+    pub function: Function,
+}
+
+/// What a MOTION prescribes.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum MotionAxis {
+    /// Component of the displacement along an axis of J: 0, 1, 2 for X, Y, Z.
+    Translation(usize),
+    /// Rotation about zj (joint motions).
+    RotationZ,
+    /// Body-fixed 1-2-3 angle: 0, 1, 2 for B1, B2, B3.
+    Body123(usize),
+}
+
+/// The order of a MOTION.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[allow(missing_docs)] // The names are the manual's.
+pub enum MotionOrder {
+    Displacement,
+    Velocity,
+    Acceleration,
+}
+
+/// MOTION, resolved to its markers.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Motion {
+    /// Id, name, origin.
+    pub header: Header,
+    /// The joint it drives (index into `Model::joints`), if given by joint.
+    pub joint: Option<usize>,
+    /// I marker.
+    pub i: MarkerIx,
+    /// J marker.
+    pub j: MarkerIx,
+    /// What it prescribes.
+    pub axis: MotionAxis,
+    /// Displacement, velocity or acceleration.
+    pub order: MotionOrder,
+    /// ICDISP.
+    pub initial_displacement: Option<f64>,
+    /// FUNCTION.
+    pub function: Function,
+}

@@ -1,0 +1,110 @@
+/// Which static method EQUILIBRIUM asks for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+#[allow(missing_docs)] // The names are the manual's.
+pub enum StaticMethod {
+    #[default]
+    Original,
+    Advanced,
+    Aggressive,
+    All,
+}
+
+/// EQUILIBRIUM, with the manual's defaults (ADAMS-FORMATS 2.15).
+#[derive(Clone, PartialEq, Debug)]
+pub struct EquilibriumSettings {
+    /// ALIMIT: largest angle step of one iteration, radians.
+    pub alimit: f64,
+    /// TLIMIT: largest translation step of one iteration, length units.
+    pub tlimit: f64,
+    /// ERROR: relative correction.
+    pub error: f64,
+    /// IMBALANCE: force units.
+    pub imbalance: f64,
+    /// MAXIT.
+    pub maxit: usize,
+    /// PATTERN: whether iteration k evaluates a new Jacobian, repeated cyclically.
+    pub pattern: Vec<bool>,
+    /// STABILITY.
+    pub stability: f64,
+    /// Method.
+    pub method: StaticMethod,
+}
+
+impl Default for EquilibriumSettings {
+    fn default() -> Self {
+        Self {
+            alimit: 10f64.to_radians(),
+            tlimit: 20.0,
+            error: 1e-4,
+            imbalance: 1e-4,
+            maxit: 25,
+            pattern: vec![true; 10],
+            stability: 1e-5,
+            method: StaticMethod::Original,
+        }
+    }
+}
+
+/// OUTPUT.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct OutputSettings {
+    /// REQSAVE: write the .req file.
+    pub reqsave: bool,
+    /// GRSAVE: write the .gra file.
+    pub grsave: bool,
+    /// NOPRINT: no request tables in the .out file.
+    pub noprint: bool,
+    /// NOSEPARATOR.
+    pub noseparator: bool,
+}
+
+/// RESULTS.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct ResultsSettings {
+    /// True if the dataset has a RESULTS statement: without one there is no .res file.
+    pub present: bool,
+    /// XRF.
+    pub xrf: bool,
+    /// FORMATTED.
+    pub formatted: bool,
+    /// COMMENT.
+    pub comment: String,
+    /// DECIMALPLACES.
+    pub decimal_places: usize,
+    /// NODISPLACEMENTS.
+    pub no_displacements: bool,
+    /// NOVELOCITIES.
+    pub no_velocities: bool,
+    /// NOACCELERATIONS.
+    pub no_accelerations: bool,
+    /// NOREACTIONFORCES.
+    pub no_reaction_forces: bool,
+    /// NOAPPLIEDFORCES.
+    pub no_applied_forces: bool,
+    /// NOSYSTEMELEMENTS.
+    pub no_system_elements: bool,
+    /// NOREQUESTS.
+    pub no_requests: bool,
+    /// NOFLOATINGMARKERS.
+    pub no_floating_markers: bool,
+}
+
+impl Default for ResultsSettings {
+    fn default() -> Self {
+        Self {
+            present: false,
+            xrf: false,
+            formatted: false,
+            comment: String::new(),
+            decimal_places: 17,
+            no_displacements: false,
+            no_velocities: false,
+            no_accelerations: false,
+            no_reaction_forces: false,
+            no_applied_forces: false,
+            no_system_elements: false,
+            no_requests: false,
+            no_floating_markers: false,
+        }
+    }
+}

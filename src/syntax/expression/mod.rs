@@ -1,0 +1,64 @@
+//! FUNCTION expressions as trees with spans.
+
+use crate::grammar::FunctionDef;
+use crate::text::Span;
+
+/// A parsed FUNCTION expression.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Expression {
+    /// The tree.
+    pub root: Node,
+    /// Its text with continuation marks and comments removed, for messages and reports.
+    pub text: String,
+    /// Where it stands in the file.
+    pub span: Span,
+    /// Every number literal in order of appearance: value (radians if it has the degree suffix) and place in the file. Literal k
+    /// is the address `....FUNCTION.{k+1}`.
+    pub literals: Vec<super::Number>,
+}
+
+/// An operator of two operands.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[allow(missing_docs)] // The names say it.
+pub enum BinaryOperator {
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+    Power,
+}
+
+/// A constant by name.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[allow(missing_docs)] // The names are the manual's.
+pub enum Constant {
+    Pi,
+    Rtod,
+    Dtor,
+}
+
+/// A node of the tree.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Node {
+    /// A number literal: its index in [`Expression::literals`].
+    Literal(usize),
+    /// PI, RTOD, DTOR.
+    Constant(Constant),
+    /// A name without arguments that the state defines: TIME, MODE.
+    Name(&'static FunctionDef),
+    /// Minus.
+    Negate(Box<Node>),
+    /// Two operands.
+    Binary(BinaryOperator, Box<Node>, Box<Node>),
+    /// IF(test: negative, zero, positive).
+    If(Box<[Node; 4]>),
+    /// A function call, with the place of the whole call.
+    Call {
+        /// Which function.
+        function: &'static FunctionDef,
+        /// Its arguments.
+        arguments: Vec<Node>,
+        /// Where the call stands in the file.
+        span: Span,
+    },
+}

@@ -1,0 +1,65 @@
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use super::Span;
+
+/// The bytes of one file with a name to show, cheap to clone.
+#[derive(Clone, Debug)]
+pub struct Source {
+    name: Arc<str>,
+    bytes: Arc<[u8]>,
+}
+
+/// A 1-based line and a 1-based column counted in bytes.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct LineColumn {
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in bytes, from 1.
+    pub column: usize,
+}
+
+impl Source {
+    /// A source from a name to show and its bytes.
+    pub fn new(name: impl Into<Arc<str>>, bytes: impl Into<Arc<[u8]>>) -> Self {
+        Self {
+            name: name.into(),
+            bytes: bytes.into(),
+        }
+    }
+
+    /// The name to show: usually a path.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// All bytes.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    /// The bytes of a span.
+    pub fn slice(&self, span: Span) -> &[u8] {
+        &self.bytes[span.range()]
+    }
+
+    /// The text of a span to show to a person: bytes that are not UTF-8 are read as Latin-1.
+    pub fn text(&self, span: Span) -> Cow<'_, str> {
+        let bytes = self.slice(span);
+        match std::str::from_utf8(bytes) {
+            Ok(text) => Cow::Borrowed(text),
+            Err(_) => Cow::Owned(bytes.iter().map(|&byte| char::from(byte)).collect()),
+        }
+    }
+
+    /// Line and column of an offset. Lines end at LF; a CR before it belongs to the line.
+    pub fn line_column(&self, offset: usize) -> LineColumn {
+        let before = &self.bytes[..offset.min(self.bytes.len())];
+        let line = memchr::memchr_iter(b'\n', before).count() + 1;
+        let start = memchr::memrchr(b'\n', before).map_or(0, |at| at + 1);
+        LineColumn {
+            line,
+            column: before.len() - start + 1,
+        }
+    }
+}
