@@ -1,0 +1,33 @@
+//! What several test files need.
+#![allow(dead_code)] // Each test binary uses its own part.
+
+use std::path::PathBuf;
+
+/// A folder or file of the shared reference material beside the project, or `None` (with a printed notice) where it is absent,
+/// as on a user's machine.
+pub fn shared(path: &str) -> Option<PathBuf> {
+    let full = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared").join(path);
+    if full.exists() {
+        return Some(full);
+    }
+    println!("skipped: {} is not here", full.display());
+    None
+}
+
+/// Every file below a folder whose name ends in `.extension`, sorted.
+pub fn files_below(folder: &std::path::Path, extension: &str) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut open = vec![folder.to_path_buf()];
+    while let Some(folder) = open.pop() {
+        for entry in std::fs::read_dir(&folder).expect("readable folder") {
+            let path = entry.expect("readable entry").path();
+            if path.is_dir() {
+                open.push(path);
+            } else if path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension)) {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    found
+}
