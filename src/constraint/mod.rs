@@ -4,5 +4,9 @@
 //! the reaction wrench along given multipliers. The chain rule is in `system`.
 
 mod equations;
+pub mod joint;
+mod locks;
+pub mod primitive;
 
 pub use equations::{Constraint, Equations};
+pub use locks::Locks;

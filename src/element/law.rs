@@ -1,16 +1,26 @@
+use super::Degenerate;
 use crate::mechanics::{Mat6, RelativeMotion, Vec6};
 
 /// The wrench on marker I at the I origin, in J axes, and its derivatives.
 ///
 /// J feels the opposite force at the I origin, that is `-F` and `-T - d x F` at the J origin (ADAMS-FORMATS 2.7).
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Wrench {
     /// (force, torque).
     pub value: Vec6,
     /// Derivative by (change of `p_ij_j`, rotation `dtheta` in J axes with `R_ji <- exp(dtheta) R_ji`).
     pub by_motion: Mat6,
-    /// Derivative by each parameter of the law; as long as the law's parameter list.
+    /// Derivative by each parameter of the law; as long as the law's parameter list when asked for, else left alone.
     pub by_parameter: Vec<Vec6>,
+}
+
+impl Wrench {
+    /// Zeroed columns for `count` parameters. Allocates only the first time.
+    pub(super) fn parameter_columns(&mut self, count: usize) -> &mut [Vec6] {
+        self.by_parameter.clear();
+        self.by_parameter.resize(count, Vec6::zeros());
+        &mut self.by_parameter
+    }
 }
 
 /// A force law between two markers.
@@ -19,16 +29,19 @@ pub trait Law: std::fmt::Debug + Send + Sync {
     fn parameter_count(&self) -> usize;
 
     /// Wrench and `by_motion` at this motion; `by_parameter` too when `with_parameters`. `theta` holds the law's parameters in
-    /// the order of its catalogue names. `out` is reused: implementations overwrite every field they return.
+    /// the order of its catalogue names ([`super::LAWS`]). `out` is reused: implementations overwrite every field they return.
+    ///
+    /// # Errors
+    /// [`Degenerate`] where the law has no value at this motion; `out` is then unspecified.
     fn evaluate(
         &self,
         motion: &RelativeMotion,
         theta: &[f64],
         with_parameters: bool,
         out: &mut Wrench,
-    );
+    ) -> Result<(), Degenerate>;
 
-    /// Elastic energy, where the law has a potential.
+    /// Elastic energy, where the law has a potential; preloads count as dead loads of the deflection.
     fn energy(&self, _motion: &RelativeMotion, _theta: &[f64]) -> Option<f64> {
         None
     }
