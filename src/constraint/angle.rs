@@ -1,0 +1,35 @@
+//! Angles between two markers with first and second derivatives along rotations, for constraints.
+
+use crate::mechanics::{Mat3, Vec3, skew};
+
+/// Row about axis n and its derivative by v: `e_n - v_n w / (w . w)`, w = v without its n component.
+fn row(v: &Vec3, n: usize) -> (Vec3, Mat3) {
+    let mut w = *v;
+    w[n] = 0.0;
+    let s = w.norm_squared();
+    let e = Vec3::ith(n, 1.0);
+    let mut flat = Mat3::identity();
+    flat[(n, n)] = 0.0;
+    let by_v =
+        (w * e.transpose() + flat * v[n]) * (-1.0 / s) + w * w.transpose() * (2.0 * v[n] / (s * s));
+    (e - w * (v[n] / s), by_v)
+}
+
+/// The angle about axis n of J that an I axis v (in J axes) makes: its row and the derivative of the row by `dtheta`.
+///
+/// With `dv = dtheta x v` the row is `g = e_n - v_n w / (w . w)` and `dg = (dg/dv) (dtheta x v)`.
+pub(super) fn about_j(v: &Vec3, n: usize) -> (Vec3, Mat3) {
+    let (g, by_v) = row(v, n);
+    (g, -by_v * skew(v))
+}
+
+/// The angle by which I has turned about its own axis n away from axis m of J: the negative angle of u = e_m in I axes about
+/// n. Row and derivative of the row by `dtheta`, both in J axes.
+///
+/// `du = skew(u) R' dtheta`, the row is `g = R row(u)`, hence `dg = dtheta x g + R (drow/du) skew(u) R' dtheta`.
+pub(super) fn about_i(R_ji: &Mat3, m: usize, n: usize) -> (Vec3, Mat3) {
+    let u: Vec3 = R_ji.row(m).transpose();
+    let (row, by_u) = row(&u, n);
+    let g = R_ji * row;
+    (g, -skew(&g) + R_ji * by_u * skew(&u) * R_ji.transpose())
+}

@@ -1,0 +1,50 @@
+use super::{Constraint, Equations, Measure};
+use crate::mechanics::{RelativeMotion, Vec6};
+
+/// MOTION, displacement form: `measure - value = 0`, the value of the FUNCTION being the only parameter.
+///
+/// The reaction `-multiplier * row` is the force or torque that drives I. Source: ADAMS-FORMATS 2.6.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Drive {
+    /// What is prescribed.
+    pub measure: Measure,
+}
+
+impl Constraint for Drive {
+    fn count(&self) -> usize {
+        1
+    }
+
+    fn parameter_count(&self) -> usize {
+        1
+    }
+
+    fn equation_name(&self, _k: usize) -> &'static str {
+        match self.measure {
+            Measure::Translation(axis) => ["X", "Y", "Z"][axis],
+            Measure::Angle(axis) => ["AX", "AY", "AZ"][axis],
+            Measure::Body123(axis) => ["B1", "B2", "B3"][axis],
+            Measure::Pinion => "Turn",
+        }
+    }
+
+    fn uses_angles(&self) -> bool {
+        self.measure.uses_angles()
+    }
+
+    fn evaluate(
+        &self,
+        motion: &RelativeMotion,
+        theta: &[f64],
+        multipliers: &[f64],
+        out: &mut Equations,
+    ) {
+        let measured = self.measure.evaluate(motion, theta[0]);
+        out.count = 1;
+        out.residual[0] = measured.value - theta[0];
+        out.jacobian[0] = measured.row;
+        out.curvature = measured.curvature * multipliers[0];
+        out.residual_by_parameter = -1.0;
+        out.jacobian_by_parameter = Vec6::zeros();
+    }
+}

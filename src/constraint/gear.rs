@@ -1,0 +1,70 @@
+use super::Measure;
+use crate::mechanics::{Pose, Vec3};
+
+/// One joint displacement in a COUPLER or GEAR, with its factor.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Term {
+    /// Displacement of the joint's I relative to its J: `Measure::Translation(2)` or `Measure::Angle(2)`.
+    pub measure: Measure,
+    /// Length or radians times this.
+    pub scale: f64,
+}
+
+/// Which freedoms a geared joint has.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[allow(missing_docs)] // The names are the manual's.
+pub enum GearedJoint {
+    Revolute,
+    Translational,
+    Cylindrical,
+}
+
+/// The speed along z of the CV marker that a geared part has at the CV point, per unit of its joint's displacements.
+///
+/// Both J markers and the CV marker sit on one carrier, so with `r` from the J origin to the CV origin and all axes taken in the
+/// carrier the speed of the part carrying I is `(zj x r) . z_cv` per radian and `zj . z_cv` per length, which are constant: the
+/// equality of the two parts' speeds integrates to `sum a q (first) - sum a q (second) = const`, the constant being its value
+/// in the design. Returned are the terms of one joint with `factor` (+1 for the first joint, -1 for the second); a CYLINDRICAL
+/// joint gives two. Source: derived from the common-velocity wording of ADAMS-FORMATS 2.6.
+pub fn gear_terms(kind: GearedJoint, j: &Pose, cv: &Pose, factor: f64) -> [Option<Term>; 2] {
+    let zj: Vec3 = j.R.column(2).into_owned();
+    let along: Vec3 = cv.R.column(2).into_owned();
+    let rotation = Term {
+        measure: Measure::Angle(2),
+        scale: factor * zj.cross(&(cv.p - j.p)).dot(&along),
+    };
+    let translation = Term {
+        measure: Measure::Translation(2),
+        scale: factor * zj.dot(&along),
+    };
+    match kind {
+        GearedJoint::Revolute => [Some(rotation), None],
+        GearedJoint::Translational => [Some(translation), None],
+        GearedJoint::Cylindrical => [Some(rotation), Some(translation)],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::Mat3;
+
+    /// External spur gears of radii 30 and 60 on parallel axes: 30 q1 = -60 q2 (they turn against each other, half as fast).
+    #[test]
+    fn spur_gears_turn_against_each_other() {
+        let axis = |x: f64| Pose {
+            p: Vec3::new(x, 0.0, 0.0),
+            R: Mat3::identity(),
+        };
+        // The CV marker's z points along global y, the common direction of motion.
+        let cv = Pose {
+            p: Vec3::new(30.0, 0.0, 0.0),
+            R: Mat3::new(1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, -1.0, 0.0),
+        };
+        let [first, none] = gear_terms(GearedJoint::Revolute, &axis(0.0), &cv, 1.0);
+        let [second, _] = gear_terms(GearedJoint::Revolute, &axis(90.0), &cv, -1.0);
+        assert!(none.is_none());
+        let (a, b) = (first.expect("turns").scale, second.expect("turns").scale);
+        assert_eq!((a, b), (30.0, 60.0));
+    }
+}

@@ -1,0 +1,82 @@
+use super::angle::{about_i, about_j};
+use crate::mechanics::{Mat3, RelativeMotion, Vec3, Vec6, unwrap_near};
+
+/// A scalar displacement between two markers: what a MOTION prescribes and a COUPLER or GEAR combines.
+///
+/// Frames: I relative to J, right-handed, radians. Sources: ADAMS-FORMATS 2.4 (displacement of a joint), 2.6 (MOTION), 4.3.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Measure {
+    /// Component of `p_ij_j` along an axis of J: 0, 1, 2.
+    Translation(usize),
+    /// AX, AY, AZ (0, 1, 2), counting turns. 2 is the rotation of a joint about zj.
+    Angle(usize),
+    /// Body-fixed 1-2-3 angle of I in J: `R_ji = Rx(b1) Ry(b2) Rz(b3)`. b1 counts turns, b2 lies in [-pi/2, pi/2], b3 is
+    /// taken nearest to the value it is compared with. Undefined at b2 = +-pi/2.
+    Body123(usize),
+    /// Rotation of I about zi, from xi along zj (RACKPIN), taken nearest to the value it is compared with.
+    Pinion,
+}
+
+/// A measure with its derivatives by the motion.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Measured {
+    /// The displacement: length or radians.
+    pub value: f64,
+    /// Derivative by (change of `p_ij_j`, `dtheta` in J axes).
+    pub row: Vec6,
+    /// Derivative of the rotational half of `row` (as a column) by `dtheta`; all else is zero.
+    pub curvature: Mat3,
+}
+
+impl Measure {
+    /// Whether `RelativeMotion::angles` is read.
+    pub fn uses_angles(self) -> bool {
+        matches!(self, Self::Angle(_) | Self::Body123(0))
+    }
+
+    /// At this motion; `near` picks the turn of the measures that keep no count.
+    pub fn evaluate(self, motion: &RelativeMotion, near: f64) -> Measured {
+        let R = &motion.R_ji;
+        let turning = |value: f64, (g, curvature): (Vec3, Mat3)| Measured {
+            value,
+            row: Vec6::new(0.0, 0.0, 0.0, g.x, g.y, g.z),
+            curvature,
+        };
+        match self {
+            Self::Translation(axis) => Measured {
+                value: motion.p_ij_j[axis],
+                row: Vec6::ith(axis, 1.0),
+                curvature: Mat3::zeros(),
+            },
+            Self::Angle(n) => {
+                let v = R.column(if n == 2 { 0 } else { 2 }).into_owned();
+                turning(motion.angles[n], about_j(&v, n))
+            }
+            // zi has the components (sin b2, -sin b1 cos b2, cos b1 cos b2): b1 is AX.
+            Self::Body123(0) => turning(motion.angles.x, about_j(&R.column(2).into_owned(), 0)),
+            Self::Body123(1) => {
+                // sin b2 = zi . xj, db2 = g / cos b2 with g = zi x xj, and d(1 / cos b2) = sin b2 / cos^3 b2 g.
+                let zi = R.column(2);
+                let (s, c) = (zi[0], R[(0, 0)].hypot(R[(0, 1)]));
+                let g = Vec3::new(0.0, zi[2], -zi[1]);
+                let mut by_dtheta = Mat3::from_diagonal_element(-s);
+                for a in 0..3 {
+                    by_dtheta[(a, 0)] += zi[a];
+                }
+                turning(
+                    s.atan2(c),
+                    (g / c, by_dtheta / c + g * g.transpose() * (s / (c * c * c))),
+                )
+            }
+            // xj has the components (cos b2 cos b3, -cos b2 sin b3, sin b2) in I.
+            Self::Body123(_) => turning(
+                unwrap_near((-R[(0, 1)]).atan2(R[(0, 0)]), near),
+                about_i(R, 0, 2),
+            ),
+            Self::Pinion => turning(
+                unwrap_near((-R[(2, 1)]).atan2(R[(2, 0)]), near),
+                about_i(R, 2, 2),
+            ),
+        }
+    }
+}

@@ -1,0 +1,49 @@
+use super::{Constraint, Equations, Measure};
+use crate::mechanics::{RelativeMotion, Vec6};
+
+/// The rack moves along +zj when the pinion turns positively about zi and PD is positive. No public source settles the sign;
+/// this is its only place.
+const SENSE: f64 = 1.0;
+
+/// RACKPIN: I on the pinion, turning about zi, J on the rack, sliding along zj; xi along zj at rest.
+///
+/// Equation: `-d.zj - SENSE PD / 2 phi = 0`: the rack (J, whose displacement relative to I is `-d`) advances by the pitch radius
+/// times the rotation phi of I about zi, measured from where xi points along zj. Turns are counted by taking phi nearest to
+/// what the rack's place asks for. One equation; other joints hold the axes perpendicular. Parameter: PD, the pitch diameter,
+/// signed. Source: ADAMS-FORMATS 2.4 (form certain, sign not).
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct RackPinion;
+
+impl Constraint for RackPinion {
+    fn count(&self) -> usize {
+        1
+    }
+
+    fn parameter_count(&self) -> usize {
+        1
+    }
+
+    fn equation_name(&self, _k: usize) -> &'static str {
+        "-D.Zj-Radius*Turn"
+    }
+
+    fn evaluate(
+        &self,
+        motion: &RelativeMotion,
+        theta: &[f64],
+        multipliers: &[f64],
+        out: &mut Equations,
+    ) {
+        let radius = SENSE * 0.5 * theta[0];
+        let advance = -motion.p_ij_j.z;
+        // A rack without radius asks for no turn.
+        let near = if radius == 0.0 { 0.0 } else { advance / radius };
+        let turn = Measure::Pinion.evaluate(motion, near);
+        out.count = 1;
+        out.residual[0] = advance - radius * turn.value;
+        out.jacobian[0] = Vec6::ith(2, -1.0) - turn.row * radius;
+        out.curvature = turn.curvature * (-radius * multipliers[0]);
+        out.residual_by_parameter = -0.5 * SENSE * turn.value;
+        out.jacobian_by_parameter = turn.row * (-0.5 * SENSE);
+    }
+}

@@ -1,0 +1,44 @@
+use super::{Constraint, Equations, Measure};
+use crate::mechanics::{RelativeMotion, Vec6};
+
+/// SCREW: `d.zj - PITCH / (2 pi) AZ = 0`, AZ the rotation of I about zj counting turns; right-handed.
+///
+/// One equation: ADAMS decks use it together with a CYLINDRICAL joint. Parameter: PITCH, translation per turn.
+/// Source: ADAMS-FORMATS 2.4.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Screw;
+
+impl Constraint for Screw {
+    fn count(&self) -> usize {
+        1
+    }
+
+    fn parameter_count(&self) -> usize {
+        1
+    }
+
+    fn equation_name(&self, _k: usize) -> &'static str {
+        "D.Zj-Pitch*Az"
+    }
+
+    fn uses_angles(&self) -> bool {
+        true
+    }
+
+    fn evaluate(
+        &self,
+        motion: &RelativeMotion,
+        theta: &[f64],
+        multipliers: &[f64],
+        out: &mut Equations,
+    ) {
+        let per_radian = theta[0] / std::f64::consts::TAU;
+        let turn = Measure::Angle(2).evaluate(motion, 0.0);
+        out.count = 1;
+        out.residual[0] = motion.p_ij_j.z - per_radian * turn.value;
+        out.jacobian[0] = Vec6::ith(2, 1.0) - turn.row * per_radian;
+        out.curvature = turn.curvature * (-per_radian * multipliers[0]);
+        out.residual_by_parameter = -turn.value / std::f64::consts::TAU;
+        out.jacobian_by_parameter = turn.row / -std::f64::consts::TAU;
+    }
+}

@@ -1,0 +1,216 @@
+use super::deflection::Deflection;
+use super::field::linear;
+use super::{Degenerate, Law, Wrench};
+use crate::mechanics::{Mat6, RelativeMotion, Vec6};
+use crate::model::BeamFormulation;
+
+/// BEAM, FORMULATION=LINEAR: a massless Timoshenko beam of uniform cross-section along the x axis of J, I at +x.
+///
+/// Law, in J axes, on I at the I origin: `(F, T) = -K (x - LENGTH, y, z, AX, AY, AZ)` with
+/// `Py = 12 E Izz ASY / (G A L^2)`, `Pz = 12 E Iyy ASZ / (G A L^2)`,
+/// `K11 = E A / L`, `K22 = 12 E Izz / (L^3 (1 + Py))`, `K26 = -6 E Izz / (L^2 (1 + Py))`, `K66 = (4 + Py) E Izz / (L (1 + Py))`,
+/// `K33 = 12 E Iyy / (L^3 (1 + Pz))`, `K35 = 6 E Iyy / (L^2 (1 + Pz))`, `K55 = (4 + Pz) E Iyy / (L (1 + Pz))`, `K44 = G Ixx / L`.
+/// Shear is left out where its ratio is zero. J feels `-F` and `-T - d x F` at its own origin.
+/// Parameters, in the order of the model: LENGTH, AREA, IXX, IYY, IZZ, EMODULUS, GMODULUS, ASY, ASZ.
+/// Validity: small relative deflections. Source: ADAMS-FORMATS 2.9.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Beam;
+
+impl Beam {
+    /// Why a formulation cannot be solved here, or `None` for the linear one.
+    pub fn refusal(formulation: BeamFormulation) -> Option<&'static str> {
+        match formulation {
+            BeamFormulation::Linear => None,
+            BeamFormulation::String => {
+                Some("FORMULATION=STRING: its simplified non-linear law is not published")
+            }
+            BeamFormulation::Nonlinear => Some(
+                "FORMULATION=NONLINEAR: the discretisation of its Euler-Bernoulli law is not published",
+            ),
+        }
+    }
+}
+
+/// The eight stiffness entries with their places in K.
+const PLACES: [(usize, usize); 8] = [
+    (0, 0),
+    (1, 1),
+    (1, 5),
+    (5, 5),
+    (2, 2),
+    (2, 4),
+    (4, 4),
+    (3, 3),
+];
+
+/// The entries at [`PLACES`] as functions of the parameters.
+fn entries(theta: [Dual; 9]) -> [Dual; 8] {
+    let [l, area, ixx, iyy, izz, e, g, asy, asz] = theta;
+    let bending = |i: Dual, shear: Dual, sign: f64| {
+        let p = e
+            .times(i)
+            .times(shear)
+            .scaled(12.0)
+            .over(g.times(area).times(l).times(l));
+        let b = e.times(i).over(l.times(p.plus(1.0)));
+        let slope = b.over(l);
+        [
+            slope.over(l).scaled(12.0),
+            slope.scaled(6.0 * sign),
+            b.times(p.plus(4.0)),
+        ]
+    };
+    let [k22, k26, k66] = bending(izz, asy, -1.0);
+    let [k33, k35, k55] = bending(iyy, asz, 1.0);
+    [
+        e.times(area).over(l),
+        k22,
+        k26,
+        k66,
+        k33,
+        k35,
+        k55,
+        g.times(ixx).over(l),
+    ]
+}
+
+/// The stiffness matrix of these nine parameters.
+fn stiffness(entries: &[Dual; 8], pick: impl Fn(&Dual) -> f64) -> Mat6 {
+    let mut K = Mat6::zeros();
+    for (entry, (a, b)) in entries.iter().zip(PLACES) {
+        K[(a, b)] = pick(entry);
+        K[(b, a)] = K[(a, b)];
+    }
+    K
+}
+
+impl Law for Beam {
+    fn parameter_count(&self) -> usize {
+        9
+    }
+
+    fn evaluate(
+        &self,
+        motion: &RelativeMotion,
+        theta: &[f64],
+        with_parameters: bool,
+        out: &mut Wrench,
+    ) -> Result<(), Degenerate> {
+        let d = Deflection::of(motion)?;
+        let mut seeds = [Dual::default(); 9];
+        for (n, seed) in seeds.iter_mut().enumerate() {
+            seed.value = theta[n];
+            seed.slopes[n] = 1.0;
+        }
+        let entries = entries(seeds);
+        let K = stiffness(&entries, |entry| entry.value);
+        let q = d.coordinates() - Vec6::ith(0, theta[0]);
+        linear(&K, &q, &Vec6::zeros(), &d, out);
+        if with_parameters {
+            let columns = out.parameter_columns(9);
+            for (n, column) in columns.iter_mut().enumerate() {
+                *column = -stiffness(&entries, |entry| entry.slopes[n]) * q;
+            }
+            // The relaxed place moves with the length too.
+            columns[0] += K.column(0);
+        }
+        Ok(())
+    }
+}
+
+/// A number with its derivatives by the nine parameters.
+#[derive(Clone, Copy, Default)]
+struct Dual {
+    value: f64,
+    slopes: [f64; 9],
+}
+
+impl Dual {
+    fn with(self, value: f64, slope: impl Fn(usize) -> f64) -> Self {
+        Self {
+            value,
+            slopes: std::array::from_fn(slope),
+        }
+    }
+
+    fn times(self, other: Self) -> Self {
+        self.with(self.value * other.value, |n| {
+            self.slopes[n] * other.value + self.value * other.slopes[n]
+        })
+    }
+
+    fn over(self, other: Self) -> Self {
+        let quotient = self.value / other.value;
+        self.with(quotient, |n| {
+            (self.slopes[n] - quotient * other.slopes[n]) / other.value
+        })
+    }
+
+    fn scaled(self, factor: f64) -> Self {
+        self.with(self.value * factor, |n| self.slopes[n] * factor)
+    }
+
+    fn plus(self, constant: f64) -> Self {
+        self.with(self.value + constant, |n| self.slopes[n])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::Mat3;
+    use crate::mechanics::Vec3;
+
+    const L: f64 = 200.0;
+    const E: f64 = 2.1e5;
+    const G: f64 = 8.0e4;
+    const I: f64 = 490.0;
+    const A: f64 = 78.5;
+
+    fn tip(theta: &[f64], wrench: &Vec6) -> Vec6 {
+        // Small deflections: the law is linear with by_motion = -K at the relaxed place.
+        let motion = RelativeMotion {
+            p_ij_j: Vec3::new(theta[0], 0.0, 0.0),
+            R_ji: Mat3::identity(),
+            angles: Vec3::zeros(),
+        };
+        let mut out = Wrench::default();
+        Beam.evaluate(&motion, theta, false, &mut out)
+            .expect("regular");
+        assert!(out.value.norm() < 1e-9, "relaxed: {}", out.value);
+        (-out.by_motion)
+            .try_inverse()
+            .expect("the beam holds all six")
+            * wrench
+    }
+
+    /// Euler-Bernoulli cantilever: tip load P gives P L^3 / 3 E I and P L^2 / 2 E I, tip moment M gives M L^2 / 2 E I and M L / E I.
+    #[test]
+    fn a_cantilever_bends_as_in_the_textbook() {
+        let theta = [L, A, 2.0 * I, I, I, E, G, 0.0, 0.0];
+        let ei = E * I;
+        let y = tip(&theta, &Vec6::ith(1, 10.0));
+        assert!((y[1] - 10.0 * L.powi(3) / (3.0 * ei)).abs() < 1e-12 * L);
+        assert!((y[5] - 10.0 * L * L / (2.0 * ei)).abs() < 1e-12);
+        let z = tip(&theta, &Vec6::ith(2, 10.0));
+        assert!((z[2] - 10.0 * L.powi(3) / (3.0 * ei)).abs() < 1e-12 * L);
+        // A force along z turns the tip about -y.
+        assert!((z[4] + 10.0 * L * L / (2.0 * ei)).abs() < 1e-12);
+        let m = tip(&theta, &Vec6::ith(5, 1e3));
+        assert!((m[1] - 1e3 * L * L / (2.0 * ei)).abs() < 1e-12 * L);
+        assert!((m[5] - 1e3 * L / ei).abs() < 1e-12);
+        let x = tip(&theta, &Vec6::new(1e3, 0.0, 0.0, 1e3, 0.0, 0.0));
+        assert!((x[0] - 1e3 * L / (E * A)).abs() < 1e-12);
+        assert!((x[3] - 1e3 * L / (G * 2.0 * I)).abs() < 1e-12);
+    }
+
+    /// Timoshenko: shear adds ASY P L / (G A) to the tip of the cantilever.
+    #[test]
+    fn shear_adds_to_the_tip() {
+        let asy = 10.0 / 9.0;
+        let slender = tip(&[L, A, 2.0 * I, I, I, E, G, 0.0, 0.0], &Vec6::ith(1, 10.0));
+        let stout = tip(&[L, A, 2.0 * I, I, I, E, G, asy, 0.0], &Vec6::ith(1, 10.0));
+        assert!((stout[1] - slender[1] - asy * 10.0 * L / (G * A)).abs() < 1e-12 * L);
+        assert!((stout[5] - slender[5]).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,61 @@
+use super::deflection::Deflection;
+use super::{Degenerate, Law, Wrench};
+use crate::mechanics::{Mat6, RelativeMotion, Vec6};
+
+/// BUSHING: three translational and three rotational springs in the axes of J, with preload.
+///
+/// Law, in J axes, on I at the I origin, with (x, y, z) = `p_ij_j` and (a, b, c) = AX, AY, AZ:
+/// `F = -K (x, y, z) + FORCE`, `T = -KT (a, b, c) + TORQUE`.
+/// J feels `-F` and `-T - d x F` at its own origin, so that swapping I and J is another element.
+/// Parameters: K.1..3, KT.1..3 (per radian), FORCE.1..3, TORQUE.1..3.
+/// Validity: ADAMS asks two of the three angles to stay under 10 degrees, only c may be large. The torque has no potential for
+/// finite angles. Source: ADAMS-FORMATS 2.7.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Bushing;
+
+impl Law for Bushing {
+    fn parameter_count(&self) -> usize {
+        12
+    }
+
+    fn evaluate(
+        &self,
+        motion: &RelativeMotion,
+        theta: &[f64],
+        with_parameters: bool,
+        out: &mut Wrench,
+    ) -> Result<(), Degenerate> {
+        let d = Deflection::of(motion)?;
+        out.by_motion = Mat6::zeros();
+        for n in 0..3 {
+            out.value[n] = -theta[n] * d.translation[n] + theta[6 + n];
+            out.by_motion[(n, n)] = -theta[n];
+            let kt = theta[3 + n];
+            out.value[3 + n] = -kt * d.angles[n] + theta[9 + n];
+            for m in 0..3 {
+                out.by_motion[(3 + n, 3 + m)] = -kt * d.angle_rows[(n, m)];
+            }
+        }
+        if with_parameters {
+            let columns = out.parameter_columns(12);
+            for n in 0..6 {
+                columns[n][n] = -d.component(n);
+                columns[6 + n] = Vec6::ith(n, 1.0);
+            }
+        }
+        Ok(())
+    }
+
+    /// Only without rotational stiffness and torque: those have no potential for finite angles.
+    fn energy(&self, motion: &RelativeMotion, theta: &[f64]) -> Option<f64> {
+        if theta[3..6].iter().chain(&theta[9..12]).any(|&x| x != 0.0) {
+            return None;
+        }
+        let p = motion.p_ij_j;
+        Some(
+            (0..3)
+                .map(|n| 0.5 * theta[n] * p[n] * p[n] - theta[6 + n] * p[n])
+                .sum(),
+        )
+    }
+}

@@ -1,0 +1,53 @@
+use super::line::Line;
+use super::{Degenerate, Law, Wrench};
+use crate::mechanics::{Mat6, RelativeMotion, Vec6};
+
+/// SFORCE: a force or torque of given magnitude. The magnitude is the only parameter; the caller fills it from the FUNCTION and
+/// adds `by_parameter` times the function's own gradient.
+///
+/// Laws, on I, with e the magnitude (ADAMS-FORMATS 2.11):
+/// * `Line` (TRANSLATIONAL): `F = e n`, n the direction from J to I; positive pushes apart; the turning of the line is in
+///   `by_motion`. Undefined where the origins coincide.
+/// * `AlongZj` (TRANSLATIONAL, ACTIONONLY): `F = e zj` at I; J feels nothing, which is the caller's part.
+/// * `AboutZj` (ROTATIONAL, with or without ACTIONONLY): `T = e zj`. zi is expected parallel to zj and co-directed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ScalarForce {
+    /// Along the line of the origins.
+    Line,
+    /// Along the z axis of J.
+    AlongZj,
+    /// About the z axis of J.
+    AboutZj,
+}
+
+impl Law for ScalarForce {
+    fn parameter_count(&self) -> usize {
+        1
+    }
+
+    fn evaluate(
+        &self,
+        motion: &RelativeMotion,
+        theta: &[f64],
+        with_parameters: bool,
+        out: &mut Wrench,
+    ) -> Result<(), Degenerate> {
+        let unit = match self {
+            Self::Line => {
+                let line = Line::of(motion)?;
+                line.force(theta[0], 0.0, out);
+                line.unit_wrench()
+            }
+            Self::AlongZj | Self::AboutZj => {
+                let component = if *self == Self::AlongZj { 2 } else { 5 };
+                out.value = Vec6::ith(component, theta[0]);
+                out.by_motion = Mat6::zeros();
+                Vec6::ith(component, 1.0)
+            }
+        };
+        if with_parameters {
+            out.parameter_columns(1)[0] = unit;
+        }
+        Ok(())
+    }
+}

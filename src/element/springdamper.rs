@@ -1,0 +1,85 @@
+use super::line::Line;
+use super::{Degenerate, Law, Wrench};
+use crate::mechanics::{Mat6, RelativeMotion, Vec6};
+
+/// SPRINGDAMPER, TRANSLATIONAL: a spring along the line of the two origins.
+///
+/// Law, with r = |d|, n = d / r: `F = f n` on I at the I origin, `f = -K (r - LENGTH) + FORCE`; positive f repels. The
+/// derivative holds the turning of the line, `dF/dd = -K n n' + f / r (1 - n n')`. No torque on either marker.
+/// Parameters: K, LENGTH, FORCE. Validity: r > 0; at r = 0 ADAMS stops and so does this. Source: ADAMS-FORMATS 2.10.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct TranslationalSpring;
+
+impl Law for TranslationalSpring {
+    fn parameter_count(&self) -> usize {
+        3
+    }
+
+    fn evaluate(
+        &self,
+        motion: &RelativeMotion,
+        theta: &[f64],
+        with_parameters: bool,
+        out: &mut Wrench,
+    ) -> Result<(), Degenerate> {
+        let line = Line::of(motion)?;
+        let (k, length, preload) = (theta[0], theta[1], theta[2]);
+        let stretch = line.length - length;
+        line.force(-k * stretch + preload, -k, out);
+        if with_parameters {
+            let n = line.unit_wrench();
+            let columns = out.parameter_columns(3);
+            columns[0] = -stretch * n;
+            columns[1] = k * n;
+            columns[2] = n;
+        }
+        Ok(())
+    }
+
+    fn energy(&self, motion: &RelativeMotion, theta: &[f64]) -> Option<f64> {
+        let stretch = motion.p_ij_j.norm() - theta[1];
+        Some(0.5 * theta[0] * stretch * stretch - theta[2] * stretch)
+    }
+}
+
+/// SPRINGDAMPER, ROTATIONAL: a torsion spring about the z axis of J.
+///
+/// Law: `T = (-KT (theta - ANGLE) + TORQUE) zj` on I, theta the rotation of xi about zj (AZ, counting turns).
+/// Parameters: KT (per radian), ANGLE, TORQUE. Validity: zi parallel to zj, which ADAMS demands and does not enforce; the angle
+/// is undefined where xi lies along zj. Source: ADAMS-FORMATS 2.10.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct RotationalSpring;
+
+impl Law for RotationalSpring {
+    fn parameter_count(&self) -> usize {
+        3
+    }
+
+    fn evaluate(
+        &self,
+        motion: &RelativeMotion,
+        theta: &[f64],
+        with_parameters: bool,
+        out: &mut Wrench,
+    ) -> Result<(), Degenerate> {
+        let xi = motion.R_ji.column(0);
+        let s = xi[0] * xi[0] + xi[1] * xi[1];
+        if s < 1e-20 {
+            return Err(Degenerate::UndefinedAngle { axis: 2 });
+        }
+        let (kt, angle, preload) = (theta[0], theta[1], theta[2]);
+        let turn = motion.angles.z - angle;
+        out.value = Vec6::ith(5, -kt * turn + preload);
+        out.by_motion = Mat6::zeros();
+        out.by_motion[(5, 3)] = kt * xi[0] * xi[2] / s;
+        out.by_motion[(5, 4)] = kt * xi[1] * xi[2] / s;
+        out.by_motion[(5, 5)] = -kt;
+        if with_parameters {
+            let columns = out.parameter_columns(3);
+            columns[0][5] = -turn;
+            columns[1][5] = kt;
+            columns[2][5] = 1.0;
+        }
+        Ok(())
+    }
+}
