@@ -50,6 +50,7 @@ pub mod element;
 pub mod grammar;
 pub mod mechanics;
 pub mod model;
+pub mod report;
 pub mod syntax;
 pub mod text;
 pub mod units;

@@ -127,8 +127,9 @@ pub struct Sensor {
     pub halts: bool,
 }
 
-/// What a REQUEST asks for.
+/// What a REQUEST asks for. I, J and RM are the statement's markers.
 #[derive(Clone, PartialEq, Debug)]
+#[allow(missing_docs)] // The fields are the manual's.
 pub enum RequestKind {
     /// DISPLACEMENT of I from J in RM axes.
     Displacement {

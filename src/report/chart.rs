@@ -1,0 +1,293 @@
+use plotters::chart::ChartBuilder;
+use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
+use plotters::prelude::{
+    Circle, DrawingArea, IntoDrawingArea, IntoLogRange, LineSeries, PathElement, RGBColor,
+    SVGBackend, WHITE,
+};
+use plotters::series::DashedLineSeries;
+use plotters::style::{Color, ShapeStyle};
+
+use super::DrawingError;
+
+/// Colours that people with colour-blindness can tell apart (Okabe and Ito 2008).
+const COLOURS: [RGBColor; 8] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(86, 180, 233),
+    RGBColor(230, 159, 0),
+    RGBColor(60, 60, 60),
+    RGBColor(140, 100, 60),
+];
+
+/// How a series is drawn.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Mark {
+    /// A line through the points.
+    Line,
+    /// A dashed line.
+    Dashed,
+    /// Points only.
+    Points,
+    /// A line with its points.
+    LinePoints,
+}
+
+/// One curve or cloud.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// Name in the legend.
+    pub name: String,
+    /// (x, y); points that are not finite are left out.
+    pub points: Vec<(f64, f64)>,
+    /// How it is drawn.
+    pub mark: Mark,
+}
+
+/// A picture with two axes.
+#[derive(Clone, Debug)]
+pub struct Chart {
+    /// Title.
+    pub title: String,
+    /// Label of the x axis, with its unit.
+    pub x: String,
+    /// Label of the y axis, with its unit.
+    pub y: String,
+    /// Curves.
+    pub series: Vec<Series>,
+    /// True for a logarithmic y axis; values that are not positive are left out then.
+    pub log_y: bool,
+    /// A horizontal line to compare with.
+    pub level: Option<f64>,
+}
+
+impl Chart {
+    /// The picture as an `<svg>` element, 880 by 420.
+    ///
+    /// # Errors
+    /// When the drawing library cannot draw it.
+    pub fn svg(&self) -> Result<String, DrawingError> {
+        let usable =
+            |p: &(f64, f64)| p.0.is_finite() && p.1.is_finite() && (!self.log_y || p.1 > 0.0);
+        let series: Vec<(usize, &Series, Vec<(f64, f64)>)> = self
+            .series
+            .iter()
+            .enumerate()
+            .map(|(k, s)| (k, s, s.points.iter().copied().filter(usable).collect()))
+            .collect();
+        let all = || series.iter().flat_map(|(_, _, points)| points.iter());
+        let extent = |values: &mut dyn Iterator<Item = f64>| {
+            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+                (low.min(v), high.max(v))
+            })
+        };
+        let (x0, x1) = padded(extent(&mut all().map(|p| p.0)), 0.02);
+        let level = self.level.filter(|level| !self.log_y || *level > 0.0);
+        let heights = extent(&mut all().map(|p| p.1).chain(level));
+        let mut out = String::new();
+        {
+            let root = SVGBackend::with_string(&mut out, (880, 420)).into_drawing_area();
+            let drawn = if self.log_y {
+                let (low, high) = if heights.0.is_finite() {
+                    heights
+                } else {
+                    (0.1, 10.0)
+                };
+                self.draw(
+                    &root,
+                    x0..x1,
+                    (low / 1.3..high * 1.3).log_scale(),
+                    &series,
+                    level,
+                )
+            } else {
+                let (y0, y1) = padded(heights, 0.06);
+                self.draw(&root, x0..x1, y0..y1, &series, level)
+            };
+            drawn.map_err(|reason| DrawingError {
+                title: self.title.clone(),
+                reason,
+            })?;
+        }
+        Ok(out)
+    }
+
+    fn draw<Y>(
+        &self,
+        root: &DrawingArea<SVGBackend<'_>, plotters::coord::Shift>,
+        x: std::ops::Range<f64>,
+        y: Y,
+        series: &[(usize, &Series, Vec<(f64, f64)>)],
+        level: Option<f64>,
+    ) -> Result<(), String>
+    where
+        Y: AsRangedCoord<Value = f64>,
+        Y::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
+    {
+        let text = |error: &dyn std::fmt::Display| error.to_string();
+        root.fill(&WHITE).map_err(|e| text(&e))?;
+        let mut chart = ChartBuilder::on(root)
+            .caption(&self.title, ("sans-serif", 17))
+            .margin(12)
+            .margin_right(24)
+            .x_label_area_size(42)
+            .y_label_area_size(72)
+            .build_cartesian_2d(x.clone(), y)
+            .map_err(|e| text(&e))?;
+        chart
+            .configure_mesh()
+            .x_desc(&self.x)
+            .y_desc(&self.y)
+            .axis_desc_style(("sans-serif", 14))
+            .label_style(("sans-serif", 12))
+            .light_line_style(RGBColor(244, 244, 244))
+            .bold_line_style(RGBColor(225, 225, 225))
+            .y_label_formatter(&|v| short(*v))
+            .x_label_formatter(&|v| short(*v))
+            .draw()
+            .map_err(|e| text(&e))?;
+        if let Some(level) = level {
+            let line =
+                PathElement::new(vec![(x.start, level), (x.end, level)], RGBColor(90, 90, 90));
+            chart
+                .draw_series(std::iter::once(line))
+                .map_err(|e| text(&e))?;
+        }
+        for (k, series, points) in series {
+            let colour = COLOURS[k % COLOURS.len()];
+            let line = ShapeStyle::from(&colour).stroke_width(2);
+            let drawn = match series.mark {
+                Mark::Line | Mark::LinePoints => {
+                    chart.draw_series(LineSeries::new(points.iter().copied(), line))
+                }
+                Mark::Dashed => {
+                    chart.draw_series(DashedLineSeries::new(points.iter().copied(), 6, 4, line))
+                }
+                Mark::Points => {
+                    chart.draw_series(points.iter().map(|p| Circle::new(*p, 3, colour.filled())))
+                }
+            };
+            let dots = series.mark == Mark::Points;
+            drawn
+                .map_err(|e| text(&e))?
+                .label(&series.name)
+                .legend(move |(x, y)| {
+                    let from = if dots { x + 7 } else { x };
+                    PathElement::new(
+                        vec![(from, y), (x + 16, y)],
+                        ShapeStyle::from(&colour).stroke_width(3),
+                    )
+                });
+            if series.mark == Mark::LinePoints {
+                let dots = points.iter().map(|p| Circle::new(*p, 3, colour.filled()));
+                chart.draw_series(dots).map_err(|e| text(&e))?;
+            }
+        }
+        if series.len() > 1 {
+            chart
+                .configure_series_labels()
+                .background_style(WHITE.mix(0.85))
+                .border_style(RGBColor(200, 200, 200))
+                .label_font(("sans-serif", 12))
+                .draw()
+                .map_err(|e| text(&e))?;
+        }
+        root.present().map_err(|e| text(&e))
+    }
+}
+
+/// An extent with some room; a usable one where nothing or only one value is there.
+fn padded((low, high): (f64, f64), share: f64) -> (f64, f64) {
+    if !low.is_finite() || !high.is_finite() {
+        return (0.0, 1.0);
+    }
+    let width = high - low;
+    let room = if width > 0.0 {
+        width * share
+    } else {
+        low.abs().max(1.0) * 0.1
+    };
+    (low - room, high + room)
+}
+
+/// A tick label without needless digits.
+fn short(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_string();
+    }
+    let size = value.abs();
+    if !(1e-3..1e6).contains(&size) {
+        return format!("{value:.1e}");
+    }
+    let digits = (3 - size.log10().floor() as i32).clamp(0, 6) as usize;
+    let text = format!("{value:.digits$}");
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_string()
+    } else {
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn chart(log_y: bool, points: Vec<(f64, f64)>) -> Chart {
+        Chart {
+            title: "a <b> & c".to_string(),
+            x: "iteration".to_string(),
+            y: "K / K_ref".to_string(),
+            series: vec![
+                Series {
+                    name: "Kx <1>".to_string(),
+                    points,
+                    mark: Mark::LinePoints,
+                },
+                Series {
+                    name: "Ky".to_string(),
+                    points: vec![(0.0, 2.0), (1.0, 1.0)],
+                    mark: Mark::Dashed,
+                },
+            ],
+            log_y,
+            level: Some(1.0),
+        }
+    }
+
+    #[test]
+    fn texts_are_escaped_and_every_point_is_drawn() {
+        let svg = chart(false, vec![(0.0, 0.5), (1.0, 0.9), (2.0, f64::NAN)])
+            .svg()
+            .unwrap();
+        assert!(svg.starts_with("<svg"));
+        assert!(svg.contains("a &lt;b&gt; &amp; c") && svg.contains("Kx &lt;1&gt;"));
+        assert_eq!(svg.matches("<circle").count(), 2, "the NaN is left out");
+    }
+
+    #[test]
+    fn empty_and_degenerate_data_still_draw() {
+        assert!(chart(true, vec![]).svg().is_ok());
+        assert!(chart(true, vec![(0.0, -1.0), (0.0, 0.0)]).svg().is_ok());
+        assert!(
+            Chart {
+                series: vec![],
+                level: None,
+                ..chart(false, vec![])
+            }
+            .svg()
+            .is_ok()
+        );
+    }
+
+    #[test]
+    fn tick_labels_are_short() {
+        assert_eq!(
+            ["0", "0.5", "1200", "1.0e-5"],
+            [0.0, 0.5, 1200.0, 1e-5]
+                .map(short)
+                .each_ref()
+                .map(String::as_str)
+        );
+    }
+}
