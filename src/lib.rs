@@ -51,6 +51,7 @@ pub mod grammar;
 pub mod mechanics;
 pub mod model;
 pub mod report;
+pub mod session;
 pub mod syntax;
 pub mod text;
 pub mod units;

@@ -62,6 +62,25 @@ codes! {
     CannotRead = "cannot-read",
     /// A file that cannot be written.
     CannotWrite = "cannot-write",
+    /// A file that was found under a name that differs in upper and lower case.
+    FileNameCase = "file-name-case",
+    /// A path of another computer: the file was looked up by its base name here.
+    ForeignPath = "foreign-path",
+    /// A command file may write only beside itself, beside its model and in the working directory; ADMIRE_ALLOW_PATH adds folders.
+    WriteOutside = "write-outside",
+    // Running a command file.
+    /// A word of the launcher's command line that means nothing here.
+    LauncherWord = "launcher-word",
+    /// A launch form only a full ADAMS installation can run.
+    LauncherRefused = "launcher-refused",
+    /// A command ADAMS executes and this solver does not.
+    CommandNotSupported = "command-not-supported",
+    /// A command that needs a model, before any was read.
+    NoModel = "no-model",
+    /// No static equilibrium was found.
+    NoEquilibrium = "no-equilibrium",
+    /// A command asks for more than this program is willing to do.
+    LimitExceeded = "limit-exceeded",
 }
 
 impl std::fmt::Display for Code {

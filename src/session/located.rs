@@ -1,0 +1,141 @@
+use std::fmt::Write as _;
+
+use crate::diagnostic::{Diagnostic, Label};
+use crate::text::{Source, Span};
+
+/// The files that diagnostics point into.
+#[derive(Clone, Debug, Default)]
+pub struct Sources(Vec<Source>);
+
+impl Sources {
+    /// Adds a file; one of the same name is replaced.
+    pub fn add(&mut self, source: Source) {
+        self.0.retain(|known| known.name() != source.name());
+        self.0.push(source);
+    }
+
+    /// The file of this name.
+    pub fn get(&self, name: &str) -> Option<&Source> {
+        self.0.iter().find(|source| source.name() == name)
+    }
+
+    /// `file:line:column` of a label, or the file alone when its text is not at hand.
+    pub fn place(&self, label: &Label) -> String {
+        match self.get(&label.file) {
+            Some(source) => {
+                let at = source.line_column(label.span.start);
+                format!("{}:{}:{}", label.file, at.line, at.column)
+            }
+            None => label.file.to_string(),
+        }
+    }
+}
+
+/// A diagnostic as plain text of several lines: place and message, the line of the file with the place marked, what else is
+/// said of it, what to do. Ends with a line end.
+pub fn located(diagnostic: &Diagnostic, sources: &Sources) -> String {
+    let mut out = String::new();
+    let mut put = |text: std::fmt::Arguments<'_>| {
+        out.write_fmt(text)
+            .expect("writing to a String does not fail");
+    };
+    match diagnostic.labels.first() {
+        Some(label) => put(format_args!(
+            "{}: {}\n",
+            sources.place(label),
+            diagnostic.message
+        )),
+        None => put(format_args!("{}\n", diagnostic.message)),
+    }
+    for (k, label) in diagnostic.labels.iter().enumerate() {
+        if k > 0 {
+            put(format_args!(
+                "{}: {}\n",
+                sources.place(label),
+                label.message
+            ));
+        }
+        if let Some(source) = sources.get(&label.file) {
+            let line = source.line_column(label.span.start).line;
+            let (text, before, width) = excerpt(source, label.span);
+            let margin = line.to_string().len();
+            let said = if k == 0 { label.message.as_str() } else { "" };
+            let marks = format!("{}{} {said}", " ".repeat(before), "^".repeat(width));
+            put(format_args!("  {line} | {text}\n"));
+            put(format_args!("  {:margin$} | {}\n", "", marks.trim_end()));
+        }
+    }
+    if let Some(help) = &diagnostic.help {
+        put(format_args!("  help: {help}\n"));
+    }
+    put(format_args!("  [{}]\n", diagnostic.code));
+    out
+}
+
+/// The first line of a span (a window of it where the line is long), how many characters stand before the span in it, and how
+/// many characters of it the span covers. Bytes that are not UTF-8 are shown as Latin-1, tabs as blanks.
+fn excerpt(source: &Source, span: Span) -> (String, usize, usize) {
+    const WINDOW: usize = 100;
+    let bytes = source.bytes();
+    let start = span.start.min(bytes.len());
+    let line_start = memchr::memrchr(b'\n', &bytes[..start]).map_or(0, |at| at + 1);
+    let line_end =
+        memchr::memchr2(b'\n', b'\r', &bytes[start..]).map_or(bytes.len(), |at| start + at);
+    let from = line_start.max(start.saturating_sub(WINDOW));
+    let to = line_end.min(start + WINDOW);
+    let end = span.end.clamp(start, to);
+    let (before, inside, after) = (
+        shown(&bytes[from..start]),
+        shown(&bytes[start..end]),
+        shown(&bytes[end..to]),
+    );
+    let width = inside.chars().count().max(1);
+    let count = before.chars().count();
+    (format!("{before}{inside}{after}"), count, width)
+}
+
+/// Bytes as text of one line: what is not UTF-8 is read as Latin-1, control characters become blanks.
+fn shown(bytes: &[u8]) -> String {
+    let blank = |c: char| if c.is_control() { ' ' } else { c };
+    match std::str::from_utf8(bytes) {
+        Ok(text) => text.chars().map(blank).collect(),
+        Err(_) => bytes.iter().map(|&byte| blank(char::from(byte))).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnostic::Code;
+
+    #[test]
+    fn the_place_is_marked_in_latin1_text_too() {
+        let mut sources = Sources::default();
+        sources.add(Source::new(
+            "a.adm",
+            &b"title\nMARKER/1, PART = 7 \xb7\n"[..],
+        ));
+        let diagnostic = Diagnostic::error(Code::UndefinedId, "no PART has the id 7")
+            .label("a.adm", Span::new(23, 24), "referenced here")
+            .help("define it");
+        assert_eq!(
+            located(&diagnostic, &sources),
+            "a.adm:2:18: no PART has the id 7\n  2 | MARKER/1, PART = 7 ·\n    |                  ^ referenced here\n  help: \
+             define it\n  [undefined-id]\n"
+        );
+    }
+
+    #[test]
+    fn spans_past_the_end_and_endless_lines_are_shown_in_part() {
+        let mut sources = Sources::default();
+        sources.add(Source::new("a.adm", vec![b'('; 1_000_000]));
+        for span in [
+            Span::new(500_000, 500_003),
+            Span::at(1_000_000),
+            Span::at(2_000_000),
+        ] {
+            let diagnostic = Diagnostic::error(Code::SyntaxError, "bad").label("a.adm", span, "");
+            assert!(located(&diagnostic, &sources).len() < 600);
+        }
+    }
+}

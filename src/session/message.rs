@@ -1,0 +1,222 @@
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use crate::diagnostic::{Diagnostic, Severity};
+
+use super::clock::utc_now;
+use super::located::{Sources, located};
+
+/// What a run says, on standard output and in the `.msg` file alike.
+///
+/// The `.msg` file gets its name from the first FILE/MODEL command; what was said before is kept for it. The lines that
+/// scripts look for are those of ADAMS-FORMATS 6.5. A message file that cannot be written does not stop a run.
+pub struct Messages<'a> {
+    console: Box<dyn Write + 'a>,
+    file: Option<BufWriter<File>>,
+    path: Option<PathBuf>,
+    pending: Vec<u8>,
+}
+
+impl<'a> Messages<'a> {
+    /// Messages that go to `console`, and to a file once it is opened. Says the banner.
+    pub fn new(console: Box<dyn Write + 'a>, directory: &Path) -> Self {
+        let mut messages = Self {
+            console,
+            file: None,
+            path: None,
+            pending: Vec::new(),
+        };
+        messages.banner(directory);
+        messages
+    }
+
+    /// Truncates `path` and writes what was said so far and what comes to it. The same path again goes on with the file.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn open(&mut self, path: &Path) -> io::Result<()> {
+        if self.path.as_deref() == Some(path) {
+            return Ok(());
+        }
+        let mut file = BufWriter::new(File::create(path)?);
+        file.write_all(&self.pending)?;
+        self.pending.clear();
+        if let Some(mut before) = self.file.replace(file) {
+            before.flush()?;
+        }
+        self.path = Some(path.to_path_buf());
+        Ok(())
+    }
+
+    /// Says text as it is.
+    pub fn say(&mut self, text: &str) {
+        // Nobody may be listening: a closed pipe is not a failure of the run.
+        let _ = self.console.write_all(text.as_bytes());
+        match &mut self.file {
+            Some(file) => {
+                let _ = file.write_all(text.as_bytes());
+            }
+            None => self.pending.extend_from_slice(text.as_bytes()),
+        }
+    }
+
+    /// Puts what was said where others can read it.
+    pub fn flush(&mut self) {
+        let _ = self.console.flush();
+        if let Some(file) = &mut self.file {
+            let _ = file.flush();
+        }
+    }
+
+    fn banner(&mut self, directory: &Path) {
+        let rule = "-".repeat(79);
+        let mut text = format!("\n{rule}\n");
+        let here = std::path::absolute(directory).unwrap_or_default();
+        let lines = [
+            String::new(),
+            format!("{:^75}", concat!("admire ", env!("CARGO_PKG_VERSION"))),
+            format!("{:^75}", "static equilibrium of ADAMS datasets"),
+            String::new(),
+            format!("  Local Time: {} UTC", utc_now()),
+            format!(" Current dir: {}", here.display()),
+            format!("  Process ID: {}", std::process::id()),
+            String::new(),
+        ];
+        for line in lines {
+            text.push_str(&format!("| {line:<75} |\n"));
+        }
+        text.push_str(&format!("{rule}\n\n"));
+        self.say(&text);
+    }
+
+    /// A line of the command file, before what it does.
+    pub fn command(&mut self, line: &str) {
+        self.say(&format!(" command: {line}\n"));
+    }
+
+    /// The title of a model that was read.
+    pub fn title(&mut self, title: &str) {
+        let rule = "-".repeat(79);
+        let empty = format!("|{:77}|", "");
+        self.say(&format!(
+            "\n{rule}\n|{:^77}|\n|{}|\n{empty}\n|{:^77}|\n{empty}\n{rule}\n\n",
+            "Model Title",
+            "=".repeat(77),
+            title.trim()
+        ));
+    }
+
+    /// A diagnostic in its frame; a note without one.
+    pub fn diagnostic(&mut self, diagnostic: &Diagnostic, sources: &Sources) {
+        let text = located(diagnostic, sources);
+        match diagnostic.severity {
+            Severity::Note => self.say(&text),
+            Severity::Warning => self.frame("WARNING", &text),
+            Severity::Error => self.frame("ERROR", &text),
+        }
+    }
+
+    /// Text in a frame of its own: `WARNING` or `ERROR`.
+    pub fn frame(&mut self, kind: &str, text: &str) {
+        self.say(&format!(
+            "\n---- START: {kind} ----\n{}\n---- END: {kind} ----\n\n",
+            text.trim_end()
+        ));
+    }
+
+    /// The head of a lone static solution.
+    pub fn begin_static(&mut self) {
+        self.say(
+            "\n\n  Begin Static Solution\n\n\n STATICS: Original static solver will be used with the built-in linear solver.\n\n",
+        );
+    }
+
+    /// A converged static solution.
+    pub fn converged(&mut self, iterations: usize, imbalance: f64) {
+        self.say(&format!(
+            "  Static Solution converged in {iterations} iterations\n  Residual imbalance is less than {}\n\n  End Static \
+             Solution\n",
+            exponent(imbalance, 5)
+        ));
+    }
+
+    /// The head of a quasi-static (or kinematic) simulation, named by `what`.
+    pub fn begin_simulation(&mut self, what: &str) {
+        self.say(&format!(
+            "\n\n  Begin Simulation\n\n  ****** Performing {what} Simulation ******\n\n   Simulation   Iterations   Residual\n   \
+             Time                      Imbalance\n   ___________  ___________  ___________\n"
+        ));
+    }
+
+    /// One output step of such a simulation.
+    pub fn simulation_step(&mut self, time: f64, iterations: usize, imbalance: f64) {
+        self.say(&format!(
+            "   {}  {iterations:>11}  {}\n",
+            exponent(time, 5),
+            exponent(imbalance, 5)
+        ));
+    }
+
+    /// The end of such a simulation.
+    pub fn end_simulation(&mut self) {
+        self.say("\n  End Simulation\n");
+    }
+
+    /// The last lines of a run.
+    pub fn finished(&mut self, elapsed: std::time::Duration) {
+        self.say(&format!(
+            "\n\nFinished -----\nElapsed time = {:.2}s\n",
+            elapsed.as_secs_f64()
+        ));
+        self.flush();
+    }
+}
+
+/// A number as `%.{digits}E` prints it, with an exponent of at least two digits: `4.64042E-01`.
+pub fn exponent(value: f64, digits: usize) -> String {
+    if !value.is_finite() {
+        return value.to_string();
+    }
+    let text = format!("{value:.digits$E}");
+    let (mantissa, power) = text.split_once('E').expect("the format has an exponent");
+    let (sign, power) = match power.strip_prefix('-') {
+        Some(power) => ('-', power),
+        None => ('+', power),
+    };
+    format!("{mantissa}E{sign}{power:0>2}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exponents_have_two_digits() {
+        assert_eq!(exponent(0.464042, 5), "4.64042E-01");
+        assert_eq!(exponent(0.0, 5), "0.00000E+00");
+        assert_eq!(exponent(-1.5e123, 2), "-1.50E+123");
+    }
+
+    #[test]
+    fn the_file_holds_what_was_said_before_it_had_a_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run.msg");
+        std::fs::write(&path, "the run before").unwrap();
+        let mut console = Vec::new();
+        {
+            let mut messages = Messages::new(Box::new(&mut console), folder.path());
+            messages.command("FILE/MODEL=run");
+            messages.open(&path).unwrap();
+            messages.title("A title");
+            messages.converged(63, 0.464042);
+            messages.flush();
+        }
+        let file = std::fs::read_to_string(&path).unwrap();
+        assert_eq!(file, String::from_utf8(console).unwrap());
+        assert!(file.contains("\n command: FILE/MODEL=run\n\n-----"));
+        assert!(file.contains(&format!("|{:35}A title{:35}|\n", "", "")));
+        // ADAMS-FORMATS 6.5.
+        assert!(file.contains("  Static Solution converged in 63 iterations\n  Residual imbalance is less than 4.64042E-01\n"));
+    }
+}
