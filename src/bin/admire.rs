@@ -1,1 +1,5 @@
-fn main() {}
+//! The command `admire`.
+
+fn main() -> std::process::ExitCode {
+    admire::cli::main()
+}

@@ -1,0 +1,113 @@
+use std::path::{Path, PathBuf};
+
+use crate::diagnostic::{Code, Diagnostic};
+
+use super::Outcome;
+use super::shell::{Exit, Shell};
+
+/// Put commands called like ADAMS' own into a folder; each runs this installation's `mdi`.
+///
+/// Put the folder first on the PATH, and a script written for ADAMS runs on admire.
+#[derive(clap::Args, Debug)]
+pub(super) struct Arguments {
+    /// The folder; it is made if missing.
+    directory: PathBuf,
+    /// Names of the commands.
+    #[arg(long, value_delimiter = ',', default_values_t = ["mdi".to_string(), "adams2024_1".to_string()])]
+    names: Vec<String>,
+    /// Replace files of these names that are there already.
+    #[arg(long)]
+    force: bool,
+}
+
+/// Writes a Unix shell script and a Windows batch file for each name.
+pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    let folder = &arguments.directory;
+    let cannot = |path: &Path, error: &std::io::Error| {
+        Diagnostic::error(
+            Code::CannotWrite,
+            format!("`{}` cannot be written: {error}", path.display()),
+        )
+    };
+    let mdi = std::env::current_exe()
+        .and_then(std::fs::canonicalize)
+        .map(|admire| admire.with_file_name(format!("mdi{}", std::env::consts::EXE_SUFFIX)))
+        .map_err(|error| shell.fail(cannot(folder, &error)))?;
+    std::fs::create_dir_all(folder).map_err(|error| shell.fail(cannot(folder, &error)))?;
+    let plain = |name: &String| {
+        !name.is_empty()
+            && name
+                .bytes()
+                .all(|b| b.is_ascii_alphanumeric() || b"_-.".contains(&b))
+    };
+    for name in &arguments.names {
+        if !plain(name) {
+            return Err(shell.fail(Diagnostic::error(
+                Code::CannotWrite,
+                format!("`{name}` is not a name for a command"),
+            )));
+        }
+        for (file, text) in [
+            (name.clone(), unix_shim(&mdi)),
+            (format!("{name}.bat"), windows_shim(&mdi)),
+        ] {
+            let path = folder.join(file);
+            if path.exists()
+                && !arguments.force
+                && std::fs::read(&path).ok() != Some(text.clone().into_bytes())
+            {
+                return Err(shell.fail(
+                    Diagnostic::error(
+                        Code::CannotWrite,
+                        format!("`{}` is there already", path.display()),
+                    )
+                    .help("`--force` replaces it"),
+                ));
+            }
+            shell.write(&path, text.as_bytes())?;
+            make_executable(&path).map_err(|error| shell.fail(cannot(&path, &error)))?;
+            shell.print(&format!("{}\n", path.display()));
+        }
+    }
+    Ok(Exit::Fine)
+}
+
+fn unix_shim(mdi: &Path) -> String {
+    let quoted = mdi.display().to_string().replace('\'', r"'\''");
+    format!("#!/bin/sh\nexec '{quoted}' \"$@\"\n")
+}
+
+fn windows_shim(mdi: &Path) -> String {
+    // `%` would be taken for a variable.
+    let quoted = mdi.display().to_string().replace('%', "%%");
+    format!("@echo off\r\n\"{quoted}\" %*\r\nexit /b %ERRORLEVEL%\r\n")
+}
+
+#[cfg(unix)]
+fn make_executable(path: &Path) -> std::io::Result<()> {
+    use std::os::unix::fs::PermissionsExt;
+    std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o755))
+}
+
+#[cfg(not(unix))]
+fn make_executable(_: &Path) -> std::io::Result<()> {
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shims_quote_the_path() {
+        let path = Path::new("/opt/it's here/mdi");
+        assert_eq!(
+            unix_shim(path),
+            "#!/bin/sh\nexec '/opt/it'\\''s here/mdi' \"$@\"\n"
+        );
+        assert_eq!(
+            windows_shim(Path::new(r"C:\100%\mdi.exe")),
+            "@echo off\r\n\"C:\\100%%\\mdi.exe\" %*\r\nexit /b %ERRORLEVEL%\r\n"
+        );
+    }
+}

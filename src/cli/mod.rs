@@ -1,0 +1,56 @@
+//! The command `admire`: one file per subcommand.
+//!
+//! The only place that prints, colours and asks. Knows no formats and no mechanics: every subcommand calls one function of a
+//! lower floor and shows what came back.
+
+mod completions;
+mod explain;
+mod install_shims;
+mod render;
+mod shell;
+
+use std::process::ExitCode;
+
+use clap::{CommandFactory, Parser, Subcommand};
+
+use shell::{ColorChoice, Exit, Format, Shell};
+
+/// Reads, checks, edits and solves ADAMS datasets, identifies bushing stiffnesses, and says what a model still gets wrong.
+///
+/// Exit codes: 0 fine; 1 the input has errors, or a comparison found differences; 2 the command line is wrong or a file cannot
+/// be read or written; 3 there is no equilibrium or no fit.
+#[derive(Parser, Debug)]
+#[command(name = "admire", version, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    /// How complaints are printed.
+    #[arg(long, global = true, value_enum, default_value_t = Format::Text)]
+    format: Format,
+    /// When to colour; `auto` obeys NO_COLOR.
+    #[arg(long, global = true, value_enum, default_value_t = ColorChoice::Auto)]
+    color: ColorChoice,
+}
+
+#[derive(Subcommand, Debug)]
+enum Command {
+    Explain(explain::Arguments),
+    InstallShims(install_shims::Arguments),
+    Completions(completions::Arguments),
+}
+
+/// Runs `admire` on the arguments of the process.
+pub fn main() -> ExitCode {
+    clap_complete::CompleteEnv::with_factory(Cli::command).complete();
+    let cli = Cli::parse();
+    let mut shell = Shell::new(cli.format, cli.color);
+    let exit = match cli.command {
+        Command::Explain(arguments) => explain::run(&arguments, &mut shell),
+        Command::InstallShims(arguments) => install_shims::run(&arguments, &mut shell),
+        Command::Completions(arguments) => completions::run(&arguments, &mut Cli::command()),
+    };
+    ExitCode::from(exit.unwrap_or_else(|exit| exit) as u8)
+}
+
+/// The exit code of a subcommand; `Err` when it gave up early, having said why.
+type Outcome = Result<Exit, Exit>;

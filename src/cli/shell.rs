@@ -1,0 +1,178 @@
+use std::io::{IsTerminal, Write};
+use std::path::Path;
+
+use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::session::Sources;
+use crate::text::Source;
+
+use super::render;
+
+/// How complaints are printed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum)]
+pub(super) enum Format {
+    /// With the lines of the file and the place marked.
+    Text,
+    /// One line each: `file:line:column: severity[code]: message`.
+    Plain,
+    /// One JSON array.
+    Json,
+}
+
+/// When to colour.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum)]
+pub(super) enum ColorChoice {
+    /// On a terminal, unless NO_COLOR is set.
+    Auto,
+    /// Always.
+    Always,
+    /// Never.
+    Never,
+}
+
+/// What the process returns.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub(super) enum Exit {
+    /// All went well.
+    Fine = 0,
+    /// The input has errors, or a comparison found differences.
+    Findings = 1,
+    /// The command line is wrong, or a file cannot be read or written.
+    Failed = 2,
+}
+
+/// What every subcommand shares: how to print, and the files read so far.
+pub(super) struct Shell {
+    pub(super) format: Format,
+    color: ColorChoice,
+    pub(super) sources: Sources,
+}
+
+impl Shell {
+    pub(super) fn new(format: Format, color: ColorChoice) -> Self {
+        Self {
+            format,
+            color,
+            sources: Sources::default(),
+        }
+    }
+
+    fn colours(&self, terminal: bool) -> bool {
+        match self.color {
+            ColorChoice::Always => true,
+            ColorChoice::Never => false,
+            ColorChoice::Auto => {
+                terminal && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+            }
+        }
+    }
+
+    /// Prints complaints on standard error.
+    pub(super) fn complain(&self, diagnostics: &[Diagnostic]) {
+        if diagnostics.is_empty() {
+            return;
+        }
+        let colours = self.colours(std::io::stderr().is_terminal());
+        let text = render::diagnostics(diagnostics, &self.sources, self.format, colours);
+        // Nobody may be listening.
+        let _ = std::io::stderr().write_all(text.as_bytes());
+    }
+
+    /// Prints complaints on standard output: where they are what was asked for.
+    pub(super) fn findings(&self, diagnostics: &[Diagnostic]) {
+        let colours = self.colours(std::io::stdout().is_terminal());
+        self.print(&render::diagnostics(
+            diagnostics,
+            &self.sources,
+            self.format,
+            colours,
+        ));
+    }
+
+    /// Prints on standard output. A closed pipe ends nothing.
+    pub(super) fn print(&self, text: &str) {
+        let mut out = std::io::stdout().lock();
+        let _ = out.write_all(text.as_bytes());
+        let _ = out.flush();
+    }
+
+    /// Says why, and gives up.
+    pub(super) fn fail(&self, diagnostic: Diagnostic) -> Exit {
+        self.complain(&[diagnostic]);
+        Exit::Failed
+    }
+
+    /// Reads a file and remembers it for showing places in it; `-` is standard input.
+    pub(super) fn read(&mut self, path: &Path) -> Result<Source, Exit> {
+        let bytes = if path == Path::new("-") {
+            let mut bytes = Vec::new();
+            std::io::Read::read_to_end(&mut std::io::stdin(), &mut bytes).map(|_| bytes)
+        } else {
+            std::fs::read(path)
+        };
+        match bytes {
+            Ok(bytes) => {
+                let source = Source::new(path.display().to_string(), bytes);
+                self.sources.add(source.clone());
+                Ok(source)
+            }
+            Err(error) => Err(self.fail(Diagnostic::error(
+                Code::CannotRead,
+                format!("`{}` cannot be read: {error}", path.display()),
+            ))),
+        }
+    }
+
+    /// Writes a file whole or not at all: through a temporary file beside it that takes its place.
+    pub(super) fn write(&self, path: &Path, bytes: &[u8]) -> Result<(), Exit> {
+        replace_file(path, bytes).map_err(|error| {
+            self.fail(Diagnostic::error(
+                Code::CannotWrite,
+                format!("`{}` cannot be written: {error}", path.display()),
+            ))
+        })
+    }
+}
+
+/// Findings when any complaint is an error.
+pub(super) fn exit_of(diagnostics: &[Diagnostic]) -> Exit {
+    if diagnostics.iter().any(|d| d.severity == Severity::Error) {
+        Exit::Findings
+    } else {
+        Exit::Fine
+    }
+}
+
+fn replace_file(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    // A link is followed, so that the file it points to is replaced and not the link.
+    let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let mut file = tempfile::Builder::new()
+        .prefix(".admire-")
+        .tempfile_in(folder)?;
+    file.write_all(bytes)?;
+    file.as_file().sync_all()?;
+    if let Ok(before) = std::fs::metadata(&path) {
+        file.as_file().set_permissions(before.permissions())?;
+    }
+    file.persist(&path).map_err(|failed| failed.error)?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_replaced_whole_and_nothing_is_left_beside_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.adm");
+        std::fs::write(&path, "before").unwrap();
+        replace_file(&path, b"after").unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"after");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+        assert!(replace_file(&folder.path().join("missing/a.adm"), b"x").is_err());
+    }
+}
