@@ -1,0 +1,141 @@
+/// A keyword with the number of letters that must be typed.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Keyword {
+    /// The whole keyword in capitals.
+    pub name: String,
+    /// How many letters must be typed.
+    pub minimum: usize,
+}
+
+/// How many values: at least, at most (`None` for no limit).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Count {
+    /// At least so many.
+    pub min: usize,
+    /// At most so many.
+    pub max: Option<usize>,
+}
+
+/// What stands after the equals sign.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// The word alone.
+    Flag,
+    /// Real numbers.
+    Real,
+    /// Integers.
+    Integer,
+    /// Ids of a space.
+    Reference(String),
+    /// One of several words.
+    Word(Vec<Keyword>),
+    /// A FUNCTION expression.
+    Function,
+    /// Free text.
+    Text,
+    /// Several texts.
+    Texts,
+    /// A file name.
+    File,
+}
+
+/// Bounds of a number: the bound and whether it is itself allowed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Range {
+    /// Lower bound.
+    pub lower: Option<(f64, bool)>,
+    /// Upper bound.
+    pub upper: Option<(f64, bool)>,
+}
+
+/// One argument.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Argument {
+    /// Its keyword.
+    pub keyword: Keyword,
+    /// What it takes.
+    pub value: Value,
+    /// How many values.
+    pub count: Count,
+    /// Default values.
+    pub default: Vec<f64>,
+    /// Exponents of force, mass, length, time, angle.
+    pub dimension: [i8; 5],
+    /// Bounds.
+    pub range: Range,
+    /// True if a dataset statement must have it.
+    pub required: bool,
+    /// One line for people.
+    pub doc: String,
+}
+
+/// A rule on which arguments stand together.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Presence {
+    /// `Exclusive`, `Together`, `Requires` or `OneOf`.
+    pub rule: &'static str,
+    /// The whole argument names.
+    pub names: Vec<String>,
+}
+
+/// Who can solve it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Solved {
+    /// The built-in solver, as the named thing.
+    Native(String),
+    /// No effect on statics, and why.
+    NoEffect(String),
+    /// Only real ADAMS, and why.
+    External(String),
+}
+
+/// One statement or command.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Statement {
+    /// Its keyword.
+    pub keyword: Keyword,
+    /// `Dataset`, `Command` or `Both`.
+    pub role: &'static str,
+    /// The id space, if it takes an id.
+    pub id: Option<String>,
+    /// Arguments in canonical order.
+    pub arguments: Vec<Argument>,
+    /// Presence rules.
+    pub presence: Vec<Presence>,
+    /// Who can solve it.
+    pub solved: Solved,
+    /// One line for people.
+    pub doc: String,
+    /// What it was checked against.
+    pub source: String,
+    /// File and line of its declaration.
+    pub place: (String, usize),
+}
+
+/// One function of expressions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Function {
+    /// Its name in capitals.
+    pub name: String,
+    /// How many arguments.
+    pub count: Count,
+    /// The arguments as shown.
+    pub arguments: String,
+    /// Who can evaluate it.
+    pub solved: Solved,
+    /// One line for people.
+    pub doc: String,
+    /// What it was checked against.
+    pub source: String,
+    /// File and line of its declaration.
+    pub place: (String, usize),
+}
+
+/// Everything that was declared, in the order of the files.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Grammar {
+    /// Statements and commands.
+    pub statements: Vec<Statement>,
+    /// Functions.
+    pub functions: Vec<Function>,
+}

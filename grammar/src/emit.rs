@@ -1,0 +1,154 @@
+use std::fmt::Write;
+
+use crate::declaration::{Argument, Count, Grammar, Keyword, Presence, Solved, Statement, Value};
+
+/// The text of `src/grammar/generated.rs`.
+pub fn emit(grammar: &Grammar) -> String {
+    let mut out = String::from(
+        "//! Written by `cargo run -p grammar` from `grammar/*.grammar`. Do not edit.\n\n\
+         use super::definition::{\n    ArgumentDef, Bound, Choice, Count, FunctionDef, Presence, Role, Solved, StatementDef, ValueKind,\n};\n\
+         use crate::units::Dimension;\n\n\
+         /// Every statement and command.\n#[rustfmt::skip]\npub static STATEMENTS: &[StatementDef] = &[\n",
+    );
+    for statement in &grammar.statements {
+        emit_statement(&mut out, statement);
+    }
+    out.push_str("];\n\n/// Every function of expressions.\n#[rustfmt::skip]\npub static FUNCTIONS: &[FunctionDef] = &[\n");
+    for function in &grammar.functions {
+        let _ = writeln!(
+            out,
+            "    FunctionDef {{ name: {:?}, count: {}, arguments: {:?}, solved: {}, doc: {:?}, source: {:?} }},",
+            function.name,
+            count(function.count),
+            function.arguments,
+            solved(&function.solved),
+            function.doc,
+            function.source,
+        );
+    }
+    out.push_str("];\n");
+    out
+}
+
+fn emit_statement(out: &mut String, statement: &Statement) {
+    let id = match &statement.id {
+        Some(space) => format!("Some({space:?})"),
+        None => "None".to_string(),
+    };
+    let _ = writeln!(
+        out,
+        "    StatementDef {{\n        name: {:?}, minimum: {}, role: Role::{}, id: {id},\n        arguments: &[",
+        statement.keyword.name, statement.keyword.minimum, statement.role,
+    );
+    for argument in &statement.arguments {
+        emit_argument(out, argument);
+    }
+    let presence: Vec<String> = statement.presence.iter().map(presence).collect();
+    let _ = writeln!(
+        out,
+        "        ],\n        presence: &[{}],\n        solved: {},\n        doc: {:?},\n        source: {:?},\n    }},",
+        presence.join(", "),
+        solved(&statement.solved),
+        statement.doc,
+        statement.source,
+    );
+}
+
+fn emit_argument(out: &mut String, argument: &Argument) {
+    let default: Vec<String> = argument.default.iter().map(|v| format!("{v:?}")).collect();
+    let bound = |bound: Option<(f64, bool)>| match bound {
+        None => "Bound::Open".to_string(),
+        Some((value, true)) => format!("Bound::Inclusive({value:?})"),
+        Some((value, false)) => format!("Bound::Exclusive({value:?})"),
+    };
+    let _ = writeln!(
+        out,
+        "            ArgumentDef {{ name: {:?}, minimum: {}, kind: {}, count: {}, default: &[{}], dimension: {}, lower: {}, upper: {}, required: {}, doc: {:?} }},",
+        argument.keyword.name,
+        argument.keyword.minimum,
+        kind(&argument.value),
+        count(argument.count),
+        default.join(", "),
+        dimension(argument.dimension),
+        bound(argument.range.lower),
+        bound(argument.range.upper),
+        argument.required,
+        argument.doc,
+    );
+}
+
+fn kind(value: &Value) -> String {
+    match value {
+        Value::Flag => "ValueKind::Flag".into(),
+        Value::Real => "ValueKind::Real".into(),
+        Value::Integer => "ValueKind::Integer".into(),
+        Value::Reference(space) => format!("ValueKind::Reference({space:?})"),
+        Value::Word(choices) => {
+            let choice =
+                |c: &Keyword| format!("Choice {{ name: {:?}, minimum: {} }}", c.name, c.minimum);
+            let choices: Vec<String> = choices.iter().map(choice).collect();
+            format!("ValueKind::Choice(&[{}])", choices.join(", "))
+        }
+        Value::Function => "ValueKind::Function".into(),
+        Value::Text => "ValueKind::Text".into(),
+        Value::Texts => "ValueKind::TextList".into(),
+        Value::File => "ValueKind::File".into(),
+    }
+}
+
+fn count(count: Count) -> String {
+    format!("Count {{ min: {}, max: {:?} }}", count.min, count.max)
+}
+
+fn dimension(exponents: [i8; 5]) -> String {
+    let named = [
+        ([0, 0, 0, 0, 0], "NONE"),
+        ([0, 0, 1, 0, 0], "LENGTH"),
+        ([0, 0, 0, 0, 1], "ANGLE"),
+        ([1, 0, 0, 0, 0], "FORCE"),
+        ([1, 0, 1, 0, 0], "TORQUE"),
+        ([0, 1, 0, 0, 0], "MASS"),
+        ([0, 0, 0, 1, 0], "TIME"),
+    ];
+    match named.iter().find(|(e, _)| *e == exponents) {
+        Some((_, name)) => format!("Dimension::{name}"),
+        None => {
+            let [force, mass, length, time, angle] = exponents;
+            format!("Dimension::new({force}, {mass}, {length}, {time}, {angle})")
+        }
+    }
+}
+
+fn solved(solved: &Solved) -> String {
+    match solved {
+        Solved::Native(name) => format!("Solved::Native({name:?})"),
+        Solved::NoEffect(why) => format!("Solved::NoEffect({why:?})"),
+        Solved::External(why) => format!("Solved::External({why:?})"),
+    }
+}
+
+fn presence(presence: &Presence) -> String {
+    format!("Presence::{}(&{:?})", presence.rule, presence.names)
+}
+
+/// The coverage table of the README in Markdown: every statement and who does what with it.
+pub fn coverage(grammar: &Grammar) -> String {
+    let mut out = String::from(
+        "| statement | read | edited | linted | solved natively |\n|---|---|---|---|---|\n",
+    );
+    let mut statements: Vec<&Statement> = grammar.statements.iter().collect();
+    statements.sort_by(|a, b| a.keyword.cmp(&b.keyword));
+    for statement in statements {
+        let solved = match &statement.solved {
+            Solved::Native(_) => "yes".to_string(),
+            Solved::NoEffect(why) => format!("no effect on statics: {why}"),
+            Solved::External(why) => format!("no: {why}"),
+        };
+        let _ = writeln!(
+            out,
+            "| {} | yes | yes | yes | {solved} |",
+            statement.keyword.name
+        );
+    }
+    out
+}
