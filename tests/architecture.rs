@@ -1,0 +1,190 @@
+//! The house plan, held by machine: floors, file sizes, and generated code that is fresh.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+mod common;
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Every Rust file of the project's own folders, with its path from the root.
+fn rust_files() -> Vec<(String, String)> {
+    let mut found = Vec::new();
+    for folder in ["src", "tests", "grammar/src"] {
+        for path in common::files_below(&root().join(folder), "rs") {
+            let shown = path
+                .strip_prefix(root())
+                .expect("below the root")
+                .to_string_lossy()
+                .replace('\\', "/");
+            found.push((shown, fs::read_to_string(&path).expect("readable file")));
+        }
+    }
+    found
+}
+
+/// The floor table of the crate documentation: module and floor.
+fn floors() -> BTreeMap<String, usize> {
+    let text = fs::read_to_string(root().join("src/lib.rs")).expect("src/lib.rs");
+    text.lines()
+        .filter_map(|line| line.strip_prefix("//! | "))
+        .filter_map(|row| {
+            let mut cells = row.split(" | ");
+            let floor = cells.next()?.trim().parse().ok()?;
+            Some((cells.next()?.trim().to_string(), floor))
+        })
+        .collect()
+}
+
+/// The top-level modules a piece of code names as `crate::x` or `crate::{x, y::z}`.
+fn crate_modules(code: &str) -> BTreeSet<String> {
+    let word = |text: &str| -> String {
+        text.chars()
+            .take_while(|c| c.is_alphanumeric() || *c == '_')
+            .collect()
+    };
+    let mut found = BTreeSet::new();
+    for (at, _) in code.match_indices("crate::") {
+        if code[..at].ends_with(|c: char| c == '$' || c == '_' || c.is_alphanumeric()) {
+            continue;
+        }
+        let rest = &code[at + "crate::".len()..];
+        let Some(group) = rest.strip_prefix('{') else {
+            found.insert(word(rest));
+            continue;
+        };
+        let (mut depth, mut fresh) = (0_usize, true);
+        for (i, c) in group.char_indices() {
+            match c {
+                '{' => depth += 1,
+                '}' if depth == 0 => break,
+                '}' => depth -= 1,
+                ',' if depth == 0 => fresh = true,
+                c if fresh && !c.is_whitespace() => {
+                    found.insert(word(&group[i..]));
+                    fresh = false;
+                }
+                _ => {}
+            }
+        }
+    }
+    found
+}
+
+/// The code of a file without its comment lines.
+fn without_comments(text: &str) -> String {
+    text.lines()
+        .filter(|line| !line.trim_start().starts_with("//"))
+        .collect::<Vec<_>>()
+        .join("\n")
+}
+
+#[test]
+fn imports_point_down() {
+    let floors = floors();
+    assert!(floors.len() > 10, "the floor table of src/lib.rs is gone");
+    let mut wrong = Vec::new();
+    for (path, text) in rust_files() {
+        let Some(inside) = path.strip_prefix("src/") else {
+            continue;
+        };
+        let module = inside.split(['/', '.']).next().expect("a first piece");
+        if module == "lib" || module == "bin" {
+            continue;
+        }
+        let Some(floor) = floors.get(module) else {
+            wrong.push(format!("{path}: `{module}` is not in the floor table"));
+            continue;
+        };
+        for used in crate_modules(&without_comments(&text)) {
+            match floors.get(&used) {
+                _ if used == module => {}
+                None => wrong.push(format!("{path}: `crate::{used}` is not in the floor table")),
+                Some(other) if other < floor => {}
+                Some(other) => wrong.push(format!(
+                    "{path}: `{module}` (floor {floor}) uses `{used}` (floor {other})"
+                )),
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn the_floor_table_lists_what_there_is() {
+    let listed: BTreeSet<String> = floors().into_keys().collect();
+    let mut there = BTreeSet::new();
+    for entry in fs::read_dir(root().join("src")).expect("src") {
+        let path: PathBuf = entry.expect("readable entry").path();
+        let name = path
+            .file_stem()
+            .expect("a name")
+            .to_string_lossy()
+            .to_string();
+        if name != "lib" && name != "bin" {
+            there.insert(name);
+        }
+    }
+    assert_eq!(there, listed);
+}
+
+#[test]
+fn files_are_short() {
+    let mut long = Vec::new();
+    for (path, text) in rust_files() {
+        let lines = text.lines().count();
+        let limit = match path.as_str() {
+            "src/grammar/generated.rs" => continue,
+            path if path.starts_with("src/bin/") => 29,
+            _ => 600,
+        };
+        if lines > limit {
+            long.push(format!("{path}: {lines} lines, the limit is {limit}"));
+        }
+    }
+    assert!(long.is_empty(), "{}", long.join("\n"));
+}
+
+#[test]
+fn nothing_is_left_unfinished() {
+    let mut wrong = Vec::new();
+    for (path, text) in rust_files() {
+        if !path.starts_with("src/") {
+            continue;
+        }
+        let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+        for word in [
+            ".unwrap()",
+            "todo!(",
+            "unimplemented!(",
+            "dbg!(",
+            "Result<_, String>",
+        ] {
+            if without_comments(code).contains(word) {
+                wrong.push(format!("{path}: `{word}`"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn the_generated_tables_are_fresh() {
+    let grammar = grammar::read(&root().join("grammar")).unwrap_or_else(|e| panic!("{e}"));
+    let committed =
+        fs::read_to_string(root().join("src/grammar/generated.rs")).expect("generated.rs");
+    assert!(
+        committed == grammar::emit(&grammar),
+        "src/grammar/generated.rs is stale: cargo run -p grammar"
+    );
+}
+
+#[test]
+fn crate_modules_are_found_in_every_spelling() {
+    let code = "use crate::text::{Edit, Span}; use crate::{units, model::Part}; fn f(x: crate::syntax::Address) {}";
+    let found: Vec<_> = crate_modules(code).into_iter().collect();
+    assert_eq!(found, ["model", "syntax", "text", "units"]);
+}
