@@ -64,3 +64,63 @@ impl Constraint for Convel {
         add_product(motion, 1, 0, sign, multipliers[3], 3, out);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::{Vec3, exp};
+
+    /// A twist by `angle` about zj of markers whose z axes are co-directed or opposed, straight.
+    fn twisted(angle: f64, opposed: bool) -> RelativeMotion {
+        let design = if opposed {
+            exp(&Vec3::new(std::f64::consts::PI, 0.0, 0.0))
+        } else {
+            Mat3::identity()
+        };
+        RelativeMotion {
+            p_ij_j: Vec3::zeros(),
+            R_ji: exp(&Vec3::new(0.0, 0.0, angle)) * design,
+            angles: Vec3::zeros(),
+        }
+    }
+
+    #[test]
+    fn the_right_sense_resists_a_twist_and_the_wrong_one_does_not() {
+        for opposed in [false, true] {
+            let right = Convel::for_design(&twisted(0.0, opposed));
+            let wrong = match right {
+                Convel::CoDirected => Convel::Opposed,
+                Convel::Opposed => Convel::CoDirected,
+            };
+            let mut out = Equations::default();
+            for angle in [-2.0, -0.4, 0.3, 1.5] {
+                let motion = twisted(angle, opposed);
+                right.evaluate(&motion, &[], &[0.0; 4], &mut out);
+                // 2 sin(angle) up to sign.
+                assert!((out.residual[3].abs() - 2.0 * angle.sin().abs()).abs() < 1e-14);
+                wrong.evaluate(&motion, &[], &[0.0; 4], &mut out);
+                assert!(out.residual[3].abs() < 1e-14);
+                assert!(out.jacobian[3][5].abs() < 1e-14);
+            }
+        }
+    }
+
+    /// Constant velocity: with the shafts bent by beta in any plane, turning both by the same angle keeps the equation; a
+    /// Hooke joint would not.
+    #[test]
+    fn both_shafts_turn_alike_when_bent() {
+        let mut out = Equations::default();
+        let bend = exp(&Vec3::new(0.0, 0.5, 0.0));
+        for turn in [0.0, 0.4, 1.1, 2.9] {
+            let spin = exp(&Vec3::new(0.0, 0.0, turn));
+            let motion = RelativeMotion {
+                p_ij_j: Vec3::zeros(),
+                // J turns by `turn` about its own z, I about its own: R_ji = Rz(-turn) bend Rz(turn).
+                R_ji: spin.transpose() * bend * spin,
+                angles: Vec3::zeros(),
+            };
+            Convel::CoDirected.evaluate(&motion, &[], &[0.0; 4], &mut out);
+            assert!(out.residual[3].abs() < 1e-14, "{turn}");
+        }
+    }
+}

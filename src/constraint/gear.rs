@@ -47,7 +47,33 @@ pub fn gear_terms(kind: GearedJoint, j: &Pose, cv: &Pose, factor: f64) -> [Optio
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::Mat3;
+    use crate::mechanics::{Mat3, exp};
+
+    /// The terms are the speed of the geared part's point at the CV marker, for a carrier in general position.
+    #[test]
+    fn terms_are_the_speed_along_the_cv_axis() {
+        let carrier = Pose {
+            p: Vec3::new(5.0, -2.0, 8.0),
+            R: exp(&Vec3::new(0.4, 1.1, -0.6)),
+        };
+        let place = |p: Vec3, turn: Vec3| carrier.compose(&Pose { p, R: exp(&turn) });
+        let j = place(Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.2, -0.8, 0.5));
+        let cv = place(Vec3::new(-4.0, 9.0, 1.0), Vec3::new(-0.2, 0.3, 0.9));
+        // The point of the geared part that sits at the CV origin, in J axes.
+        let point = j.R.transpose() * (cv.p - j.p);
+        let along = |turn: f64, shift: f64| {
+            let moved = j.p + j.R * (exp(&Vec3::new(0.0, 0.0, turn)) * point + Vec3::z() * shift);
+            moved.dot(&cv.R.column(2))
+        };
+        let h = 1e-5;
+        let [rotation, translation] =
+            gear_terms(GearedJoint::Cylindrical, &j, &cv, 1.0).map(|term| term.expect("both"));
+        let turning = (along(h, 0.0) - along(-h, 0.0)) / (2.0 * h);
+        let sliding = (along(0.0, h) - along(0.0, -h)) / (2.0 * h);
+        assert!((rotation.scale - turning).abs() < 1e-8);
+        assert!((translation.scale - sliding).abs() < 1e-8);
+        assert!(rotation.scale.abs() > 0.1 && translation.scale.abs() > 0.1);
+    }
 
     /// External spur gears of radii 30 and 60 on parallel axes: 30 q1 = -60 q2 (they turn against each other, half as fast).
     #[test]

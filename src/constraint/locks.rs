@@ -28,13 +28,11 @@ impl Constraint for Locks {
     }
 
     fn equation_name(&self, k: usize) -> &'static str {
-        match self.distances.get(k) {
-            Some(&axis) => DISTANCE_NAMES[axis],
-            None => {
-                let (i, j) = self.products[k - self.distances.len()];
-                PRODUCT_NAMES[i][j]
-            }
+        if let Some(&axis) = self.distances.get(k) {
+            return DISTANCE_NAMES[axis];
         }
+        let (i, j) = self.products[k - self.distances.len()];
+        PRODUCT_NAMES[i][j]
     }
 
     fn evaluate(

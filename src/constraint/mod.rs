@@ -15,6 +15,7 @@ mod measure;
 mod pair_constraint;
 pub mod primitive;
 mod rack_pinion;
+mod registry;
 mod screw;
 
 pub use convel::Convel;
@@ -25,4 +26,5 @@ pub use locks::Locks;
 pub use measure::{Measure, Measured};
 pub use pair_constraint::PairConstraint;
 pub use rack_pinion::RackPinion;
+pub use registry::{CONSTRAINTS, ConstraintEntry};
 pub use screw::Screw;

@@ -47,3 +47,27 @@ impl Constraint for RackPinion {
         out.jacobian_by_parameter = turn.row * (-0.5 * SENSE);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::{Mat3, Vec3, exp};
+
+    /// A pinion of pitch diameter 20 that turns 7.5 rad moves the rack by 75, more than a turn away.
+    #[test]
+    fn the_rack_advances_by_radius_times_turn() {
+        // At rest xi along zj, zi along yj.
+        let rest = Mat3::new(0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0);
+        let turn = 7.5;
+        let motion = RelativeMotion {
+            p_ij_j: Vec3::new(3.0, 0.0, -75.0),
+            R_ji: rest * exp(&Vec3::new(0.0, 0.0, turn)),
+            angles: Vec3::zeros(),
+        };
+        let mut out = Equations::default();
+        RackPinion.evaluate(&motion, &[20.0], &[1.0], &mut out);
+        assert!(out.residual[0].abs() < 1e-12, "{}", out.residual[0]);
+        // Only the turn about zi = yj and the travel count.
+        assert!((out.jacobian[0] - Vec6::new(0.0, 0.0, -1.0, 0.0, -10.0, 0.0)).norm() < 1e-12);
+    }
+}

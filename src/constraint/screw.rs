@@ -42,3 +42,24 @@ impl Constraint for Screw {
         out.jacobian_by_parameter = turn.row / -std::f64::consts::TAU;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::{Vec3, exp};
+
+    /// A right-handed screw of pitch 5 advances 12.5 along zj in two and a half turns.
+    #[test]
+    fn a_screw_advances_by_its_pitch_per_turn() {
+        let turn = 2.5 * std::f64::consts::TAU;
+        let motion = RelativeMotion {
+            p_ij_j: Vec3::new(0.0, 0.0, 12.5),
+            R_ji: exp(&Vec3::new(0.0, 0.0, turn)),
+            angles: Vec3::new(0.0, 0.0, turn),
+        };
+        let mut out = Equations::default();
+        Screw.evaluate(&motion, &[5.0], &[1.0], &mut out);
+        assert!(out.residual[0].abs() < 1e-13);
+        assert!(out.curvature.column(2).norm() < 1e-15);
+    }
+}

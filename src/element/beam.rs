@@ -44,9 +44,9 @@ const PLACES: [(usize, usize); 8] = [
 ];
 
 /// The entries at [`PLACES`] as functions of the parameters.
-fn entries(theta: [Dual; 9]) -> [Dual; 8] {
+fn entries<N: Number>(theta: [N; 9]) -> [N; 8] {
     let [l, area, ixx, iyy, izz, e, g, asy, asz] = theta;
-    let bending = |i: Dual, shear: Dual, sign: f64| {
+    let bending = |i: N, shear: N, sign: f64| {
         let p = e
             .times(i)
             .times(shear)
@@ -75,7 +75,7 @@ fn entries(theta: [Dual; 9]) -> [Dual; 8] {
 }
 
 /// The stiffness matrix of these nine parameters.
-fn stiffness(entries: &[Dual; 8], pick: impl Fn(&Dual) -> f64) -> Mat6 {
+fn stiffness<N>(entries: &[N; 8], pick: impl Fn(&N) -> f64) -> Mat6 {
     let mut K = Mat6::zeros();
     for (entry, (a, b)) in entries.iter().zip(PLACES) {
         K[(a, b)] = pick(entry);
@@ -97,16 +97,13 @@ impl Law for Beam {
         out: &mut Wrench,
     ) -> Result<(), Degenerate> {
         let d = Deflection::of(motion)?;
-        let mut seeds = [Dual::default(); 9];
-        for (n, seed) in seeds.iter_mut().enumerate() {
-            seed.value = theta[n];
-            seed.slopes[n] = 1.0;
-        }
-        let entries = entries(seeds);
-        let K = stiffness(&entries, |entry| entry.value);
+        let values: [f64; 9] = std::array::from_fn(|n| theta[n]);
+        let K = stiffness(&entries(values), |&entry| entry);
         let q = d.coordinates() - Vec6::ith(0, theta[0]);
         linear(&K, &q, &Vec6::zeros(), &d, out);
         if with_parameters {
+            let seeds = std::array::from_fn(|n| Dual::seed(values[n], n));
+            let entries = entries(seeds);
             let columns = out.parameter_columns(9);
             for (n, column) in columns.iter_mut().enumerate() {
                 *column = -stiffness(&entries, |entry| entry.slopes[n]) * q;
@@ -118,40 +115,80 @@ impl Law for Beam {
     }
 }
 
+/// The arithmetic the entries need, for plain numbers and for numbers with derivatives.
+trait Number: Copy {
+    fn times(self, other: Self) -> Self;
+    fn over(self, other: Self) -> Self;
+    fn scaled(self, factor: f64) -> Self;
+    fn plus(self, constant: f64) -> Self;
+}
+
+impl Number for f64 {
+    fn times(self, other: Self) -> Self {
+        self * other
+    }
+
+    fn over(self, other: Self) -> Self {
+        self / other
+    }
+
+    fn scaled(self, factor: f64) -> Self {
+        self * factor
+    }
+
+    fn plus(self, constant: f64) -> Self {
+        self + constant
+    }
+}
+
 /// A number with its derivatives by the nine parameters.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Dual {
     value: f64,
     slopes: [f64; 9],
 }
 
 impl Dual {
-    fn with(self, value: f64, slope: impl Fn(usize) -> f64) -> Self {
+    /// Parameter `n` itself.
+    fn seed(value: f64, n: usize) -> Self {
+        let mut slopes = [0.0; 9];
+        slopes[n] = 1.0;
+        Self { value, slopes }
+    }
+}
+
+impl Number for Dual {
+    fn times(self, other: Self) -> Self {
         Self {
-            value,
-            slopes: std::array::from_fn(slope),
+            value: self.value * other.value,
+            slopes: std::array::from_fn(|n| {
+                self.slopes[n] * other.value + self.value * other.slopes[n]
+            }),
         }
     }
 
-    fn times(self, other: Self) -> Self {
-        self.with(self.value * other.value, |n| {
-            self.slopes[n] * other.value + self.value * other.slopes[n]
-        })
-    }
-
     fn over(self, other: Self) -> Self {
-        let quotient = self.value / other.value;
-        self.with(quotient, |n| {
-            (self.slopes[n] - quotient * other.slopes[n]) / other.value
-        })
+        let value = self.value / other.value;
+        Self {
+            value,
+            slopes: std::array::from_fn(|n| {
+                (self.slopes[n] - value * other.slopes[n]) / other.value
+            }),
+        }
     }
 
     fn scaled(self, factor: f64) -> Self {
-        self.with(self.value * factor, |n| self.slopes[n] * factor)
+        Self {
+            value: self.value * factor,
+            slopes: self.slopes.map(|slope| slope * factor),
+        }
     }
 
     fn plus(self, constant: f64) -> Self {
-        self.with(self.value + constant, |n| self.slopes[n])
+        Self {
+            value: self.value + constant,
+            ..self
+        }
     }
 }
 

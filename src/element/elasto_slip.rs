@@ -71,12 +71,12 @@ impl ElastoSlip {
     ///
     /// # Errors
     /// [`Degenerate`] where the angle is undefined.
-    pub fn anchor_after(&self, motion: &RelativeMotion, theta: &[f64]) -> Result<f64, Degenerate> {
+    pub fn anchor_after(self, motion: &RelativeMotion, theta: &[f64]) -> Result<f64, Degenerate> {
         Ok(Slip::at(self.displacement(motion)?.0, theta).anchor_after)
     }
 
     /// The displacement and its derivative by the motion.
-    fn displacement(&self, motion: &RelativeMotion) -> Result<(f64, Vec6), Degenerate> {
+    fn displacement(self, motion: &RelativeMotion) -> Result<(f64, Vec6), Degenerate> {
         if self.component < 3 {
             let u = motion.p_ij_j[self.component];
             return Ok((u, Vec6::ith(self.component, 1.0)));

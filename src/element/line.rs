@@ -13,8 +13,7 @@ const ZERO_LENGTH: f64 = 1e-12;
 impl Line {
     pub(super) fn of(motion: &RelativeMotion) -> Result<Self, Degenerate> {
         let length = motion.p_ij_j.norm();
-        // Negated so that a length that is not a number is caught too.
-        if !(length > ZERO_LENGTH) {
+        if length.is_nan() || length <= ZERO_LENGTH {
             return Err(Degenerate::ZeroLengthLine);
         }
         Ok(Self {

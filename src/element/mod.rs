@@ -12,6 +12,9 @@ mod field;
 mod force_law;
 mod law;
 mod line;
+mod nforce;
+mod parameter;
+mod registry;
 mod scalar_force;
 mod springdamper;
 
@@ -22,5 +25,8 @@ pub use elasto_slip::{ElastoSlip, Slip};
 pub use field::Field;
 pub use force_law::ForceLaw;
 pub use law::{Law, Wrench};
+pub use nforce::{MultiPoint, MultiWrench};
+pub use parameter::ParameterGroup;
+pub use registry::{LAWS, LawEntry};
 pub use scalar_force::ScalarForce;
 pub use springdamper::{RotationalSpring, TranslationalSpring};

@@ -6,6 +6,8 @@
 mod pose;
 mod relative_motion;
 mod rotation;
+#[cfg(test)]
+pub(crate) mod testing;
 
 pub use pose::Pose;
 pub use relative_motion::RelativeMotion;
