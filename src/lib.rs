@@ -52,6 +52,7 @@ pub mod grammar;
 pub mod mechanics;
 pub mod model;
 pub mod report;
+pub mod results;
 pub mod session;
 pub mod syntax;
 pub mod text;

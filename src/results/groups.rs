@@ -1,0 +1,89 @@
+use super::{Catalogue, NumberStyle, StepKind, write_number};
+
+/// Longest line of values.
+const WIDTH: usize = 120;
+
+/// Where the values of a step begin new lines.
+///
+/// Measured on all real files: TIME has a line of its own; every entity begins a line, a body once for its displacements,
+/// once for its velocities, once for its accelerations; a line that would grow past 120 characters is wrapped before the
+/// number that does not fit. In the step `input` everything behind the bodies is not grouped by entity: its first line has
+/// six values, the following ones seven.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Groups {
+    breaks: Vec<bool>,
+    bodies_end: usize,
+}
+
+impl Groups {
+    /// The groups of a catalogue.
+    pub fn new(catalogue: &Catalogue) -> Self {
+        let mut breaks = Vec::with_capacity(catalogue.len());
+        let mut bodies_end = 1;
+        let mut previous: Option<&super::Entity> = None;
+        for (at, column) in catalogue.by_position().into_iter().enumerate() {
+            let Some(column) = column else {
+                breaks.push(at == 0);
+                continue;
+            };
+            let entity = column.entity;
+            let follows = previous.is_some_and(|before| std::ptr::eq(before, entity));
+            let body = matches!(
+                entity.ent_type.as_deref(),
+                Some("Part" | "Point_Mass" | "Flexible_Body")
+            );
+            let order = body && matches!(column.component.name.as_str(), "VX" | "ACCX");
+            if body {
+                bodies_end = bodies_end.max(column.component.id);
+            }
+            breaks.push(!follows || order);
+            previous = Some(entity);
+        }
+        Self { breaks, bodies_end }
+    }
+
+    /// Number of values in a step.
+    pub fn len(&self) -> usize {
+        self.breaks.len()
+    }
+
+    /// True if steps hold nothing.
+    pub fn is_empty(&self) -> bool {
+        self.breaks.is_empty()
+    }
+
+    /// Appends the lines of one step, each with `line_end`. `values` are as many as there are columns.
+    pub fn write(
+        &self,
+        out: &mut Vec<u8>,
+        kind: StepKind,
+        values: &[f64],
+        style: NumberStyle,
+        line_end: &[u8],
+    ) {
+        let mut column = 0;
+        let mut number = Vec::with_capacity(32);
+        for (at, &value) in values.iter().enumerate() {
+            number.clear();
+            write_number(&mut number, value, style);
+            let new_line = if kind == StepKind::Input && at > self.bodies_end {
+                (at - self.bodies_end + 1) % 7 == 0
+            } else {
+                self.breaks.get(at).copied().unwrap_or(false)
+            };
+            if at == 0 {
+                column = number.len();
+            } else if new_line || column + 1 + number.len() > WIDTH {
+                out.extend_from_slice(line_end);
+                column = number.len();
+            } else {
+                out.push(b' ');
+                column += 1 + number.len();
+            }
+            out.extend_from_slice(&number);
+        }
+        if !values.is_empty() {
+            out.extend_from_slice(line_end);
+        }
+    }
+}

@@ -1,0 +1,25 @@
+//! Result files: XRF (`.res`), its older formatted form, requests (`.req`), graphics (`.gra`) and tabular output (`.out`).
+//!
+//! Layouts and numbers are those of ADAMS-FORMATS sections 6 and 12, measured on files that ADAMS wrote. Knows nothing about
+//! models and solvers: a writer is told names, units and values; a reader gives back the same. A component's id is the
+//! 1-based position of its value in every step, and nothing else ever decides which number belongs to which name.
+
+mod catalogue;
+mod entity_kind;
+mod groups;
+mod header;
+mod number;
+mod numbering;
+mod step_kind;
+mod timestamp;
+mod xrf_writer;
+
+pub use catalogue::{Catalogue, Column, Component, Entity};
+pub use entity_kind::EntityKind;
+pub use groups::Groups;
+pub use header::{Header, ResultUnits};
+pub use number::{NumberStyle, write_number};
+pub use numbering::{Numbering, Stored};
+pub use step_kind::StepKind;
+pub use timestamp::Timestamp;
+pub use xrf_writer::{LineEnd, Style, XrfWriter};

@@ -1,0 +1,206 @@
+use crate::units::{Dimension, Units};
+
+use super::entity_kind::Shape;
+use super::{Catalogue, Component, Entity, EntityKind};
+
+/// Which derivatives of displacements are stored (RESULTS/NOVELOCITIES, NOACCELERATIONS).
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Stored {
+    /// Velocities are stored.
+    pub velocities: bool,
+    /// Accelerations are stored.
+    pub accelerations: bool,
+}
+
+impl Default for Stored {
+    fn default() -> Self {
+        Self {
+            velocities: true,
+            accelerations: true,
+        }
+    }
+}
+
+/// Names and numbers the columns of a run as ADAMS does (ADAMS-FORMATS 6.1, 12).
+///
+/// TIME is 1; then come the displacements of all bodies, then all velocities, then all accelerations; then the other objects
+/// by kind in the order of [`EntityKind`], inside a kind in the order they were added. Values go into a step in the same
+/// order.
+#[derive(Clone, Debug)]
+pub struct Numbering {
+    units: Units,
+    stored: Stored,
+    objects: Vec<(EntityKind, Entity)>,
+}
+
+const LINEAR: [[&str; 3]; 3] = [
+    ["X", "Y", "Z"],
+    ["VX", "VY", "VZ"],
+    ["ACCX", "ACCY", "ACCZ"],
+];
+const ANGULAR: [[&str; 3]; 3] = [
+    ["PSI", "THETA", "PHI"],
+    ["WX", "WY", "WZ"],
+    ["WDX", "WDY", "WDZ"],
+];
+
+impl Numbering {
+    /// An empty numbering in the units of a dataset.
+    pub fn new(units: Units, stored: Stored) -> Self {
+        Self {
+            units,
+            stored,
+            objects: Vec::new(),
+        }
+    }
+
+    /// Adds an object with the columns of its kind. `view_name` is the full name (`.model.testrig.arm`), without one the kind
+    /// and id name it. `channels` counts the variables of PINPUT and POUTPUT; other kinds do not look at it.
+    pub fn object(&mut self, kind: EntityKind, view_name: Option<&str>, id: i64, channels: usize) {
+        let components = match kind.shape() {
+            Shape::Pose | Shape::Position | Shape::Named => Vec::new(),
+            Shape::Place => self.kinematic(0, true),
+            Shape::Force => self.force(false),
+            Shape::ForceAndAngles => self.force(true),
+            Shape::Value => vec![component("Q", None)],
+            Shape::ValueAndDerivative => vec![component("Q", None), component("DQ", None)],
+            Shape::Inputs => (1..=channels)
+                .map(|n| component(format!("IN{n}"), None))
+                .collect(),
+            Shape::Outputs => (1..=channels)
+                .map(|n| component(format!("OUT{n}"), None))
+                .collect(),
+        };
+        self.add(kind, view_name, id, None, components);
+    }
+
+    /// Adds a request, or another object whose columns the statement names, with a unit for each column where it has one.
+    pub fn named(
+        &mut self,
+        kind: EntityKind,
+        view_name: Option<&str>,
+        id: i64,
+        comment: Option<&str>,
+        columns: &[(&str, Option<&str>)],
+    ) {
+        let components = columns
+            .iter()
+            .map(|&(name, unit)| component(name, unit.map(str::to_string)))
+            .collect();
+        self.add(kind, view_name, id, comment, components);
+    }
+
+    fn add(
+        &mut self,
+        kind: EntityKind,
+        view_name: Option<&str>,
+        id: i64,
+        comment: Option<&str>,
+        components: Vec<Component>,
+    ) {
+        let object = view_name.map_or_else(|| kind.default_name(id), without_model);
+        let last = object.rsplit('.').next().unwrap_or(&object);
+        let suffix = if kind.is_body() || kind == EntityKind::FloatingMarker {
+            "_XFORM"
+        } else {
+            ""
+        };
+        let entity = Entity {
+            name: format!("{last}{suffix}"),
+            ent_type: Some(kind.ent_type().to_string()),
+            object_id: Some(id),
+            comment: comment.map(str::to_string),
+            components,
+            entity: Some(object),
+        };
+        self.objects.push((kind, entity));
+    }
+
+    /// The catalogue with every id.
+    pub fn finish(mut self) -> Catalogue {
+        let mut next = 1;
+        let mut number = |components: &mut [Component]| {
+            for component in components {
+                component.id = next;
+                next += 1;
+            }
+        };
+        let mut time = vec![component("TIME", self.unit(Dimension::TIME))];
+        number(&mut time);
+        let mut objects = std::mem::take(&mut self.objects);
+        objects.sort_by_key(|(kind, _)| *kind);
+        let stored = [true, self.stored.velocities, self.stored.accelerations];
+        for order in (0..3).filter(|&order| stored[order]) {
+            for (kind, entity) in objects.iter_mut().filter(|(kind, _)| kind.is_body()) {
+                let mut more = self.kinematic(order, kind.shape() == Shape::Pose);
+                number(&mut more);
+                entity.components.append(&mut more);
+            }
+        }
+        for (_, entity) in objects.iter_mut().filter(|(kind, _)| !kind.is_body()) {
+            number(&mut entity.components);
+        }
+        let mut entities = vec![Entity {
+            name: "time".to_string(),
+            components: time,
+            ..Entity::default()
+        }];
+        entities.extend(objects.into_iter().map(|(_, entity)| entity));
+        Catalogue::new(entities)
+    }
+
+    fn unit(&self, dimension: Dimension) -> Option<String> {
+        Some(self.units.name(dimension)).filter(|name| !name.is_empty())
+    }
+
+    /// Displacements (order 0), velocities (1) or accelerations (2).
+    fn kinematic(&self, order: usize, angles: bool) -> Vec<Component> {
+        let time = -(order as i8);
+        let linear = Dimension {
+            time,
+            ..Dimension::LENGTH
+        };
+        let angular = Dimension {
+            time,
+            ..Dimension::ANGLE
+        };
+        let mut components = self.each(&LINEAR[order], linear);
+        if angles {
+            components.extend(self.each(&ANGULAR[order], angular));
+        }
+        components
+    }
+
+    fn force(&self, angles: bool) -> Vec<Component> {
+        let mut components = self.each(&["FX", "FY", "FZ"], Dimension::FORCE);
+        components.extend(self.each(&["TX", "TY", "TZ"], Dimension::TORQUE));
+        if angles {
+            components.extend(self.each(&["ANGX", "ANGY", "ANGZ"], Dimension::ANGLE));
+        }
+        components
+    }
+
+    fn each(&self, names: &[&str], dimension: Dimension) -> Vec<Component> {
+        names
+            .iter()
+            .map(|&name| component(name, self.unit(dimension)))
+            .collect()
+    }
+}
+
+fn component(name: impl Into<String>, units: Option<String>) -> Component {
+    Component {
+        name: name.into(),
+        units,
+        id: 0,
+    }
+}
+
+/// `.model.testrig.arm` gives `testrig.arm`; a name without a leading dot has no model in front.
+fn without_model(view_name: &str) -> String {
+    match view_name.strip_prefix('.') {
+        Some(full) => full.split_once('.').map_or(full, |(_, object)| object),
+        None => view_name,
+    }
+    .to_string()
+}

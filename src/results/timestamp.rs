@@ -1,0 +1,76 @@
+use std::time::{SystemTime, UNIX_EPOCH};
+
+/// A moment in UTC, as result files spell it.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub struct Timestamp {
+    seconds: i64,
+}
+
+impl Timestamp {
+    /// Now.
+    pub fn now() -> Self {
+        let seconds = SystemTime::now()
+            .duration_since(UNIX_EPOCH)
+            .map_or(0, |elapsed| elapsed.as_secs() as i64);
+        Self { seconds }
+    }
+
+    /// A moment from seconds since 1970-01-01 00:00:00 UTC.
+    pub const fn from_unix(seconds: i64) -> Self {
+        Self { seconds }
+    }
+
+    /// `YYYY-MM-DD HH:MM:SS`.
+    pub fn date_time(self) -> String {
+        let (year, month, day) = civil(self.seconds.div_euclid(86_400));
+        let of_day = self.seconds.rem_euclid(86_400);
+        format!(
+            "{year:04}-{month:02}-{day:02} {:02}:{:02}:{:02}",
+            of_day / 3600,
+            of_day / 60 % 60,
+            of_day % 60
+        )
+    }
+
+    /// `YYYY-MM-DD HH:MM:SS+00:00`.
+    pub fn with_offset(self) -> String {
+        format!("{}+00:00", self.date_time())
+    }
+}
+
+/// Year, month and day in the Gregorian calendar from days since 1970-01-01 (era arithmetic, years begin in March).
+fn civil(days: i64) -> (i64, i64, i64) {
+    let shifted = days + 719_468;
+    let era = shifted.div_euclid(146_097);
+    let of_era = shifted.rem_euclid(146_097);
+    let year_of_era = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
+    let of_year = of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let month_from_march = (5 * of_year + 2) / 153;
+    let day = of_year - (153 * month_from_march + 2) / 5 + 1;
+    let month = if month_from_march < 10 {
+        month_from_march + 3
+    } else {
+        month_from_march - 9
+    };
+    let year = year_of_era + era * 400 + i64::from(month <= 2);
+    (year, month, day)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dates_follow_the_calendar() {
+        // Known moments: `date -u -d @N`.
+        assert_eq!(Timestamp::from_unix(0).date_time(), "1970-01-01 00:00:00");
+        assert_eq!(
+            Timestamp::from_unix(951_827_696).with_offset(),
+            "2000-02-29 12:34:56+00:00"
+        );
+        assert_eq!(
+            Timestamp::from_unix(1_735_689_599).date_time(),
+            "2024-12-31 23:59:59"
+        );
+    }
+}
