@@ -54,6 +54,8 @@ pub mod model;
 pub mod report;
 pub mod results;
 pub mod session;
+pub mod statics;
 pub mod syntax;
+pub mod system;
 pub mod text;
 pub mod units;

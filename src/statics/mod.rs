@@ -1,0 +1,15 @@
+//! Static equilibrium and its sensitivities.
+//!
+//! Newton's method on the force balance with Lagrange multipliers. Knows no files and no commands.
+
+mod dense;
+mod newton;
+mod rank;
+mod report;
+mod settings;
+mod tangent;
+
+pub use newton::{Solver, solve};
+pub use report::{Continuation, FreeMotion, Iteration, Report, SolveError};
+pub use settings::Settings;
+pub use tangent::{Tangent, point_change};

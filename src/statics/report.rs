@@ -1,0 +1,111 @@
+use std::fmt;
+
+use crate::mechanics::Vec3;
+use crate::system::{Name, NoValue};
+
+/// One iteration as it went.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Iteration {
+    /// Largest residual of any equation before the step.
+    pub imbalance: f64,
+    /// Largest relative correction.
+    pub correction: f64,
+    /// Fraction of the Newton step that was taken.
+    pub step: f64,
+}
+
+/// A motion that nothing resists.
+#[derive(Clone, PartialEq, Debug)]
+pub struct FreeMotion {
+    /// The part that moves most.
+    pub part: Name,
+    /// Other parts that take part in it.
+    pub others: Vec<Name>,
+    /// What moves how: `spins freely about the line MARKER/13-MARKER/15`.
+    pub motion: String,
+    /// Direction of the translation or of the rotation axis, ground axes.
+    pub axis: Vec3,
+    /// True if parts with mass move: STABILITY holds them where they are.
+    pub has_mass: bool,
+}
+
+impl fmt::Display for FreeMotion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}", self.part, self.motion)?;
+        for (k, other) in self.others.iter().enumerate() {
+            write!(
+                f,
+                "{} {other}",
+                if k == 0 { ", together with" } else { "," }
+            )?;
+        }
+        Ok(())
+    }
+}
+
+/// How a converged solve went.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Report {
+    /// Iterations in all, those of continuation included.
+    pub iterations: usize,
+    /// Largest residual of any equation at the end.
+    pub imbalance: f64,
+    /// Largest relative correction of the last iteration.
+    pub correction: f64,
+    /// Every iteration of the last sequence.
+    pub history: Vec<Iteration>,
+    /// Motions nothing resists, harmless because nothing drives them and mass holds them.
+    pub free_motions: Vec<FreeMotion>,
+    /// Redundant constraint equations that were removed, as `Zi.Xj in JOINT/4`.
+    pub redundant: Vec<String>,
+    /// How the equilibrium was reached if not by plain iteration.
+    pub continuation: Option<Continuation>,
+    /// Iterations whose step was shortened beyond TLIMIT and ALIMIT.
+    pub shortened: usize,
+}
+
+/// Help that was needed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Continuation {
+    /// The imbalance of the start was released in so many steps.
+    Load {
+        /// How many.
+        steps: usize,
+    },
+    /// Motions were slowed down as by a damper, less and less.
+    Damped,
+}
+
+/// Why there is no equilibrium.
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+pub enum SolveError {
+    /// The iteration did not reach the tolerances.
+    #[error(
+        "no equilibrium after {} iterations: largest imbalance {imbalance:.3e} at {worst}",
+        history.len()
+    )]
+    NotConverged {
+        /// The equation with the largest imbalance: `PART/4 'KNUCKLE' force along z`.
+        worst: String,
+        /// Its imbalance.
+        imbalance: f64,
+        /// Every iteration of the last sequence.
+        history: Vec<Iteration>,
+        /// Usual causes that are present in this model.
+        causes: Vec<String>,
+    },
+    /// A massless part moves without any resistance.
+    #[error("{0}: it has neither stiffness nor mass there")]
+    FreeMotion(FreeMotion),
+    /// A removed constraint equation is violated where the others hold.
+    #[error("{equation} contradicts the other constraints: it is violated by {violation:.3e}")]
+    Inconsistent {
+        /// The equation, as `Zi.Xj in JOINT/4`.
+        equation: String,
+        /// Its residual.
+        violation: f64,
+    },
+    /// An element has no value in this configuration.
+    #[error(transparent)]
+    NoValue(#[from] NoValue),
+}

@@ -1,0 +1,111 @@
+use super::SolveError;
+use super::dense::Dense;
+use crate::mechanics::{Vec3, Vec6};
+use crate::model::{MarkerIx, PartIx};
+use crate::system::{Parameters, Scratch, Slot, State, System};
+
+/// The linearised equations at an equilibrium, factored: `J dx = -dg`.
+///
+/// Vectors of unknowns are laid out as [`System`] says; a part's share is at [`System::part_unknowns`].
+#[derive(Clone, Debug)]
+pub struct Tangent {
+    factors: Dense,
+    scratch: Scratch,
+}
+
+impl Tangent {
+    /// At an equilibrium.
+    ///
+    /// # Errors
+    /// [`SolveError::NoValue`] if an element has no value there.
+    pub fn new(
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+    ) -> Result<Self, SolveError> {
+        let mut new = Self {
+            factors: Dense::new(system.unknowns()),
+            scratch: Scratch::new(system),
+        };
+        let mut g = vec![0.0; system.unknowns()];
+        system.assemble(
+            parameters,
+            state,
+            &mut new.scratch,
+            &mut g,
+            &mut new.factors,
+        )?;
+        new.factors.factor();
+        Ok(new)
+    }
+
+    /// How many motions nothing resists; they are held where they are.
+    pub fn deficiency(&self) -> usize {
+        self.factors.deficiency()
+    }
+
+    /// The change of the unknowns under a change `dg` of the residual: replaces `dg` by `-J^-1 dg`.
+    pub fn respond(&mut self, dg: &mut [f64]) {
+        for value in dg.iter_mut() {
+            *value = -*value;
+        }
+        self.factors.solve(dg);
+    }
+
+    /// Replaces the weights w of the unknowns by `a = -J^-T w`: then `d(w . x) = a . dg` for every change of the residual.
+    pub fn adjoint(&mut self, weights: &mut [f64]) {
+        for value in weights.iter_mut() {
+            *value = -*value;
+        }
+        self.factors.solve_transposed(weights);
+    }
+
+    /// The change of the unknowns per unit of a number of theta.
+    ///
+    /// # Errors
+    /// [`SolveError::NoValue`] if an element has no value there.
+    pub fn by_slot(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+        slot: Slot,
+    ) -> Result<Vec<f64>, SolveError> {
+        let mut dg = vec![0.0; system.unknowns()];
+        system.residual_by_slot(parameters, state, &mut self.scratch, slot, &mut dg)?;
+        self.respond(&mut dg);
+        Ok(dg)
+    }
+
+    /// The change of the unknowns under a wrench on marker I in J axes, with its opposite at the same point of the part of J.
+    pub fn by_wrench(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+        (i, j): (MarkerIx, MarkerIx),
+        wrench_j: &Vec6,
+    ) -> Vec<f64> {
+        let mut dg =
+            system.unit_wrench_column(parameters, state, &mut self.scratch, (i, j), wrench_j);
+        self.respond(&mut dg);
+        dg
+    }
+}
+
+/// The change of a point of a part under a change of the unknowns, ground axes. `local` in part axes.
+pub fn point_change(
+    system: &System,
+    state: &State,
+    part: PartIx,
+    local: &Vec3,
+    dx: &[f64],
+) -> Vec3 {
+    let d = &dx[system.part_unknowns(part)];
+    let arm = state.poses[part.0].R * local;
+    match d.len() {
+        6 => Vec3::new(d[0], d[1], d[2]) + Vec3::new(d[3], d[4], d[5]).cross(&arm),
+        3 => Vec3::new(d[0], d[1], d[2]),
+        _ => Vec3::zeros(),
+    }
+}

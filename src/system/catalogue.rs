@@ -1,0 +1,229 @@
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use crate::syntax::Address;
+use crate::units::Dimension;
+
+/// Index of one number of theta.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
+pub struct Slot(pub usize);
+
+/// What the numbers of a group mean, to whoever differentiates by them.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Role {
+    /// Arguments of the force law of an element.
+    Law { element: usize },
+    /// PITCH or PD of a joint.
+    Joint { joint: usize },
+    /// QP and REULER of a marker.
+    Marker(usize),
+    /// Mass of a part.
+    Mass(usize),
+    /// ACCGRAV.
+    Gravity,
+    /// Number literals of a function.
+    Literals(usize),
+    /// The constant that replaces a whole function.
+    Override(usize),
+}
+
+/// The dimensions of the numbers of a group.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Quantity {
+    /// All alike.
+    Same(Dimension),
+    /// The 36 numbers of a 6 by 6 stiffness, column by column.
+    Stiffness,
+    /// Three lengths and three angles.
+    Motion,
+    /// Three forces and three torques.
+    Wrench,
+}
+
+impl Quantity {
+    fn of(self, k: usize) -> Dimension {
+        let wrench = |row: usize| {
+            if row < 3 {
+                Dimension::FORCE
+            } else {
+                Dimension::TORQUE
+            }
+        };
+        match self {
+            Self::Same(dimension) => dimension,
+            Self::Wrench => wrench(k % 6),
+            Self::Motion if k % 6 < 3 => Dimension::LENGTH,
+            Self::Motion => Dimension::ANGLE,
+            Self::Stiffness => {
+                let mut dimension = wrench(k % 6);
+                if k / 6 < 3 {
+                    dimension.length -= 1;
+                } else {
+                    dimension.angle -= 1;
+                }
+                dimension
+            }
+        }
+    }
+}
+
+/// The numbers of one argument of one statement.
+#[derive(Clone, Debug)]
+pub(crate) struct Group {
+    pub kind: &'static str,
+    pub id: Option<u32>,
+    pub argument: Option<&'static str>,
+    pub first: usize,
+    pub count: usize,
+    /// True if the address of a number carries its index even when there is only one.
+    pub indexed: bool,
+    pub quantity: Quantity,
+    pub minimum: f64,
+    pub role: Role,
+}
+
+/// What is known of one slot.
+#[derive(Clone, PartialEq, Debug)]
+pub struct SlotInfo {
+    /// Its address in the dataset.
+    pub address: Address,
+    /// Its dimension.
+    pub dimension: Dimension,
+    /// The least value ADAMS accepts; minus infinity if any.
+    pub minimum: f64,
+}
+
+/// Which number of the dataset is which number of theta.
+///
+/// Arguments are kept as groups, so a deck of a hundred thousand parts costs some entries per statement and not one per number.
+#[derive(Clone, Debug, Default)]
+pub struct Catalogue {
+    groups: Vec<Group>,
+    index: BTreeMap<(&'static str, Option<u32>, Option<&'static str>), usize>,
+}
+
+impl Catalogue {
+    /// The slot of an address. An index may be left out where the argument has one number. `None` if theta does not hold it.
+    pub fn slot(&self, address: &Address) -> Option<Slot> {
+        // The map is keyed by static words; a lookup by borrowed words walks the equal range instead.
+        let group = self.find(
+            &address.kind,
+            address.id,
+            address.argument.as_deref(),
+            address.index.is_some(),
+        )?;
+        match address.index {
+            None if group.count == 1 => Some(Slot(group.first)),
+            Some(k) if (1..=group.count).contains(&k) => Some(Slot(group.first + k - 1)),
+            _ => None,
+        }
+    }
+
+    fn find(
+        &self,
+        kind: &str,
+        id: Option<u32>,
+        argument: Option<&str>,
+        indexed: bool,
+    ) -> Option<&Group> {
+        let kind = KINDS.iter().copied().find(|word| *word == kind)?;
+        let argument = match argument {
+            None => None,
+            Some(argument) => Some(ARGUMENTS.iter().copied().find(|word| *word == argument)?),
+        };
+        // `SFORCE/3.FUNCTION.1` is a literal, `SFORCE/3` (or `GFORCE/1.FX`) the whole function: told apart by the index.
+        let first = *self.index.get(&(kind, id, argument))?;
+        self.groups[first..]
+            .iter()
+            .take_while(|g| g.kind == kind && g.id == id && g.argument == argument)
+            .find(|g| g.indexed == indexed || (!g.indexed && g.count == 1 && !g.is_override()))
+    }
+
+    /// What is known of a slot.
+    pub fn info(&self, slot: Slot) -> SlotInfo {
+        let group = self.group(slot);
+        let k = slot.0 - group.first;
+        SlotInfo {
+            address: Address {
+                kind: group.kind.to_string(),
+                id: group.id,
+                argument: group.argument.map(str::to_string),
+                index: group.indexed.then_some(k + 1),
+            },
+            dimension: group.quantity.of(k),
+            minimum: group.minimum,
+        }
+    }
+
+    /// Every slot that has an address, in order.
+    pub fn slots(&self) -> impl Iterator<Item = Slot> + '_ {
+        self.groups
+            .iter()
+            .flat_map(|g| (g.first..g.first + g.count).map(Slot))
+    }
+
+    /// How many numbers theta has.
+    pub fn len(&self) -> usize {
+        self.groups.last().map_or(0, |g| g.first + g.count)
+    }
+
+    /// True if theta is empty.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    pub(crate) fn group(&self, slot: Slot) -> &Group {
+        let k = self.groups.partition_point(|g| g.first <= slot.0);
+        &self.groups[k - 1]
+    }
+
+    /// Appends a group and returns its place in theta. Groups of one statement and argument must be appended one after the other.
+    pub(crate) fn push(&mut self, mut group: Group) -> Range<usize> {
+        debug_assert!(KINDS.contains(&group.kind), "{}", group.kind);
+        group.first = self.len();
+        let range = group.first..group.first + group.count;
+        self.index
+            .entry((group.kind, group.id, group.argument))
+            .or_insert(self.groups.len());
+        self.groups.push(group);
+        range
+    }
+}
+
+impl Group {
+    fn is_override(&self) -> bool {
+        matches!(self.role, Role::Override(_))
+    }
+}
+
+/// Statements with numbers in theta.
+const KINDS: &[&str] = &[
+    "MARKER",
+    "PART",
+    "POINT_MASS",
+    "ACCGRAV",
+    "JOINT",
+    "BUSHING",
+    "FIELD",
+    "BEAM",
+    "SPRINGDAMPER",
+    "NFORCE",
+    "SFORCE",
+    "GFORCE",
+    "VFORCE",
+    "VTORQUE",
+    "MOTION",
+    "GCON",
+    "VARIABLE",
+    "DIFF",
+    "REQUEST",
+    "SENSOR",
+];
+
+/// Arguments with numbers in theta.
+const ARGUMENTS: &[&str] = &[
+    "QP", "REULER", "MASS", "IGRAV", "JGRAV", "KGRAV", "K", "KT", "FORCE", "TORQUE", "KMATRIX",
+    "LENGTH", "ANGLE", "PITCH", "PD", "AREA", "IXX", "IYY", "IZZ", "EMODULUS", "GMODULUS", "ASY",
+    "ASZ", "FUNCTION", "FX", "FY", "FZ", "TX", "TY", "TZ", "F1", "F2", "F3", "F4", "F5", "F6",
+    "F7", "F8", "EVALUATE",
+];

@@ -1,0 +1,238 @@
+//! Constraint statements to scalar equations.
+
+use super::{Compiler, Header, name};
+use crate::constraint::{
+    Constraint, Convel, Drive as Driven, GearedJoint, Measure, PairConstraint, RackPinion, Screw,
+    gear_terms, joint, primitive,
+};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::mechanics::{Pose, RelativeMotion, Vec3};
+use crate::model::{CouplerKind, JointKind, MotionAxis, MotionOrder, PrimitiveKind};
+use crate::system::catalogue::{Quantity, Role};
+use crate::system::structure::{Condition, Drive, Joint, Term};
+use crate::units::Dimension;
+
+impl Compiler<'_> {
+    pub(super) fn constraints(&mut self) {
+        self.joint_statements();
+        self.primitives();
+        self.couplers();
+        self.gears();
+        self.conditions();
+        self.motions();
+    }
+
+    /// Pose of a marker in ground, as the dataset has it.
+    fn design(&self, marker: usize) -> Pose {
+        let m = &self.model.markers[marker];
+        let local = Pose { p: m.qp, R: m.R };
+        self.model.parts[m.part.0].pose.compose(&local)
+    }
+
+    fn design_motion(&self, i: usize, j: usize) -> RelativeMotion {
+        RelativeMotion::between(&self.design(i), &self.design(j), &Vec3::zeros())
+    }
+
+    fn joint_statements(&mut self) {
+        for j in &self.model.joints {
+            let at = (j.i.0, j.j.0);
+            let of = ("JOINT", Some(j.header.id));
+            let element = self.joints.len();
+            let length = (Quantity::Same(Dimension::LENGTH), f64::NEG_INFINITY);
+            let mut number = None;
+            let law = match j.kind {
+                JointKind::Spherical => PairConstraint::Locks(joint::SPHERICAL),
+                JointKind::Revolute => PairConstraint::Locks(joint::REVOLUTE),
+                JointKind::Translational => PairConstraint::Locks(joint::TRANSLATIONAL),
+                JointKind::Cylindrical => PairConstraint::Locks(joint::CYLINDRICAL),
+                JointKind::Planar => PairConstraint::Locks(joint::PLANAR),
+                JointKind::Fixed => PairConstraint::Locks(joint::FIXED),
+                JointKind::Hooke => PairConstraint::Locks(joint::HOOKE),
+                JointKind::Universal => PairConstraint::Locks(joint::UNIVERSAL),
+                JointKind::Convel => {
+                    PairConstraint::Convel(Convel::for_design(&self.design_motion(at.0, at.1)))
+                }
+                JointKind::Screw { pitch } => {
+                    number = Some(("PITCH", pitch));
+                    PairConstraint::Screw(Screw)
+                }
+                JointKind::RackPin { pitch_diameter } => {
+                    number = Some(("PD", pitch_diameter));
+                    PairConstraint::RackPinion(RackPinion)
+                }
+            };
+            let theta = match number {
+                None => 0..0,
+                Some((argument, value)) => {
+                    let role = Role::Joint { joint: element };
+                    self.numbers(of, Some(argument), &[value], length, role)
+                }
+            };
+            self.push_joint("JOINT", &j.header, at, law, Drive::Theta(theta));
+        }
+    }
+
+    fn primitives(&mut self) {
+        for p in &self.model.primitives {
+            let law = match p.kind {
+                PrimitiveKind::AtPoint => primitive::AT_POINT,
+                PrimitiveKind::Inline => primitive::INLINE,
+                PrimitiveKind::Inplane => primitive::INPLANE,
+                PrimitiveKind::Orientation => primitive::ORIENTATION,
+                PrimitiveKind::ParallelAxes => primitive::PARALLEL_AXES,
+                PrimitiveKind::Perpendicular => primitive::PERPENDICULAR,
+            };
+            let law = PairConstraint::Locks(law);
+            self.push_joint("JPRIM", &p.header, (p.i.0, p.j.0), law, Drive::Theta(0..0));
+        }
+    }
+
+    fn term(&mut self, i: usize, j: usize, measure: Measure, scale: f64) -> Term {
+        Term {
+            i,
+            j,
+            law: PairConstraint::Drive(Driven { measure }),
+            scale,
+            pair: self.pair(i, j),
+        }
+    }
+
+    fn couplers(&mut self) {
+        for c in &self.model.couplers {
+            let mut terms = Vec::new();
+            for &(joint, kind, scale) in &c.terms {
+                let Some(joint) = self.model.joints.get(joint) else {
+                    continue;
+                };
+                let measure = match kind {
+                    CouplerKind::Translation => Measure::Translation(2),
+                    CouplerKind::Rotation => Measure::Angle(2),
+                };
+                terms.push(self.term(joint.i.0, joint.j.0, measure, scale));
+            }
+            self.push_sum("COUPLER", &c.header, terms, 0.0);
+        }
+    }
+
+    fn gears(&mut self) {
+        for gear in &self.model.gears {
+            let mut terms = Vec::new();
+            let mut offset = 0.0;
+            for (&joint, factor) in gear.joints.iter().zip([1.0, -1.0]) {
+                let Some(joint) = self.model.joints.get(joint) else {
+                    continue;
+                };
+                let kind = match joint.kind {
+                    JointKind::Revolute => GearedJoint::Revolute,
+                    JointKind::Translational => GearedJoint::Translational,
+                    JointKind::Cylindrical => GearedJoint::Cylindrical,
+                    _ => {
+                        let owner = name("GEAR", &gear.header);
+                        self.diagnostics.push(Diagnostic::error(
+                            Code::WrongType,
+                            format!(
+                                "{owner} needs revolute, translational or cylindrical joints, JOINT/{} is none",
+                                joint.header.id
+                            ),
+                        ));
+                        continue;
+                    }
+                };
+                let (i, j) = (joint.i.0, joint.j.0);
+                let (cv, carrier) = (self.design(gear.cv.0), self.design(j));
+                let motion = self.design_motion(i, j);
+                for term in gear_terms(kind, &carrier, &cv, factor)
+                    .into_iter()
+                    .flatten()
+                {
+                    offset += term.scale * term.measure.evaluate(&motion, 0.0).value;
+                    terms.push(self.term(i, j, term.measure, term.scale));
+                }
+            }
+            self.push_sum("GEAR", &gear.header, terms, offset);
+        }
+    }
+
+    fn push_sum(&mut self, kind: &'static str, header: &Header, terms: Vec<Term>, offset: f64) {
+        self.joints.push(Joint {
+            name: name(kind, header),
+            terms,
+            drive: Drive::Held(0.0),
+            offset,
+            first: self.equations,
+            count: 1,
+            active: header.active,
+        });
+        self.equations += 1;
+    }
+
+    fn conditions(&mut self) {
+        for g in &self.model.gcons {
+            let owner = name("GCON", &g.header);
+            let function = self.function(&g.function, &owner, None, Dimension::NONE);
+            self.conditions.push(Condition {
+                name: owner,
+                function,
+                equation: self.equations,
+                active: g.header.active,
+            });
+            self.equations += 1;
+        }
+    }
+
+    fn motions(&mut self) {
+        for m in &self.model.motions {
+            let owner = name("MOTION", &m.header);
+            let (i, j) = (m.i.0, m.j.0);
+            let (measure, dimension) = match m.axis {
+                MotionAxis::Translation(axis) => (Measure::Translation(axis), Dimension::LENGTH),
+                MotionAxis::RotationZ => (Measure::Angle(2), Dimension::ANGLE),
+                MotionAxis::Body123(axis) => (Measure::Body123(axis), Dimension::ANGLE),
+            };
+            let drive = if m.order == MotionOrder::Displacement {
+                Drive::Function(self.function(&m.function, &owner, None, dimension))
+            } else {
+                let here = measure.evaluate(&self.design_motion(i, j), 0.0).value;
+                let held = m.initial_displacement.unwrap_or(here);
+                self.diagnostics.push(
+                    Diagnostic::warning(
+                        Code::InactiveInStatics,
+                        format!("{owner} prescribes a rate, which has no static meaning: it is held at {held}"),
+                    )
+                    .help("give the displacement as a function of TIME"),
+                );
+                Drive::Held(held)
+            };
+            let law = PairConstraint::Drive(Driven { measure });
+            self.push_joint("MOTION", &m.header, (i, j), law, drive);
+        }
+    }
+
+    fn push_joint(
+        &mut self,
+        kind: &'static str,
+        header: &Header,
+        (i, j): (usize, usize),
+        law: PairConstraint,
+        drive: Drive,
+    ) {
+        let count = law.count();
+        let pair = self.pair(i, j);
+        self.joints.push(Joint {
+            name: name(kind, header),
+            terms: vec![Term {
+                i,
+                j,
+                law,
+                scale: 1.0,
+                pair,
+            }],
+            drive,
+            offset: 0.0,
+            first: self.equations,
+            count,
+            active: header.active,
+        });
+        self.equations += count;
+    }
+}

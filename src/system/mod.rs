@@ -1,0 +1,28 @@
+//! From a model to equations: compile, theta, state, assembly.
+//!
+//! [`System`] is the frozen structure, [`Parameters`] every number that may change between runs, [`State`] what a solve changes.
+//! Knows no iteration and no factorisation.
+
+mod assemble;
+mod catalogue;
+mod chain;
+mod compile;
+mod condition;
+mod derivative;
+mod function;
+mod parameters;
+mod reading;
+mod scratch;
+mod state;
+mod structure;
+mod update;
+
+pub use assemble::NoValue;
+pub use catalogue::{Catalogue, Slot, SlotInfo};
+pub(crate) use chain::Sink;
+pub use chain::Twist;
+pub use parameters::Parameters;
+pub use reading::Reading;
+pub use scratch::Scratch;
+pub use state::{Equilibrium, State};
+pub use structure::{ConstraintIx, ElementIx, Name, System};

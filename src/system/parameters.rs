@@ -1,0 +1,87 @@
+use super::Slot;
+use crate::mechanics::{Mat3, Pose, Vec3, euler313};
+
+/// Numbers per marker at the front of theta: QP and REULER.
+pub(crate) const PER_MARKER: usize = 6;
+
+/// Theta: every number that can be identified or edited between runs without compiling anew.
+///
+/// Angles in radians, everything else in the dataset's units. Marker frames are kept up to date with the numbers.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Parameters {
+    theta: Vec<f64>,
+    /// Pose of each marker on its part.
+    markers: Vec<Pose>,
+    /// Rotation from ZP, XP points, which REULER cannot change.
+    by_points: Vec<Option<Mat3>>,
+}
+
+impl Parameters {
+    pub(crate) fn new(theta: Vec<f64>, by_points: Vec<Option<Mat3>>) -> Self {
+        let mut new = Self {
+            theta,
+            markers: vec![Pose::identity(); by_points.len()],
+            by_points,
+        };
+        for marker in 0..new.markers.len() {
+            new.refresh(marker);
+        }
+        new
+    }
+
+    /// The number in a slot. The slot of a whole function is NaN as long as the function itself is in force.
+    pub fn get(&self, slot: Slot) -> f64 {
+        self.theta[slot.0]
+    }
+
+    /// Changes a number.
+    pub fn set(&mut self, slot: Slot, value: f64) {
+        self.theta[slot.0] = value;
+        let marker = slot.0 / PER_MARKER;
+        if marker < self.markers.len() {
+            self.refresh(marker);
+        }
+    }
+
+    /// All numbers.
+    pub fn theta(&self) -> &[f64] {
+        &self.theta
+    }
+
+    /// Where a marker is on its part.
+    pub fn marker(&self, marker: crate::model::MarkerIx) -> &Pose {
+        &self.markers[marker.0]
+    }
+
+    pub(crate) fn markers(&self) -> &[Pose] {
+        &self.markers
+    }
+
+    /// Derivative of a marker's frame on its part by one of its six numbers: (displacement, rotation vector), both in part axes.
+    pub(crate) fn marker_derivative(&self, marker: usize, k: usize) -> (Vec3, Vec3) {
+        if k < 3 {
+            return (Vec3::ith(k, 1.0), Vec3::zeros());
+        }
+        let at = marker * PER_MARKER + 3;
+        let (psi, theta) = (self.theta[at], self.theta[at + 1]);
+        // R = Rz(psi) Rx(theta) Rz(phi): each angle turns about an axis that the ones before it have placed.
+        let axis = match k {
+            3 => Vec3::z(),
+            4 => Vec3::new(psi.cos(), psi.sin(), 0.0),
+            _ => Vec3::new(
+                psi.sin() * theta.sin(),
+                -psi.cos() * theta.sin(),
+                theta.cos(),
+            ),
+        };
+        (Vec3::zeros(), axis)
+    }
+
+    fn refresh(&mut self, marker: usize) {
+        let n = &self.theta[marker * PER_MARKER..(marker + 1) * PER_MARKER];
+        self.markers[marker] = Pose {
+            p: Vec3::new(n[0], n[1], n[2]),
+            R: self.by_points[marker].unwrap_or_else(|| euler313(n[3], n[4], n[5])),
+        };
+    }
+}

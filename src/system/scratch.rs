@@ -1,0 +1,40 @@
+use super::System;
+use crate::constraint::Equations;
+use crate::element::Wrench;
+use crate::mechanics::{Pose, Vec3};
+
+/// A function's value and its gradient by the unknowns, as a range of [`Scratch::gradient`].
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct FunctionValue {
+    pub value: f64,
+    pub first: usize,
+    pub last: usize,
+}
+
+/// Memory of one assembly, used again and again.
+#[derive(Clone, Debug, Default)]
+pub struct Scratch {
+    /// Pose of every used marker in ground.
+    pub(crate) markers: Vec<Pose>,
+    /// From the origin of its part to the marker, in ground axes.
+    pub(crate) arms: Vec<Vec3>,
+    pub(crate) wrench: Wrench,
+    pub(crate) equations: Equations,
+    pub(crate) functions: Vec<FunctionValue>,
+    /// (unknown, derivative) of all functions, one after the other.
+    pub(crate) gradient: Vec<(usize, f64)>,
+    /// The largest force and torque met: what round-off is measured by.
+    pub(crate) largest: f64,
+}
+
+impl Scratch {
+    /// Memory of the right size.
+    pub fn new(system: &System) -> Self {
+        Self {
+            markers: vec![Pose::identity(); system.owners.len()],
+            arms: vec![Vec3::zeros(); system.owners.len()],
+            functions: vec![FunctionValue::default(); system.functions.len()],
+            ..Self::default()
+        }
+    }
+}

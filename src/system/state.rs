@@ -1,0 +1,79 @@
+use crate::mechanics::{Pose, Vec3};
+
+/// What one solve changes: cloneable, so that the next solve starts from the last answer.
+#[derive(PartialEq, Debug)]
+pub struct State {
+    /// TIME.
+    pub time: f64,
+    /// MODE: 5 in statics, 6 in quasi-statics (ADAMS-FORMATS 3.1).
+    pub mode: i32,
+    /// Pose of each part of the model in ground, by [`PartIx`](crate::model::PartIx); ground is the identity.
+    pub poses: Vec<Pose>,
+    /// One per scalar constraint equation. The reaction on I is minus multiplier times the equation's gradient.
+    pub multipliers: Vec<f64>,
+    /// VARIABLE values, in the order of the model.
+    pub variables: Vec<f64>,
+    /// DIFF states, then the states of LSE, GSE, TFSISO; held ones too.
+    pub states: Vec<f64>,
+    /// Which constraint equations are redundant and take part in nothing; empty before the first analysis.
+    pub redundant: Vec<bool>,
+    /// AX, AY, AZ of each pair at the last equilibrium: turns are counted from here.
+    pub(crate) pair_angles: Vec<Vec3>,
+    /// The same for angle measures of functions.
+    pub(crate) measure_angles: Vec<f64>,
+}
+
+impl State {
+    /// No parts at all: a place holder that costs nothing.
+    pub(crate) const fn empty() -> Self {
+        Self {
+            time: 0.0,
+            mode: 5,
+            poses: Vec::new(),
+            multipliers: Vec::new(),
+            variables: Vec::new(),
+            states: Vec::new(),
+            redundant: Vec::new(),
+            pair_angles: Vec::new(),
+            measure_angles: Vec::new(),
+        }
+    }
+
+    /// The answer of this state, without what only the solver needs.
+    pub fn equilibrium(&self) -> Equilibrium {
+        Equilibrium {
+            time: self.time,
+            poses: self.poses.clone(),
+        }
+    }
+}
+
+impl Clone for State {
+    fn clone(&self) -> Self {
+        let mut new = Self::empty();
+        new.clone_from(self);
+        new
+    }
+
+    /// Keeps the memory: a solve copies states in every iteration.
+    fn clone_from(&mut self, other: &Self) {
+        self.time = other.time;
+        self.mode = other.mode;
+        self.poses.clone_from(&other.poses);
+        self.multipliers.clone_from(&other.multipliers);
+        self.variables.clone_from(&other.variables);
+        self.states.clone_from(&other.states);
+        self.redundant.clone_from(&other.redundant);
+        self.pair_angles.clone_from(&other.pair_angles);
+        self.measure_angles.clone_from(&other.measure_angles);
+    }
+}
+
+/// Where all parts are at rest: what every solver, ours or an external one, has to say.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Equilibrium {
+    /// TIME of the step.
+    pub time: f64,
+    /// Pose of each part of the model in ground, by [`PartIx`](crate::model::PartIx).
+    pub poses: Vec<Pose>,
+}

@@ -1,0 +1,332 @@
+use std::fmt;
+use std::ops::Range;
+
+use super::function::CompiledFunction;
+use super::{Catalogue, Parameters, State};
+use crate::constraint::{Constraint, PairConstraint};
+use crate::element::ForceLaw;
+use crate::mechanics::Mat3;
+use crate::model::{EquilibriumSettings, PartIx};
+use crate::syntax::Address;
+
+/// How a person knows an object: `BUSHING/12 'front_arm_bushing'`.
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub struct Name {
+    /// Keyword in capitals.
+    pub kind: &'static str,
+    /// Id.
+    pub id: u32,
+    /// View name.
+    pub view: String,
+}
+
+impl Name {
+    /// Its address in the dataset.
+    pub fn address(&self) -> Address {
+        Address {
+            kind: self.kind.to_string(),
+            id: Some(self.id),
+            argument: None,
+            index: None,
+        }
+    }
+}
+
+impl fmt::Display for Name {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.kind, self.id)?;
+        // A view name made up of kind and id says nothing new.
+        if !self.view.is_empty() && self.view != format!("{}_{}", self.kind, self.id) {
+            write!(f, " '{}'", self.view)?;
+        }
+        Ok(())
+    }
+}
+
+/// Index of a force element of a [`System`].
+#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
+pub struct ElementIx(pub usize);
+
+/// Index of a constraint of a [`System`].
+#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
+pub struct ConstraintIx(pub usize);
+
+/// A part or point mass.
+#[derive(Clone, Debug)]
+pub(crate) struct Body {
+    pub name: Name,
+    /// First unknown.
+    pub first: usize,
+    /// 0 for ground, 3 for a point mass, 6 for a part.
+    pub freedoms: usize,
+    /// Slot of MASS.
+    pub mass: usize,
+    pub cm: Option<usize>,
+    /// Inertia matrix about the IM origin in part axes, as given; only its size matters here.
+    pub inertia: Mat3,
+}
+
+/// What a force element does.
+#[derive(Debug)]
+pub(crate) enum Action {
+    /// A force law of the pair, and where its parameters come from.
+    Law(ForceLaw, Drive),
+    /// Functions for force and torque components in the axes of the frame marker.
+    Vector([Option<usize>; 6]),
+}
+
+/// A force element: a wrench on marker I, given in the axes of marker `frame`, with the opposite wrench at the I origin on the
+/// part `reaction`.
+#[derive(Debug)]
+pub(crate) struct Element {
+    pub name: Name,
+    pub i: usize,
+    /// J or JFLOAT.
+    pub j: usize,
+    /// The marker whose axes the wrench is given in: J, or RM of a vector force; `None` means ground axes.
+    pub frame: Option<usize>,
+    /// Part that takes the opposite wrench; `None` for ACTIONONLY.
+    pub reaction: Option<usize>,
+    pub action: Action,
+    /// Index into the angle references.
+    pub pair: usize,
+    pub active: bool,
+}
+
+/// One summand of a constraint: a set of scalar equations between two markers.
+#[derive(Debug)]
+pub(crate) struct Term {
+    pub i: usize,
+    pub j: usize,
+    pub law: PairConstraint,
+    pub scale: f64,
+    pub pair: usize,
+}
+
+/// Where the parameters of a force law or a constraint come from.
+#[derive(Clone, Debug)]
+pub(crate) enum Drive {
+    /// Numbers of theta.
+    Theta(Range<usize>),
+    /// One parameter: the value of a function.
+    Function(usize),
+    /// A velocity or acceleration motion: held where it is.
+    Held(f64),
+}
+
+/// JOINT, JPRIM, MOTION, COUPLER, GEAR: the scaled sum of its terms is zero.
+#[derive(Debug)]
+pub(crate) struct Joint {
+    pub name: Name,
+    pub terms: Vec<Term>,
+    pub drive: Drive,
+    /// What the sum is held at (GEAR).
+    pub offset: f64,
+    /// First scalar equation.
+    pub first: usize,
+    pub count: usize,
+    pub active: bool,
+}
+
+/// GCON: a function is zero.
+#[derive(Debug)]
+pub(crate) struct Condition {
+    pub name: Name,
+    pub function: usize,
+    pub equation: usize,
+    pub active: bool,
+}
+
+/// VARIABLE: value minus function is zero.
+#[derive(Debug)]
+pub(crate) struct Algebraic {
+    pub name: Name,
+    pub function: usize,
+    pub active: bool,
+}
+
+/// DIFF or a row of linear states: at rest.
+#[derive(Debug)]
+pub(crate) enum Rate {
+    /// The function is zero.
+    Function(usize),
+    /// STATIC_HOLD: not an unknown.
+    Held,
+    /// Row of A x + B u = 0: (state, coefficient), (variable, coefficient).
+    Linear(Vec<(usize, f64)>, Vec<(usize, f64)>),
+}
+
+/// One dynamic state.
+#[derive(Debug)]
+pub(crate) struct StateEquation {
+    pub name: Name,
+    pub rate: Rate,
+    /// Its unknown; none if held.
+    pub unknown: Option<usize>,
+}
+
+/// Y array of linear states: rows of C x + D u.
+#[derive(Debug)]
+pub(crate) struct Outputs {
+    pub array: u32,
+    pub rows: Vec<LinearRow>,
+}
+
+/// (state, coefficient), (variable, coefficient).
+pub(crate) type LinearRow = (Vec<(usize, f64)>, Vec<(usize, f64)>);
+
+/// The frozen structure of one model: what is connected to what, and where each unknown and each number stands.
+///
+/// Unknowns, in this order: of every part a translation (ground axes) and a rotation vector (ground axes, `R <- exp(dphi) R`), of
+/// every point mass a translation; one multiplier per scalar constraint equation; VARIABLE values; dynamic states that are not held.
+/// Equations stand in the same order: force and torque about the part's origin (ground axes), constraints, `v - e`, rates.
+#[derive(Debug)]
+pub struct System {
+    pub(crate) bodies: Vec<Body>,
+    /// Part of each marker.
+    pub(crate) owners: Vec<usize>,
+    /// Names of the markers.
+    pub(crate) markers: Vec<Name>,
+    /// Markers whose place in ground is needed.
+    pub(crate) used: Vec<usize>,
+    pub(crate) elements: Vec<Element>,
+    pub(crate) joints: Vec<Joint>,
+    pub(crate) conditions: Vec<Condition>,
+    pub(crate) variables: Vec<Algebraic>,
+    pub(crate) states: Vec<StateEquation>,
+    pub(crate) outputs: Vec<Outputs>,
+    pub(crate) functions: Vec<CompiledFunction>,
+    /// Functions of the equilibrium, each after those it reads.
+    pub(crate) order: Vec<usize>,
+    /// First of three slots of gravity.
+    pub(crate) gravity: usize,
+    pub(crate) ucf: f64,
+    pub(crate) catalogue: Catalogue,
+    pub(crate) parameters: Parameters,
+    pub(crate) initial: State,
+    pub(crate) settings: EquilibriumSettings,
+    /// First multiplier.
+    pub(crate) first_equation: usize,
+    pub(crate) equations: usize,
+    pub(crate) first_variable: usize,
+    pub(crate) unknowns: usize,
+    /// A length of the size of the model.
+    pub(crate) length: f64,
+}
+
+impl System {
+    /// How many unknowns and equations there are.
+    pub fn unknowns(&self) -> usize {
+        self.unknowns
+    }
+
+    /// The numbers of the dataset.
+    pub fn parameters(&self) -> Parameters {
+        self.parameters.clone()
+    }
+
+    /// The configuration of the dataset.
+    pub fn state(&self) -> State {
+        self.initial.clone()
+    }
+
+    /// EQUILIBRIUM as the dataset has it.
+    pub fn settings(&self) -> &EquilibriumSettings {
+        &self.settings
+    }
+
+    /// Which number of the dataset is which number of theta.
+    pub fn catalogue(&self) -> &Catalogue {
+        &self.catalogue
+    }
+
+    /// Unknowns of a part: translation, then rotation vector, in ground axes. Empty for ground.
+    pub fn part_unknowns(&self, part: PartIx) -> Range<usize> {
+        let body = &self.bodies[part.0];
+        body.first..body.first + body.freedoms
+    }
+
+    /// The name of a part.
+    pub fn part_name(&self, part: PartIx) -> &Name {
+        &self.bodies[part.0].name
+    }
+
+    /// A force element by keyword and id.
+    pub fn element(&self, kind: &str, id: u32) -> Option<ElementIx> {
+        self.elements
+            .iter()
+            .position(|e| e.name.kind == kind && e.name.id == id)
+            .map(ElementIx)
+    }
+
+    /// A constraint by keyword and id.
+    pub fn constraint(&self, kind: &str, id: u32) -> Option<ConstraintIx> {
+        self.joints
+            .iter()
+            .position(|c| c.name.kind == kind && c.name.id == id)
+            .map(ConstraintIx)
+    }
+
+    /// All force elements.
+    pub fn elements(&self) -> impl Iterator<Item = (ElementIx, &Name)> {
+        self.elements
+            .iter()
+            .enumerate()
+            .map(|(k, e)| (ElementIx(k), &e.name))
+    }
+
+    /// All constraints that act between markers.
+    pub fn constraints(&self) -> impl Iterator<Item = (ConstraintIx, &Name)> {
+        self.joints
+            .iter()
+            .enumerate()
+            .map(|(k, c)| (ConstraintIx(k), &c.name))
+    }
+
+    /// What an equation balances, for messages: `PART/4 'KNUCKLE' force along x`, `JOINT/4 Zi.Xj`.
+    pub fn equation_name(&self, equation: usize) -> String {
+        const BALANCE: [&str; 6] = [
+            "force along x",
+            "force along y",
+            "force along z",
+            "torque about x",
+            "torque about y",
+            "torque about z",
+        ];
+        if equation < self.first_equation {
+            let k = self
+                .bodies
+                .partition_point(|b| b.first + b.freedoms <= equation);
+            let body = &self.bodies[k];
+            return format!("{} {}", body.name, BALANCE[equation - body.first]);
+        }
+        if equation < self.first_variable {
+            return self.constraint_equation_name(equation - self.first_equation);
+        }
+        let k = equation - self.first_variable;
+        if let Some(variable) = self.variables.get(k) {
+            return variable.name.to_string();
+        }
+        self.states
+            .iter()
+            .find(|s| s.unknown == Some(equation))
+            .map_or_else(String::new, |s| s.name.to_string())
+    }
+
+    /// `Zi.Xj in JOINT/4`, as ADAMS names an equation (ADAMS-FORMATS 6.5).
+    pub(crate) fn constraint_equation_name(&self, equation: usize) -> String {
+        for joint in &self.joints {
+            if (joint.first..joint.first + joint.count).contains(&equation) {
+                let row = equation - joint.first;
+                return match joint.terms.as_slice() {
+                    [term] => format!("{} in {}", term.law.equation_name(row), joint.name),
+                    _ => joint.name.to_string(),
+                };
+            }
+        }
+        self.conditions
+            .iter()
+            .find(|c| c.equation == equation)
+            .map_or_else(String::new, |c| c.name.to_string())
+    }
+}
