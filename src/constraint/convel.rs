@@ -1,3 +1,5 @@
+//! The CONVEL joint. Knows no torque balance.
+
 use super::locks::add_product;
 use super::{Constraint, Equations};
 use crate::mechanics::{Mat3, RelativeMotion, Vec6};

@@ -1,3 +1,5 @@
+//! MOTION as an equation. Knows no FUNCTION: the value is given; velocity forms are the caller's to refuse or hold.
+
 use super::{Constraint, Equations, Measure};
 use crate::mechanics::{RelativeMotion, Vec6};
 

@@ -1,3 +1,5 @@
+//! What a constraint between two markers is. Knows no particular one and no part coordinates.
+
 use crate::mechanics::{Mat3, RelativeMotion, Vec6};
 
 /// Residuals of up to six scalar equations between two markers, with derivatives in J axes.

@@ -1,3 +1,5 @@
+//! GEAR as a sum of joint displacements. Knows no model: poses on the carrier are given.
+
 use super::Measure;
 use crate::mechanics::{Pose, Vec3};
 

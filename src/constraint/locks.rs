@@ -1,3 +1,5 @@
+//! The equations most joints are made of. Knows no joint names.
+
 use super::{Constraint, Equations};
 use crate::mechanics::{Mat3, RelativeMotion, Vec6};
 

@@ -1,3 +1,5 @@
+//! Displacements between two markers with first and second derivatives. Knows no equation.
+
 use super::angle::{about_i, about_j};
 use crate::mechanics::{Mat3, RelativeMotion, Vec3, Vec6, unwrap_near};
 

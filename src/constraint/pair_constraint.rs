@@ -1,3 +1,5 @@
+//! All pair constraints behind one type. Knows no formula.
+
 use super::{Constraint, Convel, Drive, Equations, Locks, RackPinion, Screw};
 use crate::mechanics::RelativeMotion;
 

@@ -1,3 +1,5 @@
+//! The RACKPIN joint. Knows nothing of the joints that hold rack and pinion on their carrier.
+
 use super::{Constraint, Equations, Measure};
 use crate::mechanics::{RelativeMotion, Vec6};
 

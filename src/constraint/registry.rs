@@ -1,3 +1,5 @@
+//! The list of pair constraints. Knows no values.
+
 use super::{
     Convel, Drive, Locks, Measure, PairConstraint, RackPinion, Screw,
     joint::{CYLINDRICAL, FIXED, HOOKE, PLANAR, REVOLUTE, SPHERICAL, TRANSLATIONAL, UNIVERSAL},

@@ -1,3 +1,5 @@
+//! The SCREW joint. Knows nothing of the CYLINDRICAL joint that usually goes with it.
+
 use super::{Constraint, Equations, Measure};
 use crate::mechanics::{RelativeMotion, Vec6};
 

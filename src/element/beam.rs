@@ -1,3 +1,5 @@
+//! The BEAM law, linear formulation. Knows no mass and no other formulation than it names to refuse.
+
 use super::deflection::Deflection;
 use super::field::linear;
 use super::{Degenerate, Law, Wrench};

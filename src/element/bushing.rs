@@ -1,3 +1,5 @@
+//! The BUSHING law. Knows no parts, no damping (statics) and no file.
+
 use super::deflection::Deflection;
 use super::{Degenerate, Law, Wrench};
 use crate::mechanics::{Mat6, RelativeMotion, Vec6};

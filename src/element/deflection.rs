@@ -1,3 +1,5 @@
+//! The deflection of bushing-like elements. Knows no stiffness.
+
 use super::Degenerate;
 use crate::mechanics::{Mat3, RelativeMotion, Vec3, Vec6};
 

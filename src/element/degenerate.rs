@@ -1,3 +1,5 @@
+//! Why a law has no value. Knows no names: the caller says which element.
+
 /// A motion at which a law has no value. ADAMS stops there too; a line search may step back instead.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum Degenerate {

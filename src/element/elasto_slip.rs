@@ -1,3 +1,5 @@
+//! Dry friction with memory. Knows no solver: when a state is accepted, and the anchor moves, is the caller's choice.
+
 use super::deflection::Deflection;
 use super::{Degenerate, Law, Wrench};
 use crate::mechanics::{Mat6, RelativeMotion, Vec6};

@@ -1,3 +1,5 @@
+//! The FIELD law. Knows no user subroutine: NONLINEAR fields are refused before they get here.
+
 use super::deflection::Deflection;
 use super::{Degenerate, Law, Wrench};
 use crate::mechanics::{Mat6, RelativeMotion, Vec6};

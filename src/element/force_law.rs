@@ -1,3 +1,5 @@
+//! All pair laws behind one type. Knows no formula.
+
 use super::{
     Beam, Bushing, Degenerate, ElastoSlip, Field, Law, RotationalSpring, ScalarForce,
     TranslationalSpring, Wrench,

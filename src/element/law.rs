@@ -1,3 +1,5 @@
+//! What a force law is. Knows no particular law and no part coordinates.
+
 use super::Degenerate;
 use crate::mechanics::{Mat6, RelativeMotion, Vec6};
 

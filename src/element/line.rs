@@ -1,3 +1,5 @@
+//! Forces along the line of two origins, with the turning of the line. Knows no law for the magnitude.
+
 use super::{Degenerate, Wrench};
 use crate::mechanics::{Mat3, Mat6, RelativeMotion, Vec3, Vec6};
 

@@ -1,3 +1,5 @@
+//! The NFORCE law. Knows no parts and no damping.
+
 use super::Degenerate;
 use super::deflection::Deflection;
 use crate::mechanics::{Mat6, RelativeMotion, Vec6};

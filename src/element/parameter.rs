@@ -1,3 +1,5 @@
+//! Names and dimensions of law parameters. Knows no values.
+
 use crate::units::Dimension;
 
 /// The parameters that come from one argument of a statement.

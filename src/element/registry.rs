@@ -1,3 +1,5 @@
+//! The list of force laws. Knows no values: those are in `Parameters` and in the dataset.
+
 use super::parameter::{
     AREA, COORDINATES, FIELD_STIFFNESS, MODULUS, ParameterGroup, SECOND_MOMENT, STIFFNESS, TORSION,
     WRENCH,

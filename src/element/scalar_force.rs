@@ -1,3 +1,5 @@
+//! The directions of SFORCE. Knows no FUNCTION: the magnitude is given.
+
 use super::line::Line;
 use super::{Degenerate, Law, Wrench};
 use crate::mechanics::{Mat6, RelativeMotion, Vec6};

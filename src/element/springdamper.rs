@@ -1,3 +1,5 @@
+//! The two SPRINGDAMPER laws. They know no damping: velocities are zero in statics.
+
 use super::line::Line;
 use super::{Degenerate, Law, Wrench};
 use crate::mechanics::{Mat6, RelativeMotion, Vec6};
