@@ -53,6 +53,7 @@ pub mod mechanics;
 pub mod model;
 pub mod report;
 pub mod results;
+pub mod rig;
 pub mod session;
 pub mod statics;
 pub mod syntax;

@@ -81,6 +81,45 @@ codes! {
     NoEquilibrium = "no-equilibrium",
     /// A command asks for more than this program is willing to do.
     LimitExceeded = "limit-exceeded",
+    // Studies: study.toml and its CSV files.
+    /// `study.toml` does not follow the syntax of TOML.
+    StudySyntax = "study-syntax",
+    /// A key of `study.toml` that means nothing there. It has no effect; most are spelling mistakes.
+    UnknownKey = "unknown-key",
+    /// A value of `study.toml` of the wrong type or outside of its range. The default is taken.
+    BadSetting = "bad-setting",
+    /// A key of `study.toml` that must be given is missing.
+    MissingSetting = "missing-setting",
+    /// A path of `study.toml` leads out of the study folder. Nothing outside of it is read.
+    OutsideStudy = "outside-study",
+    /// A CSV file has no column of the needed name.
+    MissingColumn = "missing-column",
+    /// A cell of a CSV file that is no finite number. The reading is left out.
+    BadReading = "bad-reading",
+    /// An address of `study.toml` that names nothing in the deck, or nothing of the needed kind.
+    UnknownTarget = "unknown-target",
+    /// A part named in a CSV file that the deck does not have.
+    UnknownPart = "unknown-part",
+    /// A reading of a mark that the first session did not measure on its part.
+    UnknownMark = "unknown-mark",
+    /// A case named somewhere that the load cases do not have.
+    UnknownCase = "unknown-case",
+    /// Two load cases share a label, or the readings of two cases are copies of each other.
+    DuplicateCase = "duplicate-case",
+    /// The same mark is read twice in one case.
+    DuplicateReading = "duplicate-reading",
+    /// A part has fewer than three marks in a load case: its pose there is unknown.
+    MissingMarks = "missing-marks",
+    /// The marks of a part lie so nearly on one line that its rotation about the line cannot be seen.
+    CollinearMarks = "collinear-marks",
+    /// Two marks of one part carry each other's label.
+    SwappedMarks = "swapped-marks",
+    /// Coordinates are in another length unit than the deck.
+    WrongUnits = "wrong-units",
+    /// The marks of a part do not fit a rigid body within their noise.
+    InconsistentMarks = "inconsistent-marks",
+    /// A load case the solver finds no equilibrium for. It is still applied in its order; no fit uses it.
+    UnreachableCase = "unreachable-case",
 }
 
 impl std::fmt::Display for Code {

@@ -6,7 +6,9 @@ use std::path::PathBuf;
 /// A folder or file of the shared reference material beside the project, or `None` (with a printed notice) where it is absent,
 /// as on a user's machine.
 pub fn shared(path: &str) -> Option<PathBuf> {
-    let full = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared").join(path);
+    let full = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+        .join("../shared")
+        .join(path);
     if full.exists() {
         return Some(full);
     }
@@ -23,7 +25,10 @@ pub fn files_below(folder: &std::path::Path, extension: &str) -> Vec<PathBuf> {
             let path = entry.expect("readable entry").path();
             if path.is_dir() {
                 open.push(path);
-            } else if path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension)) {
+            } else if path
+                .extension()
+                .is_some_and(|e| e.eq_ignore_ascii_case(extension))
+            {
                 found.push(path);
             }
         }

@@ -1,0 +1,34 @@
+//! Seeded measuring noise.
+
+use rand::{RngExt, SeedableRng};
+use rand_distr::StandardNormal;
+use rand_pcg::Pcg64;
+
+use crate::mechanics::Vec3;
+
+/// A stream of normal numbers: the same seed and purpose give the same numbers on every machine.
+#[derive(Clone, Debug)]
+pub struct Noise(Pcg64);
+
+impl Noise {
+    /// The stream of one purpose: what is drawn for one purpose never moves the numbers of another.
+    pub fn new(seed: u64, purpose: &str) -> Self {
+        // FNV-1a of the purpose keeps the streams apart.
+        let stream = purpose
+            .bytes()
+            .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+                (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+            });
+        Self(Pcg64::seed_from_u64(seed ^ stream))
+    }
+
+    /// A standard normal number.
+    pub fn normal(&mut self) -> f64 {
+        self.0.sample(StandardNormal)
+    }
+
+    /// Three independent normal numbers of the given sd.
+    pub fn vector(&mut self, sigma: f64) -> Vec3 {
+        Vec3::new(self.normal(), self.normal(), self.normal()) * sigma
+    }
+}

@@ -1,0 +1,343 @@
+use std::collections::BTreeSet;
+
+use toml::de::{DeTable, DeValue};
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::text::{Source, Span};
+
+/// A text of `study.toml` and where it stands, to be resolved later against the deck.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Spelled {
+    /// The text as written.
+    pub text: String,
+    /// Where it stands in `study.toml`.
+    pub span: Span,
+}
+
+/// One table of `study.toml`: every key asked for is remembered, so that the others can be named.
+pub(super) struct Section<'a> {
+    source: &'a Source,
+    path: String,
+    table: Option<&'a DeTable<'a>>,
+    span: Span,
+    asked: BTreeSet<&'static str>,
+}
+
+impl<'a> Section<'a> {
+    /// The whole file.
+    pub fn root(source: &'a Source, table: &'a DeTable<'a>) -> Self {
+        Self {
+            source,
+            path: String::new(),
+            table: Some(table),
+            span: Span::new(0, source.bytes().len().min(1)),
+            asked: BTreeSet::new(),
+        }
+    }
+
+    /// True if the file has this table.
+    pub fn is_present(&self) -> bool {
+        self.table.is_some()
+    }
+
+    /// Where it stands.
+    pub fn span(&self) -> Span {
+        self.span
+    }
+
+    /// The file's name.
+    pub fn file(&self) -> &'a str {
+        self.source.name()
+    }
+
+    /// The whole name of a key.
+    pub fn name(&self, key: &str) -> String {
+        if self.path.is_empty() {
+            key.to_string()
+        } else {
+            format!("{}.{key}", self.path)
+        }
+    }
+
+    fn get(&mut self, key: &'static str) -> Option<(&'a DeValue<'a>, Span)> {
+        self.asked.insert(key);
+        let value = self.table?.get(key)?;
+        Some((value.get_ref(), Span::from(value.span())))
+    }
+
+    /// A complaint about a value of this section.
+    pub fn wrong(&self, key: &str, span: Span, expected: &str, diagnostics: &mut Vec<Diagnostic>) {
+        diagnostics.push(
+            Diagnostic::error(
+                Code::BadSetting,
+                format!("`{}` must be {expected}", self.name(key)),
+            )
+            .label(self.source.name(), span, ""),
+        );
+    }
+
+    /// A table inside this one; an absent one answers every question with nothing.
+    pub fn section(&mut self, key: &'static str, diagnostics: &mut Vec<Diagnostic>) -> Section<'a> {
+        let path = self.name(key);
+        let found = self.get(key);
+        let mut table = None;
+        let mut span = self.span;
+        if let Some((value, at)) = found {
+            span = at;
+            table = value.as_table();
+            if table.is_none() {
+                self.wrong(key, at, "a table", diagnostics);
+            }
+        }
+        Section {
+            source: self.source,
+            path,
+            table,
+            span,
+            asked: BTreeSet::new(),
+        }
+    }
+
+    /// A text.
+    pub fn text(
+        &mut self,
+        key: &'static str,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> Option<Spelled> {
+        let (value, span) = self.get(key)?;
+        let Some(text) = value.as_str() else {
+            self.wrong(key, span, "a text in quotes", diagnostics);
+            return None;
+        };
+        Some(Spelled {
+            text: text.to_string(),
+            span,
+        })
+    }
+
+    /// A finite number in `[least, most]`, or the default.
+    pub fn number(
+        &mut self,
+        key: &'static str,
+        default: f64,
+        (least, most): (f64, f64),
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> f64 {
+        self.optional_number(key, (least, most), diagnostics)
+            .unwrap_or(default)
+    }
+
+    /// A finite number in `[least, most]`, if given.
+    pub fn optional_number(
+        &mut self,
+        key: &'static str,
+        (least, most): (f64, f64),
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> Option<f64> {
+        let (value, span) = self.get(key)?;
+        let number = number_of(value);
+        match number {
+            Some(number) if number >= least && number <= most => Some(number),
+            _ => {
+                let expected = if most.is_finite() {
+                    format!("a number from {least} to {most}")
+                } else {
+                    format!("a number, {least} or more")
+                };
+                self.wrong(key, span, &expected, diagnostics);
+                None
+            }
+        }
+    }
+
+    /// A whole number in `[least, most]`, or the default.
+    pub fn count(
+        &mut self,
+        key: &'static str,
+        default: usize,
+        (least, most): (usize, usize),
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> usize {
+        let Some((value, span)) = self.get(key) else {
+            return default;
+        };
+        match value.as_integer().and_then(|i| i.as_str().parse().ok()) {
+            Some(count) if (least..=most).contains(&count) => count,
+            _ => {
+                let expected = format!("a whole number from {least} to {most}");
+                self.wrong(key, span, &expected, diagnostics);
+                default
+            }
+        }
+    }
+
+    /// One of the given words, or the default.
+    pub fn choice<T: Copy>(
+        &mut self,
+        key: &'static str,
+        default: T,
+        words: &[(&'static str, T)],
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> T {
+        let Some((value, span)) = self.get(key) else {
+            return default;
+        };
+        let found = value
+            .as_str()
+            .and_then(|text| words.iter().find(|(word, _)| *word == text));
+        if let Some((_, choice)) = found {
+            return *choice;
+        }
+        let names: Vec<String> = words
+            .iter()
+            .map(|(word, _)| format!("\"{word}\""))
+            .collect();
+        self.wrong(key, span, &names.join(" or "), diagnostics);
+        default
+    }
+
+    /// A list of texts, if given.
+    pub fn texts(
+        &mut self,
+        key: &'static str,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> Option<Vec<Spelled>> {
+        let (value, span) = self.get(key)?;
+        let Some(array) = value.as_array() else {
+            self.wrong(key, span, "a list of texts", diagnostics);
+            return None;
+        };
+        let mut texts = Vec::new();
+        for item in array.iter() {
+            let at = Span::from(item.span());
+            match item.get_ref().as_str() {
+                Some(text) => texts.push(Spelled {
+                    text: text.to_string(),
+                    span: at,
+                }),
+                None => self.wrong(key, at, "a list of texts", diagnostics),
+            }
+        }
+        Some(texts)
+    }
+
+    /// Every key with a text as its value, in the order they are written. Marks all keys as known.
+    pub fn all_texts(&mut self, diagnostics: &mut Vec<Diagnostic>) -> Vec<(Spelled, Spelled)> {
+        let mut found = Vec::new();
+        for (key, value) in self.entries() {
+            match value.0.as_str() {
+                Some(text) => found.push((
+                    key,
+                    Spelled {
+                        text: text.to_string(),
+                        span: value.1,
+                    },
+                )),
+                None => self.wrong(&key.text, value.1, "a text in quotes", diagnostics),
+            }
+        }
+        found
+    }
+
+    /// Every key with a table as its value, in the order they are written.
+    pub fn all_sections(
+        &mut self,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> Vec<(Spelled, Section<'a>)> {
+        let mut found = Vec::new();
+        for (key, (value, span)) in self.entries() {
+            if value.as_table().is_none() {
+                self.wrong(&key.text, span, "a table", diagnostics);
+            }
+            let section = Section {
+                source: self.source,
+                path: self.name(&key.text),
+                table: value.as_table(),
+                span,
+                asked: BTreeSet::new(),
+            };
+            found.push((key, section));
+        }
+        found
+    }
+
+    /// True if the value of this key is a text and not a table.
+    pub fn is_text(&mut self, key: &'static str) -> bool {
+        self.get(key).is_some_and(|(value, _)| value.is_str())
+    }
+
+    fn entries(&self) -> Vec<(Spelled, (&'a DeValue<'a>, Span))> {
+        let mut entries: Vec<_> = self
+            .table
+            .into_iter()
+            .flat_map(|table| table.iter())
+            .map(|(key, value)| {
+                let spelled = Spelled {
+                    text: key.get_ref().to_string(),
+                    span: Span::from(key.span()),
+                };
+                (spelled, (value.get_ref(), Span::from(value.span())))
+            })
+            .collect();
+        entries.sort_by_key(|(key, _)| key.span.start);
+        entries
+    }
+
+    /// Names the keys nobody asked for.
+    pub fn finish(self, diagnostics: &mut Vec<Diagnostic>) {
+        for (key, _) in self.entries() {
+            if self.asked.contains(key.text.as_str()) {
+                continue;
+            }
+            let mut diagnostic = Diagnostic::warning(
+                Code::UnknownKey,
+                format!(
+                    "`{}` is not a key of a study and has no effect",
+                    self.name(&key.text)
+                ),
+            )
+            .label(self.source.name(), key.span, "");
+            if let Some(near) = nearest(&key.text, self.asked.iter().copied()) {
+                diagnostic = diagnostic.help(format!("did you mean `{}`?", self.name(near)));
+            }
+            diagnostics.push(diagnostic);
+        }
+    }
+}
+
+fn number_of(value: &DeValue<'_>) -> Option<f64> {
+    let text = match value {
+        DeValue::Float(float) => float.as_str(),
+        DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str(),
+        _ => return None,
+    };
+    text.parse().ok().filter(|number: &f64| number.is_finite())
+}
+
+/// The candidate that differs from `word` by few letters, to ask "did you mean".
+pub(super) fn nearest<'a>(
+    word: &str,
+    candidates: impl Iterator<Item = &'a str>,
+) -> Option<&'a str> {
+    candidates
+        .map(|candidate| (letters_apart(word, candidate), candidate))
+        .filter(|(apart, candidate)| *apart <= 1 + candidate.len() / 4)
+        .min()
+        .map(|(_, candidate)| candidate)
+}
+
+/// The edit distance of two words, without regard to case.
+fn letters_apart(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.to_lowercase().chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.to_lowercase().chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, y) in b.iter().enumerate() {
+            let replaced = diagonal + usize::from(x != *y);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
+}
