@@ -10,6 +10,8 @@ use crate::system::{NoValue, Parameters, Scratch, Sink, State, System};
 const DEFAULT_STABILITY: f64 = 1e-5;
 /// Shortest fraction of a step the line search tries.
 const SHORTEST: f64 = 1.0 / 256.0;
+/// Relative size of corrections and imbalances that may be round-off.
+const NOISE: f64 = 1e-9;
 /// A removed constraint equation may be violated by so much of the model's length.
 const CONSISTENT: f64 = 1e-6;
 
@@ -46,6 +48,7 @@ pub struct Solver {
     history: Vec<Iteration>,
     shortened: usize,
     limited: usize,
+    at_roundoff: bool,
 }
 
 /// Why a sequence of iterations ended without an answer.
@@ -90,6 +93,7 @@ impl Solver {
             history: Vec::with_capacity(64),
             shortened: 0,
             limited: 0,
+            at_roundoff: false,
         }
     }
 
@@ -162,6 +166,7 @@ impl Solver {
         report.correction = self.history.last().map_or(0.0, |i| i.correction);
         report.history.clone_from(&self.history);
         report.shortened = self.shortened;
+        report.at_roundoff = self.at_roundoff;
         Ok(report)
     }
 
@@ -247,6 +252,7 @@ impl Solver {
     ) -> Result<(), Failure> {
         self.history.clear();
         (self.shortened, self.limited) = (0, 0);
+        self.at_roundoff = false;
         self.assemble(system, parameters, state, way)?;
         std::mem::swap(&mut self.g, &mut self.g_trial);
         let first = largest(&self.g).max(f64::MIN_POSITIVE);
@@ -291,10 +297,17 @@ impl Solver {
             });
             std::mem::swap(state, &mut self.trial);
             std::mem::swap(&mut self.g, &mut self.g_trial);
-            if step == 1.0
-                && correction < way.error
-                && balanced(system, &self.g, way.imbalance, self.scratch.largest)
-            {
+            if step < 1.0 || correction >= way.error {
+                continue;
+            }
+            if balanced(system, &self.g, way.imbalance, self.scratch.largest) {
+                return Ok(());
+            }
+            // Below round-off of stiffness times position no iteration gets any further.
+            let after = largest(&self.g);
+            let noise = NOISE * self.scratch.largest * system.length.max(1.0);
+            if correction < NOISE && after > 0.1 * imbalance && after < noise {
+                self.at_roundoff = true;
                 return Ok(());
             }
         }
@@ -335,7 +348,8 @@ impl Solver {
                 Err(reason) if step <= SHORTEST => return Err(reason.into()),
                 Err(_) => {}
                 Ok(()) => {
-                    if way.damped || step <= SHORTEST || self.is_better(system, step) {
+                    let trust = way.damped || correction < NOISE || step <= SHORTEST;
+                    if trust || self.is_better(system, step) {
                         return Ok(step);
                     }
                 }

@@ -60,6 +60,8 @@ pub struct Report {
     pub redundant: Vec<String>,
     /// How the equilibrium was reached if not by plain iteration.
     pub continuation: Option<Continuation>,
+    /// True if IMBALANCE is below what round-off allows in this model: the iteration went as far as it can.
+    pub at_roundoff: bool,
     /// Iterations whose step was shortened beyond TLIMIT and ALIMIT.
     pub shortened: usize,
 }

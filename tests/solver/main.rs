@@ -1,0 +1,6 @@
+//! The static solver against independent equilibria, closed forms and its own invariances.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod deck;
+mod reference;
