@@ -1,4 +1,12 @@
 //! FUNCTION expressions as trees with spans.
+//!
+//! Knows the grammar of expressions and the names of functions, not what they compute.
+
+mod parse;
+mod references;
+mod tokens;
+
+pub use parse::parse;
 
 use crate::grammar::FunctionDef;
 use crate::text::Span;

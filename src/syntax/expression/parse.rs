@@ -1,0 +1,598 @@
+use super::super::{Number, Token, TokenKind, number::parse_number};
+use super::tokens::tokens_of;
+use super::{BinaryOperator, Constant, Expression, Node};
+use crate::diagnostic::{Checked, Code, Diagnostic};
+use crate::grammar::{Count, FUNCTIONS, FunctionDef, find_function, nearest};
+use crate::text::{Source, Span};
+
+/// How many parentheses, calls and signs may stand inside each other.
+const DEEPEST_NESTING: usize = 200;
+/// How many levels the tree may have; a sum of n terms has n - 1. Keeps every walk of a tree within a small stack.
+const DEEPEST_TREE: usize = 1000;
+/// Names longer than this are not compared with known names.
+const LONGEST_NAME: usize = 24;
+
+/// The expression that `tokens` spell: those of one function text, blanks, line ends, comments and continuation marks included
+/// (all of these separate and mean nothing). `span` is the place of the whole text, used where nothing stands.
+///
+/// The grammar is that of ADAMS-FORMATS 3.1. The first error ends the reading; the value is `None` then.
+pub fn parse(source: &Source, tokens: &[Token], span: Span) -> Checked<Option<Expression>> {
+    let tokens: Vec<Token> = tokens
+        .iter()
+        .copied()
+        .filter(|token| span.contains(token.span))
+        .collect();
+    let mut parser = Parser {
+        source,
+        tokens: tokens.iter().copied().filter(is_significant).collect(),
+        at: 0,
+        span,
+        nesting: 0,
+        literals: Vec::new(),
+    };
+    match parser.whole() {
+        Ok(root) => Checked::clean(Some(Expression {
+            root,
+            text: text_of(source, &tokens),
+            span,
+            literals: parser.literals,
+        })),
+        Err(diagnostic) => Checked {
+            value: None,
+            diagnostics: vec![*diagnostic],
+        },
+    }
+}
+
+impl Expression {
+    /// Reads an expression that stands alone, such as `AX(21,1)*RTOD` in a study. Spans are offsets in `text`.
+    ///
+    /// # Errors
+    /// `bad-expression` with the place in `text`, in a file named `expression`.
+    pub fn parse_str(text: &str) -> Result<Self, Diagnostic> {
+        let source = Source::new("expression", text.as_bytes().to_vec());
+        let span = Span::new(0, text.len());
+        let checked = parse(&source, &tokens_of(text.as_bytes()), span);
+        let mut diagnostics = checked.diagnostics.into_iter();
+        match (checked.value, diagnostics.next()) {
+            (Some(expression), _) => Ok(expression),
+            (None, Some(diagnostic)) => Err(diagnostic),
+            (None, None) => unreachable!("an expression that is not returned has a diagnostic"),
+        }
+    }
+
+    /// The expression that is one number, with an empty span.
+    pub fn constant(value: f64) -> Self {
+        Self {
+            root: Node::Literal(0),
+            text: value.to_string(),
+            span: Span::default(),
+            literals: vec![Number {
+                value,
+                degrees: false,
+                span: Span::default(),
+            }],
+        }
+    }
+}
+
+fn is_significant(token: &Token) -> bool {
+    !matches!(
+        token.kind,
+        TokenKind::Blank
+            | TokenKind::LineEnd
+            | TokenKind::Comment
+            | TokenKind::Continuation
+            // Only ever the mark at the end of a line.
+            | TokenKind::Punctuation(b'&')
+    )
+}
+
+/// The text with every run of blanks, comments and continuation marks as one blank.
+fn text_of(source: &Source, tokens: &[Token]) -> String {
+    let mut text = String::new();
+    let mut pending = false;
+    for token in tokens {
+        if is_significant(token) {
+            if pending && !text.is_empty() {
+                text.push(' ');
+            }
+            pending = false;
+            text.push_str(&source.text(token.span));
+        } else {
+            pending = true;
+        }
+    }
+    text
+}
+
+/// A node and how many levels it has.
+type Grown = (Node, usize);
+type Parsed<T> = Result<T, Box<Diagnostic>>;
+
+struct Parser<'a> {
+    source: &'a Source,
+    tokens: Vec<Token>,
+    at: usize,
+    span: Span,
+    nesting: usize,
+    literals: Vec<Number>,
+}
+
+impl Parser<'_> {
+    fn whole(&mut self) -> Parsed<Node> {
+        if self.tokens.is_empty() {
+            return Err(self.error(self.span, "the expression is empty"));
+        }
+        let (root, _) = self.sum()?;
+        match self.peek() {
+            None => Ok(root),
+            Some(token) => Err(self.unexpected(token)),
+        }
+    }
+
+    /// `term { (+|-) term }`
+    fn sum(&mut self) -> Parsed<Grown> {
+        let mut left = self.product()?;
+        loop {
+            let operator = match self.punctuation() {
+                Some(b'+') => BinaryOperator::Add,
+                Some(b'-') => BinaryOperator::Subtract,
+                _ => return Ok(left),
+            };
+            self.at += 1;
+            let right = self.product()?;
+            left = self.binary(operator, left, right)?;
+        }
+    }
+
+    /// `factor { (*|/) factor }`
+    fn product(&mut self) -> Parsed<Grown> {
+        let mut left = self.factor()?;
+        loop {
+            let operator = match self.punctuation() {
+                Some(b'*') => BinaryOperator::Multiply,
+                Some(b'/') => BinaryOperator::Divide,
+                _ => return Ok(left),
+            };
+            self.at += 1;
+            let right = self.factor()?;
+            left = self.binary(operator, left, right)?;
+        }
+    }
+
+    /// `[+|-] power`; several signs are tolerated.
+    fn factor(&mut self) -> Parsed<Grown> {
+        let minus = match self.punctuation() {
+            Some(b'+') => false,
+            Some(b'-') => true,
+            _ => return self.power(),
+        };
+        self.at += 1;
+        let (inner, height) = self.nested(Self::factor)?;
+        if minus {
+            Ok((Node::Negate(Box::new(inner)), height + 1))
+        } else {
+            Ok((inner, height))
+        }
+    }
+
+    /// `primary [ ** factor ]`, right associative. The two stars may stand apart.
+    fn power(&mut self) -> Parsed<Grown> {
+        let base = self.primary()?;
+        let star = TokenKind::Punctuation(b'*');
+        if self.kind(0) != Some(star) || self.kind(1) != Some(star) {
+            return Ok(base);
+        }
+        self.at += 2;
+        let exponent = self.nested(Self::factor)?;
+        self.binary(BinaryOperator::Power, base, exponent)
+    }
+
+    fn primary(&mut self) -> Parsed<Grown> {
+        let Some(token) = self.peek() else {
+            return Err(self.error(
+                Span::at(self.span.end),
+                "the expression ends where an operand is expected",
+            ));
+        };
+        match token.kind {
+            TokenKind::Number => {
+                self.at += 1;
+                self.literal(token.span)
+            }
+            TokenKind::Word => {
+                self.at += 1;
+                self.name(token.span)
+            }
+            TokenKind::Punctuation(b'(') => {
+                self.at += 1;
+                let inner = self.nested(Self::sum)?;
+                self.expect(b')', token.span)?;
+                Ok(inner)
+            }
+            _ => Err(self.unexpected(token)),
+        }
+    }
+
+    fn literal(&mut self, span: Span) -> Parsed<Grown> {
+        let Some((value, degrees)) = parse_number(self.source.slice(span)) else {
+            return Err(self.error(span, format!("{} is not a number", self.shown(span))));
+        };
+        self.literals.push(Number {
+            value,
+            degrees,
+            span,
+        });
+        Ok((Node::Literal(self.literals.len() - 1), 1))
+    }
+
+    /// A constant, a name without arguments, IF, or a call.
+    fn name(&mut self, span: Span) -> Parsed<Grown> {
+        let name = self.source.slice(span).to_ascii_uppercase();
+        let call = self.punctuation() == Some(b'(');
+        let constant = match name.as_slice() {
+            b"PI" => Some(Constant::Pi),
+            b"RTOD" => Some(Constant::Rtod),
+            b"DTOR" => Some(Constant::Dtor),
+            _ => None,
+        };
+        if let (Some(constant), false) = (constant, call) {
+            return Ok((Node::Constant(constant), 1));
+        }
+        if name == b"IF" && call {
+            return self.nested(|parser| parser.choice(span));
+        }
+        let Some(function) = find_function(&name) else {
+            return Err(self.unknown(span, &name));
+        };
+        if call {
+            self.nested(|parser| parser.call(function, span))
+        } else if function.count.min == 0 {
+            Ok((Node::Name(function), 1))
+        } else {
+            Err(self.error(
+                span,
+                format!(
+                    "{0} needs arguments: {0}({1})",
+                    function.name, function.arguments
+                ),
+            ))
+        }
+    }
+
+    /// `IF(test: negative, zero, positive)`; the name is read already.
+    fn choice(&mut self, name: Span) -> Parsed<Grown> {
+        self.at += 1;
+        let (test, a) = self.sum()?;
+        if !matches!(self.punctuation(), Some(b':')) {
+            let here = self
+                .peek()
+                .map_or(Span::at(self.span.end), |token| token.span);
+            return Err(self.error(
+                here,
+                "a colon is expected after the test of IF: IF(test: negative, zero, positive)",
+            ));
+        }
+        self.at += 1;
+        let (negative, b) = self.sum()?;
+        self.expect(b',', name)?;
+        let (zero, c) = self.sum()?;
+        self.expect(b',', name)?;
+        let (positive, d) = self.sum()?;
+        self.expect(b')', name)?;
+        let height = self.height(a.max(b).max(c).max(d))?;
+        Ok((Node::If(Box::new([test, negative, zero, positive])), height))
+    }
+
+    /// The arguments of a function; the name is read already.
+    fn call(&mut self, function: &'static FunctionDef, name: Span) -> Parsed<Grown> {
+        self.at += 1;
+        let mut arguments = Vec::new();
+        let mut deepest = 0;
+        if self.punctuation() != Some(b')') {
+            loop {
+                let (argument, height) = self.sum()?;
+                arguments.push(argument);
+                deepest = deepest.max(height);
+                if self.punctuation() != Some(b',') {
+                    break;
+                }
+                self.at += 1;
+            }
+        }
+        let end = self.expect(b')', name)?;
+        let span = name.join(end);
+        let Count { min, max } = function.count;
+        if arguments.len() < min || max.is_some_and(|max| arguments.len() > max) {
+            return Err(self.error(
+                span,
+                format!(
+                    "{} has {}, its form is {}({})",
+                    function.name,
+                    match arguments.len() {
+                        1 => "1 argument".to_string(),
+                        n => format!("{n} arguments"),
+                    },
+                    function.name,
+                    function.arguments
+                ),
+            ));
+        }
+        let height = self.height(deepest)?;
+        Ok((
+            Node::Call {
+                function,
+                arguments,
+                span,
+            },
+            height,
+        ))
+    }
+
+    fn binary(&self, operator: BinaryOperator, left: Grown, right: Grown) -> Parsed<Grown> {
+        let height = self.height(left.1.max(right.1))?;
+        Ok((
+            Node::Binary(operator, Box::new(left.0), Box::new(right.0)),
+            height,
+        ))
+    }
+
+    /// One level more than the highest child.
+    fn height(&self, child: usize) -> Parsed<usize> {
+        if child < DEEPEST_TREE {
+            Ok(child + 1)
+        } else {
+            Err(self.error(
+                self.here(),
+                format!("the expression has more than {DEEPEST_TREE} operations in one chain"),
+            ))
+        }
+    }
+
+    fn nested<T>(&mut self, inside: impl FnOnce(&mut Self) -> Parsed<T>) -> Parsed<T> {
+        if self.nesting == DEEPEST_NESTING {
+            return Err(self.error(
+                self.here(),
+                format!("the expression is nested more than {DEEPEST_NESTING} levels deep"),
+            ));
+        }
+        self.nesting += 1;
+        let parsed = inside(self)?;
+        self.nesting -= 1;
+        Ok(parsed)
+    }
+
+    fn peek(&self) -> Option<Token> {
+        self.tokens.get(self.at).copied()
+    }
+
+    fn kind(&self, ahead: usize) -> Option<TokenKind> {
+        self.tokens.get(self.at + ahead).map(|token| token.kind)
+    }
+
+    fn punctuation(&self) -> Option<u8> {
+        match self.kind(0) {
+            Some(TokenKind::Punctuation(byte)) => Some(byte),
+            _ => None,
+        }
+    }
+
+    fn here(&self) -> Span {
+        self.peek()
+            .map_or(Span::at(self.span.end), |token| token.span)
+    }
+
+    /// Reads one mark; `opened` is what it would close.
+    fn expect(&mut self, byte: u8, opened: Span) -> Parsed<Span> {
+        match self.peek() {
+            Some(token) if token.kind == TokenKind::Punctuation(byte) => {
+                self.at += 1;
+                Ok(token.span)
+            }
+            Some(token) => {
+                let mut error = self.unexpected(token);
+                error.help = Some(format!("`{}` is expected here", char::from(byte)));
+                Err(error)
+            }
+            None => Err(self.error(
+                opened,
+                format!(
+                    "`{}` is missing before the expression ends",
+                    char::from(byte)
+                ),
+            )),
+        }
+    }
+
+    fn unexpected(&self, token: Token) -> Box<Diagnostic> {
+        let mut error = self.error(
+            token.span,
+            format!("{} is not expected here", self.shown(token.span)),
+        );
+        let after_number = self.at > 0 && self.tokens[self.at - 1].kind == TokenKind::Number;
+        error.help = match token.kind {
+            TokenKind::Punctuation(b'^') => Some("write ** for a power".to_string()),
+            TokenKind::Punctuation(b'[' | b'{') => Some("use round parentheses".to_string()),
+            TokenKind::Word
+                if after_number && self.source.slice(token.span).eq_ignore_ascii_case(b"D") =>
+            {
+                Some("the degree suffix stands right after its number: 20D".to_string())
+            }
+            TokenKind::Word | TokenKind::Number | TokenKind::Punctuation(b'(') if self.at > 0 => {
+                Some("an operator is missing before it".to_string())
+            }
+            _ => None,
+        };
+        error
+    }
+
+    fn unknown(&self, span: Span, name: &[u8]) -> Box<Diagnostic> {
+        let mut error = self.error(span, format!("there is no function {}", self.shown(span)));
+        if name.len() <= LONGEST_NAME {
+            let typed = String::from_utf8_lossy(name);
+            let known = FUNCTIONS
+                .iter()
+                .map(|function| function.name)
+                .chain(["IF", "PI", "RTOD", "DTOR"]);
+            error.help = nearest(&typed, known).map(|name| format!("did you mean {name}?"));
+        }
+        error
+    }
+
+    /// What stands at a span, cut to a length that fits a message.
+    fn shown(&self, span: Span) -> String {
+        let short = Span::new(span.start, span.end.min(span.start + 2 * LONGEST_NAME));
+        let dots = if short == span { "" } else { "..." };
+        format!("`{}{dots}`", self.source.text(short))
+    }
+
+    fn error(&self, span: Span, message: impl Into<String>) -> Box<Diagnostic> {
+        Box::new(Diagnostic::error(Code::BadExpression, message).label(
+            self.source.name(),
+            span,
+            "",
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The tree written with all its parentheses.
+    fn tree(text: &str) -> String {
+        let expression = Expression::parse_str(text).unwrap();
+        show(&expression, &expression.root)
+    }
+
+    fn show(whole: &Expression, node: &Node) -> String {
+        match node {
+            Node::Literal(k) => whole.literals[*k].value.to_string(),
+            Node::Constant(constant) => format!("{constant:?}"),
+            Node::Name(function) => function.name.to_string(),
+            Node::Negate(inner) => format!("-({})", show(whole, inner)),
+            Node::Binary(operator, a, b) => {
+                format!("{operator:?}({}, {})", show(whole, a), show(whole, b))
+            }
+            Node::If(parts) => {
+                let parts: Vec<_> = parts.iter().map(|part| show(whole, part)).collect();
+                format!("If({})", parts.join("; "))
+            }
+            Node::Call {
+                function,
+                arguments,
+                ..
+            } => {
+                let parts: Vec<_> = arguments.iter().map(|part| show(whole, part)).collect();
+                format!("{}({})", function.name, parts.join(", "))
+            }
+        }
+    }
+
+    #[test]
+    fn powers_bind_tighter_than_signs_and_to_the_right() {
+        // ADAMS-FORMATS 3.1: FORTRAN semantics.
+        assert_eq!(tree("-2**2"), "-(Power(2, 2))");
+        assert_eq!(tree("2**3**2"), "Power(2, Power(3, 2))");
+        assert_eq!(tree("2**-1"), "Power(2, -(1))");
+        assert_eq!(tree("2 * * (-1.)"), "Power(2, -(1))");
+        assert_eq!(tree("8/4/2"), "Divide(Divide(8, 4), 2)");
+        assert_eq!(tree("1-2-3*4"), "Subtract(Subtract(1, 2), Multiply(3, 4))");
+        assert_eq!(tree("2*-3"), "Multiply(2, -(3))");
+    }
+
+    #[test]
+    fn names_and_choices_are_read_in_any_case() {
+        assert_eq!(tree("pi*rtod"), "Multiply(Pi, Rtod)");
+        assert_eq!(
+            tree("if( 1 :2, If(3:4,5,6) , 7)"),
+            "If(1; 2; If(3; 4; 5; 6); 7)"
+        );
+    }
+
+    #[test]
+    fn degrees_become_radians_and_keep_their_place() {
+        let expression = Expression::parse_str("1.5 - 90D").unwrap();
+        assert_eq!(expression.literals.len(), 2);
+        assert!(expression.literals[1].degrees);
+        assert!((expression.literals[1].value - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
+        assert_eq!(expression.literals[1].span, Span::new(6, 9));
+    }
+
+    #[test]
+    fn trouble_is_shown_at_its_place() {
+        for (text, at, says) in [
+            ("", Span::new(0, 0), "empty"),
+            ("1+", Span::at(2), "ends where an operand"),
+            ("(1", Span::new(0, 1), "`)` is missing"),
+            ("1)", Span::new(1, 2), "`)` is not expected"),
+            ("2^3", Span::new(1, 2), "`^` is not expected"),
+            ("IF(1,2,3)", Span::new(4, 5), "colon"),
+            ("20 D", Span::new(3, 4), "`D` is not expected"),
+            ("1..2", Span::new(2, 4), "`.2` is not expected"),
+            ("1,2", Span::new(1, 2), "`,` is not expected"),
+        ] {
+            let error = Expression::parse_str(text).unwrap_err();
+            assert_eq!(error.code, Code::BadExpression);
+            assert_eq!(error.labels[0].span, at, "{text}: {}", error.message);
+            assert!(error.message.contains(says), "{text}: {}", error.message);
+        }
+    }
+
+    #[test]
+    fn depth_is_limited_and_size_is_not() {
+        for text in [
+            "(".repeat(10_000_000),
+            "-".repeat(10_000_000),
+            "2**".repeat(1_000_000),
+            "IF(".repeat(1_000_000),
+            "1+".repeat(5_000_000),
+        ] {
+            let error = Expression::parse_str(&text).unwrap_err();
+            assert!(error.message.contains("more than"), "{}", error.message);
+        }
+        let wide = vec!["1"; 1000].join("+");
+        assert_eq!(Expression::parse_str(&wide).unwrap().literals.len(), 1000);
+        let deep = format!("{}1{}", "(".repeat(200), ")".repeat(200));
+        assert_eq!(tree(&deep), "1");
+    }
+
+    #[test]
+    fn comments_and_continuation_marks_are_blanks() {
+        // FUNCTION = 1 +! half\n, 2 with the tokens a lexer makes of it.
+        let source = Source::new("deck.adm", b"1 +! half\n, 2&\n*3".to_vec());
+        let kinds = [
+            (TokenKind::Number, 1),
+            (TokenKind::Blank, 1),
+            (TokenKind::Punctuation(b'+'), 1),
+            (TokenKind::Comment, 6),
+            (TokenKind::LineEnd, 1),
+            (TokenKind::Continuation, 1),
+            (TokenKind::Blank, 1),
+            (TokenKind::Number, 1),
+            (TokenKind::Punctuation(b'&'), 1),
+            (TokenKind::LineEnd, 1),
+            (TokenKind::Punctuation(b'*'), 1),
+            (TokenKind::Number, 1),
+        ];
+        let mut at = 0;
+        let tokens: Vec<Token> = kinds
+            .into_iter()
+            .map(|(kind, length)| {
+                at += length;
+                Token {
+                    kind,
+                    span: Span::new(at - length, at),
+                }
+            })
+            .collect();
+        let checked = parse(&source, &tokens, Span::new(0, at));
+        let expression = checked.value.unwrap();
+        assert_eq!(expression.text, "1 + 2 *3");
+        assert_eq!(
+            show(&expression, &expression.root),
+            "Add(1, Multiply(2, 3))"
+        );
+    }
+}

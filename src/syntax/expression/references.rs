@@ -1,0 +1,81 @@
+use super::{Expression, Node};
+
+/// What the arguments of a function are: ids of objects, or plain values (`None`). The last entry repeats for what follows.
+///
+/// The space is the id space of the grammar; functions that are not listed take values only.
+fn argument_spaces(function: &str) -> &'static [Option<&'static str>] {
+    const MARKER: Option<&str> = Some("marker");
+    const MARKERS: &[Option<&str>] = &[MARKER];
+    match function {
+        "DX" | "DY" | "DZ" | "DM" | "VX" | "VY" | "VZ" | "VM" | "VR" | "ACCX" | "ACCY" | "ACCZ"
+        | "ACCM" | "WX" | "WY" | "WZ" | "WM" | "WDTX" | "WDTY" | "WDTZ" | "WDTM" | "AX" | "AY"
+        | "AZ" | "PSI" | "THETA" | "PHI" | "YAW" | "PITCH" | "ROLL" | "INCANG" | "FX" | "FY"
+        | "FZ" | "FM" | "TX" | "TY" | "TZ" | "TM" | "DXYZ" | "VXYZ" | "ACCXYZ" | "WXYZ"
+        | "WDTXYZ" | "FXYZ" | "TXYZ" | "UVX" | "UVY" | "UVZ" => MARKERS,
+        "ORIENT" => &[None, None, MARKER],
+        "AKISPL" | "CUBSPL" => &[None, None, Some("spline"), None],
+        "INTERP" => &[None, None, Some("spline"), None],
+        "CURVE" => &[None, None, None, Some("curve"), None],
+        "VARVAL" => &[Some("variable"), None],
+        "ARYVAL" => &[Some("array"), None],
+        "DIF" | "DIF1" => &[Some("diff"), None],
+        "PINVAL" => &[Some("pinput"), None],
+        "POUVAL" => &[Some("poutput"), None],
+        "SENVAL" => &[Some("sensor"), None],
+        "BEAM" => &[Some("beam"), None, None, MARKER],
+        "BUSH" => &[Some("bushing"), None, None, MARKER],
+        "FIELD" => &[Some("field"), None, None, MARKER],
+        "GFORCE" => &[Some("gforce"), None, None, MARKER],
+        "SFORCE" => &[Some("sforce"), None, None, MARKER],
+        "SPDP" => &[Some("springdamper"), None, None, MARKER],
+        "VFORCE" => &[Some("vforce"), None, None, MARKER],
+        "VTORQ" => &[Some("vtorque"), None, None, MARKER],
+        "MFORCE" => &[Some("mforce"), None, None, MARKER],
+        "NFORCE" => &[Some("nforce"), MARKER, None, MARKER],
+        "FRICTION" => &[Some("friction"), None, None, MARKER],
+        "CONTACT" => &[Some("contact"), None, None, MARKER],
+        "JOINT" => &[Some("joint"), None, None, MARKER],
+        "JPRIM" => &[Some("jprim"), None, None, MARKER],
+        "MOTION" => &[Some("motion"), None, None, MARKER],
+        "PTCV" => &[Some("ptcv"), None, None, MARKER],
+        "CVCV" => &[Some("cvcv"), None, None, MARKER],
+        "UCON" => &[Some("ucon"), None, None, MARKER],
+        _ => &[None],
+    }
+}
+
+impl Expression {
+    /// The literals that are ids: (id space, index in [`literals`](Expression::literals)), in order of appearance. A zero stands for
+    /// ground and is left out.
+    pub fn references(&self) -> Vec<(&'static str, usize)> {
+        let mut found = Vec::new();
+        let mut open = vec![&self.root];
+        while let Some(node) = open.pop() {
+            match node {
+                Node::Literal(_) | Node::Constant(_) | Node::Name(_) => {}
+                Node::Negate(inner) => open.push(inner),
+                Node::Binary(_, left, right) => open.extend([&**left, &**right]),
+                Node::If(parts) => open.extend(parts.iter()),
+                Node::Call {
+                    function,
+                    arguments,
+                    ..
+                } => {
+                    let spaces = argument_spaces(function.name);
+                    for (k, argument) in arguments.iter().enumerate() {
+                        match (spaces[k.min(spaces.len() - 1)], argument) {
+                            (Some(space), Node::Literal(literal)) => {
+                                if self.literals[*literal].value != 0.0 {
+                                    found.push((space, *literal));
+                                }
+                            }
+                            _ => open.push(argument),
+                        }
+                    }
+                }
+            }
+        }
+        found.sort_by_key(|(_, literal)| *literal);
+        found
+    }
+}
