@@ -1,102 +1,247 @@
-use crate::grammar::{ArgumentDef, StatementDef};
-use crate::text::Span;
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::sync::OnceLock;
 
-use super::Expression;
+use rayon::prelude::*;
 
-/// What a token is. Tokens tile the bytes of the file: each starts where the one before ends.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum TokenKind {
-    /// The first line of a dataset.
-    Title,
-    /// A letter or underscore and what follows of letters, digits, underscores.
-    Word,
-    /// A number, with its degree suffix if it has one.
-    Number,
-    /// `"..."`.
-    Quoted,
-    /// One of `/ = , : \ ( ) + - * ; &` or any other single byte.
-    Punctuation(u8),
-    /// A comma that only marks a continuation line (first on its line).
-    Continuation,
-    /// Free text of a TITLE, COMMENT, STRING or file name argument.
-    Text,
-    /// Blanks and tabs.
-    Blank,
-    /// A line end: LF, CR LF, or a lone CR.
-    LineEnd,
-    /// `!` to the end of the line.
-    Comment,
-    /// Everything after END.
-    AfterEnd,
+use super::lexer::{Lexer, is_blank};
+use super::lines::{LogicalLine, logical_lines, physical_line};
+use super::parser::StatementParser;
+use super::{Statement, Token, TokenKind};
+use crate::diagnostic::{Checked, Code, Diagnostic};
+use crate::grammar::Role;
+use crate::text::{Edit, EditConflict, Source, Span, apply_edits};
+
+/// The byte order mark some editors put in front of a file.
+pub(super) const BOM: &[u8] = b"\xef\xbb\xbf";
+
+/// An ADAMS/Solver dataset (.adm), losslessly: its bytes and where the statements stand in them.
+#[derive(Clone, Debug)]
+pub struct Dataset {
+    source: Source,
+    /// The first line, without its line end.
+    title: Span,
+    statements: Vec<Statement>,
+    /// What stands after END.
+    after_end: Span,
+    index: OnceLock<Index>,
 }
 
-/// One token.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Token {
-    /// What it is.
-    pub kind: TokenKind,
-    /// Where it stands.
-    pub span: Span,
+/// Where statements are, by kind and id and by view name in lower case.
+#[derive(Clone, Debug, Default)]
+struct Index {
+    by_id: HashMap<(&'static str, u32), usize>,
+    by_name: HashMap<String, Vec<usize>>,
 }
 
-/// A number as written.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Number {
-    /// Its value; degrees are turned into radians.
-    pub value: f64,
-    /// True if it carries the degree suffix.
-    pub degrees: bool,
-    /// Where it stands, sign and suffix included.
-    pub span: Span,
+impl Dataset {
+    /// Reads any bytes. Complaints: unknown, ambiguous and malformed keywords, values that cannot be read, a missing END.
+    pub fn parse(source: Source) -> Checked<Self> {
+        let bytes = source.bytes();
+        let title = physical_line(bytes, 0);
+        let (lines, end) = logical_lines(bytes, title.next, true);
+        let (mut statements, mut diagnostics) = parse_lines(&source, &lines, Role::Dataset);
+        let is_end =
+            |statement: &Statement| source.slice(statement.keyword).eq_ignore_ascii_case(b"END");
+        let mut after_end = Span::at(bytes.len());
+        if let Some(last) = statements.iter().position(is_end) {
+            statements.truncate(last + 1);
+            let start = statements[last].span.end;
+            after_end = Span::new(start, bytes.len());
+            // Statements behind an END on the same line were read and are not part of the dataset.
+            if end.is_none_or(|end| end > start) {
+                diagnostics.retain(|diagnostic| {
+                    diagnostic
+                        .labels
+                        .first()
+                        .is_none_or(|label| label.span.start < start)
+                });
+            }
+        } else {
+            diagnostics.push(
+                Diagnostic::warning(Code::MissingEnd, "the dataset has no END statement")
+                    .label(source.name(), Span::at(bytes.len()), "END belongs here")
+                    .help("the FORTRAN solver refuses a dataset without END"),
+            );
+        }
+        Checked {
+            value: Self {
+                title: title.span,
+                statements,
+                after_end,
+                index: OnceLock::new(),
+                source,
+            },
+            diagnostics,
+        }
+    }
+
+    /// The file.
+    pub fn source(&self) -> &Source {
+        &self.source
+    }
+
+    /// All bytes, exactly as they were read.
+    pub fn bytes(&self) -> &[u8] {
+        self.source.bytes()
+    }
+
+    /// The first line, without blanks around it.
+    pub fn title(&self) -> Cow<'_, str> {
+        let line = self.source.slice(self.title);
+        let bom = if line.starts_with(BOM) { BOM.len() } else { 0 };
+        let text = self
+            .source
+            .text(Span::new(self.title.start + bom, self.title.end));
+        match text {
+            Cow::Borrowed(text) => Cow::Borrowed(text.trim()),
+            Cow::Owned(text) => Cow::Owned(text.trim().to_string()),
+        }
+    }
+
+    /// The first line, without its line end.
+    pub fn title_span(&self) -> Span {
+        self.title
+    }
+
+    /// Every statement in order of appearance, END included.
+    pub fn statements(&self) -> &[Statement] {
+        &self.statements
+    }
+
+    /// Every token, from the first byte to the last.
+    pub fn tokens(&self) -> impl Iterator<Item = Token> + '_ {
+        let body = Span::new(self.title.end, self.after_end.start);
+        one(TokenKind::Title, self.title)
+            .chain(Lexer::new(self.bytes(), body, false))
+            .chain(one(TokenKind::AfterEnd, self.after_end))
+    }
+
+    /// The tokens of one statement of this dataset, trivia between them included.
+    pub fn statement_tokens(&self, statement: &Statement) -> impl Iterator<Item = Token> + '_ {
+        Lexer::new(
+            self.bytes(),
+            statement.span,
+            starts_line(self.bytes(), statement.span.start),
+        )
+    }
+
+    /// The statement of this kind (whole keyword in capitals) with this id; the first one if there are several.
+    pub fn statement(&self, kind: &str, id: Option<u32>) -> Option<&Statement> {
+        self.position(kind, id).map(|at| &self.statements[at])
+    }
+
+    /// Where the statement of this kind with this id stands among the statements. Singletons have no id.
+    pub fn position(&self, kind: &str, id: Option<u32>) -> Option<usize> {
+        match id {
+            None => self
+                .statements
+                .iter()
+                .position(|statement| statement.kind() == Some(kind)),
+            Some(id) => {
+                let def = crate::grammar::STATEMENTS
+                    .iter()
+                    .find(|def| def.name == kind)?;
+                self.index().by_id.get(&(def.name, id)).copied()
+            }
+        }
+    }
+
+    /// Statements with this view name, whatever the case of its letters.
+    pub fn named(&self, name: &str) -> &[usize] {
+        self.index()
+            .by_name
+            .get(&name.to_lowercase())
+            .map_or(&[], Vec::as_slice)
+    }
+
+    /// Every view name with the statement it names, in order of appearance.
+    pub fn view_names(&self) -> impl Iterator<Item = (Cow<'_, str>, &Statement)> {
+        self.statements
+            .iter()
+            .filter_map(|statement| Some((self.source.text(statement.view_name?), statement)))
+    }
+
+    /// The name of a statement: its view name, or kind and id (`PART_2`) where the file gives none.
+    pub fn name<'s>(&'s self, statement: &Statement) -> Cow<'s, str> {
+        if let Some(span) = statement.view_name {
+            return self.source.text(span);
+        }
+        let kind = statement.kind().map_or_else(
+            || self.source.text(statement.keyword).to_ascii_uppercase(),
+            str::to_string,
+        );
+        Cow::Owned(match statement.id {
+            Some((id, _)) => format!("{kind}_{id}"),
+            None => kind,
+        })
+    }
+
+    /// The dataset after edits, read anew.
+    ///
+    /// # Errors
+    /// When two edits overlap or one lies outside of the file.
+    pub fn edited(&self, edits: &[Edit]) -> Result<Checked<Self>, EditConflict> {
+        let bytes = apply_edits(self.bytes(), edits)?;
+        Ok(Self::parse(Source::new(self.source.name(), bytes)))
+    }
+
+    fn index(&self) -> &Index {
+        self.index.get_or_init(|| {
+            let mut index = Index::default();
+            for (at, statement) in self.statements.iter().enumerate() {
+                if let (Some(kind), Some(id)) = (statement.kind(), statement.number()) {
+                    index.by_id.entry((kind, id)).or_insert(at);
+                }
+                if let Some(name) = statement.view_name {
+                    let name = self.source.text(name).to_lowercase();
+                    index.by_name.entry(name).or_default().push(at);
+                }
+            }
+            index
+        })
+    }
 }
 
-/// What stands after the equals sign of an argument.
-#[derive(Clone, PartialEq, Debug)]
-pub enum Value {
-    /// Nothing: a flag.
-    Flag,
-    /// Numbers, integers or ids.
-    Numbers(Vec<Number>),
-    /// Words: one or several choices, with their spans.
-    Words(Vec<Span>),
-    /// One or several texts (quotes not included in the spans).
-    Texts(Vec<Span>),
-    /// A FUNCTION expression.
-    Function(Expression),
-    /// `USER(...)`: the span of the whole call.
-    User(Span),
-    /// Something that does not fit the grammar; a diagnostic says why.
-    Malformed(Span),
+/// One token for a span that is not empty.
+pub(super) fn one(kind: TokenKind, span: Span) -> impl Iterator<Item = Token> {
+    (!span.is_empty())
+        .then_some(Token { kind, span })
+        .into_iter()
 }
 
-/// One argument of a statement.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Argument {
-    /// Its definition, if the grammar knows it.
-    pub def: Option<&'static ArgumentDef>,
-    /// The keyword as typed.
-    pub name: Span,
-    /// From the keyword to the end of the value.
-    pub span: Span,
-    /// The value.
-    pub value: Value,
+/// True if only blanks stand before `offset` on its line.
+pub(super) fn starts_line(bytes: &[u8], offset: usize) -> bool {
+    bytes[..offset]
+        .iter()
+        .rfind(|byte| !is_blank(**byte))
+        .is_none_or(|byte| matches!(byte, b'\n' | b'\r'))
 }
 
-/// One statement or command.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Statement {
-    /// Its definition, if the grammar knows it.
-    pub def: Option<&'static StatementDef>,
-    /// The keyword as typed.
-    pub keyword: Span,
-    /// Id and where it stands.
-    pub id: Option<(u32, Span)>,
-    /// From the keyword to the end of the last argument.
-    pub span: Span,
-    /// Indices of its tokens, from the keyword's to the last one's.
-    pub tokens: std::ops::Range<usize>,
-    /// Arguments in the order they are written.
-    pub arguments: Vec<Argument>,
-    /// The name in the `adams_view_name` comment before it.
-    pub view_name: Option<String>,
+/// Reads logical lines, those of long files on all processors.
+pub(super) fn parse_lines(
+    source: &Source,
+    lines: &[LogicalLine],
+    role: Role,
+) -> (Vec<Statement>, Vec<Diagnostic>) {
+    const CHUNK: usize = 4096;
+    let read = |chunk: &[LogicalLine]| {
+        let mut parser = StatementParser::new(source, role);
+        let mut statements = Vec::with_capacity(chunk.len());
+        for line in chunk {
+            parser.line(*line, &mut statements);
+        }
+        (statements, parser.diagnostics)
+    };
+    if lines.len() <= CHUNK {
+        return read(lines);
+    }
+    let chunks: Vec<_> = lines.par_chunks(CHUNK).map(read).collect();
+    let mut statements = Vec::with_capacity(lines.len());
+    let mut diagnostics = Vec::new();
+    for (some, complaints) in chunks {
+        statements.extend(some);
+        diagnostics.extend(complaints);
+    }
+    (statements, diagnostics)
 }

@@ -4,9 +4,21 @@
 //! a list of [`Edit`](crate::text::Edit)s. Knows nothing about what a model means: references are numbers here.
 
 mod address;
+mod command_file;
 mod dataset;
 pub mod expression;
+mod keywords;
+mod lexer;
+mod lines;
+pub mod number;
+mod parser;
+mod statement;
+mod token;
+mod value;
 
 pub use address::Address;
-pub use dataset::{Argument, Number, Statement, Token, TokenKind, Value};
+pub use command_file::{CommandFile, CommandLine, Head};
+pub use dataset::Dataset;
 pub use expression::Expression;
+pub use statement::{Argument, Statement, Value};
+pub use token::{Number, Token, TokenKind};

@@ -1,0 +1,166 @@
+use nom::bytes::complete::{take, take_till, take_while};
+use nom::{IResult, Parser};
+
+use super::number::number_length;
+use super::{Token, TokenKind};
+use crate::text::Span;
+
+/// Reads bytes into tokens, one after the other, without storing them. Knows lines and marks, not statements.
+///
+/// Time is linear for any bytes: nothing is read twice but the blanks between `&` and its line end.
+#[derive(Clone, Debug)]
+pub(super) struct Lexer<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    end: usize,
+    /// True while only blanks were read of the line.
+    line_start: bool,
+}
+
+impl<'a> Lexer<'a> {
+    /// Reads `span` of `bytes`. `line_start` says that nothing but blanks stands before it on its line.
+    pub fn new(bytes: &'a [u8], span: Span, line_start: bool) -> Self {
+        Self {
+            bytes,
+            at: span.start,
+            end: span.end,
+            line_start,
+        }
+    }
+}
+
+impl Iterator for Lexer<'_> {
+    type Item = Token;
+
+    fn next(&mut self) -> Option<Token> {
+        if self.at >= self.end {
+            return None;
+        }
+        let rest = &self.bytes[self.at..self.end];
+        let (after, kind) =
+            token(rest, self.line_start).unwrap_or((&rest[1..], TokenKind::Punctuation(rest[0])));
+        let span = Span::new(self.at, self.end - after.len());
+        self.at = span.end;
+        match kind {
+            TokenKind::LineEnd => self.line_start = true,
+            TokenKind::Blank => {}
+            _ => self.line_start = false,
+        }
+        Some(Token { kind, span })
+    }
+}
+
+/// Blanks: also NUL, vertical tab, form feed and the end-of-file mark ^Z.
+pub(super) const fn is_blank(byte: u8) -> bool {
+    matches!(byte, b' ' | b'\t' | 0 | 0x0b | 0x0c | 0x1a)
+}
+
+const fn is_line_end(byte: u8) -> bool {
+    matches!(byte, b'\n' | b'\r')
+}
+
+const fn is_word(byte: u8) -> bool {
+    byte.is_ascii_alphanumeric() || byte == b'_'
+}
+
+/// One token from the front of bytes that are not empty.
+fn token(input: &[u8], line_start: bool) -> IResult<&[u8], TokenKind, ()> {
+    match input[0] {
+        b'A'..=b'Z' | b'a'..=b'z' | b'_' => {
+            take_while(is_word).map(|_| TokenKind::Word).parse(input)
+        }
+        b'0'..=b'9' | b'.' => match number_length(input) {
+            0 => punctuation(input),
+            length => take(length).map(|_| TokenKind::Number).parse(input),
+        },
+        b'\n' => take(1usize).map(|_| TokenKind::LineEnd).parse(input),
+        b'\r' => take(1 + usize::from(input.get(1) == Some(&b'\n')))
+            .map(|_| TokenKind::LineEnd)
+            .parse(input),
+        b'!' => take_till(is_line_end)
+            .map(|_| TokenKind::Comment)
+            .parse(input),
+        b'"' => quoted(input),
+        b',' if line_start => take(1usize).map(|_| TokenKind::Continuation).parse(input),
+        b'&' if ends_line(&input[1..]) => {
+            take(1usize).map(|_| TokenKind::Continuation).parse(input)
+        }
+        byte if is_blank(byte) => take_while(is_blank).map(|_| TokenKind::Blank).parse(input),
+        _ => punctuation(input),
+    }
+}
+
+fn punctuation(input: &[u8]) -> IResult<&[u8], TokenKind, ()> {
+    take(1usize)
+        .map(|mark: &[u8]| TokenKind::Punctuation(mark[0]))
+        .parse(input)
+}
+
+/// From a quote to the next one, or to the end of the line.
+fn quoted(input: &[u8]) -> IResult<&[u8], TokenKind, ()> {
+    let (after, inside) =
+        take_till::<_, _, ()>(|byte| byte == b'"' || is_line_end(byte)).parse(&input[1..])?;
+    let closed = usize::from(after.first() == Some(&b'"'));
+    take(1 + inside.len() + closed)
+        .map(|_| TokenKind::Quoted)
+        .parse(input)
+}
+
+/// True if nothing but blanks and a comment stands before the line end.
+fn ends_line(rest: &[u8]) -> bool {
+    match rest.iter().find(|byte| !is_blank(**byte)) {
+        None => true,
+        Some(byte) => is_line_end(*byte) || *byte == b'!',
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn kinds(text: &str) -> Vec<(TokenKind, &str)> {
+        Lexer::new(text.as_bytes(), Span::new(0, text.len()), true)
+            .filter(|token| !matches!(token.kind, TokenKind::Blank))
+            .map(|token| (token.kind, &text[token.span.range()]))
+            .collect()
+    }
+
+    #[test]
+    fn a_leading_comma_and_a_trailing_ampersand_continue() {
+        use TokenKind::{Comment, Continuation, LineEnd, Number, Punctuation, Word};
+        assert_eq!(
+            kinds("K = 1,2.5E+005 & ! stiff\n , 90D"),
+            [
+                (Word, "K"),
+                (Punctuation(b'='), "="),
+                (Number, "1"),
+                (Punctuation(b','), ","),
+                (Number, "2.5E+005"),
+                (Continuation, "&"),
+                (Comment, "! stiff"),
+                (LineEnd, "\n"),
+                (Continuation, ","),
+                (Number, "90D"),
+            ]
+        );
+    }
+
+    #[test]
+    fn tokens_tile_any_bytes() {
+        for bytes in [
+            &b"\xef\xbb\xbf\"open\r\r\n.5.E1D2\x1a\0&&  &\xff"[..],
+            b"",
+            b"&",
+            b"..",
+            b"\r",
+        ] {
+            let mut at = 0;
+            for token in Lexer::new(bytes, Span::new(0, bytes.len()), true) {
+                assert_eq!(token.span.start, at);
+                assert!(!token.span.is_empty());
+                at = token.span.end;
+            }
+            assert_eq!(at, bytes.len());
+        }
+    }
+}

@@ -1,0 +1,195 @@
+use memchr::memchr2;
+
+use super::lexer::is_blank;
+use crate::text::Span;
+
+/// Physical lines joined by their continuation marks: one statement, or several separated by semicolons.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct LogicalLine {
+    /// From the first byte that is not blank to the end of the last physical line, without its line end.
+    pub span: Span,
+    /// The name in the last `adams_view_name` comment before it.
+    pub view_name: Option<Span>,
+}
+
+/// One physical line.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct PhysicalLine {
+    /// Without its line end.
+    pub span: Span,
+    /// Offset after its line end.
+    pub next: usize,
+}
+
+/// The physical line that starts at `start`. Lines end at LF, CR LF or a lone CR.
+pub(super) fn physical_line(bytes: &[u8], start: usize) -> PhysicalLine {
+    let end = memchr2(b'\n', b'\r', &bytes[start..]).map_or(bytes.len(), |at| start + at);
+    let mark = match &bytes[end..] {
+        [] => 0,
+        [b'\r', b'\n', ..] => 2,
+        _ => 1,
+    };
+    PhysicalLine {
+        span: Span::new(start, end),
+        next: end + mark,
+    }
+}
+
+/// The logical lines of the bytes from `start` on, and where an END line ends (if `ends`: a dataset).
+///
+/// The rules are those of ADAMS-FORMATS 1.3: a line continues the one before if it begins with a comma, or if the line before
+/// ends with `&`; blank and comment lines may stand between. A line that ends with a comma is continued too, unless the next
+/// one begins like a statement.
+pub(super) fn logical_lines(
+    bytes: &[u8],
+    start: usize,
+    ends: bool,
+) -> (Vec<LogicalLine>, Option<usize>) {
+    let mut lines: Vec<LogicalLine> = Vec::new();
+    let mut at = start;
+    let mut view_name = None;
+    let mut open = Open::No;
+    while at < bytes.len() {
+        let physical = physical_line(bytes, at);
+        at = physical.next;
+        let Span { start, end } = physical.span;
+        let Some(first) = bytes[start..end].iter().position(|byte| !is_blank(*byte)) else {
+            continue;
+        };
+        let content = &bytes[start + first..end];
+        if content[0] == b'!' {
+            if let Some(name) = name_in_comment(content) {
+                view_name = Some(Span::new(
+                    start + first + name.start,
+                    start + first + name.end,
+                ));
+            }
+            continue;
+        }
+        let continues = match open {
+            Open::No => content[0] == b',' && !lines.is_empty(),
+            Open::Ampersand => true,
+            Open::Comma => content[0] == b',' || !begins_statement(content),
+        };
+        match lines.last_mut() {
+            Some(last) if continues => last.span.end = end,
+            _ => lines.push(LogicalLine {
+                span: Span::new(start + first, end),
+                view_name,
+            }),
+        }
+        view_name = None;
+        open = Open::after(content);
+        if ends && !continues && is_end(content) {
+            return (lines, Some(end));
+        }
+    }
+    (lines, None)
+}
+
+/// How a line leaves the next one.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Open {
+    No,
+    Ampersand,
+    Comma,
+}
+
+impl Open {
+    fn after(content: &[u8]) -> Self {
+        let code = match memchr::memchr(b'!', content) {
+            Some(_) => &content[..comment_start(content)],
+            None => content,
+        };
+        match code.iter().rev().find(|byte| !is_blank(**byte)) {
+            Some(b'&') => Self::Ampersand,
+            Some(b',') => Self::Comma,
+            _ => Self::No,
+        }
+    }
+}
+
+/// Where the comment of a line begins; quotes may hold exclamation points.
+fn comment_start(content: &[u8]) -> usize {
+    let mut quoted = false;
+    content
+        .iter()
+        .position(|byte| {
+            quoted ^= *byte == b'"';
+            *byte == b'!' && !quoted
+        })
+        .unwrap_or(content.len())
+}
+
+/// True for `END`, alone or with something after it that does not belong to the word.
+pub(super) fn is_end(content: &[u8]) -> bool {
+    content.len() >= 3
+        && content[..3].eq_ignore_ascii_case(b"END")
+        && content[3..]
+            .iter()
+            .find(|byte| !is_blank(**byte))
+            .is_none_or(|byte| matches!(byte, b'!' | b';' | b'/'))
+        && content
+            .get(3)
+            .is_none_or(|byte| is_blank(*byte) || matches!(byte, b'!' | b';' | b'/'))
+}
+
+/// True if a line begins with a word and a slash, or is END: what no argument after a comma looks like.
+fn begins_statement(content: &[u8]) -> bool {
+    let word = content
+        .iter()
+        .position(|byte| !(byte.is_ascii_alphanumeric() || *byte == b'_'))
+        .unwrap_or(content.len());
+    let after = content[word..].iter().find(|byte| !is_blank(**byte));
+    (word > 0 && content[0].is_ascii_alphabetic() && after == Some(&b'/')) || is_end(content)
+}
+
+/// The place of NAME in `adams_view_name='NAME'`.
+fn name_in_comment(comment: &[u8]) -> Option<Span> {
+    const KEY: &[u8] = b"adams_view_name='";
+    let quote = memchr::memchr(b'\'', comment)?;
+    let start = quote + 1;
+    if start < KEY.len() || !comment[start - KEY.len()..start].eq_ignore_ascii_case(KEY) {
+        return None;
+    }
+    let length = memchr::memrchr(b'\'', &comment[start..])?;
+    Some(Span::new(start, start + length))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shown(text: &str) -> Vec<&str> {
+        logical_lines(text.as_bytes(), 0, true)
+            .0
+            .iter()
+            .map(|line| &text[line.span.range()])
+            .collect()
+    }
+
+    #[test]
+    fn continuation_crosses_comments_and_blank_lines() {
+        assert_eq!(
+            shown(
+                "PART/1\n!c\n\n , GROUND\nVARIABLE/2 &\nFUNCTION=1,\n2\nJOINT/3,\nMARKER/4\nEND\nrest\n"
+            ),
+            [
+                "PART/1\n!c\n\n , GROUND",
+                "VARIABLE/2 &\nFUNCTION=1,\n2",
+                "JOINT/3,",
+                "MARKER/4",
+                "END"
+            ]
+        );
+    }
+
+    #[test]
+    fn names_stand_in_the_comment_before() {
+        let text = "!  adams_view_name='a b'\r\n! adams_view_units='no_units'\r\nPART/1\r\n!x='y'\r\nPART/2";
+        let (lines, end) = logical_lines(text.as_bytes(), 0, true);
+        assert_eq!(&text[lines[0].view_name.unwrap().range()], "a b");
+        assert_eq!(lines[1].view_name, None);
+        assert_eq!(end, None);
+    }
+}

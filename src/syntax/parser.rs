@@ -1,0 +1,397 @@
+use super::keywords::{Keywords, Missed};
+use super::lexer::Lexer;
+use super::lines::LogicalLine;
+use super::{Argument, Statement, Token, TokenKind};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::grammar::{ArgumentDef, Role, StatementDef};
+use crate::text::{Source, Span};
+
+/// A statement full of nonsense is reported with so many complaints, not with one for each of its words.
+const MOST_COMPLAINTS: usize = 50;
+
+/// Reads logical lines into statements. Knows the grammar tables; values are read in `value.rs`.
+pub(super) struct StatementParser<'a> {
+    pub(super) source: &'a Source,
+    pub(super) keywords: Keywords,
+    pub(super) diagnostics: Vec<Diagnostic>,
+    role: Role,
+    complaints: usize,
+}
+
+impl<'a> StatementParser<'a> {
+    pub fn new(source: &'a Source, role: Role) -> Self {
+        Self {
+            source,
+            keywords: Keywords::new(role),
+            diagnostics: Vec::new(),
+            role,
+            complaints: 0,
+        }
+    }
+
+    /// The statements of a logical line: one, or several between semicolons. A semicolon belongs to the statement before it.
+    pub fn line(&mut self, line: LogicalLine, statements: &mut Vec<Statement>) {
+        let tokens: Vec<Token> = Lexer::new(self.source.bytes(), line.span, true).collect();
+        let first = statements.len();
+        let mut view_name = line.view_name;
+        for piece in tokens.split_inclusive(|token| token.kind == TokenKind::Punctuation(b';')) {
+            let (piece, semicolon) = match piece.split_last() {
+                Some((last, front)) if last.kind == TokenKind::Punctuation(b';') => {
+                    (front, Some(last.span))
+                }
+                _ => (piece, None),
+            };
+            let Some(start) = piece.iter().position(|token| !token.kind.is_trivia()) else {
+                match (semicolon, statements[first..].last_mut()) {
+                    (Some(mark), Some(last)) => last.span.end = mark.end,
+                    (Some(mark), None) => statements.push(Statement {
+                        def: None,
+                        keyword: mark,
+                        id: None,
+                        span: mark,
+                        arguments: Vec::new(),
+                        view_name: None,
+                    }),
+                    (None, _) => {}
+                }
+                continue;
+            };
+            let mut statement = self.statement(&piece[start..], view_name.take());
+            if let Some(mark) = semicolon {
+                statement.span.end = mark.end;
+            }
+            statements.push(statement);
+        }
+    }
+
+    /// One statement from its tokens; the first one is not trivia.
+    fn statement(&mut self, tokens: &[Token], view_name: Option<Span>) -> Statement {
+        self.complaints = 0;
+        let last = tokens
+            .iter()
+            .rfind(|token| !token.kind.is_trivia())
+            .map_or(tokens[0].span, |token| token.span);
+        let mut statement = Statement {
+            def: None,
+            keyword: tokens[0].span,
+            id: None,
+            span: tokens[0].span.join(last),
+            arguments: Vec::new(),
+            view_name,
+        };
+        if tokens[0].kind != TokenKind::Word {
+            self.complain(
+                Diagnostic::error(
+                    Code::SyntaxError,
+                    format!("a {} begins with its keyword", self.noun()),
+                ),
+                tokens[0].span,
+                "",
+            );
+            return statement;
+        }
+        statement.def = self.keyword(tokens[0].span);
+        let mut cursor = Cursor::new(tokens);
+        cursor.advance();
+        if cursor.take_mark(b'/') {
+            self.id(&mut statement, &mut cursor);
+        }
+        if let (Some(def), None) = (statement.def, statement.id)
+            && def.id.is_some()
+        {
+            self.complain(
+                Diagnostic::error(
+                    Code::SyntaxError,
+                    format!("{} needs an id: {}/1", def.name, def.name),
+                ),
+                statement.keyword,
+                "",
+            );
+        }
+        self.arguments(&mut statement, &mut cursor);
+        statement
+    }
+
+    fn keyword(&mut self, span: Span) -> Option<&'static StatementDef> {
+        let typed = self.source.slice(span);
+        match self.keywords.statement(typed) {
+            Ok(def) => Some(def),
+            Err(_) if self.role == Role::Dataset && typed.eq_ignore_ascii_case(b"END") => None,
+            Err(Missed::Ambiguous(names)) => {
+                let diagnostic = Diagnostic::error(
+                    Code::AmbiguousKeyword,
+                    format!(
+                        "{} is the beginning of several keywords",
+                        self.source.text(span)
+                    ),
+                )
+                .help(format!("write one of {}", names.join(", ")));
+                self.complain(diagnostic, span, "");
+                None
+            }
+            Err(Missed::Unknown(near)) => {
+                let mut diagnostic = Diagnostic::warning(
+                    Code::UnknownStatement,
+                    format!(
+                        "{} is not a {} this program knows; it is kept and takes part in nothing",
+                        self.source.text(span),
+                        self.noun()
+                    ),
+                );
+                if let Some(near) = near {
+                    diagnostic = diagnostic.help(format!("did you mean {near}?"));
+                }
+                self.complain(diagnostic, span, "");
+                None
+            }
+        }
+    }
+
+    const fn noun(&self) -> &'static str {
+        match self.role {
+            Role::Command => "command",
+            Role::Dataset | Role::Both => "statement",
+        }
+    }
+
+    fn id(&mut self, statement: &mut Statement, cursor: &mut Cursor) {
+        let Some(token) = cursor.peek() else {
+            return;
+        };
+        if token.kind != TokenKind::Number {
+            return;
+        }
+        cursor.advance();
+        let digits = self.source.slice(token.span);
+        let id = std::str::from_utf8(digits)
+            .ok()
+            .filter(|text| text.bytes().all(|byte| byte.is_ascii_digit()))
+            .and_then(|text| text.parse().ok());
+        match id {
+            Some(id) => statement.id = Some((id, token.span)),
+            None => {
+                let diagnostic = Diagnostic::error(
+                    Code::BadNumber,
+                    format!(
+                        "{} is not an id: ids are whole numbers up to {}",
+                        self.source.text(token.span),
+                        u32::MAX
+                    ),
+                );
+                self.complain(diagnostic, token.span, "");
+            }
+        }
+    }
+
+    fn arguments(&mut self, statement: &mut Statement, cursor: &mut Cursor) {
+        let mut reported = false;
+        loop {
+            cursor.skip_separators();
+            let Some(token) = cursor.peek() else {
+                return;
+            };
+            if token.kind == TokenKind::Word {
+                cursor.advance();
+                let argument = self.argument(statement.def, token.span, cursor);
+                statement.arguments.push(argument);
+                continue;
+            }
+            let span = cursor.skip_value();
+            if !reported && statement.def.is_some() {
+                reported = true;
+                let diagnostic = Diagnostic::error(
+                    Code::SyntaxError,
+                    "the keyword of an argument is expected here",
+                );
+                self.complain(diagnostic, span, "");
+            }
+        }
+    }
+
+    fn argument(
+        &mut self,
+        statement: Option<&'static StatementDef>,
+        name: Span,
+        cursor: &mut Cursor,
+    ) -> Argument {
+        let def = statement.and_then(|statement| self.argument_keyword(statement, name));
+        let value = self.value(statement, def, name, cursor);
+        let mut argument = Argument {
+            def,
+            name,
+            span: name,
+            value,
+        };
+        argument.span.end = argument.span.end.max(argument.value_span().end);
+        argument
+    }
+
+    fn argument_keyword(
+        &mut self,
+        statement: &'static StatementDef,
+        span: Span,
+    ) -> Option<&'static ArgumentDef> {
+        let typed = self.source.slice(span);
+        let (diagnostic, help) = match self.keywords.argument(statement, typed) {
+            Ok(def) => return Some(def),
+            Err(Missed::Ambiguous(names)) => (
+                Diagnostic::error(
+                    Code::AmbiguousKeyword,
+                    format!(
+                        "{} is the beginning of several arguments of {}",
+                        self.source.text(span),
+                        statement.name
+                    ),
+                ),
+                Some(format!("write one of {}", names.join(", "))),
+            ),
+            Err(Missed::Unknown(near)) => (
+                Diagnostic::warning(
+                    Code::UnknownArgument,
+                    format!(
+                        "{} has no argument {}",
+                        statement.name,
+                        self.source.text(span)
+                    ),
+                ),
+                near.map(|near| format!("did you mean {near}?")),
+            ),
+        };
+        let diagnostic = match help {
+            Some(help) => diagnostic.help(help),
+            None => diagnostic,
+        };
+        self.complain(diagnostic, span, "");
+        None
+    }
+
+    /// Adds a complaint with its place.
+    pub(super) fn complain(&mut self, diagnostic: Diagnostic, span: Span, label: &str) {
+        self.complaints += 1;
+        if self.complaints <= MOST_COMPLAINTS {
+            self.diagnostics
+                .push(diagnostic.label(self.source.name(), span, label));
+        }
+    }
+}
+
+/// Walks over the tokens of one statement; blanks, comments, line ends and `&` are passed over.
+pub(super) struct Cursor<'t> {
+    tokens: &'t [Token],
+    at: usize,
+}
+
+impl<'t> Cursor<'t> {
+    fn new(tokens: &'t [Token]) -> Self {
+        Self { tokens, at: 0 }
+    }
+
+    /// The next token that means something, without passing it.
+    pub fn peek(&mut self) -> Option<Token> {
+        while self
+            .tokens
+            .get(self.at)
+            .is_some_and(|token| token.kind.is_trivia())
+        {
+            self.at += 1;
+        }
+        self.tokens.get(self.at).copied()
+    }
+
+    /// Passes the token that [`peek`](Self::peek) showed.
+    pub fn advance(&mut self) {
+        self.at += 1;
+    }
+
+    /// Passes the mark if it comes next.
+    pub fn take_mark(&mut self, mark: u8) -> bool {
+        let there = self
+            .peek()
+            .is_some_and(|token| token.kind == TokenKind::Punctuation(mark));
+        self.at += usize::from(there);
+        there
+    }
+
+    /// Passes continuation marks.
+    pub fn skip_continuation(&mut self) {
+        while self
+            .peek()
+            .is_some_and(|token| token.kind == TokenKind::Continuation)
+        {
+            self.at += 1;
+        }
+    }
+
+    /// Passes commas and continuation marks; true if there was one.
+    pub fn skip_commas(&mut self) -> bool {
+        let from = self.at;
+        while self.peek().is_some_and(|token| {
+            matches!(
+                token.kind,
+                TokenKind::Continuation | TokenKind::Punctuation(b',')
+            )
+        }) {
+            self.at += 1;
+        }
+        self.at > from
+    }
+
+    /// Passes what may stand between arguments: commas, continuation marks, backslashes, a second slash.
+    fn skip_separators(&mut self) {
+        while self.peek().is_some_and(|token| {
+            matches!(
+                token.kind,
+                TokenKind::Continuation | TokenKind::Punctuation(b',' | b'\\' | b'/')
+            )
+        }) {
+            self.at += 1;
+        }
+    }
+
+    /// Passes a value nobody can read: to a separator outside of parentheses. Its place, which may be empty.
+    pub fn skip_value(&mut self) -> Span {
+        let mut span: Option<Span> = None;
+        let mut depth = 0usize;
+        while let Some(token) = self.peek() {
+            match token.kind {
+                TokenKind::Punctuation(b'(') => depth += 1,
+                TokenKind::Punctuation(b')') => depth = depth.saturating_sub(1),
+                TokenKind::Continuation | TokenKind::Punctuation(b',' | b'\\') if depth == 0 => {
+                    break;
+                }
+                _ => {}
+            }
+            span = Some(span.map_or(token.span, |before| before.join(token.span)));
+            self.at += 1;
+        }
+        span.unwrap_or(Span::at(self.place(self.at)))
+    }
+
+    /// Offset where the last meaningful token before a position ends.
+    pub fn place(&self, position: usize) -> usize {
+        self.tokens[..position.min(self.tokens.len())]
+            .iter()
+            .rfind(|token| !token.kind.is_trivia())
+            .map_or(0, |token| token.span.end)
+    }
+
+    /// Where the cursor stands, to come back.
+    pub const fn position(&self) -> usize {
+        self.at
+    }
+
+    /// Goes back to a position.
+    pub const fn go_back(&mut self, position: usize) {
+        self.at = position;
+    }
+
+    /// The tokens from a position to here.
+    pub fn since(&self, position: usize) -> &'t [Token] {
+        &self.tokens[position..self.at]
+    }
+
+    /// The tokens still to come, trivia included.
+    pub fn rest(&self) -> &'t [Token] {
+        &self.tokens[self.at.min(self.tokens.len())..]
+    }
+}

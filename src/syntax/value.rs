@@ -1,0 +1,441 @@
+use super::number::parse_number;
+use super::parser::{Cursor, StatementParser};
+use super::{Number, Token, TokenKind, Value, expression};
+use crate::diagnostic::{Applicability, Code, Diagnostic};
+use crate::grammar::{ArgumentDef, Choice, Lookup, StatementDef, ValueKind, find_choice, nearest};
+use crate::text::{Edit, Span};
+
+/// Why a list of numbers could not be read.
+struct NotNumbers;
+
+impl StatementParser<'_> {
+    /// The value of an argument whose keyword was just read.
+    pub(super) fn value(
+        &mut self,
+        statement: Option<&'static StatementDef>,
+        def: Option<&'static ArgumentDef>,
+        name: Span,
+        cursor: &mut Cursor,
+    ) -> Value {
+        let equals = cursor.take_mark(b'=');
+        let Some(def) = def else {
+            return if equals {
+                self.unknown_value(cursor)
+            } else {
+                Value::Flag
+            };
+        };
+        match (def.kind, equals) {
+            (ValueKind::Flag, false) => Value::Flag,
+            (ValueKind::Flag, true) => {
+                let value = self.unknown_value(cursor);
+                let diagnostic =
+                    Diagnostic::error(Code::WrongCount, format!("{} takes no value", def.name));
+                self.complain(diagnostic, name, "");
+                value
+            }
+            (_, false) => {
+                let diagnostic =
+                    Diagnostic::error(Code::WrongCount, format!("{} needs a value", def.name));
+                self.complain(diagnostic, name, "");
+                Value::Flag
+            }
+            (ValueKind::Real | ValueKind::Integer | ValueKind::Reference(_), true) => {
+                self.known_numbers(def, cursor)
+            }
+            (ValueKind::Choice(choices), true) => self.choice(def, choices, cursor),
+            (ValueKind::Function, true) => self.function(statement, def, cursor),
+            (ValueKind::Text | ValueKind::File, true) => {
+                self.texts(statement, cursor, def.count.max != Some(1))
+            }
+            (ValueKind::TextList, true) => self.texts(statement, cursor, true),
+        }
+    }
+
+    fn known_numbers(&mut self, def: &'static ArgumentDef, cursor: &mut Cursor) -> Value {
+        cursor.skip_continuation();
+        let start = cursor.position();
+        if let Ok(numbers) = self.numbers(cursor) {
+            return Value::Numbers(numbers);
+        }
+        let first = cursor
+            .since(start)
+            .iter()
+            .find(|token| !token.kind.is_trivia())
+            .copied();
+        let rest = cursor.skip_value();
+        let span = first.map_or(rest, |token| token.span.join(rest));
+        let wanted = match def.kind {
+            ValueKind::Integer => "whole numbers".to_string(),
+            ValueKind::Reference(space) => format!("ids of a {space}"),
+            _ => "numbers".to_string(),
+        };
+        let code = match first {
+            Some(_) => Code::BadNumber,
+            None => Code::WrongType,
+        };
+        let diagnostic = Diagnostic::error(code, format!("{} takes {wanted}", def.name));
+        self.complain(diagnostic, span, "");
+        Value::Malformed(span)
+    }
+
+    /// Numbers between commas, up to a separator that no number follows. On an error the cursor stands where it was found.
+    fn numbers(&self, cursor: &mut Cursor) -> Result<Vec<Number>, NotNumbers> {
+        let mut numbers = Vec::new();
+        loop {
+            numbers.push(self.number(cursor).ok_or(NotNumbers)?);
+            let end = cursor.position();
+            let separated = cursor.skip_commas();
+            match cursor.peek().map(|token| token.kind) {
+                Some(TokenKind::Number | TokenKind::Punctuation(b'+' | b'-')) if separated => {}
+                None | Some(TokenKind::Punctuation(b'\\')) => {
+                    cursor.go_back(end);
+                    return Ok(numbers);
+                }
+                Some(_) if separated => {
+                    cursor.go_back(end);
+                    return Ok(numbers);
+                }
+                Some(_) => return Err(NotNumbers),
+            }
+        }
+    }
+
+    /// `[+|-] number [D]`
+    fn number(&self, cursor: &mut Cursor) -> Option<Number> {
+        let first = cursor.peek()?;
+        let signed = matches!(first.kind, TokenKind::Punctuation(b'+' | b'-'));
+        if signed {
+            cursor.advance();
+        }
+        let digits = cursor
+            .peek()
+            .filter(|token| token.kind == TokenKind::Number)?;
+        cursor.advance();
+        let (mut value, mut degrees) = parse_number(self.source.slice(digits.span))?;
+        let mut span = first.span.join(digits.span);
+        // Some hand-written decks leave a blank before the degree suffix.
+        if let Some(word) = cursor.peek()
+            && word.kind == TokenKind::Word
+            && !degrees
+            && self.source.slice(word.span).eq_ignore_ascii_case(b"D")
+        {
+            cursor.advance();
+            value = value.to_radians();
+            degrees = true;
+            span = span.join(word.span);
+        }
+        if first.kind == TokenKind::Punctuation(b'-') {
+            value = -value;
+        }
+        Some(Number {
+            value,
+            degrees,
+            span,
+        })
+    }
+
+    /// Words joined by colons.
+    fn choice(
+        &mut self,
+        def: &'static ArgumentDef,
+        choices: &'static [Choice],
+        cursor: &mut Cursor,
+    ) -> Value {
+        cursor.skip_continuation();
+        let mut words = Vec::new();
+        loop {
+            let Some(word) = choice_word(cursor) else {
+                let span = cursor.skip_value();
+                self.complain_choice(def, choices, span);
+                return Value::Malformed(span);
+            };
+            if !matches!(
+                find_choice(choices, self.source.slice(word)),
+                Lookup::Found(_)
+            ) {
+                self.complain_choice(def, choices, word);
+            }
+            words.push(word);
+            if !cursor.take_mark(b':') {
+                break;
+            }
+            cursor.skip_continuation();
+        }
+        Value::Words(words)
+    }
+
+    fn complain_choice(&mut self, def: &ArgumentDef, choices: &'static [Choice], span: Span) {
+        let typed = self.source.text(span).into_owned();
+        let names = || choices.iter().map(|choice| choice.name);
+        let near = (typed.len() <= 32)
+            .then(|| nearest(&typed, names()))
+            .flatten();
+        let help = match near {
+            Some(near) => format!("did you mean {near}?"),
+            None => format!("write one of {}", names().collect::<Vec<_>>().join(", ")),
+        };
+        let shown: String = typed.chars().take(40).collect();
+        let diagnostic =
+            Diagnostic::error(Code::WrongType, format!("{} cannot be {shown}", def.name))
+                .help(help);
+        self.complain(diagnostic, span, "");
+    }
+
+    /// A FUNCTION: to a backslash or a comma outside of parentheses, never only to a line end.
+    fn function(
+        &mut self,
+        statement: Option<&'static StatementDef>,
+        def: &'static ArgumentDef,
+        cursor: &mut Cursor,
+    ) -> Value {
+        cursor.skip_continuation();
+        let start = cursor.position();
+        let mut depth = 0usize;
+        while let Some(token) = cursor.peek() {
+            match token.kind {
+                TokenKind::Punctuation(b'(') => depth += 1,
+                TokenKind::Punctuation(b')') => depth = depth.saturating_sub(1),
+                TokenKind::Punctuation(b'\\') => break,
+                TokenKind::Punctuation(b',') if depth == 0 => break,
+                TokenKind::Continuation
+                    if depth == 0
+                        && self.source.slice(token.span) == b","
+                        && self.is_assignment(statement, &cursor.rest()[1..]) =>
+                {
+                    let end = cursor
+                        .since(start)
+                        .iter()
+                        .rfind(|token| !token.kind.is_trivia())
+                        .map_or(token.span.start, |token| token.span.end);
+                    let diagnostic = Diagnostic::warning(
+                        Code::SyntaxError,
+                        format!(
+                            "a backslash must end {} when another argument follows",
+                            def.name
+                        ),
+                    )
+                    .fix(
+                        "end the function with a backslash",
+                        vec![Edit::new(Span::at(end), "\\")],
+                        Applicability::Safe,
+                    );
+                    self.complain(diagnostic, token.span, "");
+                    break;
+                }
+                _ => {}
+            }
+            cursor.advance();
+        }
+        let mut tokens = cursor.since(start);
+        while let [front @ .., last] = tokens
+            && (last.kind.is_trivia() || last.kind == TokenKind::Continuation)
+        {
+            tokens = front;
+        }
+        let (Some(first), Some(last)) = (tokens.first(), tokens.last()) else {
+            let span = Span::at(cursor.place(start));
+            let diagnostic =
+                Diagnostic::error(Code::BadExpression, format!("{} is empty", def.name));
+            self.complain(diagnostic, span, "");
+            return Value::Malformed(span);
+        };
+        let span = first.span.join(last.span);
+        if self.is_user_call(tokens) {
+            return Value::User(span);
+        }
+        let parsed = expression::parse(self.source, tokens, span);
+        self.diagnostics.extend(parsed.diagnostics);
+        match parsed.value {
+            Some(expression) => Value::Function(Box::new(expression)),
+            None => Value::Malformed(span),
+        }
+    }
+
+    fn is_user_call(&self, tokens: &[Token]) -> bool {
+        let mut meaningful = tokens.iter().filter(|token| !token.kind.is_trivia());
+        meaningful
+            .next()
+            .is_some_and(|token| self.source.slice(token.span).eq_ignore_ascii_case(b"USER"))
+            && meaningful
+                .next()
+                .is_some_and(|token| token.kind == TokenKind::Punctuation(b'('))
+    }
+
+    /// True if `KEYWORD =` stands at the front and the statement has that keyword.
+    fn is_assignment(
+        &mut self,
+        statement: Option<&'static StatementDef>,
+        tokens: &[Token],
+    ) -> bool {
+        let mut meaningful = tokens.iter().filter(|token| !token.kind.is_trivia());
+        let (Some(word), Some(next)) = (meaningful.next(), meaningful.next()) else {
+            return false;
+        };
+        word.kind == TokenKind::Word
+            && next.kind == TokenKind::Punctuation(b'=')
+            && statement.is_some_and(|statement| {
+                self.keywords
+                    .argument(statement, self.source.slice(word.span))
+                    .is_ok()
+            })
+    }
+
+    /// True if what follows a comma is the next argument, not more of a text: a keyword of the statement with its equals sign
+    /// or, for a flag, with nothing after it; or any word with an equals sign.
+    fn is_next_argument(
+        &mut self,
+        statement: Option<&'static StatementDef>,
+        tokens: &[Token],
+    ) -> bool {
+        let mut meaningful = tokens.iter().filter(|token| !token.kind.is_trivia());
+        let Some(word) = meaningful.next() else {
+            return true;
+        };
+        if word.kind != TokenKind::Word {
+            return false;
+        }
+        match meaningful.next().map(|token| token.kind) {
+            Some(TokenKind::Punctuation(b'=')) => true,
+            None | Some(TokenKind::Continuation | TokenKind::Punctuation(b',' | b'\\')) => {
+                statement.is_some_and(|statement| {
+                    self.keywords
+                        .argument(statement, self.source.slice(word.span))
+                        .is_ok_and(|def| def.kind == ValueKind::Flag)
+                })
+            }
+            Some(_) => false,
+        }
+    }
+
+    /// Free text: quoted ones between commas, or unquoted to the end of the line or to the next argument. `list` splits
+    /// unquoted text at colons and commas.
+    fn texts(
+        &mut self,
+        statement: Option<&'static StatementDef>,
+        cursor: &mut Cursor,
+        list: bool,
+    ) -> Value {
+        let mut texts = Vec::new();
+        let mut at = cursor.place(cursor.position());
+        loop {
+            match cursor.peek() {
+                Some(token) if token.kind == TokenKind::Quoted => {
+                    cursor.advance();
+                    texts.push(self.unquoted(token.span));
+                    at = token.span.end;
+                }
+                Some(token) if token.kind == TokenKind::Continuation && texts.is_empty() => {
+                    // The value is on the next line, unless that is the next argument: then the text is empty.
+                    let position = cursor.position();
+                    cursor.advance();
+                    if !self.is_next_argument(statement, cursor.rest()) {
+                        continue;
+                    }
+                    cursor.go_back(position);
+                    break;
+                }
+                Some(_) => {
+                    at = self
+                        .line_of_text(statement, cursor, list, &mut texts)
+                        .unwrap_or(at)
+                }
+                None => break,
+            }
+            // More of a list stands after the comma.
+            let end = cursor.position();
+            let several = list || self.source.bytes().get(at.wrapping_sub(1)) == Some(&b'"');
+            if !several || !cursor.skip_commas() || self.is_next_argument(statement, cursor.rest())
+            {
+                cursor.go_back(end);
+                break;
+            }
+        }
+        if texts.is_empty() {
+            texts.push(Span::at(at));
+        }
+        Value::Texts(texts)
+    }
+
+    /// Unquoted text on this line. Returns where it ends.
+    fn line_of_text(
+        &mut self,
+        statement: Option<&'static StatementDef>,
+        cursor: &mut Cursor,
+        list: bool,
+        texts: &mut Vec<Span>,
+    ) -> Option<usize> {
+        let mut item: Option<Span> = None;
+        let mut end = None;
+        let mut passed = 0;
+        let mut continued = false;
+        for (index, token) in cursor.rest().iter().enumerate() {
+            match token.kind {
+                TokenKind::LineEnd | TokenKind::Comment | TokenKind::Continuation => {
+                    continued = true;
+                    break;
+                }
+                TokenKind::Punctuation(b',')
+                    if list || self.is_next_argument(statement, &cursor.rest()[index + 1..]) =>
+                {
+                    break;
+                }
+                TokenKind::Punctuation(b':') if list && self.is_single_colon(token.span) => {
+                    texts.push(item.take().unwrap_or(Span::at(token.span.start)));
+                    end = Some(token.span.end);
+                    item = Some(Span::at(token.span.end));
+                }
+                TokenKind::Blank => {}
+                _ => {
+                    item = Some(match item {
+                        Some(span) if !span.is_empty() => span.join(token.span),
+                        _ => token.span,
+                    });
+                    end = Some(token.span.end);
+                }
+            }
+            passed = index + 1;
+        }
+        // A colon at the end of a line: the next text is on the next line.
+        texts.extend(item.filter(|span| !(continued && span.is_empty())));
+        cursor.go_back(cursor.position() + passed);
+        end
+    }
+
+    /// A colon that separates: not one of the pair in `library::subroutine`.
+    fn is_single_colon(&self, span: Span) -> bool {
+        let bytes = self.source.bytes();
+        bytes.get(span.end) != Some(&b':') && (span.start == 0 || bytes[span.start - 1] != b':')
+    }
+
+    /// The place inside of the quotes.
+    fn unquoted(&self, span: Span) -> Span {
+        let closed = span.len() > 1 && self.source.bytes()[span.end - 1] == b'"';
+        Span::new(span.start + 1, span.end - usize::from(closed))
+    }
+
+    /// The value of an argument nobody knows: numbers if it looks like them, else a text to the next separator.
+    fn unknown_value(&mut self, cursor: &mut Cursor) -> Value {
+        cursor.skip_continuation();
+        let start = cursor.position();
+        if let Ok(numbers) = self.numbers(cursor) {
+            return Value::Numbers(numbers);
+        }
+        cursor.go_back(start);
+        Value::Texts(vec![cursor.skip_value()])
+    }
+}
+
+/// A word as choices spell it: it may begin with digits, as 3DBEAM does.
+fn choice_word(cursor: &mut Cursor) -> Option<Span> {
+    let is_piece = |token: &Token| matches!(token.kind, TokenKind::Word | TokenKind::Number);
+    let mut span = cursor.peek().filter(is_piece)?.span;
+    cursor.advance();
+    while let Some(next) = cursor.peek().filter(is_piece)
+        && next.span.start == span.end
+    {
+        span.end = next.span.end;
+        cursor.advance();
+    }
+    Some(span)
+}

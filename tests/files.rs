@@ -1,0 +1,6 @@
+//! The front half on real files: nothing is lost, nothing is misread.
+
+mod common;
+mod files {
+    pub mod lossless;
+}
