@@ -48,6 +48,7 @@ pub mod cli;
 pub mod constraint;
 pub mod diagnostic;
 pub mod element;
+pub mod function;
 pub mod grammar;
 pub mod mechanics;
 pub mod model;

@@ -1,0 +1,33 @@
+/// Slopes at the knots by Akima's rule (J. ACM 17, 1970): x strictly increasing, as long as y, at least two.
+///
+/// ```text
+/// m_i = (y_(i+1) - y_i) / (x_(i+1) - x_i)
+/// t_i = (|m_(i+1) - m_i| m_(i-1) + |m_(i-1) - m_(i-2)| m_i) / (|m_(i+1) - m_i| + |m_(i-1) - m_(i-2)|)
+/// ```
+/// and the mean of `m_(i-1)` and `m_i` when both weights vanish. Two chords are added at each end: `m_0 = 2 m_1 - m_2`,
+/// `m_(-1) = 2 m_0 - m_1`, and mirrored.
+pub(super) fn slopes(x: &[f64], y: &[f64]) -> Vec<f64> {
+    let n = x.len();
+    // Two chords before and two after: chord k of the data is m[k + 2].
+    let mut m = vec![0.0; n + 3];
+    for k in 0..n - 1 {
+        m[k + 2] = (y[k + 1] - y[k]) / (x[k + 1] - x[k]);
+    }
+    if n == 2 {
+        return vec![m[2]; 2];
+    }
+    m[1] = 2.0 * m[2] - m[3];
+    m[0] = 2.0 * m[1] - m[2];
+    m[n + 1] = 2.0 * m[n] - m[n - 1];
+    m[n + 2] = 2.0 * m[n + 1] - m[n];
+    (0..n)
+        .map(|i| {
+            let (before, after) = ((m[i + 1] - m[i]).abs(), (m[i + 3] - m[i + 2]).abs());
+            if before + after == 0.0 {
+                0.5 * (m[i + 1] + m[i + 2])
+            } else {
+                (after * m[i + 1] + before * m[i + 2]) / (before + after)
+            }
+        })
+        .collect()
+}

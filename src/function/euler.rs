@@ -1,0 +1,99 @@
+use super::Sequence;
+use crate::mechanics::{Mat3, Vec3};
+
+/// Below this sine (or cosine) of the middle angle the first and third axis are one line: the whole turn is put into the first
+/// angle, as ADAMS does for PSI (ADAMS-FORMATS 4.1).
+const PARALLEL: f64 = 1e-12;
+
+impl Sequence {
+    /// Body-fixed 3-1-3: PSI, THETA, PHI.
+    pub const BODY_313: Self = Self::body([2, 0, 2]);
+    /// Body-fixed 3-2-1: YAW, minus PITCH, ROLL.
+    pub const BODY_321: Self = Self::body([2, 1, 0]);
+
+    const fn body(axes: [usize; 3]) -> Self {
+        Self {
+            axes,
+            space_fixed: false,
+        }
+    }
+
+    /// The sequence of an ORIENT type: 1 to 12 body-fixed, 13 to 24 the same sequences fixed in space.
+    pub fn of_orient(kind: u32) -> Option<Self> {
+        const AXES: [[usize; 3]; 12] = [
+            [0, 1, 2],
+            [1, 2, 0],
+            [2, 0, 1],
+            [0, 2, 1],
+            [1, 0, 2],
+            [2, 1, 0],
+            [0, 1, 0],
+            [0, 2, 0],
+            [1, 0, 1],
+            [1, 2, 1],
+            [2, 0, 2],
+            [2, 1, 2],
+        ];
+        let index = (kind as usize).checked_sub(1).filter(|&index| index < 24)?;
+        Some(Self {
+            axes: AXES[index % 12],
+            space_fixed: index >= 12,
+        })
+    }
+
+    /// Angle `which` of the rotation R, in radians, and its derivative by a rotation vector `dtheta` in the axes of the base
+    /// (`R <- exp(dtheta) R`). The middle angle lies in [0, pi] if the first and last axis are the same, else in [-pi/2, pi/2].
+    /// Where the sequence is singular the derivative is returned as zero.
+    ///
+    /// Body-fixed: `R = R_a(t1) R_b(t2) R_c(t3)`. About axes fixed in space the order of the product is reversed.
+    pub fn angle(self, R: &Mat3, which: usize) -> (f64, Vec3) {
+        let ([a, b, c], which) = if self.space_fixed {
+            let [a, b, c] = self.axes;
+            ([c, b, a], 2 - which)
+        } else {
+            (self.axes, which)
+        };
+        let angles = body_angles(R, [a, b, c]);
+        // dtheta = A1 dt1 + A2 dt2 + A3 dt3; the rows of the inverse are the dual basis.
+        let axis1 = Vec3::ith(a, 1.0);
+        let (sin, cos) = angles[0].sin_cos();
+        let turned = Vec3::ith(b, 1.0);
+        let axis2 = turned * cos + axis1.cross(&turned) * sin;
+        let axis3: Vec3 = R.column(c).into();
+        let volume = axis1.dot(&axis2.cross(&axis3));
+        let dual = match which {
+            0 => axis2.cross(&axis3),
+            1 => axis3.cross(&axis1),
+            _ => axis1.cross(&axis2),
+        };
+        let row = if volume.abs() < PARALLEL {
+            Vec3::zeros()
+        } else {
+            dual / volume
+        };
+        (angles[which], row)
+    }
+}
+
+fn body_angles(R: &Mat3, [a, b, c]: [usize; 3]) -> [f64; 3] {
+    // The axis that b turns toward about a: e_a x e_b = sign e_third.
+    let third = 3 - a - b;
+    let sign = if (b + 3 - a) % 3 == 1 { 1.0 } else { -1.0 };
+    let (sin, cos, last) = if a == c {
+        let sin = R[(b, a)].hypot(R[(third, a)]);
+        (sin, R[(a, a)], R[(a, b)].atan2(sign * R[(a, third)]))
+    } else {
+        let cos = R[(a, a)].hypot(R[(a, b)]);
+        (sign * R[(a, c)], cos, (-sign * R[(a, b)]).atan2(R[(a, a)]))
+    };
+    let parallel = if a == c { sin } else { cos } < PARALLEL;
+    if parallel {
+        return [(sign * R[(third, b)]).atan2(R[(b, b)]), sin.atan2(cos), 0.0];
+    }
+    let first = if a == c {
+        R[(b, a)].atan2(-sign * R[(third, a)])
+    } else {
+        (-sign * R[(b, c)]).atan2(R[(c, c)])
+    };
+    [first, sin.atan2(cos), last]
+}

@@ -1,0 +1,90 @@
+use super::Fault;
+use super::step::{Shape, step};
+
+/// IMPACT(x, xdot, x1, k, e, cmax, d) with partial derivatives (ADAMS-FORMATS 3.6).
+///
+/// ```text
+/// x < x1:  max(0, k (x1 - x)^e - STEP(x, x1 - d, cmax, x1, 0) xdot),  else 0
+/// ```
+/// d = 0 is the limit of small d: full damping at once.
+pub(super) fn impact(a: &[f64], by: &mut [f64]) -> Result<f64, Fault> {
+    let &[x, xdot, x1, k, e, cmax, d] = a else {
+        unreachable!("the grammar gives IMPACT seven arguments");
+    };
+    by.fill(0.0);
+    let p = x1 - x;
+    if p <= 0.0 {
+        return Ok(0.0);
+    }
+    let stop = Stop::at(p, xdot, k, e, cmax, d)?;
+    if stop.force <= 0.0 {
+        return Ok(0.0);
+    }
+    by[0] = -stop.by_p;
+    by[1] = stop.by_rate;
+    by[2] = stop.by_p;
+    by[3..7].copy_from_slice(&stop.by_law);
+    Ok(stop.force)
+}
+
+/// BISTOP(x, xdot, x1, x2, k, e, cmax, d) with partial derivatives (ADAMS-FORMATS 3.6).
+///
+/// ```text
+/// x < x1:        max(0,  k (x1 - x)^e - STEP(x, x1 - d, cmax, x1, 0) xdot)
+/// x > x2:        min(0, -k (x - x2)^e - STEP(x, x2, 0, x2 + d, cmax) xdot)
+/// x1 <= x <= x2: 0
+/// ```
+pub(super) fn bistop(a: &[f64], by: &mut [f64]) -> Result<f64, Fault> {
+    let &[x, xdot, x1, x2, k, e, cmax, d] = a else {
+        unreachable!("the grammar gives BISTOP eight arguments");
+    };
+    by.fill(0.0);
+    // The upper stop is the lower one seen in a mirror: x, xdot and the force change sign.
+    let (p, rate, sign, bound) = if x < x1 {
+        (x1 - x, xdot, 1.0, 2)
+    } else if x > x2 {
+        (x - x2, -xdot, -1.0, 3)
+    } else {
+        return Ok(0.0);
+    };
+    let stop = Stop::at(p, rate, k, e, cmax, d)?;
+    if stop.force <= 0.0 {
+        return Ok(0.0);
+    }
+    // Lower: p = x1 - x, F = f. Upper: p = x - x2, F = -f. Either way dF/dx = -df/dp, dF/dxdot = df/drate.
+    by[0] = -stop.by_p;
+    by[1] = stop.by_rate;
+    by[bound] = stop.by_p;
+    for (out, law) in by[4..8].iter_mut().zip(stop.by_law) {
+        *out = sign * law;
+    }
+    Ok(sign * stop.force)
+}
+
+/// `k p^e - c(p) rate` for a penetration p > 0, where c grows from 0 at p = 0 to cmax at p = d.
+struct Stop {
+    force: f64,
+    by_p: f64,
+    by_rate: f64,
+    /// By k, e, cmax, d.
+    by_law: [f64; 4],
+}
+
+impl Stop {
+    fn at(p: f64, rate: f64, k: f64, e: f64, cmax: f64, d: f64) -> Result<Self, Fault> {
+        let power = p.powf(e);
+        let mut by = [0.0; 5];
+        let c = if d == 0.0 {
+            by[4] = 1.0;
+            cmax
+        } else {
+            step(Shape::Cubic, &[p, 0.0, 0.0, d, cmax], &mut by)?
+        };
+        Ok(Self {
+            force: k * power - c * rate,
+            by_p: k * e * p.powf(e - 1.0) - by[0] * rate,
+            by_rate: -c,
+            by_law: [power, k * power * p.ln(), -by[4] * rate, -by[3] * rate],
+        })
+    }
+}

@@ -1,0 +1,165 @@
+use super::{akima, cubic};
+use crate::model::Spline;
+
+/// How a SPLINE is interpolated in x.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub(super) enum Method {
+    /// AKISPL.
+    Akima,
+    /// CUBSPL, INTERP method 3.
+    Cubic,
+    /// INTERP method 1.
+    Linear,
+}
+
+/// The data of a SPLINE made ready: slopes at the knots of every row.
+#[derive(Clone, PartialEq, Debug)]
+pub(super) struct Interpolant {
+    x: Vec<f64>,
+    z: Vec<f64>,
+    rows: Vec<Row>,
+    linear_extrapolate: bool,
+}
+
+#[derive(Clone, PartialEq, Debug)]
+struct Row {
+    y: Vec<f64>,
+    /// Empty for linear interpolation.
+    slopes: Vec<f64>,
+}
+
+impl Interpolant {
+    /// `None` if the data are no curve: fewer than two points, rows of another length, x or z not strictly increasing.
+    pub(super) fn new(spline: &Spline, method: Method) -> Option<Self> {
+        let n = spline.x.len();
+        let rising = |values: &[f64]| values.windows(2).all(|pair| pair[0] < pair[1]);
+        let sound = n >= 2
+            && !spline.y.is_empty()
+            && spline.y.len() == spline.z.len()
+            && rising(&spline.x)
+            && rising(&spline.z)
+            && spline.y.iter().all(|row| row.len() == n);
+        sound.then(|| Self {
+            x: spline.x.clone(),
+            z: spline.z.clone(),
+            rows: spline
+                .y
+                .iter()
+                .map(|y| Row {
+                    y: y.clone(),
+                    slopes: match method {
+                        Method::Akima => akima::slopes(&spline.x, y),
+                        Method::Cubic => cubic::slopes(&spline.x, y),
+                        Method::Linear => Vec::new(),
+                    },
+                })
+                .collect(),
+            linear_extrapolate: spline.linear_extrapolate,
+        })
+    }
+
+    /// True for a surface.
+    pub(super) fn is_surface(&self) -> bool {
+        self.rows.len() > 1
+    }
+
+    /// The derivative of the given order by x at (x, z), and its derivatives by x and z. Linear in z between the rows of a surface;
+    /// outside of them the line through the two nearest rows goes on.
+    pub(super) fn at(&self, x: f64, z: f64, order: usize) -> (f64, [f64; 2]) {
+        let local = self.locate(x);
+        let of = |row: &Row| {
+            let derivatives = local.derivatives(row);
+            let get = |order: usize| derivatives.get(order).copied().unwrap_or(0.0);
+            (get(order), get(order + 1))
+        };
+        if !self.is_surface() {
+            let (value, slope) = of(&self.rows[0]);
+            return (value, [slope, 0.0]);
+        }
+        let k = self.z[1..self.z.len() - 1].partition_point(|&knot| knot <= z);
+        let width = self.z[k + 1] - self.z[k];
+        let share = (z - self.z[k]) / width;
+        let ((a, da), (b, db)) = (of(&self.rows[k]), of(&self.rows[k + 1]));
+        (
+            a + share * (b - a),
+            [da + share * (db - da), (b - a) / width],
+        )
+    }
+
+    fn locate(&self, x: f64) -> Place<'_> {
+        let n = self.x.len();
+        let inside = x >= self.x[0] && x <= self.x[n - 1];
+        let first = if inside || self.linear_extrapolate || n == 2 {
+            self.x[1..n - 1].partition_point(|&knot| knot <= x)
+        } else if x < self.x[0] {
+            0
+        } else {
+            n - 3
+        };
+        Place {
+            knots: &self.x,
+            first,
+            x,
+            polynomial: if inside {
+                Polynomial::Segment
+            } else if self.linear_extrapolate || n == 2 {
+                Polynomial::Line
+            } else {
+                Polynomial::Parabola
+            },
+        }
+    }
+}
+
+#[derive(Clone, Copy)]
+enum Polynomial {
+    /// Between knots `first` and `first + 1`.
+    Segment,
+    /// Through knots `first` and `first + 1`.
+    Line,
+    /// Through knots `first` to `first + 2`.
+    Parabola,
+}
+
+struct Place<'a> {
+    knots: &'a [f64],
+    first: usize,
+    x: f64,
+    polynomial: Polynomial,
+}
+
+impl Place<'_> {
+    /// Value and derivatives of order 1, 2, 3.
+    fn derivatives(&self, row: &Row) -> [f64; 4] {
+        let k = self.first;
+        let (x0, x1) = (self.knots[k], self.knots[k + 1]);
+        let (y0, y1) = (row.y[k], row.y[k + 1]);
+        let h = x1 - x0;
+        let m = (y1 - y0) / h;
+        let u = self.x - x0;
+        let (b, c, d) = match self.polynomial {
+            // y0 + b u + c u^2 + d u^3 with the slopes b at x0 and t1 at x1.
+            Polynomial::Segment if !row.slopes.is_empty() => {
+                let (t0, t1) = (row.slopes[k], row.slopes[k + 1]);
+                (
+                    t0,
+                    (3.0 * m - 2.0 * t0 - t1) / h,
+                    (t0 + t1 - 2.0 * m) / (h * h),
+                )
+            }
+            Polynomial::Segment | Polynomial::Line => (m, 0.0, 0.0),
+            Polynomial::Parabola => {
+                // Newton's divided differences about x0.
+                let x2 = self.knots[k + 2];
+                let bend = ((row.y[k + 2] - y1) / (x2 - x1) - m) / (x2 - x0);
+                (m - bend * h, bend, 0.0)
+            }
+        };
+        [
+            y0 + u * (b + u * (c + u * d)),
+            b + u * (2.0 * c + u * 3.0 * d),
+            2.0 * c + 6.0 * d * u,
+            6.0 * d,
+        ]
+    }
+}

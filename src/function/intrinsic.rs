@@ -1,0 +1,165 @@
+/// A FORTRAN function of one argument.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Unary {
+    Abs,
+    Acos,
+    Asin,
+    Atan,
+    Cos,
+    Cosh,
+    Exp,
+    Ln,
+    Log10,
+    Nearest,
+    Sin,
+    Sinh,
+    Sqrt,
+    Tan,
+    Tanh,
+    Truncate,
+}
+
+impl Unary {
+    /// The function by its name in capitals.
+    pub(super) fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "ABS" => Self::Abs,
+            "ACOS" => Self::Acos,
+            "ASIN" => Self::Asin,
+            "ATAN" => Self::Atan,
+            "COS" => Self::Cos,
+            "COSH" => Self::Cosh,
+            "EXP" => Self::Exp,
+            "LOG" => Self::Ln,
+            "LOG10" => Self::Log10,
+            "ANINT" | "NINT" => Self::Nearest,
+            "SIN" => Self::Sin,
+            "SINH" => Self::Sinh,
+            "SQRT" => Self::Sqrt,
+            "TAN" => Self::Tan,
+            "TANH" => Self::Tanh,
+            "AINT" | "INT" => Self::Truncate,
+            _ => return None,
+        })
+    }
+
+    /// Value and derivative. A value that is not a number says that x lies outside of the domain. Where the derivative does not
+    /// exist or is infinite (kinks, jumps, the ends of SQRT, ASIN, ACOS) it is returned as the caller finds it useful: kinks and
+    /// jumps as zero, ends as infinity.
+    pub(super) fn at(self, x: f64) -> (f64, f64) {
+        match self {
+            Self::Abs => (x.abs(), if x == 0.0 { 0.0 } else { x.signum() }),
+            Self::Acos => (x.acos(), -1.0 / (1.0 - x * x).sqrt()),
+            Self::Asin => (x.asin(), 1.0 / (1.0 - x * x).sqrt()),
+            Self::Atan => (x.atan(), 1.0 / (1.0 + x * x)),
+            Self::Cos => {
+                let (sin, cos) = x.sin_cos();
+                (cos, -sin)
+            }
+            Self::Cosh => (x.cosh(), x.sinh()),
+            Self::Exp => {
+                let value = x.exp();
+                (value, value)
+            }
+            Self::Ln => (x.ln(), 1.0 / x),
+            Self::Log10 => (x.log10(), 1.0 / (x * std::f64::consts::LN_10)),
+            // Halves go away from zero, as in FORTRAN.
+            Self::Nearest => (x.round(), 0.0),
+            Self::Sin => x.sin_cos(),
+            Self::Sinh => (x.sinh(), x.cosh()),
+            Self::Sqrt => {
+                let value = x.sqrt();
+                (value, 0.5 / value)
+            }
+            Self::Tan => {
+                let value = x.tan();
+                (value, 1.0 + value * value)
+            }
+            Self::Tanh => {
+                let value = x.tanh();
+                (value, 1.0 - value * value)
+            }
+            Self::Truncate => (x.trunc(), 0.0),
+        }
+    }
+}
+
+/// A FORTRAN function of two arguments.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Binary {
+    Atan2,
+    Dim,
+    Modulo,
+    Sign,
+}
+
+impl Binary {
+    /// The function by its name in capitals.
+    pub(super) fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "ATAN2" => Self::Atan2,
+            "DIM" => Self::Dim,
+            "MOD" => Self::Modulo,
+            "SIGN" => Self::Sign,
+            _ => return None,
+        })
+    }
+
+    /// Value and derivatives by a and b (ADAMS-FORMATS 3.5).
+    pub(super) fn at(self, a: f64, b: f64) -> (f64, [f64; 2]) {
+        match self {
+            Self::Atan2 => {
+                let square = a * a + b * b;
+                if square == 0.0 {
+                    // No angle at the origin.
+                    return (f64::NAN, [0.0, 0.0]);
+                }
+                (a.atan2(b), [b / square, -a / square])
+            }
+            Self::Dim => {
+                if a > b {
+                    (a - b, [1.0, -1.0])
+                } else {
+                    (0.0, [0.0, 0.0])
+                }
+            }
+            // The operator keeps the sign of a, like FORTRAN's MOD; it is exact.
+            Self::Modulo => (a % b, [1.0, -(a / b).trunc()]),
+            Self::Sign => {
+                let sign = if b < 0.0 { -1.0 } else { 1.0 };
+                let slope = if a < 0.0 { -sign } else { sign };
+                (a.abs() * sign, [slope, 0.0])
+            }
+        }
+    }
+}
+
+/// `x ** y` and its derivatives. Negative x with whole y is defined; where the value or a derivative is not defined it is not a
+/// finite number, except that the derivative by y is taken as zero for x <= 0, where only whole y are meant.
+pub(super) fn power(x: f64, y: f64) -> (f64, [f64; 2]) {
+    if y == 2.0 {
+        let by_y = if x > 0.0 { x * x * x.ln() } else { 0.0 };
+        return (x * x, [2.0 * x, by_y]);
+    }
+    let value = x.powf(y);
+    let by_x = if y == 0.0 { 0.0 } else { y * x.powf(y - 1.0) };
+    let by_y = if x > 0.0 { value * x.ln() } else { 0.0 };
+    (value, [by_x, by_y])
+}
+
+/// The largest, or smallest, of several; only the one chosen (the first of equals) has a derivative.
+pub(super) fn extreme(largest: bool, a: &[f64], by: &mut [f64]) -> f64 {
+    let mut chosen = 0;
+    for k in 1..a.len() {
+        if if largest {
+            a[k] > a[chosen]
+        } else {
+            a[k] < a[chosen]
+        } {
+            chosen = k;
+        }
+    }
+    by.fill(0.0);
+    by[chosen] = 1.0;
+    a[chosen]
+}

@@ -1,0 +1,24 @@
+//! FUNCTION expressions compiled to flat programs: value and exact derivatives.
+//!
+//! A program sees numbers only: the state quantities it reads ([`Input`]) and the literals of its text, both passed in by the
+//! caller. It does not know where parts are, what forces act, or how a system is assembled. The geometric quantities are evaluated
+//! in [`measure`] from given poses; forces of other elements enter as inputs that the caller fills.
+
+mod akima;
+mod compile;
+mod cubic;
+mod error;
+mod euler;
+mod impact;
+mod input;
+mod interpolant;
+mod intrinsic;
+pub mod measure;
+mod program;
+mod series;
+mod step;
+
+pub use compile::Compiler;
+pub use error::{EvalError, Fault};
+pub use input::{ElementIx, ForceComponent, ForceMeasure, Input, Measure, MeasureKind, Sequence};
+pub use program::{Program, Scratch};

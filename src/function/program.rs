@@ -1,0 +1,374 @@
+use std::sync::Arc;
+
+use super::interpolant::Interpolant;
+use super::intrinsic::{self, Binary, Unary};
+use super::step::{Shape, step};
+use super::{Compiler, EvalError, Fault, Input, impact, series};
+use crate::diagnostic::Diagnostic;
+use crate::model::Model;
+use crate::syntax::Expression;
+
+/// A FUNCTION expression compiled to a flat list of steps over numbered slots.
+///
+/// Slots hold, in this order, the inputs, the literals in use, the constants, and the results of the steps. Every step stores the
+/// partial derivatives by its operands while it runs; going back over the steps that ran gives all derivatives at once (reverse
+/// accumulation). Only the chosen branch of an IF runs.
+#[derive(Clone, Debug)]
+pub struct Program {
+    /// The distinct state quantities it reads, in the order `eval` takes them.
+    pub inputs: Vec<Input>,
+    /// The literals it uses as values, as indices into `Expression::literals`; the others are ids and codes.
+    pub parameters: Vec<usize>,
+    pub(super) constants: Vec<f64>,
+    pub(super) steps: Vec<Step>,
+    pub(super) operands: Vec<u32>,
+    pub(super) interpolants: Vec<(Arc<Interpolant>, usize)>,
+    pub(super) slots: usize,
+    pub(super) result: u32,
+    pub(super) branches: bool,
+}
+
+/// One step: its operands are `operands[first..first + count]`, its result goes to slot `target`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Step {
+    pub(super) kind: Kind,
+    pub(super) first: u32,
+    pub(super) count: u32,
+    pub(super) target: u32,
+}
+
+/// What a step does.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Kind {
+    Negate,
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+    Power,
+    /// The function, and its name.
+    Unary(Unary, &'static str),
+    Binary(Binary, &'static str),
+    Max,
+    Min,
+    Step(Shape, &'static str),
+    Impact,
+    Bistop,
+    Poly,
+    Shf,
+    Forcos,
+    Forsin,
+    Cheby,
+    Sweep,
+    /// Which interpolant of the program, and the function's name.
+    Interpolate(u32, &'static str),
+    /// Goes on with the next step if the operand is negative, else jumps.
+    Branch {
+        zero: u32,
+        positive: u32,
+    },
+    Jump(u32),
+    /// The value of a branch becomes that of its IF.
+    Move,
+}
+
+impl Kind {
+    /// As written in expressions.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Negate | Self::Subtract => "-",
+            Self::Add => "+",
+            Self::Multiply => "*",
+            Self::Divide => "/",
+            Self::Power => "**",
+            Self::Unary(_, name)
+            | Self::Binary(_, name)
+            | Self::Step(_, name)
+            | Self::Interpolate(_, name) => name,
+            Self::Max => "MAX",
+            Self::Min => "MIN",
+            Self::Impact => "IMPACT",
+            Self::Bistop => "BISTOP",
+            Self::Poly => "POLY",
+            Self::Shf => "SHF",
+            Self::Forcos => "FORCOS",
+            Self::Forsin => "FORSIN",
+            Self::Cheby => "CHEBY",
+            Self::Sweep => "SWEEP",
+            Self::Branch { .. } | Self::Jump(_) | Self::Move => "IF",
+        }
+    }
+}
+
+/// Working memory of evaluations, shared by any number of programs. It grows to the largest and stays.
+#[derive(Clone, Debug, Default)]
+pub struct Scratch {
+    values: Vec<f64>,
+    adjoints: Vec<f64>,
+    partials: Vec<f64>,
+    arguments: Vec<f64>,
+    trace: Vec<u32>,
+}
+
+impl Scratch {
+    fn fit(&mut self, program: &Program) {
+        if self.values.len() < program.slots {
+            self.values.resize(program.slots, 0.0);
+            self.adjoints.resize(program.slots, 0.0);
+        }
+        if self.partials.len() < program.operands.len() {
+            self.partials.resize(program.operands.len(), 0.0);
+        }
+        self.trace.clear();
+    }
+}
+
+impl Program {
+    /// Compiles an expression against the objects of a model. To compile many, keep one [`Compiler`].
+    ///
+    /// # Errors
+    /// A diagnostic without a place: an id that the model does not define, an argument that has to be an id or a code and is none, or
+    /// a function that only real ADAMS evaluates, by name.
+    pub fn compile(expression: &Expression, model: &Model) -> Result<Self, Diagnostic> {
+        Compiler::new(model).compile(expression)
+    }
+
+    /// The value, if no state quantity enters and it exists. `literals` are all literals of the expression.
+    pub fn as_constant(&self, literals: &[f64]) -> Option<f64> {
+        if !self.inputs.is_empty() {
+            return None;
+        }
+        self.eval(&[], literals, &mut Scratch::default()).ok()
+    }
+
+    /// The value at the given inputs (in the order of `inputs`) and literals (all of the expression, angles in radians).
+    ///
+    /// # Errors
+    /// The function that has no value there, and why.
+    pub fn eval(
+        &self,
+        inputs: &[f64],
+        literals: &[f64],
+        scratch: &mut Scratch,
+    ) -> Result<f64, EvalError> {
+        if self.steps.is_empty() {
+            return Ok(self.plain(inputs, literals));
+        }
+        self.forward(inputs, literals, scratch)
+    }
+
+    /// The value, and its derivatives by each input and by each literal (in radians for those in degrees); literals that are ids or
+    /// codes have derivative zero.
+    ///
+    /// A derivative that is infinite at the very point (SQRT at 0, ASIN at 1) is taken as zero, so that an iteration can move on.
+    ///
+    /// # Errors
+    /// As [`eval`](Self::eval).
+    pub fn eval_with_derivatives(
+        &self,
+        inputs: &[f64],
+        literals: &[f64],
+        scratch: &mut Scratch,
+        by_input: &mut [f64],
+        by_literal: &mut [f64],
+    ) -> Result<f64, EvalError> {
+        by_literal.fill(0.0);
+        if self.steps.is_empty() {
+            by_input.fill(0.0);
+            let slot = self.result as usize;
+            if slot < self.inputs.len() {
+                by_input[slot] = 1.0;
+            } else if let Some(&literal) = self.parameters.get(slot - self.inputs.len()) {
+                by_literal[literal] = 1.0;
+            }
+            return Ok(self.plain(inputs, literals));
+        }
+        let value = self.forward(inputs, literals, scratch)?;
+        self.backward(scratch);
+        by_input.copy_from_slice(&scratch.adjoints[..self.inputs.len()]);
+        for (k, &literal) in self.parameters.iter().enumerate() {
+            by_literal[literal] = scratch.adjoints[self.inputs.len() + k];
+        }
+        Ok(value)
+    }
+
+    /// The result of a program without steps.
+    fn plain(&self, inputs: &[f64], literals: &[f64]) -> f64 {
+        let slot = self.result as usize;
+        if let Some(&input) = inputs.get(slot) {
+            return input;
+        }
+        let slot = slot - self.inputs.len();
+        match self.parameters.get(slot) {
+            Some(&literal) => literals[literal],
+            None => self.constants[slot - self.parameters.len()],
+        }
+    }
+
+    fn forward(
+        &self,
+        inputs: &[f64],
+        literals: &[f64],
+        scratch: &mut Scratch,
+    ) -> Result<f64, EvalError> {
+        scratch.fit(self);
+        let Scratch {
+            values,
+            partials,
+            arguments,
+            trace,
+            ..
+        } = scratch;
+        let (n, m) = (self.inputs.len(), self.parameters.len());
+        values[..n].copy_from_slice(inputs);
+        for (value, &literal) in values[n..n + m].iter_mut().zip(&self.parameters) {
+            *value = literals[literal];
+        }
+        values[n + m..n + m + self.constants.len()].copy_from_slice(&self.constants);
+        let mut at = 0;
+        while let Some(step) = self.steps.get(at) {
+            let range = step.first as usize..(step.first + step.count) as usize;
+            let operands = &self.operands[range.clone()];
+            let by = &mut partials[range];
+            let first = operands.first().map_or(0.0, |&slot| values[slot as usize]);
+            if self.branches {
+                trace.push(at as u32);
+            }
+            at += 1;
+            let value = match step.kind {
+                Kind::Branch { zero, positive } => {
+                    if first == 0.0 {
+                        at = zero as usize;
+                    } else if first > 0.0 {
+                        at = positive as usize;
+                    }
+                    by[0] = 0.0;
+                    continue;
+                }
+                Kind::Jump(to) => {
+                    at = to as usize;
+                    continue;
+                }
+                Kind::Move => {
+                    by[0] = 1.0;
+                    first
+                }
+                Kind::Negate => {
+                    by[0] = -1.0;
+                    -first
+                }
+                Kind::Unary(function, _) => {
+                    let (value, slope) = function.at(first);
+                    by[0] = slope;
+                    value
+                }
+                Kind::Add
+                | Kind::Subtract
+                | Kind::Multiply
+                | Kind::Divide
+                | Kind::Power
+                | Kind::Binary(..) => {
+                    let second = values[operands[1] as usize];
+                    let (value, slopes) = two(step.kind, first, second);
+                    by.copy_from_slice(&slopes);
+                    value
+                }
+                _ => {
+                    arguments.clear();
+                    arguments.extend(operands.iter().map(|&slot| values[slot as usize]));
+                    self.call(step.kind, arguments, by)
+                        .map_err(|fault| EvalError {
+                            function: step.kind.name(),
+                            fault,
+                        })?
+                }
+            };
+            if !value.is_finite() {
+                return Err(EvalError {
+                    function: step.kind.name(),
+                    fault: if value.is_nan() || step.kind == Kind::Divide {
+                        Fault::NotDefined
+                    } else {
+                        Fault::TooLarge
+                    },
+                });
+            }
+            values[step.target as usize] = value;
+        }
+        Ok(values[self.result as usize])
+    }
+
+    /// A function with more than two arguments.
+    fn call(&self, kind: Kind, a: &[f64], by: &mut [f64]) -> Result<f64, Fault> {
+        Ok(match kind {
+            Kind::Max => intrinsic::extreme(true, a, by),
+            Kind::Min => intrinsic::extreme(false, a, by),
+            Kind::Step(shape, _) => step(shape, a, by)?,
+            Kind::Impact => impact::impact(a, by)?,
+            Kind::Bistop => impact::bistop(a, by)?,
+            Kind::Poly => series::poly(a, by),
+            Kind::Shf => series::shf(a, by),
+            Kind::Forcos => series::fourier(false, a, by),
+            Kind::Forsin => series::fourier(true, a, by),
+            Kind::Cheby => series::cheby(a, by),
+            Kind::Sweep => series::sweep(a, by)?,
+            Kind::Interpolate(index, _) => {
+                let (interpolant, order) = &self.interpolants[index as usize];
+                let (value, slopes) =
+                    interpolant.at(a[0], a.get(1).copied().unwrap_or(0.0), *order);
+                by.copy_from_slice(&slopes[..by.len()]);
+                value
+            }
+            _ => unreachable!("steps of one and two operands are evaluated in place"),
+        })
+    }
+
+    /// Adjoints of all slots from the partial derivatives of the steps that ran.
+    fn backward(&self, scratch: &mut Scratch) {
+        let Scratch {
+            adjoints,
+            partials,
+            trace,
+            ..
+        } = scratch;
+        adjoints[..self.slots].fill(0.0);
+        adjoints[self.result as usize] = 1.0;
+        let mut pull = |step: &Step| {
+            // A branch, and what the chosen result does not depend on, passes nothing back.
+            let adjoint = adjoints[step.target as usize];
+            if adjoint == 0.0 || matches!(step.kind, Kind::Branch { .. } | Kind::Jump(_)) {
+                return;
+            }
+            let range = step.first as usize..(step.first + step.count) as usize;
+            for (&slot, &partial) in self.operands[range.clone()].iter().zip(&partials[range]) {
+                if partial.is_finite() {
+                    adjoints[slot as usize] += adjoint * partial;
+                }
+            }
+        };
+        if self.branches {
+            for &at in trace.iter().rev() {
+                pull(&self.steps[at as usize]);
+            }
+        } else {
+            for step in self.steps.iter().rev() {
+                pull(step);
+            }
+        }
+    }
+}
+
+fn two(kind: Kind, a: f64, b: f64) -> (f64, [f64; 2]) {
+    match kind {
+        Kind::Add => (a + b, [1.0, 1.0]),
+        Kind::Subtract => (a - b, [1.0, -1.0]),
+        Kind::Multiply => (a * b, [b, a]),
+        Kind::Divide => {
+            let value = a / b;
+            (value, [1.0 / b, -value / b])
+        }
+        Kind::Power => intrinsic::power(a, b),
+        Kind::Binary(function, _) => function.at(a, b),
+        _ => unreachable!("only steps of two operands come here"),
+    }
+}

@@ -1,0 +1,133 @@
+use super::Fault;
+use super::step::{Shape, step};
+
+/// POLY(x, x0, a0, ..., an): `sum a_j (x - x0)^j`.
+pub(super) fn poly(a: &[f64], by: &mut [f64]) -> f64 {
+    let u = a[0] - a[1];
+    let (mut value, mut slope) = (0.0, 0.0);
+    for &coefficient in a[2..].iter().rev() {
+        slope = slope * u + value;
+        value = value * u + coefficient;
+    }
+    let mut power = 1.0;
+    for out in &mut by[2..] {
+        *out = power;
+        power *= u;
+    }
+    by[0] = slope;
+    by[1] = -slope;
+    value
+}
+
+/// CHEBY(x, x0, a0, ..., an): `sum a_j T_j(x - x0)` with `T_0 = 1, T_1 = u, T_j = 2 u T_(j-1) - T_(j-2)`.
+pub(super) fn cheby(a: &[f64], by: &mut [f64]) -> f64 {
+    let u = a[0] - a[1];
+    let (mut value, mut slope) = (0.0, 0.0);
+    // T_j and T_j' of this and the next j.
+    let (mut t, mut dt) = ((1.0, 0.0), (u, 1.0));
+    for (&coefficient, out) in a[2..].iter().zip(&mut by[2..]) {
+        *out = t.0;
+        value += coefficient * t.0;
+        slope += coefficient * t.1;
+        let next = (2.0 * u * dt.0 - t.0, 2.0 * dt.0 + 2.0 * u * dt.1 - t.1);
+        t = dt;
+        dt = next;
+    }
+    by[0] = slope;
+    by[1] = -slope;
+    value
+}
+
+/// FORCOS(x, x0, w, a0, ..., an): `a0 + sum_(j>0) a_j cos(j w (x - x0))`; FORSIN with sin instead. The term a0 is a constant in
+/// both.
+pub(super) fn fourier(sine: bool, a: &[f64], by: &mut [f64]) -> f64 {
+    let (u, w) = (a[0] - a[1], a[2]);
+    let (mut value, mut by_phase) = (a[3], 0.0);
+    by[3] = 1.0;
+    for (j, &coefficient) in a.iter().enumerate().skip(4) {
+        let order = (j - 3) as f64;
+        let (sin, cos) = (order * w * u).sin_cos();
+        let (term, slope) = if sine { (sin, cos) } else { (cos, -sin) };
+        value += coefficient * term;
+        by_phase += coefficient * order * slope;
+        by[j] = term;
+    }
+    by[0] = w * by_phase;
+    by[1] = -w * by_phase;
+    by[2] = u * by_phase;
+    value
+}
+
+/// SHF(x, x0, a, w, phi[, b]): `a sin(w (x - x0) - phi) + b`.
+pub(super) fn shf(a: &[f64], by: &mut [f64]) -> f64 {
+    let (u, amplitude, w, phi) = (a[0] - a[1], a[2], a[3], a[4]);
+    let (sin, cos) = (w * u - phi).sin_cos();
+    by[0] = amplitude * w * cos;
+    by[1] = -by[0];
+    by[2] = sin;
+    by[3] = amplitude * u * cos;
+    by[4] = -amplitude * cos;
+    if let Some(bias) = by.get_mut(5) {
+        *bias = 1.0;
+    }
+    amplitude * sin + a.get(5).copied().unwrap_or(0.0)
+}
+
+/// SWEEP(x, a, x0, f0, x1, f1, dx): a sine of amplitude a whose instantaneous frequency goes linearly from f0 at x0 to f1 at x1,
+/// with a smooth start from x0 to x0 + dx.
+///
+/// ```text
+/// STEP5(x, x0, 0, x0 + dx, 1) a sin(2 pi h(x))
+/// x <= x0: h = f0 x;  x0 < x < x1: h = f0 x + (f1 - f0) (x - x0)^2 / (2 (x1 - x0));  x >= x1: h = f1 x - (f1 - f0) (x1 + x0) / 2
+/// ```
+pub(super) fn sweep(args: &[f64], by: &mut [f64]) -> Result<f64, Fault> {
+    let &[x, a, x0, f0, x1, f1, dx] = args else {
+        unreachable!("the grammar gives SWEEP seven arguments");
+    };
+    let width = x1 - x0;
+    if width == 0.0 {
+        return Err(Fault::EqualEnds);
+    }
+    let mut by_step = [0.0; 5];
+    let envelope = if dx == 0.0 {
+        f64::from(u8::from(x > x0))
+    } else {
+        step(Shape::Quintic, &[x, x0, 0.0, x0 + dx, 1.0], &mut by_step)?
+    };
+    // h and its derivatives by x, x0, f0, x1, f1.
+    let u = x - x0;
+    let rise = f1 - f0;
+    let (h, by_h) = if x <= x0 {
+        (f0 * x, [f0, 0.0, x, 0.0, 0.0])
+    } else if x < x1 {
+        let bend = u * u / (2.0 * width);
+        (
+            f0 * x + rise * bend,
+            [
+                f0 + rise * u / width,
+                rise * (bend - u) / width,
+                x - bend,
+                -rise * bend / width,
+                bend,
+            ],
+        )
+    } else {
+        let middle = 0.5 * (x1 + x0);
+        (
+            f1 * x - rise * middle,
+            [f1, -0.5 * rise, middle, -0.5 * rise, x - middle],
+        )
+    };
+    let (sin, cos) = (std::f64::consts::TAU * h).sin_cos();
+    let swing = envelope * a * std::f64::consts::TAU * cos;
+    let grow = a * sin;
+    by[0] = swing * by_h[0] + grow * by_step[0];
+    by[1] = envelope * sin;
+    // x0 moves both ends of the start.
+    by[2] = swing * by_h[1] + grow * (by_step[1] + by_step[3]);
+    by[3] = swing * by_h[2];
+    by[4] = swing * by_h[3];
+    by[5] = swing * by_h[4];
+    by[6] = grow * by_step[3];
+    Ok(envelope * grow)
+}

@@ -1,0 +1,58 @@
+use super::Fault;
+
+/// The shape of a step between two levels.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Shape {
+    /// STEP: `u^2 (3 - 2u)`.
+    Cubic,
+    /// STEP5: `u^3 (10 - 15u + 6u^2)`.
+    Quintic,
+    /// HAVSIN: `(1 + sin(pi u - pi/2)) / 2`.
+    Haversine,
+}
+
+impl Shape {
+    /// s(u) and its derivative for u in [0, 1].
+    fn at(self, u: f64) -> (f64, f64) {
+        match self {
+            Self::Cubic => (u * u * (3.0 - 2.0 * u), 6.0 * u * (1.0 - u)),
+            Self::Quintic => (
+                u * u * u * (10.0 + u * (6.0 * u - 15.0)),
+                30.0 * u * u * (1.0 - u) * (1.0 - u),
+            ),
+            Self::Haversine => {
+                let (sin, cos) = (std::f64::consts::PI * (u - 0.5)).sin_cos();
+                (0.5 * (1.0 + sin), 0.5 * std::f64::consts::PI * cos)
+            }
+        }
+    }
+}
+
+/// STEP, STEP5, HAVSIN of (x, x0, h0, x1, h1) with partial derivatives by the five arguments (ADAMS-FORMATS 3.6).
+///
+/// x0 > x1 is the mirrored step. Equal ends are an error.
+pub(super) fn step(shape: Shape, a: &[f64], by: &mut [f64]) -> Result<f64, Fault> {
+    let &[x, x0, h0, x1, h1] = a else {
+        unreachable!("the grammar gives steps five arguments");
+    };
+    let width = x1 - x0;
+    if width == 0.0 {
+        return Err(Fault::EqualEnds);
+    }
+    let u = (x - x0) / width;
+    // At and beyond the ends the level is returned exactly.
+    let (s, slope) = if u <= 0.0 {
+        (0.0, 0.0)
+    } else if u >= 1.0 {
+        (1.0, 0.0)
+    } else {
+        shape.at(u)
+    };
+    let rate = (h1 - h0) * slope / width;
+    by[0] = rate;
+    by[1] = rate * (u - 1.0);
+    by[2] = 1.0 - s;
+    by[3] = -rate * u;
+    by[4] = s;
+    Ok(if s == 1.0 { h1 } else { h0 + (h1 - h0) * s })
+}
