@@ -50,6 +50,7 @@ pub mod diagnostic;
 pub mod element;
 pub mod function;
 pub mod grammar;
+pub mod identify;
 pub mod mechanics;
 pub mod model;
 pub mod report;

@@ -1,0 +1,199 @@
+//! The built-in solver as a predictor: each case starts from its own last answer, moved along the tangent.
+
+use super::predictor::{CaseChange, CasePrediction, Observed, Prediction, Predictor};
+use super::unknown::Direction;
+use crate::statics::{Settings, Solver, Tangent};
+use crate::system::{Parameters, Scratch, Slot, State, System};
+
+/// Numbers that change from case to case: the loads.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Loads {
+    /// One slot per column.
+    pub slots: Vec<Slot>,
+    /// One row per case, in the order of application.
+    pub cases: Vec<Vec<f64>>,
+}
+
+/// The last answer of one case and how it moves with theta.
+#[derive(Clone, Debug)]
+struct Answer {
+    state: State,
+    theta: Parameters,
+    /// Change of the unknowns of the system along each direction, with the directions they belong to.
+    response: Vec<(Direction, Vec<f64>)>,
+}
+
+/// Predicts with the built-in solver.
+#[derive(Debug)]
+pub struct NativePredictor<'a> {
+    system: &'a System,
+    loads: Loads,
+    observed: Observed,
+    settings: Settings,
+    solver: Solver,
+    scratch: Scratch,
+    answers: Vec<Option<Answer>>,
+    sweeps: usize,
+    runs: usize,
+}
+
+impl<'a> NativePredictor<'a> {
+    /// For a compiled deck, its loads and what is observed.
+    pub fn new(system: &'a System, loads: Loads, observed: Observed) -> Self {
+        Self {
+            solver: Solver::new(system),
+            scratch: Scratch::new(system),
+            answers: vec![None; loads.cases.len()],
+            settings: Settings::tight(),
+            system,
+            loads,
+            observed,
+            sweeps: 0,
+            runs: 0,
+        }
+    }
+
+    /// Solves one case from its own last answer, from the neighbour's, or from the design position, whichever is there and works.
+    fn solve(&mut self, case: usize, theta: &Parameters) -> Option<State> {
+        self.runs += 1;
+        if let Some(answer) = &self.answers[case] {
+            let mut state = answer.state.clone();
+            if let Some(correction) = predicted(answer, theta) {
+                self.system.advance(&mut state, &correction);
+            }
+            if self
+                .solver
+                .solve(self.system, theta, &mut state, &self.settings)
+                .is_ok()
+            {
+                return Some(state);
+            }
+        }
+        let neighbour = case.checked_sub(1).and_then(|k| self.answers[k].as_ref());
+        let starts = [
+            neighbour.map(|answer| answer.state.clone()),
+            Some(self.system.state()),
+        ];
+        starts.into_iter().flatten().find_map(|mut state| {
+            self.solver
+                .solve(self.system, theta, &mut state, &self.settings)
+                .ok()
+                .map(|_| state)
+        })
+    }
+
+    /// Changes of the unknowns of the system along each direction.
+    fn responses(
+        &mut self,
+        theta: &Parameters,
+        state: &State,
+        directions: &[Direction],
+    ) -> Option<Vec<Vec<f64>>> {
+        let mut tangent = Tangent::new(self.system, theta, state).ok()?;
+        let n = self.system.unknowns();
+        let mut by_slot = vec![0.0; n];
+        let mut out = Vec::with_capacity(directions.len());
+        for direction in directions {
+            let mut dg = vec![0.0; n];
+            for (slot, weight) in direction {
+                self.system
+                    .residual_by_slot(theta, state, &mut self.scratch, *slot, &mut by_slot)
+                    .ok()?;
+                for (sum, value) in dg.iter_mut().zip(&by_slot) {
+                    *sum += weight * value;
+                }
+            }
+            tangent.respond(&mut dg);
+            out.push(dg);
+        }
+        Some(out)
+    }
+}
+
+/// First-order change of the unknowns since the last answer, if theta moved within the directions then asked for.
+fn predicted(answer: &Answer, theta: &Parameters) -> Option<Vec<f64>> {
+    let mut correction: Option<Vec<f64>> = None;
+    for (direction, response) in &answer.response {
+        let Some((slot, weight)) = direction.first().filter(|(_, weight)| *weight != 0.0) else {
+            continue;
+        };
+        let step = (theta.get(*slot) - answer.theta.get(*slot)) / weight;
+        // Far steps are better started from the old answer than from a wild extrapolation.
+        if !step.is_finite() || step.abs() > 0.5 {
+            return None;
+        }
+        let sum = correction.get_or_insert_with(|| vec![0.0; response.len()]);
+        for (c, r) in sum.iter_mut().zip(response) {
+            *c += step * r;
+        }
+    }
+    correction
+}
+
+impl Predictor for NativePredictor<'_> {
+    fn system(&self) -> &System {
+        self.system
+    }
+
+    fn predict(&mut self, theta: &Parameters, directions: Option<&[Direction]>) -> Prediction {
+        self.sweeps += 1;
+        let mut theta = theta.clone();
+        let mut out = Vec::with_capacity(self.loads.cases.len());
+        for case in 0..self.loads.cases.len() {
+            for (slot, load) in self.loads.slots.iter().zip(&self.loads.cases[case]) {
+                theta.set(*slot, *load);
+            }
+            let Some(state) = self.solve(case, &theta) else {
+                out.push(None);
+                continue;
+            };
+            let mut prediction = CasePrediction {
+                poses: state.poses.clone(),
+                channels: Vec::new(),
+                by_unknown: Vec::new(),
+            };
+            let mut response = Vec::new();
+            if let Some(directions) = directions {
+                let Some(responses) = self.responses(&theta, &state, directions) else {
+                    out.push(None);
+                    continue;
+                };
+                prediction.by_unknown = responses
+                    .iter()
+                    .map(|dx| observed_change(self.system, &self.observed, dx))
+                    .collect();
+                response = directions.iter().cloned().zip(responses).collect();
+            }
+            self.answers[case] = Some(Answer {
+                state,
+                theta: theta.clone(),
+                response,
+            });
+            out.push(Some(prediction));
+        }
+        out
+    }
+
+    fn sweeps(&self) -> usize {
+        self.sweeps
+    }
+
+    fn solver_runs(&self) -> usize {
+        self.runs
+    }
+}
+
+/// The observed parts' share of a change of the system's unknowns.
+fn observed_change(system: &System, observed: &Observed, dx: &[f64]) -> CaseChange {
+    let share = |part: &crate::model::PartIx| {
+        let mut six = [0.0; 6];
+        for (to, from) in six.iter_mut().zip(&dx[system.part_unknowns(*part)]) {
+            *to = *from;
+        }
+        six
+    };
+    CaseChange {
+        parts: observed.parts.iter().map(share).collect(),
+        channels: Vec::new(),
+    }
+}

@@ -1,0 +1,352 @@
+//! Readings against predictions: whitened residuals and their derivatives.
+//!
+//! Besides the deck's unknowns it knows those of the measurement itself: a shift of the measuring frame in each case, and errors of
+//! the marks' places on their parts. Knows no solver.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::predictor::{CasePrediction, Observed};
+use crate::mechanics::{Pose, Vec3};
+use crate::model::{Model, PartIx};
+use crate::rig::Measurement;
+use crate::rig::wheel::{camber_deg, steer_deg};
+
+/// What one residual compares.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Row {
+    /// A mark coordinate: indices into the measurement's cases, that case's marks, axis.
+    Mark {
+        /// Case.
+        case: usize,
+        /// Index into the case's readings.
+        reading: usize,
+        /// 0, 1, 2 for x, y, z in ground.
+        axis: usize,
+    },
+    /// The wheel: 0 to 2 position, 3 camber, 4 steer.
+    Wheel {
+        /// Case.
+        case: usize,
+        /// Which of the five.
+        component: usize,
+    },
+    /// A channel.
+    Channel {
+        /// Case.
+        case: usize,
+        /// Index into the measurement's channels.
+        channel: usize,
+    },
+}
+
+impl Row {
+    /// The load case.
+    pub const fn case(self) -> usize {
+        match self {
+            Self::Mark { case, .. } | Self::Wheel { case, .. } | Self::Channel { case, .. } => case,
+        }
+    }
+}
+
+/// Unknowns of the measurement itself, after those of the deck.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct NuisanceLayout {
+    /// First of six per case: translation, rotation vector about the centroid of the case's marks; `None` if off.
+    pub frames: Option<usize>,
+    /// First of three per mark of every part; `None` if off.
+    pub marks: Option<usize>,
+    /// First mark of each marked part in that list.
+    pub first_mark: Vec<usize>,
+    /// Prior standard deviation of each.
+    pub sd: Vec<f64>,
+}
+
+impl NuisanceLayout {
+    /// Which are on: `frame_sd` (length, radians) zero is off, and so is a zero `sigma_on_parts` of the measurement.
+    pub fn new(measurement: &Measurement, deck_unknowns: usize, frame_sd: (f64, f64)) -> Self {
+        let mut layout = Self::default();
+        let mut next = deck_unknowns;
+        if frame_sd.0 > 0.0 || frame_sd.1 > 0.0 {
+            layout.frames = Some(next);
+            for _ in &measurement.cases {
+                layout.sd.extend([frame_sd.0; 3]);
+                layout.sd.extend([frame_sd.1; 3]);
+                next += 6;
+            }
+        }
+        let mut marks = 0;
+        for part in &measurement.parts {
+            layout.first_mark.push(marks);
+            marks += part.marks.len();
+        }
+        if measurement.sigma_on_parts > 0.0 {
+            layout.marks = Some(next);
+            layout
+                .sd
+                .extend(std::iter::repeat_n(measurement.sigma_on_parts, 3 * marks));
+        }
+        layout
+    }
+}
+
+/// Whitened residuals (prediction minus reading over sigma) and their derivatives.
+#[derive(Clone, Debug)]
+pub struct Evaluation {
+    /// One per row.
+    pub residual: DVector<f64>,
+    /// Rows by unknowns; empty columns unless derivatives were predicted.
+    pub jacobian: DMatrix<f64>,
+}
+
+/// The readings of the cases a fit sees, in a fixed order.
+#[derive(Clone, Debug)]
+pub struct Observations<'a> {
+    measurement: &'a Measurement,
+    /// Rows in order.
+    pub rows: Vec<Row>,
+    /// What the predictor has to report.
+    pub observed: Observed,
+    /// Index into `observed.parts` of each marked part, then of the wheel's part.
+    place: Vec<usize>,
+    wheel_place: usize,
+    wheel_frame: Pose,
+    /// Standard deviation of a mark coordinate that is used; never zero.
+    pub sigma: f64,
+}
+
+/// Readings that claim no noise still carry the digits of their file: so much of the largest coordinate.
+const EXACT: f64 = 1e-12;
+
+impl<'a> Observations<'a> {
+    /// All readings of these cases.
+    pub fn new(measurement: &'a Measurement, model: &Model, cases: &[usize]) -> Self {
+        let mut observed = Observed::default();
+        let mut place_of = |part: PartIx| {
+            observed
+                .parts
+                .iter()
+                .position(|p| *p == part)
+                .unwrap_or_else(|| {
+                    observed.parts.push(part);
+                    observed.parts.len() - 1
+                })
+        };
+        let place = measurement
+            .parts
+            .iter()
+            .map(|marked| place_of(marked.part))
+            .collect();
+        let (mut wheel_place, mut wheel_frame) = (0, Pose::identity());
+        if let Some(wheel) = &measurement.wheel {
+            let marker = &model.markers[wheel.marker.0];
+            wheel_place = place_of(marker.part);
+            wheel_frame = Pose {
+                p: marker.qp,
+                R: marker.R,
+            };
+        }
+        let mut rows = Vec::new();
+        let mut size = 0.0_f64;
+        for &case in cases {
+            for (reading, mark) in measurement.cases[case].marks.iter().enumerate() {
+                rows.extend((0..3).map(|axis| Row::Mark {
+                    case,
+                    reading,
+                    axis,
+                }));
+                size = size.max(mark.x.amax());
+            }
+            if measurement.wheel.is_some() && measurement.cases[case].wheel.is_some() {
+                rows.extend((0..5).map(|component| Row::Wheel { case, component }));
+            }
+            for (channel, value) in measurement.cases[case].channels.iter().enumerate() {
+                if value.is_some() {
+                    rows.push(Row::Channel { case, channel });
+                }
+            }
+        }
+        let sigma = measurement.sigma.max(EXACT * size.max(1.0));
+        Self {
+            measurement,
+            rows,
+            observed,
+            place,
+            wheel_place,
+            wheel_frame,
+            sigma,
+        }
+    }
+
+    /// The measurement the readings belong to.
+    pub fn measurement(&self) -> &'a Measurement {
+        self.measurement
+    }
+
+    /// Residuals of all rows, and derivatives by the deck's unknowns and the nuisances, whose values are `nuisance`.
+    ///
+    /// `None` if a case that is compared has no prediction.
+    pub fn evaluate(
+        &self,
+        prediction: &[Option<CasePrediction>],
+        layout: &NuisanceLayout,
+        x: &[f64],
+        with_jacobian: bool,
+    ) -> Option<Evaluation> {
+        let columns = if with_jacobian { x.len() } else { 0 };
+        let mut residual = DVector::zeros(self.rows.len());
+        let mut jacobian = DMatrix::zeros(self.rows.len(), columns);
+        for (at, row) in self.rows.iter().enumerate() {
+            let case = row.case();
+            let predicted = prediction[case].as_ref()?;
+            match *row {
+                // Three rows are filled at once, at the first.
+                Row::Mark {
+                    reading, axis: 0, ..
+                } => {
+                    self.mark(
+                        at,
+                        case,
+                        reading,
+                        predicted,
+                        (layout, x),
+                        (&mut residual, &mut jacobian),
+                    );
+                }
+                Row::Wheel { component: 0, .. } => {
+                    self.wheel(at, case, predicted, (&mut residual, &mut jacobian));
+                }
+                Row::Mark { .. } | Row::Wheel { .. } => {}
+                Row::Channel { channel, .. } => {
+                    let info = &self.measurement.channels[channel];
+                    let other = match info.relative_to {
+                        Some(zero) => Some(prediction[zero].as_ref()?),
+                        None => None,
+                    };
+                    let reading = self.measurement.cases[case].channels[channel]?;
+                    let zero = other.map_or(0.0, |p| p.channels[channel]);
+                    residual[at] = (predicted.channels[channel] - zero - reading) / info.sigma;
+                    for (k, change) in predicted.by_unknown.iter().enumerate().take(columns) {
+                        let zero = other.map_or(0.0, |p| p.by_unknown[k].channels[channel]);
+                        jacobian[(at, k)] = (change.channels[channel] - zero) / info.sigma;
+                    }
+                }
+            }
+        }
+        Some(Evaluation { residual, jacobian })
+    }
+
+    fn mark(
+        &self,
+        at: usize,
+        case: usize,
+        reading: usize,
+        predicted: &CasePrediction,
+        (layout, x): (&NuisanceLayout, &[f64]),
+        (residual, jacobian): (&mut DVector<f64>, &mut DMatrix<f64>),
+    ) {
+        let reading = self.measurement.cases[case].marks[reading];
+        let part = &self.measurement.parts[reading.part];
+        let place = self.place[reading.part];
+        let pose = &predicted.poses[self.observed.parts[place].0];
+        let mut local = part.marks[reading.mark].p;
+        let error = layout
+            .marks
+            .map(|first| first + 3 * (layout.first_mark[reading.part] + reading.mark));
+        if let Some(k) = error {
+            local += Vec3::new(x[k], x[k + 1], x[k + 2]);
+        }
+        let arm = pose.R * local;
+        let mut point = pose.p + arm;
+        let frame = layout.frames.map(|first| first + 6 * case);
+        let lever = reading.x - self.centroid(case);
+        if let Some(k) = frame {
+            point += Vec3::new(x[k], x[k + 1], x[k + 2])
+                + Vec3::new(x[k + 3], x[k + 4], x[k + 5]).cross(&lever);
+        }
+        let difference = (point - reading.x) / self.sigma;
+        for axis in 0..3 {
+            residual[at + axis] = difference[axis];
+        }
+        if jacobian.ncols() == 0 {
+            return;
+        }
+        let mut put = |column: usize, change: Vec3| {
+            for axis in 0..3 {
+                jacobian[(at + axis, column)] = change[axis] / self.sigma;
+            }
+        };
+        for (k, change) in predicted.by_unknown.iter().enumerate() {
+            put(k, moved(&change.parts[place], &arm));
+        }
+        for k in 0..3 {
+            if let Some(first) = error {
+                put(first + k, pose.R.column(k).into());
+            }
+            if let Some(first) = frame {
+                put(first + k, Vec3::ith(k, 1.0));
+                put(first + 3 + k, Vec3::ith(k, 1.0).cross(&lever));
+            }
+        }
+    }
+
+    fn wheel(
+        &self,
+        at: usize,
+        case: usize,
+        predicted: &CasePrediction,
+        (residual, jacobian): (&mut DVector<f64>, &mut DMatrix<f64>),
+    ) {
+        let (Some(wheel), Some(reading)) =
+            (&self.measurement.wheel, self.measurement.cases[case].wheel)
+        else {
+            return;
+        };
+        let part = &predicted.poses[self.observed.parts[self.wheel_place].0];
+        let marker = part.compose(&self.wheel_frame);
+        let (s, s0) = (wheel.spin.now(&marker), wheel.spin.s0);
+        let (position, angle) = (wheel.sigma_position, wheel.sigma_angle_deg);
+        let difference = (marker.p - reading.position) / position;
+        for k in 0..3 {
+            residual[at + k] = difference[k];
+        }
+        residual[at + 3] = (camber_deg(&s0, &s) - reading.camber_deg) / angle;
+        residual[at + 4] = wrapped_deg(steer_deg(&s0, &s) - reading.steer_deg) / angle;
+        if jacobian.ncols() == 0 {
+            return;
+        }
+        let arm = part.R * self.wheel_frame.p;
+        for (k, change) in predicted.by_unknown.iter().enumerate() {
+            let six = &change.parts[self.wheel_place];
+            let dp = moved(six, &arm);
+            let ds = Vec3::new(six[3], six[4], six[5]).cross(&s);
+            for axis in 0..3 {
+                jacobian[(at + axis, k)] = dp[axis] / position;
+            }
+            // camber = asin(s0.z) - asin(s.z); steer = atan2(s.y, s.x) - atan2(s0.y, s0.x).
+            let horizontal = s.x * s.x + s.y * s.y;
+            jacobian[(at + 3, k)] = (-ds.z / horizontal.sqrt()).to_degrees() / angle;
+            jacobian[(at + 4, k)] = ((s.x * ds.y - s.y * ds.x) / horizontal).to_degrees() / angle;
+        }
+    }
+
+    /// Centroid of the marks read in a case: the frame's shift is stated about it, so that its turn and translation are not confused.
+    fn centroid(&self, case: usize) -> Vec3 {
+        let marks = &self.measurement.cases[case].marks;
+        marks.iter().map(|m| m.x).sum::<Vec3>() / marks.len().max(1) as f64
+    }
+}
+
+/// The change of a point with this arm on a part that moves.
+fn moved(six: &[f64; 6], arm: &Vec3) -> Vec3 {
+    Vec3::new(six[0], six[1], six[2]) + Vec3::new(six[3], six[4], six[5]).cross(arm)
+}
+
+/// An angle difference in (-180, 180].
+fn wrapped_deg(angle: f64) -> f64 {
+    let wrapped = angle.rem_euclid(360.0);
+    if wrapped > 180.0 {
+        wrapped - 360.0
+    } else {
+        wrapped
+    }
+}

@@ -1,0 +1,118 @@
+//! A fit of a deck's unknowns, and of the measurement's own, to everything that was read.
+
+use nalgebra::DVector;
+
+use super::gauss_newton::{LeastSquares, Prior};
+use super::observation::{Evaluation, NuisanceLayout, Observations, Row};
+use super::predictor::Predictor;
+use super::unknown::Unknowns;
+use crate::rig::settings::Loss;
+use crate::system::Parameters;
+
+/// Huber's constant: 95 percent efficiency where the noise is Gaussian after all.
+const HUBER: f64 = 1.345;
+
+/// Watches a fit; returns `false` to stop it. Given: accepted steps, solves of all load cases so far, objective.
+pub type Watch<'a> = dyn FnMut(usize, usize, f64) -> bool + 'a;
+
+/// The unknowns of a deck and of a measurement, the predictor that knows the one, the readings that know the other.
+pub struct Problem<'a> {
+    /// Numbers of the deck without any unknown applied.
+    pub deck: Parameters,
+    /// Unknowns of the deck; the first ones of x.
+    pub unknowns: Unknowns,
+    /// Unknowns of the measurement; the last ones of x.
+    pub layout: NuisanceLayout,
+    /// Readings that are compared.
+    pub observations: Observations<'a>,
+    /// Who predicts them.
+    pub predictor: Box<dyn Predictor + 'a>,
+    /// How residuals count.
+    pub loss: Loss,
+    /// Who watches.
+    pub watch: Option<Box<Watch<'a>>>,
+}
+
+impl Problem<'_> {
+    /// How many unknowns there are in all.
+    pub fn len(&self) -> usize {
+        self.unknowns.len() + self.layout.sd.len()
+    }
+
+    /// True if nothing is unknown.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Where a fit starts.
+    pub fn start(&self) -> Vec<f64> {
+        let mut x = self.unknowns.start();
+        x.resize(self.len(), 0.0);
+        x
+    }
+
+    /// Priors of all unknowns.
+    pub fn priors(&self) -> Vec<Prior> {
+        let deck = self.unknowns.list().iter().map(|unknown| Prior {
+            mean: unknown.mean,
+            sd: unknown.sd,
+        });
+        let own = self.layout.sd.iter().map(|sd| Prior { mean: 0.0, sd: *sd });
+        deck.chain(own).collect()
+    }
+
+    /// Natural steps: one e-fold of a stiffness, the prior standard deviation of everything else.
+    pub fn scale(&self) -> Vec<f64> {
+        let natural = |prior: Prior| {
+            if prior.sd.is_finite() {
+                prior.sd.min(1.0)
+            } else {
+                1.0
+            }
+        };
+        self.priors().into_iter().map(natural).collect()
+    }
+
+    /// Unknowns without any freedom: a prior of no width.
+    pub fn held(&self) -> Vec<bool> {
+        self.priors()
+            .into_iter()
+            .map(|prior| prior.sd <= 0.0)
+            .collect()
+    }
+}
+
+impl LeastSquares for Problem<'_> {
+    fn evaluate(&mut self, x: &[f64], with_jacobian: bool) -> Option<Evaluation> {
+        let theta = self.unknowns.parameters(&self.deck, x);
+        let directions = with_jacobian.then(|| self.unknowns.directions(&theta, x));
+        let prediction = self.predictor.predict(&theta, directions.as_deref());
+        self.observations
+            .evaluate(&prediction, &self.layout, x, with_jacobian)
+    }
+
+    /// Huber's weights on the length of each mark's residual, so that a wrong mark counts less as a whole.
+    fn weights(&self, residual: &DVector<f64>) -> DVector<f64> {
+        let mut weights = DVector::from_element(residual.len(), 1.0);
+        if self.loss == Loss::Gaussian {
+            return weights;
+        }
+        for (at, row) in self.observations.rows.iter().enumerate() {
+            let (size, count) = match row {
+                Row::Mark { axis: 0, .. } => (residual.rows(at, 3).norm() / 3f64.sqrt(), 3),
+                Row::Mark { .. } => continue,
+                Row::Wheel { .. } | Row::Channel { .. } => (residual[at].abs(), 1),
+            };
+            let weight = if size <= HUBER { 1.0 } else { HUBER / size };
+            weights.rows_mut(at, count).fill(weight);
+        }
+        weights
+    }
+
+    fn progress(&mut self, iteration: usize, _x: &[f64], objective: f64) -> bool {
+        let sweeps = self.predictor.sweeps();
+        self.watch
+            .as_mut()
+            .is_none_or(|watch| watch(iteration, sweeps, objective))
+    }
+}

@@ -1,0 +1,142 @@
+//! What a fit may change: unknowns, their priors, and the numbers of the deck they set.
+//!
+//! Knows neither solvers nor measurements.
+
+use crate::syntax::Address;
+use crate::system::{Parameters, Slot};
+
+/// A stiffness of a bushing with the preload of the same direction.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Component {
+    /// K or KT.
+    pub stiffness: Slot,
+    /// FORCE or TORQUE; `None` for stiffnesses of other elements.
+    pub preload: Option<Slot>,
+}
+
+/// What one unknown sets.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Meaning {
+    /// x = ln K of these components (several under a symmetry).
+    Stiffness(Vec<Component>),
+    /// x = delta0 of equation 9 in length units or radians: the bushing's two sides sit displaced by it in every load case, so
+    /// that `F = -K (delta - delta0)` and the preload in the deck is `FORCE + K delta0`.
+    Offset(Component),
+    /// `theta = deck + factor * x` for each of these slots.
+    Number(Vec<(Slot, f64)>),
+}
+
+/// One unknown of the deck.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Unknown {
+    /// Addresses of the numbers it stands for.
+    pub addresses: Vec<Address>,
+    /// What it sets.
+    pub meaning: Meaning,
+    /// Where it starts; for stiffnesses ln K.
+    pub start: f64,
+    /// Prior mean.
+    pub mean: f64,
+    /// Prior standard deviation; infinite for none.
+    pub sd: f64,
+}
+
+/// A direction in theta: slots and the change of each per unit of an unknown.
+pub type Direction = Vec<(Slot, f64)>;
+
+/// The unknowns of a fit over the numbers of one deck.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Unknowns {
+    list: Vec<Unknown>,
+}
+
+impl Unknowns {
+    /// A list of unknowns.
+    pub fn new(list: Vec<Unknown>) -> Self {
+        Self { list }
+    }
+
+    /// All of them, in order.
+    pub fn list(&self) -> &[Unknown] {
+        &self.list
+    }
+
+    /// How many.
+    pub fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    /// True if there are none.
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
+    /// Where a fit starts.
+    pub fn start(&self) -> Vec<f64> {
+        self.list.iter().map(|unknown| unknown.start).collect()
+    }
+
+    /// The deck's numbers at these unknowns.
+    pub fn parameters(&self, deck: &Parameters, x: &[f64]) -> Parameters {
+        let mut theta = deck.clone();
+        for (unknown, value) in self.list.iter().zip(x) {
+            match &unknown.meaning {
+                Meaning::Stiffness(components) => {
+                    for component in components {
+                        theta.set(component.stiffness, value.exp());
+                    }
+                }
+                Meaning::Number(slots) => {
+                    for (slot, factor) in slots {
+                        theta.set(*slot, theta.get(*slot) + factor * value);
+                    }
+                }
+                Meaning::Offset(_) => {}
+            }
+        }
+        // Preloads follow the stiffnesses, which are all set by now.
+        for (unknown, value) in self.list.iter().zip(x) {
+            if let Meaning::Offset(Component {
+                stiffness,
+                preload: Some(preload),
+            }) = unknown.meaning
+            {
+                theta.set(preload, theta.get(preload) + theta.get(stiffness) * value);
+            }
+        }
+        theta
+    }
+
+    /// For each unknown the change of theta per unit of it, at these unknowns.
+    pub fn directions(&self, theta: &Parameters, x: &[f64]) -> Vec<Direction> {
+        let offset_of = |slot: Slot| {
+            self.list
+                .iter()
+                .zip(x)
+                .find_map(|(unknown, value)| match unknown.meaning {
+                    Meaning::Offset(Component { stiffness, preload }) if stiffness == slot => {
+                        Some((preload, *value))
+                    }
+                    _ => None,
+                })
+        };
+        let of = |unknown: &Unknown| match &unknown.meaning {
+            Meaning::Stiffness(components) => components
+                .iter()
+                .flat_map(|component| {
+                    let K = theta.get(component.stiffness);
+                    let preload = offset_of(component.stiffness)
+                        .and_then(|(preload, delta0)| Some((preload?, K * delta0)))
+                        .filter(|(_, change)| *change != 0.0);
+                    std::iter::once((component.stiffness, K)).chain(preload)
+                })
+                .collect(),
+            Meaning::Offset(Component { stiffness, preload }) => preload
+                .iter()
+                .map(|slot| (*slot, theta.get(*stiffness)))
+                .collect(),
+            Meaning::Number(slots) => slots.clone(),
+        };
+        self.list.iter().map(of).collect()
+    }
+}
