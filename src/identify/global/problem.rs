@@ -5,7 +5,7 @@ use nalgebra::DVector;
 use super::gauss_newton::{LeastSquares, Prior};
 use super::observation::{Evaluation, NuisanceLayout, Observations, Row};
 use super::predictor::Predictor;
-use super::unknown::Unknowns;
+use super::unknown::FitUnknowns;
 use crate::rig::settings::Loss;
 use crate::system::Parameters;
 
@@ -16,12 +16,12 @@ const HUBER: f64 = 1.345;
 pub type Watch<'a> = dyn FnMut(usize, usize, f64) -> bool + 'a;
 
 /// The unknowns of a deck and of a measurement, the predictor that knows the one, the readings that know the other.
-pub struct Problem<'a> {
+pub struct GlobalProblem<'a> {
     /// Numbers of the deck without any unknown applied.
     pub deck: Parameters,
-    /// Unknowns of the deck; the first ones of x.
-    pub unknowns: Unknowns,
-    /// Unknowns of the measurement; the last ones of x.
+    /// FitUnknowns of the deck; the first ones of x.
+    pub unknowns: FitUnknowns,
+    /// FitUnknowns of the measurement; the last ones of x.
     pub layout: NuisanceLayout,
     /// Readings that are compared.
     pub observations: Observations<'a>,
@@ -33,7 +33,7 @@ pub struct Problem<'a> {
     pub watch: Option<Box<Watch<'a>>>,
 }
 
-impl Problem<'_> {
+impl GlobalProblem<'_> {
     /// How many unknowns there are in all.
     pub fn len(&self) -> usize {
         self.unknowns.len() + self.layout.sd.len()
@@ -73,7 +73,7 @@ impl Problem<'_> {
         self.priors().into_iter().map(natural).collect()
     }
 
-    /// Unknowns without any freedom: a prior of no width.
+    /// FitUnknowns without any freedom: a prior of no width.
     pub fn held(&self) -> Vec<bool> {
         self.priors()
             .into_iter()
@@ -82,7 +82,7 @@ impl Problem<'_> {
     }
 }
 
-impl LeastSquares for Problem<'_> {
+impl LeastSquares for GlobalProblem<'_> {
     fn evaluate(&mut self, x: &[f64], with_jacobian: bool) -> Option<Evaluation> {
         let theta = self.unknowns.parameters(&self.deck, x);
         let directions = with_jacobian.then(|| self.unknowns.directions(&theta, x));

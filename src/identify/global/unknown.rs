@@ -28,7 +28,7 @@ pub enum Meaning {
 
 /// One unknown of the deck.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Unknown {
+pub struct FitUnknown {
     /// Addresses of the numbers it stands for.
     pub addresses: Vec<Address>,
     /// What it sets.
@@ -46,18 +46,18 @@ pub type Direction = Vec<(Slot, f64)>;
 
 /// The unknowns of a fit over the numbers of one deck.
 #[derive(Clone, PartialEq, Debug, Default)]
-pub struct Unknowns {
-    list: Vec<Unknown>,
+pub struct FitUnknowns {
+    list: Vec<FitUnknown>,
 }
 
-impl Unknowns {
+impl FitUnknowns {
     /// A list of unknowns.
-    pub fn new(list: Vec<Unknown>) -> Self {
+    pub fn new(list: Vec<FitUnknown>) -> Self {
         Self { list }
     }
 
     /// All of them, in order.
-    pub fn list(&self) -> &[Unknown] {
+    pub fn list(&self) -> &[FitUnknown] {
         &self.list
     }
 
@@ -120,7 +120,7 @@ impl Unknowns {
                     _ => None,
                 })
         };
-        let of = |unknown: &Unknown| match &unknown.meaning {
+        let of = |unknown: &FitUnknown| match &unknown.meaning {
             Meaning::Stiffness(components) => components
                 .iter()
                 .flat_map(|component| {

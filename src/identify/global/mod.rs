@@ -1,0 +1,18 @@
+//! `method = "gauss-newton"`: one fit of everything that was read.
+//!
+//! Unknowns are logarithms of stiffnesses, assembly offsets, and what the measurement itself gets wrong; predictions come with
+//! sensitivities from the built-in solver, or with differences from any backend.
+
+pub mod confidence;
+pub mod gauss_newton;
+mod native;
+mod observation;
+mod predictor;
+mod problem;
+mod unknown;
+
+pub use native::{Loads, NativePredictor};
+pub use observation::{Evaluation, NuisanceLayout, Observations, Row};
+pub use predictor::{CaseChange, CasePrediction, Observed, Prediction, Predictor};
+pub use problem::{GlobalProblem, Watch};
+pub use unknown::{Component, Direction, FitUnknown, FitUnknowns, Meaning};
