@@ -93,8 +93,14 @@ fn page(word: &str) -> Result<String, String> {
         .map(|def| def.name)
         .chain(FUNCTIONS.iter().map(|def| def.name))
         .chain(Code::ALL.iter().map(|code| code.as_str()));
-    Err(match nearest(word, names) {
-        Some(name) => format!("nothing is called `{word}`; did you mean `{name}`?\n"),
+    // Spelling is compared in capitals.
+    let capitals: Vec<(String, &str)> = names
+        .map(|name| (name.to_ascii_uppercase(), name))
+        .collect();
+    let near = nearest(word, capitals.iter().map(|(upper, _)| upper.as_str()))
+        .and_then(|upper| capitals.iter().find(|(name, _)| name == upper));
+    Err(match near {
+        Some((_, name)) => format!("nothing is called `{word}`; did you mean `{name}`?\n"),
         None => format!("nothing is called `{word}`; `admire explain` lists all there is\n"),
     })
 }

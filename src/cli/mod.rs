@@ -3,6 +3,7 @@
 //! The only place that prints, colours and asks. Knows no formats and no mechanics: every subcommand calls one function of a
 //! lower floor and shows what came back.
 
+mod check;
 mod completions;
 mod explain;
 mod install_shims;
@@ -34,6 +35,7 @@ struct Cli {
 
 #[derive(Subcommand, Debug)]
 enum Command {
+    Check(check::Arguments),
     Explain(explain::Arguments),
     InstallShims(install_shims::Arguments),
     Completions(completions::Arguments),
@@ -45,6 +47,7 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let mut shell = Shell::new(cli.format, cli.color);
     let exit = match cli.command {
+        Command::Check(arguments) => check::run(&arguments, &mut shell),
         Command::Explain(arguments) => explain::run(&arguments, &mut shell),
         Command::InstallShims(arguments) => install_shims::run(&arguments, &mut shell),
         Command::Completions(arguments) => completions::run(&arguments, &mut Cli::command()),

@@ -3,8 +3,8 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use crate::diagnostic::{Diagnostic, Severity};
+use crate::results::Timestamp;
 
-use super::clock::utc_now;
 use super::located::{Sources, located};
 
 /// What a run says, on standard output and in the `.msg` file alike.
@@ -78,7 +78,7 @@ impl<'a> Messages<'a> {
             format!("{:^75}", concat!("admire ", env!("CARGO_PKG_VERSION"))),
             format!("{:^75}", "static equilibrium of ADAMS datasets"),
             String::new(),
-            format!("  Local Time: {} UTC", utc_now()),
+            format!("  Local Time: {} UTC", Timestamp::now().date_time()),
             format!(" Current dir: {}", here.display()),
             format!("  Process ID: {}", std::process::id()),
             String::new(),

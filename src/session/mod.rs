@@ -2,13 +2,11 @@
 //!
 //! Knows how ADAMS' command line, messages and output files look. Does not know how an equilibrium is found.
 
-mod clock;
 mod launcher;
 mod located;
 mod message;
 mod paths;
 
-pub use clock::utc_now;
 pub use launcher::{Launch, LaunchInput};
 pub use located::{Sources, located};
 pub use message::{Messages, exponent};
