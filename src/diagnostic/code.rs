@@ -62,6 +62,12 @@ codes! {
     CannotRead = "cannot-read",
     /// A file that cannot be written.
     CannotWrite = "cannot-write",
+    /// A results file that ends before its end: the run was killed or is still going. Whole steps are read.
+    TruncatedResults = "truncated-results",
+    /// A results file whose structure is broken, or that uses XML it has no business to use (DTD, entities, deep nesting).
+    MalformedResults = "malformed-results",
+    /// A results file, or a part of one, of a layout that is not known here.
+    UnsupportedResults = "unsupported-results",
     /// A file that was found under a name that differs in upper and lower case.
     FileNameCase = "file-name-case",
     /// A path of another computer: the file was looked up by its base name here.

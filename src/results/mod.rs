@@ -5,21 +5,34 @@
 //! 1-based position of its value in every step, and nothing else ever decides which number belongs to which name.
 
 mod catalogue;
+mod comparison;
 mod entity_kind;
+mod error;
 mod groups;
 mod header;
 mod number;
 mod numbering;
+mod rewrite;
+mod selection;
+mod step;
 mod step_kind;
 mod timestamp;
+mod xml;
+mod xrf_reader;
 mod xrf_writer;
 
 pub use catalogue::{Catalogue, Column, Component, Entity};
+pub use comparison::{ColumnDifference, Comparison, Tolerance, UnitsDiffer, Worst, compare};
 pub use entity_kind::EntityKind;
+pub use error::ResultsError;
 pub use groups::Groups;
 pub use header::{Header, ResultUnits};
 pub use number::{NumberStyle, write_number};
 pub use numbering::{Numbering, Stored};
+pub use rewrite::{Change, Rewritten, rewrite, rewrite_file};
+pub use selection::{SelectedColumn, Selection};
+pub use step::Step;
 pub use step_kind::StepKind;
 pub use timestamp::Timestamp;
+pub use xrf_reader::XrfReader;
 pub use xrf_writer::{LineEnd, Style, XrfWriter};

@@ -1,0 +1,189 @@
+use std::fs::File;
+use std::io::{self, BufReader, Read, Write};
+use std::path::Path;
+
+use crate::diagnostic::Diagnostic;
+
+use super::step::tokens;
+use super::{Groups, NumberStyle, ResultsError, Step, XrfReader, write_number};
+
+/// A new value for one column of one step.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Change {
+    /// Position of the step among all steps of the file, from 0.
+    pub step: usize,
+    /// Id of the column.
+    pub id: usize,
+    /// The new value, finite.
+    pub value: f64,
+}
+
+/// What a rewrite did.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct Rewritten {
+    /// Steps whose text came out the same when printed anew from its numbers.
+    pub reprinted: usize,
+    /// Steps of another spelling; their text was kept as it was.
+    pub kept: usize,
+    /// Values that were changed.
+    pub changed: usize,
+    /// Complaints of the reader.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// Copies an XRF file, every step printed anew from its numbers, with `changes` made. `verbatim` is a second reading of
+/// the same bytes, for what is not a number.
+///
+/// Without changes the output is the input, byte for byte. A change replaces the spelling of its number and nothing else; a
+/// line may grow past its usual width. Needs memory for one step.
+///
+/// # Errors
+/// When a file cannot be read or written, or the input is broken; the output is incomplete then. When a change is for a
+/// step or column that is not there.
+pub fn rewrite<R: Read, V: Read, W: Write>(
+    file: &str,
+    input: R,
+    mut verbatim: V,
+    mut output: W,
+    changes: &[Change],
+) -> Result<Rewritten, ResultsError> {
+    let mut changes = changes.to_vec();
+    changes.sort_by_key(|change| (change.step, change.id));
+    let mut reader = XrfReader::open(file, input)?;
+    let groups = Groups::new(reader.catalogue());
+    let line_end = reader.line_end().bytes();
+    let mut styles = vec![NumberStyle::default(), NumberStyle::SeventeenDigits];
+    let mut report = Rewritten::default();
+    let (mut copied, mut values, mut text) = (0_u64, Vec::new(), Vec::new());
+    while let Some(step) = reader.next_step()? {
+        copy(&mut verbatim, &mut output, step.offset - copied)?;
+        step.values(&mut values)?;
+        let style = reprint(&step, &groups, &values, &mut styles, line_end, &mut text);
+        if style.is_some() {
+            report.reprinted += 1;
+        } else {
+            report.kept += 1;
+            text.clear();
+            text.extend_from_slice(step.text);
+        }
+        let here = changes.partition_point(|change| change.step == step.index);
+        for change in changes.drain(..here).rev() {
+            splice(&step, &mut text, change, style.unwrap_or(styles[0]))?;
+            report.changed += 1;
+        }
+        output.write_all(&text)?;
+        skip(&mut verbatim, step.text.len() as u64)?;
+        copied = step.offset + step.text.len() as u64;
+    }
+    if let Some(change) = changes.first() {
+        let message = format!("there is no step {}", change.step + 1);
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, message).into());
+    }
+    io::copy(&mut verbatim, &mut output)?;
+    output.flush()?;
+    report.diagnostics = reader.diagnostics().to_vec();
+    Ok(report)
+}
+
+/// Rewrites a file to a path, which may be its own: the result is complete or not there at all.
+///
+/// # Errors
+/// As [`rewrite`]; `to` is untouched then.
+pub fn rewrite_file(from: &Path, to: &Path, changes: &[Change]) -> Result<Rewritten, ResultsError> {
+    let folder = match to.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let mut scratch = tempfile::NamedTempFile::new_in(folder)?;
+    let report = rewrite(
+        &from.display().to_string(),
+        File::open(from)?,
+        BufReader::with_capacity(1 << 16, File::open(from)?),
+        io::BufWriter::with_capacity(1 << 16, scratch.as_file_mut()),
+        changes,
+    )?;
+    scratch.persist(to).map_err(|error| error.error)?;
+    Ok(report)
+}
+
+/// Prints a step in the style that gives its own text; the style that fits goes to the front of the list.
+fn reprint(
+    step: &Step<'_>,
+    groups: &Groups,
+    values: &[f64],
+    styles: &mut Vec<NumberStyle>,
+    line_end: &[u8],
+    text: &mut Vec<u8>,
+) -> Option<NumberStyle> {
+    for at in 0..=styles.len() {
+        let style = match styles.get(at) {
+            Some(&style) => style,
+            None => NumberStyle::Decimals(most_decimals(step.text)),
+        };
+        text.clear();
+        text.extend_from_slice(line_end);
+        groups.write(text, step.kind, values, style, line_end);
+        if text == step.text {
+            styles.retain(|&other| other != style);
+            styles.insert(0, style);
+            return Some(style);
+        }
+    }
+    None
+}
+
+/// The number of decimals of the number that has most: RESULTS/DECIMALPLACES, unless all numbers have fewer.
+fn most_decimals(text: &[u8]) -> u8 {
+    tokens(text)
+        .map(|token| {
+            let digits = text[token].iter().skip_while(|&&byte| byte != b'.').skip(1);
+            digits.take_while(|byte| byte.is_ascii_digit()).count()
+        })
+        .max()
+        .unwrap_or(0)
+        .min(30) as u8
+}
+
+fn splice(
+    step: &Step<'_>,
+    text: &mut Vec<u8>,
+    change: Change,
+    style: NumberStyle,
+) -> Result<(), ResultsError> {
+    let place = change.id.checked_sub(1).and_then(|at| tokens(text).nth(at));
+    let place = place.filter(|_| change.value.is_finite()).ok_or_else(|| {
+        let message = format!(
+            "column {} of step {} cannot be {}",
+            change.id,
+            step.index + 1,
+            change.value
+        );
+        io::Error::new(io::ErrorKind::InvalidInput, message)
+    })?;
+    let old = super::step::parse_number(&text[place.clone()]);
+    if old == Some(change.value) {
+        return Ok(());
+    }
+    let mut number = Vec::new();
+    write_number(&mut number, change.value, style);
+    text.splice(place, number);
+    Ok(())
+}
+
+fn copy(from: &mut impl Read, to: &mut impl Write, count: u64) -> io::Result<()> {
+    let copied = io::copy(&mut from.by_ref().take(count), to)?;
+    complete(copied, count)
+}
+
+fn skip(from: &mut impl Read, count: u64) -> io::Result<()> {
+    let skipped = io::copy(&mut from.by_ref().take(count), &mut io::sink())?;
+    complete(skipped, count)
+}
+
+fn complete(done: u64, wanted: u64) -> io::Result<()> {
+    if done == wanted {
+        return Ok(());
+    }
+    let message = "the file became shorter while it was read";
+    Err(io::Error::new(io::ErrorKind::UnexpectedEof, message))
+}

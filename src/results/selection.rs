@@ -1,0 +1,212 @@
+use std::io::{Read, Write};
+
+use super::{Catalogue, Column, ResultsError, XrfReader};
+
+/// Columns picked by name, in the order of their ids.
+#[derive(Clone, PartialEq, Eq, Debug, serde::Serialize)]
+pub struct Selection {
+    /// The columns.
+    pub columns: Vec<SelectedColumn>,
+}
+
+/// A picked column.
+#[derive(Clone, PartialEq, Eq, Debug, serde::Serialize)]
+pub struct SelectedColumn {
+    /// Full name, `testrig.arm_XFORM.X`; columns that share a name have `#2`, `#3`, ... behind it.
+    pub path: String,
+    /// Unit, if the file tells one.
+    pub units: Option<String>,
+    /// Position in a step, from 1.
+    pub id: usize,
+}
+
+impl Selection {
+    /// Every named column.
+    pub fn all(catalogue: &Catalogue) -> Self {
+        Self::new(catalogue, |_| true)
+    }
+
+    /// The columns that match any of the patterns; a pattern that matches nothing is given back.
+    ///
+    /// A pattern is `ENTITY.COMPONENT`, upper and lower case alike; `*` stands for any text and `?` for one character. The
+    /// entity is its result set (`arm_XFORM`), its full name (`testrig.arm_XFORM`) or its object (`testrig.arm`). A
+    /// pattern for an entity alone takes all its components.
+    pub fn matching<'p>(catalogue: &Catalogue, patterns: &[&'p str]) -> (Self, Vec<&'p str>) {
+        let mut used = vec![false; patterns.len()];
+        let selection = Self::new(catalogue, |column| {
+            let mut any = false;
+            for (pattern, used) in patterns.iter().zip(&mut used) {
+                if matches_column(pattern, column) {
+                    *used = true;
+                    any = true;
+                }
+            }
+            any
+        });
+        let unused = patterns.iter().zip(used).filter(|(_, used)| !used);
+        (selection, unused.map(|(&pattern, _)| pattern).collect())
+    }
+
+    fn new(catalogue: &Catalogue, mut wanted: impl FnMut(Column<'_>) -> bool) -> Self {
+        let mut seen = std::collections::BTreeMap::new();
+        let mut columns = Vec::new();
+        for column in catalogue.columns() {
+            let mut path = column.path();
+            let count = seen.entry(path.to_ascii_lowercase()).or_insert(0_usize);
+            *count += 1;
+            if *count > 1 {
+                path = format!("{path}#{count}");
+            }
+            if wanted(column) {
+                columns.push(SelectedColumn {
+                    path,
+                    units: column.component.units.clone(),
+                    id: column.component.id,
+                });
+            }
+        }
+        columns.sort_by_key(|column| column.id);
+        Self { columns }
+    }
+
+    /// The ids, increasing.
+    pub fn ids(&self) -> Vec<usize> {
+        self.columns.iter().map(|column| column.id).collect()
+    }
+
+    /// Writes the remaining steps of a reader as CSV: a line of names with units (`arm_XFORM.X [mm]`), then a line per step
+    /// with its kind and values in their shortest spelling.
+    ///
+    /// # Errors
+    /// When reading or writing fails; the steps before are written.
+    pub fn write_csv<R: Read>(
+        &self,
+        reader: &mut XrfReader<R>,
+        output: impl Write,
+    ) -> Result<usize, ResultsError> {
+        let mut csv = csv::Writer::from_writer(output);
+        let names = self.columns.iter().map(|column| match &column.units {
+            Some(units) => format!("{} [{units}]", column.path),
+            None => column.path.clone(),
+        });
+        let io = std::io::Error::from;
+        csv.write_record(std::iter::once("step".to_string()).chain(names))
+            .map_err(io)?;
+        let ids = self.ids();
+        let (mut values, mut steps) = (Vec::new(), 0);
+        while let Some(step) = reader.next_step()? {
+            values.clear();
+            step.pick(&ids, &mut values)?;
+            csv.write_field(step.kind.step_type()).map_err(io)?;
+            for value in &values {
+                csv.write_field(value.to_string()).map_err(io)?;
+            }
+            csv.write_record(None::<&[u8]>).map_err(io)?;
+            steps += 1;
+        }
+        csv.flush()?;
+        Ok(steps)
+    }
+
+    /// Writes the remaining steps of a reader as one JSON object: `columns` with path, units and id, and `steps` with kind,
+    /// block and values. A value that is not finite is `null`.
+    ///
+    /// # Errors
+    /// When reading or writing fails; the output is incomplete then.
+    pub fn write_json<R: Read>(
+        &self,
+        reader: &mut XrfReader<R>,
+        mut output: impl Write,
+    ) -> Result<usize, ResultsError> {
+        #[derive(serde::Serialize)]
+        struct Row<'a> {
+            kind: &'a str,
+            block: &'a str,
+            values: &'a [f64],
+        }
+        let json = std::io::Error::from;
+        output.write_all(b"{\"columns\":")?;
+        serde_json::to_writer(&mut output, &self.columns).map_err(json)?;
+        output.write_all(b",\"steps\":[")?;
+        let ids = self.ids();
+        let (mut values, mut steps) = (Vec::new(), 0);
+        while let Some(step) = reader.next_step()? {
+            values.clear();
+            step.pick(&ids, &mut values)?;
+            output.write_all(if steps == 0 { b"\n" } else { b",\n" })?;
+            let row = Row {
+                kind: step.kind.step_type(),
+                block: step.block,
+                values: &values,
+            };
+            serde_json::to_writer(&mut output, &row).map_err(json)?;
+            steps += 1;
+        }
+        output.write_all(b"\n]}\n")?;
+        output.flush()?;
+        Ok(steps)
+    }
+}
+
+fn matches_column(pattern: &str, column: Column<'_>) -> bool {
+    let set = &column.entity.name;
+    let component = &column.component.name;
+    let full = column.path();
+    let full_set = full.strip_suffix(component.as_str()).unwrap_or(&full);
+    let full_set = full_set.strip_suffix('.').unwrap_or(full_set);
+    let object = column.entity.entity.as_deref().unwrap_or(set);
+    [set, full_set, object]
+        .iter()
+        .any(|name| glob(pattern, name) || glob(pattern, &format!("{name}.{component}")))
+}
+
+/// `*` any text, `?` one character, letters of either case. Linear in the text for each `*`, without recursion.
+fn glob(pattern: &str, text: &str) -> bool {
+    let fold = |text: &str| {
+        text.chars()
+            .map(|c| c.to_ascii_lowercase())
+            .collect::<Vec<_>>()
+    };
+    let (pattern, text) = (fold(pattern), fold(text));
+    let (mut p, mut t) = (0, 0);
+    let mut star = None;
+    while t < text.len() {
+        match pattern.get(p) {
+            Some('*') => {
+                star = Some((p, t));
+                p += 1;
+            }
+            Some(&c) if c == '?' || c == text[t] => {
+                p += 1;
+                t += 1;
+            }
+            _ => match star {
+                Some((at, from)) => {
+                    star = Some((at, from + 1));
+                    p = at + 1;
+                    t = from + 1;
+                }
+                None => return false,
+            },
+        }
+    }
+    pattern[p..].iter().all(|&c| c == '*')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn patterns_stand_for_text() {
+        assert!(glob("part_2_xform.*", "PART_2_XFORM.PSI"));
+        assert!(glob("*.F?", "JOINT_1.FX"));
+        assert!(!glob("*.F?", "JOINT_1.FXX"));
+        assert!(glob("a*b*c", "aXbXbXc"));
+        assert!(!glob("a*b", "aXc"));
+        assert!(!glob("", "a"));
+        assert!(glob("**", ""));
+        let hostile = "*a".repeat(50);
+        assert!(!glob(&hostile, &"b".repeat(2000)));
+    }
+}

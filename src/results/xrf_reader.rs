@@ -1,0 +1,508 @@
+use std::io::Read;
+use std::sync::Arc;
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::text::Span;
+
+use super::step::count_tokens;
+use super::xml::{Found, LIMIT, Refusal, Scanner, Tag, attributes, decode};
+use super::{Catalogue, Component, Entity, Header, LineEnd, ResultsError, Step, StepKind};
+
+/// Deepest nesting of elements; real files have five levels.
+const DEEPEST: usize = 16;
+/// Most columns a file may have.
+const MOST_COLUMNS: usize = 1 << 22;
+/// Room for one value with its blank; real ones need 27 bytes at most.
+const BYTES_PER_VALUE: usize = 64;
+
+/// Reads an XRF file step by step in memory that depends on the number of columns, never on the number of steps.
+///
+/// Every step is checked against the file's own map of columns: a step with more or fewer values ends the reading with an
+/// error, so that a value is never taken for that of another column. A file cut off by a killed run is read up to its last
+/// whole step, and a warning says so.
+#[derive(Debug)]
+pub struct XrfReader<R> {
+    scanner: Scanner<R>,
+    file: Arc<str>,
+    header: Header,
+    catalogue: Catalogue,
+    columns: usize,
+    line_end: LineEnd,
+    block: String,
+    steps: usize,
+    depth: usize,
+    status: Option<String>,
+    done: bool,
+    diagnostics: Vec<Diagnostic>,
+    /// The Data tag that ended the header.
+    pending: Option<Event>,
+}
+
+/// A tag with its attributes read.
+#[derive(Debug)]
+enum Event {
+    Open {
+        name: String,
+        attributes: Vec<(String, String)>,
+        empty: bool,
+    },
+    Close(String),
+    EndOfFile,
+}
+
+impl<R: Read> XrfReader<R> {
+    /// Reads the header and the map of columns. `file` is the name to show.
+    ///
+    /// # Errors
+    /// When the input cannot be read, is no XRF file, or ends before its first step could begin.
+    pub fn open(file: impl Into<Arc<str>>, input: R) -> Result<Self, ResultsError> {
+        let mut reader = Self {
+            scanner: Scanner::new(input),
+            file: file.into(),
+            header: Header::default(),
+            catalogue: Catalogue::default(),
+            columns: 0,
+            line_end: LineEnd::Lf,
+            block: String::new(),
+            steps: 0,
+            depth: 0,
+            status: None,
+            done: false,
+            diagnostics: Vec::new(),
+            pending: None,
+        };
+        reader.begin()?;
+        reader.read_header()?;
+        reader.check_columns()?;
+        Ok(reader)
+    }
+
+    /// What the file says of itself.
+    pub fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// The names of the columns.
+    pub fn catalogue(&self) -> &Catalogue {
+        &self.catalogue
+    }
+
+    /// Number of values in every step.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// The line end of the first line.
+    pub fn line_end(&self) -> LineEnd {
+        self.line_end
+    }
+
+    /// The status of the run, once the end of the file was read: `Successful`.
+    pub fn run_status(&self) -> Option<&str> {
+        self.status.as_deref()
+    }
+
+    /// Complaints so far.
+    pub fn diagnostics(&self) -> &[Diagnostic] {
+        &self.diagnostics
+    }
+
+    /// The next whole step, or `None` at the end.
+    ///
+    /// # Errors
+    /// When the input cannot be read, or the file is broken from here on; steps read before are good.
+    pub fn next_step(&mut self) -> Result<Option<Step<'_>>, ResultsError> {
+        while !self.done {
+            let event = match self.pending.take() {
+                Some(event) => event,
+                None => self.event()?,
+            };
+            match event {
+                Event::EndOfFile => self.cut_off(),
+                Event::Close(name) => self.done = name == "Results",
+                Event::Open {
+                    empty: true,
+                    name,
+                    attributes,
+                } if name == "TerminationStatus" => {
+                    self.status = take(&attributes, "runStatus");
+                }
+                Event::Open {
+                    name, attributes, ..
+                } => match name.as_str() {
+                    "Step" => {
+                        let kind = take(&attributes, "type").unwrap_or_default();
+                        let kind = self.step_kind(&kind);
+                        let Some((offset, text)) = self.step_text()? else {
+                            self.cut_off();
+                            continue;
+                        };
+                        self.steps += 1;
+                        return Ok(Some(Step {
+                            file: &self.file,
+                            index: self.steps - 1,
+                            kind,
+                            block: &self.block,
+                            offset,
+                            text: self.scanner.bytes(text),
+                        }));
+                    }
+                    "Data" => self.block = take(&attributes, "name").unwrap_or_default(),
+                    "StepMap" | "Entity" | "Component" => {
+                        return Err(self.refuse(
+                            Code::UnsupportedResults,
+                            "a second map of columns; only files with one are known",
+                        ));
+                    }
+                    _ => {}
+                },
+            }
+        }
+        Ok(None)
+    }
+
+    fn cut_off(&mut self) {
+        self.done = true;
+        let at = self.scanner.offset() as usize;
+        let message = format!(
+            "the file ends before its end; {} whole steps were read",
+            self.steps
+        );
+        self.diagnostics.push(
+            Diagnostic::warning(Code::TruncatedResults, message)
+                .label(self.file.clone(), Span::at(at), "")
+                .help("the run was killed or is still going"),
+        );
+    }
+
+    fn step_kind(&mut self, text: &str) -> StepKind {
+        let kind = StepKind::from_step_type(text);
+        if kind == StepKind::Unlisted
+            && !self
+                .diagnostics
+                .iter()
+                .any(|d| d.code == Code::UnsupportedResults)
+        {
+            let at = Span::at(self.scanner.offset() as usize);
+            let message = format!(
+                "steps of type `{}` are read, their meaning is not known",
+                text.escape_debug()
+            );
+            self.diagnostics.push(
+                Diagnostic::warning(Code::UnsupportedResults, message).label(
+                    self.file.clone(),
+                    at,
+                    "",
+                ),
+            );
+        }
+        kind
+    }
+
+    /// The text of a step up to and over its closing tag; `None` if the file ends before.
+    fn step_text(&mut self) -> Result<Option<(u64, std::ops::Range<usize>)>, ResultsError> {
+        // The closing tag is waited for first, so that it cannot move the text.
+        let limit = self.columns * BYTES_PER_VALUE + 4096;
+        let text = match self.scanner.text(limit)? {
+            Found::Yes(text) => text,
+            Found::EndOfFile => return Ok(None),
+            Found::Refused(_) => {
+                return Err(self.refuse(
+                    Code::WrongCount,
+                    "a step longer than the columns of the file can make it",
+                ));
+            }
+        };
+        let offset = self.scanner.offset_of(text.start);
+        let count = count_tokens(self.scanner.bytes(text.clone()));
+        match self.scanner.closing(text, b"Step")? {
+            Found::Yes(text) => {
+                if count != self.columns {
+                    let message = format!(
+                        "step {} has {count} values, the file has {} columns",
+                        self.steps + 1,
+                        self.columns
+                    );
+                    let end = offset + text.len() as u64;
+                    let error =
+                        ResultsError::refused(Code::WrongCount, &self.file, offset, end, message);
+                    self.done = true;
+                    return Err(error);
+                }
+                self.depth = self.depth.saturating_sub(1);
+                Ok(Some((offset, text)))
+            }
+            Found::EndOfFile => Ok(None),
+            Found::Refused(_) => Err(self.refuse(
+                Code::MalformedResults,
+                "a step holds something that is not a number",
+            )),
+        }
+    }
+
+    /// Ends the reading with an error here.
+    fn refuse(&mut self, code: Code, message: impl Into<String>) -> ResultsError {
+        self.done = true;
+        let at = self.scanner.offset();
+        ResultsError::refused(code, &self.file, at, at, message)
+    }
+
+    fn refuse_xml(&mut self, refusal: Refusal) -> ResultsError {
+        self.refuse(Code::MalformedResults, refusal.to_string())
+    }
+
+    fn begin(&mut self) -> Result<(), ResultsError> {
+        let head = self.scanner.peek(512)?;
+        let bom = if head.starts_with(b"\xef\xbb\xbf") {
+            3
+        } else {
+            0
+        };
+        let shown = head[bom..].trim_ascii_start();
+        let xml = shown.starts_with(b"<");
+        let formatted = shown.starts_with(b"FILE TYPE AND SOURCE");
+        let crlf = memchr::memchr(b'\n', head).is_some_and(|at| at > 0 && head[at - 1] == b'\r');
+        self.scanner.skip(bom);
+        if crlf {
+            self.line_end = LineEnd::CrLf;
+        }
+        if xml {
+            return Ok(());
+        }
+        let message = if formatted {
+            "a formatted (ASCII) results file, not XRF"
+        } else {
+            "not an XRF results file: it does not begin with XML"
+        };
+        Err(self.refuse(Code::UnsupportedResults, message))
+    }
+
+    /// The next tag, with the text before it skipped.
+    fn event(&mut self) -> Result<Event, ResultsError> {
+        if matches!(self.scanner.skip_text()?, Found::EndOfFile) {
+            return Ok(Event::EndOfFile);
+        }
+        let tag = match self.scanner.tag()? {
+            Found::Yes(tag) => tag,
+            Found::EndOfFile => return Ok(Event::EndOfFile),
+            Found::Refused(refusal) => return Err(self.refuse_xml(refusal)),
+        };
+        match tag {
+            Tag::Close { name } => {
+                let name = String::from_utf8_lossy(self.scanner.bytes(name)).into_owned();
+                if self.depth == 0 {
+                    let message = format!("`</{}>` closes nothing", name.escape_debug());
+                    return Err(self.refuse(Code::MalformedResults, message));
+                }
+                self.depth -= 1;
+                Ok(Event::Close(name))
+            }
+            Tag::Open {
+                name,
+                attributes: text,
+                empty,
+            } => {
+                let name = String::from_utf8_lossy(self.scanner.bytes(name)).into_owned();
+                let attributes = attributes(self.scanner.bytes(text))
+                    .map_err(|refusal| self.refuse_xml(refusal))?;
+                self.depth += usize::from(!empty);
+                if self.depth > DEEPEST {
+                    let message = format!("elements nested deeper than {DEEPEST}");
+                    return Err(self.refuse(Code::MalformedResults, message));
+                }
+                Ok(Event::Open {
+                    name,
+                    attributes,
+                    empty,
+                })
+            }
+        }
+    }
+
+    fn read_header(&mut self) -> Result<(), ResultsError> {
+        let mut in_model = false;
+        let mut root = false;
+        loop {
+            let event = self.event()?;
+            let (name, attributes, empty) = match event {
+                Event::EndOfFile => {
+                    return Err(self.refuse(
+                        Code::TruncatedResults,
+                        "the file ends inside its header: no step was written",
+                    ));
+                }
+                Event::Close(name) => {
+                    in_model &= name != "ModelInfo";
+                    if name == "Results" {
+                        self.done = true;
+                        return Ok(());
+                    }
+                    continue;
+                }
+                Event::Open {
+                    name,
+                    attributes,
+                    empty,
+                } => (name, attributes, empty),
+            };
+            if !root && name != "Results" {
+                let message = format!("the root is `{}`, not `Results`", name.escape_debug());
+                return Err(self.refuse(Code::UnsupportedResults, message));
+            }
+            root = true;
+            let set = |key: &str, field: &mut String| {
+                if let Some(value) = take(&attributes, key) {
+                    *field = value;
+                }
+            };
+            let h = &mut self.header;
+            match name.as_str() {
+                "File" => {
+                    set("URI", &mut h.uri);
+                    set("schema", &mut h.schema);
+                    set("version", &mut h.version);
+                    set("publicationDate", &mut h.publication_date);
+                }
+                "Corporation" => {
+                    set("author", &mut h.corporation);
+                    set("URI", &mut h.corporation_uri);
+                }
+                "Author" => {
+                    set("user", &mut h.user);
+                    set("name", &mut h.user_name);
+                }
+                "Revision" => {
+                    set("version", &mut h.revision);
+                    set("derivedFrom", &mut h.derived_from);
+                }
+                "Analysis" => {
+                    set("name", &mut h.analysis);
+                    set("executionDate", &mut h.execution_date);
+                    set("Solver", &mut h.solver);
+                    set("script", &mut h.script);
+                }
+                "Environment" => {
+                    set("operatingSystem", &mut h.operating_system);
+                    set("hostname", &mut h.hostname);
+                }
+                "Application" => {
+                    set("name", &mut h.application);
+                    set("version", &mut h.application_version);
+                }
+                "ModelInfo" => {
+                    set("title", &mut h.title);
+                    set("creationDate", &mut h.creation_date);
+                    set("checksum", &mut h.checksum);
+                    in_model = !empty;
+                }
+                "Units" => {
+                    set("angle", &mut h.units.angle);
+                    set("length", &mut h.units.length);
+                    set("mass", &mut h.units.mass);
+                    set("time", &mut h.units.time);
+                }
+                "Comment" if !empty => {
+                    let text = self.comment()?;
+                    if in_model {
+                        self.header.model_comment = Some(text);
+                    } else {
+                        self.header.comment = text;
+                    }
+                }
+                "StepMap" => set("name", &mut self.catalogue.name),
+                "Entity" => self.entity(&attributes),
+                "Component" => self.component(&attributes)?,
+                "Data" | "Step" | "TerminationStatus" => {
+                    self.pending = Some(Event::Open {
+                        name,
+                        attributes,
+                        empty,
+                    });
+                    return Ok(());
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// The lines of a comment, without the line end behind its opening tag.
+    fn comment(&mut self) -> Result<String, ResultsError> {
+        match self.scanner.text(LIMIT)? {
+            Found::Yes(text) => {
+                let decoded = decode(self.scanner.bytes(text));
+                let text = decoded.map_err(|refusal| self.refuse_xml(refusal))?;
+                let text = text.replace("\r\n", "\n");
+                Ok(text.strip_prefix('\n').unwrap_or(&text).to_string())
+            }
+            Found::EndOfFile => Ok(String::new()),
+            Found::Refused(refusal) => Err(self.refuse_xml(refusal)),
+        }
+    }
+
+    fn entity(&mut self, attributes: &[(String, String)]) {
+        self.catalogue.entities.push(Entity {
+            name: take(attributes, "name").unwrap_or_default(),
+            entity: take(attributes, "entity"),
+            ent_type: take(attributes, "entType"),
+            object_id: take(attributes, "objectId").and_then(|id| id.parse().ok()),
+            comment: take(attributes, "comment"),
+            components: Vec::new(),
+        });
+    }
+
+    fn component(&mut self, attributes: &[(String, String)]) -> Result<(), ResultsError> {
+        let id = take(attributes, "id")
+            .and_then(|id| id.parse().ok())
+            .filter(|id| (1..=MOST_COLUMNS).contains(id));
+        let Some(id) = id else {
+            return Err(self.refuse(
+                Code::MalformedResults,
+                "a component without an id that could be the position of a value",
+            ));
+        };
+        let component = Component {
+            name: take(attributes, "name").unwrap_or_default(),
+            units: take(attributes, "unitsValue"),
+            id,
+        };
+        match self.catalogue.entities.last_mut() {
+            Some(entity) => entity.components.push(component),
+            None => {
+                return Err(self.refuse(Code::MalformedResults, "a component outside of entities"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Every position of a step is named exactly once; a position without a name is told, two names are refused.
+    fn check_columns(&mut self) -> Result<(), ResultsError> {
+        self.columns = self.catalogue.len();
+        let mut named = vec![false; self.columns];
+        let ids: Vec<usize> = self.catalogue.columns().map(|c| c.component.id).collect();
+        for id in ids {
+            if std::mem::replace(&mut named[id - 1], true) {
+                let message = format!("two components have the id {id}");
+                return Err(self.refuse(Code::DuplicateId, message));
+            }
+        }
+        let nameless = named.iter().filter(|&&named| !named).count();
+        if nameless > 0 {
+            let at = Span::at(self.scanner.offset() as usize);
+            let message = format!("{nameless} of {} columns have no name", self.columns);
+            self.diagnostics
+                .push(Diagnostic::warning(Code::MalformedResults, message).label(
+                    self.file.clone(),
+                    at,
+                    "",
+                ));
+        }
+        Ok(())
+    }
+}
+
+fn take(attributes: &[(String, String)], name: &str) -> Option<String> {
+    attributes
+        .iter()
+        .find(|(key, _)| key == name)
+        .map(|(_, value)| value.clone())
+}
