@@ -3,4 +3,5 @@
 mod common;
 mod files {
     pub mod lossless;
+    pub mod results;
 }

@@ -146,7 +146,8 @@ impl<W: Write> XrfWriter<W> {
     fn comment(&mut self, lines: &str) {
         self.line("<Comment>");
         for line in lines.lines() {
-            self.line(&escape(line));
+            // Quotation marks mean nothing outside of attributes and stay as they are.
+            self.line(&escape(line).replace("&quot;", "\""));
         }
         self.line("</Comment>");
     }
