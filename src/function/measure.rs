@@ -158,3 +158,197 @@ fn euler_parameter(R: &Mat3, which: usize) -> (f64, Vec3) {
     let axis = Vec3::ith(which - 1, 1.0);
     (e[which - 1], (axis * e0 + e.cross(&axis)) * 0.5)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::function::Sequence;
+    use crate::mechanics::{euler313, exp, psi_theta_phi};
+
+    fn poses() -> [Pose; 3] {
+        let pose = |p: [f64; 3], r: [f64; 3]| Pose {
+            p: Vec3::from(p),
+            R: exp(&Vec3::from(r)),
+        };
+        [
+            pose([1.0, 2.0, -0.5], [0.4, -0.3, 0.7]),
+            pose([-0.3, 0.2, 0.6], [-0.5, 0.2, 0.1]),
+            pose([0.8, -1.1, 0.9], [0.3, 0.9, -0.8]),
+        ]
+    }
+
+    fn measure(kind: MeasureKind) -> Measure {
+        Measure {
+            kind,
+            i: None,
+            j: None,
+            k: None,
+        }
+    }
+
+    fn kinds() -> Vec<MeasureKind> {
+        let mut kinds = vec![MeasureKind::Distance, MeasureKind::IncludedAngle];
+        for k in 0..3 {
+            kinds.push(MeasureKind::Displacement(k));
+            kinds.push(MeasureKind::ProjectedAngle(k));
+            for minus in [false, true] {
+                kinds.push(MeasureKind::Angle {
+                    sequence: Sequence::BODY_321,
+                    which: k,
+                    minus,
+                });
+            }
+            for orient in 1..=24 {
+                kinds.push(MeasureKind::Angle {
+                    sequence: Sequence::of_orient(orient).unwrap(),
+                    which: k,
+                    minus: false,
+                });
+            }
+        }
+        kinds.extend((0..4).map(MeasureKind::EulerParameter));
+        kinds
+    }
+
+    #[test]
+    fn derivatives_are_those_of_central_differences() {
+        let poses = poses();
+        for kind in kinds() {
+            let at =
+                |poses: &[Pose; 3]| evaluate(&measure(kind), &poses[0], &poses[1], &poses[2], 0.0);
+            let exact = at(&poses);
+            for (which, by) in [exact.by_i, exact.by_j, exact.by_k].into_iter().enumerate() {
+                for freedom in 0..6 {
+                    let moved = |h: f64| {
+                        let mut poses = poses;
+                        let pose = &mut poses[which];
+                        if freedom < 3 {
+                            pose.p[freedom] += h;
+                        } else {
+                            pose.R = exp(&Vec3::ith(freedom - 3, h)) * pose.R;
+                        }
+                        at(&poses).value
+                    };
+                    let difference = (moved(1e-6) - moved(-1e-6)) / 2e-6;
+                    assert!(
+                        (difference - by[freedom]).abs() < 2e-8,
+                        "{kind:?} by {which}.{freedom}: {} and {difference}",
+                        by[freedom]
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn angles_of_a_sequence_build_the_rotation() {
+        for seed in 0..40 {
+            let s = f64::from(seed);
+            let R = exp(&Vec3::new(
+                (1.3 * s).sin() * 2.0,
+                (0.7 * s).cos() * 2.0,
+                (2.1 * s).sin(),
+            ));
+            for orient in 1..=24 {
+                let sequence = Sequence::of_orient(orient).unwrap();
+                let turn = |k: usize| exp(&Vec3::ith(sequence.axes[k], sequence.angle(&R, k).0));
+                let built = if sequence.space_fixed {
+                    turn(2) * turn(1) * turn(0)
+                } else {
+                    turn(0) * turn(1) * turn(2)
+                };
+                assert!((built - R).norm() < 1e-12, "{orient}");
+            }
+            let [psi, theta, phi] = psi_theta_phi(&R);
+            for (k, angle) in [psi, theta, phi].into_iter().enumerate() {
+                assert!((Sequence::BODY_313.angle(&R, k).0 - angle).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn a_singular_sequence_puts_the_turn_into_its_first_angle() {
+        // ADAMS-FORMATS 4.1: at theta = 0 or pi the sum stands in psi and phi is 0.
+        for theta in [0.0, std::f64::consts::PI] {
+            let R = euler313(0.4, theta, 0.3);
+            let angles = [0, 1, 2].map(|k| Sequence::BODY_313.angle(&R, k));
+            let psi = if theta == 0.0 { 0.7 } else { 0.1 };
+            assert!((angles[0].0 - psi).abs() < 1e-12 && angles[2].0 == 0.0);
+            assert!((angles[1].0 - theta).abs() < 1e-12);
+            assert!(angles.iter().all(|(_, row)| *row == Vec3::zeros()));
+        }
+    }
+
+    #[test]
+    fn pitch_is_minus_the_second_angle() {
+        // ADAMS-FORMATS 4.4.
+        let i = Pose {
+            p: Vec3::zeros(),
+            R: exp(&Vec3::new(0.0, 0.0, 0.3))
+                * exp(&Vec3::new(0.0, 0.2, 0.0))
+                * exp(&Vec3::new(0.1, 0.0, 0.0)),
+        };
+        let angle = |which, minus| {
+            let kind = MeasureKind::Angle {
+                sequence: Sequence::BODY_321,
+                which,
+                minus,
+            };
+            evaluate(
+                &measure(kind),
+                &i,
+                &Pose::identity(),
+                &Pose::identity(),
+                0.0,
+            )
+            .value
+        };
+        assert!((angle(0, false) - 0.3).abs() < 1e-14);
+        assert!((angle(1, true) + 0.2).abs() < 1e-14);
+        assert!((angle(2, false) - 0.1).abs() < 1e-14);
+    }
+
+    #[test]
+    fn projected_angles_count_turns() {
+        let j = poses()[1];
+        for axis in 0..3 {
+            let mut angle = 0.0;
+            for step in 1..=100 {
+                // Five turns in a hundred steps.
+                let turned = std::f64::consts::TAU * f64::from(step) / 20.0;
+                let i = Pose {
+                    p: j.p,
+                    R: j.R * exp(&Vec3::ith(axis, turned)),
+                };
+                let kind = MeasureKind::ProjectedAngle(axis);
+                angle = evaluate(&measure(kind), &i, &j, &Pose::identity(), angle).value;
+                assert!((angle - turned).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn euler_parameters_turn_i_axes_into_j() {
+        let [i, j, k] = poses();
+        let e: Vec<f64> = (0..4)
+            .map(|n| evaluate(&measure(MeasureKind::EulerParameter(n)), &i, &j, &k, 0.0).value)
+            .collect();
+        let axis = Vec3::new(e[1], e[2], e[3]);
+        let angle = 2.0 * axis.norm().atan2(e[0]);
+        let R = exp(&(axis.normalize() * angle));
+        assert!((R - j.R.transpose() * i.R).norm() < 1e-14);
+    }
+
+    #[test]
+    fn included_angle_is_that_of_the_lines() {
+        let at = |x: f64, y: f64| Pose {
+            p: Vec3::new(x, y, 0.0),
+            R: Mat3::identity(),
+        };
+        let kind = measure(MeasureKind::IncludedAngle);
+        let angle = |k: Pose| evaluate(&kind, &at(3.0, 1.0), &at(1.0, 1.0), &k, 0.0).value;
+        assert!((angle(at(1.0, 6.0)) - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
+        assert!((angle(at(0.0, 2.0)) - 0.75 * std::f64::consts::PI).abs() < 1e-15);
+        assert_eq!(angle(at(9.0, 1.0)), 0.0);
+    }
+}

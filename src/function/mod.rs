@@ -17,6 +17,8 @@ pub mod measure;
 mod program;
 mod series;
 mod step;
+#[cfg(test)]
+mod tests;
 
 pub use compile::Compiler;
 pub use error::{EvalError, Fault};

@@ -79,3 +79,49 @@ impl Expression {
         found
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ids_are_told_from_values() {
+        let text =
+            "DX(11,1,0)*2 + IF(VARVAL(3): AKISPL(DM(7,8),0,9,1), ORIENT(27,1,5), BUSH(4,1,2,6))";
+        let expression = Expression::parse_str(text).unwrap();
+        let found: Vec<_> = expression
+            .references()
+            .into_iter()
+            .map(|(space, literal)| (space, expression.literals[literal].value))
+            .collect();
+        assert_eq!(
+            found,
+            [
+                ("marker", 11.0),
+                ("marker", 1.0),
+                ("variable", 3.0),
+                ("marker", 7.0),
+                ("marker", 8.0),
+                ("spline", 9.0),
+                ("marker", 5.0),
+                ("bushing", 4.0),
+                ("marker", 6.0),
+            ]
+        );
+    }
+
+    #[test]
+    fn every_space_is_one_of_the_grammar() {
+        for function in crate::grammar::FUNCTIONS {
+            for space in argument_spaces(function.name).iter().flatten() {
+                assert!(
+                    crate::grammar::STATEMENTS
+                        .iter()
+                        .any(|statement| statement.id == Some(*space)),
+                    "{}: {space}",
+                    function.name
+                );
+            }
+        }
+    }
+}
