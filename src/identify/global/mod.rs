@@ -15,4 +15,4 @@ pub use native::{Loads, NativePredictor};
 pub use observation::{Evaluation, NuisanceLayout, Observations, Row};
 pub use predictor::{CaseChange, CasePrediction, Observed, Prediction, Predictor};
 pub use problem::{GlobalProblem, Watch};
-pub use unknown::{Component, Direction, FitUnknown, FitUnknowns, Meaning};
+pub use unknown::{Component, Direction, FitUnknown, FitUnknowns, Meaning, Numbers};

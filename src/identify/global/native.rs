@@ -1,7 +1,7 @@
 //! The built-in solver as a predictor: each case starts from its own last answer, moved along the tangent.
 
 use super::predictor::{CaseChange, CasePrediction, Observed, Prediction, Predictor};
-use super::unknown::Direction;
+use super::unknown::{Direction, Numbers};
 use crate::statics::{Settings, Solver, Tangent};
 use crate::system::{Parameters, Scratch, Slot, State, System};
 
@@ -20,7 +20,7 @@ struct Answer {
     state: State,
     theta: Parameters,
     /// Change of the unknowns of the system along each direction, with the directions they belong to.
-    response: Vec<(Direction, Vec<f64>)>,
+    response: Vec<(Vec<(Slot, f64)>, Vec<f64>)>,
 }
 
 /// Predicts with the built-in solver.
@@ -85,6 +85,7 @@ impl<'a> NativePredictor<'a> {
     /// Changes of the unknowns of the system along each direction.
     fn responses(
         &mut self,
+        case: usize,
         theta: &Parameters,
         state: &State,
         directions: &[Direction],
@@ -95,9 +96,9 @@ impl<'a> NativePredictor<'a> {
         let mut out = Vec::with_capacity(directions.len());
         for direction in directions {
             let mut dg = vec![0.0; n];
-            for (slot, weight) in direction {
+            for (slot, weight) in direction.in_case(case) {
                 self.system
-                    .residual_by_slot(theta, state, &mut self.scratch, *slot, &mut by_slot)
+                    .residual_by_slot(theta, state, &mut self.scratch, slot, &mut by_slot)
                     .ok()?;
                 for (sum, value) in dg.iter_mut().zip(&by_slot) {
                     *sum += weight * value;
@@ -135,13 +136,19 @@ impl Predictor for NativePredictor<'_> {
         self.system
     }
 
-    fn predict(&mut self, theta: &Parameters, directions: Option<&[Direction]>) -> Prediction {
+    fn predict(&mut self, numbers: &Numbers, directions: Option<&[Direction]>) -> Prediction {
         self.sweeps += 1;
-        let mut theta = theta.clone();
+        let mut theta = numbers.theta.clone();
         let mut out = Vec::with_capacity(self.loads.cases.len());
         for case in 0..self.loads.cases.len() {
+            for (slot, _) in &numbers.per_case {
+                theta.set(*slot, numbers.theta.get(*slot));
+            }
             for (slot, load) in self.loads.slots.iter().zip(&self.loads.cases[case]) {
                 theta.set(*slot, *load);
+            }
+            for (slot, values) in &numbers.per_case {
+                theta.set(*slot, theta.get(*slot) + values[case]);
             }
             let Some(state) = self.solve(case, &theta) else {
                 out.push(None);
@@ -154,7 +161,7 @@ impl Predictor for NativePredictor<'_> {
             };
             let mut response = Vec::new();
             if let Some(directions) = directions {
-                let Some(responses) = self.responses(&theta, &state, directions) else {
+                let Some(responses) = self.responses(case, &theta, &state, directions) else {
                     out.push(None);
                     continue;
                 };
@@ -162,7 +169,11 @@ impl Predictor for NativePredictor<'_> {
                     .iter()
                     .map(|dx| observed_change(self.system, &self.observed, dx))
                     .collect();
-                response = directions.iter().cloned().zip(responses).collect();
+                response = directions
+                    .iter()
+                    .map(|d| d.in_case(case).collect())
+                    .zip(responses)
+                    .collect();
             }
             self.answers[case] = Some(Answer {
                 state,

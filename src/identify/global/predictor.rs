@@ -2,10 +2,10 @@
 //!
 //! Knows neither measurements nor fits.
 
-use super::unknown::Direction;
+use super::unknown::{Direction, Numbers};
 use crate::mechanics::Pose;
 use crate::model::PartIx;
-use crate::system::{Parameters, System};
+use crate::system::System;
 
 /// One load case at equilibrium.
 #[derive(Clone, PartialEq, Debug)]
@@ -44,7 +44,7 @@ pub trait Predictor {
     fn system(&self) -> &System;
 
     /// Solves every load case at these numbers; with changes along `directions` when given.
-    fn predict(&mut self, theta: &Parameters, directions: Option<&[Direction]>) -> Prediction;
+    fn predict(&mut self, numbers: &Numbers, directions: Option<&[Direction]>) -> Prediction;
 
     /// How often all load cases were solved so far.
     fn sweeps(&self) -> usize;

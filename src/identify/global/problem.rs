@@ -84,9 +84,9 @@ impl GlobalProblem<'_> {
 
 impl LeastSquares for GlobalProblem<'_> {
     fn evaluate(&mut self, x: &[f64], with_jacobian: bool) -> Option<Evaluation> {
-        let theta = self.unknowns.parameters(&self.deck, x);
-        let directions = with_jacobian.then(|| self.unknowns.directions(&theta, x));
-        let prediction = self.predictor.predict(&theta, directions.as_deref());
+        let numbers = self.unknowns.numbers(&self.deck, x);
+        let directions = with_jacobian.then(|| self.unknowns.directions(&numbers.theta, x));
+        let prediction = self.predictor.predict(&numbers, directions.as_deref());
         self.observations
             .evaluate(&prediction, &self.layout, x, with_jacobian)
     }

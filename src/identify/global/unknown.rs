@@ -24,6 +24,8 @@ pub enum Meaning {
     Offset(Component),
     /// `theta = deck + factor * x` for each of these slots.
     Number(Vec<(Slot, f64)>),
+    /// The same with a factor for every load case: a load's gain, a load along another direction.
+    PerCase(Vec<(Slot, Vec<f64>)>),
 }
 
 /// One unknown of the deck.
@@ -42,7 +44,33 @@ pub struct FitUnknown {
 }
 
 /// A direction in theta: slots and the change of each per unit of an unknown.
-pub type Direction = Vec<(Slot, f64)>;
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Direction {
+    /// The same in every load case.
+    pub always: Vec<(Slot, f64)>,
+    /// One factor for every load case.
+    pub per_case: Vec<(Slot, Vec<f64>)>,
+}
+
+impl Direction {
+    /// Slots and changes in one load case.
+    pub fn in_case(&self, case: usize) -> impl Iterator<Item = (Slot, f64)> + '_ {
+        let own = self
+            .per_case
+            .iter()
+            .map(move |(slot, factors)| (*slot, factors[case]));
+        self.always.iter().copied().chain(own)
+    }
+}
+
+/// The numbers of a deck for every load case, the loads apart.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Numbers {
+    /// The same in every load case.
+    pub theta: Parameters,
+    /// What is added to a slot in each load case, after the loads are set.
+    pub per_case: Vec<(Slot, Vec<f64>)>,
+}
 
 /// The unknowns of a fit over the numbers of one deck.
 #[derive(Clone, PartialEq, Debug, Default)]
@@ -77,8 +105,9 @@ impl FitUnknowns {
     }
 
     /// The deck's numbers at these unknowns.
-    pub fn parameters(&self, deck: &Parameters, x: &[f64]) -> Parameters {
+    pub fn numbers(&self, deck: &Parameters, x: &[f64]) -> Numbers {
         let mut theta = deck.clone();
+        let mut per_case = Vec::new();
         for (unknown, value) in self.list.iter().zip(x) {
             match &unknown.meaning {
                 Meaning::Stiffness(components) => {
@@ -90,6 +119,10 @@ impl FitUnknowns {
                     for (slot, factor) in slots {
                         theta.set(*slot, theta.get(*slot) + factor * value);
                     }
+                }
+                Meaning::PerCase(slots) => {
+                    let scaled = |factors: &[f64]| factors.iter().map(|f| f * value).collect();
+                    per_case.extend(slots.iter().map(|(slot, factors)| (*slot, scaled(factors))));
                 }
                 Meaning::Offset(_) => {}
             }
@@ -104,7 +137,7 @@ impl FitUnknowns {
                 theta.set(preload, theta.get(preload) + theta.get(stiffness) * value);
             }
         }
-        theta
+        Numbers { theta, per_case }
     }
 
     /// For each unknown the change of theta per unit of it, at these unknowns.
@@ -136,7 +169,18 @@ impl FitUnknowns {
                 .map(|slot| (*slot, theta.get(*stiffness)))
                 .collect(),
             Meaning::Number(slots) => slots.clone(),
+            Meaning::PerCase(_) => Vec::new(),
         };
-        self.list.iter().map(of).collect()
+        let per_case = |unknown: &FitUnknown| match &unknown.meaning {
+            Meaning::PerCase(slots) => slots.clone(),
+            _ => Vec::new(),
+        };
+        self.list
+            .iter()
+            .map(|unknown| Direction {
+                always: of(unknown),
+                per_case: per_case(unknown),
+            })
+            .collect()
     }
 }
