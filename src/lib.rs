@@ -44,6 +44,7 @@
 //! | 15 | cli | subcommands |
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 
+pub mod backend;
 pub mod cli;
 pub mod constraint;
 pub mod diagnostic;

@@ -1,5 +1,19 @@
-//! From measurements to stiffnesses: the paper's loop, a direct solution, and a fit of everything that was read.
+//! Identification: numbers of the deck from what was measured on the rig.
 //!
-//! Knows no files and prints nothing.
+//! The paper's loop, a direct solution and a fit of everything that was read, with what every method shares: the unknowns, how
+//! well a sweep explains the readings, and the result as `identification.json` and edits. Knows no effect a model may lack: that
+//! is diagnosis.
 
+mod evaluation;
+mod fit;
 pub mod global;
+mod problem;
+pub mod regression;
+mod unknowns;
+
+pub use evaluation::{Discrepancy, compare};
+pub use fit::{
+    Fit, HeldOut, Marks, OffsetFit, ParameterFit, Status, UnidentifiableDirection, WheelFit,
+};
+pub use problem::{IdentifyError, Problem, Progress};
+pub use unknowns::{Place, Unknown, unknowns};

@@ -7,6 +7,7 @@
 mod bad_data;
 mod check;
 pub mod deflection;
+mod load;
 mod measurement;
 pub mod noise;
 pub mod orientation;
@@ -17,6 +18,7 @@ mod study;
 mod table;
 pub mod wheel;
 
+pub use load::programme;
 pub use measurement::{Case, Channel, MarkReading, MarkedPart, Measurement, PartMark, Wheel};
 pub use resolve::part;
 pub use section::Spelled;

@@ -1,0 +1,120 @@
+use super::{Fit, HeldOut, Marks, Problem, WheelFit};
+use crate::backend::Sweep;
+use crate::mechanics::Pose;
+use crate::model::{MarkerIx, Model};
+use crate::rig::Measurement;
+
+/// How far a sweep is from what was read, over some of the cases.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Discrepancy {
+    /// Rms of one mark coordinate; `None` without marks.
+    pub marks_rms: Option<f64>,
+    /// How many mark coordinates.
+    pub coordinates: usize,
+    /// Rms of camber and steer, degrees; `None` without wheel readings.
+    pub wheel_deg_rms: Option<[f64; 2]>,
+    /// Rms of the wheel centre.
+    pub wheel_position_rms: Option<f64>,
+}
+
+/// A marker's frame in ground.
+pub(super) fn marker_pose(model: &Model, poses: &[Pose], marker: MarkerIx) -> Pose {
+    let frame = &model.markers[marker.0];
+    let local = Pose {
+        p: frame.qp,
+        R: frame.R,
+    };
+    poses[frame.part.0].compose(&local)
+}
+
+/// Compares a sweep with the readings of the chosen cases. Cases without an equilibrium are passed over.
+pub fn compare(
+    model: &Model,
+    measurement: &Measurement,
+    sweep: &Sweep,
+    cases: impl Iterator<Item = usize>,
+) -> Discrepancy {
+    let (mut marks, mut coordinates) = (0.0, 0);
+    let (mut angles, mut position, mut wheels) = ([0.0; 2], 0.0, 0);
+    for case in cases {
+        let Some(equilibrium) = sweep.equilibrium(case) else {
+            continue;
+        };
+        for reading in &measurement.cases[case].marks {
+            let marked = &measurement.parts[reading.part];
+            let x = equilibrium.poses[marked.part.0].point(&marked.marks[reading.mark].p);
+            marks += (x - reading.x).norm_squared();
+            coordinates += 3;
+        }
+        if let (Some(wheel), Some(read)) = (&measurement.wheel, &measurement.cases[case].wheel) {
+            let now = wheel
+                .spin
+                .reading(&marker_pose(model, &equilibrium.poses, wheel.marker));
+            angles[0] += (now.camber_deg - read.camber_deg).powi(2);
+            angles[1] += (now.steer_deg - read.steer_deg).powi(2);
+            position += (now.position - read.position).norm_squared();
+            wheels += 1;
+        }
+    }
+    let rms = |sum: f64, count: usize| (count > 0).then(|| (sum / count as f64).sqrt());
+    Discrepancy {
+        marks_rms: rms(marks, coordinates),
+        coordinates,
+        wheel_deg_rms: rms(angles[0], wheels)
+            .zip(rms(angles[1], wheels))
+            .map(|(c, s)| [c, s]),
+        wheel_position_rms: rms(position, 3 * wheels),
+    }
+}
+
+/// Fills marks, wheel and held-out cases of a fit from the sweeps with the initial and the final values.
+///
+/// `parameters` is how many numbers the fit took from the marks: it lowers the degrees of freedom.
+pub(super) fn fill(
+    fit: &mut Fit,
+    problem: &Problem<'_>,
+    before: &Sweep,
+    after: &Sweep,
+    parameters: usize,
+) {
+    let measurement = problem.measurement;
+    let over = |sweep: &Sweep, held_out: bool| {
+        let cases = 0..measurement.cases.len();
+        let chosen = cases.filter(|&case| measurement.cases[case].held_out == held_out);
+        compare(problem.model, measurement, sweep, chosen)
+    };
+    let fitted = over(after, false);
+    fit.marks = fitted.marks_rms.map(|rms| {
+        let dof = fitted.coordinates.saturating_sub(parameters).max(1) as f64;
+        // The first session's errors are part of the noise of a mark.
+        let variance = measurement.sigma.powi(2) + measurement.sigma_on_parts.powi(2);
+        let squares = rms * rms * fitted.coordinates as f64;
+        Marks {
+            rms: Some(rms),
+            chi2_per_dof: (variance > 0.0).then(|| squares / variance / dof),
+            sigma: measurement.sigma,
+        }
+    });
+    let labels = measurement.cases.iter().filter(|case| case.held_out);
+    fit.held_out = HeldOut {
+        cases: labels.map(|case| case.label.clone()).collect(),
+        marks_rms_before: over(before, true).marks_rms,
+        marks_rms_after: over(after, true).marks_rms,
+    };
+    let all = |sweep| {
+        compare(
+            problem.model,
+            measurement,
+            sweep,
+            0..measurement.cases.len(),
+        )
+    };
+    fit.wheel = all(before).wheel_deg_rms.zip(all(after).wheel_deg_rms).map(
+        |([camber_before, steer_before], [camber_after, steer_after])| WheelFit {
+            camber_deg_rms_before: camber_before,
+            camber_deg_rms_after: camber_after,
+            steer_deg_rms_before: steer_before,
+            steer_deg_rms_after: steer_after,
+        },
+    );
+}

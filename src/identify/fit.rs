@@ -1,0 +1,142 @@
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+/// What became of a number.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Status {
+    /// Found.
+    Identified,
+    /// Regression: the previous value was kept. Other methods: sd of ln K above 0.5.
+    Unidentifiable,
+    /// At a bound.
+    Bound,
+}
+
+/// One identified number, as `identification.json` shows it.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct ParameterFit {
+    /// `BUSHING/1.K.1`.
+    pub address: String,
+    /// Addresses of numbers that equal it by symmetry.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub tied: Vec<String>,
+    /// Its unit; KT is per radian.
+    pub unit: String,
+    /// Where it started.
+    pub initial: f64,
+    /// The estimate.
+    pub value: f64,
+    /// Standard error, in the unit of the value.
+    pub std_error: Option<f64>,
+    /// 95 percent interval; a side without a bound is `null`.
+    pub interval95: [Option<f64>; 2],
+    /// Regression: r of equation 15. Other methods: the largest correlation with another number.
+    pub correlation: Option<f64>,
+    /// What became of it.
+    pub status: Status,
+}
+
+/// The assembly offset of a bushing (equation 9).
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct OffsetFit {
+    /// `BUSHING/1`.
+    pub address: String,
+    /// Measured minus real deflection: three lengths, three angles in radians, J axes.
+    pub delta: [f64; 6],
+    /// Standard errors.
+    pub std_error: [Option<f64>; 6],
+}
+
+/// A combination of logarithms of numbers the data say little about.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct UnidentifiableDirection {
+    /// Unit vector over ln K, small components left out.
+    pub combination: BTreeMap<String, f64>,
+    /// Its standard deviation.
+    pub sd_log: f64,
+}
+
+/// How the marks are explained.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+pub struct Marks {
+    /// Rms of one coordinate.
+    pub rms: Option<f64>,
+    /// Chi-square per degree of freedom.
+    pub chi2_per_dof: Option<f64>,
+    /// Sd of one coordinate.
+    pub sigma: f64,
+}
+
+/// What no fit saw.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct HeldOut {
+    /// Labels of the cases.
+    pub cases: Vec<String>,
+    /// Rms mark error before.
+    pub marks_rms_before: Option<f64>,
+    /// Rms mark error after.
+    pub marks_rms_after: Option<f64>,
+}
+
+/// How the wheel is explained.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+#[allow(missing_docs)] // The names are those of identification.json.
+pub struct WheelFit {
+    pub camber_deg_rms_before: f64,
+    pub camber_deg_rms_after: f64,
+    pub steer_deg_rms_before: f64,
+    pub steer_deg_rms_after: f64,
+}
+
+/// The answer of an identification: what `identification.json` holds, and what only the report shows.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Fit {
+    /// `gauss-newton`, `regression` or `direct`.
+    pub method: String,
+    /// `native`, `command` or `replay`.
+    pub backend: String,
+    /// Whether the method's own test of convergence was met.
+    pub converged: bool,
+    /// Iterations.
+    pub iterations: usize,
+    /// Equilibria asked of the solver: sweeps times cases.
+    pub solver_runs: usize,
+    /// SHA-256 over every input file.
+    pub inputs_sha256: String,
+    /// One per unknown.
+    pub parameters: Vec<ParameterFit>,
+    /// One per bushing, where offsets were estimated.
+    pub assembly_offsets: Vec<OffsetFit>,
+    /// What the data do not tell apart.
+    pub unidentifiable_directions: Vec<UnidentifiableDirection>,
+    /// How the marks are explained.
+    pub marks: Option<Marks>,
+    /// What no fit saw.
+    pub held_out: HeldOut,
+    /// How the wheel is explained.
+    pub wheel: Option<WheelFit>,
+    /// Values of the unknowns after every iteration, the initial ones first. For the report only.
+    #[serde(skip)]
+    pub history: Vec<Vec<f64>>,
+    /// What a person should know about this result, one sentence each. For report and console.
+    #[serde(skip)]
+    pub remarks: Vec<String>,
+}
+
+impl Fit {
+    /// The values of the unknowns.
+    pub fn values(&self) -> Vec<f64> {
+        self.parameters
+            .iter()
+            .map(|parameter| parameter.value)
+            .collect()
+    }
+
+    /// `identification.json`.
+    pub fn to_json(&self) -> String {
+        let text = serde_json::to_string_pretty(self);
+        text.expect("a fit holds only names and numbers") + "\n"
+    }
+}

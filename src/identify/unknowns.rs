@@ -1,0 +1,188 @@
+use crate::diagnostic::{Code, Diagnostic};
+use crate::model::Model;
+use crate::rig::Study;
+use crate::rig::settings::{IdentifySettings, Initial, Symmetry};
+use crate::syntax::Address;
+use crate::units::Dimension;
+
+/// Where an unknown sits.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Place {
+    /// A stiffness of a bushing.
+    Bushing {
+        /// Index into [`Model::bushings`].
+        bushing: usize,
+        /// 0 to 5: Kx, Ky, Kz, KTx, KTy, KTz.
+        axis: usize,
+    },
+    /// Another number of the deck.
+    Number,
+}
+
+/// One number to identify.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Unknown {
+    /// Its address.
+    pub address: Address,
+    /// Numbers that equal it by symmetry: Ky of a round bushing, whose `address` is Kx.
+    pub tied: Vec<Address>,
+    /// Where it sits.
+    pub place: Place,
+    /// Its unit as result files spell it.
+    pub unit: String,
+    /// Where it starts.
+    pub initial: f64,
+    /// The deck's own value.
+    pub deck: f64,
+}
+
+impl Unknown {
+    /// The numbers to set for a value of this unknown.
+    pub fn assign(&self, value: f64) -> impl Iterator<Item = (Address, f64)> + '_ {
+        std::iter::once(&self.address)
+            .chain(&self.tied)
+            .map(move |address| (address.clone(), value))
+    }
+
+    /// The axes of its bushing that carry its value: one, or two where x and y are tied.
+    pub fn axes(&self) -> Vec<(usize, usize)> {
+        match self.place {
+            Place::Number => Vec::new(),
+            Place::Bushing { bushing, axis } => {
+                (0..=self.tied.len()).map(|k| (bushing, axis + k)).collect()
+            }
+        }
+    }
+}
+
+/// The address of one stiffness of a bushing; axes 0 to 2 are K, 3 to 5 KT.
+pub fn stiffness(id: u32, axis: usize) -> Address {
+    Address {
+        kind: "BUSHING".to_string(),
+        id: Some(id),
+        argument: Some(if axis < 3 { "K" } else { "KT" }.to_string()),
+        index: Some(axis % 3 + 1),
+    }
+}
+
+/// The index of the bushing with this address, id or view name.
+fn bushing(name: &str, model: &Model) -> Option<usize> {
+    let name = name.trim();
+    let id = match name.split_once('/') {
+        Some((kind, id)) => {
+            let kind = kind.trim().to_uppercase();
+            let known = kind.len() >= 2 && "BUSHING".starts_with(&kind);
+            known.then(|| id.trim().parse::<u32>().ok()).flatten()
+        }
+        None => name.parse().ok(),
+    };
+    model.bushings.iter().position(|bushing| match id {
+        Some(id) => bushing.header.id == id,
+        None => bushing.header.name.eq_ignore_ascii_case(name),
+    })
+}
+
+/// The unknowns a study asks for, bushing by bushing. `number` gives the deck's value and dimension of other numbers.
+///
+/// An address that names nothing is an error, located in `study.toml`.
+pub fn unknowns(
+    study: &Study,
+    model: &Model,
+    number: impl Fn(&str) -> Option<(Address, f64, Dimension)>,
+    out: &mut Vec<Diagnostic>,
+) -> Vec<Unknown> {
+    let settings = &study.identify;
+    let mut missing = |text: &str, span, what: &str| {
+        out.push(
+            Diagnostic::error(
+                Code::UnknownTarget,
+                format!("`{text}` is no {what} of the deck"),
+            )
+            .label(study.source.name(), span, ""),
+        );
+    };
+    let mut chosen = Vec::new();
+    match &settings.bushings {
+        None => chosen.extend(0..model.bushings.len()),
+        Some(names) => {
+            for name in names {
+                match bushing(&name.text, model) {
+                    Some(at) if !chosen.contains(&at) => chosen.push(at),
+                    Some(_) => {}
+                    None => missing(&name.text, name.span, "BUSHING"),
+                }
+            }
+        }
+    }
+    let mut round: Vec<bool> = vec![settings.symmetry == Symmetry::RadialZ; model.bushings.len()];
+    for (name, symmetry) in &settings.symmetry_of {
+        match bushing(&name.text, model) {
+            Some(at) => round[at] = *symmetry == Symmetry::RadialZ,
+            None => missing(&name.text, name.span, "BUSHING"),
+        }
+    }
+    let mut unknowns = Vec::new();
+    for at in chosen {
+        unknowns.extend(of_bushing(settings, model, at, round[at]));
+    }
+    for name in &settings.stiffnesses {
+        match number(&name.text) {
+            Some((address, deck, dimension)) => unknowns.push(Unknown {
+                address,
+                tied: Vec::new(),
+                place: Place::Number,
+                unit: model.units.name(dimension),
+                initial: deck,
+                deck,
+            }),
+            None => missing(&name.text, name.span, "number"),
+        }
+    }
+    unknowns
+}
+
+fn of_bushing(settings: &IdentifySettings, model: &Model, at: usize, round: bool) -> Vec<Unknown> {
+    let bushing = &model.bushings[at];
+    let axes: &[usize] = if round {
+        &[0, 2, 3, 5]
+    } else {
+        &[0, 1, 2, 3, 4, 5]
+    };
+    let unknown = |&axis: &usize| {
+        let deck = if axis < 3 {
+            bushing.k[axis]
+        } else {
+            bushing.kt[axis - 3]
+        };
+        let (dimension, value) = if axis < 3 {
+            let value = match settings.initial {
+                Initial::Deck => deck,
+                Initial::Values { translational, .. } => translational,
+            };
+            (Dimension::new(1, 0, -1, 0, 0), value)
+        } else {
+            let value = match settings.initial {
+                Initial::Deck => deck,
+                Initial::Values {
+                    rotational_per_degree,
+                    ..
+                } => rotational_per_degree.to_degrees(),
+            };
+            (Dimension::new(1, 0, 1, 0, -1), value)
+        };
+        let tied = round && axis % 3 == 0;
+        Unknown {
+            address: stiffness(bushing.header.id, axis),
+            tied: if tied {
+                vec![stiffness(bushing.header.id, axis + 1)]
+            } else {
+                Vec::new()
+            },
+            place: Place::Bushing { bushing: at, axis },
+            unit: model.units.name(dimension),
+            initial: value,
+            deck,
+        }
+    };
+    axes.iter().map(unknown).collect()
+}

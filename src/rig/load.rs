@@ -1,0 +1,93 @@
+//! Load cases of a study as a programme a backend can run.
+
+use super::measurement::Measurement;
+use super::study::Study;
+use crate::backend::{Load, LoadCase, LoadProgramme};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::syntax::{Address, Dataset};
+
+/// Resolves what each column drives, and pairs it with the cases of the measurement.
+///
+/// A column that drives nothing in the deck is an error. Columns named `_deg` are degrees; the programme is in radians.
+pub fn programme(
+    study: &Study,
+    dataset: &Dataset,
+    measurement: &Measurement,
+    out: &mut Vec<Diagnostic>,
+) -> LoadProgramme {
+    let mut loads = Vec::new();
+    let mut factors = Vec::new();
+    for (name, target) in &study.columns {
+        let found = address(&target.text).filter(|address| exists(address, dataset));
+        let Some(target) = found else {
+            let message = format!(
+                "`{}` is nothing in the deck that a load can drive",
+                target.text
+            );
+            out.push(
+                Diagnostic::error(Code::UnknownTarget, message)
+                    .label(study.source.name(), target.span, "")
+                    .help(
+                        "for example SFORCE/3, GFORCE/1.FX, MOTION/1, VARIABLE/5 or MARKER/19.QP.1",
+                    ),
+            );
+            continue;
+        };
+        factors.push(if name.text.ends_with("_deg") {
+            1f64.to_radians()
+        } else {
+            1.0
+        });
+        loads.push(Load {
+            name: name.text.clone(),
+            target,
+        });
+    }
+    let cases = measurement.cases.iter().map(|case| LoadCase {
+        label: case.label.clone(),
+        values: case
+            .loads
+            .iter()
+            .zip(&factors)
+            .map(|(value, factor)| value * factor)
+            .collect(),
+    });
+    LoadProgramme {
+        cases: cases.collect(),
+        loads,
+    }
+}
+
+/// `KIND/id`, `KIND/id.ARGUMENT`, `KIND/id.ARGUMENT.index`.
+fn address(text: &str) -> Option<Address> {
+    let (object, rest) = match text.trim().split_once('.') {
+        Some((object, rest)) => (object, Some(rest)),
+        None => (text.trim(), None),
+    };
+    let (kind, id) = object.split_once('/')?;
+    let (argument, index) = match rest.map(|rest| {
+        rest.split_once('.')
+            .map_or((rest, None), |(a, i)| (a, Some(i)))
+    }) {
+        Some((argument, index)) => (Some(argument.trim().to_uppercase()), index),
+        None => (None, None),
+    };
+    Some(Address {
+        kind: kind.trim().to_uppercase(),
+        id: Some(id.trim().parse().ok()?),
+        argument,
+        index: match index {
+            Some(index) => Some(index.trim().parse().ok().filter(|index| *index > 0)?),
+            None => None,
+        },
+    })
+}
+
+fn exists(address: &Address, dataset: &Dataset) -> bool {
+    dataset
+        .statement(&address.kind, address.id)
+        .is_some_and(|statement| match &address.argument {
+            Some(argument) => statement.argument(argument).is_some(),
+            None => statement.argument("FUNCTION").is_some(),
+        })
+}

@@ -1,0 +1,8 @@
+//! Identification on the two reference axles: the paper's loop and the direct solution.
+
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../solver/deck.rs"]
+mod deck;
+mod regression;
+mod setup;
