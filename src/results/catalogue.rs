@@ -5,6 +5,8 @@ pub struct Component {
     pub name: String,
     /// Unit as the file spells it, for example `newton-mm`; variables have none.
     pub units: Option<String>,
+    /// What to write beside the axis of a plot; some requests have it.
+    pub plot_label: Option<String>,
     /// 1-based position of the value in every step.
     pub id: usize,
 }

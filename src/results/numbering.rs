@@ -192,6 +192,7 @@ fn component(name: impl Into<String>, units: Option<String>) -> Component {
     Component {
         name: name.into(),
         units,
+        plot_label: None,
         id: 0,
     }
 }

@@ -463,6 +463,7 @@ impl<R: Read> XrfReader<R> {
         let component = Component {
             name: take(attributes, "name").unwrap_or_default(),
             units: take(attributes, "unitsValue"),
+            plot_label: take(attributes, "plotLabel"),
             id,
         };
         match self.catalogue.entities.last_mut() {

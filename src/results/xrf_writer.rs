@@ -247,6 +247,7 @@ impl<W: Write> XrfWriter<W> {
                 let all = [
                     ("name", Some(component.name.as_str())),
                     ("unitsValue", component.units.as_deref()),
+                    ("plotLabel", component.plot_label.as_deref()),
                     ("id", Some(id.as_str())),
                 ];
                 self.element("Component", &present(&all));
