@@ -8,6 +8,8 @@ use crate::system::{NoValue, Parameters, Scratch, Sink, State, System};
 
 /// ADAMS' default of STABILITY: up to here it only holds massive free motions.
 const DEFAULT_STABILITY: f64 = 1e-5;
+/// So many shortened steps in one sequence are too many.
+const CREEPING: usize = 10;
 /// Shortest fraction of a step the line search tries.
 const SHORTEST: f64 = 1.0 / 256.0;
 /// Relative size of corrections and imbalances that may be round-off.
@@ -295,6 +297,10 @@ impl Solver {
                 correction,
                 step,
             });
+            // A search that creeps has lost its way: something else should be tried.
+            if self.shortened > CREEPING && settings.continuation && !way.damped {
+                return Err(Failure::NotConverged);
+            }
             std::mem::swap(state, &mut self.trial);
             std::mem::swap(&mut self.g, &mut self.g_trial);
             if step < 1.0 || correction >= way.error {

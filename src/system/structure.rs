@@ -220,6 +220,11 @@ impl System {
         self.unknowns
     }
 
+    /// Index of the first multiplier: how many freedoms the parts have.
+    pub fn equations_start(&self) -> usize {
+        self.first_equation
+    }
+
     /// The numbers of the dataset.
     pub fn parameters(&self) -> Parameters {
         self.parameters.clone()

@@ -3,4 +3,6 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod deck;
+mod derivatives;
 mod reference;
+mod robust;

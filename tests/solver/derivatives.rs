@@ -1,0 +1,211 @@
+//! The tangent against differences: of the residual along random motions, of the equilibrium along every number of theta.
+
+use admire::statics::{Settings, Solver, Tangent};
+use admire::system::{Parameters, Scratch, Slot, State, System};
+
+use crate::reference::load;
+
+fn random(n: usize, seed: u64) -> Vec<f64> {
+    let mut x = seed;
+    (0..n)
+        .map(|_| {
+            x = x
+                .wrapping_mul(6364136223846793005)
+                .wrapping_add(1442695040888963407);
+            (x >> 33) as f64 / f64::from(1_u32 << 31) * 2.0 - 1.0
+        })
+        .collect()
+}
+
+/// Lengths, forces and angles of comparable size.
+fn scales(system: &System) -> Vec<f64> {
+    let bodies = system.equations_start();
+    (0..system.unknowns())
+        .map(|k| match k {
+            k if k < bodies && k % 6 < 3 => 1.0,
+            k if k < bodies => 0.01,
+            _ => 100.0,
+        })
+        .collect()
+}
+
+/// `J dx` from differences of the residual must come back as `dx` from the tangent.
+pub fn check_tangent(system: &System, parameters: &Parameters, state: &State, tolerance: f64) {
+    let mut tangent = Tangent::new(system, parameters, state).unwrap();
+    assert_eq!(tangent.deficiency(), 0);
+    let mut scratch = Scratch::new(system);
+    let scales = scales(system);
+    let n = system.unknowns();
+    for seed in 1..6 {
+        let dx: Vec<f64> = random(n, seed)
+            .iter()
+            .zip(&scales)
+            .map(|(r, s)| r * s)
+            .collect();
+        let mut at = |h: f64| {
+            let mut moved = state.clone();
+            let step: Vec<f64> = dx.iter().map(|d| d * h).collect();
+            system.advance(&mut moved, &step);
+            let mut g = vec![0.0; n];
+            system
+                .residual(parameters, &moved, &mut scratch, &mut g)
+                .unwrap();
+            g
+        };
+        let mut difference = |h: f64| -> Vec<f64> {
+            let (plus, minus) = (at(h), at(-h));
+            plus.iter()
+                .zip(&minus)
+                .map(|(p, m)| (p - m) / (2.0 * h))
+                .collect()
+        };
+        let (coarse, fine) = (difference(2e-3), difference(1e-3));
+        let mut dg: Vec<f64> = coarse
+            .iter()
+            .zip(&fine)
+            .map(|(c, f)| (4.0 * f - c) / 3.0)
+            .collect();
+        tangent.respond(&mut dg);
+        for k in 0..n {
+            let error = (dg[k] + dx[k]).abs() / scales[k];
+            assert!(error < tolerance, "unknown {k}: {} for {}", -dg[k], dx[k]);
+        }
+    }
+}
+
+#[test]
+fn tangent_is_the_derivative_of_the_residual() {
+    for stem in [
+        "reference/pseudo-mcpherson/mcph_ref",
+        "reference/multilink/ocp_ref",
+    ] {
+        let Some((model, _)) = load(stem) else { return };
+        let system = System::compile(&model).value;
+        let (parameters, mut state) = (system.parameters(), system.state());
+        Solver::new(&system)
+            .solve(&system, &parameters, &mut state, &Settings::tight())
+            .unwrap();
+        // Away from equilibrium too: nothing may lean on balance or on closed joints.
+        let away: Vec<f64> = random(system.unknowns(), 7)
+            .iter()
+            .zip(scales(&system))
+            .map(|(r, s)| r * s * 3.0)
+            .collect();
+        check_tangent(&system, &parameters, &state, 1e-6);
+        system.advance(&mut state, &away);
+        check_tangent(&system, &parameters, &state, 1e-6);
+    }
+}
+
+/// Richardson differences of the equilibrium along one number of theta against the tangent, relative to the column's norm.
+pub fn check_slot(
+    system: &System,
+    solver: &mut Solver,
+    parameters: &Parameters,
+    state: &State,
+    slot: Slot,
+    tangent: &mut Tangent,
+) -> f64 {
+    let here = parameters.get(slot);
+    let dimension = system.catalogue().info(slot).dimension;
+    let floor = if dimension.angle != 0 && dimension.force == 0 {
+        0.1
+    } else {
+        10.0
+    };
+    let h = 1e-3 * here.abs().max(floor);
+    let mut difference = |h: f64| -> Vec<f64> {
+        let mut ends = [h, -h].map(|h| {
+            let mut parameters = parameters.clone();
+            parameters.set(slot, here + h);
+            let mut state = state.clone();
+            solver
+                .solve(system, &parameters, &mut state, &Settings::tight())
+                .unwrap();
+            state
+        });
+        // The logarithm of the rotation between both ends, about the middle: even errors cancel.
+        let [plus, minus] = &mut ends;
+        let mut out = Vec::new();
+        for (p, m) in plus.poses.iter().zip(&minus.poses) {
+            out.extend(((p.p - m.p) / (2.0 * h)).iter());
+            let turn = admire::mechanics::log(&(p.R * m.R.transpose())) / (2.0 * h);
+            out.extend((turn * 100.0).iter());
+        }
+        out
+    };
+    let (coarse, fine) = (difference(h), difference(h / 2.0));
+    let column = tangent.by_slot(system, parameters, state, slot).unwrap();
+    let mut exact = Vec::new();
+    for part in 0..state.poses.len() {
+        let range = system.part_unknowns(admire::model::PartIx(part));
+        if range.is_empty() {
+            exact.extend([0.0; 6]);
+        } else {
+            exact.extend(
+                column[range.clone()].iter().enumerate().map(
+                    |(k, d)| {
+                        if k < 3 { *d } else { *d * 100.0 }
+                    },
+                ),
+            );
+        }
+    }
+    let norm = exact.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let error = coarse
+        .iter()
+        .zip(&fine)
+        .zip(&exact)
+        .map(|((c, f), e)| ((4.0 * f - c) / 3.0 - e).powi(2))
+        .sum::<f64>()
+        .sqrt();
+    // What the solver's own tolerance leaves of a difference.
+    let noise = 1e-9 / h;
+    error / (norm + noise * 1e5)
+}
+
+#[test]
+fn every_number_of_theta() {
+    for stem in [
+        "reference/pseudo-mcpherson/mcph_ref",
+        "reference/multilink/ocp_ref",
+    ] {
+        let Some((model, _)) = load(stem) else { return };
+        let system = System::compile(&model).value;
+        let (mut parameters, mut state) = (system.parameters(), system.state());
+        for slot in system.catalogue().slots() {
+            if parameters.get(slot).is_nan() {
+                parameters.set(slot, 700.0);
+            }
+        }
+        let mut solver = Solver::new(&system);
+        solver
+            .solve(&system, &parameters, &mut state, &Settings::tight())
+            .unwrap();
+        let mut tangent = Tangent::new(&system, &parameters, &state).unwrap();
+        let mut worst = (0.0, String::new());
+        for slot in system.catalogue().slots() {
+            let address = system.catalogue().info(slot).address;
+            if address.argument.as_deref() == Some("FUNCTION") {
+                continue;
+            }
+            assert_eq!(system.catalogue().slot(&address), Some(slot), "{address}");
+            let error = check_slot(
+                &system,
+                &mut solver,
+                &parameters,
+                &state,
+                slot,
+                &mut tangent,
+            );
+            if error > worst.0 {
+                worst = (error, address.to_string());
+            }
+        }
+        println!(
+            "{stem}: {} numbers, worst {worst:?}",
+            system.catalogue().len()
+        );
+        assert!(worst.0 < 1e-5, "{worst:?}");
+    }
+}
