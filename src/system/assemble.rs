@@ -16,7 +16,18 @@ pub struct NoValue {
     /// Which element.
     pub element: Name,
     /// Why.
-    pub reason: Degenerate,
+    pub reason: Reason,
+}
+
+/// Why an element has no value.
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+pub enum Reason {
+    /// The motion is one at which the law has no value.
+    #[error(transparent)]
+    Degenerate(#[from] Degenerate),
+    /// Its function has no value.
+    #[error(transparent)]
+    Function(#[from] crate::function::EvalError),
 }
 
 impl System {
@@ -52,6 +63,9 @@ impl System {
             if element.active {
                 self.add_element(element, parameters, state, scratch, g, sink)?;
             }
+        }
+        for multi in self.multis.iter().filter(|m| m.active) {
+            self.add_multi(multi, parameters, state, scratch, g, sink)?;
         }
         for joint in &self.joints {
             self.add_joint(joint, parameters, state, scratch, g, sink);
@@ -187,7 +201,7 @@ impl System {
         law.evaluate(&motion, theta, with_parameters, &mut scratch.wrench)
             .map_err(|reason| NoValue {
                 element: element.name.clone(),
-                reason,
+                reason: reason.into(),
             })
     }
 

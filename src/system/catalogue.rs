@@ -15,6 +15,8 @@ pub(crate) enum Role {
     Law { element: usize },
     /// PITCH or PD of a joint.
     Joint { joint: usize },
+    /// Arguments of an NFORCE.
+    Multi,
     /// QP and REULER of a marker.
     Marker(usize),
     /// Mass of a part.
@@ -34,6 +36,8 @@ pub(crate) enum Quantity {
     Same(Dimension),
     /// The 36 numbers of a 6 by 6 stiffness, column by column.
     Stiffness,
+    /// n by n numbers, column by column, made up of such 6 by 6 stiffnesses.
+    MultiStiffness(usize),
     /// Three lengths and three angles.
     Motion,
     /// Three forces and three torques.
@@ -51,6 +55,7 @@ impl Quantity {
         };
         match self {
             Self::Same(dimension) => dimension,
+            Self::MultiStiffness(n) => Self::Stiffness.of(k % n % 6 + 6 * (k / n % 6)),
             Self::Wrench => wrench(k % 6),
             Self::Motion if k % 6 < 3 => Dimension::LENGTH,
             Self::Motion => Dimension::ANGLE,

@@ -59,7 +59,7 @@ fn moved_rows(r: &Mat3, M: &Mat6) -> Mat6 {
 }
 
 /// `M X_r`: the right columns lose the left columns times `r x`.
-fn moved_columns(M: &Mat6, r: &Mat3) -> Mat6 {
+pub(crate) fn moved_columns(M: &Mat6, r: &Mat3) -> Mat6 {
     let mut out = *M;
     let right = M.fixed_view::<6, 3>(0, 3) - M.fixed_view::<6, 3>(0, 0) * r;
     out.fixed_view_mut::<6, 3>(0, 3).copy_from(&right);
@@ -185,6 +185,24 @@ impl Twist {
             shift: Vec3::new(0.0, 0.0, 0.0),
             turn: Vec3::new(0.0, 0.0, 0.0),
         }
+    }
+}
+
+/// Adds what the motion of another marker (on `b`, arm `r`) as seen from C changes of a wrench, to the balances in `rows` (body, sign,
+/// arm of the wrench).
+pub(crate) fn add_cross<S: Sink>(
+    sink: &mut S,
+    rows: &[(Place, f64, Vec3)],
+    D: &Mat6,
+    (b, r): (Place, &Vec3),
+    (c, s): (Place, &Vec3),
+) {
+    let by_b = moved_columns(D, &skew(r));
+    let by_c = -moved_columns(D, &skew(s));
+    for (place, sign, arm) in rows {
+        let arm = skew(arm);
+        add_block(sink, *place, b, &(moved_rows(&arm, &by_b) * *sign));
+        add_block(sink, *place, c, &(moved_rows(&arm, &by_c) * *sign));
     }
 }
 

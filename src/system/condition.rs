@@ -1,34 +1,19 @@
+//! GCONs: functions as constraints.
+
 use super::assemble::NoValue;
 use super::chain::Sink;
-use super::structure::Rate;
-use super::{Parameters, Scratch, State, System, Twist};
+use super::scratch::Beside;
+use super::structure::Condition;
+use super::{Parameters, Scratch, State, System};
+
+/// Steps of the differences of gradients: lengths by the model's length, angles in radians.
+const STEP: f64 = 1e-6;
 
 impl System {
-    /// Values and gradients of all functions of the equilibrium, into `scratch`.
-    pub(crate) fn evaluate_functions(
-        &self,
-        parameters: &Parameters,
-        _state: &State,
-        scratch: &mut Scratch,
-    ) -> Result<(), NoValue> {
-        scratch.gradient.clear();
-        for &k in &self.order {
-            let function = &self.functions[k];
-            let replacement = parameters.theta()[function.replacement];
-            let value = if replacement.is_nan() {
-                function.sign * parameters.theta()[function.literals]
-            } else {
-                replacement
-            };
-            scratch.functions[k].value = value;
-        }
-        Ok(())
-    }
-
-    /// GCONs.
+    /// Adds residuals, gradients and reactions of the GCONs.
     pub(crate) fn add_conditions<S: Sink>(
         &self,
-        _parameters: &Parameters,
+        parameters: &Parameters,
         state: &State,
         scratch: &mut Scratch,
         g: &mut [f64],
@@ -39,76 +24,80 @@ impl System {
             let lambda = state.multipliers[condition.equation];
             let out = !condition.active || state.redundant.get(condition.equation) == Some(&true);
             sink.add(row, row, f64::from(u8::from(out)));
-            let value = &scratch.functions[condition.function];
+            let value = scratch.functions[condition.function];
             g[row] = if out { lambda } else { value.value };
             let on = f64::from(u8::from(!out));
-            for &(unknown, derivative) in &scratch.gradient[value.first..value.last] {
+            for at in value.first..value.last {
+                let (unknown, derivative) = scratch.gradient[at];
                 sink.add(row, unknown, on * derivative);
                 if unknown < self.first_equation {
                     g[unknown] -= on * lambda * derivative;
                     sink.add(unknown, row, -on * derivative);
                 }
             }
+            if S::WANTED {
+                self.add_curvature(condition, on * lambda, parameters, state, scratch, sink)?;
+            }
         }
         Ok(())
     }
 
-    /// Derivative of a function by one of its literals, the unknowns staying as they are.
-    pub(crate) fn function_by_literal(
+    /// `-multiplier` times the derivative of the gradient, by central differences: programs have first derivatives only.
+    fn add_curvature<S: Sink>(
         &self,
+        condition: &Condition,
+        lambda: f64,
         parameters: &Parameters,
-        _state: &State,
-        _scratch: &mut Scratch,
-        function: usize,
-        _literal: usize,
-    ) -> Result<f64, NoValue> {
-        let function = &self.functions[function];
-        if parameters.theta()[function.replacement].is_nan() {
-            Ok(function.sign)
-        } else {
-            Ok(0.0)
-        }
-    }
-
-    /// Variables, rates and GCONs change with a function at this rate.
-    pub(crate) fn data_by_function(
-        &self,
         state: &State,
-        _scratch: &mut Scratch,
-        (function, rate): (usize, f64),
-        dg: &mut [f64],
-    ) {
-        for (k, variable) in self.variables.iter().enumerate() {
-            if variable.active && variable.function == function {
-                dg[self.first_variable + k] -= rate;
-            }
-        }
-        for equation in &self.states {
-            if let (Rate::Function(f), Some(row)) = (&equation.rate, equation.unknown)
-                && *f == function
-            {
-                dg[row] += rate;
-            }
-        }
-        for condition in &self.conditions {
-            if condition.active
-                && condition.function == function
-                && state.redundant.get(condition.equation) != Some(&true)
-            {
-                dg[self.first_equation + condition.equation] += rate;
-            }
-        }
-    }
-
-    /// Functions that measure a marker change when it moves on its part.
-    pub(crate) fn functions_by_marker(
-        &self,
-        _parameters: &Parameters,
-        _state: &State,
-        _scratch: &mut Scratch,
-        _moving: (usize, &Twist),
-        _dg: &mut [f64],
+        scratch: &mut Scratch,
+        sink: &mut S,
     ) -> Result<(), NoValue> {
-        Ok(())
+        let value = scratch.functions[condition.function];
+        let mut beside = scratch.beside.take().unwrap_or_else(|| {
+            Box::new(Beside {
+                state: State::empty(),
+                scratch: Scratch::new(self),
+                step: vec![0.0; self.unknowns],
+            })
+        });
+        let mut result = Ok(());
+        let mut columns: Vec<usize> = scratch.gradient[value.first..value.last]
+            .iter()
+            .map(|entry| entry.0)
+            .filter(|unknown| *unknown < self.first_equation)
+            .collect();
+        columns.sort_unstable();
+        columns.dedup();
+        for column in columns {
+            // Rotations of a part follow its translations.
+            let turns = self
+                .bodies
+                .iter()
+                .any(|b| b.freedoms == 6 && (b.first + 3..b.first + 6).contains(&column));
+            let h = if turns { STEP } else { STEP * self.length };
+            for sign in [1.0, -1.0] {
+                beside.state.clone_from(state);
+                beside.step.fill(0.0);
+                beside.step[column] = sign * h;
+                self.advance(&mut beside.state, &beside.step);
+                let near = &mut *beside;
+                self.place_markers(parameters, &near.state, &mut near.scratch);
+                if let Err(error) =
+                    self.evaluate_functions(parameters, &near.state, &mut near.scratch)
+                {
+                    result = Err(error);
+                    break;
+                }
+                let moved = near.scratch.functions[condition.function];
+                for &(unknown, derivative) in &near.scratch.gradient[moved.first..moved.last] {
+                    if unknown < self.first_equation {
+                        let change = sign * derivative / (2.0 * h);
+                        sink.add(unknown, column, -lambda * change);
+                    }
+                }
+            }
+        }
+        scratch.beside = Some(beside);
+        result
     }
 }

@@ -3,8 +3,10 @@
 use super::assemble::{NoValue, halves};
 use super::catalogue::Role;
 use super::chain::{Acting, Twist, add_wrench, turn};
+use super::function::Source;
+use super::multi::Multi;
 use super::parameters::PER_MARKER;
-use super::structure::{Action, Drive, Element};
+use super::structure::{Action, Drive, Element, Rate};
 use super::{Parameters, Scratch, Slot, State, System};
 use crate::mechanics::{Mat3, Mat6, Vec3, Vec6};
 use crate::model::MarkerIx;
@@ -26,6 +28,9 @@ impl System {
         self.place_markers(parameters, state, scratch);
         self.evaluate_functions(parameters, state, scratch)?;
         let group = self.catalogue().group(slot);
+        if self.acts_through_functions(group.role) {
+            return self.residual_difference(parameters, state, scratch, slot, dg);
+        }
         let offset = slot.0 - group.first;
         match group.role {
             Role::Law { element } => {
@@ -77,6 +82,7 @@ impl System {
                 let (F, T) = halves(&R, &w);
                 self.add_opposite((term.i, term.j), state, scratch, (&F, &T), dg);
             }
+            Role::Multi => return self.residual_difference(parameters, state, scratch, slot, dg),
             Role::Literals(function) => {
                 let rate =
                     self.function_by_literal(parameters, state, scratch, function, offset)?;
@@ -174,7 +180,7 @@ impl System {
                     scratch.equations.residual_by_parameter * joint.terms[0].scale * rate;
             }
         }
-        self.data_by_function(state, scratch, (function, rate), dg);
+        self.data_by_function(state, (function, rate), dg);
         Ok(())
     }
 
@@ -276,7 +282,7 @@ impl System {
                 );
             }
         }
-        self.functions_by_marker(parameters, state, scratch, (marker, &twist), dg)
+        Ok(())
     }
 }
 
@@ -293,5 +299,104 @@ fn add_change(acting: &Acting, i: &Twist, c: &Twist, d: &Vec3, dg: &mut [f64]) {
     add_wrench(dg, acting.a, 1.0, &dF, &dT, &acting.r);
     if let Some((b, s)) = &acting.b {
         add_wrench(dg, *b, -1.0, &dF, &dT, s);
+    }
+}
+
+/// Relative step of the differences below.
+const STEP: f64 = 1e-6;
+
+impl System {
+    /// True if a number also acts through functions that measure what it changes. Functions have no derivative by that.
+    fn acts_through_functions(&self, role: Role) -> bool {
+        if let (Role::Marker(marker), false) = (role, self.multis.is_empty()) {
+            let touches = |m: &Multi| m.j == marker || m.i.contains(&marker);
+            if self.multis.iter().any(touches) {
+                return true;
+            }
+        }
+        let sources = || self.order.iter().flat_map(|&f| &self.functions[f].sources);
+        match role {
+            Role::Marker(marker) => {
+                let is = |m: Option<MarkerIx>| m == Some(MarkerIx(marker));
+                sources().any(|source| match source {
+                    Source::Measure(m, _) => is(m.i) || is(m.j) || is(m.k),
+                    Source::Force(_) => true,
+                    _ => false,
+                })
+            }
+            Role::Mass(_) | Role::Gravity | Role::Multi => false,
+            Role::Law { .. } | Role::Joint { .. } => {
+                sources().any(|source| matches!(source, Source::Force(_)))
+            }
+            Role::Literals(function) | Role::Override(function) => {
+                let measured = sources().any(|s| matches!(s, Source::Force(_) | Source::Rate(_)));
+                measured || self.conditions.iter().any(|c| c.function == function)
+            }
+        }
+    }
+
+    /// The change of the residual per unit of a number of theta, by central differences.
+    fn residual_difference(
+        &self,
+        parameters: &Parameters,
+        state: &State,
+        scratch: &mut Scratch,
+        slot: Slot,
+        dg: &mut [f64],
+    ) -> Result<(), NoValue> {
+        let mut moved = parameters.clone();
+        let mut here = parameters.get(slot);
+        if let (true, Role::Override(function)) = (here.is_nan(), self.catalogue().group(slot).role)
+        {
+            here = scratch.functions[function].value;
+        }
+        let h = STEP * here.abs().max(1.0);
+        let mut minus = vec![0.0; dg.len()];
+        moved.set(slot, here + h);
+        self.residual(&moved, state, scratch, dg)?;
+        moved.set(slot, here - h);
+        self.residual(&moved, state, scratch, &mut minus)?;
+        for (plus, minus) in dg.iter_mut().zip(&minus) {
+            *plus = (*plus - minus) / (2.0 * h);
+        }
+        Ok(())
+    }
+
+    /// Derivative of a function by one of its literals, the unknowns staying as they are.
+    fn function_by_literal(
+        &self,
+        parameters: &Parameters,
+        state: &State,
+        scratch: &mut Scratch,
+        function: usize,
+        literal: usize,
+    ) -> Result<f64, NoValue> {
+        if !parameters.theta()[self.functions[function].replacement].is_nan() {
+            return Ok(0.0);
+        }
+        self.evaluate_function(parameters, state, scratch, function)?;
+        Ok(scratch.by_literal.get(literal).copied().unwrap_or(0.0))
+    }
+
+    /// Variables, rates and GCONs change with a function at this rate.
+    fn data_by_function(&self, state: &State, (function, rate): (usize, f64), dg: &mut [f64]) {
+        for (k, variable) in self.variables.iter().enumerate() {
+            if variable.active && variable.function == function {
+                dg[self.first_variable + k] -= rate;
+            }
+        }
+        for equation in &self.states {
+            if let (Rate::Function(f), Some(row)) = (&equation.rate, equation.unknown)
+                && *f == function
+            {
+                dg[row] += rate;
+            }
+        }
+        for condition in &self.conditions {
+            let out = state.redundant.get(condition.equation) == Some(&true);
+            if condition.active && condition.function == function && !out {
+                dg[self.first_equation + condition.equation] += rate;
+            }
+        }
     }
 }

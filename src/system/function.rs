@@ -1,14 +1,226 @@
-use super::structure::Name;
+//! FUNCTIONs in a configuration: values, and gradients by the unknowns.
+//!
+//! Knows how the inputs of a program hang on parts, multipliers, variables and states; not what the program computes.
+
+use super::assemble::{NoValue, Reason};
+use super::force_measure::{Force, ForceMeasured};
+use super::scratch::FunctionValue;
+use super::structure::{LinearRow, Name};
+use super::{Parameters, Scratch, State, System};
+use crate::function::{Measure, Program, measure};
+use crate::mechanics::{Pose, Vec3, Vec6};
+use crate::model::MarkerIx;
+
+/// An input of a program, with its indices resolved.
+#[derive(Clone, Debug)]
+pub(crate) enum Source {
+    Time,
+    Mode,
+    /// And where its angle of the last equilibrium is kept.
+    Measure(Measure, usize),
+    Variable(usize),
+    State(usize),
+    /// Rate of a held state: the value of its function.
+    Rate(usize),
+    Output(LinearRow),
+    Constant(f64),
+    Sensor(usize),
+    Force(Box<Force>),
+}
 
 /// A FUNCTION of the model, ready to evaluate.
 #[derive(Debug)]
 pub(crate) struct CompiledFunction {
     /// The statement it belongs to.
     pub owner: Name,
-    /// First slot of its literals.
-    pub literals: usize,
+    /// `None` for subroutines, which the built-in solver cannot run: zero.
+    pub program: Option<Program>,
+    /// One per input of the program.
+    pub sources: Vec<Source>,
+    /// Slots of its literals.
+    pub literals: std::ops::Range<usize>,
     /// Slot of the constant that replaces it; NaN there means that the function itself is in force.
     pub replacement: usize,
-    /// Sign of the only literal.
-    pub sign: f64,
+}
+
+impl System {
+    /// Values and gradients of all functions of the equilibrium, into `scratch`.
+    pub(crate) fn evaluate_functions(
+        &self,
+        parameters: &Parameters,
+        state: &State,
+        scratch: &mut Scratch,
+    ) -> Result<(), NoValue> {
+        scratch.gradient.clear();
+        for &function in &self.order {
+            self.evaluate_function(parameters, state, scratch, function)?;
+        }
+        Ok(())
+    }
+
+    /// Value and gradient of one function, into `scratch`; those it reads must be there.
+    pub(crate) fn evaluate_function(
+        &self,
+        parameters: &Parameters,
+        state: &State,
+        scratch: &mut Scratch,
+        number: usize,
+    ) -> Result<(), NoValue> {
+        let function = &self.functions[number];
+        let first = scratch.gradient.len();
+        let replacement = parameters.theta()[function.replacement];
+        let replaced = !replacement.is_nan();
+        let mut value = if replaced { replacement } else { 0.0 };
+        if let Some(program) = &function.program {
+            // The pattern of the gradient is the same whether the function is replaced or not.
+            scratch.inputs.clear();
+            scratch.spans.clear();
+            for source in &function.sources {
+                let input = self.source(source, parameters, state, scratch)?;
+                scratch.inputs.push(input);
+                scratch.spans.push(scratch.gradient.len());
+            }
+            scratch.by_input.clear();
+            scratch.by_input.resize(program.inputs.len(), 0.0);
+            scratch.by_literal.clear();
+            scratch.by_literal.resize(function.literals.len(), 0.0);
+            if !replaced {
+                value = program
+                    .eval_with_derivatives(
+                        &scratch.inputs,
+                        &parameters.theta()[function.literals.clone()],
+                        &mut scratch.program,
+                        &mut scratch.by_input,
+                        &mut scratch.by_literal,
+                    )
+                    .map_err(|error| NoValue {
+                        element: function.owner.clone(),
+                        reason: Reason::Function(error),
+                    })?;
+            }
+            let mut at = first;
+            for (&end, &by) in scratch.spans.iter().zip(&scratch.by_input) {
+                for (_, derivative) in &mut scratch.gradient[at..end] {
+                    *derivative *= by;
+                }
+                at = end;
+            }
+        }
+        scratch.functions[number] = FunctionValue {
+            value,
+            first,
+            last: scratch.gradient.len(),
+        };
+        Ok(())
+    }
+
+    /// Value of an input; its gradient is appended.
+    fn source(
+        &self,
+        source: &Source,
+        parameters: &Parameters,
+        state: &State,
+        scratch: &mut Scratch,
+    ) -> Result<f64, NoValue> {
+        Ok(match source {
+            Source::Time => state.time,
+            Source::Mode => f64::from(state.mode),
+            Source::Constant(value) => *value,
+            Source::Sensor(sensor) => state.sensors.get(*sensor).copied().unwrap_or(0.0),
+            Source::Variable(variable) => {
+                scratch.gradient.push((self.first_variable + variable, 1.0));
+                state.variables[*variable]
+            }
+            Source::State(k) => {
+                if let Some(unknown) = self.states[*k].unknown {
+                    scratch.gradient.push((unknown, 1.0));
+                }
+                state.states[*k]
+            }
+            Source::Rate(function) => {
+                let value = scratch.functions[*function];
+                scratch.gradient.extend_from_within(value.first..value.last);
+                value.value
+            }
+            Source::Output((by_state, by_variable)) => {
+                let mut value = 0.0;
+                for &(k, c) in by_state {
+                    value += c * state.states[k];
+                    if let Some(unknown) = self.states[k].unknown {
+                        scratch.gradient.push((unknown, c));
+                    }
+                }
+                for &(k, d) in by_variable {
+                    value += d * state.variables[k];
+                    scratch.gradient.push((self.first_variable + k, d));
+                }
+                value
+            }
+            Source::Measure(measure, angle) => {
+                let measured = Self::measured(measure, scratch, state.measure_angles[*angle]);
+                for (marker, by) in [
+                    (measure.i, measured.by_i),
+                    (measure.j, measured.by_j),
+                    (measure.k, measured.by_k),
+                ] {
+                    if let Some(marker) = marker {
+                        self.push_motion(scratch, marker.0, &by);
+                    }
+                }
+                measured.value
+            }
+            Source::Force(force) => {
+                let ForceMeasured { value } =
+                    self.measure_force(force, parameters, state, scratch, true)?;
+                value
+            }
+        })
+    }
+
+    pub(crate) fn measured(
+        measure: &Measure,
+        scratch: &Scratch,
+        reference: f64,
+    ) -> measure::Measured {
+        let pose =
+            |marker: Option<MarkerIx>| marker.map_or_else(Pose::identity, |m| scratch.markers[m.0]);
+        measure::evaluate(
+            measure,
+            &pose(measure.i),
+            &pose(measure.j),
+            &pose(measure.k),
+            reference,
+        )
+    }
+
+    /// Appends a gradient by the world motion of a marker, as one by the unknowns of its part.
+    pub(crate) fn push_motion(&self, scratch: &mut Scratch, marker: usize, by: &Vec6) {
+        let place = self.place(self.owners[marker]);
+        if place.freedoms == 0 {
+            return;
+        }
+        let shift = Vec3::new(by[0], by[1], by[2]);
+        let turn = Vec3::new(by[3], by[4], by[5]) + scratch.arms[marker].cross(&shift);
+        for k in 0..3 {
+            scratch.gradient.push((place.first + k, shift[k]));
+        }
+        if place.freedoms == 6 {
+            for k in 0..3 {
+                scratch.gradient.push((place.first + 3 + k, turn[k]));
+            }
+        }
+    }
+
+    /// Takes the angles that functions measure as those of an equilibrium.
+    pub(crate) fn count_measured_turns(&self, state: &mut State, scratch: &Scratch) {
+        for function in &self.functions {
+            for source in &function.sources {
+                if let Source::Measure(measure, angle) = source {
+                    let reference = state.measure_angles[*angle];
+                    state.measure_angles[*angle] =
+                        Self::measured(measure, scratch, reference).value;
+                }
+            }
+        }
+    }
 }

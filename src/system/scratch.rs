@@ -1,7 +1,7 @@
 use super::System;
 use crate::constraint::Equations;
-use crate::element::Wrench;
-use crate::mechanics::{Pose, Vec3};
+use crate::element::{MultiWrench, Wrench};
+use crate::mechanics::{Pose, RelativeMotion, Vec3};
 
 /// A function's value and its gradient by the unknowns, as a range of [`Scratch::gradient`].
 #[derive(Clone, Copy, Debug, Default)]
@@ -9,6 +9,14 @@ pub(crate) struct FunctionValue {
     pub value: f64,
     pub first: usize,
     pub last: usize,
+}
+
+/// What GCONs need for the differences of their gradients.
+#[derive(Clone, Debug)]
+pub(crate) struct Beside {
+    pub state: super::State,
+    pub scratch: Scratch,
+    pub step: Vec<f64>,
 }
 
 /// Memory of one assembly, used again and again.
@@ -20,6 +28,16 @@ pub struct Scratch {
     pub(crate) arms: Vec<Vec3>,
     pub(crate) wrench: Wrench,
     pub(crate) equations: Equations,
+    pub(crate) multi: MultiWrench,
+    pub(crate) motions: Vec<RelativeMotion>,
+    pub(crate) program: crate::function::Scratch,
+    pub(crate) inputs: Vec<f64>,
+    pub(crate) by_input: Vec<f64>,
+    pub(crate) by_literal: Vec<f64>,
+    /// Ends of the gradients of the inputs.
+    pub(crate) spans: Vec<usize>,
+    /// A configuration close by, for differences.
+    pub(crate) beside: Option<Box<Beside>>,
     pub(crate) functions: Vec<FunctionValue>,
     /// (unknown, derivative) of all functions, one after the other.
     pub(crate) gradient: Vec<(usize, f64)>,

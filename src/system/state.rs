@@ -21,6 +21,8 @@ pub struct State {
     pub(crate) pair_angles: Vec<Vec3>,
     /// The same for angle measures of functions.
     pub(crate) measure_angles: Vec<f64>,
+    /// What SENVAL gives, in the order of the model's SENSORs; the session sets it when a sensor fires.
+    pub sensors: Vec<f64>,
 }
 
 impl State {
@@ -36,6 +38,7 @@ impl State {
             redundant: Vec::new(),
             pair_angles: Vec::new(),
             measure_angles: Vec::new(),
+            sensors: Vec::new(),
         }
     }
 
@@ -66,6 +69,7 @@ impl Clone for State {
         self.redundant.clone_from(&other.redundant);
         self.pair_angles.clone_from(&other.pair_angles);
         self.measure_angles.clone_from(&other.measure_angles);
+        self.sensors.clone_from(&other.sensors);
     }
 }
 

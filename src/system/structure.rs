@@ -1,7 +1,9 @@
 use std::fmt;
 use std::ops::Range;
 
+use super::force_measure::Exerted;
 use super::function::CompiledFunction;
+use super::multi::Multi;
 use super::{Catalogue, Parameters, State};
 use crate::constraint::{Constraint, PairConstraint};
 use crate::element::ForceLaw;
@@ -165,13 +167,6 @@ pub(crate) struct StateEquation {
     pub unknown: Option<usize>,
 }
 
-/// Y array of linear states: rows of C x + D u.
-#[derive(Debug)]
-pub(crate) struct Outputs {
-    pub array: u32,
-    pub rows: Vec<LinearRow>,
-}
-
 /// (state, coefficient), (variable, coefficient).
 pub(crate) type LinearRow = (Vec<(usize, f64)>, Vec<(usize, f64)>);
 
@@ -190,11 +185,17 @@ pub struct System {
     /// Markers whose place in ground is needed.
     pub(crate) used: Vec<usize>,
     pub(crate) elements: Vec<Element>,
+    pub(crate) multis: Vec<Multi>,
     pub(crate) joints: Vec<Joint>,
     pub(crate) conditions: Vec<Condition>,
     pub(crate) variables: Vec<Algebraic>,
     pub(crate) states: Vec<StateEquation>,
-    pub(crate) outputs: Vec<Outputs>,
+    /// F1 to F8 of each REQUEST of the model.
+    pub(crate) requests: Vec<[Option<usize>; 8]>,
+    /// FORCE requests.
+    pub(crate) request_forces: Vec<Vec<(Exerted, bool)>>,
+    /// FUNCTION and EVALUATE of each SENSOR of the model.
+    pub(crate) sensors: Vec<(usize, Option<usize>)>,
     pub(crate) functions: Vec<CompiledFunction>,
     /// Functions of the equilibrium, each after those it reads.
     pub(crate) order: Vec<usize>,

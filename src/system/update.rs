@@ -36,17 +36,22 @@ impl System {
     ) {
         self.place_markers(parameters, state, scratch);
         for element in &self.elements {
-            self.count_turns((element.i, element.j, element.pair), state, scratch);
+            Self::count_turns((element.i, element.j, element.pair), state, scratch);
         }
+        for multi in &self.multis {
+            for (&i, &pair) in multi.i.iter().zip(&multi.pairs) {
+                Self::count_turns((i, multi.j, pair), state, scratch);
+            }
+        }
+        self.count_measured_turns(state, scratch);
         for joint in &self.joints {
             for term in &joint.terms {
-                self.count_turns((term.i, term.j, term.pair), state, scratch);
+                Self::count_turns((term.i, term.j, term.pair), state, scratch);
             }
         }
     }
 
     fn count_turns(
-        &self,
         (i, j, pair): (usize, usize, usize),
         state: &mut State,
         scratch: &super::Scratch,

@@ -7,6 +7,7 @@ use crate::element::{
 };
 use crate::model::{SforceKind, SpringKind, VectorForceKind};
 use crate::system::catalogue::{Quantity, Role};
+use crate::system::multi::Multi;
 use crate::system::structure::{Action, Drive, Element};
 use crate::units::Dimension;
 
@@ -25,10 +26,46 @@ impl Compiler<'_> {
         self.scalar_forces();
         self.vector_forces();
         for n in &self.model.nforces {
-            self.diagnostics.push(Diagnostic::error(
-                Code::NotSolvedNatively,
-                format!("{} couples several markers by one stiffness matrix and is left out: the answer lacks its forces", name("NFORCE", &n.header)),
-            ));
+            let of = ("NFORCE", Some(n.header.id));
+            let size = 6 * n.i.len();
+            let start = self.theta.len();
+            let stiffness = (Quantity::MultiStiffness(size), ANY);
+            self.numbers(of, Some("KMATRIX"), &n.k, stiffness, Role::Multi);
+            self.numbers(
+                of,
+                Some("LENGTH"),
+                &n.length,
+                (Quantity::Motion, ANY),
+                Role::Multi,
+            );
+            self.numbers(
+                of,
+                Some("FORCE"),
+                &n.force,
+                (Quantity::Wrench, ANY),
+                Role::Multi,
+            );
+            let whole = n.k.len() == size * size && n.length.len() == size && n.force.len() == size;
+            if !whole {
+                self.diagnostics.push(Diagnostic::error(
+                    Code::WrongCount,
+                    format!(
+                        "{} does not have numbers for its {} markers",
+                        name("NFORCE", &n.header),
+                        n.i.len()
+                    ),
+                ));
+            }
+            let i: Vec<usize> = n.i.iter().map(|m| m.0).collect();
+            let pairs = i.iter().map(|&i| self.pair(i, n.j.0)).collect();
+            self.multis.push(Multi {
+                name: name("NFORCE", &n.header),
+                i,
+                j: n.j.0,
+                theta: start..self.theta.len(),
+                pairs,
+                active: n.header.active && whole,
+            });
         }
     }
 

@@ -4,9 +4,14 @@
 
 mod constraints;
 mod forces;
+mod functions;
+
+use std::collections::BTreeMap;
 
 use super::catalogue::{Catalogue, Group, Quantity, Role};
+use super::force_measure::Exerted;
 use super::function::CompiledFunction;
+use super::multi::Multi;
 use super::structure::{
     Algebraic, Body, Condition, Element, Joint, Name, Rate, StateEquation, System,
 };
@@ -27,6 +32,7 @@ impl System {
         compiler.forces();
         compiler.constraints();
         compiler.data();
+        compiler.readings();
         compiler.finish()
     }
 }
@@ -39,6 +45,7 @@ struct Compiler<'a> {
     bodies: Vec<Body>,
     used: Vec<bool>,
     elements: Vec<Element>,
+    multis: Vec<Multi>,
     joints: Vec<Joint>,
     conditions: Vec<Condition>,
     variables: Vec<Algebraic>,
@@ -47,6 +54,14 @@ struct Compiler<'a> {
     gravity: usize,
     pairs: usize,
     equations: usize,
+    programs: crate::function::Compiler<'a>,
+    measured_angles: usize,
+    /// Function of each held DIFF.
+    held_rates: BTreeMap<usize, usize>,
+    state_values: Vec<f64>,
+    requests: Vec<[Option<usize>; 8]>,
+    request_forces: Vec<Vec<(Exerted, bool)>>,
+    sensors: Vec<(usize, Option<usize>)>,
 }
 
 pub(crate) fn name(kind: &'static str, header: &Header) -> Name {
@@ -67,6 +82,7 @@ impl<'a> Compiler<'a> {
             bodies: Vec::new(),
             used: vec![false; model.markers.len()],
             elements: Vec::new(),
+            multis: Vec::new(),
             joints: Vec::new(),
             conditions: Vec::new(),
             variables: Vec::new(),
@@ -75,6 +91,13 @@ impl<'a> Compiler<'a> {
             gravity: 0,
             pairs: 0,
             equations: 0,
+            programs: crate::function::Compiler::new(model),
+            measured_angles: 1,
+            held_rates: BTreeMap::new(),
+            state_values: Vec::new(),
+            requests: Vec::new(),
+            request_forces: Vec::new(),
+            sensors: Vec::new(),
         }
     }
 
@@ -188,54 +211,8 @@ impl<'a> Compiler<'a> {
         self.model.markers[marker].part.0
     }
 
-    /// Compiles a function; gives its index.
-    fn function(
-        &mut self,
-        function: &Function,
-        owner: &Name,
-        argument: Option<&'static str>,
-        dimension: Dimension,
-    ) -> usize {
-        let at = self.functions.len();
-        let id = (owner.kind, Some(owner.id));
-        let any = f64::NEG_INFINITY;
-        let mut sign = 1.0;
-        let literals: Vec<f64> = match function {
-            Function::Expression(expression) => {
-                if let crate::syntax::expression::Node::Negate(_) = expression.root {
-                    sign = -1.0;
-                }
-                expression.literals.iter().map(|n| n.value).collect()
-            }
-            Function::User(_) => {
-                self.diagnostics.push(Diagnostic::error(
-                    Code::UserSubroutine,
-                    format!("{owner} calls a user-written subroutine"),
-                ));
-                vec![0.0]
-            }
-        };
-        let none = (Quantity::Same(Dimension::NONE), any);
-        let word = Some(argument.unwrap_or("FUNCTION"));
-        let first = self
-            .numbers(id, word, &literals, none, Role::Literals(at))
-            .start;
-        let whole = (Quantity::Same(dimension), any);
-        let replacement = self
-            .numbers(id, argument, &[f64::NAN], whole, Role::Override(at))
-            .start;
-        self.functions.push(CompiledFunction {
-            owner: owner.clone(),
-            literals: first,
-            replacement,
-            sign,
-        });
-        at
-    }
-
     fn data(&mut self) {
-        let model = self.model;
-        for v in &model.variables {
+        for v in &self.model.variables {
             let of = name("VARIABLE", &v.header);
             let function = self.function(&v.function, &of, None, Dimension::NONE);
             self.variables.push(Algebraic {
@@ -244,9 +221,51 @@ impl<'a> Compiler<'a> {
                 active: v.header.active,
             });
         }
+        for (k, d) in self.model.diffs.iter().enumerate() {
+            let of = name("DIFF", &d.header);
+            let function = self.function(&d.function, &of, None, Dimension::NONE);
+            let rate = if d.static_hold {
+                self.held_rates.insert(k, function);
+                Rate::Held
+            } else {
+                Rate::Function(function)
+            };
+            self.push_state(of, rate, d.ic);
+        }
+        for l in &self.model.linear_states {
+            let of = name(l.kind, &l.header);
+            let inputs = self.array_variables(l.u);
+            let first = self.states.len();
+            for (row, a) in l.a.iter().enumerate() {
+                let rate = if l.static_hold {
+                    Rate::Held
+                } else {
+                    let b = l.b.get(row).map_or(&[][..], Vec::as_slice);
+                    Rate::Linear(
+                        a.iter().enumerate().map(|(k, a)| (first + k, *a)).collect(),
+                        b.iter()
+                            .zip(&inputs)
+                            .filter_map(|(b, v)| v.map(|v| (v, *b)))
+                            .collect(),
+                    )
+                };
+                self.push_state(of.clone(), rate, 0.0);
+            }
+        }
     }
 
-    fn finish(self) -> Checked<System> {
+    fn push_state(&mut self, name: Name, rate: Rate, ic: f64) {
+        self.states.push(StateEquation {
+            name,
+            rate,
+            unknown: None,
+        });
+        self.state_values.push(ic);
+    }
+
+    fn finish(mut self) -> Checked<System> {
+        self.sources();
+        let order = self.order();
         let model = self.model;
         let poses: Vec<Pose> = model
             .parts
@@ -285,10 +304,11 @@ impl<'a> Compiler<'a> {
             poses,
             multipliers: vec![0.0; self.equations],
             variables: model.variables.iter().map(|v| v.ic).collect(),
-            states: vec![0.0; states.len()],
+            states: self.state_values,
             redundant: Vec::new(),
             pair_angles: vec![Vec3::zeros(); self.pairs],
-            measure_angles: Vec::new(),
+            measure_angles: vec![0.0; self.measured_angles.max(1)],
+            sensors: vec![0.0; model.sensors.len()],
         };
         let system = System {
             markers: model
@@ -298,14 +318,17 @@ impl<'a> Compiler<'a> {
                 .collect(),
             owners,
             used,
-            order: (0..self.functions.len()).collect(),
+            order,
             bodies: self.bodies,
             elements: self.elements,
+            multis: self.multis,
             joints: self.joints,
             conditions: self.conditions,
             variables: self.variables,
             states,
-            outputs: Vec::new(),
+            requests: self.requests,
+            request_forces: self.request_forces,
+            sensors: self.sensors,
             functions: self.functions,
             gravity: self.gravity,
             ucf: model.units.ucf,

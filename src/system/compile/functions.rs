@@ -1,0 +1,373 @@
+//! FUNCTIONs to programs whose inputs know where they stand in the system.
+
+use super::{Compiler, Function, Name, name};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::function::{ElementIx, ForceMeasure, Input, MeasureKind};
+use crate::model::{ArrayKind, MarkerIx, RequestKind};
+use crate::system::catalogue::{Quantity, Role};
+use crate::system::force_measure::{Exerted, Force};
+use crate::system::function::{CompiledFunction, Source};
+use crate::system::structure::{Action, Drive, LinearRow, Rate};
+use crate::units::Dimension;
+
+impl Compiler<'_> {
+    /// Compiles a function; gives its index. Its inputs are resolved at the end, when everything has its place.
+    pub(super) fn function(
+        &mut self,
+        function: &Function,
+        owner: &Name,
+        argument: Option<&'static str>,
+        dimension: Dimension,
+    ) -> usize {
+        let at = self.functions.len();
+        let id = (owner.kind, Some(owner.id));
+        let (program, literals) = match function {
+            Function::Expression(expression) => {
+                let literals: Vec<f64> = expression.literals.iter().map(|n| n.value).collect();
+                match self.programs.compile(expression) {
+                    Ok(program) => (Some(program), literals),
+                    Err(mut diagnostic) => {
+                        diagnostic.message = format!("{owner}: {}", diagnostic.message);
+                        self.diagnostics.push(diagnostic);
+                        (None, literals)
+                    }
+                }
+            }
+            Function::User(text) => {
+                self.diagnostics.push(
+                    Diagnostic::error(
+                        Code::UserSubroutine,
+                        format!("{owner} calls a user-written subroutine: {text}"),
+                    )
+                    .help("the command backend runs it with real ADAMS"),
+                );
+                (None, Vec::new())
+            }
+        };
+        let none = (Quantity::Same(Dimension::NONE), f64::NEG_INFINITY);
+        let word = Some(argument.unwrap_or("FUNCTION"));
+        let literals = self.numbers(id, word, &literals, none, Role::Literals(at));
+        let whole = (Quantity::Same(dimension), f64::NEG_INFINITY);
+        let replacement = self
+            .numbers(id, argument, &[f64::NAN], whole, Role::Override(at))
+            .start;
+        self.functions.push(CompiledFunction {
+            owner: owner.clone(),
+            program,
+            sources: Vec::new(),
+            literals,
+            replacement,
+        });
+        at
+    }
+
+    /// Functions that only readings need.
+    pub(super) fn readings(&mut self) {
+        const ARGUMENTS: [&str; 8] = ["F1", "F2", "F3", "F4", "F5", "F6", "F7", "F8"];
+        for request in &self.model.requests {
+            let owner = name("REQUEST", &request.header);
+            let mut numbers = [None; 8];
+            let mut forces = Vec::new();
+            match &request.kind {
+                RequestKind::Functions(functions) => {
+                    for (k, function) in functions.iter().enumerate() {
+                        numbers[k] = function
+                            .as_ref()
+                            .map(|f| self.function(f, &owner, Some(ARGUMENTS[k]), Dimension::NONE));
+                    }
+                }
+                RequestKind::Force { i, j, rm } => {
+                    for marker in [Some(*i), *j, *rm].into_iter().flatten() {
+                        self.used[marker.0] = true;
+                    }
+                    forces = self.between(*i, *j);
+                }
+                RequestKind::Displacement { i, j, rm }
+                | RequestKind::Velocity { i, j, rm }
+                | RequestKind::Acceleration { i, j, rm } => {
+                    for marker in [Some(*i), *j, *rm].into_iter().flatten() {
+                        self.used[marker.0] = true;
+                    }
+                }
+                RequestKind::User(text) => self.diagnostics.push(Diagnostic::warning(
+                    Code::UserSubroutine,
+                    format!("{owner} calls a user-written subroutine and is left empty: {text}"),
+                )),
+            }
+            self.requests.push(numbers);
+            self.request_forces.push(forces);
+        }
+        for sensor in &self.model.sensors {
+            let owner = name("SENSOR", &sensor.header);
+            let function = self.function(&sensor.function, &owner, None, Dimension::NONE);
+            let evaluate = sensor
+                .evaluate
+                .as_ref()
+                .map(|f| self.function(f, &owner, Some("EVALUATE"), Dimension::NONE));
+            self.sensors.push((function, evaluate));
+        }
+    }
+
+    /// Resolves the inputs of all functions.
+    pub(super) fn sources(&mut self) {
+        let linear = self.linear_arrays();
+        for number in 0..self.functions.len() {
+            let inputs = self.functions[number]
+                .program
+                .as_ref()
+                .map_or_else(Vec::new, |p| p.inputs.clone());
+            let sources = inputs
+                .iter()
+                .map(|input| self.source(input, &linear))
+                .collect();
+            self.functions[number].sources = sources;
+        }
+    }
+
+    fn source(&mut self, input: &Input, linear: &LinearArrays) -> Source {
+        match *input {
+            Input::Time => Source::Time,
+            Input::Mode => Source::Mode,
+            Input::Measure(measure) => {
+                let mut at = 0;
+                if matches!(measure.kind, MeasureKind::ProjectedAngle(_)) {
+                    at = self.measured_angles;
+                    self.measured_angles += 1;
+                }
+                for marker in [measure.i, measure.j, measure.k].into_iter().flatten() {
+                    self.used[marker.0] = true;
+                }
+                Source::Measure(measure, at)
+            }
+            Input::Variable(k) => Source::Variable(k),
+            Input::Dif(k) => Source::State(k),
+            Input::DifRate(k) => match (&self.states[k].rate, self.held_rates.get(&k)) {
+                (Rate::Held, Some(function)) => Source::Rate(*function),
+                _ => Source::Constant(0.0),
+            },
+            Input::ArrayValue { array, element } => match &self.model.arrays[array].kind {
+                ArrayKind::Numbers(numbers) => {
+                    Source::Constant(numbers.get(element).copied().unwrap_or(0.0))
+                }
+                ArrayKind::Variables(ids) => {
+                    let variable = ids.get(element).and_then(|id| {
+                        let mut all = self.model.variables.iter();
+                        all.position(|v| v.header.id == *id)
+                    });
+                    variable.map_or(Source::Constant(0.0), Source::Variable)
+                }
+                ArrayKind::States(_) => linear
+                    .state(self.model.arrays[array].header.id, element)
+                    .map_or(Source::Constant(0.0), Source::State),
+                ArrayKind::Outputs(_) => linear
+                    .output(self.model.arrays[array].header.id, element)
+                    .map_or(Source::Constant(0.0), |row| Source::Output(row.clone())),
+            },
+            Input::SensorValue(k) => Source::Sensor(k),
+            Input::Force(ForceMeasure::Between { component, i, j, k }) => {
+                for marker in [Some(i), j, k].into_iter().flatten() {
+                    self.used[marker.0] = true;
+                }
+                Source::Force(Box::new(Force {
+                    by: self.between(i, j),
+                    component,
+                    axes: k.map(|m| m.0),
+                }))
+            }
+            Input::Force(ForceMeasure::Element {
+                element,
+                on_j,
+                component,
+                rm,
+            }) => {
+                if let Some(rm) = rm {
+                    self.used[rm.0] = true;
+                }
+                Source::Force(Box::new(Force {
+                    by: vec![(self.exerted_by(element), on_j)],
+                    component,
+                    axes: rm.map(|m| m.0),
+                }))
+            }
+        }
+    }
+
+    /// Elements and constraints that act directly between two markers, and whether `i` is their J.
+    fn between(&self, i: MarkerIx, j: Option<MarkerIx>) -> Vec<(Exerted, bool)> {
+        let mut out = Vec::new();
+        for (k, e) in self.elements.iter().enumerate() {
+            match j {
+                None if e.i == i.0 && e.reaction.is_none() => {
+                    out.push((Exerted::Element(k), false));
+                }
+                Some(j) if e.i == i.0 && e.j == j.0 => out.push((Exerted::Element(k), false)),
+                Some(j) if e.i == j.0 && e.j == i.0 => out.push((Exerted::Element(k), true)),
+                _ => {}
+            }
+        }
+        for (k, joint) in self.joints.iter().enumerate() {
+            let [term] = joint.terms.as_slice() else {
+                continue;
+            };
+            if let Some(j) = j {
+                if term.i == i.0 && term.j == j.0 {
+                    out.push((Exerted::Joint(k), false));
+                } else if term.i == j.0 && term.j == i.0 {
+                    out.push((Exerted::Joint(k), true));
+                }
+            }
+        }
+        out
+    }
+
+    fn exerted_by(&self, element: ElementIx) -> Exerted {
+        let model = self.model;
+        let bushings = model.bushings.len();
+        let fields = bushings + model.fields.len();
+        let springs = fields + model.springdampers.len();
+        let beams = springs + model.beams.len();
+        let sforces = beams + model.sforces.len();
+        match element {
+            ElementIx::Bushing(k) => Exerted::Element(k),
+            ElementIx::Field(k) => Exerted::Element(bushings + k),
+            ElementIx::SpringDamper(k) => Exerted::Element(fields + k),
+            ElementIx::Beam(k) => Exerted::Element(springs + k),
+            ElementIx::Sforce(k) => Exerted::Element(beams + k),
+            ElementIx::VectorForce(k) => Exerted::Element(sforces + k),
+            ElementIx::Nforce { nforce, at } => {
+                let which = model.nforces[nforce].i.iter().position(|m| *m == at);
+                Exerted::Multi(nforce, which.unwrap_or(0))
+            }
+            ElementIx::Joint(k) => Exerted::Joint(k),
+            ElementIx::Primitive(k) => Exerted::Joint(model.joints.len() + k),
+            ElementIx::Motion(k) => Exerted::Joint(
+                model.joints.len()
+                    + model.primitives.len()
+                    + model.couplers.len()
+                    + model.gears.len()
+                    + k,
+            ),
+        }
+    }
+
+    fn linear_arrays(&self) -> LinearArrays {
+        let mut out = LinearArrays::default();
+        let mut first = self.model.diffs.len();
+        for l in &self.model.linear_states {
+            out.states.push((l.x, first, l.a.len()));
+            if let Some(y) = l.y {
+                let inputs = self.array_variables(l.u);
+                for (row, c) in l.c.iter().enumerate() {
+                    let d = l.d.get(row).map_or(&[][..], Vec::as_slice);
+                    let by_state = c.iter().enumerate().map(|(k, c)| (first + k, *c)).collect();
+                    let by_variable = d
+                        .iter()
+                        .zip(&inputs)
+                        .filter_map(|(d, v)| v.map(|v| (v, *d)))
+                        .collect();
+                    out.outputs.push(((y, row), (by_state, by_variable)));
+                }
+            }
+            first += l.a.len();
+        }
+        out
+    }
+
+    /// The variables of a U array.
+    pub(super) fn array_variables(&self, id: u32) -> Vec<Option<usize>> {
+        let mut arrays = self.model.arrays.iter();
+        match arrays.find(|a| a.header.id == id).map(|a| &a.kind) {
+            Some(ArrayKind::Variables(ids)) => ids
+                .iter()
+                .map(|id| {
+                    let mut all = self.model.variables.iter();
+                    all.position(|v| v.header.id == *id)
+                })
+                .collect(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// The functions of the equilibrium, each after those it reads through forces. Circles are complained about.
+    pub(super) fn order(&mut self) -> Vec<usize> {
+        let mut out = Vec::new();
+        let mut mark = vec![0_u8; self.functions.len()];
+        for number in 0..self.functions.len() {
+            if !matches!(self.functions[number].owner.kind, "REQUEST" | "SENSOR") {
+                self.visit(number, &mut mark, &mut out);
+            }
+        }
+        out
+    }
+
+    fn visit(&mut self, number: usize, mark: &mut [u8], out: &mut Vec<usize>) {
+        match mark[number] {
+            2 => return,
+            1 => {
+                let owner = &self.functions[number].owner;
+                self.diagnostics.push(
+                    Diagnostic::error(
+                        Code::NotSolvedNatively,
+                        format!("the function of {owner} reads its own force"),
+                    )
+                    .help("let a VARIABLE carry the force: it is solved for"),
+                );
+                return;
+            }
+            _ => mark[number] = 1,
+        }
+        for read in self.reads(number) {
+            self.visit(read, mark, out);
+        }
+        mark[number] = 2;
+        out.push(number);
+    }
+
+    fn reads(&self, number: usize) -> Vec<usize> {
+        let mut out = Vec::new();
+        for source in &self.functions[number].sources {
+            match source {
+                Source::Rate(function) => out.push(*function),
+                Source::Force(force) => {
+                    for (who, _) in &force.by {
+                        match who {
+                            Exerted::Element(k) => match &self.elements[*k].action {
+                                Action::Law(_, Drive::Function(f)) => out.push(*f),
+                                Action::Law(..) => {}
+                                Action::Vector(c) => out.extend(c.iter().flatten()),
+                            },
+                            Exerted::Joint(k) => {
+                                if let Drive::Function(f) = self.joints[*k].drive {
+                                    out.push(f);
+                                }
+                            }
+                            Exerted::Multi(..) => {}
+                        }
+                    }
+                }
+                _ => {}
+            }
+        }
+        out
+    }
+}
+
+/// Where the states and outputs of LSE, GSE, TFSISO stand.
+#[derive(Default)]
+pub(super) struct LinearArrays {
+    /// Array id, first state, how many.
+    states: Vec<(u32, usize, usize)>,
+    outputs: Vec<((u32, usize), LinearRow)>,
+}
+
+impl LinearArrays {
+    fn state(&self, array: u32, element: usize) -> Option<usize> {
+        let found = self.states.iter().find(|s| s.0 == array)?;
+        (element < found.2).then_some(found.1 + element)
+    }
+
+    fn output(&self, array: u32, element: usize) -> Option<&LinearRow> {
+        let found = self.outputs.iter().find(|o| o.0 == (array, element))?;
+        Some(&found.1)
+    }
+}
