@@ -3,5 +3,6 @@
 mod common;
 mod files {
     pub mod lossless;
+    pub mod lowering;
     pub mod results;
 }

@@ -7,6 +7,8 @@ mod constraint;
 mod data;
 mod force;
 mod frame;
+mod lower;
+mod object;
 mod settings;
 
 pub use constraint::{
@@ -22,6 +24,7 @@ pub use force::{
     VectorForce, VectorForceKind,
 };
 pub use frame::{Marker, MarkerIx, Orientation, Part, PartIx, PartKind};
+pub use lower::lower;
 pub use settings::{EquilibriumSettings, OutputSettings, ResultsSettings, StaticMethod};
 
 use crate::mechanics::Vec3;

@@ -1,3 +1,5 @@
+use crate::grammar::STATEMENTS;
+
 /// Which static method EQUILIBRIUM asks for.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 #[allow(missing_docs)] // The names are the manual's.
@@ -32,14 +34,20 @@ pub struct EquilibriumSettings {
 
 impl Default for EquilibriumSettings {
     fn default() -> Self {
+        let default = |name: &str| {
+            let def = STATEMENTS.iter().find(|def| def.name == "EQUILIBRIUM");
+            def.and_then(|def| def.arguments.iter().find(|argument| argument.name == name))
+                .and_then(|argument| argument.default.first().copied())
+                .expect("the grammar states the defaults of EQUILIBRIUM")
+        };
         Self {
-            alimit: 10f64.to_radians(),
-            tlimit: 20.0,
-            error: 1e-4,
-            imbalance: 1e-4,
-            maxit: 25,
+            alimit: default("ALIMIT"),
+            tlimit: default("TLIMIT"),
+            error: default("ERROR"),
+            imbalance: default("IMBALANCE"),
+            maxit: default("MAXIT") as usize,
             pattern: vec![true; 10],
-            stability: 1e-5,
+            stability: default("STABILITY"),
             method: StaticMethod::Original,
         }
     }

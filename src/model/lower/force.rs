@@ -1,0 +1,156 @@
+use super::reader::Reader;
+use crate::model::{
+    Beam, BeamFormulation, Bushing, Field, Nforce, Sforce, SforceKind, SpringDamper, SpringKind,
+    VectorForce, VectorForceKind,
+};
+
+/// BUSHING.
+pub(super) fn bushing(reader: &mut Reader, old: Option<&Bushing>) -> Option<Bushing> {
+    Some(Bushing {
+        header: reader.header(old.map(|old| &old.header)),
+        i: reader.marker("I", old.map(|old| old.i))?,
+        j: reader.marker("J", old.map(|old| old.j))?,
+        k: reader.array("K", old.map(|old| old.k)),
+        kt: reader.array("KT", old.map(|old| old.kt)),
+        force: reader.array("FORCE", old.map(|old| old.force)),
+        torque: reader.array("TORQUE", old.map(|old| old.torque)),
+    })
+}
+
+/// FIELD, linear.
+pub(super) fn field(reader: &mut Reader, old: Option<&Field>) -> Option<Field> {
+    Some(Field {
+        header: reader.header(old.map(|old| &old.header)),
+        i: reader.marker("I", old.map(|old| old.i))?,
+        j: reader.marker("J", old.map(|old| old.j))?,
+        k: reader.array("KMATRIX", old.map(|old| old.k)),
+        length: reader.array("LENGTH", old.map(|old| old.length)),
+        force: reader.array("FORCE", old.map(|old| old.force)),
+    })
+}
+
+/// BEAM.
+pub(super) fn beam(reader: &mut Reader, old: Option<&Beam>) -> Option<Beam> {
+    const NAMES: [&str; 9] = [
+        "LENGTH", "AREA", "IXX", "IYY", "IZZ", "EMODULUS", "GMODULUS", "ASY", "ASZ",
+    ];
+    let mut properties = [0.0; 9];
+    for (k, name) in NAMES.iter().enumerate() {
+        properties[k] = reader.real(name, old.map(|old| old.properties[k]));
+    }
+    Some(Beam {
+        header: reader.header(old.map(|old| &old.header)),
+        i: reader.marker("I", old.map(|old| old.i))?,
+        j: reader.marker("J", old.map(|old| old.j))?,
+        properties,
+        formulation: match reader.choice("FORMULATION") {
+            Some("LINEAR") => BeamFormulation::Linear,
+            Some("STRING") => BeamFormulation::String,
+            Some(_) => BeamFormulation::Nonlinear,
+            None => old.map(|old| old.formulation).unwrap_or_default(),
+        },
+    })
+}
+
+/// SPRINGDAMPER.
+pub(super) fn springdamper(
+    reader: &mut Reader,
+    old: Option<&SpringDamper>,
+) -> Option<SpringDamper> {
+    let kind = reader
+        .first_flag(&[
+            ("TRANSLATIONAL", SpringKind::Translational),
+            ("ROTATIONAL", SpringKind::Rotational),
+        ])
+        .or(old.map(|old| old.kind));
+    let Some(kind) = kind else {
+        return reader.missing("TRANSLATIONAL or ROTATIONAL");
+    };
+    let [stiffness, reference, preload] = match kind {
+        SpringKind::Translational => ["K", "LENGTH", "FORCE"],
+        SpringKind::Rotational => ["KT", "ANGLE", "TORQUE"],
+    };
+    Some(SpringDamper {
+        header: reader.header(old.map(|old| &old.header)),
+        i: reader.marker("I", old.map(|old| old.i))?,
+        j: reader.marker("J", old.map(|old| old.j))?,
+        kind,
+        stiffness: reader.real(stiffness, old.map(|old| old.stiffness)),
+        reference: reader.real(reference, old.map(|old| old.reference)),
+        preload: reader.real(preload, old.map(|old| old.preload)),
+    })
+}
+
+/// SFORCE.
+pub(super) fn sforce(reader: &mut Reader, old: Option<&Sforce>) -> Option<Sforce> {
+    let kind = reader
+        .first_flag(&[
+            ("TRANSLATIONAL", SforceKind::Translational),
+            ("ROTATIONAL", SforceKind::Rotational),
+        ])
+        .or(old.map(|old| old.kind));
+    let Some(kind) = kind else {
+        return reader.missing("TRANSLATIONAL or ROTATIONAL");
+    };
+    Some(Sforce {
+        header: reader.header(old.map(|old| &old.header)),
+        i: reader.marker("I", old.map(|old| old.i))?,
+        j: reader.marker("J", old.map(|old| old.j))?,
+        kind,
+        action_only: reader.flag("ACTIONONLY", old.is_some_and(|old| old.action_only)),
+        function: reader.function("FUNCTION", old.map(|old| &old.function))?,
+    })
+}
+
+/// GFORCE, VFORCE, VTORQUE from component functions; what comes from USER subroutines or vector expressions is read by the
+/// caller as unsolved.
+pub(super) fn vector_force(reader: &mut Reader, old: Option<&VectorForce>) -> Option<VectorForce> {
+    const NAMES: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
+    let components = std::array::from_fn(|k| {
+        reader.function(NAMES[k], old.and_then(|old| old.components[k].as_ref()))
+    });
+    Some(VectorForce {
+        header: reader.header(old.map(|old| &old.header)),
+        kind: match reader.def.name {
+            "VFORCE" => VectorForceKind::Vforce,
+            "VTORQUE" => VectorForceKind::Vtorque,
+            _ => VectorForceKind::Gforce,
+        },
+        i: reader.marker("I", old.map(|old| old.i))?,
+        jfloat: reader.marker("JFLOAT", old.map(|old| old.jfloat))?,
+        rm: reader.marker("RM", old.and_then(|old| old.rm)),
+        components,
+    })
+}
+
+/// NFORCE. Its matrix and arrays are taken from their statements.
+pub(super) fn nforce(reader: &mut Reader, old: Option<&Nforce>) -> Option<Nforce> {
+    let i = reader.markers("I")?;
+    let n = 6 * i.len();
+    let matrix = match reader.written_id("KMATRIX", None) {
+        Some(id) => reader.matrix("KMATRIX", id)?,
+        None => vec![vec![0.0; n]; n],
+    };
+    if matrix.len() != n || matrix.iter().any(|row| row.len() != n) {
+        return reader.missing(&format!("a KMATRIX of {n} by {n} values"));
+    }
+    // The model keeps it column by column, as FIELD has it.
+    let k = (0..n * n).map(|at| matrix[at % n][at / n]).collect();
+    let values = |name: &str| {
+        let mut values = reader
+            .written_id(name, None)
+            .and_then(|id| reader.array_numbers(id))
+            .unwrap_or_default();
+        values.resize(n, 0.0);
+        values
+    };
+    let (length, force) = (values("LENGTH"), values("FORCE"));
+    Some(Nforce {
+        header: reader.header(old.map(|old| &old.header)),
+        i,
+        j: reader.marker("J", old.map(|old| old.j))?,
+        k,
+        length,
+        force,
+    })
+}

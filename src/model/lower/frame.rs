@@ -1,0 +1,226 @@
+use super::ids::Ids;
+use super::reader::Reader;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::mechanics::{Mat3, Pose, Vec3, euler313};
+use crate::model::{Marker, MarkerIx, Model, Orientation, Part, PartIx, PartKind};
+
+/// PART, POINT_MASS, and the bodies only real ADAMS solves.
+pub(super) fn part(reader: &mut Reader, old: Option<&Part>) -> Option<Part> {
+    let kind = match reader.def.name {
+        "POINT_MASS" => PartKind::PointMass,
+        "PART"
+            if reader.flag(
+                "GROUND",
+                old.is_some_and(|old| old.kind == PartKind::Ground),
+            ) =>
+        {
+            PartKind::Ground
+        }
+        "PART" => PartKind::Rigid,
+        _ => PartKind::External,
+    };
+    let p = reader.vector("QG", old.map(|old| old.pose.p));
+    let R = orientation(reader, "REULER", "ZG", "XG", p, old.map(|old| old.pose.R)).0;
+    let mut exact = old.map_or([false; 6], |old| old.exact);
+    if let Some(words) = reader.choices("EXACT") {
+        exact = ["X", "Y", "Z", "PSI", "THETA", "PHI"].map(|word| words.contains(&word));
+    }
+    let mut part = Part {
+        header: reader.header(old.map(|old| &old.header)),
+        kind,
+        mass: reader.real("MASS", old.map(|old| old.mass)),
+        cm: reader.marker("CM", old.and_then(|old| old.cm)),
+        ip: reader.array("IP", old.map(|old| old.ip)),
+        pose: Pose { p, R },
+        exact,
+    };
+    if kind == PartKind::Ground {
+        part.pose = Pose::identity();
+    }
+    Some(part)
+}
+
+/// MARKER. Its frame with RM is completed by [`resolve_rm`], when all markers are known.
+pub(super) fn marker(reader: &mut Reader, old: Option<&Marker>) -> Option<Marker> {
+    let owner = [
+        ("PART", "part"),
+        ("POINT_MASS", "point_mass"),
+        ("FLEX_BODY", "flex_body"),
+        ("FE_PART", "fe_part"),
+    ]
+    .into_iter()
+    .find(|(name, _)| reader.given(name).is_some());
+    let part = match (owner, old) {
+        // An undefined body was reported; the model is not used then, but every marker keeps its place.
+        (Some((name, space)), _) => reader.part(name, space).unwrap_or(PartIx(0)),
+        (None, Some(old)) => old.part,
+        (None, None) => {
+            reader.missing::<()>("the body it is on: PART=id");
+            PartIx(0)
+        }
+    };
+    let qp = reader.vector("QP", old.map(|old| old.qp));
+    let (R, given) = orientation(reader, "REULER", "ZP", "XP", qp, old.map(|old| old.R));
+    Some(Marker {
+        header: reader.header(old.map(|old| &old.header)),
+        part,
+        qp,
+        orientation: given
+            .or(old.map(|old| old.orientation))
+            .unwrap_or(Orientation::Reuler([0.0; 3])),
+        R,
+        floating: reader.flag("FLOATING", old.is_some_and(|old| old.floating)),
+    })
+}
+
+/// The rotation by Euler angles or by points on the z axis and in the x-z plane (ADAMS-FORMATS 2.1, 2.2), and how it was given.
+fn orientation(
+    reader: &mut Reader,
+    euler: &str,
+    z: &str,
+    x: &str,
+    origin: Vec3,
+    old: Option<Mat3>,
+) -> (Mat3, Option<Orientation>) {
+    if reader.given(euler).is_some() {
+        let angles @ [psi, theta, phi] = reader.array(euler, None);
+        return (euler313(psi, theta, phi), Some(Orientation::Reuler(angles)));
+    }
+    let (z_point, x_point) = (reader.point(z), reader.point(x));
+    if z_point.is_none() && x_point.is_none() {
+        return (old.unwrap_or_else(Mat3::identity), None);
+    }
+    let z_axis = z_point.map(|point| point - origin);
+    let x_axis = x_point.map(|point| point - origin);
+    let usexp = reader.flag("USEXP", false);
+    match axes(z_axis, x_axis, usexp) {
+        Some(R) => (R, Some(Orientation::Points)),
+        None => {
+            let place = reader.place(if z_point.is_some() { z } else { x });
+            let diagnostic = Diagnostic::error(
+                Code::OutOfRange,
+                format!(
+                    "{} and {} do not give {} two directions",
+                    z,
+                    x,
+                    reader.called()
+                ),
+            )
+            .help("each point must lie apart from the origin, and not both on one line with it");
+            reader.complain(diagnostic, place);
+            (Mat3::identity(), Some(Orientation::Points))
+        }
+    }
+}
+
+/// Axes from directions of z and x; one of them is exact, the other gives a half plane. A missing one follows the base's axis.
+fn axes(z: Option<Vec3>, x: Option<Vec3>, usexp: bool) -> Option<Mat3> {
+    let exact_x = (usexp && x.is_some()) || z.is_none();
+    let unit = |v: Vec3| v.try_normalize(1e-12);
+    if exact_x {
+        let x = unit(x?)?;
+        let z = z.unwrap_or_else(Vec3::z);
+        // Along x, the base's z says nothing: then its negative x stands for it.
+        let z = unit(z - x * x.dot(&z)).or_else(|| unit(-Vec3::x() + x * x.x))?;
+        return Some(Mat3::from_columns(&[x, z.cross(&x), z]));
+    }
+    let z = unit(z?)?;
+    let given = x.is_some();
+    let x = x.unwrap_or_else(Vec3::x);
+    let across = unit(x - z * z.dot(&x));
+    let x = match across {
+        Some(x) => x,
+        None if given => return None,
+        // Along z, the base's x says nothing: then its y stands for it.
+        None => unit(Vec3::y() - z * z.y)?,
+    };
+    Some(Mat3::from_columns(&[x, z.cross(&x), z]))
+}
+
+/// Completes markers that were given in the frame of another marker (RM): (marker, RM).
+pub(super) fn resolve_rm(model: &mut Model, given: &[(MarkerIx, MarkerIx)]) -> Vec<MarkerIx> {
+    let parents: std::collections::HashMap<MarkerIx, MarkerIx> = given.iter().copied().collect();
+    let mut done = std::collections::HashSet::new();
+    let mut cyclic = Vec::new();
+    for (start, _) in given {
+        // The chain of markers that wait for each other, the innermost last.
+        let mut chain = Vec::new();
+        let mut waiting = std::collections::HashSet::new();
+        let mut at = *start;
+        while let Some(parent) = parents.get(&at)
+            && !done.contains(&at)
+        {
+            if !waiting.insert(at) {
+                cyclic.push(*start);
+                break;
+            }
+            chain.push((at, *parent));
+            at = *parent;
+        }
+        while let Some((marker, parent)) = chain.pop() {
+            done.insert(marker);
+            place_in(model, marker, parent);
+        }
+    }
+    cyclic
+}
+
+/// The marker's frame was read in axes of `parent`; gives it in its own body.
+pub(super) fn place_in(model: &mut Model, marker: MarkerIx, parent: MarkerIx) {
+    let body = |part: PartIx| model.parts[part.0].pose;
+    let (own, rm) = (&model.markers[marker.0], &model.markers[parent.0]);
+    let local = Pose {
+        p: own.qp,
+        R: own.R,
+    };
+    let rm_pose = body(rm.part).compose(&Pose { p: rm.qp, R: rm.R });
+    let placed = body(own.part).inverse().compose(&rm_pose).compose(&local);
+    let own = &mut model.markers[marker.0];
+    own.qp = placed.p;
+    own.R = placed.R;
+    own.orientation = Orientation::Points;
+}
+
+/// Brings inertia that was given about the marker IM to the origin and axes of the marker CM, where the model keeps it.
+pub(super) fn inertia_at_cm(part: &mut Part, cm: &Marker, im: &Marker) {
+    let [xx, yy, zz, xy, xz, yz] = part.ip;
+    // IP holds products as positive integrals: the off-diagonal entries of the matrix are their negatives (ADAMS-FORMATS 2.1).
+    let J_im = Mat3::new(xx, -xy, -xz, -xy, yy, -yz, -xz, -yz, zz);
+    let d = cm.qp - im.qp;
+    let steiner = Mat3::identity() * d.norm_squared() - d * d.transpose();
+    let J = im.R * J_im * im.R.transpose() - steiner * part.mass;
+    let J_cm = cm.R.transpose() * J * cm.R;
+    part.ip = [
+        J_cm[(0, 0)],
+        J_cm[(1, 1)],
+        J_cm[(2, 2)],
+        -J_cm[(0, 1)],
+        -J_cm[(0, 2)],
+        -J_cm[(1, 2)],
+    ];
+}
+
+/// The marker RM of a statement, if it has one.
+pub(super) fn rm_of(statement: &crate::syntax::Statement, ids: &Ids) -> Option<MarkerIx> {
+    ids.marker(super::reader::as_id(statement.first("RM")?)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_give_axes_and_usexp_swaps_their_roles() {
+        // ADAMS-FORMATS 2.2: ZP lies on z, XP in the x-z plane; with USEXP XP lies on x.
+        let z = Vec3::new(0.0, 0.0, 2.0);
+        let x = Vec3::new(1.0, 0.0, 1.0);
+        let R = axes(Some(z), Some(x), false).unwrap();
+        assert!((R - Mat3::identity()).norm() < 1e-15);
+        let R = axes(Some(z), Some(x), true).unwrap();
+        assert!((R.column(0) - x.normalize()).norm() < 1e-15);
+        assert!((R.column(2) - Vec3::new(-1.0, 0.0, 1.0).normalize()).norm() < 1e-15);
+        assert!((R.determinant() - 1.0).abs() < 1e-15);
+        assert!(axes(Some(z), Some(z * 3.0), false).is_none());
+        assert!(axes(Some(Vec3::zeros()), None, false).is_none());
+    }
+}

@@ -1,0 +1,532 @@
+//! From statements to the model, and from commands to changes of it: one code path for both.
+
+mod constraint;
+mod data;
+mod force;
+mod frame;
+mod ids;
+mod reader;
+mod rules;
+mod settings;
+
+use std::collections::HashMap;
+
+use self::ids::{BODIES, Ids};
+use self::reader::Reader;
+use super::{Header, Joint, MarkerIx, Model, Part, PartIx, PartKind, Unsolved, object::Object};
+use crate::diagnostic::{Checked, Code, Diagnostic};
+use crate::grammar::{Solved, StatementDef};
+use crate::mechanics::Pose;
+use crate::syntax::{Dataset, Statement, Value};
+use crate::text::Source;
+
+/// Calls `$do!(list, function that reads it, arguments...)` for the model's list that holds a kind of statement, or
+/// `$none` for the others. Bodies, markers and settings are not among them.
+macro_rules! in_list {
+    ($kind:expr, $none:expr, $do:ident, $($arguments:tt)*) => {
+        match $kind {
+            "JPRIM" => $do!(primitives, constraint::primitive, $($arguments)*),
+            "COUPLER" => $do!(couplers, constraint::coupler, $($arguments)*),
+            "GEAR" => $do!(gears, constraint::gear, $($arguments)*),
+            "GCON" => $do!(gcons, constraint::gcon, $($arguments)*),
+            "MOTION" => $do!(motions, constraint::motion, $($arguments)*),
+            "BUSHING" => $do!(bushings, force::bushing, $($arguments)*),
+            "FIELD" => $do!(fields, force::field, $($arguments)*),
+            "BEAM" => $do!(beams, force::beam, $($arguments)*),
+            "SPRINGDAMPER" => $do!(springdampers, force::springdamper, $($arguments)*),
+            "SFORCE" => $do!(sforces, force::sforce, $($arguments)*),
+            "GFORCE" | "VFORCE" | "VTORQUE" => {
+                $do!(vector_forces, force::vector_force, $($arguments)*)
+            }
+            "NFORCE" => $do!(nforces, force::nforce, $($arguments)*),
+            "VARIABLE" => $do!(variables, data::variable, $($arguments)*),
+            "DIFF" => $do!(diffs, data::diff, $($arguments)*),
+            "LSE" | "TFSISO" => $do!(linear_states, data::linear_states, $($arguments)*),
+            "ARRAY" => $do!(arrays, data::array, $($arguments)*),
+            "SPLINE" => $do!(splines, data::spline, $($arguments)*),
+            "STRING" => $do!(strings, data::string, $($arguments)*),
+            "SENSOR" => $do!(sensors, data::sensor, $($arguments)*),
+            "REQUEST" => $do!(requests, data::request, $($arguments)*),
+            _ => $none,
+        }
+    };
+}
+
+/// Resolves a dataset. Complaints: undefined and duplicate ids, missing arguments, wrong counts, frames that cannot be made.
+/// The model is as good as it could be made; with errors among the complaints it must not be solved.
+pub fn lower(dataset: &Dataset) -> Checked<Model> {
+    let mut lowering = Lowering {
+        dataset,
+        ids: Ids::of(dataset),
+        model: Model {
+            title: dataset.title().into_owned(),
+            ..Model::default()
+        },
+        diagnostics: Vec::new(),
+        unique: HashMap::new(),
+    };
+    let first_of_its_id: Vec<bool> = dataset
+        .statements()
+        .iter()
+        .enumerate()
+        .map(|(at, statement)| lowering.is_first(at, statement))
+        .collect();
+    let mut rm_markers = Vec::new();
+    let mut im_parts = Vec::new();
+    for (at, statement) in dataset.statements().iter().enumerate() {
+        if let Some(def) = statement.def
+            && first_of_its_id[at]
+        {
+            lowering.frame(at, statement, def, &mut rm_markers, &mut im_parts);
+        }
+    }
+    lowering.finish_frames(&rm_markers, &im_parts);
+    let joints = std::mem::take(&mut lowering.model.joints);
+    lowering
+        .ids
+        .set_joints(joints.iter().map(|joint| joint.header.id));
+    for (at, statement) in dataset.statements().iter().enumerate() {
+        if let Some(def) = statement.def
+            && first_of_its_id[at]
+        {
+            lowering.rest(at, statement, def, &joints);
+        }
+    }
+    lowering.model.joints = joints;
+    Checked {
+        value: lowering.model,
+        diagnostics: lowering.diagnostics,
+    }
+}
+
+struct Lowering<'a> {
+    dataset: &'a Dataset,
+    ids: Ids<'a>,
+    model: Model,
+    diagnostics: Vec<Diagnostic>,
+    /// The statement that has an id first, by id space.
+    unique: HashMap<(&'static str, u32), usize>,
+}
+
+impl Lowering<'_> {
+    /// False, with a complaint, for a statement whose id is taken.
+    fn is_first(&mut self, at: usize, statement: &Statement) -> bool {
+        let (Some(space), Some((id, span))) = (statement.def.and_then(|def| def.id), statement.id)
+        else {
+            return true;
+        };
+        let first = *self.unique.entry((space, id)).or_insert(at);
+        if first == at {
+            return true;
+        }
+        let source = self.dataset.source();
+        let mut diagnostic = Diagnostic::error(
+            Code::DuplicateId,
+            format!(
+                "{}/{id} is defined twice; the first one counts",
+                statement.kind().unwrap_or_default()
+            ),
+        )
+        .label(source.name(), span, "defined again here");
+        if let Some((_, span)) = self.dataset.statements()[first].id {
+            diagnostic = diagnostic.label(source.name(), span, "first defined here");
+        }
+        self.diagnostics.push(diagnostic);
+        false
+    }
+
+    /// Bodies, markers and joints: what others refer to by place.
+    fn frame(
+        &mut self,
+        at: usize,
+        statement: &Statement,
+        def: &'static StatementDef,
+        rm_markers: &mut Vec<(MarkerIx, MarkerIx)>,
+        im_parts: &mut Vec<(PartIx, MarkerIx)>,
+    ) {
+        let is_body = def.id.is_some_and(|space| BODIES.contains(&space));
+        if !(is_body || def.name == "MARKER" || def.name == "JOINT") || statement.id.is_none() {
+            return;
+        }
+        let mut reader = Reader {
+            source: self.dataset.source(),
+            statement,
+            def,
+            ids: &self.ids,
+            joints: &[],
+            diagnostics: &mut self.diagnostics,
+            origin: at,
+            name: self.dataset.name(statement).into_owned(),
+        };
+        if is_body {
+            let part = frame::part(&mut reader, None);
+            if let Some(im) = reader.marker("IM", None) {
+                im_parts.push((PartIx(self.model.parts.len()), im));
+            }
+            self.model.parts.extend(part);
+        } else if def.name == "MARKER" {
+            let marker = frame::marker(&mut reader, None);
+            if let Some(rm) = frame::rm_of(statement, &self.ids) {
+                rm_markers.push((MarkerIx(self.model.markers.len()), rm));
+            }
+            self.model.markers.extend(marker);
+        } else {
+            let joint = constraint::joint(&mut reader, None);
+            self.model.joints.extend(joint);
+        }
+    }
+
+    /// What needs all bodies and markers: exactly one ground, frames given in other frames, inertia given about other markers.
+    fn finish_frames(
+        &mut self,
+        rm_markers: &[(MarkerIx, MarkerIx)],
+        im_parts: &[(PartIx, MarkerIx)],
+    ) {
+        let source = self.dataset.source();
+        let grounds: Vec<usize> = self
+            .model
+            .parts
+            .iter()
+            .filter(|part| part.kind == PartKind::Ground)
+            .map(|part| part.header.origin)
+            .collect();
+        for extra in grounds.iter().skip(1) {
+            let keyword = self.dataset.statements()[*extra].keyword;
+            self.diagnostics.push(
+                Diagnostic::error(Code::SyntaxError, "a dataset has one ground part only").label(
+                    source.name(),
+                    keyword,
+                    "a second one",
+                ),
+            );
+        }
+        if grounds.is_empty() {
+            self.diagnostics.push(
+                Diagnostic::error(Code::MissingArgument, "no part is the ground")
+                    .label(source.name(), self.dataset.title_span(), "in this dataset")
+                    .help("add a part at rest: PART/1, GROUND"),
+            );
+            // Every index of a body stays valid.
+            self.model.parts.push(ground());
+        }
+        for marker in frame::resolve_rm(&mut self.model, rm_markers) {
+            let origin = self.model.markers[marker.0].header.origin;
+            let keyword = self.dataset.statements()[origin].keyword;
+            self.diagnostics.push(
+                Diagnostic::error(
+                    Code::UndefinedId,
+                    "markers are given in each other's frames",
+                )
+                .label(source.name(), keyword, "in a circle with this one"),
+            );
+        }
+        for (part, im) in im_parts {
+            let part = &mut self.model.parts[part.0];
+            if let Some(cm) = part.cm.filter(|cm| cm != im) {
+                let (cm, im) = (&self.model.markers[cm.0], &self.model.markers[im.0]);
+                frame::inertia_at_cm(part, cm, im);
+            }
+        }
+    }
+
+    /// Everything else, and the rules that hold for every statement.
+    fn rest(
+        &mut self,
+        at: usize,
+        statement: &Statement,
+        def: &'static StatementDef,
+        joints: &[Joint],
+    ) {
+        let source = self.dataset.source();
+        rules::check(
+            source,
+            statement,
+            def,
+            &self.ids,
+            true,
+            &mut self.diagnostics,
+        );
+        if def.id.is_some() && statement.id.is_none() {
+            return;
+        }
+        if let Some(why) = unsolved(statement, def) {
+            self.model.unsolved.push(Unsolved {
+                header: Header {
+                    id: statement.number().unwrap_or(0),
+                    name: self.dataset.name(statement).into_owned(),
+                    origin: at,
+                    active: true,
+                },
+                kind: def.name,
+                why,
+            });
+            return;
+        }
+        let known = self.diagnostics.len();
+        let mut reader = Reader {
+            source,
+            statement,
+            def,
+            ids: &self.ids,
+            joints,
+            diagnostics: &mut self.diagnostics,
+            origin: at,
+            name: self.dataset.name(statement).into_owned(),
+        };
+        macro_rules! push {
+            ($list:ident, $read:path, ) => {
+                self.model.$list.extend($read(&mut reader, None))
+            };
+        }
+        in_list!(
+            def.name,
+            {
+                settings::settings(&mut reader, &mut self.model);
+            },
+            push,
+        );
+        forget_repeated(&mut self.diagnostics, known);
+    }
+}
+
+/// What a rule of the grammar has said already is not said again by the reader of the same statement.
+fn forget_repeated(diagnostics: &mut Vec<Diagnostic>, known: usize) {
+    let place = |diagnostic: &Diagnostic| {
+        (
+            diagnostic.code,
+            diagnostic.labels.first().map(|label| label.span),
+        )
+    };
+    let mut at = known;
+    while at < diagnostics.len() {
+        let repeated = diagnostics[..known]
+            .iter()
+            .rev()
+            .take(8)
+            .any(|before| place(before) == place(&diagnostics[at]));
+        if repeated {
+            diagnostics.remove(at);
+        } else {
+            at += 1;
+        }
+    }
+}
+
+fn ground() -> Part {
+    Part {
+        header: Header {
+            id: 0,
+            name: "ground".into(),
+            origin: 0,
+            active: true,
+        },
+        kind: PartKind::Ground,
+        mass: 0.0,
+        cm: None,
+        ip: [0.0; 6],
+        pose: Pose::identity(),
+        exact: [false; 6],
+    }
+}
+
+/// Why only real ADAMS can solve a statement; `None` if the built-in solver does, or if statics does not need it.
+fn unsolved(statement: &Statement, def: &'static StatementDef) -> Option<String> {
+    if let Solved::External(why) = def.solved {
+        return Some(why.to_string());
+    }
+    let user = statement
+        .argument("FUNCTION")
+        .is_some_and(|argument| matches!(argument.value, Value::User(_)));
+    let reason = match def.name {
+        "COUPLER" | "FIELD" | "SPLINE" | "GFORCE" | "VFORCE" | "VTORQUE" if user => {
+            "its values come from a user subroutine"
+        }
+        "FIELD" if statement.has("NONLINEAR") => "its values come from a user subroutine",
+        "SPLINE" if statement.has("FILE") => "its points are in another file",
+        "GFORCE" | "VFORCE" | "VTORQUE" if statement.has("FXYZ") || statement.has("TXYZ") => {
+            "vector expressions are not evaluated by the built-in solver"
+        }
+        _ => return None,
+    };
+    Some(reason.to_string())
+}
+
+impl Model {
+    /// Resolves a dataset; see [`lower`].
+    pub fn lower(dataset: &Dataset) -> Checked<Self> {
+        lower(dataset)
+    }
+
+    /// Applies a command that redefines an object (`SFORCE/3, FUNCTION=100`), changes settings (`EQUILIBRIUM/ERROR=1E-6`), or
+    /// turns objects on and off (`DEACTIVATE/MOTION, ID=4`): only what is given changes. `source` is the command file.
+    pub fn redefine(&mut self, command: &Statement, source: &Source) -> Vec<Diagnostic> {
+        let mut diagnostics = Vec::new();
+        let Some(def) = command.def else {
+            return diagnostics;
+        };
+        match def.name {
+            "ACTIVATE" => self.activate(command, source, true, &mut diagnostics),
+            "DEACTIVATE" => self.activate(command, source, false, &mut diagnostics),
+            _ => self.change(command, def, source, &mut diagnostics),
+        }
+        diagnostics
+    }
+
+    fn change(
+        &mut self,
+        command: &Statement,
+        def: &'static StatementDef,
+        source: &Source,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) {
+        let ids = Ids::Model(self);
+        rules::check(source, command, def, &ids, false, diagnostics);
+        let mut reader = Reader {
+            source,
+            statement: command,
+            def,
+            ids: &ids,
+            joints: &self.joints,
+            diagnostics,
+            origin: 0,
+            name: String::new(),
+        };
+        let Some(id) = command.number() else {
+            let mut settings = Settings::of(self);
+            if settings::settings(&mut reader, &mut settings.0) {
+                settings.put_back(self);
+            }
+            return;
+        };
+        if let Some(unsolved) = self
+            .unsolved
+            .iter()
+            .find(|unsolved| unsolved.kind == def.name && unsolved.header.id == id)
+        {
+            let diagnostic = Diagnostic::warning(
+                Code::NotSolvedNatively,
+                format!("{} is not solved: {}", reader.called(), unsolved.why),
+            );
+            reader.complain(diagnostic, command.keyword);
+            return;
+        }
+        macro_rules! replace {
+            ($list:ident, $read:path, ) => {{
+                let is_it =
+                    |object: &_| Object::header(object).id == id && Object::is(object, def.name);
+                match self.$list.iter().position(is_it) {
+                    Some(at) => {
+                        if let Some(new) = $read(&mut reader, Some(&self.$list[at])) {
+                            self.$list[at] = new;
+                        }
+                    }
+                    None => undefined(&mut reader),
+                }
+            }};
+        }
+        match def.name {
+            "PART" | "POINT_MASS" | "FLEX_BODY" => replace!(parts, frame::part,),
+            "MARKER" => {
+                let rm = frame::rm_of(command, &ids);
+                replace!(markers, frame::marker,);
+                if let (Some(rm), Some(marker)) = (rm, self.marker(id)) {
+                    frame::place_in(self, marker, rm);
+                }
+            }
+            "JOINT" => replace!(joints, constraint::joint,),
+            kind => in_list!(kind, {}, replace,),
+        }
+    }
+
+    fn activate(
+        &mut self,
+        command: &Statement,
+        source: &Source,
+        active: bool,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) {
+        let numbers = |name: &str| -> Vec<u32> {
+            command
+                .numbers(name)
+                .iter()
+                .filter_map(|number| reader::as_id(number.value))
+                .collect()
+        };
+        let (ids, range) = (numbers("ID"), numbers("RANGE"));
+        let chosen = |id: u32| {
+            ids.contains(&id)
+                || matches!(range[..], [from, to] if (from..=to).contains(&id))
+                || command.has("ALL")
+        };
+        for kind in command
+            .arguments
+            .iter()
+            .filter_map(|argument| argument.kind())
+        {
+            let mut found = 0;
+            macro_rules! set {
+                ($list:ident, $read:path, ) => {
+                    for object in &mut self.$list {
+                        if Object::is(object, kind) && chosen(Object::header(object).id) {
+                            Object::header_mut(object).active = active;
+                            found += 1;
+                        }
+                    }
+                };
+            }
+            match kind {
+                "JOINT" => set!(joints, constraint::joint,),
+                kind => in_list!(kind, {}, set,),
+            }
+            for unsolved in &mut self.unsolved {
+                if unsolved.kind == kind && chosen(unsolved.header.id) {
+                    unsolved.header.active = active;
+                    found += 1;
+                }
+            }
+            let is_kind = !matches!(kind, "ID" | "RANGE" | "ALL");
+            if is_kind && found == 0 && !matches!(kind, "FRICTION" | "CLEARANCE" | "FEMDATA") {
+                diagnostics.push(
+                    Diagnostic::warning(Code::UndefinedId, format!("no {kind} has such an id"))
+                        .label(source.name(), command.span, ""),
+                );
+            }
+        }
+    }
+}
+
+fn undefined(reader: &mut Reader) {
+    let diagnostic = Diagnostic::error(
+        Code::UndefinedId,
+        format!("{} is not defined in the dataset", reader.called()),
+    );
+    let span = reader
+        .statement
+        .id
+        .map_or(reader.statement.keyword, |(_, span)| span);
+    reader.complain(diagnostic, span);
+}
+
+/// The settings of a model apart from its objects, while the objects are read for ids.
+struct Settings(Model);
+
+impl Settings {
+    fn of(model: &Model) -> Self {
+        Self(Model {
+            gravity: model.gravity,
+            units: model.units,
+            equilibrium: model.equilibrium.clone(),
+            output: model.output.clone(),
+            results: model.results.clone(),
+            ..Model::default()
+        })
+    }
+
+    fn put_back(self, model: &mut Model) {
+        model.gravity = self.0.gravity;
+        model.units = self.0.units;
+        model.equilibrium = self.0.equilibrium;
+        model.output = self.0.output;
+        model.results = self.0.results;
+    }
+}

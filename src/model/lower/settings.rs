@@ -1,0 +1,133 @@
+use super::reader::Reader;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::mechanics::Vec3;
+use crate::model::{EquilibriumSettings, Model, OutputSettings, ResultsSettings, StaticMethod};
+use crate::units::{FORCE_UNITS, LENGTH_UNITS, MASS_UNITS, TIME_UNITS, Unit, Units};
+
+/// Statements without an id: what they change of the model. False if the statement is none of them.
+pub(super) fn settings(reader: &mut Reader, model: &mut Model) -> bool {
+    match reader.def.name {
+        "ACCGRAV" => model.gravity = gravity(reader, model.gravity),
+        "UNITS" => model.units = units(reader),
+        "EQUILIBRIUM" => model.equilibrium = equilibrium(reader, &model.equilibrium),
+        "OUTPUT" => model.output = output(reader, &model.output),
+        "RESULTS" => model.results = results(reader, &model.results),
+        _ => return false,
+    }
+    true
+}
+
+fn gravity(reader: &Reader, old: Vec3) -> Vec3 {
+    Vec3::new(
+        reader.real("IGRAV", Some(old.x)),
+        reader.real("JGRAV", Some(old.y)),
+        reader.real("KGRAV", Some(old.z)),
+    )
+}
+
+/// UNITS: four units, a system, or a consistency factor alone (ADAMS-FORMATS 2.15).
+fn units(reader: &mut Reader) -> Units {
+    let named = |table: &[Unit], word: &str| {
+        table
+            .iter()
+            .find(|unit| {
+                unit.keyword == word || word.strip_suffix('S').is_some_and(|w| unit.keyword == w)
+            })
+            .copied()
+    };
+    let system: Option<[&str; 4]> = match reader.choice("SYSTEM") {
+        Some("CGS") => Some(["DYNE", "GRAM", "CENTIMETER", "SECOND"]),
+        Some("FPS") => Some(["POUND_FORCE", "SLUG", "FOOT", "SECOND"]),
+        Some("IPS") => Some(["POUND_FORCE", "SLINCH", "INCH", "SECOND"]),
+        Some("MKS") => Some(["NEWTON", "KILOGRAM", "METER", "SECOND"]),
+        _ => None,
+    };
+    let words = ["FORCE", "MASS", "LENGTH", "TIME"].map(|name| reader.choice(name));
+    let words = match (system, words) {
+        (Some(system), _) => Some(system),
+        (None, [Some(force), Some(mass), Some(length), Some(time)]) => {
+            Some([force, mass, length, time])
+        }
+        _ => None,
+    };
+    let mut units = Units::default();
+    if let Some([force, mass, length, time]) = words {
+        let tables = (
+            named(FORCE_UNITS, force),
+            named(MASS_UNITS, mass),
+            named(LENGTH_UNITS, length),
+            named(TIME_UNITS, time),
+        );
+        if let (Some(force), Some(mass), Some(length), Some(time)) = tables {
+            units = Units::new(force, mass, length, time);
+        }
+    } else if reader.any(&["FORCE", "MASS", "LENGTH", "TIME"]) {
+        let diagnostic = Diagnostic::error(
+            Code::MissingArgument,
+            "UNITS needs FORCE, MASS, LENGTH and TIME together",
+        );
+        reader.complain(diagnostic, reader.statement.keyword);
+    }
+    if let Some(ucf) = reader.statement.first("UCF") {
+        units.ucf = ucf;
+    }
+    units
+}
+
+fn equilibrium(reader: &Reader, old: &EquilibriumSettings) -> EquilibriumSettings {
+    let default = EquilibriumSettings::default();
+    let old = if reader.flag("DEFAULT", false) {
+        &default
+    } else {
+        old
+    };
+    let method = reader.choice("STATIC_METHOD").or(reader.choice("METHOD"));
+    EquilibriumSettings {
+        alimit: reader.real("ALIMIT", Some(old.alimit)),
+        tlimit: reader.real("TLIMIT", Some(old.tlimit)),
+        error: reader.real("ERROR", Some(old.error)),
+        imbalance: reader.real("IMBALANCE", Some(old.imbalance)),
+        maxit: reader.real("MAXIT", Some(old.maxit as f64)) as usize,
+        pattern: match reader.choices("PATTERN") {
+            Some(words) if !words.is_empty() => words.iter().map(|word| *word == "TRUE").collect(),
+            _ => old.pattern.clone(),
+        },
+        stability: reader.real("STABILITY", Some(old.stability)),
+        method: match method {
+            Some("ADVANCED") => StaticMethod::Advanced,
+            Some("AGGRESSIVE") => StaticMethod::Aggressive,
+            Some("ALL") => StaticMethod::All,
+            Some(_) => StaticMethod::Original,
+            None => old.method,
+        },
+    }
+}
+
+fn output(reader: &Reader, old: &OutputSettings) -> OutputSettings {
+    OutputSettings {
+        reqsave: reader.flag("REQSAVE", old.reqsave),
+        grsave: reader.flag("GRSAVE", old.grsave),
+        noprint: reader.flag("NOPRINT", old.noprint),
+        noseparator: reader.flag("NOSEPARATOR", old.noseparator),
+    }
+}
+
+fn results(reader: &Reader, old: &ResultsSettings) -> ResultsSettings {
+    ResultsSettings {
+        present: true,
+        xrf: reader.flag("XRF", old.xrf),
+        formatted: reader.flag("FORMATTED", old.formatted),
+        comment: reader
+            .text("COMMENT", Some(old.comment.clone()))
+            .unwrap_or_default(),
+        decimal_places: reader.real("DECIMALPLACES", Some(old.decimal_places as f64)) as usize,
+        no_displacements: reader.flag("NODISPLACEMENTS", old.no_displacements),
+        no_velocities: reader.flag("NOVELOCITIES", old.no_velocities),
+        no_accelerations: reader.flag("NOACCELERATIONS", old.no_accelerations),
+        no_reaction_forces: reader.flag("NOREACTIONFORCES", old.no_reaction_forces),
+        no_applied_forces: reader.flag("NOAPPLIEDFORCES", old.no_applied_forces),
+        no_system_elements: reader.flag("NOSYSTEMELEMENTS", old.no_system_elements),
+        no_requests: reader.flag("NOREQUESTS", old.no_requests),
+        no_floating_markers: reader.flag("NOFLOATINGMARKERS", old.no_floating_markers),
+    }
+}

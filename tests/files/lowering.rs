@@ -1,0 +1,170 @@
+//! The typed model of real decks and of small ones.
+
+use admire::diagnostic::{Checked, Code};
+use admire::model::{Function, JointKind, Model, Orientation, RequestKind};
+use admire::syntax::{CommandFile, Dataset};
+use admire::text::Source;
+
+use super::lossless::real_files;
+
+pub fn dataset(text: &str) -> Checked<Dataset> {
+    Dataset::parse(Source::new("test.adm", text.as_bytes().to_vec()))
+}
+
+pub fn model(text: &str) -> Model {
+    let parsed = dataset(text);
+    assert!(!parsed.has_errors(), "{:?}", parsed.diagnostics);
+    let lowered = Model::lower(&parsed.value);
+    assert!(!lowered.has_errors(), "{:?}", lowered.diagnostics);
+    lowered.value
+}
+
+pub fn redefine(model: &mut Model, text: &str) -> Vec<Code> {
+    let source = Source::new("test.acf", format!("\n{text}\n").into_bytes());
+    let parsed = CommandFile::parse(source.clone());
+    assert!(parsed.diagnostics.is_empty(), "{:?}", parsed.diagnostics);
+    let mut codes = Vec::new();
+    for command in parsed.value.commands() {
+        let complaints = model.redefine(command, &source);
+        codes.extend(complaints.iter().map(|complaint| complaint.code));
+    }
+    codes
+}
+
+#[test]
+fn real_decks_are_resolved_without_complaint() {
+    for (name, bytes) in real_files("adm") {
+        let parsed = Dataset::parse(Source::new(name.as_str(), bytes)).value;
+        let lowered = Model::lower(&parsed);
+        assert_eq!(lowered.diagnostics, [], "{name}");
+        assert_eq!(
+            lowered.value.parts.len(),
+            parsed
+                .statements()
+                .iter()
+                .filter(|s| matches!(s.kind(), Some("PART" | "FE_PART" | "POINT_MASS")))
+                .count()
+        );
+    }
+}
+
+const SMALL: &str = "small
+UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND
+!  adams_view_name='ground'
+PART/01, GROUND
+MARKER/0101, PART=01, QP=1,2,3, REULER=90D,0,0
+PART/2, MASS=2, CM=0201, IP=1,2,3
+, QG=10,0,0
+!  adams_view_name='hub'
+MARKER/0201
+, PART=2, ZP=1,0,0, XP=0,1,0
+BUSHING/7, I=201, J=101, K=1,2,3, KT=4,5,6D
+JOINT/1, REVOLUTE, I=101, J=201
+SFORCE/3, I=201, J=101, TRANSLATIONAL
+, FUNCTION = 5*
+, DM(201,101)
+REQUEST/1, F2=DX(201,101)\\F3=1,C=two
+MOTION/4, JOINT=1, FUNCTION=30D*TIME
+ACCGRAV/KGRAV=-9806.65
+END
+";
+
+#[test]
+fn a_small_deck_is_read_with_its_units_names_and_frames() {
+    let model = model(SMALL);
+    assert_eq!(model.units.ucf, 1000.0);
+    assert_eq!(model.gravity.z, -9806.65);
+    assert_eq!(model.parts[0].header.name, "ground");
+    assert_eq!(model.parts[1].header.name, "PART_2");
+    let hub = &model.markers[1];
+    assert_eq!(hub.header.name, "hub");
+    assert_eq!(hub.orientation, Orientation::Points);
+    // z along x of the part, x along y of the part.
+    assert!((hub.R.column(2) - nalgebra::Vector3::x()).norm() < 1e-15);
+    assert!((hub.R.column(0) - nalgebra::Vector3::y()).norm() < 1e-15);
+    assert_eq!(
+        model.markers[0].orientation,
+        Orientation::Reuler([std::f64::consts::FRAC_PI_2, 0.0, 0.0])
+    );
+    let bushing = &model.bushings[0];
+    assert_eq!(bushing.k, [1.0, 2.0, 3.0]);
+    assert_eq!(bushing.kt, [4.0, 5.0, 6f64.to_radians()]);
+    assert_eq!(bushing.torque, [0.0; 3]);
+    assert_eq!(model.joints[0].kind, JointKind::Revolute);
+    assert_eq!(model.motions[0].joint, Some(0));
+    match &model.sforces[0].function {
+        Function::Expression(expression) => assert_eq!(expression.literals.len(), 3),
+        Function::User(text) => panic!("{text}"),
+    }
+    match &model.requests[0].kind {
+        RequestKind::Functions(functions) => {
+            assert!(functions[0].is_none() && functions[1].is_some() && functions[2].is_some());
+        }
+        kind => panic!("{kind:?}"),
+    }
+    assert_eq!(model.requests[0].comment, "two");
+}
+
+#[test]
+fn commands_change_only_what_they_give() {
+    let mut model = model(SMALL);
+    let before = model.clone();
+    let codes = redefine(
+        &mut model,
+        "BUSHING/7, K=10,20,30\nEQUIL/ERR=1E-8, PATTERN=T:F\nSFORCE/3, FUNC=-4000.0\nPART/2, MASS=3\nACCG/IGRAV=1\nDEACT/MOTION, ID=4",
+    );
+    assert_eq!(codes, []);
+    assert_eq!(model.bushings[0].k, [10.0, 20.0, 30.0]);
+    assert_eq!(model.bushings[0].kt, before.bushings[0].kt);
+    assert_eq!(model.equilibrium.error, 1e-8);
+    assert_eq!(model.equilibrium.pattern, [true, false]);
+    assert_eq!(model.equilibrium.imbalance, 1e-4);
+    assert_eq!(model.parts[1].mass, 3.0);
+    assert_eq!(model.parts[1].pose, before.parts[1].pose);
+    assert_eq!((model.gravity.x, model.gravity.z), (1.0, -9806.65));
+    assert!(!model.motions[0].header.active);
+    let text = |model: &Model| match &model.sforces[0].function {
+        Function::Expression(expression) => expression.text.clone(),
+        Function::User(text) => text.clone(),
+    };
+    assert_eq!(text(&before), "5* DM(201,101)");
+    assert_eq!(text(&model), "-4000.0");
+    assert_eq!(
+        redefine(&mut model, "EQUIL/DEFAULT\nACTIVATE/MOTION, RANGE=1,9"),
+        []
+    );
+    assert_eq!(model.equilibrium, before.equilibrium);
+    assert!(model.motions[0].header.active);
+    assert_eq!(
+        redefine(
+            &mut model,
+            "SFORCE/4, FUNCTION=0\nMARKER/999, QP=1,2,3\nBUSHING/7, J=55"
+        ),
+        [Code::UndefinedId; 3]
+    );
+}
+
+#[test]
+fn undefined_and_duplicate_ids_are_located() {
+    let parsed = dataset(
+        "t\nPART/1, GROUND\nMARKER/10, PART=2\nMARKER/10, PART=1\nSFORCE/1, I=10, J=100, ROT, FUN=DX(11)\nEND\n",
+    );
+    let lowered = Model::lower(&parsed.value);
+    let shown: Vec<String> = lowered
+        .diagnostics
+        .iter()
+        .map(|d| {
+            let place = parsed.value.source().line_column(d.labels[0].span.start);
+            format!("{}:{} {} {:?}", place.line, place.column, d.message, d.help)
+        })
+        .collect();
+    assert_eq!(
+        shown,
+        [
+            "4:8 MARKER/10 is defined twice; the first one counts None",
+            "3:17 PART/2 is not defined Some(\"did you mean PART/1?\")",
+            "5:19 MARKER/100 is not defined Some(\"did you mean MARKER/10?\")",
+            "5:36 MARKER/11 is not defined Some(\"did you mean MARKER/10?\")",
+        ]
+    );
+}
