@@ -2,7 +2,6 @@
 
 mod common;
 mod files {
-    pub mod lint;
     pub mod lossless;
     pub mod lowering;
     pub mod results;

@@ -1,1 +1,5 @@
-fn main() {}
+//! The drop-in solver, with ADAMS' own command line.
+
+fn main() -> std::process::ExitCode {
+    admire::session::mdi()
+}

@@ -1,6 +1,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::diagnostic::Diagnostic;
+use crate::model::Model;
 use crate::syntax::{CommandFile, Dataset};
 
 use super::Outcome;
@@ -30,6 +31,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         } else {
             let parsed = Dataset::parse(source);
             found.extend(parsed.diagnostics);
+            found.extend(Model::lower(&parsed.value).diagnostics);
         }
     }
     shell.findings(&found);

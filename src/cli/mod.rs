@@ -4,11 +4,14 @@
 //! lower floor and shows what came back.
 
 mod check;
+mod compare;
 mod completions;
 mod explain;
 mod install_shims;
 mod render;
+mod results;
 mod shell;
+mod solve;
 
 use std::process::ExitCode;
 
@@ -36,6 +39,9 @@ struct Cli {
 #[derive(Subcommand, Debug)]
 enum Command {
     Check(check::Arguments),
+    Solve(solve::Arguments),
+    Results(results::Arguments),
+    Compare(compare::Arguments),
     Explain(explain::Arguments),
     InstallShims(install_shims::Arguments),
     Completions(completions::Arguments),
@@ -48,6 +54,9 @@ pub fn main() -> ExitCode {
     let mut shell = Shell::new(cli.format, cli.color);
     let exit = match cli.command {
         Command::Check(arguments) => check::run(&arguments, &mut shell),
+        Command::Solve(arguments) => solve::run(&arguments, &mut shell),
+        Command::Results(arguments) => results::run(&arguments, &mut shell),
+        Command::Compare(arguments) => compare::run(&arguments, &mut shell),
         Command::Explain(arguments) => explain::run(&arguments, &mut shell),
         Command::InstallShims(arguments) => install_shims::run(&arguments, &mut shell),
         Command::Completions(arguments) => completions::run(&arguments, &mut Cli::command()),

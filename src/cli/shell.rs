@@ -38,6 +38,20 @@ pub(super) enum Exit {
     Findings = 1,
     /// The command line is wrong, or a file cannot be read or written.
     Failed = 2,
+    /// There is no equilibrium, or no fit.
+    NoAnswer = 3,
+}
+
+impl Exit {
+    /// The exit with this code.
+    pub(super) fn of_code(code: u8) -> Self {
+        match code {
+            0 => Self::Fine,
+            1 => Self::Findings,
+            2 => Self::Failed,
+            _ => Self::NoAnswer,
+        }
+    }
 }
 
 /// What every subcommand shares: how to print, and the files read so far.

@@ -5,9 +5,7 @@
 //! in [`measure`] from given poses; forces of other elements enter as inputs that the caller fills.
 
 mod akima;
-mod build;
-mod call;
-mod compiler;
+mod compile;
 mod cubic;
 mod error;
 mod euler;
@@ -22,7 +20,7 @@ mod step;
 #[cfg(test)]
 mod tests;
 
-pub use compiler::Compiler;
+pub use compile::Compiler;
 pub use error::{EvalError, Fault};
 pub use input::{ElementIx, ForceComponent, ForceMeasure, Input, Measure, MeasureKind, Sequence};
 pub use program::{Program, Scratch};

@@ -2,12 +2,23 @@
 //!
 //! Knows how ADAMS' command line, messages and output files look. Does not know how an equilibrium is found.
 
+mod columns;
 mod launcher;
+mod loaded;
 mod located;
+mod mdi;
+mod measures;
 mod message;
+mod outputs;
 mod paths;
+mod run;
+mod saved;
+mod simulate;
+mod simulation;
 
 pub use launcher::{Launch, LaunchInput};
 pub use located::{Sources, located};
+pub use mdi::mdi;
 pub use message::{Messages, exponent};
 pub use paths::{WritePolicy, find_file, native_spelling};
+pub use run::{Ending, Session, Stop};

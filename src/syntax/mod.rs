@@ -10,7 +10,6 @@ pub mod expression;
 mod keywords;
 mod lexer;
 mod lines;
-pub mod lint;
 pub mod number;
 mod parser;
 mod statement;

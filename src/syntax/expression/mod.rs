@@ -4,8 +4,6 @@
 
 mod parse;
 mod references;
-#[cfg(test)]
-mod tests;
 mod tokens;
 
 pub use parse::parse;

@@ -1,0 +1,115 @@
+use std::path::PathBuf;
+
+use crate::results::{Comparison, Tolerance, compare};
+
+use super::Outcome;
+use super::results::{open, refused};
+use super::shell::{Exit, Format, Shell};
+
+/// Compare two results files, column by column and step by step.
+///
+/// Two values are the same if they differ by at most `abs + rel * max(|a|, |b|)`. Exit code 1 if they differ beyond that, or
+/// if a column or a step is in one file only.
+#[derive(clap::Args, Debug)]
+pub(super) struct Arguments {
+    /// First results file.
+    a: PathBuf,
+    /// Second results file.
+    b: PathBuf,
+    /// Absolute tolerance, in the unit of each column.
+    #[arg(long, default_value_t = 0.0)]
+    abs: f64,
+    /// Relative tolerance.
+    #[arg(long, default_value_t = 0.0)]
+    rel: f64,
+    /// Show every column, not only those that differ.
+    #[arg(long)]
+    all: bool,
+}
+
+/// Prints the differences.
+pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    let (mut a, mut b) = (open(&arguments.a, shell)?, open(&arguments.b, shell)?);
+    let tolerance = Tolerance {
+        absolute: arguments.abs,
+        relative: arguments.rel,
+    };
+    let comparison = compare(&mut a, &mut b, tolerance).map_err(|error| refused(error, shell))?;
+    shell.complain(a.diagnostics());
+    shell.complain(b.diagnostics());
+    let text = match shell.format {
+        Format::Json => {
+            serde_json::to_string_pretty(&comparison).expect("JSON values print") + "\n"
+        }
+        Format::Text | Format::Plain => table(&comparison, arguments.all),
+    };
+    shell.print(&text);
+    Ok(if comparison.agrees() {
+        Exit::Fine
+    } else {
+        Exit::Findings
+    })
+}
+
+fn table(comparison: &Comparison, all: bool) -> String {
+    let mut out = String::new();
+    let shown: Vec<_> = comparison
+        .columns
+        .iter()
+        .filter(|column| all || column.beyond > 0)
+        .collect();
+    for column in &shown {
+        let unit = column.units.as_deref().unwrap_or("");
+        out += &format!(
+            "{:48} largest {:.3e} {unit}, relative {:.3e}, {} of {} steps beyond",
+            column.path, column.largest, column.largest_relative, column.beyond, comparison.steps
+        );
+        if let Some(worst) = &column.worst {
+            out += &format!(
+                "; step {} at time {}: {} and {}",
+                worst.step, worst.time, worst.a, worst.b
+            );
+        }
+        out.push('\n');
+    }
+    let differing = comparison.columns.iter().filter(|c| c.beyond > 0).count();
+    for (names, place) in [
+        (&comparison.only_in_a, "first"),
+        (&comparison.only_in_b, "second"),
+    ] {
+        for name in names {
+            out += &format!("{name:48} only in the {place} file\n");
+        }
+    }
+    for column in &comparison.units_differ {
+        let unit = |unit: &Option<String>| unit.clone().unwrap_or_else(|| "no unit".into());
+        out += &format!(
+            "{:48} {} and {}\n",
+            column.path,
+            unit(&column.a),
+            unit(&column.b)
+        );
+    }
+    for (count, place) in [
+        (comparison.steps_only_in_a, "first"),
+        (comparison.steps_only_in_b, "second"),
+    ] {
+        if count > 0 {
+            out += &format!("{count} more steps in the {place} file\n");
+        }
+    }
+    for step in &comparison.kinds_differ {
+        out += &format!("step {step} is of another kind\n");
+    }
+    out += &format!(
+        "{} steps, {} columns compared: {}\n",
+        comparison.steps,
+        comparison.columns.len(),
+        if differing == 0 {
+            "all within the tolerance".to_string()
+        } else {
+            format!("{differing} columns differ")
+        }
+    );
+    out
+}

@@ -1,0 +1,116 @@
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::results::{ResultsError, Selection, XrfReader};
+
+use super::Outcome;
+use super::shell::{Exit, Format, Shell, exit_of};
+
+/// Show what a results file holds, or take columns out of it.
+#[derive(clap::Args, Debug)]
+pub(super) struct Arguments {
+    /// Results in XRF (.res).
+    file: PathBuf,
+    /// Print the columns' names, units and ids (with `--format json` as JSON). This is what happens without `--get`.
+    #[arg(long)]
+    list: bool,
+    /// Print the values of the columns with these names: `arm_XFORM.X`, `*_XFORM.?`, `JOINT_1`.
+    #[arg(long, num_args = 1.., value_name = "PATTERN")]
+    get: Vec<String>,
+    /// Print values as CSV; this is the default.
+    #[arg(long, conflicts_with = "json")]
+    csv: bool,
+    /// Print values as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Prints the list or the values.
+pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    let mut reader = open(&arguments.file, shell)?;
+    if arguments.get.is_empty() || arguments.list {
+        shell.print(&list(&mut reader, shell).map_err(|error| refused(error, shell))?);
+    } else {
+        let patterns: Vec<&str> = arguments.get.iter().map(String::as_str).collect();
+        let (selection, unused) = Selection::matching(reader.catalogue(), &patterns);
+        if let Some(pattern) = unused.first() {
+            return Err(shell.fail(
+                Diagnostic::error(
+                    Code::UndefinedId,
+                    format!("no column of the file is called `{pattern}`"),
+                )
+                .help("`admire results FILE --list` shows what there is"),
+            ));
+        }
+        let mut output = BufWriter::new(std::io::stdout().lock());
+        let written = if arguments.json || shell.format == Format::Json {
+            selection.write_json(&mut reader, &mut output)
+        } else {
+            selection.write_csv(&mut reader, &mut output)
+        };
+        // Nobody may be listening.
+        let _ = output.flush();
+        match written {
+            Ok(_) => {}
+            Err(ResultsError::Io(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => {}
+            Err(error) => return Err(refused(error, shell)),
+        }
+    }
+    shell.complain(reader.diagnostics());
+    Ok(exit_of(reader.diagnostics()))
+}
+
+/// Opens an XRF file.
+pub(super) fn open(path: &Path, shell: &Shell) -> Result<XrfReader<File>, Exit> {
+    let name = path.display().to_string();
+    let file = File::open(path).map_err(|error| {
+        shell.fail(Diagnostic::error(
+            Code::CannotRead,
+            format!("`{name}` cannot be read: {error}"),
+        ))
+    })?;
+    XrfReader::open(name, file).map_err(|error| refused(error, shell))
+}
+
+/// Says why a file is not read further.
+pub(super) fn refused(error: ResultsError, shell: &Shell) -> Exit {
+    let exit = match &error {
+        ResultsError::Io(_) => Exit::Failed,
+        ResultsError::Refused(_) => Exit::Findings,
+    };
+    shell.complain(&[error.into_diagnostic()]);
+    exit
+}
+
+fn list(reader: &mut XrfReader<File>, shell: &Shell) -> Result<String, ResultsError> {
+    let selection = Selection::all(reader.catalogue());
+    if shell.format == Format::Json {
+        let text = serde_json::to_string_pretty(&selection).expect("JSON values print");
+        return Ok(text + "\n");
+    }
+    let mut steps = Vec::<(String, usize)>::new();
+    while let Some(step) = reader.next_step()? {
+        match steps.last_mut() {
+            Some((block, count)) if block == step.block => *count += 1,
+            _ => steps.push((step.block.to_string(), 1)),
+        }
+    }
+    let header = reader.header();
+    let mut out = format!(
+        "{}\n{}, {}\n",
+        header.title,
+        header.solver.trim(),
+        header.execution_date
+    );
+    for (block, count) in steps {
+        out += &format!("{block}: {count} steps\n");
+    }
+    for column in &selection.columns {
+        let unit = column.units.as_deref().unwrap_or("");
+        out += format!("{:>6}  {:48} {unit}", column.id, column.path).trim_end();
+        out.push('\n');
+    }
+    Ok(out)
+}

@@ -1,0 +1,315 @@
+use crate::model::{
+    Model, PartIx, PartKind, Request, RequestKind, ResultsSettings, SpringKind, VectorForceKind,
+};
+use crate::results::{Catalogue, EntityKind, Numbering, Stored};
+use crate::units::{Dimension, Units};
+
+/// What the values of an entity of the results are.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) enum Item {
+    /// A DIFF: index into the model.
+    Diff(usize),
+    /// A constraint: statement and id.
+    Constraint(&'static str, u32),
+    /// A force element: statement and id; and the angles of I in J where asked for.
+    Element {
+        /// Statement.
+        kind: &'static str,
+        /// Id.
+        id: u32,
+        /// ANGX, ANGY, ANGZ follow.
+        angles: bool,
+    },
+    /// Requests that share a name: (request, component), both indices.
+    Request(Vec<(usize, usize)>),
+    /// A VARIABLE: index into the model.
+    Variable(usize),
+    /// The floating marker of a vector force: index of the force.
+    FloatingMarker(usize),
+}
+
+/// The columns of a run in the order of the values of a step (ADAMS-FORMATS 6.1, 12).
+#[derive(Clone, Debug)]
+pub(super) struct Columns {
+    /// The bodies; those with three freedoms have no angles.
+    pub bodies: Vec<(PartIx, EntityKind)>,
+    /// Which derivatives follow, as zeros: a static state is at rest.
+    pub stored: Stored,
+    /// What follows the bodies.
+    pub items: Vec<Item>,
+    /// Names and numbers of all of it.
+    pub catalogue: Catalogue,
+}
+
+impl Columns {
+    /// The columns that RESULTS asks for.
+    pub fn of(model: &Model) -> Self {
+        let settings = &model.results;
+        let stored = Stored {
+            velocities: !settings.no_velocities,
+            accelerations: !settings.no_accelerations,
+        };
+        let mut builder = Builder {
+            numbering: Numbering::new(model.units, stored),
+            items: Vec::new(),
+        };
+        let mut bodies = Vec::new();
+        if !settings.no_displacements {
+            for (index, part) in model.parts.iter().enumerate() {
+                let kind = match part.kind {
+                    PartKind::Rigid => EntityKind::Part,
+                    PartKind::PointMass => EntityKind::PointMass,
+                    PartKind::Ground | PartKind::External => continue,
+                };
+                builder.number(kind, &part.header.name, part.header.id);
+                bodies.push((PartIx(index), kind));
+            }
+            // The numbering sorts by kind, and keeps the order inside of a kind.
+            bodies.sort_by_key(|(_, kind)| *kind);
+        }
+        builder.add(model, settings);
+        let Builder {
+            numbering,
+            mut items,
+        } = builder;
+        items.sort_by_key(|(kind, _)| *kind);
+        Self {
+            bodies,
+            stored,
+            items: items.into_iter().map(|(_, item)| item).collect(),
+            catalogue: numbering.finish(),
+        }
+    }
+}
+
+struct Builder {
+    numbering: Numbering,
+    items: Vec<(EntityKind, Item)>,
+}
+
+impl Builder {
+    fn number(&mut self, kind: EntityKind, name: &str, id: u32) {
+        let name = (!name.is_empty()).then_some(name);
+        self.numbering.object(kind, name, i64::from(id), 0);
+    }
+
+    fn item(&mut self, kind: EntityKind, name: &str, id: u32, item: Item) {
+        self.number(kind, name, id);
+        self.items.push((kind, item));
+    }
+
+    fn add(&mut self, model: &Model, settings: &ResultsSettings) {
+        if !settings.no_reaction_forces {
+            self.add_constraints(model);
+        }
+        if !settings.no_applied_forces {
+            self.add_forces(model);
+        }
+        if !settings.no_system_elements {
+            for (index, diff) in model.diffs.iter().enumerate() {
+                let (name, id) = (&diff.header.name, diff.header.id);
+                self.item(
+                    EntityKind::DifferentialEquation,
+                    name,
+                    id,
+                    Item::Diff(index),
+                );
+            }
+            for (index, variable) in model.variables.iter().enumerate() {
+                let (name, id) = (&variable.header.name, variable.header.id);
+                self.item(EntityKind::Variable, name, id, Item::Variable(index));
+            }
+        }
+        if !settings.no_requests {
+            self.add_requests(model);
+        }
+        if !settings.no_floating_markers {
+            for (index, force) in model.vector_forces.iter().enumerate() {
+                let marker = &model.markers[force.jfloat.0].header;
+                let item = Item::FloatingMarker(index);
+                self.item(EntityKind::FloatingMarker, &marker.name, marker.id, item);
+            }
+        }
+    }
+
+    fn add_constraints(&mut self, model: &Model) {
+        macro_rules! each {
+            ($($list:ident $kind:ident $word:literal),+) => {
+                $(for object in &model.$list {
+                    let (name, id) = (&object.header.name, object.header.id);
+                    self.item(EntityKind::$kind, name, id, Item::Constraint($word, id));
+                })+
+            };
+        }
+        each!(
+            joints Joint "JOINT",
+            primitives PrimitiveJoint "JPRIM",
+            motions Motion "MOTION",
+            gears Gear "GEAR",
+            couplers Coupler "COUPLER"
+        );
+    }
+
+    fn add_forces(&mut self, model: &Model) {
+        let mut add = |entity, word: &'static str, header: &crate::model::Header, angles| {
+            let item = Item::Element {
+                kind: word,
+                id: header.id,
+                angles,
+            };
+            self.item(entity, &header.name, header.id, item);
+        };
+        for force in &model.sforces {
+            add(
+                EntityKind::SingleComponentForce,
+                "SFORCE",
+                &force.header,
+                false,
+            );
+        }
+        for spring in &model.springdampers {
+            let entity = match spring.kind {
+                SpringKind::Translational => EntityKind::TranslationalSpringDamper,
+                SpringKind::Rotational => EntityKind::RotationalSpringDamper,
+            };
+            add(entity, "SPRINGDAMPER", &spring.header, false);
+        }
+        for bushing in &model.bushings {
+            add(EntityKind::Bushing, "BUSHING", &bushing.header, true);
+        }
+        for beam in &model.beams {
+            add(EntityKind::Beam, "BEAM", &beam.header, false);
+        }
+        for field in &model.fields {
+            add(EntityKind::Field, "FIELD", &field.header, true);
+        }
+        for force in &model.vector_forces {
+            let (entity, word) = match force.kind {
+                VectorForceKind::Gforce => (EntityKind::GeneralForce, "GFORCE"),
+                VectorForceKind::Vforce => (EntityKind::ForceVector, "VFORCE"),
+                VectorForceKind::Vtorque => (EntityKind::TorqueVector, "VTORQUE"),
+            };
+            add(entity, word, &force.header, false);
+        }
+    }
+
+    /// Requests with one RESULTS_NAME make one result set, whose object id is 0.
+    fn add_requests(&mut self, model: &Model) {
+        let mut done = vec![false; model.requests.len()];
+        for first in 0..model.requests.len() {
+            if done[first] {
+                continue;
+            }
+            let request = &model.requests[first];
+            let shared = request.results_name.as_deref();
+            let members: Vec<usize> = (first..model.requests.len())
+                .filter(|&k| {
+                    k == first
+                        || shared.is_some() && model.requests[k].results_name.as_deref() == shared
+                })
+                .collect();
+            let mut values = Vec::new();
+            let mut columns: Vec<(String, Option<String>)> = Vec::new();
+            for member in members {
+                done[member] = true;
+                for (component, name, unit) in components(&model.requests[member], &model.units) {
+                    values.push((member, component));
+                    columns.push((name, unit));
+                }
+            }
+            let columns: Vec<(&str, Option<&str>)> = columns
+                .iter()
+                .map(|(name, unit)| (name.as_str(), unit.as_deref()))
+                .collect();
+            let id = if shared.is_some() {
+                0
+            } else {
+                i64::from(request.header.id)
+            };
+            let name = shared.unwrap_or(&request.header.name);
+            let comment = (!request.comment.is_empty()).then_some(request.comment.as_str());
+            self.numbering
+                .named(EntityKind::Request, Some(name), id, comment, &columns);
+            self.items
+                .push((EntityKind::Request, Item::Request(values)));
+        }
+    }
+}
+
+/// The components of a request that are written: index from 0 to 7, name and unit.
+///
+/// Names are those of CNAMES or TITLE, and an empty one takes its component out; a request of functions has only the
+/// components with a function. The names ADAMS gives by itself are not documented; these are the usual column headings.
+pub(super) fn components(request: &Request, units: &Units) -> Vec<(usize, String, Option<String>)> {
+    let (usual, translation, rotation) = match &request.kind {
+        RequestKind::Displacement { .. } => (
+            ["MAG", "X", "Y", "Z", "AMAG", "PSI", "THETA", "PHI"],
+            Dimension::LENGTH,
+            Dimension::ANGLE,
+        ),
+        RequestKind::Velocity { .. } => (
+            ["VM", "VX", "VY", "VZ", "WM", "WX", "WY", "WZ"],
+            Dimension::new(0, 0, 1, -1, 0),
+            Dimension::new(0, 0, 0, -1, 1),
+        ),
+        RequestKind::Acceleration { .. } => (
+            ["ACCM", "ACCX", "ACCY", "ACCZ", "WDM", "WDX", "WDY", "WDZ"],
+            Dimension::new(0, 0, 1, -2, 0),
+            Dimension::new(0, 0, 0, -2, 1),
+        ),
+        RequestKind::Force { .. } => (
+            ["FM", "FX", "FY", "FZ", "TM", "TX", "TY", "TZ"],
+            Dimension::FORCE,
+            Dimension::TORQUE,
+        ),
+        RequestKind::Functions(_) | RequestKind::User(_) => (
+            ["U1", "U2", "U3", "U4", "U5", "U6", "U7", "U8"],
+            Dimension::NONE,
+            Dimension::NONE,
+        ),
+    };
+    let mut out = Vec::new();
+    for k in 0..8 {
+        let given = request.component_names.as_ref();
+        let name = match given {
+            Some(names) => names.get(k).cloned().unwrap_or_default(),
+            None => usual[k].to_string(),
+        };
+        let exists = match &request.kind {
+            RequestKind::Functions(functions) => functions[k].is_some(),
+            RequestKind::User(_) => false,
+            _ => true,
+        };
+        if name.is_empty() || !exists {
+            continue;
+        }
+        let dimension = if k < 4 { translation } else { rotation };
+        let unit = match request.component_units.get(k).map(String::as_str) {
+            Some(word) if !word.is_empty() => unit_of_word(word, units),
+            _ => units.name(dimension),
+        };
+        out.push((k, name, (!unit.is_empty()).then_some(unit)));
+    }
+    out
+}
+
+/// The unit that a word of CUNITS stands for: `"length"`, `"force"`, `"no_units"`, ... A word that is a unit itself stays.
+fn unit_of_word(word: &str, units: &Units) -> String {
+    let dimension = match word.to_ascii_lowercase().as_str() {
+        "no_units" | "none" => return "no_units".to_string(),
+        "length" => Dimension::LENGTH,
+        "angle" => Dimension::ANGLE,
+        "force" => Dimension::FORCE,
+        "torque" => Dimension::TORQUE,
+        "mass" => Dimension::MASS,
+        "time" => Dimension::TIME,
+        "velocity" => Dimension::new(0, 0, 1, -1, 0),
+        "acceleration" => Dimension::new(0, 0, 1, -2, 0),
+        "angular_velocity" => Dimension::new(0, 0, 0, -1, 1),
+        "angular_acceleration" => Dimension::new(0, 0, 0, -2, 1),
+        "stiffness" => Dimension::new(1, 0, -1, 0, 0),
+        "torsion_stiffness" => Dimension::new(1, 0, 1, 0, -1),
+        _ => return word.to_string(),
+    };
+    units.name(dimension)
+}

@@ -1,0 +1,182 @@
+use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
+use crate::model::Model;
+use crate::statics::Solver;
+use crate::syntax::{Dataset, Statement};
+use crate::system::{Parameters, State, System};
+use crate::text::Source;
+
+use super::outputs::Outputs;
+use super::saved::Saved;
+
+/// A model that was read, and where it stands.
+pub(super) struct Loaded {
+    pub model: Model,
+    pub outputs: Outputs,
+    /// The redundant constraints that were last told of.
+    pub said_redundant: Option<Vec<String>>,
+    /// The free motions that were last told of.
+    pub said_free: Option<Vec<String>>,
+    pub(super) compiled: Option<Compiled>,
+    /// Where the model was before it is compiled anew.
+    before: Option<State>,
+}
+
+/// The equations of a model and their state.
+pub(super) struct Compiled {
+    pub system: System,
+    pub parameters: Parameters,
+    pub state: State,
+    pub solver: Solver,
+}
+
+impl Compiled {
+    /// Degrees of freedom after a solution, which found out which constraints are redundant.
+    pub fn freedoms(&self) -> usize {
+        let held: usize = self
+            .system
+            .joints
+            .iter()
+            .filter(|joint| joint.active)
+            .map(|joint| joint.count)
+            .sum();
+        let conditions = self.system.conditions.iter().filter(|c| c.active).count();
+        let redundant = self.state.redundant.iter().filter(|&&out| out).count();
+        (self.system.first_equation + redundant).saturating_sub(held + conditions)
+    }
+}
+
+impl Loaded {
+    /// Reads a dataset. The model can be used if no complaint is an error.
+    pub fn read(source: Source, outputs: Outputs) -> Checked<Self> {
+        let parsed = Dataset::parse(source);
+        let lowered = Model::lower(&parsed.value);
+        let mut diagnostics = parsed.diagnostics;
+        diagnostics.extend(lowered.diagnostics);
+        for diagnostic in &mut diagnostics {
+            // What is not understood would be missing in the answer.
+            if matches!(
+                diagnostic.code,
+                Code::UnknownStatement | Code::UnknownArgument | Code::AmbiguousKeyword
+            ) {
+                diagnostic.severity = Severity::Error;
+            }
+        }
+        Checked {
+            value: Self {
+                model: lowered.value,
+                outputs,
+                said_redundant: None,
+                said_free: None,
+                compiled: None,
+                before: None,
+            },
+            diagnostics,
+        }
+    }
+
+    /// The current time.
+    pub fn time(&self) -> f64 {
+        self.state().map_or(0.0, |state| state.time)
+    }
+
+    /// The current state, if any simulation was asked for yet.
+    pub fn state(&self) -> Option<&State> {
+        match &self.compiled {
+            Some(compiled) => Some(&compiled.state),
+            None => self.before.as_ref(),
+        }
+    }
+
+    /// The model was changed: its equations are compiled anew before the next simulation, which starts from where it stands.
+    pub fn changed(&mut self) {
+        if let Some(compiled) = self.compiled.take() {
+            self.before = Some(compiled.state);
+        }
+        self.outputs.last = None;
+    }
+
+    /// Redefines a statement by a command. Gives the complaints; nothing is changed if one is an error.
+    pub fn redefine(&mut self, command: &Statement, source: &Source) -> Vec<Diagnostic> {
+        let poses: Vec<_> = self.model.parts.iter().map(|part| part.pose).collect();
+        let complaints = self.model.redefine(command, source);
+        self.changed();
+        // A part that is placed anew goes there; the others stay where they are.
+        if let Some(state) = &mut self.before {
+            for (k, part) in self.model.parts.iter().enumerate() {
+                if poses.get(k) != Some(&part.pose)
+                    && let Some(pose) = state.poses.get_mut(k)
+                {
+                    *pose = part.pose;
+                }
+            }
+        }
+        complaints
+    }
+
+    /// Goes back to a saved state.
+    ///
+    /// # Errors
+    /// When the state is that of another model.
+    pub fn restore(&mut self, saved: Saved) -> Result<(), Diagnostic> {
+        self.changed();
+        if let Some(model) = saved.model {
+            self.model = model;
+        }
+        self.before = match saved.state {
+            Some(placed) => {
+                let mut state = System::compile(&self.model).value.state();
+                placed.put_into(&mut state)?;
+                Some(state)
+            }
+            None => None,
+        };
+        Ok(())
+    }
+
+    /// The equations of the model as it is now, at the state where it stands, and what the compilation complains about.
+    pub fn compiled(&mut self) -> Checked<&mut Compiled> {
+        let mut diagnostics = Vec::new();
+        let compiled = self.compiled.get_or_insert_with(|| {
+            let checked = System::compile(&self.model);
+            diagnostics = checked.diagnostics;
+            let system = checked.value;
+            let mut state = system.state();
+            if let Some(before) = self.before.take() {
+                carry_over(&mut state, before);
+            }
+            Compiled {
+                parameters: system.parameters(),
+                solver: Solver::new(&system),
+                system,
+                state,
+            }
+        });
+        Checked {
+            value: compiled,
+            diagnostics,
+        }
+    }
+}
+
+/// Puts a model that was compiled anew where it stood before. What has changed in number starts from the dataset's values.
+fn carry_over(state: &mut State, before: State) {
+    state.time = before.time;
+    for (now, then) in [
+        (&mut state.variables, before.variables),
+        (&mut state.states, before.states),
+        (&mut state.multipliers, before.multipliers),
+    ] {
+        if now.len() == then.len() {
+            *now = then;
+        }
+    }
+    if state.poses.len() == before.poses.len() {
+        state.poses = before.poses;
+    }
+    if state.pair_angles.len() == before.pair_angles.len() {
+        state.pair_angles = before.pair_angles;
+    }
+    if state.measure_angles.len() == before.measure_angles.len() {
+        state.measure_angles = before.measure_angles;
+    }
+}

@@ -1,0 +1,169 @@
+use std::collections::BTreeMap;
+
+use crate::mechanics::{Pose, Vec3, psi_theta_phi};
+use crate::model::{MarkerIx, Model};
+use crate::results::EntityKind;
+use crate::system::{ConstraintIx, ElementIx, Parameters, Reading, Scratch, State, System};
+
+use super::columns::{Columns, Item};
+
+/// Reads one state of a system: forces, reactions, requests.
+///
+/// What has no value in a configuration (a force along a line of no length) is written as zero: result files hold numbers only.
+pub(super) struct Measures<'s> {
+    system: &'s System,
+    parameters: &'s Parameters,
+    state: &'s State,
+    scratch: Scratch,
+    elements: BTreeMap<(&'static str, u32), ElementIx>,
+    constraints: BTreeMap<(&'static str, u32), ConstraintIx>,
+}
+
+impl<'s> Measures<'s> {
+    /// Looks at a state.
+    pub fn new(system: &'s System, parameters: &'s Parameters, state: &'s State) -> Self {
+        let mut scratch = Scratch::new(system);
+        // Functions without a value make the elements they drive zero.
+        let _ = system.look(parameters, state, &mut scratch);
+        Self {
+            system,
+            parameters,
+            state,
+            scratch,
+            elements: system
+                .elements()
+                .map(|(element, name)| ((name.kind, name.id), element))
+                .collect(),
+            constraints: system
+                .constraints()
+                .map(|(constraint, name)| ((name.kind, name.id), constraint))
+                .collect(),
+        }
+    }
+
+    fn element(&mut self, kind: &'static str, id: u32) -> Option<Reading> {
+        let element = *self.elements.get(&(kind, id))?;
+        self.system
+            .read_element(self.parameters, self.state, &mut self.scratch, element)
+            .ok()
+    }
+
+    fn constraint(&mut self, kind: &'static str, id: u32) -> Option<Reading> {
+        let constraint = *self.constraints.get(&(kind, id))?;
+        Some(self.system.read_constraint(
+            self.parameters,
+            self.state,
+            &mut self.scratch,
+            constraint,
+        ))
+    }
+
+    /// Pose of a marker in ground.
+    fn marker(&self, model: &Model, marker: MarkerIx) -> Pose {
+        let part = model.markers[marker.0].part;
+        self.state.poses[part.0].compose(self.parameters.marker(marker))
+    }
+
+    /// The eight components of a request; zero if it is switched off or has no value here.
+    pub fn request(&mut self, model: &Model, index: usize) -> [f64; 8] {
+        let request = &model.requests[index];
+        if !request.header.active {
+            return [0.0; 8];
+        }
+        self.system
+            .read_request(
+                request,
+                index,
+                self.parameters,
+                self.state,
+                &mut self.scratch,
+            )
+            .unwrap_or_default()
+            .map(|value| if value.is_finite() { value } else { 0.0 })
+    }
+}
+
+impl Columns {
+    /// The values of the step `input`: the parts where the dataset puts them, everything else zero.
+    pub fn input(&self, initial: &State, values: &mut Vec<f64>) {
+        values.clear();
+        values.push(initial.time);
+        self.bodies(initial, values);
+        values.resize(self.catalogue.len(), 0.0);
+    }
+
+    /// The values of a step.
+    pub fn step(&self, model: &Model, measures: &mut Measures<'_>, values: &mut Vec<f64>) {
+        let state = measures.state;
+        values.clear();
+        values.push(state.time);
+        self.bodies(state, values);
+        for item in &self.items {
+            self.item(item, model, measures, values);
+        }
+    }
+
+    fn bodies(&self, state: &State, values: &mut Vec<f64>) {
+        let mut count = 0;
+        for (part, kind) in &self.bodies {
+            let pose = &state.poses[part.0];
+            values.extend(pose.p.iter());
+            count += 3;
+            if *kind == EntityKind::Part {
+                values.extend(psi_theta_phi(&pose.R));
+                count += 3;
+            }
+        }
+        // At rest.
+        for stored in [self.stored.velocities, self.stored.accelerations] {
+            if stored {
+                values.resize(values.len() + count, 0.0);
+            }
+        }
+    }
+
+    fn item(&self, item: &Item, model: &Model, measures: &mut Measures<'_>, values: &mut Vec<f64>) {
+        let wrench = |reading: Option<&Reading>, values: &mut Vec<f64>| match reading {
+            Some(reading) => {
+                values.extend(reading.force.iter());
+                values.extend(reading.torque.iter());
+            }
+            None => values.extend([0.0; 6]),
+        };
+        match item {
+            Item::Diff(index) => {
+                values.push(measures.state.states.get(*index).copied().unwrap_or(0.0));
+                values.push(0.0);
+            }
+            Item::Variable(index) => {
+                values.push(measures.state.variables.get(*index).copied().unwrap_or(0.0));
+            }
+            Item::Constraint(kind, id) => wrench(measures.constraint(kind, *id).as_ref(), values),
+            Item::Element { kind, id, angles } => {
+                let reading = measures.element(kind, *id);
+                wrench(reading.as_ref(), values);
+                if *angles {
+                    let angles = reading.map_or_else(Vec3::zeros, |reading| reading.motion.angles);
+                    values.extend(angles.iter());
+                }
+            }
+            Item::Request(components) => {
+                let mut last: Option<(usize, [f64; 8])> = None;
+                for &(request, component) in components {
+                    let all = match last {
+                        Some((known, all)) if known == request => all,
+                        _ => measures.request(model, request),
+                    };
+                    last = Some((request, all));
+                    values.push(all[component]);
+                }
+            }
+            Item::FloatingMarker(index) => {
+                // A floating marker is kept on the I marker of its force.
+                let pose = measures.marker(model, model.vector_forces[*index].i);
+                values.extend(pose.p.iter());
+                values.extend(psi_theta_phi(&pose.R));
+            }
+        }
+    }
+}

@@ -1,0 +1,517 @@
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::syntax::{CommandFile, Statement};
+use crate::text::Source;
+
+use super::loaded::Loaded;
+use super::located::Sources;
+use super::message::Messages;
+use super::outputs::Outputs;
+use super::paths::{WritePolicy, find_file, native_spelling};
+use super::saved::Saved;
+
+/// Command files that read command files, one inside of the other.
+const DEEPEST: usize = 16;
+
+/// Why a run ended.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Stop {
+    /// STOP, or the end of the commands.
+    Finished,
+    /// A command file or a dataset cannot be read, or an output file cannot be written.
+    File,
+    /// The dataset has errors.
+    Model,
+    /// PREFERENCES/SIMFAIL=STOPCF and a simulation failed.
+    Simulation,
+}
+
+/// What came of a run.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Ending {
+    /// Why it ended.
+    pub stop: Stop,
+    /// Commands that could not be understood.
+    pub misunderstood: usize,
+    /// Commands that ADAMS executes and this solver does not.
+    pub refused: usize,
+    /// Simulations without an answer.
+    pub failed: usize,
+}
+
+impl Ending {
+    /// The exit code of the process.
+    ///
+    /// As ADAMS does, 0 when the end was reached, even if a static solution failed on the way: funnels of static solutions
+    /// count on it. A command that cannot be understood means that the command file cannot be read, hence 1. With `strict`
+    /// the house codes: 1 errors in the input, 2 files, 3 no equilibrium.
+    pub fn exit_code(&self, strict: bool) -> u8 {
+        match self.stop {
+            Stop::File => 2,
+            Stop::Model => 1,
+            Stop::Simulation => 3,
+            Stop::Finished if strict && self.failed > 0 => 3,
+            Stop::Finished if self.misunderstood > 0 || strict && self.refused > 0 => 1,
+            Stop::Finished => 0,
+        }
+    }
+}
+
+/// Executes commands against a model and writes what ADAMS would write.
+pub struct Session<'a> {
+    pub(super) messages: Messages<'a>,
+    sources: Sources,
+    directory: PathBuf,
+    /// Folders to look files up in: the working directory, then those of the command files.
+    folders: Vec<PathBuf>,
+    policy: WritePolicy,
+    pub(super) loaded: Option<Loaded>,
+    saved: BTreeMap<PathBuf, Saved>,
+    stop_on_failure: bool,
+    ending: Ending,
+}
+
+/// What executing a command leads to; `Err` ends the run.
+pub(super) type Flow = Result<(), Stop>;
+
+impl<'a> Session<'a> {
+    /// A session in a working directory (empty for that of the process), whose messages go to `console` too.
+    pub fn new(console: Box<dyn Write + 'a>, directory: &Path) -> Self {
+        Self {
+            messages: Messages::new(console, directory),
+            sources: Sources::default(),
+            directory: directory.to_path_buf(),
+            folders: vec![directory.to_path_buf()],
+            policy: WritePolicy::new(directory),
+            loaded: None,
+            saved: BTreeMap::new(),
+            stop_on_failure: false,
+            ending: Ending {
+                stop: Stop::Finished,
+                misunderstood: 0,
+                refused: 0,
+                failed: 0,
+            },
+        }
+    }
+
+    /// Says a complaint that came up before any command.
+    pub fn complain(&mut self, diagnostic: &Diagnostic) {
+        self.messages.diagnostic(diagnostic, &self.sources);
+    }
+
+    /// Executes a command file, named as on a command line.
+    pub fn run_file(mut self, written: &str) -> Ending {
+        let start = std::time::Instant::now();
+        self.messages.command(&format!("FILE/COMMAND={written}"));
+        let flow = self.command_file(written, None, 0);
+        self.finish(flow, start)
+    }
+
+    /// Executes commands that are not in a file: those of standard input.
+    pub fn run_commands(mut self, commands: Source) -> Ending {
+        let start = std::time::Instant::now();
+        let flow = self.execute(commands, 0);
+        self.finish(flow, start)
+    }
+
+    fn finish(mut self, flow: Flow, start: std::time::Instant) -> Ending {
+        if let Err(stop) = flow {
+            self.ending.stop = stop;
+        }
+        if let Err(stop) = self.close_model() {
+            self.ending.stop = stop;
+        }
+        self.messages.finished(start.elapsed());
+        self.ending
+    }
+
+    fn close_model(&mut self) -> Flow {
+        if let Some(mut loaded) = self.loaded.take()
+            && let Err(diagnostic) = loaded.outputs.finish()
+        {
+            self.complain(&diagnostic);
+            return Err(Stop::File);
+        }
+        Ok(())
+    }
+
+    /// Looks a file up; says what is said of it, and why it cannot be read.
+    fn read(
+        &mut self,
+        written: &str,
+        extension: &str,
+        place: Option<Place<'_>>,
+    ) -> Result<(Source, PathBuf), Stop> {
+        let found = find_file(written, extension, &self.folders);
+        for diagnostic in found.diagnostics {
+            self.complain(&place.label(diagnostic));
+        }
+        let Some(path) = found.value else {
+            let missing = Diagnostic::error(
+                Code::CannotRead,
+                format!("there is no file `{written}`, with or without `.{extension}`"),
+            )
+            .help(format!(
+                "it was looked for in {}",
+                std::path::absolute(&self.directory)
+                    .unwrap_or_else(|_| self.directory.clone())
+                    .display()
+            ));
+            self.complain(&place.label(missing));
+            return Err(Stop::File);
+        };
+        match std::fs::read(&path) {
+            Ok(mut bytes) => {
+                // Files from DOS may end with ^Z.
+                while bytes.last() == Some(&0x1a) {
+                    bytes.pop();
+                }
+                let source = Source::new(path.display().to_string(), bytes);
+                self.sources.add(source.clone());
+                Ok((source, path))
+            }
+            Err(error) => {
+                let unreadable = Diagnostic::error(
+                    Code::CannotRead,
+                    format!("`{}` cannot be read: {error}", path.display()),
+                );
+                self.complain(&place.label(unreadable));
+                Err(Stop::File)
+            }
+        }
+    }
+
+    fn command_file(&mut self, written: &str, place: Option<Place<'_>>, depth: usize) -> Flow {
+        if depth >= DEEPEST {
+            let deep = Diagnostic::error(
+                Code::LimitExceeded,
+                format!("command files read command files {DEEPEST} times over"),
+            );
+            self.complain(&place.label(deep));
+            return Err(Stop::File);
+        }
+        let (source, path) = self.read(written, "acf", place)?;
+        let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+        self.policy.allow(&folder);
+        if !self.folders.contains(&folder) {
+            self.folders.push(folder);
+        }
+        self.execute(source, depth)
+    }
+
+    /// Executes commands line by line, each echoed before what it does.
+    fn execute(&mut self, source: Source, depth: usize) -> Flow {
+        self.sources.add(source.clone());
+        let parsed = CommandFile::parse(source.clone());
+        let file = parsed.value;
+        let mut complaints = parsed.diagnostics;
+        complaints.sort_by_key(place_in_file);
+        let mut complaints = complaints.into_iter().peekable();
+        if let Some(head) = file.head() {
+            let model = source.text(head.model);
+            let prefix = head.prefix.map(|span| source.text(span));
+            let shown = prefix.as_deref().unwrap_or(&model);
+            self.messages
+                .command(&format!("FILE/MODEL={model}, OUTPUT_PREFIX={shown}"));
+            let place = Some(Place {
+                source: &source,
+                span: head.model,
+            });
+            self.model_file(&model, prefix.as_deref(), place)?;
+        }
+        for line in file.lines() {
+            self.messages.command(&source.text(line.echo));
+            let mut broken: Vec<usize> = Vec::new();
+            while let Some(complaint) =
+                complaints.next_if(|complaint| place_in_file(complaint) <= line.echo.end)
+            {
+                let complaint = as_command_error(complaint);
+                self.complain(&complaint);
+                if complaint.severity == Severity::Error {
+                    broken.push(place_in_file(&complaint));
+                }
+            }
+            for command in &file.commands()[line.commands.clone()] {
+                let in_command = |at: &usize| (command.span.start..=command.span.end).contains(at);
+                if broken.iter().any(in_command) {
+                    self.ending.misunderstood += 1;
+                    continue;
+                }
+                if command.kind() == Some("STOP") {
+                    return Ok(());
+                }
+                self.command(command, &source, depth)?;
+            }
+            self.messages.flush();
+        }
+        Ok(())
+    }
+
+    fn command(&mut self, command: &Statement, source: &Source, depth: usize) -> Flow {
+        let place = Some(Place {
+            source,
+            span: command.span,
+        });
+        match command.kind().unwrap_or_default() {
+            "FILE" => {
+                if let Some(argument) = command.argument("COMMAND") {
+                    let name = argument.text(source).unwrap_or_default();
+                    let place = Some(Place {
+                        source,
+                        span: argument.value_span(),
+                    });
+                    return self.command_file(&name, place, depth + 1);
+                }
+                let Some(argument) = command.argument("MODEL") else {
+                    return self.misunderstood(
+                        Diagnostic::error(
+                            Code::MissingArgument,
+                            "FILE names no MODEL and no COMMAND",
+                        ),
+                        place,
+                    );
+                };
+                let name = argument.text(source).unwrap_or_default();
+                let prefix = command.text("OUTPUT_PREFIX", source);
+                let place = Some(Place {
+                    source,
+                    span: argument.value_span(),
+                });
+                self.model_file(&name, prefix.as_deref(), place)
+            }
+            "SIMULATE" => self.simulate(command, source),
+            "SAVE" => self.save(command, source, place),
+            "RELOAD" => self.reload(command, source, place),
+            "PREFERENCES" => {
+                if let Some(argument) = command.argument("SIMFAIL") {
+                    self.stop_on_failure = argument.choices(source).contains(&"STOPCF");
+                }
+                Ok(())
+            }
+            "LINEAR" | "CONTROL" => self.refused(
+                Diagnostic::error(
+                    Code::CommandNotSupported,
+                    "only ADAMS itself executes this command; it is left out",
+                ),
+                place,
+            ),
+            "TIME" => {
+                let now = self.loaded.as_ref().map_or(0.0, Loaded::time);
+                self.messages.say(&format!("  Time = {now}\n"));
+                Ok(())
+            }
+            // What only prints or concerns other analyses changes nothing here.
+            "INFO" | "SHOW" | "HELP" | "MENU" | "ENVIRONMENT" | "DEBUG" | "INTEGRATOR"
+            | "LSOLVER" | "IC" | "KINEMATICS" => Ok(()),
+            _ => self.redefine(command, source),
+        }
+    }
+
+    /// Reads a model: empties the output files of its prefix first.
+    fn model_file(
+        &mut self,
+        written: &str,
+        prefix: Option<&str>,
+        place: Option<Place<'_>>,
+    ) -> Flow {
+        self.close_model()?;
+        let found = find_file(written, "adm", &self.folders).value;
+        if let Some(folder) = found.as_deref().and_then(Path::parent) {
+            self.policy.allow(folder);
+        }
+        let prefix = self.directory.join(match prefix.map(str::trim) {
+            Some(prefix) if !prefix.is_empty() => native_spelling(prefix),
+            _ => default_prefix(written),
+        });
+        let outputs = match Outputs::prepare(prefix, &self.policy) {
+            Ok(outputs) => outputs,
+            Err(diagnostic) => {
+                self.complain(&place.label(diagnostic));
+                return Err(Stop::File);
+            }
+        };
+        let path = outputs.message_file();
+        if let Err(error) = self.messages.open(&path) {
+            let unwritable = Diagnostic::warning(
+                Code::CannotWrite,
+                format!("`{}` cannot be written: {error}", path.display()),
+            );
+            self.complain(&unwritable);
+        }
+        let (source, _) = self.read(written, "adm", place)?;
+        let loaded = Loaded::read(source, outputs);
+        let mut errors = 0;
+        for diagnostic in &loaded.diagnostics {
+            errors += usize::from(diagnostic.severity == Severity::Error);
+            self.messages.diagnostic(diagnostic, &self.sources);
+        }
+        if errors > 0 {
+            self.messages.frame(
+                "ERROR",
+                &format!("The model has {errors} errors and cannot be simulated."),
+            );
+            return Err(Stop::Model);
+        }
+        self.messages.title(&loaded.value.model.title);
+        self.loaded = Some(loaded.value);
+        Ok(())
+    }
+
+    fn redefine(&mut self, command: &Statement, source: &Source) -> Flow {
+        let Some(loaded) = &mut self.loaded else {
+            return self.no_model(command, source);
+        };
+        let complaints = loaded.redefine(command, source);
+        let errors = complaints.iter().any(|d| d.severity == Severity::Error);
+        for diagnostic in &complaints {
+            self.messages.diagnostic(diagnostic, &self.sources);
+        }
+        self.ending.misunderstood += usize::from(errors);
+        Ok(())
+    }
+
+    fn save(&mut self, command: &Statement, source: &Source, place: Option<Place<'_>>) -> Flow {
+        let Some(loaded) = &self.loaded else {
+            return self.no_model(command, source);
+        };
+        let Some(name) = command.text("FILE", source) else {
+            let nameless = Diagnostic::error(Code::MissingArgument, "SAVE names no file");
+            return self.misunderstood(nameless, place);
+        };
+        let path = self.directory.join(native_spelling(&name));
+        let saved = Saved::of(&loaded.model, loaded.state());
+        let written = self.policy.check(&path).and_then(|()| saved.write(&path));
+        self.saved.insert(path, saved);
+        match written {
+            Ok(()) => Ok(()),
+            Err(diagnostic) => self.refused(diagnostic, place),
+        }
+    }
+
+    fn reload(&mut self, command: &Statement, source: &Source, place: Option<Place<'_>>) -> Flow {
+        let Some(loaded) = &mut self.loaded else {
+            return self.no_model(command, source);
+        };
+        let Some(name) = command.text("FILE", source) else {
+            let nameless = Diagnostic::error(Code::MissingArgument, "RELOAD names no file");
+            return self.misunderstood(nameless, place);
+        };
+        let path = self.directory.join(native_spelling(&name));
+        let restored = match self.saved.get(&path) {
+            Some(saved) => Ok(saved.clone()),
+            None => Saved::read(&path, &loaded.model),
+        };
+        match restored.and_then(|saved| loaded.restore(saved)) {
+            Ok(()) => Ok(()),
+            Err(diagnostic) => self.misunderstood(diagnostic, place),
+        }
+    }
+
+    fn no_model(&mut self, command: &Statement, source: &Source) -> Flow {
+        let place = Some(Place {
+            source,
+            span: command.keyword,
+        });
+        self.misunderstood(
+            Diagnostic::error(Code::NoModel, "no model was read before this command")
+                .help("FILE/MODEL=name reads one"),
+            place,
+        )
+    }
+
+    /// Says why a command is not executed; the run goes on.
+    pub(super) fn misunderstood(
+        &mut self,
+        diagnostic: Diagnostic,
+        place: Option<Place<'_>>,
+    ) -> Flow {
+        self.complain(&place.label(diagnostic));
+        self.ending.misunderstood += 1;
+        Ok(())
+    }
+
+    /// Says that a command is left out; the run goes on.
+    pub(super) fn refused(&mut self, diagnostic: Diagnostic, place: Option<Place<'_>>) -> Flow {
+        self.complain(&place.label(diagnostic));
+        self.ending.refused += 1;
+        Ok(())
+    }
+
+    /// Counts a simulation without an answer, and ends the run if PREFERENCES says so.
+    pub(super) fn simulation_failed(&mut self) -> Flow {
+        self.ending.failed += 1;
+        if self.stop_on_failure {
+            self.messages.frame(
+                "ERROR",
+                "The simulation failed and PREFERENCES/SIMFAIL=STOPCF stops the command file.",
+            );
+            return Err(Stop::Simulation);
+        }
+        Ok(())
+    }
+
+    /// Says that an output file cannot be written, and ends the run.
+    pub(super) fn unwritable(&mut self, diagnostic: &Diagnostic) -> Flow {
+        self.complain(diagnostic);
+        Err(Stop::File)
+    }
+}
+
+/// Where in a command file something was asked for.
+#[derive(Clone, Copy)]
+pub(super) struct Place<'s> {
+    pub source: &'s Source,
+    pub span: crate::text::Span,
+}
+
+/// Puts a place to a diagnostic that has none.
+pub(super) trait Locate {
+    fn label(&self, diagnostic: Diagnostic) -> Diagnostic;
+}
+
+impl Locate for Option<Place<'_>> {
+    fn label(&self, diagnostic: Diagnostic) -> Diagnostic {
+        match self {
+            Some(place) if diagnostic.labels.is_empty() => {
+                diagnostic.label(place.source.name(), place.span, "")
+            }
+            _ => diagnostic,
+        }
+    }
+}
+
+fn place_in_file(diagnostic: &Diagnostic) -> usize {
+    diagnostic
+        .labels
+        .first()
+        .map_or(0, |label| label.span.start)
+}
+
+/// A word of a command file that is not understood is an error: what it should have changed would be missing in the answer.
+fn as_command_error(mut diagnostic: Diagnostic) -> Diagnostic {
+    if matches!(
+        diagnostic.code,
+        Code::UnknownStatement | Code::UnknownArgument | Code::AmbiguousKeyword
+    ) {
+        diagnostic.severity = Severity::Error;
+    }
+    diagnostic
+}
+
+/// The base name of a model: what its output files are called unless a prefix is given.
+fn default_prefix(model: &str) -> PathBuf {
+    let path = native_spelling(model);
+    let is_adm = path
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("adm"));
+    let base = if is_adm {
+        path.file_stem()
+    } else {
+        path.file_name()
+    };
+    PathBuf::from(base.unwrap_or_default())
+}

@@ -1,0 +1,153 @@
+use std::fmt::Write as _;
+use std::path::Path;
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::mechanics::{Mat3, Pose, Vec3};
+use crate::model::Model;
+use crate::system::State;
+
+/// The first line of a file that SAVE writes.
+const MAGIC: &str = "admire saved state 1";
+
+/// What SAVE keeps and RELOAD goes back to: where the model stands, and in the same run the model with its redefinitions too.
+#[derive(Clone, Debug)]
+pub(super) struct Saved {
+    /// The model; a file does not hold it.
+    pub model: Option<Model>,
+    /// Where it stands; absent before the first simulation.
+    pub state: Option<Placed>,
+}
+
+/// A state without what only the solver needs.
+#[derive(Clone, PartialEq, Debug)]
+pub(super) struct Placed {
+    time: f64,
+    poses: Vec<Pose>,
+    variables: Vec<f64>,
+    states: Vec<f64>,
+}
+
+impl Saved {
+    /// What there is to keep.
+    pub fn of(model: &Model, state: Option<&State>) -> Self {
+        Self {
+            model: Some(model.clone()),
+            state: state.map(|state| Placed {
+                time: state.time,
+                poses: state.poses.clone(),
+                variables: state.variables.clone(),
+                states: state.states.clone(),
+            }),
+        }
+    }
+
+    /// Writes the state. A file that is there already is replaced only if SAVE wrote it.
+    ///
+    /// # Errors
+    /// When it is another file or cannot be written.
+    pub fn write(&self, path: &Path) -> Result<(), Diagnostic> {
+        let cannot = |why: &str| {
+            Diagnostic::error(
+                Code::CannotWrite,
+                format!("`{}` cannot be written: {why}", path.display()),
+            )
+        };
+        if let Ok(there) = std::fs::read(path)
+            && !there.starts_with(MAGIC.as_bytes())
+        {
+            return Err(cannot("it is there already and no saved state"));
+        }
+        let mut text = format!("{MAGIC}\n");
+        if let Some(placed) = &self.state {
+            let mut line = |word: &str, values: &mut dyn Iterator<Item = f64>| {
+                text.push_str(word);
+                for value in values {
+                    write!(text, " {value:e}").expect("writing to a String does not fail");
+                }
+                text.push('\n');
+            };
+            line("time", &mut [placed.time].into_iter());
+            for pose in &placed.poses {
+                line("pose", &mut pose.p.iter().chain(pose.R.iter()).copied());
+            }
+            line("variables", &mut placed.variables.iter().copied());
+            line("states", &mut placed.states.iter().copied());
+        }
+        std::fs::write(path, text).map_err(|error| cannot(&error.to_string()))
+    }
+
+    /// Reads the state of a model that was read before.
+    ///
+    /// # Errors
+    /// When the file cannot be read or is the state of another model.
+    pub fn read(path: &Path, model: &Model) -> Result<Self, Diagnostic> {
+        let cannot = |why: &str| {
+            Diagnostic::error(
+                Code::CannotRead,
+                format!("`{}` cannot be read: {why}", path.display()),
+            )
+        };
+        let text = std::fs::read_to_string(path).map_err(|error| cannot(&error.to_string()))?;
+        let mut lines = text.lines();
+        if lines.next() != Some(MAGIC) {
+            return Err(cannot("it is no saved state of this program"));
+        }
+        let mut placed = Placed {
+            time: 0.0,
+            poses: Vec::new(),
+            variables: Vec::new(),
+            states: Vec::new(),
+        };
+        let mut any = false;
+        for line in lines {
+            let mut words = line.split(' ');
+            let word = words.next().unwrap_or_default();
+            let values: Vec<f64> = words
+                .map(str::parse)
+                .collect::<Result<_, _>>()
+                .map_err(|_| cannot("a number is damaged"))?;
+            any = true;
+            match (word, values.as_slice()) {
+                ("time", [time]) => placed.time = *time,
+                ("pose", all) if all.len() == 12 => placed.poses.push(Pose {
+                    p: Vec3::from_column_slice(&all[..3]),
+                    R: Mat3::from_column_slice(&all[3..]),
+                }),
+                ("variables", _) => placed.variables = values,
+                ("states", _) => placed.states = values,
+                _ => return Err(cannot("a line is damaged")),
+            }
+        }
+        if any && placed.poses.len() != model.parts.len() {
+            return Err(cannot("it is the state of another model"));
+        }
+        Ok(Self {
+            model: None,
+            state: any.then_some(placed),
+        })
+    }
+}
+
+impl Placed {
+    /// Places a model.
+    ///
+    /// # Errors
+    /// When it is the state of another model.
+    pub fn put_into(self, state: &mut State) -> Result<(), Diagnostic> {
+        if self.poses.len() != state.poses.len() {
+            return Err(Diagnostic::error(
+                Code::CannotRead,
+                "the saved state is that of another model",
+            ));
+        }
+        state.time = self.time;
+        state.poses = self.poses;
+        if self.variables.len() == state.variables.len() {
+            state.variables = self.variables;
+        }
+        if self.states.len() == state.states.len() {
+            state.states = self.states;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,199 @@
+use crate::diagnostic::{Code, Diagnostic};
+use crate::syntax::Statement;
+use crate::text::{Source, Span};
+
+/// More output steps than this of one SIMULATE command are refused: a command file may not fill the disk by a typing error.
+const MOST_STEPS: f64 = 100_000.0;
+
+/// What a SIMULATE command asks for.
+#[derive(Clone, PartialEq, Debug)]
+pub(super) enum Analysis {
+    /// One equilibrium at the current time.
+    Static,
+    /// Equilibria at these times.
+    QuasiStatic(OutputTimes),
+    /// Positions at these times, of a system without degrees of freedom.
+    Kinematic(OutputTimes),
+    /// Motion over time.
+    Dynamic,
+    /// Kinematic without degrees of freedom, otherwise dynamic.
+    Transient(OutputTimes),
+    /// Assembly alone.
+    InitialConditions,
+}
+
+/// The times at which a simulation writes its output: the start, then `count` more up to the end.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) struct OutputTimes {
+    /// The current time.
+    pub start: f64,
+    /// The last output.
+    pub end: f64,
+    /// How many outputs after the start.
+    pub count: usize,
+    /// Time between outputs if given by DTOUT; the last one may be shorter.
+    pub interval: Option<f64>,
+}
+
+impl OutputTimes {
+    /// The time of output k, from 1 to `count`: `t0 + k (end - t0) / count`, or `t0 + k DTOUT` (ADAMS-FORMATS 5.3).
+    pub fn at(&self, k: usize) -> f64 {
+        if k >= self.count {
+            return self.end;
+        }
+        match self.interval {
+            Some(interval) => self.start + k as f64 * interval,
+            None => self.start + k as f64 * (self.end - self.start) / self.count as f64,
+        }
+    }
+}
+
+impl Analysis {
+    /// Reads a SIMULATE command given at time `now`.
+    ///
+    /// # Errors
+    /// A diagnostic at the argument that cannot be followed.
+    pub fn of(command: &Statement, source: &Source, now: f64) -> Result<Self, Diagnostic> {
+        let times = || output_times(command, source, now);
+        let timed = ["END", "DURATION", "STEPS", "DTOUT"]
+            .iter()
+            .any(|name| command.has(name));
+        let typed = command
+            .argument("TYPE")
+            .map(|argument| argument.choices(source))
+            .unwrap_or_default();
+        let asks = |name: &str| command.has(name) || typed.contains(&name);
+        if asks("STATICS") {
+            return Ok(if timed {
+                Self::QuasiStatic(times()?)
+            } else {
+                Self::Static
+            });
+        }
+        if asks("KINEMATICS") {
+            return Ok(Self::Kinematic(times()?));
+        }
+        if asks("TRANSIENT") {
+            return Ok(Self::Transient(times()?));
+        }
+        if asks("INITIAL_CONDITIONS") {
+            return Ok(Self::InitialConditions);
+        }
+        if asks("DYNAMICS") {
+            return Ok(Self::Dynamic);
+        }
+        Err(at(
+            source,
+            command.span,
+            Diagnostic::error(
+                Code::MissingArgument,
+                "SIMULATE does not say which analysis",
+            ),
+        )
+        .help("for example SIMULATE/STATICS"))
+    }
+}
+
+fn at(source: &Source, span: Span, diagnostic: Diagnostic) -> Diagnostic {
+    diagnostic.label(source.name(), span, "")
+}
+
+fn output_times(command: &Statement, source: &Source, now: f64) -> Result<OutputTimes, Diagnostic> {
+    let given = |name: &str| {
+        command
+            .argument(name)
+            .and_then(|argument| Some((argument.numbers().first()?.value, argument.span)))
+    };
+    let wrong = |span: Span, message: String| {
+        Err(at(
+            source,
+            span,
+            Diagnostic::error(Code::OutOfRange, message),
+        ))
+    };
+    let (end, end_span) = match (given("END"), given("DURATION")) {
+        (Some(end), None) => end,
+        (None, Some((duration, span))) => (now + duration, span),
+        (Some(_), Some((_, span))) => {
+            return wrong(span, "END and DURATION exclude each other".into());
+        }
+        (None, None) => {
+            return Err(at(
+                source,
+                command.span,
+                Diagnostic::error(
+                    Code::MissingArgument,
+                    "the simulation has no END or DURATION",
+                ),
+            ));
+        }
+    };
+    if !(end > now && end.is_finite()) {
+        return wrong(
+            end_span,
+            format!("the simulation would end at time {end}, and it is {now} already"),
+        );
+    }
+    let (count, interval, span) = match (given("STEPS"), given("DTOUT")) {
+        (Some((steps, span)), None) => {
+            if steps < 1.0 {
+                return wrong(span, format!("{steps} steps are none"));
+            }
+            (steps.floor(), None, span)
+        }
+        (None, Some((interval, span))) => {
+            if !(interval > 0.0 && interval.is_finite()) {
+                return wrong(span, format!("an output every {interval} never comes"));
+            }
+            // An interval that divides the span but for round-off divides it.
+            let count = ((end - now) / interval - 1e-9).ceil().max(1.0);
+            (count, Some(interval), span)
+        }
+        (None, None) => (1.0, None, command.span),
+        (Some(_), Some((_, span))) => {
+            return wrong(span, "STEPS and DTOUT exclude each other".into());
+        }
+    };
+    if count > MOST_STEPS {
+        return Err(at(
+            source,
+            span,
+            Diagnostic::error(
+                Code::LimitExceeded,
+                format!("{count} output steps are asked for, and at most {MOST_STEPS} are made"),
+            ),
+        )
+        .help("split the simulation into several commands if it is meant"));
+    }
+    Ok(OutputTimes {
+        start: now,
+        end,
+        count: count as usize,
+        interval,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn outputs_end_at_the_end() {
+        let by_steps = OutputTimes {
+            start: 1.0,
+            end: 2.0,
+            count: 4,
+            interval: None,
+        };
+        let times: Vec<f64> = (1..=4).map(|k| by_steps.at(k)).collect();
+        assert_eq!(times, [1.25, 1.5, 1.75, 2.0]);
+        let by_interval = OutputTimes {
+            start: 0.0,
+            end: 1.0,
+            count: 3,
+            interval: Some(0.4),
+        };
+        let times: Vec<f64> = (1..=3).map(|k| by_interval.at(k)).collect();
+        assert_eq!(times, [0.4, 0.8, 1.0]);
+    }
+}

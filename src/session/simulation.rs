@@ -1,0 +1,311 @@
+use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::results::StepKind;
+use crate::statics::{Report, Settings, SolveError};
+use crate::syntax::Statement;
+use crate::text::Source;
+
+use super::loaded::{Compiled, Loaded};
+use super::message::exponent;
+use super::run::{Flow, Place, Session, Stop};
+use super::simulate::{Analysis, OutputTimes};
+
+/// How a lone SIMULATE/STATICS is written. Whether ADAMS writes `static` or `quasiStatic` is not known (ADAMS-FORMATS 12);
+/// readers in the wild look for `quasiStatic`.
+const LONE_STATIC: StepKind = StepKind::QuasiStatic;
+
+/// MODE in functions (ADAMS-FORMATS 3.1).
+const MODE_KINEMATIC: i32 = 1;
+const MODE_STATIC: i32 = 5;
+const MODE_QUASI_STATIC: i32 = 6;
+
+/// A time step that fails is halved at most so often.
+const HALVINGS: i32 = 8;
+
+/// Lines of the iteration table that are shown of a failed solution.
+const SHOWN: usize = 12;
+
+impl Session<'_> {
+    /// Executes a SIMULATE command.
+    pub(super) fn simulate(&mut self, command: &Statement, source: &Source) -> Flow {
+        let place = Place {
+            source,
+            span: command.span,
+        };
+        let Some(loaded) = &mut self.loaded else {
+            return self.misunderstood(
+                Diagnostic::error(Code::NoModel, "no model was read before this command")
+                    .help("FILE/MODEL=name reads one"),
+                Some(place),
+            );
+        };
+        let now = loaded.time();
+        let diagnostics = loaded.compiled().diagnostics;
+        let unusable = diagnostics
+            .iter()
+            .any(|diagnostic| diagnostic.severity == Severity::Error);
+        for diagnostic in diagnostics {
+            self.complain(&diagnostic);
+        }
+        if unusable {
+            return Err(Stop::Model);
+        }
+        let analysis = match Analysis::of(command, source, now) {
+            Ok(analysis) => analysis,
+            Err(diagnostic) => return self.misunderstood(diagnostic, None),
+        };
+        match analysis {
+            Analysis::Static => self.lone_static(place),
+            Analysis::QuasiStatic(times) => self.sequence(times, StepKind::QuasiStatic, place),
+            Analysis::Kinematic(times) | Analysis::Transient(times) => {
+                self.sequence(times, StepKind::Kinematic, place)
+            }
+            Analysis::Dynamic => self.refused(no_dynamics(), Some(place)),
+            Analysis::InitialConditions => self.refused(
+                Diagnostic::warning(
+                    Code::CommandNotSupported,
+                    "the model is not assembled by a command of its own: a static solution closes the joints",
+                ),
+                Some(place),
+            ),
+        }
+    }
+
+    fn lone_static(&mut self, place: Place<'_>) -> Flow {
+        self.messages.begin_static();
+        let outcome = self.model().solve(None, MODE_STATIC);
+        match outcome {
+            Ok(report) => {
+                self.remarks(&report);
+                self.messages.converged(report.iterations, report.imbalance);
+                self.write_step(LONE_STATIC)
+            }
+            Err(error) => {
+                self.no_equilibrium(&error, place);
+                self.messages.say("\n  End Static Solution\n");
+                self.simulation_failed()
+            }
+        }
+    }
+
+    /// Equilibria, or positions of a model without freedoms, at the output times: the start first, unless its step was just
+    /// written (ADAMS-FORMATS 6.1: the joint time of two runs is not repeated).
+    fn sequence(&mut self, times: OutputTimes, kind: StepKind, place: Place<'_>) -> Flow {
+        let (mode, what) = match kind {
+            StepKind::Kinematic => (MODE_KINEMATIC, "Kinematic"),
+            _ => (MODE_QUASI_STATIC, "Quasi-Static"),
+        };
+        self.messages.begin_simulation(what);
+        let fresh = self.model().outputs.last != Some(times.start);
+        for k in usize::from(!fresh)..=times.count {
+            let time = if k == 0 { times.start } else { times.at(k) };
+            match self.model().advance(time, mode) {
+                Ok(report) => {
+                    self.remarks(&report);
+                    if kind == StepKind::Kinematic {
+                        let freedoms = self.model().compiled().value.freedoms();
+                        if freedoms > 0 {
+                            self.messages.end_simulation();
+                            return self.refused(not_kinematic(freedoms), Some(place));
+                        }
+                    }
+                    self.messages
+                        .simulation_step(time, report.iterations, report.imbalance);
+                    self.write_step(kind)?;
+                }
+                Err(error) => {
+                    self.no_equilibrium(&error, place);
+                    self.messages.end_simulation();
+                    return self.simulation_failed();
+                }
+            }
+            self.messages.flush();
+        }
+        self.messages.end_simulation();
+        Ok(())
+    }
+
+    fn model(&mut self) -> &mut Loaded {
+        self.loaded
+            .as_mut()
+            .expect("a simulation begins only with a model")
+    }
+
+    fn write_step(&mut self, kind: StepKind) -> Flow {
+        match self.model().write(kind) {
+            Ok(()) => Ok(()),
+            Err(diagnostic) => self.unwritable(&diagnostic),
+        }
+    }
+
+    /// What a solution found out about the model, said when it changes.
+    fn remarks(&mut self, report: &Report) {
+        let loaded = self.model();
+        let time = loaded.time();
+        let redundant = loaded.said_redundant.replace(report.redundant.clone());
+        let free: Vec<String> = report
+            .free_motions
+            .iter()
+            .map(ToString::to_string)
+            .collect();
+        let was_free = loaded.said_free.replace(free.clone());
+        if redundant.unwrap_or_default() != report.redundant && !report.redundant.is_empty() {
+            let mut text = format!(
+                "\n  Time T={}.\n  Degree-of-freedom analysis identified redundant constraints in the model:\n  {}\n",
+                exponent(time, 9),
+                "-".repeat(73)
+            );
+            for equation in &report.redundant {
+                text.push_str(&format!(
+                    "   -  deactivating constraint equation  {equation}\n"
+                ));
+            }
+            self.messages.say(&(text + "\n"));
+        }
+        if was_free.unwrap_or_default() != free && !free.is_empty() {
+            let text = format!(
+                "Nothing resists these motions; they stay where they are:\n  {}",
+                free.join("\n  ")
+            );
+            self.messages.frame("WARNING", &text);
+        }
+    }
+
+    /// Says why there is no equilibrium, at the command that asked for it.
+    fn no_equilibrium(&mut self, error: &Failure, place: Place<'_>) {
+        let mut causes: Vec<String> = Vec::new();
+        if let SolveError::NotConverged {
+            history,
+            causes: found,
+            ..
+        } = &error.reason
+        {
+            causes.extend(found.iter().cloned());
+            let skipped = history.len().saturating_sub(SHOWN);
+            let mut text = String::from("   Iteration    Imbalance     Correction    Step\n");
+            for (k, iteration) in history.iter().enumerate().skip(skipped) {
+                text.push_str(&format!(
+                    "   {:>9}    {}   {}   {:.4}\n",
+                    k + 1,
+                    exponent(iteration.imbalance, 4),
+                    exponent(iteration.correction, 4),
+                    iteration.step
+                ));
+            }
+            self.messages.say(&text);
+        }
+        let mut diagnostic = Diagnostic::error(
+            Code::NoEquilibrium,
+            format!(
+                "Static solution failed to converge at time {}: {}",
+                error.time, error.reason
+            ),
+        )
+        .label(place.source.name(), place.span, "");
+        if !causes.is_empty() {
+            diagnostic = diagnostic.help(causes.join("; "));
+        }
+        self.complain(&diagnostic);
+    }
+}
+
+/// A solution that failed, and at which time.
+pub(super) struct Failure {
+    pub time: f64,
+    pub reason: SolveError,
+}
+
+impl Loaded {
+    /// Finds the equilibrium at a time (the current one if none is given). The state stays as it was where there is none.
+    fn solve(&mut self, time: Option<f64>, mode: i32) -> Result<Report, Failure> {
+        let settings = Settings::from(&self.model.equilibrium);
+        let Compiled {
+            system,
+            parameters,
+            state,
+            solver,
+        } = self.compiled().value;
+        let (time_before, mode_before) = (state.time, state.mode);
+        state.mode = mode;
+        state.time = time.unwrap_or(state.time);
+        solver
+            .solve(system, parameters, state, &settings)
+            .map_err(|reason| {
+                // The solver has put everything else back.
+                let time = state.time;
+                (state.time, state.mode) = (time_before, mode_before);
+                Failure { time, reason }
+            })
+    }
+
+    /// Goes to a time from equilibrium to equilibrium; what fails in one step is tried in smaller ones.
+    fn advance(&mut self, target: f64, mode: i32) -> Result<Report, Failure> {
+        let start = self.time();
+        let least = (target - start) * 0.5_f64.powi(HALVINGS);
+        let mut step = target - start;
+        let mut iterations = 0;
+        loop {
+            let now = self.time();
+            let next = if now + step * (1.0 + 1e-9) >= target {
+                target
+            } else {
+                now + step
+            };
+            match self.solve(Some(next), mode) {
+                Ok(mut report) => {
+                    iterations += report.iterations;
+                    if next >= target {
+                        report.iterations = iterations;
+                        return Ok(report);
+                    }
+                    step *= 2.0;
+                }
+                Err(failure) => {
+                    step *= 0.5;
+                    if step <= 0.0 || step < least {
+                        return Err(failure);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Writes the state to the output files.
+    fn write(&mut self, kind: StepKind) -> Result<(), Diagnostic> {
+        self.compiled();
+        let Self {
+            model,
+            outputs,
+            compiled: Some(compiled),
+            ..
+        } = self
+        else {
+            return Ok(());
+        };
+        let Compiled {
+            system,
+            parameters,
+            state,
+            ..
+        } = compiled;
+        outputs.begin(model, &system.state())?;
+        outputs.step(kind, model, system, parameters, state)
+    }
+}
+
+fn no_dynamics() -> Diagnostic {
+    Diagnostic::error(
+        Code::CommandNotSupported,
+        "motion over time is not simulated here; this command is left out and the time stays",
+    )
+    .help("SIMULATE/STATICS, END=..., STEPS=... finds the equilibria over time; only ADAMS itself integrates")
+}
+
+fn not_kinematic(freedoms: usize) -> Diagnostic {
+    Diagnostic::error(
+        Code::CommandNotSupported,
+        format!(
+            "the model has {freedoms} degrees of freedom, so that its positions do not follow from its motions alone"
+        ),
+    )
+    .help("SIMULATE/STATICS, END=..., STEPS=... finds the equilibria over time; only ADAMS itself integrates")
+}

@@ -1,0 +1,170 @@
+use crate::run::{Results, SLIDER, folder, mdi, mdi_with, text};
+
+fn near(found: &[f64], expected: &[f64]) {
+    assert_eq!(found.len(), expected.len(), "{found:?} {expected:?}");
+    for (a, b) in found.iter().zip(expected) {
+        assert!((a - b).abs() < 1e-9, "{found:?} {expected:?}");
+    }
+}
+
+fn run(commands: &str) -> (tempfile::TempDir, crate::run::Ran) {
+    let acf = format!("\nfile/model=slider\n{commands}\n");
+    let folder = folder(&[("slider.adm", SLIDER), ("run.acf", &acf)]);
+    let ran = mdi(folder.path(), &["ru-s", "run"]);
+    (folder, ran)
+}
+
+#[test]
+fn redefinitions_take_effect_at_the_next_simulation() {
+    let (folder, ran) = run(
+        "SFORCE/1, FUNCTION=5\nsim/stat\nSPRINGDAMPER/1, K=20\nsim/sta\nSPRINGDAMPER/1, K=10\n\
+        accg/kgrav=-9806.65\nSIMULATE/STATICS\nSTOP",
+    );
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    let results = Results::read(folder.path(), "slider.res");
+    // z = F / K; then F - m g with m = 2 kg.
+    near(
+        &results.column("block_XFORM", "Z"),
+        &[0.5, 0.25, (5.0 - 19.6133) / 10.0],
+    );
+    near(
+        &results.column("travel", "dz"),
+        &[0.5, 0.25, (5.0 - 19.6133) / 10.0],
+    );
+    near(&results.column("time", "TIME"), &[0.0; 3]);
+    assert_eq!(
+        ran.stdout.matches("Static Solution converged in").count(),
+        3
+    );
+}
+
+#[test]
+fn a_quasi_static_run_outputs_its_start_and_then_each_step() {
+    let (folder, ran) =
+        run("SIMULATE/STATICS, END=1, STEPS=4\nSIMULATE/STATICS, DURATION=0.5, DTOUT=0.2\nSTOP");
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    let results = Results::read(folder.path(), "slider.res");
+    let times = [0.0, 0.25, 0.5, 0.75, 1.0, 1.2, 1.4, 1.5];
+    near(&results.column("time", "TIME"), &times);
+    near(&results.column("block_XFORM", "Z"), &times);
+    for line in [
+        "  ****** Performing Quasi-Static Simulation ******",
+        "  End Simulation",
+        " command: SIMULATE/STATICS, END=1, STEPS=4",
+    ] {
+        assert!(ran.stdout.contains(line), "{line}");
+    }
+    // A lone static before a run is its first step, as counted in real batches: 2 N + 1 (ADAMS-FORMATS 6.1).
+    let (folder, _) = run("sim/stat\nsim/stat, end=1, steps=3\nsim/stat, end=2, steps=3\nstop");
+    assert_eq!(Results::read(folder.path(), "slider.res").steps.len(), 7);
+}
+
+#[test]
+fn a_failed_static_writes_no_step_and_the_run_goes_on() {
+    // Without the spring nothing holds the loaded slider.
+    let commands =
+        "SFORCE/1, FUNCTION=5\nSPRINGDAMPER/1, K=0\nSIM/STAT\nSPRINGDAMPER/1, K=10\nSIM/STAT\n";
+    let (folder, ran) = run(commands);
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    assert!(
+        ran.stdout.contains("---- START: ERROR ----"),
+        "{}",
+        ran.stdout
+    );
+    assert!(
+        ran.stdout.contains("olution failed to converge"),
+        "{}",
+        ran.stdout
+    );
+    near(
+        &Results::read(folder.path(), "slider.res").column("block_XFORM", "Z"),
+        &[0.5],
+    );
+
+    let acf = format!("\nfile/model=slider\n{commands}");
+    std::fs::write(folder.path().join("run.acf"), &acf).unwrap();
+    let strict = mdi_with(folder.path(), &["ru-s", "run"], "", &[("MDI_STRICT", "1")]);
+    assert_eq!(strict.code, 3);
+
+    let acf = format!("\nfile/model=slider\nPREFERENCES/SIMFAIL=STOPCF\n{commands}");
+    std::fs::write(folder.path().join("run.acf"), &acf).unwrap();
+    let stopped = mdi(folder.path(), &["ru-s", "run"]);
+    assert_eq!(stopped.code, 3);
+    assert!(Results::read(folder.path(), "slider.res").steps.is_empty());
+}
+
+#[test]
+fn no_step_of_an_earlier_run_survives() {
+    let (folder, ran) = run("SIMULATE/STATICS\nSTOP");
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    assert_eq!(Results::read(folder.path(), "slider.res").steps.len(), 1);
+    let broken = SLIDER.replace("I=21, J=11", "I=99, J=11");
+    std::fs::write(folder.path().join("slider.adm"), broken).unwrap();
+    let ran = mdi(folder.path(), &["ru-s", "run"]);
+    assert_eq!(ran.code, 1, "{}", ran.stdout);
+    assert!(Results::read(folder.path(), "slider.res").steps.is_empty());
+    for old in ["slider.res", "slider.req"] {
+        assert!(!text(folder.path(), old).contains("E+"), "{old}");
+    }
+    assert!(text(folder.path(), "slider.msg").contains("[undefined-id]"));
+}
+
+#[test]
+fn what_is_switched_off_exerts_nothing() {
+    let (folder, ran) = run(
+        "SFORCE/1, FUNCTION=5\nSIM/STAT\nDEACTIVATE/SFORCE, ID=1\nSIM/STAT\nACTIVATE/SFORCE, RANGE=1,100000000\nSIM/STAT",
+    );
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    near(
+        &Results::read(folder.path(), "slider.res").column("block_XFORM", "Z"),
+        &[0.5, 0.0, 0.5],
+    );
+    let (_folder, ran) = run("DEACTIVATE/JOINT, ID=7");
+    assert!(ran.stdout.contains("[undefined-id]"), "{}", ran.stdout);
+}
+
+#[test]
+fn saved_states_come_back() {
+    let (folder, ran) = run(
+        "SIM/STAT, END=1, STEPS=1\nSAVE/FILE=here.sav\nSIM/STAT, END=2, STEPS=1\nRELOAD/FILE=here.sav\nSIM/STAT",
+    );
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    let results = Results::read(folder.path(), "slider.res");
+    near(&results.column("time", "TIME"), &[0.0, 1.0, 2.0, 1.0]);
+    std::fs::write(
+        folder.path().join("run.acf"),
+        "\nfile/model=slider\nRELOAD/FILE=here.sav\nSIM/STAT\n",
+    )
+    .unwrap();
+    let ran = mdi(folder.path(), &["ru-s", "run"]);
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    near(
+        &Results::read(folder.path(), "slider.res").column("block_XFORM", "Z"),
+        &[1.0],
+    );
+}
+
+#[test]
+fn kinematics_without_freedoms_and_nothing_else() {
+    let driven = SLIDER.replace("REQUEST/1", "MOTION/1, JOINT=1, FUNCTION=3*TIME\nREQUEST/1");
+    let acf = "\nfile/model=slider\nSIMULATE/KINEMATIC, END=2, STEPS=2\n";
+    let folder = folder(&[("slider.adm", &driven), ("run.acf", acf)]);
+    let ran = mdi(folder.path(), &["ru-s", "run"]);
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    let res = text(folder.path(), "slider.res");
+    assert_eq!(res.matches("<Step type=\"kinematic\">").count(), 3);
+
+    let (_folder, ran) = run("SIMULATE/KINEMATIC, END=2, STEPS=2");
+    assert!(
+        ran.stdout.contains("1 degrees of freedom"),
+        "{}",
+        ran.stdout
+    );
+    let (_folder, ran) = run("SIMULATE/DYNAMIC, END=2, STEPS=2\nSIM/STAT");
+    assert!(
+        ran.stdout.contains("[command-not-supported]"),
+        "{}",
+        ran.stdout
+    );
+    assert!(ran.stdout.contains("End Static Solution"));
+}

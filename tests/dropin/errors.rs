@@ -1,0 +1,57 @@
+use crate::run::{SLIDER, folder, mdi};
+
+/// What is said from the first command on, without what differs from run to run.
+fn said(deck: &str, acf: &str) -> String {
+    let folder = folder(&[("slider.adm", deck), ("run.acf", acf)]);
+    let ran = mdi(folder.path(), &["ru-s", "run"]);
+    let start = ran.stdout.find(" command:").unwrap_or(0);
+    let end = ran
+        .stdout
+        .find("Finished -----")
+        .unwrap_or(ran.stdout.len());
+    let here = std::path::absolute(folder.path())
+        .unwrap()
+        .canonicalize()
+        .unwrap();
+    let text = ran.stdout[start..end]
+        .replace(&here.display().to_string(), "FOLDER")
+        .replace(&folder.path().display().to_string(), "FOLDER");
+    assert!(ran.stderr.is_empty(), "{}", ran.stderr);
+    format!("exit code {}\n{}", ran.code, text.trim_end())
+}
+
+const RUN: &str = "\nfile/model=slider\nSIMULATE/STATIC\nSTOP\n";
+
+#[test]
+fn an_undefined_marker() {
+    let deck = SLIDER.replace("I=21, J=11", "I=99, J=11");
+    insta::assert_snapshot!(said(&deck, RUN));
+}
+
+#[test]
+fn a_missing_file() {
+    insta::assert_snapshot!(said(SLIDER, "\nfile/model=slyder\nSIMULATE/STATIC\nSTOP\n"));
+}
+
+#[test]
+fn a_misspelt_keyword_in_the_deck() {
+    let deck = SLIDER.replace("SPRINGDAMPER", "SPRINGDAMER");
+    insta::assert_snapshot!(said(&deck, RUN));
+}
+
+#[test]
+fn a_misspelt_command() {
+    insta::assert_snapshot!(said(
+        SLIDER,
+        "\nfile/model=slider\nSFORSE/1, FUNCTION=5\nSIMULATE/STATIC\nSTOP\n"
+    ));
+}
+
+#[test]
+fn no_equilibrium() {
+    let deck = SLIDER.replace("K=10", "K=0");
+    insta::assert_snapshot!(said(
+        &deck,
+        "\nfile/model=slider\nSFORCE/1, FUNCTION=5\nSIMULATE/STATIC\nSTOP\n"
+    ));
+}

@@ -1,0 +1,133 @@
+//! Runs `mdi` in a folder of its own, and reads its files the way old scripts do.
+
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+/// A slider on a spring: z = (force + weight) / 10. A force of 10 TIME newton makes z = TIME.
+pub const SLIDER: &str = "\
+A slider on a spring
+UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND
+PART/1, GROUND
+MARKER/1, PART=1
+!                            adams_view_name='block'
+PART/2, MASS=2, CM=20, IP=100, 100, 100
+MARKER/20, PART=2
+MARKER/21, PART=2, QP=0, 0, 50
+MARKER/11, PART=1, QP=0, 0, -50
+!                            adams_view_name='guide'
+JOINT/1, TRANSLATIONAL, I=20, J=1
+SPRINGDAMPER/1, TRANSLATIONAL, I=21, J=11, K=10, LENGTH=100
+SFORCE/1, TRANSLATIONAL, ACTIONONLY, I=20, J=1
+, FUNCTION = 10*TIME
+REQUEST/1, CNAMES=\"\", \"\", \"\", \"dz\", RESULTS_NAME=travel
+, F4 = DZ(20,1,1)
+EQUILIBRIUM/ERROR=1E-10, IMBALANCE=1E-8
+OUTPUT/REQSAVE
+RESULTS/FORMATTED, XRF
+END
+";
+
+/// What a process left behind.
+pub struct Ran {
+    pub code: i32,
+    pub stdout: String,
+    pub stderr: String,
+}
+
+/// Runs `mdi` with these words in a folder.
+pub fn mdi(folder: &Path, words: &[&str]) -> Ran {
+    mdi_with(folder, words, "", &[])
+}
+
+/// Runs `mdi` with text on standard input and variables in its environment.
+pub fn mdi_with(folder: &Path, words: &[&str], input: &str, variables: &[(&str, &str)]) -> Ran {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_mdi"));
+    command
+        .current_dir(folder)
+        .args(words)
+        .env_remove("MDI_STRICT")
+        .env_remove("ADMIRE_ALLOW_PATH")
+        .envs(variables.iter().copied())
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    child
+        .stdin
+        .take()
+        .unwrap()
+        .write_all(input.as_bytes())
+        .unwrap();
+    let output = child.wait_with_output().unwrap();
+    Ran {
+        code: output.status.code().unwrap_or(-1),
+        stdout: String::from_utf8_lossy(&output.stdout).into_owned(),
+        stderr: String::from_utf8_lossy(&output.stderr).into_owned(),
+    }
+}
+
+/// A folder with files in it.
+pub fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    folder
+}
+
+/// The text of a file of a run; empty if there is none.
+pub fn text(folder: &Path, name: &str) -> String {
+    std::fs::read(folder.join(name))
+        .map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
+        .unwrap_or_default()
+}
+
+/// The steps of a `.res`, read as the readers in the wild do (ADAMS-FORMATS 12): ids from the lines after `<Entity name=`, values
+/// from the numeric lines after each `"quasiStatic"`, indexed by id.
+pub struct Results {
+    ids: BTreeMap<(String, String), usize>,
+    pub steps: Vec<Vec<f64>>,
+}
+
+impl Results {
+    pub fn read(folder: &Path, name: &str) -> Self {
+        let text = text(folder, name);
+        let between = |line: &str, before: &str| {
+            let start = line.find(before)? + before.len();
+            let rest = &line[start..];
+            Some(rest[..rest.find('"')?].to_string())
+        };
+        let (mut ids, mut entity, mut steps) = (BTreeMap::new(), String::new(), Vec::new());
+        let mut open: Option<Vec<f64>> = None;
+        for line in text.lines() {
+            if let Some(values) = &mut open {
+                let numbers: Result<Vec<f64>, _> =
+                    line.split_whitespace().map(str::parse).collect();
+                match numbers {
+                    Ok(more) => values.extend(more),
+                    Err(_) => steps.extend(open.take()),
+                }
+            }
+            if line.starts_with("<Entity ") {
+                entity = between(line, "name=\"").unwrap();
+            } else if line.starts_with("<Component ") {
+                let name = between(line, "name=\"").unwrap();
+                ids.insert(
+                    (entity.clone(), name),
+                    between(line, " id=\"").unwrap().parse().unwrap(),
+                );
+            } else if line.starts_with("<Step") && line.contains("\"quasiStatic\"") {
+                open = Some(Vec::new());
+            }
+        }
+        Self { ids, steps }
+    }
+
+    /// A component in every step.
+    pub fn column(&self, entity: &str, component: &str) -> Vec<f64> {
+        let id = self.ids[&(entity.to_string(), component.to_string())];
+        self.steps.iter().map(|step| step[id - 1]).collect()
+    }
+}

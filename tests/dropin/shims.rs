@@ -1,0 +1,52 @@
+use std::process::Command;
+
+use crate::run::{Results, SLIDER, folder};
+
+#[test]
+fn installed_shims_run_under_every_name() {
+    let tools = folder(&[]);
+    let bin = tools.path().join("bin");
+    let installed = Command::new(env!("CARGO_BIN_EXE_admire"))
+        .args(["install-shims", "--names", "mdi,adams2024_1"])
+        .arg(&bin)
+        .output()
+        .unwrap();
+    assert!(installed.status.success(), "{installed:?}");
+    let batch = std::fs::read_to_string(bin.join("mdi.bat")).unwrap();
+    assert!(
+        batch.starts_with("@echo off\r\n\"") && batch.contains("\" %*\r\nexit /b %ERRORLEVEL%\r\n")
+    );
+
+    if cfg!(unix) {
+        let run = folder(&[
+            ("slider.adm", SLIDER),
+            ("run.acf", "\nfile/model=slider\nSIM/STAT\nSTOP\n"),
+        ]);
+        for name in ["mdi", "adams2024_1"] {
+            let _ = std::fs::remove_file(run.path().join("slider.res"));
+            // As MATLAB's system() does: by name, through a shell and the PATH.
+            let status = Command::new("sh")
+                .args(["-c", &format!("{name} ru-standard run > log.txt")])
+                .current_dir(run.path())
+                .env("PATH", format!("{}:/usr/bin:/bin", bin.display()))
+                .status()
+                .unwrap();
+            assert!(status.success(), "{name}");
+            assert_eq!(
+                Results::read(run.path(), "slider.res").steps.len(),
+                1,
+                "{name}"
+            );
+        }
+    }
+
+    // A file of somebody else is not replaced unless told so.
+    std::fs::write(bin.join("mdi"), "mine").unwrap();
+    let refused = Command::new(env!("CARGO_BIN_EXE_admire"))
+        .args(["install-shims", "--names", "mdi"])
+        .arg(&bin)
+        .output()
+        .unwrap();
+    assert_eq!(refused.status.code(), Some(2));
+    assert_eq!(std::fs::read(bin.join("mdi")).unwrap(), b"mine");
+}
