@@ -4,10 +4,12 @@ use std::path::PathBuf;
 
 use admire::diagnostic::Code;
 use admire::results::{
-    Change, EntityKind, Header, LineEnd, NumberStyle, Numbering, ResultsError, Selection, StepKind,
-    Stored, Style, Timestamp, Tolerance, XrfReader, XrfWriter, compare, rewrite,
+    Change, EntityKind, GraphicsMarker, GraphicsWriter, Header, LineEnd, NumberStyle, Numbering,
+    RequestFile, RequestWriter, ResultsError, Selection, StepKind, Stored, Style, Timestamp,
+    Tolerance, XrfReader, XrfWriter, compare, rewrite,
 };
-use admire::units::Units;
+use admire::text::Source;
+use admire::units::{FORCE_UNITS, LENGTH_UNITS, MASS_UNITS, TIME_UNITS, Unit, Units};
 use rand::{RngExt, SeedableRng};
 
 use crate::common::{files_below, shared};
@@ -495,4 +497,69 @@ fn comparing_finds_the_column_the_step_and_the_amount() {
         (report.only_in_a, report.only_in_b),
         (vec!["load.Q".to_string()], vec!["lord.Q".to_string()])
     );
+}
+
+#[test]
+fn request_and_graphics_files_have_the_bytes_of_real_ones() {
+    let units = |force, mass, length| {
+        let find = |units: &[Unit], word| *units.iter().find(|u| u.keyword == word).unwrap();
+        Units::new(
+            find(FORCE_UNITS, force),
+            find(MASS_UNITS, mass),
+            find(LENGTH_UNITS, length),
+            TIME_UNITS[0],
+        )
+    };
+    let inch = units("POUND_FORCE", "POUND_MASS", "INCH");
+    let title = "Adams View model name: MODEL_1";
+    // 2023-06-13 22:52:01 and 2021-02-05 19:56:30 as if they were UTC.
+    let when = Timestamp::from_unix(1_686_696_721);
+    if let Some(path) = shared("real-decks/aview-hpc/test.req") {
+        let bytes = std::fs::read(path).unwrap();
+        let read = RequestFile::parse(&Source::new("test.req", bytes.clone()));
+        assert!(read.diagnostics.is_empty());
+        assert_eq!(read.value.times.len(), 26);
+        let mut writer = RequestWriter::create(Vec::new(), title, &inch, when, &[]).unwrap();
+        for &time in &read.value.times {
+            writer.step(time, &[]).unwrap();
+        }
+        assert_eq!(
+            String::from_utf8(writer.finish()).unwrap(),
+            String::from_utf8(bytes).unwrap()
+        );
+    }
+    if let Some(path) = shared("real-decks/inverted-pendulum/Controls_Plant_1.req") {
+        let text = std::fs::read_to_string(path).unwrap().replace("\r\n", "\n");
+        let metre = units("NEWTON", "KILOGRAM", "METER");
+        let when = Timestamp::from_unix(1_612_554_990);
+        let title = "Adams View model name: Contorl_Automatic";
+        let mut writer = RequestWriter::create(Vec::new(), title, &metre, when, &[]).unwrap();
+        writer.step(0.0, &[]).unwrap();
+        assert_eq!(String::from_utf8(writer.finish()).unwrap(), text);
+    }
+    if let Some(path) = shared("real-decks/aview-hpc/test.gra") {
+        let text = std::fs::read_to_string(path).unwrap();
+        let marker = |id| GraphicsMarker {
+            id,
+            part: 2,
+            position: [0.0; 3],
+            angles: [0.0; 3],
+        };
+        let markers = [marker(1), marker(2)];
+        let mut writer =
+            GraphicsWriter::create(Vec::new(), title, &inch, when, 1, &[2], &markers).unwrap();
+        let numbers = |line: &str| {
+            line.split_whitespace()
+                .map(|n| n.parse().unwrap())
+                .collect::<Vec<f64>>()
+        };
+        let frames: Vec<&str> = text.lines().skip(11).collect();
+        for frame in frames.chunks(2) {
+            let pose = numbers(frame[1]);
+            writer
+                .frame(numbers(frame[0])[0], &[std::array::from_fn(|at| pose[at])])
+                .unwrap();
+        }
+        assert_eq!(String::from_utf8(writer.finish()).unwrap(), text);
+    }
 }

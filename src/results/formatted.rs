@@ -1,0 +1,373 @@
+use std::collections::BTreeMap;
+
+use nalgebra::{Quaternion, UnitQuaternion};
+
+use crate::diagnostic::{Checked, Code, Diagnostic};
+use crate::mechanics::psi_theta_phi;
+use crate::text::{Source, Span};
+
+/// The displacements of a formatted (ASCII) results file.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct FormattedResults {
+    /// The units, as 12 letters.
+    pub unit_code: String,
+    /// Title of the dataset.
+    pub title: String,
+    /// Parts in the order of the file.
+    pub parts: Vec<FormattedPart>,
+    /// Output steps.
+    pub steps: Vec<FormattedStep>,
+}
+
+/// A part of such a file.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct FormattedPart {
+    /// Id of the statement.
+    pub id: i64,
+    /// Full name, if the file has names.
+    pub name: Option<String>,
+}
+
+/// One step of such a file.
+#[derive(Clone, PartialEq, Debug)]
+pub struct FormattedStep {
+    /// Kind of analysis as the file calls it.
+    pub kind: String,
+    /// Time.
+    pub time: f64,
+    /// For each part X, Y, Z and PSI, THETA, PHI in radians, made from the file's Euler parameters.
+    pub displacements: Vec<[f64; 6]>,
+}
+
+/// A block: a label, and lines up to one that is `!`.
+struct Block<'a> {
+    label: String,
+    span: Span,
+    lines: Vec<(Span, &'a [u8])>,
+}
+
+type Trouble = (Code, String, Span);
+
+impl FormattedResults {
+    /// Reads the displacements of parts (ADAMS-FORMATS 6.2). Blocks of other objects, whose layout is not known, are named in
+    /// warnings and not read. A file that ends inside a step is read up to the last whole one, with a warning.
+    pub fn parse(source: &Source) -> Checked<Self> {
+        let mut results = Checked::clean(Self::default());
+        let mut rest = lines(source.bytes());
+        let mut displacements: Vec<usize> = Vec::new();
+        loop {
+            let outcome = match next_block(&mut rest) {
+                Ok(None) => break,
+                Ok(Some(block)) => results.value.take(&block, &mut displacements),
+                Err(trouble) => Err(trouble),
+            };
+            let Err((code, message, span)) = outcome else {
+                continue;
+            };
+            let unknown = code == Code::UnsupportedResults;
+            let diagnostic = if unknown || code == Code::TruncatedResults {
+                Diagnostic::warning(code, message)
+            } else {
+                Diagnostic::error(code, message)
+            };
+            results
+                .diagnostics
+                .push(diagnostic.label(source.name(), span, ""));
+            if !unknown {
+                break;
+            }
+        }
+        results
+    }
+
+    fn take(&mut self, block: &Block<'_>, displacements: &mut Vec<usize>) -> Result<(), Trouble> {
+        let line = |at: usize| block.lines.get(at).copied();
+        match block.label.as_str() {
+            "FILE TYPE AND SOURCE" => {
+                let first = line(0).map_or("", |(_, line)| ascii(line));
+                if !first.starts_with("ADAMS RESULTS FILE") {
+                    let message = "not an ADAMS results file".to_string();
+                    return Err((Code::MalformedResults, message, block.span));
+                }
+                self.unit_code = first.get(25..37).unwrap_or_default().trim().to_string();
+            }
+            "DATA SET TITLE" => {
+                self.title = line(0)
+                    .map_or("", |(_, line)| ascii(line))
+                    .trim()
+                    .to_string();
+            }
+            "RESULTS TITLE" | "NUMBER OF ANALYSIS BLOCKS" | "MODE SHAPES MAP" => {}
+            "RIGID PARTS MAP" => self.parts_map(block, displacements)?,
+            "NAME MAP" => self.name_map(block),
+            "ANALYSIS OUTPUT BLOCK" => self.step(block, displacements)?,
+            label => {
+                let count = line(0).and_then(|(_, line)| {
+                    let count = ascii(line).get(..8)?;
+                    count.trim().parse::<i64>().ok()
+                });
+                if count != Some(0) {
+                    let message = format!(
+                        "`{}` of the formatted results file is not known and was left out",
+                        label.escape_debug()
+                    );
+                    return Err((Code::UnsupportedResults, message, block.span));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn parts_map(
+        &mut self,
+        block: &Block<'_>,
+        displacements: &mut Vec<usize>,
+    ) -> Result<(), Trouble> {
+        let mut lines = block.lines.iter();
+        let head = lines.next().map_or("", |(_, line)| ascii(line));
+        if !head.get(8..).unwrap_or_default().starts_with("YES") {
+            let message = "the file holds no displacements of parts".to_string();
+            return Err((Code::UnsupportedResults, message, block.span));
+        }
+        for &(span, line) in lines {
+            let numbers: Option<Vec<i64>> = words(line).map(|word| word.parse().ok()).collect();
+            let (Some(numbers), true) = (numbers, displacements.len() < block.lines.len()) else {
+                return Err((
+                    Code::BadNumber,
+                    "not the numbers of a part".to_string(),
+                    span,
+                ));
+            };
+            let (Some(&id), Some(&record)) = (numbers.first(), numbers.get(1)) else {
+                return Err((
+                    Code::WrongCount,
+                    "a part needs its id and record".to_string(),
+                    span,
+                ));
+            };
+            let Some(at) = usize::try_from(record).ok().filter(|&record| record >= 5) else {
+                return Err((
+                    Code::OutOfRange,
+                    "records of parts begin at 5".to_string(),
+                    span,
+                ));
+            };
+            self.parts.push(FormattedPart { id, name: None });
+            displacements.push(at - 1);
+        }
+        Ok(())
+    }
+
+    fn name_map(&mut self, block: &Block<'_>) {
+        let mut names = BTreeMap::new();
+        let mut lines = block.lines.iter().skip(1);
+        while let (Some((_, head)), Some((_, name))) = (lines.next(), lines.next()) {
+            let head = ascii(head);
+            let id = head.get(..20).and_then(|id| id.trim().parse::<i64>().ok());
+            if let (Some(id), true) = (id, head.contains("RIGID PART")) {
+                names.insert(id, ascii(name).trim().to_string());
+            }
+        }
+        for part in &mut self.parts {
+            part.name = names.get(&part.id).cloned();
+        }
+    }
+
+    fn step(&mut self, block: &Block<'_>, displacements: &[usize]) -> Result<(), Trouble> {
+        let record = |at: usize| {
+            let missing = || {
+                let message = format!("the step has no record {}", at + 1);
+                (Code::WrongCount, message, block.span)
+            };
+            block.lines.get(at).copied().ok_or_else(missing)
+        };
+        let (_, head) = record(0)?;
+        let (_, time) = record(1)?;
+        let number = |span: Span, word: Option<&str>| {
+            word.and_then(|word| word.parse::<f64>().ok())
+                .ok_or_else(|| (Code::BadNumber, "not a number".to_string(), span))
+        };
+        let mut step = FormattedStep {
+            kind: ascii(head)
+                .get(8..28)
+                .unwrap_or_default()
+                .trim()
+                .to_string(),
+            time: number(block.span, words(time).next())?,
+            displacements: Vec::with_capacity(displacements.len()),
+        };
+        for &at in displacements {
+            let (span, line) = record(at)?;
+            let mut fields = words(line);
+            let mut q = [0.0; 7];
+            for value in &mut q {
+                *value = number(span, fields.next())?;
+            }
+            let e = Quaternion::new(q[3], q[4], q[5], q[6]);
+            let Some(e) = UnitQuaternion::try_new(e, 1e-6) else {
+                let message = "Euler parameters without length".to_string();
+                return Err((Code::OutOfRange, message, span));
+            };
+            let [psi, theta, phi] = psi_theta_phi(e.to_rotation_matrix().matrix());
+            step.displacements.push([q[0], q[1], q[2], psi, theta, phi]);
+        }
+        self.steps.push(step);
+        Ok(())
+    }
+}
+
+fn lines(bytes: &[u8]) -> impl Iterator<Item = (Span, &[u8])> {
+    let mut at = 0;
+    bytes
+        .split_inclusive(|&byte| byte == b'\n')
+        .map(move |line| {
+            let span = Span::new(at, at + line.len());
+            at += line.len();
+            (span, line.trim_ascii_end())
+        })
+}
+
+/// The next block, whose count of lines is checked. The lines are counted by reading, so a large count needs no memory.
+fn next_block<'a>(
+    rest: &mut impl Iterator<Item = (Span, &'a [u8])>,
+) -> Result<Option<Block<'a>>, Trouble> {
+    let Some((span, label)) = rest.by_ref().find(|(_, line)| !line.is_empty()) else {
+        return Ok(None);
+    };
+    let text = ascii(label);
+    let count = text
+        .get(40..)
+        .and_then(|count| count.trim().parse::<usize>().ok());
+    let Some(count) = count else {
+        let message = "not the label of a block with its number of lines".to_string();
+        return Err((Code::MalformedResults, message, span));
+    };
+    let mut block = Block {
+        label: text[..40].trim_end().to_string(),
+        span,
+        lines: Vec::new(),
+    };
+    for at in 1..=count {
+        let Some((line_span, line)) = rest.next() else {
+            let message = "the file ends inside a block; the whole steps before were read";
+            return Err((Code::TruncatedResults, message.to_string(), span));
+        };
+        if (line == b"!") != (at == count) {
+            let message = format!(
+                "`{}` has not the lines it announces",
+                block.label.escape_debug()
+            );
+            return Err((Code::MalformedResults, message, line_span));
+        }
+        block.lines.push((line_span, line));
+    }
+    block.lines.pop();
+    Ok(Some(block))
+}
+
+/// The text of a line; empty when it is not ASCII, so that columns can be cut anywhere.
+fn ascii(line: &[u8]) -> &str {
+    std::str::from_utf8(line)
+        .ok()
+        .filter(|line| line.is_ascii())
+        .unwrap_or_default()
+}
+
+fn words(line: &[u8]) -> impl Iterator<Item = &str> {
+    ascii(line).split_whitespace()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn block(label: &str, lines: &[&str]) -> String {
+        format!(
+            "{label:<40}{:>8}\n{}\n!\n",
+            lines.len() + 1,
+            lines.join("\n")
+        )
+    }
+
+    fn file() -> String {
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        let quarter_turn_about_z = format!(" 1.0 2.0 3.0 {half} 0.0 0.0 {half}");
+        [
+            block(
+                "FILE TYPE AND SOURCE",
+                &["ADAMS RESULTS FILE       MMKGS_N_RACA 0.100000000000000E+01"],
+            ),
+            block("DATA SET TITLE", &["a model", ""]),
+            block("NUMBER OF ANALYSIS BLOCKS", &["       1       6"]),
+            block(
+                "RIGID PARTS MAP",
+                &[
+                    "       1YESNO NO ",
+                    "                   2       5       0       0",
+                ],
+            ),
+            block("JOINTS MAP", &["       0YES"]),
+            block("BUSHINGS MAP", &["       1YES", "  1  6"]),
+            block(
+                "NAME MAP",
+                &[
+                    "       1YES",
+                    "                   2RIGID PART                 1",
+                    ".m.arm",
+                ],
+            ),
+            block(
+                "ANALYSIS OUTPUT BLOCK",
+                &[
+                    "       1STATIC              1",
+                    " 0.00000E+00",
+                    "",
+                    "",
+                    &quarter_turn_about_z,
+                ],
+            ),
+        ]
+        .concat()
+    }
+
+    #[test]
+    fn displacements_of_parts_are_read_and_the_rest_is_named() {
+        let text = file();
+        let read = FormattedResults::parse(&Source::new("a.res", text.as_bytes()));
+        assert_eq!(read.value.parts[0].name.as_deref(), Some(".m.arm"));
+        let step = &read.value.steps[0];
+        assert_eq!((step.kind.as_str(), step.time), ("STATIC", 0.0));
+        // A quarter turn about z: PSI + PHI = 90 degrees, THETA = 0.
+        let [x, y, z, psi, theta, phi] = step.displacements[0];
+        assert_eq!([x, y, z], [1.0, 2.0, 3.0]);
+        assert!(theta.abs() < 1e-12);
+        assert!((psi + phi - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+        let said: Vec<_> = read
+            .diagnostics
+            .iter()
+            .map(|d| d.message.as_str())
+            .collect();
+        assert_eq!(
+            said,
+            ["`BUSHINGS MAP` of the formatted results file is not known and was left out"]
+        );
+    }
+
+    #[test]
+    fn broken_files_give_a_complaint() {
+        let text = file();
+        for cut in 0..text.len() - 2 {
+            let read = FormattedResults::parse(&Source::new("a.res", &text.as_bytes()[..cut]));
+            assert!(read.value.steps.is_empty());
+        }
+        let huge = format!("{:<40}{:>8}\n!\n", "NAME MAP", 99_999_999);
+        let read = FormattedResults::parse(&Source::new("a.res", huge.as_bytes()));
+        assert!(!read.diagnostics.is_empty());
+        let binary: Vec<u8> = (0..=255).cycle().take(4000).collect();
+        assert!(
+            !FormattedResults::parse(&Source::new("a.res", binary))
+                .diagnostics
+                .is_empty()
+        );
+    }
+}

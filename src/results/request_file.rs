@@ -1,0 +1,353 @@
+use std::io::{self, Write};
+
+use crate::diagnostic::{Checked, Code, Diagnostic};
+use crate::text::{Source, Span};
+use crate::units::Units;
+
+use super::Timestamp;
+use super::fortran::{exponential, line_of, title_line, unit_code};
+
+/// A request as the head of a `.req` file lists it.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct RequestEntry {
+    /// Id of the statement.
+    pub id: i64,
+    /// Its comment or name; at most 80 characters are written.
+    pub name: String,
+    /// What it measures and between which markers, as the file has it behind the id.
+    pub numbers: Vec<i64>,
+}
+
+/// Writes a `.req` file (ADAMS-FORMATS 6.3) output time by output time, each flushed.
+///
+/// The three lines of the head and the times are those of real files. How real files list the requests is not known; here
+/// each has a line with its name and a line of whole numbers that begins with its id, which is what a reader in the wild
+/// looks for. A name that looks like such a line gets a mark in front.
+#[derive(Debug)]
+pub struct RequestWriter<W: Write> {
+    output: W,
+    requests: usize,
+}
+
+impl<W: Write> RequestWriter<W> {
+    /// Writes the head.
+    ///
+    /// # Errors
+    /// When the output cannot be written.
+    pub fn create(
+        mut output: W,
+        title: &str,
+        units: &Units,
+        when: Timestamp,
+        requests: &[RequestEntry],
+    ) -> io::Result<Self> {
+        let mut text = format!(" A.R3    {:<19}{:>16}{:>10}  3D\n", when.date_time(), 0, 0);
+        text.push_str(&title_line(title));
+        text.push_str(&format!(
+            "{:>5}     {} {}\n",
+            requests.len(),
+            unit_code(units),
+            exponential(1.0 / units.length.si, 21, 15)
+        ));
+        for request in requests {
+            let name = request.name.trim();
+            let looks_like_numbers = whole_numbers(name.as_bytes()).is_some();
+            let mark = if looks_like_numbers { "REQUEST " } else { "" };
+            text.push_str(&title_line(&format!("{mark}{name}")));
+            text.push_str(&format!("{:>10}", request.id));
+            for number in &request.numbers {
+                text.push_str(&format!("{number:>10}"));
+            }
+            text.push('\n');
+        }
+        output.write_all(text.as_bytes())?;
+        output.flush()?;
+        Ok(Self {
+            output,
+            requests: requests.len(),
+        })
+    }
+
+    /// Writes one output time: for each request, in the order of the head, its columns 2, 3, 4, 6, 7 and 8.
+    ///
+    /// # Errors
+    /// `InvalidInput` when there are not as many as requests; otherwise when the output cannot be written.
+    pub fn step(&mut self, time: f64, values: &[[f64; 6]]) -> io::Result<()> {
+        if values.len() != self.requests {
+            let message = format!("{} values for {} requests", values.len(), self.requests);
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
+        }
+        let mut text = line_of(&[time]);
+        for six in values {
+            text.push_str(&line_of(six));
+        }
+        self.output.write_all(text.as_bytes())?;
+        self.output.flush()
+    }
+
+    /// Gives the output back.
+    pub fn finish(self) -> W {
+        self.output
+    }
+}
+
+/// What a `.req` file holds.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct RequestFile {
+    /// When the run was made.
+    pub date: String,
+    /// Title of the model.
+    pub title: String,
+    /// The 12 letters of the units.
+    pub unit_code: String,
+    /// Requests in the order of their values.
+    pub requests: Vec<RequestEntry>,
+    /// Output times.
+    pub times: Vec<f64>,
+    /// For each time and request: columns 2, 3, 4, 6, 7, 8.
+    pub values: Vec<Vec<[f64; 6]>>,
+}
+
+impl RequestFile {
+    /// Reads a `.req` file. Names of requests may stand before or behind their line of numbers; values may be broken into
+    /// lines in any way. A file that ends inside an output time is read up to the last whole one, with a warning.
+    pub fn parse(source: &Source) -> Checked<Self> {
+        let mut file = Checked::clean(Self::default());
+        let mut lines = Lines::new(source.bytes());
+        let trouble = file
+            .value
+            .head(&mut lines)
+            .err()
+            .or_else(|| file.value.data(&mut lines).unwrap_or_else(Some));
+        if let Some(Trouble {
+            code,
+            message,
+            span,
+        }) = trouble
+        {
+            let diagnostic = if code == Code::TruncatedResults {
+                Diagnostic::warning(code, message)
+            } else {
+                Diagnostic::error(code, message)
+            };
+            file.diagnostics
+                .push(diagnostic.label(source.name(), span, ""));
+        }
+        file
+    }
+
+    fn head(&mut self, lines: &mut Lines<'_>) -> Result<(), Trouble> {
+        let (span, first) = lines.needed()?;
+        let first = first.trim_ascii_start();
+        if !first.starts_with(b"A.R3") {
+            return Err(Trouble {
+                code: Code::UnsupportedResults,
+                message: "not a request file of format A.R3".to_string(),
+                span,
+            });
+        }
+        self.date = text(first.get(4..).unwrap_or_default().trim_ascii().get(..19));
+        self.title = text(Some(lines.needed()?.1));
+        let (span, third) = lines.needed()?;
+        let mut words = third
+            .split(u8::is_ascii_whitespace)
+            .filter(|word| !word.is_empty());
+        let count = words
+            .next()
+            .and_then(|word| text(Some(word)).parse::<usize>().ok());
+        let Some(count) = count else {
+            return Err(malformed("the number of requests is missing", span));
+        };
+        self.unit_code = text(words.next());
+        let mut name = Vec::new();
+        while self.requests.len() < count {
+            let (_, line) = lines.needed()?;
+            match whole_numbers(line) {
+                Some(numbers) => self.requests.push(RequestEntry {
+                    id: numbers[0],
+                    numbers: numbers[1..].to_vec(),
+                    name: text(Some(&std::mem::take(&mut name))),
+                }),
+                None => name = line.to_vec(),
+            }
+        }
+        // Names that stand behind their numbers: the last of them is still to come.
+        let behind = lines.peek().is_some_and(|line| numbers(line).is_none());
+        if behind && count > 0 {
+            let last = text(lines.next().map(|(_, line)| line));
+            for at in 1..count {
+                self.requests[at - 1].name = std::mem::take(&mut self.requests[at].name);
+            }
+            self.requests[count - 1].name = last;
+        }
+        Ok(())
+    }
+
+    fn data(&mut self, lines: &mut Lines<'_>) -> Result<Option<Trouble>, Trouble> {
+        let wanted = 1 + 6 * self.requests.len();
+        let mut values: Vec<f64> = Vec::new();
+        while let Some((span, line)) = lines.next() {
+            let found =
+                numbers(line).ok_or_else(|| malformed("a line that is not numbers", span))?;
+            values.extend(found);
+            if values.len() > wanted {
+                let message = "more values in an output time than the requests have";
+                return Err(malformed(message, span));
+            }
+            if values.len() == wanted {
+                self.times.push(values[0]);
+                let sixes = values[1..].chunks_exact(6);
+                let sixes = sixes.map(|six| std::array::from_fn(|at| six[at]));
+                self.values.push(sixes.collect());
+                values.clear();
+            }
+        }
+        if values.is_empty() {
+            return Ok(None);
+        }
+        Ok(Some(lines.cut_off(self.times.len())))
+    }
+}
+
+struct Trouble {
+    code: Code,
+    message: String,
+    span: Span,
+}
+
+fn malformed(message: &str, span: Span) -> Trouble {
+    Trouble {
+        code: Code::MalformedResults,
+        message: message.to_string(),
+        span,
+    }
+}
+
+/// Lines that are not blank, with their places.
+struct Lines<'a> {
+    bytes: &'a [u8],
+    at: usize,
+}
+
+impl<'a> Lines<'a> {
+    fn new(bytes: &'a [u8]) -> Self {
+        Self { bytes, at: 0 }
+    }
+
+    fn peek(&self) -> Option<&'a [u8]> {
+        let mut ahead = Lines {
+            bytes: self.bytes,
+            at: self.at,
+        };
+        ahead.next().map(|(_, line)| line)
+    }
+
+    fn needed(&mut self) -> Result<(Span, &'a [u8]), Trouble> {
+        self.next().ok_or_else(|| self.cut_off(0))
+    }
+
+    fn cut_off(&self, times: usize) -> Trouble {
+        Trouble {
+            code: Code::TruncatedResults,
+            message: format!("the file ends before its end; {times} whole output times were read"),
+            span: Span::at(self.bytes.len()),
+        }
+    }
+}
+
+impl<'a> Iterator for Lines<'a> {
+    type Item = (Span, &'a [u8]);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        while self.at < self.bytes.len() {
+            let rest = &self.bytes[self.at..];
+            let end = memchr::memchr(b'\n', rest).unwrap_or(rest.len());
+            let span = Span::new(self.at, self.at + end);
+            self.at += end + 1;
+            if !rest[..end].trim_ascii().is_empty() {
+                return Some((span, &rest[..end]));
+            }
+        }
+        None
+    }
+}
+
+fn text(bytes: Option<&[u8]>) -> String {
+    String::from_utf8_lossy(bytes.unwrap_or_default().trim_ascii()).into_owned()
+}
+
+fn words(line: &[u8]) -> impl Iterator<Item = &str> {
+    line.split(u8::is_ascii_whitespace)
+        .filter(|word| !word.is_empty())
+        .map(|word| std::str::from_utf8(word).unwrap_or("?"))
+}
+
+fn numbers(line: &[u8]) -> Option<Vec<f64>> {
+    words(line).map(|word| word.parse().ok()).collect()
+}
+
+fn whole_numbers(line: &[u8]) -> Option<Vec<i64>> {
+    let all: Option<Vec<i64>> = words(line).map(|word| word.parse().ok()).collect();
+    all.filter(|all| !all.is_empty())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn requests() -> Vec<RequestEntry> {
+        vec![
+            RequestEntry {
+                id: 7,
+                name: "12".to_string(),
+                numbers: vec![1, 4, 5, 0],
+            },
+            RequestEntry {
+                id: 3,
+                name: "wheel force".to_string(),
+                numbers: vec![4, 6, 7, 0],
+            },
+        ]
+    }
+
+    #[test]
+    fn what_is_written_is_read() {
+        let when = Timestamp::from_unix(0);
+        let units = Units::default();
+        let mut writer =
+            RequestWriter::create(Vec::new(), "a title", &units, when, &requests()).unwrap();
+        writer.step(0.0, &[[1.0; 6], [-2.5; 6]]).unwrap();
+        writer.step(1.0, &[[0.0; 6], [3e-7; 6]]).unwrap();
+        assert!(writer.step(2.0, &[[0.0; 6]]).is_err());
+        let bytes = writer.finish();
+        insta::assert_snapshot!(String::from_utf8(bytes.clone()).unwrap());
+        let read = RequestFile::parse(&Source::new("a.req", bytes.clone()));
+        assert!(read.diagnostics.is_empty());
+        assert_eq!(read.value.title, "a title");
+        assert_eq!(read.value.requests[0].name, "REQUEST 12");
+        assert_eq!(read.value.requests[1], requests()[1]);
+        assert_eq!(read.value.times, [0.0, 1.0]);
+        assert_eq!(read.value.values[1][1], [3e-7; 6]);
+        // Cut anywhere: whole output times, never a panic.
+        for cut in 0..bytes.len() {
+            let read = RequestFile::parse(&Source::new("a.req", &bytes[..cut]));
+            assert_eq!(read.value.times.len(), read.value.values.len());
+        }
+    }
+
+    #[test]
+    fn names_behind_their_numbers_are_read_too() {
+        let text = " A.R3    2020-01-01 00:00:00               0         0  3D\nt\n 2 MMKGS_N_RACA 1.0E+03\n \
+                    5 1 2 3 4\nfirst\n 6 1 2 3 4\nsecond\n 0.0\n 1 2 3 4 5 6\n 7 8 9 10 11 12\n";
+        let read = RequestFile::parse(&Source::new("a.req", text.as_bytes()));
+        assert!(read.diagnostics.is_empty());
+        let names: Vec<_> = read
+            .value
+            .requests
+            .iter()
+            .map(|r| (r.id, r.name.as_str()))
+            .collect();
+        assert_eq!(names, [(5, "first"), (6, "second")]);
+        assert_eq!(read.value.values[0][1][0], 7.0);
+    }
+}

@@ -1,0 +1,96 @@
+use std::io::{self, Write};
+
+use super::Timestamp;
+use super::fortran::exponential;
+
+/// A request as a page of tabular output shows it.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct TabularRequest {
+    /// Id of the statement.
+    pub id: i64,
+    /// Comment or name.
+    pub name: String,
+    /// Headings of the eight columns.
+    pub headings: [String; 8],
+}
+
+/// Lines of values on one page.
+const PAGE: usize = 50;
+
+/// Writes a `.out` file: for each request pages of its eight columns over time.
+///
+/// The layout is ours, since none of ADAMS is known (ADAMS-FORMATS 6.4): a form feed before every page but the first, two
+/// lines of title, a line with the request, a line of headings, then `TIME` and eight columns of 1PE13.5, at most 50 lines to
+/// a page.
+///
+/// # Errors
+/// `InvalidInput` when a row has not as many entries as there are requests; otherwise when the output cannot be written.
+pub fn write_tabular(
+    mut output: impl Write,
+    title: &str,
+    when: Timestamp,
+    requests: &[TabularRequest],
+    rows: &[(f64, Vec<[f64; 8]>)],
+) -> io::Result<()> {
+    if rows.iter().any(|(_, row)| row.len() != requests.len()) {
+        let message = "a row has not as many entries as there are requests";
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
+    }
+    let mut page = 0;
+    let mut text = String::new();
+    for (at, request) in requests.iter().enumerate() {
+        for lines in rows.chunks(PAGE) {
+            page += 1;
+            if page > 1 {
+                text.push('\u{c}');
+            }
+            let title: String = title.chars().filter(|c| !c.is_control()).take(80).collect();
+            text.push_str(&format!(
+                "1{title:<86}{:<20}PAGE{page:>6}\n",
+                when.date_time()
+            ));
+            text.push_str(&format!(
+                "0REQUEST/{:<8} {}\n\n",
+                request.id,
+                request.name.trim()
+            ));
+            text.push_str(&format!(" {:>13}", "TIME"));
+            for heading in &request.headings {
+                let heading: String = heading.chars().take(12).collect();
+                text.push_str(&format!("{heading:>13}"));
+            }
+            text.push('\n');
+            for (time, row) in lines {
+                text.push_str(&format!(" {}", exponential(*time, 13, 5)));
+                for &value in &row[at] {
+                    text.push_str(&exponential(value, 13, 5));
+                }
+                text.push('\n');
+            }
+        }
+    }
+    output.write_all(text.as_bytes())?;
+    output.flush()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pages_hold_fifty_lines() {
+        let request = TabularRequest {
+            id: 4,
+            name: "wheel force".to_string(),
+            headings: ["MAG", "FX", "FY", "FZ", "TMAG", "TX", "TY", "TZ"].map(str::to_string),
+        };
+        let rows: Vec<_> = (0..51).map(|n| (f64::from(n), vec![[0.25; 8]])).collect();
+        let mut out = Vec::new();
+        let when = Timestamp::from_unix(0);
+        write_tabular(&mut out, "a model", when, &[request], &rows).unwrap();
+        let text = String::from_utf8(out).unwrap();
+        let pages: Vec<&str> = text.split('\u{c}').collect();
+        assert_eq!(pages.len(), 2);
+        insta::assert_snapshot!(pages[1]);
+    }
+}
