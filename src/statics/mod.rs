@@ -2,8 +2,10 @@
 //!
 //! Newton's method on the force balance with Lagrange multipliers. Knows no files and no commands.
 
-mod dense;
+mod lu;
+mod matrix;
 mod newton;
+mod pivoting;
 mod rank;
 mod report;
 mod settings;

@@ -1,10 +1,11 @@
 //! Newton's method on the static equations, with step control that is only used where the plain step fails.
 
-use super::dense::Dense;
+use super::lu::Lu;
+use super::matrix::Matrix;
 use super::rank::{free_motion, redundant_equations};
 use super::{Continuation, Iteration, Report, Settings, SolveError};
 use crate::mechanics::{Mat6, Vec3, skew};
-use crate::system::{NoValue, Parameters, Scratch, Sink, State, System};
+use crate::system::{NoValue, Parameters, Scratch, State, System};
 
 /// ADAMS' default of STABILITY: up to here it only holds massive free motions.
 const DEFAULT_STABILITY: f64 = 1e-5;
@@ -34,10 +35,10 @@ pub fn solve(
 #[derive(Clone, Debug)]
 pub struct Solver {
     scratch: Scratch,
-    /// Factored.
-    matrix: Dense,
+    /// Factors of the last Jacobian in use.
+    matrix: Lu,
     /// Assembled at the trial state.
-    next: Dense,
+    next: Matrix,
     g: Vec<f64>,
     g_trial: Vec<f64>,
     dx: Vec<f64>,
@@ -82,8 +83,8 @@ impl Solver {
         let n = system.unknowns;
         Self {
             scratch: Scratch::new(system),
-            matrix: Dense::new(n),
-            next: Dense::new(n),
+            matrix: Lu::new(n),
+            next: Matrix::new(n),
             g: vec![0.0; n],
             g_trial: vec![0.0; n],
             dx: vec![0.0; n],
@@ -183,6 +184,7 @@ impl Solver {
         self.next.clear();
         let (scratch, g, next) = (&mut self.scratch, &mut self.g, &mut self.next);
         system.assemble(parameters, state, scratch, g, next)?;
+        self.next.finish();
         state.redundant = redundant_equations(system, &self.next);
         for (redundant, multiplier) in state.redundant.iter().zip(&mut state.multipliers) {
             if *redundant {
@@ -232,6 +234,7 @@ impl Solver {
         self.next.clear();
         let (scratch, g, next) = (&mut self.scratch, &mut self.g_trial, &mut self.next);
         system.assemble(parameters, state, scratch, g, next)?;
+        self.next.finish();
         self.hold(way);
         Ok(())
     }
@@ -279,8 +282,7 @@ impl Solver {
                     let fraction = (imbalance / first).min(1.0);
                     add_damping(system, damping * fraction, &mut self.next);
                 }
-                self.next.factor();
-                std::mem::swap(&mut self.matrix, &mut self.next);
+                self.matrix.factor(&self.next);
             }
             for (dx, g) in self.dx.iter_mut().zip(&self.g) {
                 *dx = -g;
@@ -610,7 +612,7 @@ fn add_stability(
     parameters: &Parameters,
     state: &State,
     stability: f64,
-    matrix: &mut Dense,
+    matrix: &mut Matrix,
 ) {
     for (body, pose) in system.bodies.iter().zip(&state.poses) {
         if body.freedoms == 0 {
@@ -632,14 +634,14 @@ fn add_stability(
         for i in 0..body.freedoms {
             for j in 0..body.freedoms {
                 let value = -stability / system.ucf * M[(i, j)];
-                matrix.add(body.first + i, body.first + j, value);
+                matrix.add_later(body.first + i, body.first + j, value);
             }
         }
     }
 }
 
 /// As if every part moved in honey.
-fn add_damping(system: &System, damping: f64, matrix: &mut Dense) {
+fn add_damping(system: &System, damping: f64, matrix: &mut Matrix) {
     for body in &system.bodies {
         for k in 0..body.freedoms {
             let scale = if k < 3 {
@@ -647,7 +649,7 @@ fn add_damping(system: &System, damping: f64, matrix: &mut Dense) {
             } else {
                 system.length * system.length
             };
-            matrix.add(body.first + k, body.first + k, -damping * scale);
+            matrix.add_later(body.first + k, body.first + k, -damping * scale);
         }
     }
 }

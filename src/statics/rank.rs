@@ -1,6 +1,6 @@
 //! Motions nothing resists and constraint equations that say nothing new, in the user's words.
 
-use super::dense::Dense;
+use super::matrix::Matrix;
 use super::report::FreeMotion;
 use crate::mechanics::Vec3;
 use crate::model::PartIx;
@@ -9,15 +9,30 @@ use crate::system::{Parameters, State, System};
 /// A constraint row that keeps less than this of its length when its share in the rows before is taken off is redundant.
 const REDUNDANT: f64 = 1e-8;
 
+/// Beyond so many products the factorisation alone finds redundant equations.
+const LARGE: usize = 1_000_000_000;
+
 /// Which constraint equations depend on those before them. `J` holds the whole Jacobian, not factored.
-pub(super) fn redundant_equations(system: &System, J: &Dense) -> Vec<bool> {
+pub(super) fn redundant_equations(system: &System, J: &Matrix) -> Vec<bool> {
     let columns = system.first_equation;
+    if system.equations.pow(2).saturating_mul(columns) > LARGE {
+        return vec![false; system.equations];
+    }
     let mut basis: Vec<Vec<f64>> = Vec::new();
     let scale = column_lengths(system);
     let mut out = vec![false; system.equations];
-    for (k, redundant) in out.iter_mut().enumerate() {
-        let row = system.first_equation + k;
-        let mut v: Vec<f64> = (0..columns).map(|c| J.entry(row, c) / scale[c]).collect();
+    let mut rows = vec![Vec::new(); system.equations];
+    for (row, column, value) in J.entries() {
+        let equation = system.first_equation..system.first_variable;
+        if column < columns && equation.contains(&row) {
+            rows[row - system.first_equation].push((column, value / scale[column]));
+        }
+    }
+    for (row, redundant) in rows.iter().zip(&mut out) {
+        let mut v = vec![0.0; columns];
+        for &(column, value) in row {
+            v[column] = value;
+        }
         let before = norm(&v);
         // An equation without any gradient cannot be held by anything: it is another's business.
         if before == 0.0 {

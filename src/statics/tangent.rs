@@ -1,5 +1,6 @@
 use super::SolveError;
-use super::dense::Dense;
+use super::lu::Lu;
+use super::matrix::Matrix;
 use crate::mechanics::{Vec3, Vec6};
 use crate::model::{MarkerIx, PartIx};
 use crate::system::{Parameters, Scratch, Slot, State, System};
@@ -9,7 +10,7 @@ use crate::system::{Parameters, Scratch, Slot, State, System};
 /// Vectors of unknowns are laid out as [`System`] says; a part's share is at [`System::part_unknowns`].
 #[derive(Clone, Debug)]
 pub struct Tangent {
-    factors: Dense,
+    factors: Lu,
     scratch: Scratch,
 }
 
@@ -24,18 +25,14 @@ impl Tangent {
         state: &State,
     ) -> Result<Self, SolveError> {
         let mut new = Self {
-            factors: Dense::new(system.unknowns()),
+            factors: Lu::new(system.unknowns()),
             scratch: Scratch::new(system),
         };
         let mut g = vec![0.0; system.unknowns()];
-        system.assemble(
-            parameters,
-            state,
-            &mut new.scratch,
-            &mut g,
-            &mut new.factors,
-        )?;
-        new.factors.factor();
+        let mut matrix = Matrix::new(system.unknowns());
+        system.assemble(parameters, state, &mut new.scratch, &mut g, &mut matrix)?;
+        matrix.finish();
+        new.factors.factor(&matrix);
         Ok(new)
     }
 

@@ -2,7 +2,7 @@
 //!
 //! Knows no iteration, no step control and no factorisation.
 
-use super::chain::{Acting, NoJacobian, Place, Sink, add_wrench, turn};
+use super::chain::{Acting, NoJacobian, Place, Sink, add_block, add_wrench, turn};
 use super::structure::{Action, Drive, Element, Joint, Name, Rate, System};
 use super::{Parameters, Scratch, State};
 use crate::constraint::Constraint;
@@ -144,11 +144,15 @@ impl System {
     ) {
         let theta = parameters.theta();
         let gravity = self.gravity_vector(theta);
-        if gravity == Vec3::zeros() {
-            return;
-        }
         for (part, body) in self.bodies.iter().enumerate() {
-            let Some(cm) = body.cm else { continue };
+            let place = self.place(part);
+            let Some(cm) = body.cm else {
+                // Every part has its block in the pattern.
+                if S::WANTED {
+                    add_block(sink, place, place, &Mat6::zeros());
+                }
+                continue;
+            };
             if body.freedoms == 0 {
                 continue;
             }

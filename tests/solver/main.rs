@@ -6,3 +6,4 @@ mod deck;
 mod derivatives;
 mod reference;
 mod robust;
+mod speed;
