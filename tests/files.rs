@@ -2,6 +2,7 @@
 
 mod common;
 mod files {
+    pub mod functions;
     pub mod lossless;
     pub mod lowering;
     pub mod results;

@@ -1,0 +1,43 @@
+//! The functions of real decks: every one is read, and compiled or refused by name.
+
+use std::collections::BTreeMap;
+
+use admire::function::Compiler;
+use admire::model::Model;
+use admire::syntax::{Dataset, Value};
+use admire::text::Source;
+
+use crate::common::{files_below, shared};
+
+#[test]
+fn functions_of_real_decks_compile_or_are_refused_by_name() {
+    let Some(folder) = shared("real-decks") else {
+        return;
+    };
+    let mut compiled = 0;
+    let mut refused: BTreeMap<String, usize> = BTreeMap::new();
+    for path in files_below(&folder, "adm") {
+        let bytes = std::fs::read(&path).expect("readable deck");
+        let dataset = Dataset::parse(Source::new(path.display().to_string(), bytes)).value;
+        let model = Model::lower(&dataset).value;
+        let compiler = Compiler::new(&model);
+        for statement in dataset.statements() {
+            for argument in &statement.arguments {
+                let Value::Function(expression) = &argument.value else {
+                    continue;
+                };
+                match compiler.compile(expression) {
+                    Ok(_) => compiled += 1,
+                    Err(refusal) => *refused.entry(refusal.message).or_default() += 1,
+                }
+            }
+        }
+    }
+    // Only one deck, of a feeding machine, asks for forces of contacts, which the built-in solver does not find.
+    assert!(compiled >= 2159, "{compiled}");
+    let expected = [(
+        "CONTACT: the built-in solver does not solve the element".to_string(),
+        7,
+    )];
+    assert_eq!(refused, BTreeMap::from(expected));
+}
