@@ -152,7 +152,8 @@ fn files_are_short() {
 fn nothing_is_left_unfinished() {
     let mut wrong = Vec::new();
     for (path, text) in rust_files() {
-        if !path.starts_with("src/") {
+        // A file named `tests.rs` is compiled for tests only.
+        if !path.starts_with("src/") || path.ends_with("/tests.rs") {
             continue;
         }
         let code = text.split("#[cfg(test)]").next().unwrap_or_default();

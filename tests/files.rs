@@ -2,7 +2,7 @@
 
 mod common;
 mod files {
-    pub mod functions;
+    pub mod lint;
     pub mod lossless;
     pub mod lowering;
     pub mod results;

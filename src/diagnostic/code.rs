@@ -57,6 +57,41 @@ codes! {
     InactiveInStatics = "inactive-in-statics",
     /// A user-written subroutine, which only real ADAMS can run.
     UserSubroutine = "user-subroutine",
+    // Lint: what is wrong with a dataset that reads well.
+    /// Arguments that cannot stand together, for example REULER and ZP of a MARKER, or two types of a JOINT.
+    ConflictingArguments = "conflicting-arguments",
+    /// An argument that is written twice in one statement. The later one counts.
+    RepeatedArgument = "repeated-argument",
+    /// A number with the degree suffix where no angle is meant. The suffix D always multiplies by pi/180.
+    WrongDimension = "wrong-dimension",
+    /// Both markers of a constraint or force are on one part: a constraint is singular, a force moves nothing.
+    MarkersOnOnePart = "markers-on-one-part",
+    /// A FLOATING marker where a fixed one is needed, or a fixed one where the solver must move it (JFLOAT).
+    FloatingMarker = "floating-marker",
+    /// The dataset has no PART with GROUND, or more than one.
+    NoGround = "no-ground",
+    /// A part has mass and no CM marker, or its CM marker is on another part: where its weight acts is unknown.
+    MassWithoutCm = "mass-without-cm",
+    /// KT of a BUSHING looks like a stiffness per degree; ADAMS takes it per radian, 57.3 times as much. The lever arm sqrt(KT/K)
+    /// of rubber bushings is some 5 to 50 mm; below 2.5 mm this is asked.
+    KtPerDegree = "kt-per-degree",
+    /// The x (or z) values of a SPLINE do not increase.
+    SplineNotIncreasing = "spline-not-increasing",
+    /// A FUNCTION of the motion has no derivative everywhere: IF, ABS, MAX, MIN, MOD, SIGN and rounding bend or jump, and the search
+    /// for equilibrium may stumble there. IF of TIME or MODE alone is not reported.
+    NoDerivative = "no-derivative",
+    /// A SPLINE, ARRAY, MATRIX, STRING or CURVE that nothing uses. Not reported where user subroutines may read it.
+    Unreferenced = "unreferenced",
+    /// A tab between words. The FORTRAN solver counts it as one column; `admire fix` writes a blank.
+    Tab = "tab",
+    /// A line longer than the 80 columns the FORTRAN solver reads. Reported only for decks of that solver.
+    LineTooLong = "line-too-long",
+    /// The I and J markers of a BUSHING, BEAM or FIELD are turned by more than 10 degrees against each other at the design position:
+    /// its rotational deformation is measured by projected angles, which hold only for small ones.
+    BushingAngle = "bushing-angle",
+    /// The markers of a JOINT or JPRIM are not where the constraint needs them at the design position: origins apart or axes
+    /// not aligned. ADAMS moves the parts when it assembles the model.
+    JointNotAligned = "joint-not-aligned",
     // Files.
     /// A file that does not exist or cannot be read.
     CannotRead = "cannot-read",

@@ -5,7 +5,9 @@
 //! in [`measure`] from given poses; forces of other elements enter as inputs that the caller fills.
 
 mod akima;
-mod compile;
+mod build;
+mod call;
+mod compiler;
 mod cubic;
 mod error;
 mod euler;
@@ -20,7 +22,7 @@ mod step;
 #[cfg(test)]
 mod tests;
 
-pub use compile::Compiler;
+pub use compiler::Compiler;
 pub use error::{EvalError, Fault};
 pub use input::{ElementIx, ForceComponent, ForceMeasure, Input, Measure, MeasureKind, Sequence};
 pub use program::{Program, Scratch};

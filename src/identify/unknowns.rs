@@ -55,14 +55,19 @@ impl Unknown {
     }
 }
 
-/// The address of one stiffness of a bushing; axes 0 to 2 are K, 3 to 5 KT.
-pub fn stiffness(id: u32, axis: usize) -> Address {
+/// The address of one number of a bushing: axes 0 to 2 are the first word's, 3 to 5 the second's.
+pub fn bushing_number(id: u32, words: [&str; 2], axis: usize) -> Address {
     Address {
         kind: "BUSHING".to_string(),
         id: Some(id),
-        argument: Some(if axis < 3 { "K" } else { "KT" }.to_string()),
+        argument: Some(words[axis / 3].to_string()),
         index: Some(axis % 3 + 1),
     }
+}
+
+/// The address of one stiffness of a bushing; axes 0 to 2 are K, 3 to 5 KT.
+pub fn stiffness(id: u32, axis: usize) -> Address {
+    bushing_number(id, ["K", "KT"], axis)
 }
 
 /// The index of the bushing with this address, id or view name.

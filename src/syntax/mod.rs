@@ -10,6 +10,7 @@ pub mod expression;
 mod keywords;
 mod lexer;
 mod lines;
+pub mod lint;
 pub mod number;
 mod parser;
 mod statement;

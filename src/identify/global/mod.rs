@@ -4,6 +4,8 @@
 //! sensitivities from the built-in solver, or with differences from any backend.
 
 pub mod confidence;
+mod differences;
+mod fit;
 pub mod gauss_newton;
 mod native;
 mod observation;
@@ -11,6 +13,10 @@ mod predictor;
 mod problem;
 mod unknown;
 
+pub use differences::DifferencePredictor;
+pub use fit::{
+    GlobalFit, Options, UNIDENTIFIABLE, effective_dof, fit_unknowns, global_problem, identify,
+};
 pub use native::{Loads, NativePredictor};
 pub use observation::{Evaluation, NuisanceLayout, Observations, Row};
 pub use predictor::{CaseChange, CasePrediction, Observed, Prediction, Predictor};

@@ -4,6 +4,8 @@
 
 mod parse;
 mod references;
+#[cfg(test)]
+mod tests;
 mod tokens;
 
 pub use parse::parse;

@@ -13,8 +13,7 @@ fn argument_spaces(function: &str) -> &'static [Option<&'static str>] {
         | "FZ" | "FM" | "TX" | "TY" | "TZ" | "TM" | "DXYZ" | "VXYZ" | "ACCXYZ" | "WXYZ"
         | "WDTXYZ" | "FXYZ" | "TXYZ" | "UVX" | "UVY" | "UVZ" => MARKERS,
         "ORIENT" => &[None, None, MARKER],
-        "AKISPL" | "CUBSPL" => &[None, None, Some("spline"), None],
-        "INTERP" => &[None, None, Some("spline"), None],
+        "AKISPL" | "CUBSPL" | "INTERP" => &[None, None, Some("spline"), None],
         "CURVE" => &[None, None, None, Some("curve"), None],
         "VARVAL" => &[Some("variable"), None],
         "ARYVAL" => &[Some("array"), None],

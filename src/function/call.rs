@@ -1,275 +1,20 @@
-use std::cell::{OnceCell, RefCell};
-use std::collections::BTreeMap;
-use std::sync::Arc;
-
-use super::interpolant::{Interpolant, Method};
+use super::build::{Build, Place};
+use super::compiler::Space;
+use super::interpolant::Method;
 use super::intrinsic::{Binary, Unary};
-use super::program::{Kind, Program, Step};
+use super::program::Kind;
 use super::step::Shape;
-use super::{
-    ElementIx, ForceComponent, ForceMeasure, Input, Measure, MeasureKind, Scratch, Sequence,
-};
+use super::{ElementIx, ForceComponent, ForceMeasure, Input, Measure, MeasureKind, Sequence};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::grammar::{FunctionDef, Solved};
-use crate::model::{ArrayKind, MarkerIx, Model, VectorForceKind};
-use crate::syntax::Expression;
-use crate::syntax::expression::{BinaryOperator, Constant, Node};
-
-/// Compiles expressions against the objects of one model; looks ids up fast and shares prepared splines.
-#[derive(Debug)]
-pub struct Compiler<'m> {
-    model: &'m Model,
-    ids: [OnceCell<BTreeMap<u32, usize>>; Space::COUNT],
-    interpolants: RefCell<BTreeMap<(usize, Method), Arc<Interpolant>>>,
-}
-
-/// A list of the model whose objects have ids of their own.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Space {
-    Marker,
-    Variable,
-    Diff,
-    Array,
-    Sensor,
-    Spline,
-    Beam,
-    Bushing,
-    Field,
-    SpringDamper,
-    Sforce,
-    Gforce,
-    Vforce,
-    Vtorque,
-    Nforce,
-    Joint,
-    Primitive,
-    Motion,
-}
-
-impl Space {
-    const COUNT: usize = Self::Motion as usize + 1;
-
-    fn keyword(self) -> &'static str {
-        match self {
-            Self::Marker => "MARKER",
-            Self::Variable => "VARIABLE",
-            Self::Diff => "DIFF",
-            Self::Array => "ARRAY",
-            Self::Sensor => "SENSOR",
-            Self::Spline => "SPLINE",
-            Self::Beam => "BEAM",
-            Self::Bushing => "BUSHING",
-            Self::Field => "FIELD",
-            Self::SpringDamper => "SPRINGDAMPER",
-            Self::Sforce => "SFORCE",
-            Self::Gforce => "GFORCE",
-            Self::Vforce => "VFORCE",
-            Self::Vtorque => "VTORQUE",
-            Self::Nforce => "NFORCE",
-            Self::Joint => "JOINT",
-            Self::Primitive => "JPRIM",
-            Self::Motion => "MOTION",
-        }
-    }
-
-    fn index(self, model: &Model) -> BTreeMap<u32, usize> {
-        macro_rules! ids {
-            ($list:ident) => {
-                model
-                    .$list
-                    .iter()
-                    .enumerate()
-                    .map(|(index, object)| (object.header.id, index))
-                    .collect()
-            };
-        }
-        let vector = |kind: VectorForceKind| {
-            model
-                .vector_forces
-                .iter()
-                .enumerate()
-                .filter(|(_, force)| force.kind == kind)
-                .map(|(index, force)| (force.header.id, index))
-                .collect()
-        };
-        match self {
-            Self::Marker => ids!(markers),
-            Self::Variable => ids!(variables),
-            Self::Diff => ids!(diffs),
-            Self::Array => ids!(arrays),
-            Self::Sensor => ids!(sensors),
-            Self::Spline => ids!(splines),
-            Self::Beam => ids!(beams),
-            Self::Bushing => ids!(bushings),
-            Self::Field => ids!(fields),
-            Self::SpringDamper => ids!(springdampers),
-            Self::Sforce => ids!(sforces),
-            Self::Gforce => vector(VectorForceKind::Gforce),
-            Self::Vforce => vector(VectorForceKind::Vforce),
-            Self::Vtorque => vector(VectorForceKind::Vtorque),
-            Self::Nforce => ids!(nforces),
-            Self::Joint => ids!(joints),
-            Self::Primitive => ids!(primitives),
-            Self::Motion => ids!(motions),
-        }
-    }
-}
-
-impl<'m> Compiler<'m> {
-    /// A compiler for the objects of `model`.
-    pub fn new(model: &'m Model) -> Self {
-        Self {
-            model,
-            ids: std::array::from_fn(|_| OnceCell::new()),
-            interpolants: RefCell::default(),
-        }
-    }
-
-    /// Compiles one expression.
-    ///
-    /// # Errors
-    /// As [`Program::compile`].
-    pub fn compile(&self, expression: &Expression) -> Result<Program, Diagnostic> {
-        let mut build = Build {
-            compiler: self,
-            expression,
-            inputs: Vec::new(),
-            parameters: Vec::new(),
-            constants: Vec::new(),
-            steps: Vec::new(),
-            operands: Vec::new(),
-            interpolants: Vec::new(),
-            targets: 0,
-            branches: false,
-        };
-        let result = build.node(&expression.root)?;
-        Ok(build.finish(result))
-    }
-
-    fn find(&self, space: Space, id: u32) -> Option<usize> {
-        self.ids[space as usize]
-            .get_or_init(|| space.index(self.model))
-            .get(&id)
-            .copied()
-    }
-
-    fn interpolant(&self, spline: usize, method: Method) -> Option<Arc<Interpolant>> {
-        let mut prepared = self.interpolants.borrow_mut();
-        if let Some(found) = prepared.get(&(spline, method)) {
-            return Some(Arc::clone(found));
-        }
-        let made = Arc::new(Interpolant::new(&self.model.splines[spline], method)?);
-        prepared.insert((spline, method), Arc::clone(&made));
-        Some(made)
-    }
-}
-
-/// Where a value stands while the sizes of the tables are not known yet.
-#[derive(Clone, Copy, PartialEq, Debug)]
-enum Place {
-    Input(usize),
-    Literal(usize),
-    Constant(f64),
-    Target(usize),
-}
-
-struct Build<'a> {
-    compiler: &'a Compiler<'a>,
-    expression: &'a Expression,
-    inputs: Vec<Input>,
-    parameters: Vec<usize>,
-    constants: Vec<f64>,
-    /// Steps with their targets counted from 0.
-    steps: Vec<Step>,
-    operands: Vec<Place>,
-    interpolants: Vec<(Arc<Interpolant>, usize)>,
-    targets: usize,
-    branches: bool,
-}
+use crate::model::{ArrayKind, MarkerIx};
+use crate::syntax::expression::Node;
 
 /// The arguments of a call.
 type Arguments<'a> = &'a [Node];
 
 impl Build<'_> {
-    fn node(&mut self, node: &Node) -> Result<Place, Diagnostic> {
-        match node {
-            Node::Literal(literal) => {
-                // Every literal stands once in the tree.
-                self.parameters.push(*literal);
-                Ok(Place::Literal(self.parameters.len() - 1))
-            }
-            Node::Constant(constant) => Ok(Place::Constant(match constant {
-                Constant::Pi => std::f64::consts::PI,
-                Constant::Rtod => 180.0 / std::f64::consts::PI,
-                Constant::Dtor => std::f64::consts::PI / 180.0,
-            })),
-            Node::Name(function) => match function.name {
-                "TIME" => Ok(self.input(Input::Time)),
-                "MODE" => Ok(self.input(Input::Mode)),
-                _ => Err(refusal(function)),
-            },
-            Node::Negate(inner) => {
-                let inner = self.node(inner)?;
-                Ok(self.step(Kind::Negate, &[inner]))
-            }
-            Node::Binary(operator, left, right) => {
-                let operands = [self.node(left)?, self.node(right)?];
-                let kind = match operator {
-                    BinaryOperator::Add => Kind::Add,
-                    BinaryOperator::Subtract => Kind::Subtract,
-                    BinaryOperator::Multiply => Kind::Multiply,
-                    BinaryOperator::Divide => Kind::Divide,
-                    BinaryOperator::Power => Kind::Power,
-                };
-                Ok(self.step(kind, &operands))
-            }
-            Node::If(parts) => self.choice(parts),
-            Node::Call {
-                function,
-                arguments,
-                ..
-            } => self.call(function, arguments),
-        }
-    }
-
-    /// IF: the test, then three pieces of which one runs; each moves its value to the same target.
-    fn choice(
-        &mut self,
-        [test, negative, zero, positive]: &[Node; 4],
-    ) -> Result<Place, Diagnostic> {
-        self.branches = true;
-        let test = self.node(test)?;
-        let branch = self.steps.len();
-        self.push(
-            Kind::Branch {
-                zero: 0,
-                positive: 0,
-            },
-            &[test],
-            0,
-        );
-        let target = self.target();
-        let mut starts = [0; 3];
-        let mut jumps = Vec::new();
-        for (part, start) in [negative, zero, positive].into_iter().zip(&mut starts) {
-            *start = self.steps.len() as u32;
-            let value = self.node(part)?;
-            self.push(Kind::Move, &[value], target);
-            jumps.push(self.steps.len());
-            self.push(Kind::Jump(0), &[], 0);
-        }
-        let end = self.steps.len() as u32;
-        for jump in jumps {
-            self.steps[jump].kind = Kind::Jump(end);
-        }
-        self.steps[branch].kind = Kind::Branch {
-            zero: starts[1],
-            positive: starts[2],
-        };
-        Ok(Place::Target(target))
-    }
-
-    fn call(
+    pub(super) fn call(
         &mut self,
         function: &'static FunctionDef,
         arguments: Arguments,
@@ -349,8 +94,8 @@ impl Build<'_> {
         function: &'static FunctionDef,
         arguments: Arguments,
     ) -> Result<Place, Diagnostic> {
-        let kind = self.whole(function, arguments, 0)?;
-        let component = self.whole(function, arguments, 1)?;
+        let kind = self.code_or_id(function, arguments, 0)?;
+        let component = self.code_or_id(function, arguments, 1)?;
         let count = if kind == 27 { 4 } else { 3 };
         if !(1..=count).contains(&component) {
             return Err(wrong(
@@ -394,7 +139,7 @@ impl Build<'_> {
         function: &'static FunctionDef,
         arguments: Arguments,
     ) -> Result<Place, Diagnostic> {
-        let method = match self.whole(function, arguments, 1)? {
+        let method = match self.code_or_id(function, arguments, 1)? {
             1 => Method::Linear,
             3 => Method::Cubic,
             other => {
@@ -420,7 +165,7 @@ impl Build<'_> {
         let spline = self.object(function, arguments, id_at, Space::Spline)?;
         let id = self.compiler.model.splines[spline].header.id;
         let order = if arguments.len() > id_at + 1 {
-            self.whole(function, arguments, id_at + 1)? as usize
+            self.code_or_id(function, arguments, id_at + 1)? as usize
         } else {
             0
         };
@@ -454,7 +199,7 @@ impl Build<'_> {
         arguments: Arguments,
     ) -> Result<Place, Diagnostic> {
         let array = self.object(function, arguments, 0, Space::Array)?;
-        let component = self.whole(function, arguments, 1)?;
+        let component = self.code_or_id(function, arguments, 1)?;
         let data = &self.compiler.model.arrays[array];
         let size = match &data.kind {
             ArrayKind::Numbers(numbers) => numbers.len(),
@@ -526,13 +271,13 @@ impl Build<'_> {
             _ => ElementIx::VectorForce(index),
         };
         if space != Space::Nforce {
-            on_j = match self.whole(function, arguments, 1)? {
+            on_j = match self.code_or_id(function, arguments, 1)? {
                 0 => false,
                 1 => true,
                 other => return Err(wrong(function, format!("jflag {other} is neither 0 nor 1"))),
             };
         }
-        let component = self.whole(function, arguments, 2)?;
+        let component = self.code_or_id(function, arguments, 2)?;
         let Some(&component) = (component as usize)
             .checked_sub(1)
             .and_then(|index| ForceComponent::ALL.get(index))
@@ -561,7 +306,7 @@ impl Build<'_> {
         if at >= arguments.len() {
             return Ok(None);
         }
-        match self.whole(function, arguments, at)? {
+        match self.code_or_id(function, arguments, at)? {
             0 => Ok(None),
             id => self
                 .compiler
@@ -578,7 +323,7 @@ impl Build<'_> {
         at: usize,
     ) -> Result<MarkerIx, Diagnostic> {
         self.marker(function, arguments, at)?
-            .ok_or_else(|| wrong(function, "a marker is needed here, not 0".to_string()))
+            .ok_or_else(|| wrong(function, "a marker is needed here, not 0"))
     }
 
     fn object(
@@ -588,14 +333,14 @@ impl Build<'_> {
         at: usize,
         space: Space,
     ) -> Result<usize, Diagnostic> {
-        let id = self.whole(function, arguments, at)?;
+        let id = self.code_or_id(function, arguments, at)?;
         self.compiler
             .find(space, id)
             .ok_or_else(|| undefined(function, space, id))
     }
 
     /// An argument that is an id or a code: a whole number that is not negative.
-    fn whole(
+    fn code_or_id(
         &self,
         function: &'static FunctionDef,
         arguments: Arguments,
@@ -619,122 +364,6 @@ impl Build<'_> {
             ))
         }
     }
-
-    fn input(&mut self, input: Input) -> Place {
-        Place::Input(position(&mut self.inputs, input))
-    }
-
-    fn target(&mut self) -> usize {
-        self.targets += 1;
-        self.targets - 1
-    }
-
-    fn push(&mut self, kind: Kind, operands: &[Place], target: usize) {
-        self.steps.push(Step {
-            kind,
-            first: self.operands.len() as u32,
-            count: operands.len() as u32,
-            target: target as u32,
-        });
-        self.operands.extend_from_slice(operands);
-    }
-
-    /// A step with a result of its own; computed now if all operands are constants and the value exists.
-    fn step(&mut self, kind: Kind, operands: &[Place]) -> Place {
-        let constants: Vec<f64> = operands
-            .iter()
-            .map_while(|place| match place {
-                Place::Constant(value) => Some(*value),
-                _ => None,
-            })
-            .collect();
-        if constants.len() == operands.len() {
-            if let Some(value) = fold(kind, &constants, &self.interpolants) {
-                return Place::Constant(value);
-            }
-        }
-        let target = self.target();
-        self.push(kind, operands, target);
-        Place::Target(target)
-    }
-
-    fn finish(mut self, result: Place) -> Program {
-        let (inputs, parameters) = (self.inputs.len(), self.parameters.len());
-        for place in self.operands.iter().chain([&result]) {
-            if let Place::Constant(value) = place {
-                // Zeros of either sign are kept apart, hence the bits.
-                if !self
-                    .constants
-                    .iter()
-                    .any(|c| c.to_bits() == value.to_bits())
-                {
-                    self.constants.push(*value);
-                }
-            }
-        }
-        let base = inputs + parameters + self.constants.len();
-        let slot = |place: &Place| match place {
-            Place::Input(index) => *index as u32,
-            Place::Literal(index) => (inputs + index) as u32,
-            Place::Constant(value) => {
-                let index = self
-                    .constants
-                    .iter()
-                    .position(|c| c.to_bits() == value.to_bits())
-                    .expect("every constant was entered above");
-                (inputs + parameters + index) as u32
-            }
-            Place::Target(index) => (base + index) as u32,
-        };
-        let operands = self.operands.iter().map(slot).collect();
-        let result = slot(&result);
-        for step in &mut self.steps {
-            step.target += base as u32;
-        }
-        Program {
-            slots: base + self.targets.max(1),
-            inputs: self.inputs,
-            parameters: self.parameters,
-            constants: self.constants,
-            steps: self.steps,
-            operands,
-            interpolants: self.interpolants,
-            result,
-            branches: self.branches,
-        }
-    }
-}
-
-/// The value of one step of constants.
-fn fold(kind: Kind, constants: &[f64], interpolants: &[(Arc<Interpolant>, usize)]) -> Option<f64> {
-    let count = constants.len() as u32;
-    let program = Program {
-        inputs: Vec::new(),
-        parameters: Vec::new(),
-        constants: constants.to_vec(),
-        steps: vec![Step {
-            kind,
-            first: 0,
-            count,
-            target: count,
-        }],
-        operands: (0..count).collect(),
-        interpolants: interpolants.to_vec(),
-        slots: constants.len() + 1,
-        result: count,
-        branches: false,
-    };
-    program.eval(&[], &[], &mut Scratch::default()).ok()
-}
-
-/// The index of an item in a list that holds each once.
-fn position<T: PartialEq>(list: &mut Vec<T>, item: T) -> usize {
-    list.iter()
-        .position(|other| *other == item)
-        .unwrap_or_else(|| {
-            list.push(item);
-            list.len() - 1
-        })
 }
 
 /// Functions whose arguments are all values.
@@ -807,7 +436,7 @@ fn undefined(function: &FunctionDef, space: Space, id: u32) -> Diagnostic {
     )
 }
 
-fn wrong(function: &FunctionDef, what: String) -> Diagnostic {
+fn wrong(function: &FunctionDef, what: impl std::fmt::Display) -> Diagnostic {
     Diagnostic::error(
         Code::BadExpression,
         format!("{}({}): {what}", function.name, function.arguments),
@@ -815,7 +444,7 @@ fn wrong(function: &FunctionDef, what: String) -> Diagnostic {
 }
 
 /// Why a function is not evaluated here.
-fn refusal(function: &FunctionDef) -> Diagnostic {
+pub(super) fn refusal(function: &FunctionDef) -> Diagnostic {
     if function.name == "USER" {
         return Diagnostic::error(
             Code::UserSubroutine,

@@ -1,0 +1,146 @@
+use std::cell::{OnceCell, RefCell};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::Program;
+use super::build::Build;
+use super::interpolant::{Interpolant, Method};
+use crate::diagnostic::Diagnostic;
+use crate::model::{Model, VectorForceKind};
+use crate::syntax::Expression;
+
+/// Compiles expressions against the objects of one model; looks ids up fast and shares prepared splines.
+#[derive(Debug)]
+pub struct Compiler<'m> {
+    pub(super) model: &'m Model,
+    ids: [OnceCell<BTreeMap<u32, usize>>; Space::COUNT],
+    interpolants: RefCell<BTreeMap<(usize, Method), Arc<Interpolant>>>,
+}
+
+/// A list of the model whose objects have ids of their own.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Space {
+    Marker,
+    Variable,
+    Diff,
+    Array,
+    Sensor,
+    Spline,
+    Beam,
+    Bushing,
+    Field,
+    SpringDamper,
+    Sforce,
+    Gforce,
+    Vforce,
+    Vtorque,
+    Nforce,
+    Joint,
+    Primitive,
+    Motion,
+}
+
+impl Space {
+    const COUNT: usize = Self::Motion as usize + 1;
+
+    pub(super) fn keyword(self) -> &'static str {
+        match self {
+            Self::Marker => "MARKER",
+            Self::Variable => "VARIABLE",
+            Self::Diff => "DIFF",
+            Self::Array => "ARRAY",
+            Self::Sensor => "SENSOR",
+            Self::Spline => "SPLINE",
+            Self::Beam => "BEAM",
+            Self::Bushing => "BUSHING",
+            Self::Field => "FIELD",
+            Self::SpringDamper => "SPRINGDAMPER",
+            Self::Sforce => "SFORCE",
+            Self::Gforce => "GFORCE",
+            Self::Vforce => "VFORCE",
+            Self::Vtorque => "VTORQUE",
+            Self::Nforce => "NFORCE",
+            Self::Joint => "JOINT",
+            Self::Primitive => "JPRIM",
+            Self::Motion => "MOTION",
+        }
+    }
+
+    fn index(self, model: &Model) -> BTreeMap<u32, usize> {
+        macro_rules! ids {
+            ($list:ident) => {
+                model
+                    .$list
+                    .iter()
+                    .enumerate()
+                    .map(|(index, object)| (object.header.id, index))
+                    .collect()
+            };
+        }
+        let vector = |kind: VectorForceKind| {
+            model
+                .vector_forces
+                .iter()
+                .enumerate()
+                .filter(|(_, force)| force.kind == kind)
+                .map(|(index, force)| (force.header.id, index))
+                .collect()
+        };
+        match self {
+            Self::Marker => ids!(markers),
+            Self::Variable => ids!(variables),
+            Self::Diff => ids!(diffs),
+            Self::Array => ids!(arrays),
+            Self::Sensor => ids!(sensors),
+            Self::Spline => ids!(splines),
+            Self::Beam => ids!(beams),
+            Self::Bushing => ids!(bushings),
+            Self::Field => ids!(fields),
+            Self::SpringDamper => ids!(springdampers),
+            Self::Sforce => ids!(sforces),
+            Self::Gforce => vector(VectorForceKind::Gforce),
+            Self::Vforce => vector(VectorForceKind::Vforce),
+            Self::Vtorque => vector(VectorForceKind::Vtorque),
+            Self::Nforce => ids!(nforces),
+            Self::Joint => ids!(joints),
+            Self::Primitive => ids!(primitives),
+            Self::Motion => ids!(motions),
+        }
+    }
+}
+
+impl<'m> Compiler<'m> {
+    /// A compiler for the objects of `model`.
+    pub fn new(model: &'m Model) -> Self {
+        Self {
+            model,
+            ids: std::array::from_fn(|_| OnceCell::new()),
+            interpolants: RefCell::default(),
+        }
+    }
+
+    /// Compiles one expression.
+    ///
+    /// # Errors
+    /// As [`Program::compile`].
+    pub fn compile(&self, expression: &Expression) -> Result<Program, Diagnostic> {
+        Build::new(self, expression).whole()
+    }
+
+    pub(super) fn find(&self, space: Space, id: u32) -> Option<usize> {
+        self.ids[space as usize]
+            .get_or_init(|| space.index(self.model))
+            .get(&id)
+            .copied()
+    }
+
+    pub(super) fn interpolant(&self, spline: usize, method: Method) -> Option<Arc<Interpolant>> {
+        let mut prepared = self.interpolants.borrow_mut();
+        if let Some(found) = prepared.get(&(spline, method)) {
+            return Some(Arc::clone(found));
+        }
+        let made = Arc::new(Interpolant::new(&self.model.splines[spline], method)?);
+        prepared.insert((spline, method), Arc::clone(&made));
+        Some(made)
+    }
+}

@@ -1,0 +1,350 @@
+//! `method = "gauss-newton"` from a study's problem to its answer.
+
+use std::collections::BTreeMap;
+
+use nalgebra::DMatrix;
+
+use super::confidence::{NORMAL_975, covariance, open_directions, profile_interval};
+use super::gauss_newton::{Ending, Minimum, Tolerances, minimise};
+use super::observation::{NuisanceLayout, Observations, Row};
+use super::predictor::Predictor;
+use super::problem::{GlobalProblem, Watch};
+use super::unknown::{Component, FitUnknown, FitUnknowns, Meaning};
+use crate::identify::unknowns::{Place, bushing_number};
+use crate::identify::{
+    Fit, HeldOut, IdentifyError, Marks, OffsetFit, ParameterFit, Problem, Status,
+    UnidentifiableDirection,
+};
+use crate::rig::settings::Method;
+use crate::system::System;
+
+/// sd of ln K above which a number counts as unidentifiable (STUDY-FORMAT).
+pub const UNIDENTIFIABLE: f64 = 0.5;
+/// sd of ln K above which the normal interval is replaced by profile likelihood.
+const POOR_NORMAL: f64 = 0.3;
+/// ln K may move so far from where it starts.
+const REACH: f64 = 14.0;
+
+/// What a fit may be told.
+pub struct Options<'a> {
+    /// Start of the unknowns instead of the study's initial values; in the order of the problem's unknowns.
+    pub start: Option<Vec<f64>>,
+    /// Whether intervals may be refined by profile likelihood, which costs solver runs.
+    pub profile: bool,
+    /// Who watches.
+    pub watch: Option<Box<Watch<'a>>>,
+}
+
+/// A fit with what later steps build on.
+pub struct GlobalFit<'a> {
+    /// The answer as `identification.json` shows it.
+    pub fit: Fit,
+    /// The problem, at hand for more evaluations.
+    pub problem: GlobalProblem<'a>,
+    /// The minimum.
+    pub minimum: Minimum,
+    /// Posterior covariance of all unknowns.
+    pub covariance: DMatrix<f64>,
+}
+
+/// The fit's unknowns of a study: ln K of each number sought, then the assembly offsets of their bushings.
+pub fn fit_unknowns(problem: &Problem<'_>, system: &System, start: Option<&[f64]>) -> FitUnknowns {
+    let slot = |address: &crate::syntax::Address| system.catalogue().slot(address);
+    let settings = problem.settings;
+    let (mut list, mut offsets) = (Vec::new(), Vec::new());
+    for (k, unknown) in problem.unknowns.iter().enumerate() {
+        let preload = |axis: usize| match unknown.place {
+            Place::Bushing { bushing, .. } => slot(&bushing_number(
+                problem.model.bushings[bushing].header.id,
+                ["FORCE", "TORQUE"],
+                axis,
+            )),
+            Place::Number => None,
+        };
+        let addresses: Vec<_> = std::iter::once(&unknown.address)
+            .chain(&unknown.tied)
+            .cloned()
+            .collect();
+        let axes: Vec<Option<usize>> = match unknown.place {
+            Place::Bushing { .. } => unknown
+                .axes()
+                .into_iter()
+                .map(|(_, axis)| Some(axis))
+                .collect(),
+            Place::Number => vec![None],
+        };
+        let components: Vec<Component> = addresses
+            .iter()
+            .zip(&axes)
+            .filter_map(|(address, axis)| {
+                Some(Component {
+                    stiffness: slot(address)?,
+                    preload: axis.and_then(preload),
+                })
+            })
+            .collect();
+        // A stiffness of zero in the deck has no logarithm; it starts as soft as makes no difference.
+        let usable = |value: f64| if value > 0.0 { value.ln() } else { 0.0 };
+        let mean = usable(unknown.initial);
+        for (component, axis) in components.iter().zip(&axes) {
+            let Some(axis) = axis else { continue };
+            let angular = *axis >= 3;
+            let sd = if angular {
+                settings.offset_sd.angle_deg.to_radians()
+            } else {
+                settings.offset_sd.length
+            };
+            if sd > 0.0 && component.preload.is_some() {
+                offsets.push(FitUnknown {
+                    addresses: vec![unknown.address.clone()],
+                    meaning: Meaning::Offset(*component),
+                    start: 0.0,
+                    mean: 0.0,
+                    sd,
+                });
+            }
+        }
+        list.push(FitUnknown {
+            addresses,
+            meaning: Meaning::Stiffness(components),
+            start: start.map_or(mean, |start| usable(start[k])),
+            mean,
+            sd: settings.prior_log_sd,
+        });
+    }
+    list.append(&mut offsets);
+    FitUnknowns::new(list)
+}
+
+/// The global problem of a study over the given cases.
+pub fn global_problem<'a>(
+    problem: &Problem<'a>,
+    observations: Observations<'a>,
+    unknowns: FitUnknowns,
+    predictor: Box<dyn Predictor + 'a>,
+) -> GlobalProblem<'a> {
+    let frame = problem.settings.frame_sd;
+    let frame = (frame.length, frame.angle_deg.to_radians());
+    GlobalProblem {
+        deck: predictor.system().parameters(),
+        layout: NuisanceLayout::new(problem.measurement, unknowns.len(), frame),
+        unknowns,
+        observations,
+        predictor,
+        loss: problem.settings.loss,
+        watch: None,
+    }
+}
+
+/// Fits everything that was read in the cases that are not held out.
+///
+/// # Errors
+/// [`IdentifyError::NoUnknowns`], or [`IdentifyError::NoCases`] when the solver cannot reach a case where the fit starts.
+pub fn identify<'a>(
+    problem: &Problem<'a>,
+    mut global: GlobalProblem<'a>,
+    backend: &str,
+    options: Options<'a>,
+) -> Result<GlobalFit<'a>, IdentifyError> {
+    if problem.unknowns.is_empty() {
+        return Err(IdentifyError::NoUnknowns);
+    }
+    if global.observations.rows.is_empty() {
+        return Err(IdentifyError::NoCases(None));
+    }
+    global.watch = options.watch;
+    let (priors, scale, held) = (global.priors(), global.scale(), global.held());
+    let start = global.start();
+    let minimum = minimise(
+        &mut global,
+        &start,
+        &priors,
+        &scale,
+        &held,
+        Tolerances::default(),
+    )
+    .ok_or(IdentifyError::NoCases(None))?;
+    global.watch = None;
+    let covariance = covariance(&minimum, &held);
+    let fit = answer(
+        problem,
+        &mut global,
+        &minimum,
+        &covariance,
+        (backend, options.profile),
+    );
+    Ok(GlobalFit {
+        fit,
+        problem: global,
+        minimum,
+        covariance,
+    })
+}
+
+fn answer(
+    problem: &Problem<'_>,
+    global: &mut GlobalProblem<'_>,
+    minimum: &Minimum,
+    covariance: &DMatrix<f64>,
+    (backend, profile): (&str, bool),
+) -> Fit {
+    let count = problem.unknowns.len();
+    let (priors, scale, held) = (global.priors(), global.scale(), global.held());
+    let mut parameters = Vec::with_capacity(count);
+    for (k, unknown) in problem.unknowns.iter().enumerate() {
+        let (x, sd) = (minimum.x[k], covariance[(k, k)].max(0.0).sqrt());
+        let value = x.exp();
+        let normal = [
+            Some((x - NORMAL_975 * sd).exp()),
+            Some((x + NORMAL_975 * sd).exp()),
+        ];
+        let interval95 = if profile && sd > POOR_NORMAL {
+            profile_interval(global, minimum, (k, sd), &priors, &scale, &held)
+                .map(|side| side.map(f64::exp))
+        } else {
+            normal
+        };
+        let correlation = (0..count)
+            .filter(|&j| j != k)
+            .map(|j| covariance[(k, j)] / (sd * covariance[(j, j)].max(0.0).sqrt()))
+            .filter(|r| r.is_finite())
+            .max_by(|a, b| a.abs().total_cmp(&b.abs()));
+        parameters.push(ParameterFit {
+            address: unknown.address.to_string(),
+            tied: unknown.tied.iter().map(ToString::to_string).collect(),
+            unit: unknown.unit.clone(),
+            initial: unknown.initial,
+            value,
+            std_error: Some(value * sd),
+            interval95,
+            correlation,
+            status: if (x - priors[k].mean).abs() >= REACH {
+                Status::Bound
+            } else if sd > UNIDENTIFIABLE {
+                Status::Unidentifiable
+            } else {
+                Status::Identified
+            },
+        });
+    }
+    let unidentifiable_directions = open_directions(covariance, count, UNIDENTIFIABLE)
+        .into_iter()
+        .map(|open| UnidentifiableDirection {
+            combination: open
+                .weights
+                .iter()
+                .map(|(k, weight)| (problem.unknowns[*k].address.to_string(), *weight))
+                .collect::<BTreeMap<_, _>>(),
+            sd_log: open.sd,
+        })
+        .collect();
+    let converged = minimum.ending == Ending::Converged;
+    let mut remarks = Vec::new();
+    match minimum.ending {
+        Ending::Converged => {}
+        Ending::Stopped => {
+            remarks.push("The fit was stopped; these are the values it had reached.".to_string())
+        }
+        Ending::MaxIterations | Ending::Stalled | Ending::NoAnswer => {
+            remarks
+                .push("The fit did not converge; these are the values it had reached.".to_string());
+        }
+    }
+    Fit {
+        method: Method::GaussNewton.as_str().to_string(),
+        backend: backend.to_string(),
+        converged,
+        iterations: minimum.iterations,
+        solver_runs: global.predictor.solver_runs(),
+        inputs_sha256: String::new(),
+        parameters,
+        assembly_offsets: offsets(problem, global, minimum, covariance),
+        unidentifiable_directions,
+        marks: marks(global, minimum),
+        held_out: HeldOut {
+            cases: Vec::new(),
+            marks_rms_before: None,
+            marks_rms_after: None,
+        },
+        wheel: None,
+        history: Vec::new(),
+        remarks,
+    }
+}
+
+/// Assembly offsets gathered by bushing.
+fn offsets(
+    problem: &Problem<'_>,
+    global: &GlobalProblem<'_>,
+    minimum: &Minimum,
+    covariance: &DMatrix<f64>,
+) -> Vec<OffsetFit> {
+    let catalogue = global.predictor.system().catalogue();
+    let mut found: Vec<OffsetFit> = problem
+        .bushings()
+        .into_iter()
+        .map(|bushing| OffsetFit {
+            address: format!("BUSHING/{}", problem.model.bushings[bushing].header.id),
+            delta: [0.0; 6],
+            std_error: [None; 6],
+        })
+        .collect();
+    let mut any = false;
+    for (k, unknown) in global.unknowns.list().iter().enumerate() {
+        let Meaning::Offset(component) = &unknown.meaning else {
+            continue;
+        };
+        any = true;
+        let address = catalogue.info(component.stiffness).address;
+        let rotational = address.argument.as_deref() == Some("KT");
+        let axis = address.index.unwrap_or(1) - 1 + if rotational { 3 } else { 0 };
+        let id = address.id.map(|id| format!("BUSHING/{id}"));
+        if let Some(offset) = found
+            .iter_mut()
+            .find(|offset| Some(&offset.address) == id.as_ref())
+        {
+            offset.delta[axis] = minimum.x[k];
+            offset.std_error[axis] = Some(covariance[(k, k)].max(0.0).sqrt());
+        }
+    }
+    if any { found } else { Vec::new() }
+}
+
+/// How the marks are explained, the degrees of freedom shared out over all rows alike.
+fn marks(global: &GlobalProblem<'_>, minimum: &Minimum) -> Option<Marks> {
+    let observations = &global.observations;
+    let of_marks = |row: &Row| matches!(row, Row::Mark { .. });
+    let squares: Vec<f64> = observations
+        .rows
+        .iter()
+        .zip(minimum.evaluation.residual.iter())
+        .filter(|(row, _)| of_marks(row))
+        .map(|(_, r)| r * r)
+        .collect();
+    if squares.is_empty() {
+        return None;
+    }
+    let sum: f64 = squares.iter().sum();
+    let dof =
+        effective_dof(global, minimum) * squares.len() as f64 / observations.rows.len() as f64;
+    Some(Marks {
+        rms: Some((sum / squares.len() as f64).sqrt() * observations.sigma),
+        chi2_per_dof: (observations.measurement().sigma > 0.0).then(|| sum / dof.max(1.0)),
+        sigma: observations.measurement().sigma,
+    })
+}
+
+/// Rows less the unknowns the data really determine: the trace of data information over total information.
+pub fn effective_dof(global: &GlobalProblem<'_>, minimum: &Minimum) -> f64 {
+    let rows = global.observations.rows.len() as f64;
+    let covariance = covariance(minimum, &global.held());
+    let prior: f64 = global
+        .priors()
+        .iter()
+        .enumerate()
+        .filter(|(_, prior)| prior.sd.is_finite() && prior.sd > 0.0)
+        .map(|(k, prior)| covariance[(k, k)] / (prior.sd * prior.sd))
+        .sum();
+    let free = global.held().iter().filter(|held| !**held).count() as f64;
+    (rows - (free - prior)).max(1.0)
+}

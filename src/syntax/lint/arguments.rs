@@ -1,0 +1,29 @@
+use super::context::{Context, known};
+use crate::diagnostic::{Code, Diagnostic};
+
+/// An argument that is written twice: the later one counts. A SPLINE of several curves has many Y.
+pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
+    let file = context.dataset.source().name();
+    for statement in context.statements() {
+        for (at, (argument, def)) in known(statement).enumerate() {
+            if statement.kind() == Some("SPLINE") && def.name == "Y" {
+                continue;
+            }
+            let before = known(statement)
+                .take(at)
+                .find(|(_, other)| other.name == def.name);
+            if let Some((first, _)) = before {
+                let message = format!(
+                    "{} has {} twice; the later one counts",
+                    context.title(statement),
+                    def.name
+                );
+                found.push(
+                    context
+                        .warning(Code::RepeatedArgument, argument.name, message)
+                        .label(file, first.name, "first given here"),
+                );
+            }
+        }
+    }
+}

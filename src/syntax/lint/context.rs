@@ -1,0 +1,171 @@
+use std::collections::HashMap;
+
+use super::Options;
+use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::grammar::ValueKind;
+use crate::syntax::{Argument, Dataset, Number, Statement, Value};
+use crate::text::Span;
+
+/// What the rules look at: the dataset, its statements by id space and id, and every reference.
+pub(super) struct Context<'a> {
+    pub dataset: &'a Dataset,
+    pub options: &'a Options,
+    by_id: HashMap<(&'static str, u32), &'a Statement>,
+}
+
+/// One id that stands for an object: in an argument or in a function.
+#[derive(Clone, Copy)]
+pub(super) struct Reference {
+    /// The id space.
+    pub space: &'static str,
+    /// The id.
+    pub id: u32,
+    /// Where it stands.
+    pub span: Span,
+}
+
+impl<'a> Context<'a> {
+    pub fn new(dataset: &'a Dataset, options: &'a Options) -> Self {
+        let mut by_id = HashMap::new();
+        for statement in dataset.statements() {
+            let space = statement.def.and_then(|def| def.id);
+            if let (Some(space), Some(id)) = (space, statement.number()) {
+                by_id.entry((space, id)).or_insert(statement);
+            }
+        }
+        Self {
+            dataset,
+            options,
+            by_id,
+        }
+    }
+
+    pub fn statements(&self) -> &'a [Statement] {
+        self.dataset.statements()
+    }
+
+    /// The statements of one kind (whole keyword in capitals).
+    pub fn of_kind(&self, kind: &'static str) -> impl Iterator<Item = &'a Statement> {
+        self.statements()
+            .iter()
+            .filter(move |statement| statement.kind() == Some(kind))
+    }
+
+    /// The statement that defines an id of a space.
+    pub fn find(&self, space: &'static str, id: u32) -> Option<&'a Statement> {
+        self.by_id.get(&(space, id)).copied()
+    }
+
+    /// The marker an argument names, if it names one that exists.
+    pub fn marker(&self, statement: &Statement, argument: &str) -> Option<&'a Statement> {
+        let number = statement.numbers(argument).first()?;
+        self.find("marker", as_id(number)?)
+    }
+
+    /// The body a marker is on: id space and id.
+    pub fn body(&self, marker: &Statement) -> Option<(&'static str, u32)> {
+        ["PART", "POINT_MASS", "FLEX_BODY", "FE_PART"]
+            .iter()
+            .find_map(|owner| {
+                let argument = marker.argument(owner)?;
+                let Some(ValueKind::Reference(space)) = argument.def.map(|def| def.kind) else {
+                    return None;
+                };
+                Some((space, as_id(argument.numbers().first()?)?))
+            })
+    }
+
+    /// Every reference of a statement, those in functions included. Zeros stand for ground or for nothing and are left out.
+    pub fn references(&self, statement: &Statement) -> Vec<Reference> {
+        let mut found = Vec::new();
+        let mut push = |space, number: &Number| {
+            if let Some(id) = as_id(number).filter(|id| *id != 0) {
+                found.push(Reference {
+                    space,
+                    id,
+                    span: number.span,
+                });
+            }
+        };
+        for argument in &statement.arguments {
+            match (&argument.value, argument.def.map(|def| def.kind)) {
+                (Value::Numbers(numbers), Some(ValueKind::Reference(space))) => {
+                    numbers.iter().for_each(|number| push(space, number));
+                }
+                (Value::Function(expression), _) => {
+                    for (space, literal) in expression.references() {
+                        push(space, &expression.literals[literal]);
+                    }
+                }
+                _ => {}
+            }
+        }
+        found
+    }
+
+    /// How a statement is called in a message: `BUSHING/3`, with its view name where it has one.
+    pub fn title(&self, statement: &Statement) -> String {
+        let kind = statement.kind().unwrap_or("statement");
+        let title = match statement.number() {
+            Some(id) => format!("{kind}/{id}"),
+            None => kind.to_string(),
+        };
+        match statement.view_name {
+            Some(name) => format!("{title} ({})", self.dataset.source().text(name)),
+            None => title,
+        }
+    }
+
+    /// Where a statement says who it is: keyword and id.
+    pub fn head(&self, statement: &Statement) -> Span {
+        match statement.id {
+            Some((_, id)) => statement.keyword.join(id),
+            None => statement.keyword,
+        }
+    }
+
+    /// A complaint about a place.
+    pub fn complain(
+        &self,
+        severity: Severity,
+        code: Code,
+        span: Span,
+        message: String,
+    ) -> Diagnostic {
+        let diagnostic = match severity {
+            Severity::Error => Diagnostic::error(code, message),
+            Severity::Warning => Diagnostic::warning(code, message),
+            Severity::Note => Diagnostic::note(code, message),
+        };
+        diagnostic.label(self.dataset.source().name(), span, "")
+    }
+
+    pub fn error(&self, code: Code, span: Span, message: String) -> Diagnostic {
+        self.complain(Severity::Error, code, span, message)
+    }
+
+    pub fn warning(&self, code: Code, span: Span, message: String) -> Diagnostic {
+        self.complain(Severity::Warning, code, span, message)
+    }
+
+    pub fn note(&self, code: Code, span: Span, message: String) -> Diagnostic {
+        self.complain(Severity::Note, code, span, message)
+    }
+}
+
+/// A number as an id, if it is one.
+pub(super) fn as_id(number: &Number) -> Option<u32> {
+    let value = number.value;
+    let whole = value.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&value);
+    whole.then_some(value as u32)
+}
+
+/// Arguments the grammar knows, with their definitions.
+pub(super) fn known(
+    statement: &Statement,
+) -> impl Iterator<Item = (&Argument, &'static crate::grammar::ArgumentDef)> {
+    statement
+        .arguments
+        .iter()
+        .filter_map(|argument| Some((argument, argument.def?)))
+}

@@ -1,0 +1,101 @@
+use super::context::{Context, known};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::grammar::{FunctionDef, Solved};
+use crate::syntax::expression::Node;
+use crate::syntax::{Expression, Value};
+use crate::text::Span;
+
+/// Functions of the motion that have no derivative everywhere: Newton's method may stumble where they bend or jump.
+pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
+    for statement in context.statements() {
+        let forces = matches!(
+            statement.kind(),
+            Some(
+                "SFORCE"
+                    | "VFORCE"
+                    | "VTORQUE"
+                    | "GFORCE"
+                    | "GCON"
+                    | "MOTION"
+                    | "VARIABLE"
+                    | "DIFF"
+            )
+        );
+        if !forces {
+            continue;
+        }
+        for (argument, def) in known(statement) {
+            let Value::Function(expression) = &argument.value else {
+                continue;
+            };
+            let Some((name, span)) = first_bend(expression) else {
+                continue;
+            };
+            let message = format!(
+                "{} of {} has no derivative everywhere: {name} depends on the motion",
+                def.name,
+                context.title(statement)
+            );
+            found.push(
+                context
+                    .note(Code::NoDerivative, span, message)
+                    .help("if equilibrium is not found, use STEP or a SPLINE instead"),
+            );
+        }
+    }
+}
+
+/// The first call that bends or jumps with the motion.
+fn first_bend(expression: &Expression) -> Option<(&'static str, Span)> {
+    let mut found: Option<(&'static str, Span)> = None;
+    let mut open = vec![&expression.root];
+    while let Some(node) = open.pop() {
+        let hit = match node {
+            Node::If(parts) if moves(&parts[0]) => Some(("IF", expression.span)),
+            Node::Call {
+                function,
+                arguments,
+                span,
+            } if bends(function) && arguments.iter().any(moves) => Some((function.name, *span)),
+            _ => None,
+        };
+        if let Some(hit) = hit
+            && found.is_none_or(|(_, span)| hit.1.start < span.start)
+        {
+            found = Some(hit);
+        }
+        open.extend(children(node));
+    }
+    found
+}
+
+fn bends(function: &FunctionDef) -> bool {
+    matches!(
+        function.name,
+        "ABS" | "AINT" | "ANINT" | "DIM" | "INT" | "MAX" | "MIN" | "MOD" | "NINT" | "SIGN"
+    )
+}
+
+/// True if the value depends on where the parts are.
+fn moves(node: &Node) -> bool {
+    let here = match node {
+        Node::Call { function, .. } => {
+            matches!(
+                function.solved,
+                Solved::Native("measure" | "force measure" | "data")
+            ) && !matches!(function.name, "AKISPL" | "CUBSPL" | "INTERP" | "SENVAL")
+        }
+        _ => false,
+    };
+    here || children(node).into_iter().any(moves)
+}
+
+fn children(node: &Node) -> Vec<&Node> {
+    match node {
+        Node::Literal(_) | Node::Constant(_) | Node::Name(_) => Vec::new(),
+        Node::Negate(inner) => vec![inner],
+        Node::Binary(_, left, right) => vec![left, right],
+        Node::If(parts) => parts.iter().collect(),
+        Node::Call { arguments, .. } => arguments.iter().collect(),
+    }
+}

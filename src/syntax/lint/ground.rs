@@ -1,0 +1,32 @@
+use super::context::Context;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::text::Span;
+
+/// A dataset with no ground part, or with several.
+pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
+    let mut grounds = context.of_kind("PART").filter(|part| part.has("GROUND"));
+    let Some(first) = grounds.next() else {
+        // A file without any part is a piece of a dataset.
+        if let Some(part) = context.of_kind("PART").next() {
+            found.push(
+                context
+                    .error(
+                        Code::NoGround,
+                        context.head(part),
+                        "no PART of this dataset is the GROUND".to_string(),
+                    )
+                    .help("add PART/1, GROUND with an id that is free"),
+            );
+        }
+        return;
+    };
+    for second in grounds {
+        let place = second.argument("GROUND").map_or(Span::at(0), |a| a.name);
+        let message = format!(
+            "{} is a second ground; there is one, {}",
+            context.title(second),
+            context.title(first)
+        );
+        found.push(context.error(Code::NoGround, place, message));
+    }
+}

@@ -1,0 +1,64 @@
+use super::context::Context;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::units::LENGTH_UNITS;
+
+/// Below this lever arm a rotational stiffness was hardly meant per radian.
+const SHORTEST_LEVER: f64 = 2.5e-3;
+
+/// KT of a bushing that looks like a number per degree.
+///
+/// sqrt(KT/K) is the lever arm at which the translational stiffness would resist a rotation as much as KT does: the size of
+/// the rubber, some 5 to 50 mm. A KT per degree is 57.3 times too small and the lever sqrt(57.3) = 7.6 times too short.
+pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
+    let Some(metre) = length_unit(context) else {
+        return;
+    };
+    for bushing in context.of_kind("BUSHING") {
+        let largest = |name| {
+            let values = bushing.numbers(name).iter().map(|number| number.value);
+            values.fold(0.0, f64::max)
+        };
+        let (k, kt) = (largest("K"), largest("KT"));
+        let degrees = bushing.numbers("KT").iter().any(|number| number.degrees);
+        if !(k > 0.0 && kt > 0.0) || degrees || was_converted(kt) {
+            continue;
+        }
+        let lever = (kt / k).sqrt() * metre;
+        if lever >= SHORTEST_LEVER {
+            continue;
+        }
+        let place = bushing
+            .argument("KT")
+            .map_or(bushing.keyword, |argument| argument.value_span());
+        let message = format!(
+            "KT of {} looks like a stiffness per degree: with K it means a lever arm of {:.2} mm",
+            context.title(bushing),
+            lever * 1e3
+        );
+        found.push(
+            context
+                .warning(Code::KtPerDegree, place, message)
+                .help("KT is per radian: stiffness per degree times 57.29578"),
+        );
+    }
+}
+
+/// True if the number is 57.29578 times a short one: somebody has turned a stiffness per degree into one per radian.
+fn was_converted(kt: f64) -> bool {
+    let digits = |value: f64| {
+        let scaled = value / 10f64.powi(value.log10().floor() as i32 - 3);
+        (scaled - scaled.round()).abs() < 1e-5 * scaled
+    };
+    digits(kt.to_radians()) && !digits(kt)
+}
+
+/// The length unit of the dataset in metres, if it is stated.
+fn length_unit(context: &Context<'_>) -> Option<f64> {
+    let units = context.of_kind("UNITS").next()?;
+    let word = *units
+        .argument("LENGTH")?
+        .choices(context.dataset.source())
+        .first()?;
+    let unit = LENGTH_UNITS.iter().find(|unit| unit.keyword == word)?;
+    Some(unit.si)
+}

@@ -1,0 +1,86 @@
+//! Lint: what is wrong with a dataset that reads well, as data.
+//!
+//! One rule, one file; each rule is one line of [`RULES`], and its documentation is that of its code
+//! (`admire explain CODE`). Rules see statements, not a model: what needs places and directions is in `model::lint`. What the
+//! reader itself complains of (unknown keywords, values that cannot be read, a missing END) is not repeated here.
+
+mod arguments;
+mod context;
+mod count;
+mod derivative;
+mod duplicate_id;
+mod floating;
+mod ground;
+mod kt_per_degree;
+mod line_length;
+mod mass_without_cm;
+mod native;
+mod one_part;
+mod presence;
+mod range;
+mod spline;
+mod tabs;
+mod undefined_id;
+mod unit_dimension;
+mod unreferenced;
+mod value_type;
+
+use super::Dataset;
+use crate::diagnostic::{Code, Diagnostic};
+use context::Context;
+
+/// What is looked for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Options {
+    /// The deck is for the FORTRAN solver: lines have at most 80 columns.
+    pub fortran: bool,
+}
+
+/// One rule: the code it reports and the function that looks for it.
+pub struct Rule {
+    /// The code of its complaints; its documentation is the rule's.
+    pub code: Code,
+    check: fn(&Context<'_>, &mut Vec<Diagnostic>),
+}
+
+/// Every rule there is.
+pub static RULES: &[Rule] = &[
+    rule(Code::UndefinedId, undefined_id::check),
+    rule(Code::DuplicateId, duplicate_id::check),
+    rule(Code::WrongCount, count::check),
+    rule(Code::WrongType, value_type::check),
+    rule(Code::OutOfRange, range::check),
+    rule(Code::WrongDimension, unit_dimension::check),
+    rule(Code::MissingArgument, presence::missing),
+    rule(Code::ConflictingArguments, presence::conflicting),
+    rule(Code::RepeatedArgument, arguments::check),
+    rule(Code::MarkersOnOnePart, one_part::check),
+    rule(Code::FloatingMarker, floating::check),
+    rule(Code::NoGround, ground::check),
+    rule(Code::MassWithoutCm, mass_without_cm::check),
+    rule(Code::KtPerDegree, kt_per_degree::check),
+    rule(Code::SplineNotIncreasing, spline::check),
+    rule(Code::NoDerivative, derivative::check),
+    rule(Code::Unreferenced, unreferenced::check),
+    rule(Code::NotSolvedNatively, native::check),
+    rule(Code::Tab, tabs::check),
+    rule(Code::LineTooLong, line_length::check),
+];
+
+const fn rule(code: Code, check: fn(&Context<'_>, &mut Vec<Diagnostic>)) -> Rule {
+    Rule { code, check }
+}
+
+/// Runs every rule over a dataset. Complaints are in the order of their places in the file.
+pub fn check(dataset: &Dataset, options: &Options) -> Vec<Diagnostic> {
+    let context = Context::new(dataset, options);
+    let mut found = Vec::new();
+    for rule in RULES {
+        (rule.check)(&context, &mut found);
+    }
+    found.sort_by_key(|diagnostic| {
+        let place = diagnostic.labels.first().map(|label| label.span);
+        (place.map(|span| (span.start, span.end)), diagnostic.code)
+    });
+    found
+}

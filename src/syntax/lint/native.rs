@@ -1,0 +1,102 @@
+use std::collections::BTreeMap;
+
+use super::context::Context;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::grammar::{FunctionDef, Solved};
+use crate::syntax::expression::Node;
+use crate::syntax::{Statement, Value};
+use crate::text::Span;
+
+/// What ADAMS solves and the built-in solver does not, once for each kind of statement and each function.
+pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
+    let mut external: BTreeMap<&str, (usize, &Statement, &str)> = BTreeMap::new();
+    let mut inactive: BTreeMap<&str, (usize, &Statement, &str)> = BTreeMap::new();
+    let mut users: BTreeMap<&str, (usize, Span)> = BTreeMap::new();
+    let mut functions: BTreeMap<&str, (&FunctionDef, Span)> = BTreeMap::new();
+    for statement in context.statements() {
+        let Some(def) = statement.def else { continue };
+        match def.solved {
+            Solved::External(why) => {
+                external.entry(def.name).or_insert((0, statement, why)).0 += 1;
+            }
+            Solved::NoEffect(why) if def.name == "FRICTION" => {
+                inactive.entry(def.name).or_insert((0, statement, why)).0 += 1;
+            }
+            Solved::Native(_) | Solved::NoEffect(_) => {}
+        }
+        for argument in &statement.arguments {
+            match &argument.value {
+                Value::User(span) if !matches!(def.solved, Solved::External(_)) => {
+                    users.entry(def.name).or_insert((0, *span)).0 += 1;
+                }
+                Value::Function(expression) => {
+                    for (function, span) in calls(&expression.root) {
+                        if matches!(function.solved, Solved::External(_)) {
+                            functions.entry(function.name).or_insert((function, span));
+                        }
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+    for (kind, (count, first, why)) in external {
+        let message = format!("{count} {kind} of this dataset take no part in a built-in solution");
+        found.push(
+            context
+                .warning(Code::NotSolvedNatively, context.head(first), message)
+                .help(format!("{why}; without them the answer is another one")),
+        );
+    }
+    for (kind, (count, first, why)) in inactive {
+        let message = format!("{count} {kind} of this dataset are off in statics");
+        found.push(
+            context
+                .note(Code::InactiveInStatics, context.head(first), message)
+                .help(why.to_string()),
+        );
+    }
+    for (kind, (count, span)) in users {
+        let message =
+            format!("{count} {kind} of this dataset take their value from a user subroutine");
+        found.push(
+            context
+                .warning(Code::UserSubroutine, span, message)
+                .help("only real ADAMS with the library of the subroutine can evaluate it"),
+        );
+    }
+    for (name, (function, span)) in functions {
+        let Solved::External(why) = function.solved else {
+            continue;
+        };
+        let message = format!("{name} is not evaluated by the built-in solver");
+        found.push(
+            context
+                .warning(Code::NotSolvedNatively, span, message)
+                .help(why.to_string()),
+        );
+    }
+}
+
+/// Every call of an expression with its place.
+fn calls(root: &Node) -> Vec<(&'static FunctionDef, Span)> {
+    let mut found = Vec::new();
+    let mut open = vec![root];
+    while let Some(node) = open.pop() {
+        match node {
+            Node::Literal(_) | Node::Constant(_) | Node::Name(_) => {}
+            Node::Negate(inner) => open.push(inner),
+            Node::Binary(_, left, right) => open.extend([&**left, &**right]),
+            Node::If(parts) => open.extend(parts.iter()),
+            Node::Call {
+                function,
+                arguments,
+                span,
+            } => {
+                found.push((*function, *span));
+                open.extend(arguments);
+            }
+        }
+    }
+    found
+}

@@ -1,0 +1,48 @@
+use super::context::Context;
+use crate::diagnostic::{Code, Diagnostic, Severity};
+
+/// Constraints and forces whose two markers are on one body.
+pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
+    for statement in context.statements() {
+        let second = match statement.kind() {
+            Some("JOINT" | "JPRIM" | "MOTION" | "BUSHING" | "BEAM" | "FIELD" | "SPRINGDAMPER") => {
+                "J"
+            }
+            // An action-only force may have its direction marker on the body it acts on: a follower force.
+            Some("SFORCE") if !statement.has("ACTIONONLY") => "J",
+            Some("GFORCE" | "VFORCE" | "VTORQUE" | "PTCV") => "JFLOAT",
+            _ => continue,
+        };
+        let (Some(i), Some(j)) = (
+            context.marker(statement, "I"),
+            context.marker(statement, second),
+        ) else {
+            continue;
+        };
+        let (Some(body), true) = (context.body(i), context.body(i) == context.body(j)) else {
+            continue;
+        };
+        let constraint = matches!(
+            statement.kind(),
+            Some("JOINT" | "JPRIM" | "MOTION" | "PTCV")
+        );
+        let (severity, consequence) = if constraint {
+            (
+                Severity::Error,
+                "it constrains nothing and its equations are singular",
+            )
+        } else {
+            (Severity::Warning, "it moves nothing")
+        };
+        let place = statement
+            .argument(second)
+            .map_or(statement.keyword, |argument| argument.value_span());
+        let message = format!(
+            "both markers of {} are on {}/{}: {consequence}",
+            context.title(statement),
+            body.0.to_uppercase(),
+            body.1
+        );
+        found.push(context.complain(severity, Code::MarkersOnOnePart, place, message));
+    }
+}

@@ -1,0 +1,83 @@
+use super::context::Context;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::grammar::Presence;
+use crate::syntax::Statement;
+
+/// Arguments that must stand and do not.
+pub(super) fn missing(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
+    for statement in context.statements() {
+        let Some(def) = statement.def else { continue };
+        let place = context.head(statement);
+        let mut complain = |message: String| {
+            found.push(context.error(Code::MissingArgument, place, message));
+        };
+        let title = || context.title(statement);
+        for argument in def.arguments.iter().filter(|argument| argument.required) {
+            if !statement.has(argument.name) {
+                complain(format!(
+                    "{} needs {}: {}",
+                    title(),
+                    argument.name,
+                    argument.doc
+                ));
+            }
+        }
+        for rule in def.presence {
+            match rule {
+                Presence::OneOf(names) if present(statement, names).is_empty() => {
+                    complain(format!("{} needs one of {}", title(), names.join(", ")));
+                }
+                Presence::Together(names) => {
+                    let there = present(statement, names);
+                    if !there.is_empty() && there.len() < names.len() {
+                        complain(format!("{} needs all of {}", title(), names.join(", ")));
+                    }
+                }
+                Presence::Requires([first, others @ ..]) if statement.has(first) => {
+                    for other in others.iter().filter(|other| !statement.has(other)) {
+                        complain(format!("{first} of {} needs {other}", title()));
+                    }
+                }
+                Presence::OneOf(_) | Presence::Requires(_) | Presence::Exclusive(_) => {}
+            }
+        }
+    }
+}
+
+/// Arguments that cannot stand together.
+pub(super) fn conflicting(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
+    let file = context.dataset.source().name();
+    for statement in context.statements() {
+        for rule in statement.def.map_or(&[][..], |def| def.presence) {
+            let (Presence::Exclusive(names) | Presence::OneOf(names)) = rule else {
+                continue;
+            };
+            let there = present(statement, names);
+            let [first, second, ..] = there.as_slice() else {
+                continue;
+            };
+            let place = |name| {
+                statement
+                    .argument(name)
+                    .map_or(statement.keyword, |a| a.name)
+            };
+            let message = format!(
+                "{} cannot have both {first} and {second}",
+                context.title(statement)
+            );
+            found.push(
+                context
+                    .error(Code::ConflictingArguments, place(second), message)
+                    .label(file, place(first), ""),
+            );
+        }
+    }
+}
+
+fn present<'n>(statement: &Statement, names: &[&'n str]) -> Vec<&'n str> {
+    names
+        .iter()
+        .copied()
+        .filter(|name| statement.has(name))
+        .collect()
+}

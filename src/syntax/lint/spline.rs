@@ -1,0 +1,35 @@
+use super::context::Context;
+use crate::diagnostic::{Code, Diagnostic};
+
+/// Splines whose x do not increase, or whose y are not as many as x.
+pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
+    for spline in context.of_kind("SPLINE") {
+        let title = context.title(spline);
+        let x = spline.numbers("X");
+        for pair in x.windows(2) {
+            if pair[1].value <= pair[0].value {
+                let message = format!("the x of {title} do not increase here");
+                found.push(context.error(Code::SplineNotIncreasing, pair[1].span, message));
+                break;
+            }
+        }
+        let rows: Vec<_> = spline.all("Y").collect();
+        // Each row of a surface begins with its z.
+        let wanted = x.len() + usize::from(rows.len() > 1);
+        let mut before = f64::NEG_INFINITY;
+        for row in &rows {
+            let y = row.numbers();
+            if !x.is_empty() && !y.is_empty() && y.len() != wanted {
+                let message = format!("{title} needs {wanted} values here, not {}", y.len());
+                found.push(context.error(Code::WrongCount, row.value_span(), message));
+            }
+            if let (Some(z), true) = (y.first(), rows.len() > 1) {
+                if z.value <= before {
+                    let message = format!("the z of {title} do not increase here");
+                    found.push(context.error(Code::SplineNotIncreasing, z.span, message));
+                }
+                before = z.value;
+            }
+        }
+    }
+}

@@ -1,0 +1,42 @@
+use std::collections::HashSet;
+
+use super::context::Context;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::syntax::Value;
+
+/// Data nothing reads. Markers that nothing uses are normal in decks of ADAMS/View and are counted by `admire summary`.
+pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
+    let mut used = HashSet::new();
+    let mut user = false;
+    for statement in context.statements() {
+        for reference in context.references(statement) {
+            used.insert((reference.space, reference.id));
+        }
+        user |= statement
+            .arguments
+            .iter()
+            .any(|argument| matches!(argument.value, Value::User(_)));
+    }
+    // A user subroutine may read anything by its id.
+    if user {
+        return;
+    }
+    for statement in context.statements() {
+        let Some(kind @ ("SPLINE" | "ARRAY" | "MATRIX" | "STRING" | "CURVE")) = statement.kind()
+        else {
+            continue;
+        };
+        let (Some(space), Some(id)) = (statement.def.and_then(|def| def.id), statement.number())
+        else {
+            continue;
+        };
+        if !used.contains(&(space, id)) {
+            let message = format!("nothing uses {}", context.title(statement));
+            found.push(
+                context
+                    .note(Code::Unreferenced, context.head(statement), message)
+                    .help(format!("this {kind} has no effect")),
+            );
+        }
+    }
+}

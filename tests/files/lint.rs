@@ -1,0 +1,158 @@
+//! Every lint code on a deck of its own, and no false alarm on real decks.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use admire::diagnostic::{Code, Diagnostic, Severity};
+use admire::syntax::Dataset;
+use admire::syntax::lint::{self, Options, RULES};
+use admire::text::Source;
+
+use crate::common::{files_below, shared};
+
+/// What the reader and the rules say of a deck. The one rule that is off by default is on for its own fixture.
+fn findings(path: &Path) -> (Dataset, Vec<Diagnostic>) {
+    let name = path
+        .file_name()
+        .expect("a name")
+        .to_string_lossy()
+        .to_string();
+    let options = Options {
+        fortran: name == "line-too-long.adm",
+    };
+    let bytes = std::fs::read(path).expect("readable deck");
+    let read = Dataset::parse(Source::new(name, bytes));
+    let mut found = read.diagnostics;
+    found.extend(lint::check(&read.value, &options));
+    (read.value, found)
+}
+
+/// One complaint for a snapshot: place, code, the text it points at, message, help, fix.
+fn shown(dataset: &Dataset, diagnostic: &Diagnostic) -> String {
+    let source = dataset.source();
+    let severity = match diagnostic.severity {
+        Severity::Error => "error",
+        Severity::Warning => "warning",
+        Severity::Note => "note",
+    };
+    let mut out = format!("{severity}[{}] {}\n", diagnostic.code, diagnostic.message);
+    for label in &diagnostic.labels {
+        let at = source.line_column(label.span.start);
+        let text = source
+            .text(label.span)
+            .replace('\n', "\\n")
+            .replace('\t', "\\t");
+        out += &format!("  {}:{} `{text}` {}\n", at.line, at.column, label.message);
+    }
+    for help in &diagnostic.help {
+        out += &format!("  help: {help}\n");
+    }
+    for fix in &diagnostic.fix {
+        out += &format!("  fix: {} ({} edits)\n", fix.title, fix.edits.len());
+    }
+    out
+}
+
+#[test]
+fn each_code_has_a_deck_that_shows_it() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/lint");
+    let mut seen = Vec::new();
+    for path in files_below(&folder, "adm") {
+        let stem = path
+            .file_stem()
+            .expect("a name")
+            .to_string_lossy()
+            .to_string();
+        let (dataset, found) = findings(&path);
+        assert!(
+            found
+                .iter()
+                .any(|diagnostic| diagnostic.code.as_str() == stem),
+            "{stem}.adm does not show {stem}: {found:?}"
+        );
+        let text: String = found.iter().map(|d| shown(&dataset, d)).collect();
+        insta::assert_snapshot!(format!("lint_{stem}"), text);
+        seen.push(stem);
+    }
+    let of_reader = [
+        Code::UnknownStatement,
+        Code::UnknownArgument,
+        Code::AmbiguousKeyword,
+        Code::SyntaxError,
+        Code::BadNumber,
+        Code::BadExpression,
+        Code::MissingEnd,
+        Code::InactiveInStatics,
+        Code::UserSubroutine,
+    ];
+    for code in RULES.iter().map(|rule| rule.code).chain(of_reader) {
+        assert!(
+            seen.iter().any(|stem| stem == code.as_str()),
+            "corpus/lint/{code}.adm is missing"
+        );
+    }
+}
+
+/// `deck code count` of everything found in the real decks, against the list of what was looked at and why it is right.
+#[test]
+fn real_decks_show_only_what_was_reviewed() {
+    let Some(folder) = shared("real-decks") else {
+        return;
+    };
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    let mut examples: BTreeMap<String, String> = BTreeMap::new();
+    for path in files_below(&folder, "adm") {
+        let deck = path
+            .strip_prefix(&folder)
+            .expect("below")
+            .to_string_lossy()
+            .replace('\\', "/");
+        let (dataset, found) = findings(&path);
+        for diagnostic in found {
+            let key = format!("{deck} {}", diagnostic.code);
+            *counts.entry(key.clone()).or_default() += 1;
+            examples
+                .entry(key)
+                .or_insert_with(|| shown(&dataset, &diagnostic));
+        }
+    }
+    let reviewed: BTreeMap<String, usize> = include_str!("real_deck_findings.txt")
+        .lines()
+        .filter(|line| !line.starts_with('#') && !line.trim().is_empty())
+        .map(|line| {
+            let (key, reason) = line.split_once(" | ").expect("deck code count | reason");
+            assert!(reason.len() > 10, "no reason: {line}");
+            let (key, count) = key.trim().rsplit_once(' ').expect("deck code count");
+            (key.trim().to_string(), count.parse().expect("a count"))
+        })
+        .collect();
+    let mut wrong = String::new();
+    for (key, count) in &counts {
+        if reviewed.get(key) != Some(count) {
+            wrong += &format!("{key} {count}\n{}", examples[key]);
+        }
+    }
+    for key in reviewed.keys().filter(|key| !counts.contains_key(*key)) {
+        wrong += &format!("{key}: no longer found\n");
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+}
+
+/// The project's own decks are clean: nothing worse than a note.
+#[test]
+fn shipped_and_reference_decks_are_clean() {
+    let mut folders = vec![
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/pseudo-mcpherson"),
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/multilink"),
+    ];
+    folders.extend(shared("reference"));
+    for path in folders.iter().flat_map(|folder| files_below(folder, "adm")) {
+        let (dataset, found) = findings(&path);
+        let bad: String = found
+            .iter()
+            .filter(|diagnostic| diagnostic.severity > Severity::Note)
+            .map(|diagnostic| shown(&dataset, diagnostic))
+            .collect();
+        assert!(bad.is_empty(), "{}:\n{bad}", path.display());
+    }
+}
