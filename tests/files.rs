@@ -6,4 +6,5 @@ mod files {
     pub mod lossless;
     pub mod lowering;
     pub mod results;
+    pub mod statements;
 }

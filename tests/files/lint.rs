@@ -44,10 +44,10 @@ fn shown(dataset: &Dataset, diagnostic: &Diagnostic) -> String {
             .replace('\t', "\\t");
         out += &format!("  {}:{} `{text}` {}\n", at.line, at.column, label.message);
     }
-    for help in &diagnostic.help {
+    if let Some(help) = &diagnostic.help {
         out += &format!("  help: {help}\n");
     }
-    for fix in &diagnostic.fix {
+    if let Some(fix) = &diagnostic.fix {
         out += &format!("  fix: {} ({} edits)\n", fix.title, fix.edits.len());
     }
     out

@@ -1,0 +1,178 @@
+//! One small deck or command file per statement and command: read with meaning, written back unchanged, edited in place.
+
+use std::path::{Path, PathBuf};
+
+use admire::diagnostic::{Code, Diagnostic, Severity};
+use admire::grammar::{Role, STATEMENTS};
+use admire::syntax::lint::{self, Options};
+use admire::syntax::{CommandFile, Dataset, Statement, Value};
+use admire::text::{Edit, Source, apply_edits};
+
+use crate::common::files_below;
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/statements")
+}
+
+fn source(path: &Path) -> Source {
+    let name = path
+        .file_name()
+        .expect("a name")
+        .to_string_lossy()
+        .to_string();
+    Source::new(name, std::fs::read(path).expect("readable file"))
+}
+
+/// A statement as it was understood: whole keywords, typed values.
+fn understood(source: &Source, statement: &Statement) -> String {
+    let kind = statement.kind().unwrap_or("?");
+    let mut out = match statement.number() {
+        Some(id) => format!("{kind}/{id}"),
+        None => kind.to_string(),
+    };
+    if let Some(name) = statement.view_name {
+        out += &format!("  named {}", source.text(name));
+    }
+    out.push('\n');
+    for argument in &statement.arguments {
+        let value = match &argument.value {
+            Value::Flag => String::new(),
+            Value::Numbers(numbers) => {
+                let shown: Vec<String> = numbers
+                    .iter()
+                    .map(|n| match n.degrees {
+                        true => format!("{} deg", n.value.to_degrees()),
+                        false => n.value.to_string(),
+                    })
+                    .collect();
+                format!(" = [{}]", shown.join(", "))
+            }
+            Value::Words(_) => format!(" = {}", argument.choices(source).join(":")),
+            Value::Texts(_) => format!(" = {:?}", argument.texts(source)),
+            Value::Function(expression) => format!(" = function {}", expression.text),
+            Value::User(span) => format!(" = {}", source.text(*span)),
+            Value::Malformed(span) => format!(" MALFORMED {}", source.text(*span)),
+        };
+        out += &format!("  {}{value}\n", argument.kind().unwrap_or("?"));
+    }
+    out
+}
+
+/// Complaints that say something is wrong, not that only real ADAMS solves it.
+fn faults(found: Vec<Diagnostic>) -> Vec<String> {
+    found
+        .into_iter()
+        .filter(|d| d.severity > Severity::Note)
+        .filter(|d| !matches!(d.code, Code::NotSolvedNatively | Code::UserSubroutine))
+        .map(|d| format!("{}: {}", d.code, d.message))
+        .collect()
+}
+
+/// Every number set to another value changes its own bytes only and reads back.
+fn assert_numbers_are_editable(
+    source: &Source,
+    statements: &[Statement],
+    reread: impl Fn(Source) -> Vec<Statement>,
+) {
+    for (at, statement) in statements.iter().enumerate() {
+        for (k, argument) in statement.arguments.iter().enumerate() {
+            for (n, number) in argument.numbers().iter().enumerate() {
+                let edit = Edit::new(number.span, "8642");
+                let edited = apply_edits(source.bytes(), &[edit]).expect("one edit");
+                assert_eq!(
+                    edited[..number.span.start],
+                    source.bytes()[..number.span.start]
+                );
+                assert_eq!(
+                    edited[number.span.start + 4..],
+                    source.bytes()[number.span.end..]
+                );
+                let again = reread(Source::new(source.name(), edited));
+                assert_eq!(again.len(), statements.len(), "{}", source.name());
+                assert_eq!(again[at].arguments[k].numbers()[n].value, 8642.0);
+            }
+        }
+    }
+}
+
+#[test]
+fn every_statement_has_its_deck_and_every_command_its_file() {
+    for def in STATEMENTS {
+        let extension = match def.role {
+            Role::Command => "acf",
+            Role::Dataset | Role::Both => "adm",
+        };
+        let path = folder()
+            .join(def.name.to_lowercase())
+            .with_extension(extension);
+        assert!(path.exists(), "{} is missing", path.display());
+    }
+}
+
+#[test]
+fn decks_are_understood_and_written_back_unchanged() {
+    for path in files_below(&folder(), "adm") {
+        let source = source(&path);
+        let stem = path
+            .file_stem()
+            .expect("a name")
+            .to_string_lossy()
+            .to_uppercase();
+        let read = Dataset::parse(source.clone());
+        let mut found = read.diagnostics.clone();
+        found.extend(lint::check(&read.value, &Options::default()));
+        assert_eq!(faults(found), Vec::<String>::new(), "{}", path.display());
+        assert_eq!(read.value.bytes(), source.bytes());
+        let none = apply_edits(source.bytes(), &[]).expect("no edit");
+        assert_eq!(none, source.bytes());
+        let statements = read.value.statements();
+        if stem != "TITLE" {
+            assert!(
+                statements.iter().any(|s| s.kind() == Some(stem.as_str())),
+                "no {stem} in {}",
+                path.display()
+            );
+        }
+        assert_numbers_are_editable(&source, statements, |source| {
+            Dataset::parse(source).value.statements().to_vec()
+        });
+        let mut text = format!("title {}\n", read.value.title());
+        // The frame that all decks share is shown once, by the deck of TITLE.
+        let skip = if matches!(stem.as_str(), "TITLE" | "UNITS") {
+            0
+        } else {
+            8
+        };
+        for statement in &statements[skip..] {
+            text += &understood(&source, statement);
+        }
+        insta::assert_snapshot!(format!("statement_{}", stem.to_lowercase()), text);
+    }
+}
+
+#[test]
+fn command_files_are_understood_and_written_back_unchanged() {
+    for path in files_below(&folder(), "acf") {
+        let source = source(&path);
+        let stem = path
+            .file_stem()
+            .expect("a name")
+            .to_string_lossy()
+            .to_uppercase();
+        let read = CommandFile::parse(source.clone());
+        assert_eq!(
+            faults(read.diagnostics),
+            Vec::<String>::new(),
+            "{}",
+            path.display()
+        );
+        assert_eq!(read.value.bytes(), source.bytes());
+        let commands = read.value.commands();
+        assert!(commands.iter().any(|c| c.kind() == Some(stem.as_str())));
+        assert_numbers_are_editable(&source, commands, |source| {
+            CommandFile::parse(source).value.commands().to_vec()
+        });
+        let text: String = commands.iter().map(|c| understood(&source, c)).collect();
+        insta::assert_snapshot!(format!("command_{}", stem.to_lowercase()), text);
+    }
+}
