@@ -56,6 +56,26 @@ impl System {
         }
     }
 
+    /// Value of one function of the request number `index`, and its gradient by the unknowns as (unknown, derivative) pairs; after
+    /// [`System::look`]. `None` if the request has no such function.
+    ///
+    /// # Errors
+    /// [`NoValue`] if it is undefined in this configuration.
+    pub fn read_function<'s>(
+        &self,
+        (index, component): (usize, usize),
+        parameters: &Parameters,
+        state: &State,
+        scratch: &'s mut Scratch,
+    ) -> Result<Option<(f64, &'s [(usize, f64)])>, NoValue> {
+        let Some(function) = self.requests[index].get(component).copied().flatten() else {
+            return Ok(None);
+        };
+        let value = self.value_of(function, parameters, state, scratch)?;
+        let range = scratch.functions[function].first..scratch.functions[function].last;
+        Ok(Some((value, &scratch.gradient[range])))
+    }
+
     /// The FUNCTION of the model's sensor number `index`; after [`System::look`].
     ///
     /// # Errors
