@@ -8,5 +8,5 @@ mod native;
 mod programme;
 
 pub use contract::{Backend, BackendError, CaseFailure, CaseOutcome, Sweep, SweepRequest};
-pub use native::NativeBackend;
+pub use native::{NativeBackend, compile, slot};
 pub use programme::{Load, LoadCase, LoadProgramme};

@@ -4,5 +4,6 @@
 mod common;
 #[path = "../solver/deck.rs"]
 mod deck;
+mod global;
 mod regression;
 mod setup;

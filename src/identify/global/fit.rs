@@ -4,17 +4,22 @@ use std::collections::BTreeMap;
 
 use nalgebra::DMatrix;
 
+use super::channel::{Channels, with_channels};
 use super::confidence::{NORMAL_975, covariance, open_directions, profile_interval};
+use super::differences::DifferencePredictor;
 use super::gauss_newton::{Ending, Minimum, Tolerances, minimise};
+use super::native::{Loads, NativePredictor};
 use super::observation::{NuisanceLayout, Observations, Row};
-use super::predictor::Predictor;
+use super::predictor::{Observed, Predictor};
 use super::problem::{GlobalProblem, Watch};
 use super::unknown::{Component, FitUnknown, FitUnknowns, Meaning};
+use crate::backend::{Backend, BackendError, compile, slot};
 use crate::identify::unknowns::{Place, bushing_number};
 use crate::identify::{
     Fit, HeldOut, IdentifyError, Marks, OffsetFit, ParameterFit, Problem, Status,
     UnidentifiableDirection,
 };
+use crate::model::Model;
 use crate::rig::settings::Method;
 use crate::system::System;
 
@@ -347,4 +352,103 @@ pub fn effective_dof(global: &GlobalProblem<'_>, minimum: &Minimum) -> f64 {
         .sum();
     let free = global.held().iter().filter(|held| !**held).count() as f64;
     (rows - (free - prior)).max(1.0)
+}
+
+/// A study's deck with its channels, compiled.
+#[derive(Debug)]
+pub struct Prepared {
+    /// The deck's model with one REQUEST per channel.
+    pub model: Model,
+    /// Where they stand.
+    pub channels: Channels,
+    /// The compiled model.
+    pub system: System,
+}
+
+impl Prepared {
+    /// Compiles the deck of a study.
+    ///
+    /// # Errors
+    /// What the built-in solver cannot solve, or a channel whose function cannot be read.
+    pub fn new(problem: &Problem<'_>) -> Result<Self, IdentifyError> {
+        let (model, channels) = with_channels(problem.model, problem.measurement)
+            .map_err(|diagnostic| BackendError::NotSolvable(vec![diagnostic]))?;
+        let system = compile(&model)?;
+        Ok(Self {
+            model,
+            channels,
+            system,
+        })
+    }
+
+    /// The loads of a study as slots.
+    ///
+    /// # Errors
+    /// A load that drives nothing the solver can change.
+    pub fn loads(&self, problem: &Problem<'_>) -> Result<Loads, IdentifyError> {
+        let loads = &problem.programme.loads;
+        let slots = loads
+            .iter()
+            .map(|load| slot(&self.system, &load.target))
+            .collect::<Result<_, _>>()?;
+        Ok(Loads {
+            slots,
+            cases: problem
+                .programme
+                .cases
+                .iter()
+                .map(|case| case.values.clone())
+                .collect(),
+        })
+    }
+
+    /// The built-in solver as the predictor of a study.
+    ///
+    /// # Errors
+    /// A load that drives nothing the solver can change.
+    pub fn native(
+        &self,
+        problem: &Problem<'_>,
+        observed: Observed,
+    ) -> Result<NativePredictor<'_>, IdentifyError> {
+        Ok(NativePredictor::new(
+            &self.system,
+            self.loads(problem)?,
+            observed,
+            self.channels,
+        ))
+    }
+}
+
+/// Fits a study with the built-in solver, or with another backend by differences.
+///
+/// # Errors
+/// See [`identify`] and [`Prepared::new`].
+pub fn fit_study<'a>(
+    problem: &'a Problem<'a>,
+    prepared: &'a Prepared,
+    backend: Option<&'a mut dyn Backend>,
+    options: Options<'a>,
+) -> Result<GlobalFit<'a>, IdentifyError> {
+    let cases: Vec<usize> = problem.measurement.fitted_cases().collect();
+    let observations = Observations::new(problem.measurement, problem.model, &cases);
+    let unknowns = fit_unknowns(problem, &prepared.system, options.start.as_deref());
+    let observed = observations.observed.clone();
+    let (name, predictor): (&str, Box<dyn Predictor + 'a>) = match backend {
+        None => ("native", Box::new(prepared.native(problem, observed)?)),
+        Some(backend) => {
+            let name = backend.name();
+            (
+                name,
+                Box::new(DifferencePredictor::new(
+                    problem,
+                    &prepared.system,
+                    backend,
+                    observed,
+                )),
+            )
+        }
+    };
+    let global = global_problem(problem, observations, unknowns, predictor);
+    identify(problem, global, name, options)
 }

@@ -3,6 +3,7 @@
 //! Unknowns are logarithms of stiffnesses, assembly offsets, and what the measurement itself gets wrong; predictions come with
 //! sensitivities from the built-in solver, or with differences from any backend.
 
+mod channel;
 pub mod confidence;
 mod differences;
 mod fit;
@@ -13,9 +14,11 @@ mod predictor;
 mod problem;
 mod unknown;
 
+pub use channel::{Channels, with_channels};
 pub use differences::DifferencePredictor;
 pub use fit::{
-    GlobalFit, Options, UNIDENTIFIABLE, effective_dof, fit_unknowns, global_problem, identify,
+    GlobalFit, Options, Prepared, UNIDENTIFIABLE, effective_dof, fit_study, fit_unknowns,
+    global_problem, identify,
 };
 pub use native::{Loads, NativePredictor};
 pub use observation::{Evaluation, NuisanceLayout, Observations, Row};

@@ -1,5 +1,6 @@
 //! The built-in solver as a predictor: each case starts from its own last answer, moved along the tangent.
 
+use super::channel::Channels;
 use super::predictor::{CaseChange, CasePrediction, Observed, Prediction, Predictor};
 use super::unknown::{Direction, Numbers};
 use crate::statics::{Settings, Solver, Tangent};
@@ -29,6 +30,7 @@ pub struct NativePredictor<'a> {
     system: &'a System,
     loads: Loads,
     observed: Observed,
+    channels: Channels,
     settings: Settings,
     solver: Solver,
     scratch: Scratch,
@@ -39,7 +41,7 @@ pub struct NativePredictor<'a> {
 
 impl<'a> NativePredictor<'a> {
     /// For a compiled deck, its loads and what is observed.
-    pub fn new(system: &'a System, loads: Loads, observed: Observed) -> Self {
+    pub fn new(system: &'a System, loads: Loads, observed: Observed, channels: Channels) -> Self {
         Self {
             solver: Solver::new(system),
             scratch: Scratch::new(system),
@@ -48,6 +50,7 @@ impl<'a> NativePredictor<'a> {
             system,
             loads,
             observed,
+            channels,
             sweeps: 0,
             runs: 0,
         }
@@ -154,9 +157,14 @@ impl Predictor for NativePredictor<'_> {
                 out.push(None);
                 continue;
             };
+            let channels = self.channels;
+            let Ok(values) = channels.values(self.system, &theta, &state, &mut self.scratch) else {
+                out.push(None);
+                continue;
+            };
             let mut prediction = CasePrediction {
                 poses: state.poses.clone(),
-                channels: Vec::new(),
+                channels: values,
                 by_unknown: Vec::new(),
             };
             let mut response = Vec::new();
@@ -165,9 +173,23 @@ impl Predictor for NativePredictor<'_> {
                     out.push(None);
                     continue;
                 };
+                let along = (directions, responses.as_slice());
+                let Ok(changes) = channels.changes(
+                    self.system,
+                    (&theta, case),
+                    &state,
+                    &mut self.scratch,
+                    along,
+                ) else {
+                    out.push(None);
+                    continue;
+                };
                 prediction.by_unknown = responses
                     .iter()
-                    .map(|dx| observed_change(self.system, &self.observed, dx))
+                    .zip(changes)
+                    .map(|(dx, channels)| {
+                        observed_change(self.system, &self.observed, dx, channels)
+                    })
                     .collect();
                 response = directions
                     .iter()
@@ -195,7 +217,12 @@ impl Predictor for NativePredictor<'_> {
 }
 
 /// The observed parts' share of a change of the system's unknowns.
-fn observed_change(system: &System, observed: &Observed, dx: &[f64]) -> CaseChange {
+fn observed_change(
+    system: &System,
+    observed: &Observed,
+    dx: &[f64],
+    channels: Vec<f64>,
+) -> CaseChange {
     let share = |part: &crate::model::PartIx| {
         let mut six = [0.0; 6];
         for (to, from) in six.iter_mut().zip(&dx[system.part_unknowns(*part)]) {
@@ -205,6 +232,6 @@ fn observed_change(system: &System, observed: &Observed, dx: &[f64]) -> CaseChan
     };
     CaseChange {
         parts: observed.parts.iter().map(share).collect(),
-        channels: Vec::new(),
+        channels,
     }
 }

@@ -1,0 +1,122 @@
+//! Scalar sensors of a study as functions of its deck.
+
+use crate::diagnostic::Diagnostic;
+use crate::model::{Function, Header, Model, Request, RequestKind};
+use crate::rig::Measurement;
+use crate::syntax::Expression;
+use crate::system::{NoValue, Parameters, Scratch, State, System};
+
+use super::unknown::Direction;
+
+/// The model with one more REQUEST per channel, which compiles and differentiates its function like any of the deck's own.
+///
+/// # Errors
+/// A channel's function that does not follow the grammar of expressions.
+pub fn with_channels(
+    model: &Model,
+    measurement: &Measurement,
+) -> Result<(Model, Channels), Diagnostic> {
+    let mut model = model.clone();
+    let first = model.requests.len();
+    for channel in &measurement.channels {
+        let mut functions: [Option<Function>; 8] = Default::default();
+        functions[1] = Some(Function::Expression(Expression::parse_str(
+            &channel.function,
+        )?));
+        model.requests.push(Request {
+            header: Header {
+                id: 0,
+                name: channel.name.clone(),
+                origin: usize::MAX,
+                active: true,
+            },
+            kind: RequestKind::Functions(Box::new(functions)),
+            comment: String::new(),
+            component_names: None,
+            component_units: Vec::new(),
+            results_name: None,
+        });
+    }
+    let channels = Channels {
+        first,
+        count: measurement.channels.len(),
+    };
+    Ok((model, channels))
+}
+
+/// Where the channels stand among the requests of the model.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Channels {
+    first: usize,
+    count: usize,
+}
+
+/// Step of the difference that finds how a channel depends on theta where nothing moves: relative to one unit of the unknown.
+const STEP: f64 = 1e-5;
+
+impl Channels {
+    /// Values in a configuration; `None` where one has no value.
+    pub fn values(
+        self,
+        system: &System,
+        theta: &Parameters,
+        state: &State,
+        scratch: &mut Scratch,
+    ) -> Result<Vec<f64>, NoValue> {
+        let mut values = Vec::with_capacity(self.count);
+        if self.count > 0 {
+            system.look(theta, state, scratch)?;
+        }
+        for k in 0..self.count {
+            let read = system.read_function((self.first + k, 1), theta, state, scratch)?;
+            values.push(read.map_or(f64::NAN, |(value, _)| value));
+        }
+        Ok(values)
+    }
+
+    /// Changes along each direction, given how the system's unknowns respond to it.
+    pub fn changes(
+        self,
+        system: &System,
+        (theta, case): (&Parameters, usize),
+        state: &State,
+        scratch: &mut Scratch,
+        (directions, responses): (&[Direction], &[Vec<f64>]),
+    ) -> Result<Vec<Vec<f64>>, NoValue> {
+        let mut out = vec![Vec::with_capacity(self.count); directions.len()];
+        if self.count == 0 {
+            return Ok(out);
+        }
+        system.look(theta, state, scratch)?;
+        for k in 0..self.count {
+            let Some((_, gradient)) =
+                system.read_function((self.first + k, 1), theta, state, scratch)?
+            else {
+                continue;
+            };
+            for (changes, response) in out.iter_mut().zip(responses) {
+                changes.push(
+                    gradient
+                        .iter()
+                        .map(|(unknown, by)| by * response[*unknown])
+                        .sum(),
+                );
+            }
+        }
+        // A spring's force depends on its stiffness, a place on a part on its marker, even where nothing moves.
+        for (changes, direction) in out.iter_mut().zip(directions) {
+            let mut at = |step: f64| {
+                let mut near = theta.clone();
+                for (slot, factor) in direction.in_case(case) {
+                    near.set(slot, near.get(slot) + step * factor);
+                }
+                self.values(system, &near, state, scratch)
+            };
+            let (up, down) = (at(STEP)?, at(-STEP)?);
+            for (change, (up, down)) in changes.iter_mut().zip(up.iter().zip(&down)) {
+                *change += (up - down) / (2.0 * STEP);
+            }
+        }
+        Ok(out)
+    }
+}
