@@ -241,32 +241,19 @@ impl Builder {
 /// Names are those of CNAMES or TITLE, and an empty one takes its component out; a request of functions has only the
 /// components with a function. The names ADAMS gives by itself are not documented; these are the usual column headings.
 pub(super) fn components(request: &Request, units: &Units) -> Vec<(usize, String, Option<String>)> {
-    let (usual, translation, rotation) = match &request.kind {
-        RequestKind::Displacement { .. } => (
-            ["MAG", "X", "Y", "Z", "AMAG", "PSI", "THETA", "PHI"],
-            Dimension::LENGTH,
-            Dimension::ANGLE,
-        ),
+    let usual = usual_names(&request.kind);
+    let (translation, rotation) = match &request.kind {
+        RequestKind::Displacement { .. } => (Dimension::LENGTH, Dimension::ANGLE),
         RequestKind::Velocity { .. } => (
-            ["VM", "VX", "VY", "VZ", "WM", "WX", "WY", "WZ"],
             Dimension::new(0, 0, 1, -1, 0),
             Dimension::new(0, 0, 0, -1, 1),
         ),
         RequestKind::Acceleration { .. } => (
-            ["ACCM", "ACCX", "ACCY", "ACCZ", "WDM", "WDX", "WDY", "WDZ"],
             Dimension::new(0, 0, 1, -2, 0),
             Dimension::new(0, 0, 0, -2, 1),
         ),
-        RequestKind::Force { .. } => (
-            ["FM", "FX", "FY", "FZ", "TM", "TX", "TY", "TZ"],
-            Dimension::FORCE,
-            Dimension::TORQUE,
-        ),
-        RequestKind::Functions(_) | RequestKind::User(_) => (
-            ["U1", "U2", "U3", "U4", "U5", "U6", "U7", "U8"],
-            Dimension::NONE,
-            Dimension::NONE,
-        ),
+        RequestKind::Force { .. } => (Dimension::FORCE, Dimension::TORQUE),
+        RequestKind::Functions(_) | RequestKind::User(_) => (Dimension::NONE, Dimension::NONE),
     };
     let mut out = Vec::new();
     for k in 0..8 {
@@ -291,6 +278,21 @@ pub(super) fn components(request: &Request, units: &Units) -> Vec<(usize, String
         out.push((k, name, (!unit.is_empty()).then_some(unit)));
     }
     out
+}
+
+/// The names of the eight components of a request that names none itself.
+pub(super) fn usual_names(kind: &RequestKind) -> [&'static str; 8] {
+    match kind {
+        RequestKind::Displacement { .. } => ["MAG", "X", "Y", "Z", "AMAG", "PSI", "THETA", "PHI"],
+        RequestKind::Velocity { .. } => ["VM", "VX", "VY", "VZ", "WM", "WX", "WY", "WZ"],
+        RequestKind::Acceleration { .. } => {
+            ["ACCM", "ACCX", "ACCY", "ACCZ", "WDM", "WDX", "WDY", "WDZ"]
+        }
+        RequestKind::Force { .. } => ["FM", "FX", "FY", "FZ", "TM", "TX", "TY", "TZ"],
+        RequestKind::Functions(_) | RequestKind::User(_) => {
+            ["U1", "U2", "U3", "U4", "U5", "U6", "U7", "U8"]
+        }
+    }
 }
 
 /// The unit that a word of CUNITS stands for: `"length"`, `"force"`, `"no_units"`, ... A word that is a unit itself stays.

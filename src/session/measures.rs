@@ -13,7 +13,7 @@ use super::columns::{Columns, Item};
 pub(super) struct Measures<'s> {
     system: &'s System,
     parameters: &'s Parameters,
-    state: &'s State,
+    pub state: &'s State,
     scratch: Scratch,
     elements: BTreeMap<(&'static str, u32), ElementIx>,
     constraints: BTreeMap<(&'static str, u32), ConstraintIx>,

@@ -3,16 +3,23 @@ use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
 use crate::diagnostic::{Code, Diagnostic};
-use crate::model::Model;
-use crate::results::{Header, NumberStyle, StepKind, Style, Timestamp, XrfWriter};
-use crate::system::{Parameters, State, System};
+use crate::mechanics::psi_theta_phi;
+use crate::model::{Model, Orientation, PartKind, Request};
+use crate::results::{
+    GraphicsMarker, GraphicsWriter, Header, NumberStyle, RequestEntry, RequestWriter, StepKind,
+    Style, TabularRequest, Timestamp, XrfWriter, write_tabular,
+};
+use crate::system::State;
 
-use super::columns::Columns;
+use super::columns::{Columns, usual_names};
 use super::measures::Measures;
 use super::paths::WritePolicy;
 
 /// Extensions of the files a run writes beside `.msg`.
 const EXTENSIONS: [&str; 4] = ["res", "req", "gra", "out"];
+
+/// So many values of requests are kept for the tables of `.out` before they are written.
+const KEPT: usize = 1 << 17;
 
 /// The output files of one model.
 ///
@@ -20,12 +27,22 @@ const EXTENSIONS: [&str; 4] = ["res", "req", "gra", "out"];
 /// previous answer behind. Files are then written in place, flushed step by step.
 pub(super) struct Outputs {
     prefix: PathBuf,
-    results: Option<XrfWriter<BufWriter<File>>>,
-    columns: Option<Columns>,
     begun: bool,
+    results: Option<(XrfWriter<BufWriter<File>>, Columns)>,
+    requests: Option<RequestWriter<BufWriter<File>>>,
+    graphics: Option<(GraphicsWriter<BufWriter<File>>, Vec<usize>)>,
+    tables: Option<Tables>,
     values: Vec<f64>,
     /// Time of the last step written, until something is redefined.
     pub last: Option<f64>,
+}
+
+/// The tables of `.out`, written request by request, so that their rows have to be kept.
+struct Tables {
+    file: BufWriter<File>,
+    title: String,
+    requests: Vec<TabularRequest>,
+    rows: Vec<(f64, Vec<[f64; 8]>)>,
 }
 
 impl Outputs {
@@ -44,9 +61,11 @@ impl Outputs {
         policy.check(&with_extension(&prefix, "msg"))?;
         Ok(Self {
             prefix,
-            results: None,
-            columns: None,
             begun: false,
+            results: None,
+            requests: None,
+            graphics: None,
+            tables: None,
             values: Vec::new(),
             last: None,
         })
@@ -66,63 +85,154 @@ impl Outputs {
             return Ok(());
         }
         self.begun = true;
-        if !model.results.present {
-            return Ok(());
+        let when = Timestamp::now();
+        if model.results.present {
+            self.begin_results(model, initial, when)?;
         }
+        if model.output.reqsave {
+            let entries: Vec<RequestEntry> = model.requests.iter().map(entry).collect();
+            self.requests = Some(self.create("req", |file| {
+                RequestWriter::create(file, &model.title, &model.units, when, &entries)
+            })?);
+        }
+        if model.output.grsave {
+            self.begin_graphics(model, when)?;
+        }
+        if !model.output.noprint && !model.requests.is_empty() {
+            let requests = model.requests.iter().map(tabular).collect();
+            self.tables = Some(Tables {
+                file: self.create("out", Ok)?,
+                title: model.title.clone(),
+                requests,
+                rows: Vec::new(),
+            });
+        }
+        Ok(())
+    }
+
+    fn create<T>(
+        &self,
+        extension: &str,
+        begin: impl FnOnce(BufWriter<File>) -> io::Result<T>,
+    ) -> Result<T, Diagnostic> {
+        let path = with_extension(&self.prefix, extension);
+        File::create(&path)
+            .and_then(|file| begin(BufWriter::new(file)))
+            .map_err(|error| cannot_write(&path, &error))
+    }
+
+    fn begin_results(
+        &mut self,
+        model: &Model,
+        initial: &State,
+        when: Timestamp,
+    ) -> Result<(), Diagnostic> {
         let path = with_extension(&self.prefix, "res");
-        let shown = std::path::absolute(&path).unwrap_or_else(|_| path.clone());
-        let mut header = Header::new(
-            &shown.display().to_string(),
-            &model.title,
-            &model.units,
-            Timestamp::now(),
-        );
-        if !model.results.comment.is_empty() {
-            header.comment.clone_from(&model.results.comment);
-        }
+        let shown = std::path::absolute(&path).unwrap_or(path);
+        let shown = shown.display().to_string();
+        let mut header = Header::new(&shown, &model.title, &model.units, when);
+        header.comment.clone_from(&model.results.comment);
         let columns = Columns::of(model);
         let style = Style {
             numbers: NumberStyle::Decimals(model.results.decimal_places.min(40) as u8),
             ..Style::default()
         };
-        let results = File::create(&path).and_then(|file| {
-            XrfWriter::create(BufWriter::new(file), &header, &columns.catalogue, style)
-        });
-        self.results = Some(results.map_err(|error| cannot_write(&path, &error))?);
         columns.input(initial, &mut self.values);
-        self.columns = Some(columns);
-        self.write(StepKind::Input)
+        let values = &self.values;
+        let writer = self.create("res", |file| {
+            let mut writer = XrfWriter::create(file, &header, &columns.catalogue, style)?;
+            writer.step(StepKind::Input, values)?;
+            Ok(writer)
+        })?;
+        self.results = Some((writer, columns));
+        Ok(())
+    }
+
+    fn begin_graphics(&mut self, model: &Model, when: Timestamp) -> Result<(), Diagnostic> {
+        let moving: Vec<usize> = (0..model.parts.len())
+            .filter(|&part| model.parts[part].kind != PartKind::Ground)
+            .collect();
+        let id = |part: usize| i64::from(model.parts[part].header.id);
+        let ids: Vec<i64> = moving.iter().map(|&part| id(part)).collect();
+        let ground = model.ground().map_or(1, |ground| id(ground.0));
+        let markers: Vec<GraphicsMarker> = model
+            .markers
+            .iter()
+            .filter(|marker| !marker.floating)
+            .map(|marker| GraphicsMarker {
+                id: i64::from(marker.header.id),
+                part: id(marker.part.0),
+                position: marker.qp.into(),
+                angles: match marker.orientation {
+                    Orientation::Reuler(angles) => angles,
+                    Orientation::Points => psi_theta_phi(&marker.R),
+                },
+            })
+            .collect();
+        let writer = self.create("gra", |file| {
+            let units = &model.units;
+            GraphicsWriter::create(file, &model.title, units, when, ground, &ids, &markers)
+        })?;
+        self.graphics = Some((writer, moving));
+        Ok(())
     }
 
     /// Writes one step to every file.
     ///
     /// # Errors
-    /// When a file cannot be written or a value is not a number.
+    /// When a file cannot be written.
     pub fn step(
         &mut self,
         kind: StepKind,
         model: &Model,
-        system: &System,
-        parameters: &Parameters,
-        state: &State,
+        measures: &mut Measures<'_>,
     ) -> Result<(), Diagnostic> {
+        let state = measures.state;
         self.last = Some(state.time);
-        let Some(columns) = &self.columns else {
-            return Ok(());
-        };
-        let mut measures = Measures::new(system, parameters, state);
-        columns.step(model, &mut measures, &mut self.values);
-        self.write(kind)
-    }
-
-    fn write(&mut self, kind: StepKind) -> Result<(), Diagnostic> {
-        let path = with_extension(&self.prefix, "res");
-        match &mut self.results {
-            Some(results) => results
+        let prefix = &self.prefix;
+        let failed =
+            |extension, error: io::Error| cannot_write(&with_extension(prefix, extension), &error);
+        if let Some((writer, columns)) = &mut self.results {
+            columns.step(model, measures, &mut self.values);
+            writer
                 .step(kind, &self.values)
-                .map_err(|error| cannot_write(&path, &error)),
-            None => Ok(()),
+                .map_err(|error| failed("res", error))?;
         }
+        if let Some((writer, parts)) = &mut self.graphics {
+            let pose = |&part: &usize| {
+                let pose = &state.poses[part];
+                let angles = psi_theta_phi(&pose.R);
+                [
+                    pose.p.x, pose.p.y, pose.p.z, angles[0], angles[1], angles[2],
+                ]
+            };
+            let poses: Vec<[f64; 6]> = parts.iter().map(pose).collect();
+            writer
+                .frame(state.time, &poses)
+                .map_err(|error| failed("gra", error))?;
+        }
+        if self.requests.is_none() && self.tables.is_none() {
+            return Ok(());
+        }
+        let rows: Vec<[f64; 8]> = (0..model.requests.len())
+            .map(|index| measures.request(model, index))
+            .collect();
+        if let Some(writer) = &mut self.requests {
+            let six: Vec<[f64; 6]> = rows
+                .iter()
+                .map(|v| [v[1], v[2], v[3], v[5], v[6], v[7]])
+                .collect();
+            writer
+                .step(state.time, &six)
+                .map_err(|error| failed("req", error))?;
+        }
+        if let Some(tables) = &mut self.tables {
+            tables.rows.push((state.time, rows));
+            if tables.rows.len() * tables.requests.len() > KEPT {
+                tables.write().map_err(|error| failed("out", error))?;
+            }
+        }
+        Ok(())
     }
 
     /// Closes the files of a run that came to its end.
@@ -130,14 +240,68 @@ impl Outputs {
     /// # Errors
     /// When a file cannot be written.
     pub fn finish(&mut self) -> Result<(), Diagnostic> {
-        let path = with_extension(&self.prefix, "res");
-        match self.results.take() {
-            Some(results) => results
+        if let Some((writer, _)) = self.results.take() {
+            let path = with_extension(&self.prefix, "res");
+            writer
                 .finish("Successful")
-                .map(drop)
-                .map_err(|error| cannot_write(&path, &error)),
-            None => Ok(()),
+                .map_err(|error| cannot_write(&path, &error))?;
         }
+        if let Some(mut tables) = self.tables.take() {
+            let path = with_extension(&self.prefix, "out");
+            tables
+                .write()
+                .map_err(|error| cannot_write(&path, &error))?;
+        }
+        Ok(())
+    }
+}
+
+impl Tables {
+    fn write(&mut self) -> io::Result<()> {
+        let when = Timestamp::now();
+        write_tabular(
+            &mut self.file,
+            &self.title,
+            when,
+            &self.requests,
+            &self.rows,
+        )?;
+        self.rows.clear();
+        Ok(())
+    }
+}
+
+/// What a request is called: its comment, or its name.
+fn called(request: &Request) -> &str {
+    if !request.comment.is_empty() {
+        return &request.comment;
+    }
+    request
+        .results_name
+        .as_deref()
+        .unwrap_or(&request.header.name)
+}
+
+fn entry(request: &Request) -> RequestEntry {
+    RequestEntry {
+        id: i64::from(request.header.id),
+        name: called(request).to_string(),
+        numbers: Vec::new(),
+    }
+}
+
+fn tabular(request: &Request) -> TabularRequest {
+    let given = request.component_names.as_deref().unwrap_or_default();
+    let usual = usual_names(&request.kind);
+    TabularRequest {
+        id: i64::from(request.header.id),
+        name: called(request).to_string(),
+        headings: std::array::from_fn(|k| {
+            given
+                .get(k)
+                .filter(|name| !name.is_empty())
+                .map_or_else(|| usual[k].to_string(), Clone::clone)
+        }),
     }
 }
 

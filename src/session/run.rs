@@ -157,7 +157,7 @@ impl<'a> Session<'a> {
             )
             .help(format!(
                 "it was looked for in {}",
-                std::path::absolute(&self.directory)
+                std::path::absolute(Path::new(".").join(&self.directory))
                     .unwrap_or_else(|_| self.directory.clone())
                     .display()
             ));

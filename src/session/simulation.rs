@@ -5,6 +5,7 @@ use crate::syntax::Statement;
 use crate::text::Source;
 
 use super::loaded::{Compiled, Loaded};
+use super::measures::Measures;
 use super::message::exponent;
 use super::run::{Flow, Place, Session, Stop};
 use super::simulate::{Analysis, OutputTimes};
@@ -288,7 +289,7 @@ impl Loaded {
             ..
         } = compiled;
         outputs.begin(model, &system.state())?;
-        outputs.step(kind, model, system, parameters, state)
+        outputs.step(kind, model, &mut Measures::new(system, parameters, state))
     }
 }
 

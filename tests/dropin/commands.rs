@@ -168,3 +168,105 @@ fn kinematics_without_freedoms_and_nothing_else() {
     );
     assert!(ran.stdout.contains("End Static Solution"));
 }
+
+#[test]
+fn requests_and_frames_are_written_beside_the_results() {
+    let deck = SLIDER.replace("OUTPUT/REQSAVE", "OUTPUT/REQSAVE, GRSAVE");
+    let acf = "\nfile/model=slider\nSIM/STAT, END=1, STEPS=2\nSTOP\n";
+    let folder = folder(&[("slider.adm", &deck), ("run.acf", acf)]);
+    let ran = mdi(folder.path(), &["ru-s", "run"]);
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    let source =
+        admire::text::Source::new("slider.req", text(folder.path(), "slider.req").into_bytes());
+    let requests = admire::results::RequestFile::parse(&source);
+    assert!(
+        requests.diagnostics.is_empty(),
+        "{:?}",
+        requests.diagnostics
+    );
+    near(&requests.value.times, &[0.0, 0.5, 1.0]);
+    // F4 is the third of the six columns that are written.
+    let dz: Vec<f64> = requests
+        .value
+        .values
+        .iter()
+        .map(|step| step[0][2])
+        .collect();
+    near(&dz, &[0.0, 0.5, 1.0]);
+    let frames = text(folder.path(), "slider.gra");
+    let after: Vec<&str> = frames.split("-9.99999E+05").collect();
+    // Ground, then for each of three times a line for the time and one for the block.
+    assert_eq!(
+        after[1].trim_start_matches('\n').lines().count(),
+        1 + 3 * 2,
+        "{frames}"
+    );
+    assert!(text(folder.path(), "slider.out").contains("REQUEST/1"));
+    // Without the words there are no files.
+    let (folder, _) = run("SIM/STAT");
+    assert!(!folder.path().join("slider.gra").exists());
+}
+
+#[test]
+fn results_options_leave_columns_out() {
+    let deck = SLIDER.replace(
+        "XRF",
+        "XRF, NOVELOCITIES, NOACCELERATIONS, NOAPPLIEDFORCES, NOREACTIONFORCES",
+    );
+    let folder = folder(&[
+        ("slider.adm", &deck),
+        ("run.acf", "\nfile/model=slider\nSIM/STAT\n"),
+    ]);
+    assert_eq!(mdi(folder.path(), &["ru-s", "run"]).code, 0);
+    // TIME, the six of the block, the request.
+    assert_eq!(
+        Results::read(folder.path(), "slider.res").steps[0].len(),
+        1 + 6 + 1
+    );
+    let bare = SLIDER.replace("RESULTS/FORMATTED, XRF\n", "");
+    std::fs::write(folder.path().join("slider.adm"), bare).unwrap();
+    assert_eq!(mdi(folder.path(), &["ru-s", "run"]).code, 0);
+    assert_eq!(text(folder.path(), "slider.res"), "");
+}
+
+#[test]
+fn other_readers_find_every_column_of_our_results() {
+    let (folder, _) = run("SIM/STAT, END=1, STEPS=2");
+    let file = std::fs::File::open(folder.path().join("slider.res")).unwrap();
+    let mut reader = admire::results::XrfReader::open("slider.res", file).unwrap();
+    let mut kinds = Vec::new();
+    while let Some(step) = reader.next_step().unwrap() {
+        kinds.push(step.block.to_string());
+    }
+    assert_eq!(
+        kinds,
+        [
+            "modelInput_001",
+            "quasiStatic_001",
+            "quasiStatic_001",
+            "quasiStatic_001"
+        ]
+    );
+    assert_eq!(reader.run_status(), Some("Successful"));
+    let types: Vec<_> = reader
+        .catalogue()
+        .entities
+        .iter()
+        .filter_map(|e| e.ent_type.clone())
+        .collect();
+    assert_eq!(
+        types,
+        [
+            "Part",
+            "Joint",
+            "Single_Component_Force",
+            "Translational_Spring_Damper",
+            "Request"
+        ]
+    );
+    // Force on I of the spring at z = 0: K (100 - 100) = 0; of the joint: nothing but what gravity would need.
+    near(
+        &Results::read(folder.path(), "slider.res").column("SFORCE_1", "FZ"),
+        &[0.0, 5.0, 10.0],
+    );
+}

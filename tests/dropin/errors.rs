@@ -17,7 +17,15 @@ fn said(deck: &str, acf: &str) -> String {
         .replace(&here.display().to_string(), "FOLDER")
         .replace(&folder.path().display().to_string(), "FOLDER");
     assert!(ran.stderr.is_empty(), "{}", ran.stderr);
-    format!("exit code {}\n{}", ran.code, text.trim_end())
+    // How the iteration went is the solver's business.
+    let lines: Vec<&str> = text
+        .lines()
+        .filter(|line| {
+            !line.trim_start().starts_with(|c: char| c.is_ascii_digit()) || line.contains('|')
+        })
+        .map(|line| line.split(": no equilibrium after").next().unwrap())
+        .collect();
+    format!("exit code {}\n{}", ran.code, lines.join("\n").trim_end())
 }
 
 const RUN: &str = "\nfile/model=slider\nSIMULATE/STATIC\nSTOP\n";
