@@ -2,6 +2,8 @@
 
 mod common;
 mod files {
+    pub mod editing;
+    pub mod hostile;
     pub mod lint;
     pub mod lossless;
     pub mod lowering;

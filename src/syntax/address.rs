@@ -1,5 +1,12 @@
 use std::fmt;
 
+use super::{Dataset, Statement};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::grammar::{
+    Lookup, Role, STATEMENTS, StatementDef, find_argument, find_statement, nearest,
+};
+use crate::text::Span;
+
 /// The address of an object or of one of its numbers: `BUSHING/12.K.2`, `MARKER/7.QP.1`, `SFORCE/3`, `SFORCE/3.FUNCTION.2` (the
 /// second number of that function's text). Indices are 1-based. The kind is the whole keyword in capitals.
 #[derive(Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
@@ -28,4 +35,230 @@ impl fmt::Display for Address {
         }
         Ok(())
     }
+}
+
+impl Address {
+    /// The address of a whole statement; `None` if the grammar does not know it.
+    pub fn of(statement: &Statement) -> Option<Self> {
+        Some(Self {
+            kind: statement.kind()?.to_string(),
+            id: statement.number(),
+            argument: None,
+            index: None,
+        })
+    }
+
+    /// Reads an address: by keyword and id (`BUSHING/12.K.2`, keywords may be abbreviated), by view name
+    /// (`front_arm_bushing.K.2`), or by the name of an unnamed object (`BUSHING_12.K.2`). Case does not matter. The object must be
+    /// in the dataset, the argument in the grammar; whether the argument is written is not asked.
+    ///
+    /// # Errors
+    /// `undefined-id`, `unknown-statement`, `unknown-argument`, `bad-number` or `ambiguous-keyword`, placed in a file named
+    /// `address`.
+    pub fn parse(text: &str, dataset: &Dataset) -> Result<Self, Diagnostic> {
+        let text = text.trim();
+        if let Some((keyword, rest)) = text.split_once('/')
+            && let Lookup::Found(def) = find_statement(keyword.trim().as_bytes(), Role::Dataset)
+        {
+            return with_id(def, rest, text, dataset);
+        }
+        if let Some(found) = by_name(text, dataset)? {
+            return Ok(found);
+        }
+        let (head, rest) = text.split_once('.').unwrap_or((text, ""));
+        if let Some((keyword, id)) = head.rsplit_once('_')
+            && let Some(def) = STATEMENTS
+                .iter()
+                .find(|def| def.id.is_some() && def.name.eq_ignore_ascii_case(keyword))
+            && id.bytes().all(|byte| byte.is_ascii_digit())
+        {
+            let rest = if rest.is_empty() {
+                id.to_string()
+            } else {
+                format!("{id}.{rest}")
+            };
+            return with_id(def, &rest, text, dataset);
+        }
+        if let Lookup::Found(def) = find_statement(head.as_bytes(), Role::Dataset)
+            && def.id.is_none()
+        {
+            return argument(def, None, rest, text);
+        }
+        let names: Vec<String> = dataset
+            .view_names()
+            .map(|(name, _)| name.to_uppercase())
+            .collect();
+        let near = nearest(head, names.iter().map(String::as_str));
+        Err(error(
+            Code::UndefinedId,
+            format!("nothing in this dataset is called {head}"),
+            text,
+            match near {
+                Some(near) => format!("did you mean {near}?"),
+                None => "write KEYWORD/id.ARGUMENT.index, such as BUSHING/12.K.2, or a view name for KEYWORD/id".into(),
+            },
+        ))
+    }
+}
+
+/// `12.K.2` after the slash.
+fn with_id(
+    def: &'static StatementDef,
+    rest: &str,
+    text: &str,
+    dataset: &Dataset,
+) -> Result<Address, Diagnostic> {
+    let (id, rest) = rest.split_once('.').unwrap_or((rest, ""));
+    let id = id.trim();
+    if def.id.is_none() && id.is_empty() {
+        return argument(def, None, rest, text);
+    }
+    let Ok(id) = id.parse::<u32>() else {
+        return Err(error(
+            Code::BadNumber,
+            format!("{id} is not an id of a {}", def.name),
+            text,
+            format!("write {}/id", def.name),
+        ));
+    };
+    if dataset.statement(def.name, Some(id)).is_none() {
+        let ids: Vec<String> = dataset
+            .statements()
+            .iter()
+            .filter(|statement| statement.kind() == Some(def.name))
+            .filter_map(|statement| Some(statement.number()?.to_string()))
+            .collect();
+        let near = nearest(&id.to_string(), ids.iter().map(String::as_str));
+        return Err(error(
+            Code::UndefinedId,
+            format!("{}/{id} is not in this dataset", def.name),
+            text,
+            match (near, ids.as_slice()) {
+                (Some(near), _) => format!("did you mean {}/{near}?", def.name),
+                (None, []) => format!("it has no {} at all", def.name),
+                (None, [first, ..]) => format!("the first one is {}/{first}", def.name),
+            },
+        ));
+    }
+    argument(def, Some(id), rest, text)
+}
+
+/// The longest view name that `text` begins with, and what follows it.
+fn by_name(text: &str, dataset: &Dataset) -> Result<Option<Address>, Diagnostic> {
+    let ends = std::iter::once(text.len()).chain(text.rmatch_indices('.').map(|(at, _)| at));
+    for end in ends.take(8) {
+        let rest = text[end..].trim_start_matches('.');
+        let mut found = Vec::new();
+        let mut refused = None;
+        for at in dataset.named(&text[..end]) {
+            let statement = &dataset.statements()[*at];
+            let Some(def) = statement.def else {
+                continue;
+            };
+            match argument(def, statement.number(), rest, text) {
+                Ok(address) => found.push(address),
+                Err(diagnostic) => refused = Some(diagnostic),
+            }
+        }
+        // Of several objects with one name, those that have the argument are meant.
+        if found.len() > 1 {
+            let written: Vec<Address> = found
+                .iter()
+                .filter(|address| {
+                    address.argument.as_ref().is_some_and(|name| {
+                        dataset
+                            .find(address)
+                            .is_some_and(|statement| statement.has(name))
+                    })
+                })
+                .cloned()
+                .collect();
+            if written.len() == 1 {
+                found = written;
+            }
+        }
+        match (found.as_slice(), refused) {
+            ([one], _) => return Ok(Some(one.clone())),
+            ([], Some(diagnostic)) => return Err(diagnostic),
+            ([], None) => {}
+            (several, _) => {
+                let all: Vec<String> = several.iter().map(Address::to_string).collect();
+                return Err(error(
+                    Code::AmbiguousKeyword,
+                    format!("{} objects are called {}", several.len(), &text[..end]),
+                    text,
+                    format!("write one of {}", all.join(", ")),
+                ));
+            }
+        }
+    }
+    Ok(None)
+}
+
+/// `K.2`, `K` or nothing.
+fn argument(
+    def: &'static StatementDef,
+    id: Option<u32>,
+    rest: &str,
+    text: &str,
+) -> Result<Address, Diagnostic> {
+    let mut address = Address {
+        kind: def.name.to_string(),
+        id,
+        argument: None,
+        index: None,
+    };
+    if rest.is_empty() {
+        return Ok(address);
+    }
+    let (name, index) = match rest.split_once('.') {
+        Some((name, index)) => (name.trim(), Some(index.trim())),
+        None => (rest.trim(), None),
+    };
+    address.argument = match find_argument(def, name.as_bytes()) {
+        Lookup::Found(argument) => Some(argument.name.to_string()),
+        Lookup::Ambiguous(names) => {
+            return Err(error(
+                Code::AmbiguousKeyword,
+                format!(
+                    "{name} is the beginning of several arguments of {}",
+                    def.name
+                ),
+                text,
+                format!("write one of {}", names.join(", ")),
+            ));
+        }
+        Lookup::Unknown => {
+            let names = || def.arguments.iter().map(|argument| argument.name);
+            return Err(error(
+                Code::UnknownArgument,
+                format!("{} has no argument {name}", def.name),
+                text,
+                match nearest(name, names()) {
+                    Some(near) => format!("did you mean {near}?"),
+                    None => format!("it has {}", names().collect::<Vec<_>>().join(", ")),
+                },
+            ));
+        }
+    };
+    if let Some(index) = index {
+        match index.parse::<usize>() {
+            Ok(number) if number > 0 => address.index = Some(number),
+            _ => {
+                return Err(error(
+                    Code::BadNumber,
+                    format!("{index} is not the place of a value"),
+                    text,
+                    "values are counted from 1".into(),
+                ));
+            }
+        }
+    }
+    Ok(address)
+}
+
+fn error(code: Code, message: String, text: &str, help: String) -> Diagnostic {
+    Diagnostic::error(code, message)
+        .label("address", Span::new(0, text.len()), "")
+        .help(help)
 }

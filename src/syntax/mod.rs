@@ -6,6 +6,7 @@
 mod address;
 mod command_file;
 mod dataset;
+mod editor;
 pub mod expression;
 mod keywords;
 mod lexer;
@@ -13,13 +14,17 @@ mod lines;
 pub mod lint;
 pub mod number;
 mod parser;
+mod spelling;
 mod statement;
+mod style;
 mod token;
 mod value;
 
 pub use address::Address;
 pub use command_file::{CommandFile, CommandLine, Head};
 pub use dataset::Dataset;
+pub use editor::NewStatement;
 pub use expression::Expression;
+pub use spelling::spell_like;
 pub use statement::{Argument, Statement, Value};
 pub use token::{Number, Token, TokenKind};

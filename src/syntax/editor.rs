@@ -1,0 +1,387 @@
+//! Changes of a dataset as edits of its text: only the bytes of what changes.
+
+use super::expression::Node;
+use super::spelling::spell_like;
+use super::style::Style;
+use super::{Address, Argument, Dataset, Expression, Number, Statement, Value};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::grammar::{ArgumentDef, ValueKind};
+use crate::text::{Edit, Span};
+
+/// A statement to add. Values are written as they are, in the order given.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct NewStatement {
+    /// Whole keyword in capitals.
+    pub kind: String,
+    /// Id, if the kind has ids.
+    pub id: Option<u32>,
+    /// Name for the `adams_view_name` comment.
+    pub view_name: Option<String>,
+    /// Keyword and value of each argument; flags have no value.
+    pub arguments: Vec<(String, Option<String>)>,
+}
+
+impl Dataset {
+    /// The statement an address stands for.
+    pub fn find(&self, address: &Address) -> Option<&Statement> {
+        self.statement(&address.kind, address.id)
+    }
+
+    /// The number an address stands for, as it is written: value number `index` of an argument, number `index` of a function's
+    /// text, or the whole function (argument FUNCTION if none is named) where that is a single number. An index may be left
+    /// out where there is one value only.
+    pub fn number_at(&self, address: &Address) -> Option<Number> {
+        let statement = self.find(address)?;
+        let name = address.argument.as_deref().unwrap_or("FUNCTION");
+        match (&statement.argument(name)?.value, address.index) {
+            (Value::Function(expression), Some(index)) => {
+                expression.literals.get(index - 1).copied()
+            }
+            (Value::Function(expression), None) => constant(expression),
+            (_, index) => {
+                let numbers = || statement.all(name).flat_map(Argument::numbers);
+                match index {
+                    Some(index) => numbers().nth(index - 1).copied(),
+                    None if numbers().count() == 1 => numbers().next().copied(),
+                    None => None,
+                }
+            }
+        }
+    }
+
+    /// The value an address stands for; the grammar's default where nothing is written.
+    pub fn value_at(&self, address: &Address) -> Option<f64> {
+        if let Some(number) = self.number_at(address) {
+            return Some(number.value);
+        }
+        let statement = self.find(address)?;
+        let def = argument_def(statement, address)?;
+        if statement.has(def.name) {
+            return None;
+        }
+        match (address.index, def.default) {
+            (Some(index), values) => values.get(index - 1).copied(),
+            (None, [value]) => Some(*value),
+            (None, _) => None,
+        }
+    }
+
+    /// Edits that give a number a new value (model units: angles in radians). Nothing for the value it has. Only the number's
+    /// own bytes change, and its style is kept; an argument that is not written is added in the style of the file.
+    ///
+    /// # Errors
+    /// `undefined-id` if the object is not there, `wrong-type` if the address is none of a number, `out-of-range` for a value
+    /// that cannot be written there.
+    pub fn set(&self, address: &Address, value: f64) -> Result<Vec<Edit>, Diagnostic> {
+        let statement = self.find(address).ok_or_else(|| self.absent(address))?;
+        let place = statement.keyword;
+        if !value.is_finite() {
+            return Err(self.refuse(
+                Code::OutOfRange,
+                format!("{address} cannot be {value}: it is not a number"),
+                place,
+            ));
+        }
+        if let Some(number) = self.number_at(address) {
+            if number.value == value {
+                return Ok(Vec::new());
+            }
+            let def = argument_def(statement, address);
+            if def.is_some_and(is_whole) && value.fract() != 0.0 {
+                return Err(self.refuse(
+                    Code::WrongType,
+                    format!("{address} is a whole number, it cannot be {value}"),
+                    number.span,
+                ));
+            }
+            let inside =
+                def.is_some_and(|def| def.kind == ValueKind::Function) && address.index.is_some();
+            if inside && value < 0.0 {
+                return Err(self
+                    .refuse(
+                        Code::OutOfRange,
+                        format!(
+                            "{address} is a number inside of a function, its sign is an operator"
+                        ),
+                        number.span,
+                    )
+                    .help("replace the whole function"));
+            }
+            let old = self.source().slice(number.span);
+            return Ok(vec![Edit::new(number.span, spell_like(value, old))]);
+        }
+        let Some(def) = argument_def(statement, address) else {
+            return Err(self.refuse(
+                Code::WrongType,
+                format!("{address} is not the address of a number"),
+                place,
+            ));
+        };
+        match (def.kind, statement.argument(def.name)) {
+            (ValueKind::Function, _) if address.index.is_none() => {
+                self.set_text(address, &spell_like(value, b"1.0"))
+            }
+            (ValueKind::Real | ValueKind::Integer, written) => {
+                self.extend(statement, def, written, address, value)
+            }
+            _ => Err(self.refuse(
+                Code::WrongType,
+                format!("{address} is not the address of a number"),
+                place,
+            )),
+        }
+    }
+
+    /// Edits that replace the whole value of an argument (FUNCTION if the address names none) by a text: a function, a word, a
+    /// list. An argument that is not written is added.
+    ///
+    /// # Errors
+    /// `undefined-id` if the object is not there, `bad-expression` for a function that cannot be read, `wrong-type` for a flag or
+    /// an address with an index.
+    pub fn set_text(&self, address: &Address, text: &str) -> Result<Vec<Edit>, Diagnostic> {
+        let statement = self.find(address).ok_or_else(|| self.absent(address))?;
+        let def = argument_def(statement, address)
+            .filter(|def| def.kind != ValueKind::Flag && address.index.is_none());
+        let Some(def) = def else {
+            return Err(self.refuse(
+                Code::WrongType,
+                format!("{address} is not the address of a whole value"),
+                statement.keyword,
+            ));
+        };
+        if text.contains(['\n', '\r', ';', '!']) && !text.starts_with('"') {
+            return Err(self.refuse(
+                Code::SyntaxError,
+                format!(
+                    "{} cannot hold a line end, a semicolon or an exclamation point",
+                    def.name
+                ),
+                statement.keyword,
+            ));
+        }
+        let is_user = text.trim_start().to_ascii_uppercase().starts_with("USER");
+        if def.kind == ValueKind::Function && !is_user {
+            Expression::parse_str(text)?;
+        }
+        match statement.argument(def.name) {
+            Some(argument) if argument.value != Value::Flag => {
+                let span = argument.value_span();
+                if self.source().slice(span) == text.as_bytes() {
+                    return Ok(Vec::new());
+                }
+                Ok(vec![Edit::new(span, text)])
+            }
+            _ => Ok(vec![self.new_argument(statement, def.name, text)]),
+        }
+    }
+
+    /// Edits that add a statement after the last one of its kind, or before END, in the style of the file.
+    pub fn add(&self, statement: &NewStatement) -> Vec<Edit> {
+        let style = Style::of(self);
+        let text = style.statement(statement);
+        let same = self
+            .statements()
+            .iter()
+            .rfind(|other| other.kind() == Some(statement.kind.as_str()));
+        let (at, text) = match (same, self.end()) {
+            (Some(other), _) => self.after_line(other.span.end, &text, &style),
+            (None, Some(end)) => (self.line_start(end.span.start), text),
+            (None, None) => self.after_line(self.bytes().len(), &text, &style),
+        };
+        vec![Edit::new(Span::at(at), text)]
+    }
+
+    /// Edits that remove a statement with the comments that name it.
+    ///
+    /// # Errors
+    /// `undefined-id` if it is not there.
+    pub fn remove(&self, address: &Address) -> Result<Vec<Edit>, Diagnostic> {
+        let statement = self.find(address).ok_or_else(|| self.absent(address))?;
+        let start = self.line_start(statement.span.start);
+        let line_end = self.line_end(statement.span.end);
+        let shared = self.statements().iter().any(|other| {
+            other.span != statement.span && other.span.start < line_end && other.span.end > start
+        });
+        if shared {
+            // Others stand on its line, between semicolons.
+            return Ok(vec![Edit::new(statement.span, "")]);
+        }
+        let mut from = start;
+        if let Some(name) = statement.view_name {
+            let comment = self.line_start(name.start);
+            from = comment;
+            // The bare comment line that ADAMS/View writes before each name goes with it.
+            if comment > 0 {
+                let end = self.bytes()[..comment]
+                    .strip_suffix(b"\n")
+                    .unwrap_or(&self.bytes()[..comment]);
+                let end = end.strip_suffix(b"\r").unwrap_or(end);
+                let before = self.line_start(end.len());
+                if self.bytes()[before..comment].trim_ascii() == b"!" {
+                    from = before;
+                }
+            }
+        }
+        Ok(vec![Edit::new(Span::new(from, line_end), "")])
+    }
+
+    /// The END statement, if the dataset has one.
+    pub fn end(&self) -> Option<&Statement> {
+        self.statements().last().filter(|last| {
+            self.source()
+                .slice(last.keyword)
+                .eq_ignore_ascii_case(b"END")
+        })
+    }
+
+    /// A list grows to the place of the value; what stands between gets its default.
+    fn extend(
+        &self,
+        statement: &Statement,
+        def: &'static ArgumentDef,
+        written: Option<&Argument>,
+        address: &Address,
+        value: f64,
+    ) -> Result<Vec<Edit>, Diagnostic> {
+        let numbers = written.map_or(&[][..], Argument::numbers);
+        let index = address.index.unwrap_or(1);
+        let too_far = def.count.max.is_some_and(|max| index > max) || index > numbers.len() + 36;
+        let unreadable = written.is_some_and(|_| numbers.is_empty());
+        let unclear = address.index.is_none() && (numbers.len() > 1 || def.count.min > 1);
+        if too_far || unreadable || unclear || (is_whole(def) && value.fract() != 0.0) {
+            return Err(self.refuse(
+                Code::OutOfRange,
+                format!("{address} is not a place a number can be written at"),
+                written.map_or(statement.keyword, |argument| argument.span),
+            ));
+        }
+        let old = match numbers.last() {
+            Some(number) => self.source().slice(number.span).to_vec(),
+            None if is_whole(def) => b"1".to_vec(),
+            None => b"1.0".to_vec(),
+        };
+        let length = index.max(def.count.min.max(def.default.len()).min(index + 36));
+        let values: Vec<String> = (numbers.len()..length)
+            .map(|k| {
+                let default = def.default.get(k).copied().unwrap_or(0.0);
+                spell_like(if k + 1 == index { value } else { default }, &old)
+            })
+            .collect();
+        let text = values.join(", ");
+        Ok(vec![match numbers.last() {
+            Some(last) => Edit::new(Span::at(last.span.end), format!(", {text}")),
+            None => self.new_argument(statement, def.name, &text),
+        }])
+    }
+
+    /// The edit that adds `NAME = text` at the end of a statement.
+    fn new_argument(&self, statement: &Statement, name: &str, text: &str) -> Edit {
+        let style = Style::of_statement(self, statement);
+        let last = statement.arguments.last();
+        let mut at = last.map_or_else(
+            || self.after_header(statement),
+            |argument| argument.span.end,
+        );
+        let mut lead = String::new();
+        let is_function = last.is_some_and(|argument| {
+            matches!(argument.value, Value::Function(_) | Value::User(_))
+                || (matches!(argument.value, Value::Malformed(_))
+                    && argument
+                        .def
+                        .is_some_and(|def| def.kind == ValueKind::Function))
+        });
+        if is_function {
+            // A function must end with a backslash before the next argument; it may have one already.
+            let rest = &self.bytes()[at..statement.span.end];
+            match rest.iter().position(|byte| !byte.is_ascii_whitespace()) {
+                Some(mark) if rest[mark] == b'\\' => at += mark + 1,
+                _ => lead.push('\\'),
+            }
+        }
+        Edit::new(
+            Span::at(at),
+            format!("{lead}{}", style.argument(name, Some(text))),
+        )
+    }
+
+    /// After `KEYWORD/id`.
+    fn after_header(&self, statement: &Statement) -> usize {
+        match statement.id {
+            Some((_, span)) => span.end,
+            None => {
+                let rest = &self.bytes()[statement.keyword.end..statement.span.end];
+                match rest.iter().position(|byte| !byte.is_ascii_whitespace()) {
+                    Some(slash) if rest[slash] == b'/' => statement.keyword.end + slash + 1,
+                    _ => statement.keyword.end,
+                }
+            }
+        }
+    }
+
+    fn absent(&self, address: &Address) -> Diagnostic {
+        let object = Address {
+            argument: None,
+            index: None,
+            ..address.clone()
+        };
+        self.refuse(
+            Code::UndefinedId,
+            format!("{object} is not in this dataset"),
+            self.title_span(),
+        )
+    }
+
+    fn refuse(&self, code: Code, message: String, span: Span) -> Diagnostic {
+        Diagnostic::error(code, message).label(self.source().name(), span, "")
+    }
+
+    fn line_start(&self, at: usize) -> usize {
+        memchr::memrchr2(b'\n', b'\r', &self.bytes()[..at]).map_or(0, |end| end + 1)
+    }
+
+    /// After the line end of the line that holds `at`.
+    fn line_end(&self, at: usize) -> usize {
+        super::lines::physical_line(self.bytes(), at).next
+    }
+
+    /// Where a text goes that follows the line of `at`, with a line end in front if that line has none.
+    fn after_line(&self, at: usize, text: &str, style: &Style) -> (usize, String) {
+        let next = self.line_end(at);
+        let open = !matches!(self.bytes()[..next].last(), None | Some(b'\n' | b'\r'));
+        match open {
+            true => (next, format!("{}{text}", style.line_end)),
+            false => (next, text.to_string()),
+        }
+    }
+}
+
+fn argument_def(statement: &Statement, address: &Address) -> Option<&'static ArgumentDef> {
+    let name = address.argument.as_deref().unwrap_or("FUNCTION");
+    statement
+        .def?
+        .arguments
+        .iter()
+        .find(|argument| argument.name == name)
+}
+
+const fn is_whole(def: &'static ArgumentDef) -> bool {
+    matches!(def.kind, ValueKind::Integer | ValueKind::Reference(_))
+}
+
+/// The number a function is, if it is a single one with or without a minus sign.
+fn constant(expression: &Expression) -> Option<Number> {
+    let (literal, sign) = match &expression.root {
+        Node::Literal(literal) => (literal, 1.0),
+        Node::Negate(inner) => match &**inner {
+            Node::Literal(literal) => (literal, -1.0),
+            _ => return None,
+        },
+        _ => return None,
+    };
+    let number = expression.literals[*literal];
+    Some(Number {
+        value: sign * number.value,
+        degrees: number.degrees,
+        span: expression.span,
+    })
+}

@@ -1,0 +1,115 @@
+use super::editor::NewStatement;
+use super::{Dataset, Statement};
+
+/// How a file writes its statements: what new ones and new arguments look like.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) struct Style {
+    /// `\n` or `\r\n`.
+    pub line_end: &'static str,
+    layout: Layout,
+    /// ` = ` or `=`.
+    spaced: bool,
+}
+
+/// Where the arguments of a statement stand.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Layout {
+    /// Each on a line of its own that begins with a comma.
+    Comma,
+    /// Each on a line of its own; the line before ends with `&`.
+    Ampersand,
+    /// All on one line.
+    OneLine,
+}
+
+impl Style {
+    /// The style of most statements of a dataset.
+    pub fn of(dataset: &Dataset) -> Self {
+        let sample = dataset
+            .statements()
+            .iter()
+            .filter(|statement| !statement.arguments.is_empty())
+            .take(200);
+        let mut counts = [0usize; 3];
+        let mut spaced = 0isize;
+        for statement in sample {
+            let style = Self::of_statement(dataset, statement);
+            counts[style.layout as usize] += 1;
+            spaced += if style.spaced { 1 } else { -1 };
+        }
+        let layouts = [Layout::Comma, Layout::Ampersand, Layout::OneLine];
+        let most = (0..3).max_by_key(|k| (counts[*k], 3 - k)).unwrap_or(0);
+        Self {
+            line_end: line_end(dataset.bytes()),
+            layout: layouts[most],
+            spaced: spaced >= 0,
+        }
+    }
+
+    /// The style of one statement.
+    pub fn of_statement(dataset: &Dataset, statement: &Statement) -> Self {
+        let text = dataset.source().slice(statement.span);
+        let layout = match memchr::memchr2(b'\n', b'\r', text) {
+            None => Layout::OneLine,
+            Some(at) if text[..at].trim_ascii_end().ends_with(b"&") => Layout::Ampersand,
+            Some(_) => Layout::Comma,
+        };
+        // A statement without arguments says nothing; ADAMS/View writes each on its own line, with blanks.
+        let layout = if statement.arguments.is_empty() {
+            Layout::Comma
+        } else {
+            layout
+        };
+        let spaced = memchr::memchr(b'=', text)
+            .is_none_or(|at| at > 0 && text[at - 1] == b' ' && text.get(at + 1) == Some(&b' '));
+        Self {
+            line_end: line_end(dataset.bytes()),
+            layout,
+            spaced,
+        }
+    }
+
+    /// `, NAME = value` with what separates it from the argument before.
+    pub fn argument(&self, name: &str, value: Option<&str>) -> String {
+        let lead = match self.layout {
+            Layout::Comma => format!("{}, ", self.line_end),
+            Layout::Ampersand => format!(" &{}, ", self.line_end),
+            Layout::OneLine => ", ".to_string(),
+        };
+        match (value, self.spaced) {
+            (Some(value), true) => format!("{lead}{name} = {value}"),
+            (Some(value), false) => format!("{lead}{name}={value}"),
+            (None, _) => format!("{lead}{name}"),
+        }
+    }
+
+    /// A whole statement with its name comment and line ends.
+    pub fn statement(&self, new: &NewStatement) -> String {
+        let mut text = String::new();
+        let end = self.line_end;
+        if let Some(name) = &new.view_name {
+            // ADAMS/View centres the name comment on column 41.
+            let comment = format!("adams_view_name='{name}'");
+            let pad = " ".repeat(40usize.saturating_sub(comment.len().div_ceil(2)).max(1));
+            text.push_str(&format!("!{end}!{pad}{comment}{end}"));
+        }
+        text.push_str(&new.kind);
+        text.push('/');
+        if let Some(id) = new.id {
+            text.push_str(&id.to_string());
+        }
+        for (name, value) in &new.arguments {
+            text.push_str(&self.argument(name, value.as_deref()));
+        }
+        text.push_str(end);
+        text
+    }
+}
+
+/// The line end of the first line.
+fn line_end(bytes: &[u8]) -> &'static str {
+    match memchr::memchr(b'\n', bytes) {
+        Some(at) if at > 0 && bytes[at - 1] == b'\r' => "\r\n",
+        _ => "\n",
+    }
+}

@@ -1,0 +1,176 @@
+//! Any bytes give a document and complaints: never a panic, a hang, or time that grows faster than the file.
+
+use std::time::{Duration, Instant};
+
+use admire::model::Model;
+use admire::syntax::{CommandFile, Dataset};
+use admire::text::Source;
+use proptest::prelude::*;
+use rand::{Rng, RngExt, SeedableRng};
+use rayon::prelude::*;
+
+use super::lossless::{assert_commands, assert_dataset, real_files};
+
+/// Deletes, inserts, truncates, doubles, or turns line ends.
+fn mutate(bytes: &[u8], random: &mut impl Rng) -> Vec<u8> {
+    const SPICE: &[u8] = b",,,;&\\/=()\"'!:+-*.0123456789EDed \t\r\n\0\x1a\xff\xb7AKPFUNCTION";
+    let mut out = bytes.to_vec();
+    for _ in 0..random.random_range(1..=4) {
+        let at = random.random_range(0..=out.len());
+        match random.random_range(0..7) {
+            0 => out.truncate(at),
+            1 => {
+                let to = (at + random.random_range(0..40)).min(out.len());
+                out.drain(at..to);
+            }
+            2 | 3 => {
+                let count = random.random_range(1..6);
+                let spice: Vec<u8> = (0..count)
+                    .map(|_| SPICE[random.random_range(0..SPICE.len())])
+                    .collect();
+                out.splice(at..at, spice);
+            }
+            4 if at < out.len() => out[at] = SPICE[random.random_range(0..SPICE.len())],
+            5 => {
+                let to = (at + random.random_range(0..400)).min(out.len());
+                let text: Vec<u8> = out[at..to].to_vec();
+                out.splice(at..at, text);
+            }
+            _ if out.contains(&b'\r') => out.retain(|byte| *byte != b'\r'),
+            _ => {
+                out = out
+                    .iter()
+                    .flat_map(|byte| match byte {
+                        b'\n' => vec![b'\r', b'\n'],
+                        byte => vec![*byte],
+                    })
+                    .collect();
+            }
+        }
+    }
+    out
+}
+
+#[test]
+fn ten_thousand_mutations_of_real_files_are_read_without_loss() {
+    let decks = real_files("adm");
+    let commands = real_files("acf");
+    if decks.is_empty() {
+        return;
+    }
+    (0..10_000u64).into_par_iter().for_each(|seed| {
+        let mut random = rand_pcg::Pcg64::seed_from_u64(seed);
+        if seed % 8 == 0 {
+            let (name, bytes) = &commands[random.random_range(0..commands.len())];
+            let bytes = mutate(bytes, &mut random);
+            let file = CommandFile::parse(Source::new(name.as_str(), bytes.clone())).value;
+            assert_commands(&file, &bytes);
+            return;
+        }
+        let (name, bytes) = &decks[random.random_range(0..decks.len())];
+        // Of a long deck a window: the mutation then meets other neighbours too.
+        let from = random.random_range(0..bytes.len());
+        let window = if bytes.len() > 60_000 {
+            &bytes[from..(from + 30_000).min(bytes.len())]
+        } else {
+            bytes
+        };
+        let bytes = mutate(window, &mut random);
+        let checked = Dataset::parse(Source::new(name.as_str(), bytes.clone()));
+        assert_dataset(&checked.value, &bytes);
+        for diagnostic in &checked.diagnostics {
+            assert!(
+                diagnostic
+                    .labels
+                    .iter()
+                    .all(|label| label.span.end <= bytes.len())
+            );
+        }
+        Model::lower(&checked.value);
+    });
+}
+
+proptest! {
+    #[test]
+    fn any_bytes_are_a_dataset_and_a_command_file(bytes in proptest::collection::vec(any::<u8>(), 0..400)) {
+        let dataset = Dataset::parse(Source::new("any", bytes.clone())).value;
+        assert_dataset(&dataset, &bytes);
+        Model::lower(&dataset);
+        assert_commands(&CommandFile::parse(Source::new("any", bytes.clone())).value, &bytes);
+    }
+
+    #[test]
+    fn any_text_of_the_language_s_marks_is_read(text in "[A-J/,;&!=\\\\():\"0-9.ED\r\n \t+*-]{0,300}") {
+        let bytes = format!("title\nSFORCE/1, FUNCTION={text}").into_bytes();
+        let dataset = Dataset::parse(Source::new("any", bytes.clone())).value;
+        assert_dataset(&dataset, &bytes);
+        Model::lower(&dataset);
+    }
+}
+
+/// Best of three.
+fn time(bytes: &[u8]) -> Duration {
+    (0..3)
+        .map(|_| {
+            let source = Source::new("hostile", bytes);
+            let start = Instant::now();
+            let dataset = Dataset::parse(source).value;
+            Model::lower(&dataset);
+            start.elapsed()
+        })
+        .min()
+        .unwrap()
+}
+
+#[test]
+fn time_grows_with_the_file_and_not_faster() {
+    for (lead, unit) in [
+        ("t\n", "("),
+        ("t\n", ")"),
+        ("t\n", ","),
+        ("t\n", "\""),
+        ("t\n", "\"\n"),
+        ("t\n", ";"),
+        ("t\n", "&"),
+        ("t\n", "& "),
+        ("t\n", "&\n"),
+        ("t\n", "!"),
+        ("t\n", "!\n"),
+        ("t\n", "\r"),
+        ("t\n", "a"),
+        ("t\n", "a "),
+        ("t\n", "a\n"),
+        ("t\n", ",\n"),
+        ("t\nPART/1", ",A"),
+        ("t\nPART/1", ",\n"),
+        ("t\nPART/1, QG=", "1,"),
+        ("t\nPART/1, QG=", "1"),
+        ("t\nPART/1, QG=", "-"),
+        ("t\nPART/1, EXACT=", "X:"),
+        ("t\nSFORCE/1, FUNCTION=", "("),
+        ("t\nSFORCE/1, FUNCTION=", "-"),
+        ("t\nSFORCE/1, FUNCTION=", "1+"),
+        ("t\nSFORCE/1, FUNCTION=", "\n, I"),
+        ("t\nSFORCE/1, FUNCTION=1", "\\"),
+        ("t\nREQUEST/1, COMMENT=", "a,"),
+        ("t\nREQUEST/1, COMMENT=", "a\n,"),
+        ("t\nREQUEST/1, TITLE=", ":"),
+        ("t\nREQUEST/1, CNAMES=", "\"\","),
+        ("t\n", "MARKER/1, PART=1, QP=1,2,3\n"),
+        ("t\n", "ENDD\n"),
+    ] {
+        let make = |length: usize| {
+            let mut bytes = lead.as_bytes().to_vec();
+            while bytes.len() < length {
+                bytes.extend_from_slice(unit.as_bytes());
+            }
+            bytes
+        };
+        let (short, long) = (time(&make(200_000)), time(&make(1_600_000)));
+        // Eight times the bytes; quadratic time would take sixty-four times as long.
+        assert!(
+            long < short * 24 + Duration::from_millis(50),
+            "{lead:?} {unit:?}: {short:?} and {long:?}"
+        );
+    }
+}
