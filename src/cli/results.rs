@@ -1,9 +1,8 @@
-use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use crate::diagnostic::{Code, Diagnostic};
-use crate::results::{ResultsError, Selection, XrfReader};
+use crate::results::{AnyResults, ResultsError, Selection, open_any};
 
 use super::Outcome;
 use super::shell::{Exit, Format, Shell, exit_of};
@@ -11,7 +10,7 @@ use super::shell::{Exit, Format, Shell, exit_of};
 /// Show what a results file holds, or take columns out of it.
 #[derive(clap::Args, Debug)]
 pub(super) struct Arguments {
-    /// Results in XRF (.res).
+    /// Results: XRF (.res), requests (.req) or formatted results.
     file: PathBuf,
     /// Print the columns' names, units and ids (with `--format json` as JSON). This is what happens without `--get`.
     #[arg(long)]
@@ -62,16 +61,17 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     Ok(exit_of(reader.diagnostics()))
 }
 
-/// Opens an XRF file.
-pub(super) fn open(path: &Path, shell: &Shell) -> Result<XrfReader<File>, Exit> {
-    let name = path.display().to_string();
-    let file = File::open(path).map_err(|error| {
-        shell.fail(Diagnostic::error(
+/// Opens a results file of any kind that can be read, and prints the complaints about it.
+pub(super) fn open(path: &Path, shell: &Shell) -> Result<AnyResults, Exit> {
+    let opened = open_any(path).map_err(|error| match error {
+        ResultsError::Io(error) => shell.fail(Diagnostic::error(
             Code::CannotRead,
-            format!("`{name}` cannot be read: {error}"),
-        ))
+            format!("`{}` cannot be read: {error}", path.display()),
+        )),
+        refusal @ ResultsError::Refused(_) => refused(refusal, shell),
     })?;
-    XrfReader::open(name, file).map_err(|error| refused(error, shell))
+    shell.complain(&opened.diagnostics);
+    Ok(opened.value)
 }
 
 /// Says why a file is not read further.
@@ -84,7 +84,7 @@ pub(super) fn refused(error: ResultsError, shell: &Shell) -> Exit {
     exit
 }
 
-fn list(reader: &mut XrfReader<File>, shell: &Shell) -> Result<String, ResultsError> {
+fn list(reader: &mut AnyResults, shell: &Shell) -> Result<String, ResultsError> {
     let selection = Selection::all(reader.catalogue());
     if shell.format == Format::Json {
         let text = serde_json::to_string_pretty(&selection).expect("JSON values print");

@@ -23,7 +23,8 @@ pub struct Comparison {
     pub steps_only_in_a: usize,
     /// Steps of B without a counterpart.
     pub steps_only_in_b: usize,
-    /// Steps, from 1 among those compared, whose kinds differ in more than the word for an equilibrium.
+    /// Steps, from 1 among those compared, whose kinds differ in more than the word for an equilibrium; a
+    /// step whose file does not tell its kind differs from none.
     pub kinds_differ: Vec<usize>,
     /// Columns in both, in the order of A.
     pub columns: Vec<ColumnDifference>,
@@ -152,7 +153,9 @@ pub fn compare<A: Read, B: Read>(
             (None, Some(_)) => report.steps_only_in_b += 1,
             (Some(kind_a), Some(kind_b)) => {
                 report.steps += 1;
-                let same = kind_a == kind_b || (kind_a.is_equilibrium() && kind_b.is_equilibrium());
+                let same = kind_a == kind_b
+                    || (kind_a.is_equilibrium() && kind_b.is_equilibrium())
+                    || [kind_a, kind_b].contains(&StepKind::Unlisted);
                 if !same {
                     report.kinds_differ.push(report.steps);
                 }

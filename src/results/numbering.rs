@@ -198,7 +198,7 @@ fn component(name: impl Into<String>, units: Option<String>) -> Component {
 }
 
 /// `.model.testrig.arm` gives `testrig.arm`; a name without a leading dot has no model in front.
-fn without_model(view_name: &str) -> String {
+pub(super) fn without_model(view_name: &str) -> String {
     match view_name.strip_prefix('.') {
         Some(full) => full.split_once('.').map_or(full, |(_, object)| object),
         None => view_name,

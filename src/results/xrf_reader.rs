@@ -33,7 +33,7 @@ pub struct XrfReader<R> {
     depth: usize,
     status: Option<String>,
     done: bool,
-    diagnostics: Vec<Diagnostic>,
+    pub(super) diagnostics: Vec<Diagnostic>,
     /// The Data tag that ended the header.
     pending: Option<Event>,
 }
@@ -178,6 +178,7 @@ impl<R: Read> XrfReader<R> {
     fn step_kind(&mut self, text: &str) -> StepKind {
         let kind = StepKind::from_step_type(text);
         if kind == StepKind::Unlisted
+            && text != StepKind::Unlisted.step_type()
             && !self
                 .diagnostics
                 .iter()

@@ -1,0 +1,198 @@
+use std::fs::File;
+use std::io::{Cursor, Read};
+use std::path::Path;
+
+use crate::diagnostic::{Checked, Diagnostic};
+use crate::text::Source;
+
+use super::{
+    Catalogue, Component, Entity, EntityKind, FormattedResults, Header, RequestFile, ResultsError,
+    StepKind, Style, XrfReader, XrfWriter,
+};
+
+/// A results file of any kind that can be read, as a stream of steps.
+pub type AnyResults = XrfReader<Box<dyn Read>>;
+
+/// Opens a results file by what is in it: XRF is read from the disk step by step; request files and formatted results,
+/// which are small, are read whole and shown as if they were XRF. The complaints are those of the whole files; the reader
+/// has its own.
+///
+/// # Errors
+/// When the file cannot be read or is none of these.
+pub fn open_any(path: &Path) -> Result<Checked<AnyResults>, ResultsError> {
+    let name = path.display().to_string();
+    let mut file = File::open(path)?;
+    let mut head = Vec::new();
+    file.by_ref().take(64).read_to_end(&mut head)?;
+    let begins = head.trim_ascii_start();
+    let request = begins.starts_with(b"A.R3");
+    if !request && !begins.starts_with(b"FILE TYPE AND SOURCE") {
+        let whole: Box<dyn Read> = Box::new(Cursor::new(head).chain(file));
+        return Ok(Checked::clean(XrfReader::open(name, whole)?));
+    }
+    file.read_to_end(&mut head)?;
+    let source = Source::new(name.as_str(), head);
+    let (bytes, diagnostics) = if request {
+        let read = RequestFile::parse(&source);
+        (requests_as_xrf(&read.value)?, read.diagnostics)
+    } else {
+        let read = FormattedResults::parse(&source);
+        (formatted_as_xrf(&read.value)?, read.diagnostics)
+    };
+    let value = XrfReader::open(name, Box::new(Cursor::new(bytes)) as Box<dyn Read>)?;
+    Ok(Checked { value, diagnostics })
+}
+
+impl<R: Read> XrfReader<R> {
+    /// The complaints so far, taken out.
+    pub fn take_diagnostics(&mut self) -> Vec<Diagnostic> {
+        std::mem::take(&mut self.diagnostics)
+    }
+}
+
+/// Adds an entity behind the others, its columns numbered on. Units of these files are not known by name.
+fn add(
+    catalogue: &mut Catalogue,
+    kind: EntityKind,
+    name: String,
+    object: String,
+    id: i64,
+    columns: &[&str],
+) {
+    let before = catalogue.len();
+    let components = columns.iter().enumerate().map(|(at, &column)| Component {
+        name: column.to_string(),
+        units: None,
+        plot_label: None,
+        id: before + at + 1,
+    });
+    catalogue.entities.push(Entity {
+        name,
+        entity: Some(object),
+        ent_type: Some(kind.ent_type().to_string()),
+        object_id: Some(id),
+        comment: None,
+        components: components.collect(),
+    });
+}
+
+fn only_time() -> Catalogue {
+    let time = Component {
+        name: "TIME".to_string(),
+        units: None,
+        plot_label: None,
+        id: 1,
+    };
+    Catalogue::new(vec![Entity {
+        name: "time".to_string(),
+        components: vec![time],
+        ..Entity::default()
+    }])
+}
+
+fn requests_as_xrf(file: &RequestFile) -> std::io::Result<Vec<u8>> {
+    let mut catalogue = only_time();
+    for request in &file.requests {
+        let name = if request.name.is_empty() {
+            EntityKind::Request.default_name(request.id)
+        } else {
+            request.name.clone()
+        };
+        // The file does not tell what a request measures; its columns 2, 3, 4, 6, 7, 8 are a vector and a rotation.
+        let columns = ["X", "Y", "Z", "R1", "R2", "R3"];
+        add(
+            &mut catalogue,
+            EntityKind::Request,
+            name.clone(),
+            name,
+            request.id,
+            &columns,
+        );
+    }
+    let header = Header {
+        title: file.title.clone(),
+        execution_date: file.date.clone(),
+        ..Header::default()
+    };
+    let steps = file.times.iter().zip(&file.values).map(|(&time, sixes)| {
+        let values = std::iter::once(time).chain(sixes.iter().flatten().copied());
+        (StepKind::Unlisted, values.collect::<Vec<f64>>())
+    });
+    as_xrf(&header, &catalogue, steps)
+}
+
+fn formatted_as_xrf(file: &FormattedResults) -> std::io::Result<Vec<u8>> {
+    let mut catalogue = only_time();
+    for part in &file.parts {
+        let object = match &part.name {
+            Some(full) => super::numbering::without_model(full),
+            None => EntityKind::Part.default_name(part.id),
+        };
+        let last = object.rsplit('.').next().unwrap_or(&object);
+        let name = format!("{last}_XFORM");
+        let columns = ["X", "Y", "Z", "PSI", "THETA", "PHI"];
+        add(
+            &mut catalogue,
+            EntityKind::Part,
+            name,
+            object,
+            part.id,
+            &columns,
+        );
+    }
+    let header = Header {
+        title: file.title.clone(),
+        ..Header::default()
+    };
+    let steps = file.steps.iter().map(|step| {
+        let kind = match step.kind.to_ascii_uppercase().as_str() {
+            "STATIC" => StepKind::Static,
+            "QUASI-STATIC" | "QUASISTATIC" => StepKind::QuasiStatic,
+            "KINEMATIC" => StepKind::Kinematic,
+            "DYNAMIC" => StepKind::Dynamic,
+            _ => StepKind::Unlisted,
+        };
+        let values = std::iter::once(step.time).chain(step.displacements.iter().flatten().copied());
+        (kind, values.collect::<Vec<f64>>())
+    });
+    as_xrf(&header, &catalogue, steps)
+}
+
+fn as_xrf(
+    header: &Header,
+    catalogue: &Catalogue,
+    steps: impl Iterator<Item = (StepKind, Vec<f64>)>,
+) -> std::io::Result<Vec<u8>> {
+    let mut writer = XrfWriter::create(Vec::new(), header, catalogue, Style::default())?;
+    for (kind, values) in steps {
+        writer.step(kind, &values)?;
+    }
+    writer.finish("")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::Selection;
+
+    #[test]
+    fn request_files_are_shown_like_any_other() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.req");
+        let text = " A.R3    2020-01-01 00:00:00               0         0  3D\nt\n    1     MMKGS_N_RACA 1.0E+03\n\
+                    toe angle\n         5\n 0.5\n 1 2 3 4 5 6\n";
+        std::fs::write(&path, text).unwrap();
+        let mut opened = open_any(&path).unwrap();
+        assert!(opened.diagnostics.is_empty());
+        let (selection, unused) =
+            Selection::matching(opened.value.catalogue(), &["toe*.r1", "time"]);
+        assert!(unused.is_empty());
+        let mut csv = Vec::new();
+        selection.write_csv(&mut opened.value, &mut csv).unwrap();
+        assert_eq!(
+            String::from_utf8(csv).unwrap(),
+            "step,time.TIME,toe angle.R1\nunlisted,0.5,4\n"
+        );
+        assert!(open_any(&folder.path().join("none")).is_err());
+    }
+}
