@@ -111,7 +111,7 @@ fn events(path: &Path) -> usize {
     loop {
         match reader.read_event_into(&mut buffer).expect("good XML") {
             quick_xml::events::Event::Eof => return steps,
-            quick_xml::events::Event::Start(tag) if tag.name().as_ref() == b"Step" => steps += 1,
+            quick_xml::events::Event::Start(tag) if tag.name().as_ref() == "Step" => steps += 1,
             _ => {}
         }
         buffer.clear();
