@@ -1,8 +1,11 @@
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use crate::diagnostic::Diagnostic;
-use crate::model::Model;
-use crate::syntax::{CommandFile, Dataset};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::model::{self, Model};
+use crate::syntax::lint::Options;
+use crate::syntax::{self, CommandFile, Dataset};
+use crate::text::Source;
 
 use super::Outcome;
 use super::shell::{Exit, Shell, exit_of};
@@ -15,6 +18,9 @@ pub(super) struct Arguments {
     /// Datasets (.adm) and command files (.acf).
     #[arg(required = true)]
     files: Vec<PathBuf>,
+    /// The decks are for the FORTRAN solver: also report lines it would cut off.
+    #[arg(long)]
+    fortran: bool,
 }
 
 /// Prints the complaints about all files.
@@ -29,9 +35,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         if is_command_file(path) {
             found.extend(CommandFile::parse(source).diagnostics);
         } else {
-            let parsed = Dataset::parse(source);
-            found.extend(parsed.diagnostics);
-            found.extend(Model::lower(&parsed.value).diagnostics);
+            found.extend(of_dataset(source, arguments.fortran));
         }
     }
     shell.findings(&found);
@@ -39,6 +43,32 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         return Err(Exit::Failed);
     }
     Ok(exit_of(&found))
+}
+
+/// Everything there is to say of a dataset, each fault once, in the order of the file.
+fn of_dataset(source: Source, fortran: bool) -> Vec<Diagnostic> {
+    let read = Dataset::parse(source);
+    let dataset = &read.value;
+    let resolved = Model::lower(dataset);
+    let mut found = read.diagnostics;
+    found.extend(syntax::lint::check(dataset, &Options { fortran }));
+    let mut seen: BTreeSet<_> = found.iter().map(place).collect();
+    // The reader of the model meets some faults of statements again.
+    for diagnostic in resolved.diagnostics {
+        let no_ground =
+            diagnostic.code == Code::NoGround && found.iter().any(|f| f.code == Code::NoGround);
+        if seen.insert(place(&diagnostic)) && !no_ground {
+            found.push(diagnostic);
+        }
+    }
+    found.extend(model::lint::check(dataset, &resolved.value));
+    found.sort_by_key(|diagnostic| diagnostic.labels.first().map(|label| label.span.start));
+    found
+}
+
+fn place(diagnostic: &Diagnostic) -> (Code, Option<(usize, usize)>) {
+    let span = diagnostic.labels.first().map(|label| label.span);
+    (diagnostic.code, span.map(|span| (span.start, span.end)))
 }
 
 /// True for `.acf` files, in any case of letters.

@@ -7,6 +7,7 @@ mod constraint;
 mod data;
 mod force;
 mod frame;
+pub mod lint;
 mod lower;
 mod object;
 mod settings;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use admire::diagnostic::{Code, Diagnostic, Severity};
+use admire::model::{self, Model};
 use admire::syntax::Dataset;
 use admire::syntax::lint::{self, Options, RULES};
 use admire::text::Source;
@@ -24,6 +25,8 @@ fn findings(path: &Path) -> (Dataset, Vec<Diagnostic>) {
     let read = Dataset::parse(Source::new(name, bytes));
     let mut found = read.diagnostics;
     found.extend(lint::check(&read.value, &options));
+    let resolved = Model::lower(&read.value);
+    found.extend(model::lint::check(&read.value, &resolved.value));
     (read.value, found)
 }
 
@@ -85,7 +88,13 @@ fn each_code_has_a_deck_that_shows_it() {
         Code::InactiveInStatics,
         Code::UserSubroutine,
     ];
-    for code in RULES.iter().map(|rule| rule.code).chain(of_reader) {
+    let of_model = [Code::BushingAngle, Code::JointNotAligned];
+    for code in RULES
+        .iter()
+        .map(|rule| rule.code)
+        .chain(of_reader)
+        .chain(of_model)
+    {
         assert!(
             seen.iter().any(|stem| stem == code.as_str()),
             "corpus/lint/{code}.adm is missing"
@@ -136,6 +145,55 @@ fn real_decks_show_only_what_was_reviewed() {
         wrong += &format!("{key}: no longer found\n");
     }
     assert!(wrong.is_empty(), "{wrong}");
+}
+
+/// ADAMS warns of joints whose markers "are not initially coincident" and prints the distance to four decimals: the same joints
+/// and the same distances.
+#[test]
+fn joints_apart_are_those_adams_warns_of() {
+    let Some(folder) = shared("real-decks/adamspy-feed") else {
+        return;
+    };
+    let (_, found) = findings(&folder.join("FRS5_doe_8_LAUL_analysis.adm"));
+    let ours: Vec<&str> = found
+        .iter()
+        .filter(|diagnostic| diagnostic.code == Code::JointNotAligned)
+        .map(|diagnostic| diagnostic.message.as_str())
+        .collect();
+    let bytes = std::fs::read(folder.join("FRS5_doe_8_LAUL_analysis.msg")).expect("readable");
+    let text = String::from_utf8_lossy(&bytes).into_owned();
+    let mut theirs = 0;
+    for warning in text.split("The markers for model.").skip(1) {
+        let name = warning.split_whitespace().next().expect("a name");
+        let line = warning
+            .lines()
+            .find(|line| line.contains("Delta X"))
+            .expect("the distance");
+        let squares = line
+            .split('=')
+            .skip(1)
+            .filter_map(|piece| piece.split_whitespace().next())
+            .map(|word| word.trim_end_matches('.').parse::<f64>().expect("a number"))
+            .map(|delta| delta * delta);
+        let distance = squares.sum::<f64>().sqrt();
+        let complaint = ours
+            .iter()
+            .find(|message| message.contains(&format!("({name})")))
+            .unwrap_or_else(|| panic!("{name} is not reported: {ours:?}"));
+        let shown = complaint.split("I is ").nth(1).expect("a distance");
+        let shown: f64 = shown
+            .split(' ')
+            .next()
+            .expect("a word")
+            .parse()
+            .expect("a number");
+        assert!(
+            (shown - distance).abs() < 2e-4,
+            "{name}: {shown} and {distance}"
+        );
+        theirs += 1;
+    }
+    assert_eq!((ours.len(), theirs), (5, 5));
 }
 
 /// The project's own decks are clean: nothing worse than a note.

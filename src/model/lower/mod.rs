@@ -193,7 +193,7 @@ impl Lowering<'_> {
         for extra in grounds.iter().skip(1) {
             let keyword = self.dataset.statements()[*extra].keyword;
             self.diagnostics.push(
-                Diagnostic::error(Code::SyntaxError, "a dataset has one ground part only").label(
+                Diagnostic::error(Code::NoGround, "a dataset has one ground part only").label(
                     source.name(),
                     keyword,
                     "a second one",
@@ -202,7 +202,7 @@ impl Lowering<'_> {
         }
         if grounds.is_empty() {
             self.diagnostics.push(
-                Diagnostic::error(Code::MissingArgument, "no part is the ground")
+                Diagnostic::error(Code::NoGround, "no part is the ground")
                     .label(source.name(), self.dataset.title_span(), "in this dataset")
                     .help("add a part at rest: PART/1, GROUND"),
             );

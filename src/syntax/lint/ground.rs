@@ -1,6 +1,5 @@
 use super::context::Context;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::text::Span;
 
 /// A dataset with no ground part, or with several.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
@@ -21,12 +20,11 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         return;
     };
     for second in grounds {
-        let place = second.argument("GROUND").map_or(Span::at(0), |a| a.name);
         let message = format!(
             "{} is a second ground; there is one, {}",
             context.title(second),
             context.title(first)
         );
-        found.push(context.error(Code::NoGround, place, message));
+        found.push(context.error(Code::NoGround, second.keyword, message));
     }
 }

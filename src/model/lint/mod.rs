@@ -1,0 +1,65 @@
+//! Lint that needs places and directions: what is wrong with the model at its design position.
+//!
+//! Knows how the model lies before anything moves, not how it is solved. What statements alone show is in `syntax::lint`.
+
+mod bushing_angle;
+mod joint_aligned;
+
+use super::{Header, MarkerIx, Model, PartKind};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::mechanics::Pose;
+use crate::syntax::Dataset;
+
+/// Runs the rules over a model and the dataset it was made from. Complaints are in the order of their places in the file.
+pub fn check(dataset: &Dataset, model: &Model) -> Vec<Diagnostic> {
+    let design = Design { dataset, model };
+    let mut found = Vec::new();
+    bushing_angle::check(&design, &mut found);
+    joint_aligned::check(&design, &mut found);
+    found.sort_by_key(|diagnostic| diagnostic.labels.first().map(|label| label.span.start));
+    found
+}
+
+/// The model at its design position.
+struct Design<'a> {
+    dataset: &'a Dataset,
+    model: &'a Model,
+}
+
+impl Design<'_> {
+    /// Where a marker is in ground; `None` for floating ones and for bodies only real ADAMS places.
+    fn pose(&self, marker: MarkerIx) -> Option<Pose> {
+        let marker = &self.model.markers[marker.0];
+        let part = &self.model.parts[marker.part.0];
+        if marker.floating || part.kind == PartKind::External {
+            return None;
+        }
+        Some(part.pose.compose(&Pose {
+            p: marker.qp,
+            R: marker.R,
+        }))
+    }
+
+    /// A pair of markers, I and J.
+    fn pair(&self, i: MarkerIx, j: MarkerIx) -> Option<(Pose, Pose)> {
+        Some((self.pose(i)?, self.pose(j)?))
+    }
+
+    /// How an object is called, with its kind: `JOINT/3 (knuckle_ball)`.
+    fn title(&self, kind: &str, header: &Header) -> String {
+        let statement = &self.dataset.statements()[header.origin];
+        match statement.view_name {
+            Some(_) => format!("{kind}/{} ({})", header.id, header.name),
+            None => format!("{kind}/{}", header.id),
+        }
+    }
+
+    fn warning(&self, code: Code, header: &Header, message: String) -> Diagnostic {
+        let statement = &self.dataset.statements()[header.origin];
+        let span = match statement.id {
+            Some((_, id)) => statement.keyword.join(id),
+            None => statement.keyword,
+        };
+        Diagnostic::warning(code, message).label(self.dataset.source().name(), span, "")
+    }
+}
