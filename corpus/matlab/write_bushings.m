@@ -12,12 +12,16 @@ out = fopen(copy, 'w');
 if out < 0
     error('write_bushings: cannot write %s', copy);
 end
+first = fread(in, 4096, 'uint8')';  % fgetl may or may not keep the carriage return of a Windows file
+line_end = char(10);
+if any(first == 13)
+    line_end = char([13 10]);
+end
+fseek(in, 0, 'bof');
 b = [];
 line = fgetl(in);
 while ischar(line)
-    line_end = char(10);
     if ~isempty(line) && line(end) == char(13)
-        line_end = char([13 10]);
         line = line(1:end-1);
     end
     start = regexp(line, '^\s*[A-Za-z_]+/\d*', 'match', 'once');
