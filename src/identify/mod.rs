@@ -7,6 +7,7 @@
 mod evaluation;
 mod fit;
 pub mod global;
+mod loaded;
 mod problem;
 pub mod regression;
 mod unknowns;
@@ -15,5 +16,6 @@ pub use evaluation::{Discrepancy, compare};
 pub use fit::{
     Fit, HeldOut, Marks, OffsetFit, ParameterFit, Status, UnidentifiableDirection, WheelFit,
 };
+pub use loaded::LoadedStudy;
 pub use problem::{IdentifyError, Problem, Progress};
 pub use unknowns::{Place, Unknown, unknowns};

@@ -4,11 +4,13 @@
 
 mod chart;
 mod heat_map;
+mod identification;
 mod page;
 mod table;
 
 pub use chart::{Chart, Mark, Series};
 pub use heat_map::HeatMap;
+pub use identification::{IdentificationReport, lead, number, status};
 pub use page::{Page, escape};
 pub use table::{Align, Table};
 

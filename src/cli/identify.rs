@@ -1,0 +1,163 @@
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use comfy_table::{CellAlignment, Table, presets};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::backend::{Backend, NativeBackend};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::identify::global::{Options, Prepared, fit_study};
+use crate::identify::{Fit, IdentifyError, LoadedStudy, regression};
+use crate::report::{IdentificationReport, lead, number, status};
+use crate::rig::settings::Method;
+
+use super::Outcome;
+use super::shell::{Exit, Format, Shell};
+
+/// Identify the stiffnesses of a study from what was measured.
+///
+/// Writes `identified.adm`, `identification.json` and `report.html`.
+#[derive(clap::Args, Debug)]
+pub(super) struct Arguments {
+    /// The study's folder.
+    study: PathBuf,
+    /// Where the answers go.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// The method, instead of the study's own.
+    #[arg(long, value_enum)]
+    method: Option<MethodChoice>,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum MethodChoice {
+    GaussNewton,
+    Regression,
+    Direct,
+}
+
+/// Identifies, writes and prints.
+pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    let checked = LoadedStudy::read(&arguments.study);
+    if let Some(loaded) = &checked.value {
+        shell.sources.add(loaded.study.source.clone());
+        shell.sources.add(loaded.study.deck.clone());
+    }
+    shell.complain(&checked.diagnostics);
+    let Some(mut loaded) = checked.value else {
+        return Err(Exit::Findings);
+    };
+    if let Some(method) = arguments.method {
+        loaded.study.identify.method = match method {
+            MethodChoice::GaussNewton => Method::GaussNewton,
+            MethodChoice::Regression => Method::Regression,
+            MethodChoice::Direct => Method::Direct,
+        };
+    }
+    let fit = identified(&loaded, shell).map_err(|error| {
+        shell.fail(Diagnostic::error(Code::NoFit, error.to_string()));
+        Exit::NoAnswer
+    })?;
+    write(&loaded, &fit, &arguments.out, shell)?;
+    match shell.format {
+        Format::Json => shell.print(&fit.to_json()),
+        Format::Text | Format::Plain => {
+            let report = arguments.out.join("report.html");
+            shell.print(&format!("{}\n{}\nreport: {}\n", table(&loaded, &fit), lead(&fit), report.display()));
+        }
+    }
+    Ok(if fit.converged { Exit::Fine } else { Exit::NoAnswer })
+}
+
+/// Runs the study's method on the study's backend, showing how it goes.
+fn identified(loaded: &LoadedStudy, shell: &Shell) -> Result<Fit, IdentifyError> {
+    let problem = loaded.problem();
+    let bar = ProgressBar::new_spinner().with_style(
+        ProgressStyle::with_template("{spinner} {msg}").expect("the template is valid"),
+    );
+    if !shell.shows_progress() {
+        bar.set_draw_target(indicatif::ProgressDrawTarget::hidden());
+    }
+    let mut native = NativeBackend::new();
+    let mut fit = match loaded.study.identify.method {
+        Method::Regression => {
+            let mut watch = |iteration: usize, _: &[f64], moves: f64| {
+                bar.set_message(format!("iteration {iteration}: largest change {:.2} %", 100.0 * moves));
+                bar.tick();
+                ControlFlow::Continue(())
+            };
+            let backend: &mut dyn Backend = &mut native;
+            regression::identify(&problem, backend, &mut watch)?
+        }
+        Method::GaussNewton | Method::Direct => {
+            let prepared = Prepared::new(&problem)?;
+            let watch = |iteration: usize, sweeps: usize, objective: f64| {
+                bar.set_message(format!("step {iteration}: {sweeps} sweeps, half chi-square {objective:.4e}"));
+                bar.tick();
+                true
+            };
+            let options = Options { start: None, profile: true, watch: Some(Box::new(watch)) };
+            fit_study(&problem, &prepared, None, options)?.fit
+        }
+    };
+    bar.finish_and_clear();
+    fit.inputs_sha256 = loaded.study.inputs_sha256();
+    Ok(fit)
+}
+
+fn write(loaded: &LoadedStudy, fit: &Fit, out: &Path, shell: &mut Shell) -> Result<(), Exit> {
+    std::fs::create_dir_all(out).map_err(|error| {
+        shell.fail(Diagnostic::error(Code::CannotWrite, format!("{}: {error}", out.display())))
+    })?;
+    let deck = loaded.identified_deck(&fit.values()).map_err(|diagnostic| shell.fail(diagnostic))?;
+    let diff = changed_lines(loaded.dataset.bytes(), &deck);
+    let report = IdentificationReport { loaded, fit, diff: &diff };
+    let html = report
+        .html()
+        .map_err(|error| shell.fail(Diagnostic::error(Code::CannotWrite, error.to_string())))?;
+    shell.write(&out.join("identified.adm"), &deck)?;
+    shell.write(&out.join("identification.json"), fit.to_json().as_bytes())?;
+    shell.write(&out.join("report.html"), html.as_bytes())
+}
+
+/// The lines that differ, as a diff without context.
+pub(super) fn changed_lines(before: &[u8], after: &[u8]) -> String {
+    let (before, after) = (String::from_utf8_lossy(before), String::from_utf8_lossy(after));
+    let diff = similar::TextDiff::from_lines(before.as_ref(), after.as_ref());
+    let mut out = String::new();
+    for change in diff.iter_all_changes() {
+        let sign = match change.tag() {
+            similar::ChangeTag::Delete => '-',
+            similar::ChangeTag::Insert => '+',
+            similar::ChangeTag::Equal => continue,
+        };
+        out.push(sign);
+        out.push_str(change.value().trim_end());
+        out.push('\n');
+    }
+    out
+}
+
+/// Initial, identified and reference values.
+fn table(loaded: &LoadedStudy, fit: &Fit) -> String {
+    let reference = loaded.reference_values();
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table.set_header(["number", "initial", "identified", "std error", "reference", "ratio", ""]);
+    for (parameter, reference) in fit.parameters.iter().zip(reference) {
+        table.add_row([
+            std::iter::once(&parameter.address).chain(&parameter.tied).cloned().collect::<Vec<_>>().join(" = "),
+            number(parameter.initial, None),
+            number(parameter.value, parameter.std_error),
+            parameter.std_error.map_or_else(String::new, |error| number(error, Some(error))),
+            reference.map_or_else(String::new, |value| number(value, None)),
+            reference.map_or_else(String::new, |value| format!("{:.3}", parameter.value / value)),
+            status(parameter.status).to_string(),
+        ]);
+    }
+    for column in table.column_iter_mut().skip(1).take(5) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    let lines: Vec<String> = table.to_string().lines().map(|line| line.trim_end().to_string()).collect();
+    lines.join("\n") + "\n"
+}

@@ -1,0 +1,112 @@
+use std::path::Path;
+
+use super::{Problem, Unknown, unknowns};
+use crate::backend::LoadProgramme;
+use crate::diagnostic::{Checked, Diagnostic, Severity};
+use crate::model::Model;
+use crate::rig::{Measurement, Study, programme};
+use crate::syntax::{Address, Dataset};
+use crate::system::System;
+
+/// A study with its deck resolved: all that identification and diagnosis start from.
+#[derive(Clone, Debug)]
+pub struct LoadedStudy {
+    /// The study's settings and files.
+    pub study: Study,
+    /// Its deck.
+    pub dataset: Dataset,
+    /// The deck, resolved.
+    pub model: Model,
+    /// What was measured.
+    pub measurement: Measurement,
+    /// Loads and cases.
+    pub programme: LoadProgramme,
+    /// What is sought.
+    pub unknowns: Vec<Unknown>,
+    /// The reference deck, for reports only.
+    pub reference: Option<Dataset>,
+}
+
+impl LoadedStudy {
+    /// Reads a study folder and everything it names. `None` when an error stands in the way of any fit.
+    pub fn read(folder: &Path) -> Checked<Option<Self>> {
+        let read = Study::read(folder);
+        let mut diagnostics = read.diagnostics;
+        let Some(study) = read.value else {
+            return Checked { value: None, diagnostics };
+        };
+        let parsed = Dataset::parse(study.deck.clone());
+        let lowered = Model::lower(&parsed.value);
+        diagnostics.extend(parsed.diagnostics);
+        diagnostics.extend(lowered.diagnostics);
+        let (dataset, model) = (parsed.value, lowered.value);
+        let mut own = Vec::new();
+        if !failed(&diagnostics) {
+            let measured = Measurement::resolve(&study, &model);
+            own.extend(measured.diagnostics);
+            let programme = programme(&study, &dataset, &measured.value, &mut own);
+            let compiled = System::compile(&model);
+            own.extend(compiled.diagnostics);
+            let system = compiled.value;
+            let number = |text: &str| {
+                let address = Address::parse(text, &dataset).ok()?;
+                let slot = system.catalogue().slot(&address)?;
+                let value = system.parameters().get(slot);
+                Some((address, value, system.catalogue().info(slot).dimension))
+            };
+            let unknowns = unknowns(&study, &model, number, &mut own);
+            if !failed(&own) {
+                diagnostics.extend(own);
+                let reference = study.reference.clone().map(|source| Dataset::parse(source).value);
+                let measurement = measured.value;
+                let loaded = Self { study, dataset, model, measurement, programme, unknowns, reference };
+                return Checked { value: Some(loaded), diagnostics };
+            }
+        }
+        diagnostics.extend(own);
+        Checked { value: None, diagnostics }
+    }
+
+    /// The problem every method works on.
+    pub fn problem(&self) -> Problem<'_> {
+        Problem {
+            dataset: &self.dataset,
+            model: &self.model,
+            programme: &self.programme,
+            measurement: &self.measurement,
+            settings: &self.study.identify,
+            regression: &self.study.regression,
+            unknowns: self.unknowns.clone(),
+        }
+    }
+
+    /// The reference deck's value of each unknown, where there is one.
+    pub fn reference_values(&self) -> Vec<Option<f64>> {
+        let of = |unknown: &Unknown| self.reference.as_ref()?.value_at(&unknown.address);
+        self.unknowns.iter().map(of).collect()
+    }
+
+    /// The deck with these values: one-line edits of the user's own file.
+    ///
+    /// # Errors
+    /// A value that cannot be written into the deck.
+    pub fn identified_deck(&self, values: &[f64]) -> Result<Vec<u8>, Diagnostic> {
+        let mut edits = Vec::new();
+        for (unknown, value) in self.unknowns.iter().zip(values) {
+            for (address, value) in unknown.assign(significant(*value)) {
+                edits.extend(self.dataset.set(&address, value)?);
+            }
+        }
+        let bytes = crate::text::apply_edits(self.dataset.bytes(), &edits);
+        Ok(bytes.expect("every number of a deck has its own place"))
+    }
+}
+
+fn failed(diagnostics: &[Diagnostic]) -> bool {
+    diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
+}
+
+/// Twelve significant digits: more than any estimate deserves, fewer than would make the edited lines unreadable.
+fn significant(value: f64) -> f64 {
+    format!("{value:.11e}").parse().unwrap_or(value)
+}
