@@ -63,10 +63,19 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         Format::Json => shell.print(&fit.to_json()),
         Format::Text | Format::Plain => {
             let report = arguments.out.join("report.html");
-            shell.print(&format!("{}\n{}\nreport: {}\n", table(&loaded, &fit), lead(&fit), report.display()));
+            shell.print(&format!(
+                "{}\n{}\nreport: {}\n",
+                table(&loaded, &fit),
+                lead(&fit),
+                report.display()
+            ));
         }
     }
-    Ok(if fit.converged { Exit::Fine } else { Exit::NoAnswer })
+    Ok(if fit.converged {
+        Exit::Fine
+    } else {
+        Exit::NoAnswer
+    })
 }
 
 /// Runs the study's method on the study's backend, showing how it goes.
@@ -82,7 +91,10 @@ fn identified(loaded: &LoadedStudy, shell: &Shell) -> Result<Fit, IdentifyError>
     let mut fit = match loaded.study.identify.method {
         Method::Regression => {
             let mut watch = |iteration: usize, _: &[f64], moves: f64| {
-                bar.set_message(format!("iteration {iteration}: largest change {:.2} %", 100.0 * moves));
+                bar.set_message(format!(
+                    "iteration {iteration}: largest change {:.2} %",
+                    100.0 * moves
+                ));
                 bar.tick();
                 ControlFlow::Continue(())
             };
@@ -92,11 +104,17 @@ fn identified(loaded: &LoadedStudy, shell: &Shell) -> Result<Fit, IdentifyError>
         Method::GaussNewton | Method::Direct => {
             let prepared = Prepared::new(&problem)?;
             let watch = |iteration: usize, sweeps: usize, objective: f64| {
-                bar.set_message(format!("step {iteration}: {sweeps} sweeps, half chi-square {objective:.4e}"));
+                bar.set_message(format!(
+                    "step {iteration}: {sweeps} sweeps, half chi-square {objective:.4e}"
+                ));
                 bar.tick();
                 true
             };
-            let options = Options { start: None, profile: true, watch: Some(Box::new(watch)) };
+            let options = Options {
+                start: None,
+                profile: true,
+                watch: Some(Box::new(watch)),
+            };
             fit_study(&problem, &prepared, None, options)?.fit
         }
     };
@@ -107,11 +125,20 @@ fn identified(loaded: &LoadedStudy, shell: &Shell) -> Result<Fit, IdentifyError>
 
 fn write(loaded: &LoadedStudy, fit: &Fit, out: &Path, shell: &mut Shell) -> Result<(), Exit> {
     std::fs::create_dir_all(out).map_err(|error| {
-        shell.fail(Diagnostic::error(Code::CannotWrite, format!("{}: {error}", out.display())))
+        shell.fail(Diagnostic::error(
+            Code::CannotWrite,
+            format!("{}: {error}", out.display()),
+        ))
     })?;
-    let deck = loaded.identified_deck(&fit.values()).map_err(|diagnostic| shell.fail(diagnostic))?;
+    let deck = loaded
+        .identified_deck(&fit.values())
+        .map_err(|diagnostic| shell.fail(diagnostic))?;
     let diff = changed_lines(loaded.dataset.bytes(), &deck);
-    let report = IdentificationReport { loaded, fit, diff: &diff };
+    let report = IdentificationReport {
+        loaded,
+        fit,
+        diff: &diff,
+    };
     let html = report
         .html()
         .map_err(|error| shell.fail(Diagnostic::error(Code::CannotWrite, error.to_string())))?;
@@ -122,7 +149,10 @@ fn write(loaded: &LoadedStudy, fit: &Fit, out: &Path, shell: &mut Shell) -> Resu
 
 /// The lines that differ, as a diff without context.
 pub(super) fn changed_lines(before: &[u8], after: &[u8]) -> String {
-    let (before, after) = (String::from_utf8_lossy(before), String::from_utf8_lossy(after));
+    let (before, after) = (
+        String::from_utf8_lossy(before),
+        String::from_utf8_lossy(after),
+    );
     let diff = similar::TextDiff::from_lines(before.as_ref(), after.as_ref());
     let mut out = String::new();
     for change in diff.iter_all_changes() {
@@ -143,21 +173,41 @@ fn table(loaded: &LoadedStudy, fit: &Fit) -> String {
     let reference = loaded.reference_values();
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
-    table.set_header(["number", "initial", "identified", "std error", "reference", "ratio", ""]);
+    table.set_header([
+        "number",
+        "initial",
+        "identified",
+        "std error",
+        "reference",
+        "ratio",
+        "",
+    ]);
     for (parameter, reference) in fit.parameters.iter().zip(reference) {
         table.add_row([
-            std::iter::once(&parameter.address).chain(&parameter.tied).cloned().collect::<Vec<_>>().join(" = "),
+            std::iter::once(&parameter.address)
+                .chain(&parameter.tied)
+                .cloned()
+                .collect::<Vec<_>>()
+                .join(" = "),
             number(parameter.initial, None),
             number(parameter.value, parameter.std_error),
-            parameter.std_error.map_or_else(String::new, |error| number(error, Some(error))),
+            parameter
+                .std_error
+                .map_or_else(String::new, |error| number(error, Some(error))),
             reference.map_or_else(String::new, |value| number(value, None)),
-            reference.map_or_else(String::new, |value| format!("{:.3}", parameter.value / value)),
+            reference.map_or_else(String::new, |value| {
+                format!("{:.3}", parameter.value / value)
+            }),
             status(parameter.status).to_string(),
         ]);
     }
     for column in table.column_iter_mut().skip(1).take(5) {
         column.set_cell_alignment(CellAlignment::Right);
     }
-    let lines: Vec<String> = table.to_string().lines().map(|line| line.trim_end().to_string()).collect();
+    let lines: Vec<String> = table
+        .to_string()
+        .lines()
+        .map(|line| line.trim_end().to_string())
+        .collect();
     lines.join("\n") + "\n"
 }

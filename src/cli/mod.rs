@@ -7,6 +7,7 @@ mod check;
 mod compare;
 mod completions;
 mod explain;
+mod identify;
 mod install_shims;
 mod render;
 mod results;
@@ -40,6 +41,7 @@ struct Cli {
 enum Command {
     Check(check::Arguments),
     Solve(solve::Arguments),
+    Identify(identify::Arguments),
     Results(results::Arguments),
     Compare(compare::Arguments),
     Explain(explain::Arguments),
@@ -55,6 +57,7 @@ pub fn main() -> ExitCode {
     let exit = match cli.command {
         Command::Check(arguments) => check::run(&arguments, &mut shell),
         Command::Solve(arguments) => solve::run(&arguments, &mut shell),
+        Command::Identify(arguments) => identify::run(&arguments, &mut shell),
         Command::Results(arguments) => results::run(&arguments, &mut shell),
         Command::Compare(arguments) => compare::run(&arguments, &mut shell),
         Command::Explain(arguments) => explain::run(&arguments, &mut shell),

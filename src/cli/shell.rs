@@ -91,6 +91,11 @@ impl Shell {
         let _ = std::io::stderr().write_all(text.as_bytes());
     }
 
+    /// True if a person watches standard error.
+    pub(super) fn shows_progress(&self) -> bool {
+        self.format == Format::Text && std::io::stderr().is_terminal()
+    }
+
     /// Prints complaints on standard output: where they are what was asked for.
     pub(super) fn findings(&self, diagnostics: &[Diagnostic]) {
         let colours = self.colours(std::io::stdout().is_terminal());

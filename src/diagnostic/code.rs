@@ -95,6 +95,8 @@ codes! {
     // Files.
     /// A file that does not exist or cannot be read.
     CannotRead = "cannot-read",
+    /// No method of identification gives an answer: nothing is unknown, or no load case can be solved and compared.
+    NoFit = "no-fit",
     /// A file that cannot be written.
     CannotWrite = "cannot-write",
     /// A results file that ends before its end: the run was killed or is still going. Whole steps are read.

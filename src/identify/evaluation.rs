@@ -70,7 +70,7 @@ pub fn compare(
 /// Fills marks, wheel and held-out cases of a fit from the sweeps with the initial and the final values.
 ///
 /// `parameters` is how many numbers the fit took from the marks: it lowers the degrees of freedom.
-pub(super) fn fill(
+pub(crate) fn fill(
     fit: &mut Fit,
     problem: &Problem<'_>,
     before: &Sweep,

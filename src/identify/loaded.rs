@@ -33,7 +33,10 @@ impl LoadedStudy {
         let read = Study::read(folder);
         let mut diagnostics = read.diagnostics;
         let Some(study) = read.value else {
-            return Checked { value: None, diagnostics };
+            return Checked {
+                value: None,
+                diagnostics,
+            };
         };
         let parsed = Dataset::parse(study.deck.clone());
         let lowered = Model::lower(&parsed.value);
@@ -57,14 +60,31 @@ impl LoadedStudy {
             let unknowns = unknowns(&study, &model, number, &mut own);
             if !failed(&own) {
                 diagnostics.extend(own);
-                let reference = study.reference.clone().map(|source| Dataset::parse(source).value);
+                let reference = study
+                    .reference
+                    .clone()
+                    .map(|source| Dataset::parse(source).value);
                 let measurement = measured.value;
-                let loaded = Self { study, dataset, model, measurement, programme, unknowns, reference };
-                return Checked { value: Some(loaded), diagnostics };
+                let loaded = Self {
+                    study,
+                    dataset,
+                    model,
+                    measurement,
+                    programme,
+                    unknowns,
+                    reference,
+                };
+                return Checked {
+                    value: Some(loaded),
+                    diagnostics,
+                };
             }
         }
         diagnostics.extend(own);
-        Checked { value: None, diagnostics }
+        Checked {
+            value: None,
+            diagnostics,
+        }
     }
 
     /// The problem every method works on.
@@ -103,7 +123,9 @@ impl LoadedStudy {
 }
 
 fn failed(diagnostics: &[Diagnostic]) -> bool {
-    diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
+    diagnostics
+        .iter()
+        .any(|diagnostic| diagnostic.severity == Severity::Error)
 }
 
 /// Twelve significant digits: more than any estimate deserves, fewer than would make the edited lines unreadable.

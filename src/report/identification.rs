@@ -37,11 +37,17 @@ impl IdentificationReport<'_> {
         }
         if !self.fit.unidentifiable_directions.is_empty() {
             page.heading("What the data do not tell apart");
-            let mut table = Table::new(&[("combination of ln K", Align::Wrap), ("standard deviation", Align::Right)]);
+            let mut table = Table::new(&[
+                ("combination of ln K", Align::Wrap),
+                ("standard deviation", Align::Right),
+            ]);
             for direction in &self.fit.unidentifiable_directions {
                 let mut terms: Vec<_> = direction.combination.iter().collect();
                 terms.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
-                let text: Vec<String> = terms.iter().map(|(name, weight)| format!("{weight:+.2} {name}")).collect();
+                let text: Vec<String> = terms
+                    .iter()
+                    .map(|(name, weight)| format!("{weight:+.2} {name}"))
+                    .collect();
                 table.row([text.join("  "), format!("{:.2}", direction.sd_log)]);
             }
             page.table(&table);
@@ -54,7 +60,11 @@ impl IdentificationReport<'_> {
         self.quality(&mut page);
         page.heading("What changes in the deck");
         page.verbatim(self.diff);
-        let made = format!("admire {} · inputs sha256 {}", env!("CARGO_PKG_VERSION"), self.fit.inputs_sha256);
+        let made = format!(
+            "admire {} · inputs sha256 {}",
+            env!("CARGO_PKG_VERSION"),
+            self.fit.inputs_sha256
+        );
         Ok(page.finish(&made))
     }
 
@@ -69,7 +79,10 @@ impl IdentificationReport<'_> {
             ("95 % interval", Align::Right),
         ];
         if known {
-            columns.extend([("reference", Align::Right), ("identified / reference", Align::Right)]);
+            columns.extend([
+                ("reference", Align::Right),
+                ("identified / reference", Align::Right),
+            ]);
         }
         columns.push(("", Align::Left));
         let mut table = Table::new(&columns);
@@ -83,7 +96,9 @@ impl IdentificationReport<'_> {
             ];
             if known {
                 cells.push(reference.map_or_else(String::new, |value| number(value, None)));
-                cells.push(reference.map_or_else(String::new, |value| format!("{:.3}", parameter.value / value)));
+                cells.push(reference.map_or_else(String::new, |value| {
+                    format!("{:.3}", parameter.value / value)
+                }));
             }
             cells.push(status(parameter.status).to_string());
             let last = cells.len() - 1;
@@ -99,7 +114,9 @@ impl IdentificationReport<'_> {
     fn named(&self, parameter: &ParameterFit) -> String {
         let name = |address: &str| {
             let bushing = self.loaded.model.bushings.iter().find(|bushing| {
-                address.strip_prefix("BUSHING/").and_then(|rest| rest.split('.').next())
+                address
+                    .strip_prefix("BUSHING/")
+                    .and_then(|rest| rest.split('.').next())
                     == Some(bushing.header.id.to_string().as_str())
             });
             match (bushing, address.split_once('.')) {
@@ -107,7 +124,11 @@ impl IdentificationReport<'_> {
                 _ => address.to_string(),
             }
         };
-        std::iter::once(&parameter.address).chain(&parameter.tied).map(|a| name(a)).collect::<Vec<_>>().join(" = ")
+        std::iter::once(&parameter.address)
+            .chain(&parameter.tied)
+            .map(|a| name(a))
+            .collect::<Vec<_>>()
+            .join(" = ")
     }
 
     /// Figure 7 of the paper.
@@ -123,8 +144,17 @@ impl IdentificationReport<'_> {
             .enumerate()
             .map(|(k, parameter)| {
                 let over = reference[k].unwrap_or(parameter.value);
-                let points = self.fit.history.iter().enumerate().map(|(i, values)| (i as f64, values[k] / over));
-                Series { name: self.named(parameter), points: points.collect(), mark: Mark::LinePoints }
+                let points = self
+                    .fit
+                    .history
+                    .iter()
+                    .enumerate()
+                    .map(|(i, values)| (i as f64, values[k] / over));
+                Series {
+                    name: self.named(parameter),
+                    points: points.collect(),
+                    mark: Mark::LinePoints,
+                }
             })
             .collect();
         Some(Chart {
@@ -146,10 +176,19 @@ impl IdentificationReport<'_> {
             .collect();
         let mut table = Table::new(&columns);
         for offset in &self.fit.assembly_offsets {
-            let values = offset.delta.iter().zip(&offset.std_error).map(|(delta, error)| match error {
-                Some(error) => format!("{} ± {}", number(*delta, Some(*error)), number(*error, Some(*error))),
-                None => number(*delta, None),
-            });
+            let values =
+                offset
+                    .delta
+                    .iter()
+                    .zip(&offset.std_error)
+                    .map(|(delta, error)| match error {
+                        Some(error) => format!(
+                            "{} ± {}",
+                            number(*delta, Some(*error)),
+                            number(*error, Some(*error))
+                        ),
+                        None => number(*delta, None),
+                    });
             table.row(std::iter::once(offset.address.clone()).chain(values));
         }
         table
@@ -157,11 +196,23 @@ impl IdentificationReport<'_> {
 
     fn quality(&self, page: &mut Page) {
         page.heading("How well the measurement is explained");
-        let mut table = Table::new(&[("", Align::Left), ("before", Align::Right), ("after", Align::Right)]);
+        let mut table = Table::new(&[
+            ("", Align::Left),
+            ("before", Align::Right),
+            ("after", Align::Right),
+        ]);
         let show = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:.4}"));
         if let Some(marks) = &self.fit.marks {
-            table.row(["marks, rms of one coordinate".to_string(), String::new(), show(marks.rms)]);
-            table.row(["marks, chi-square per degree of freedom".to_string(), String::new(), show(marks.chi2_per_dof)]);
+            table.row([
+                "marks, rms of one coordinate".to_string(),
+                String::new(),
+                show(marks.rms),
+            ]);
+            table.row([
+                "marks, chi-square per degree of freedom".to_string(),
+                String::new(),
+                show(marks.chi2_per_dof),
+            ]);
         }
         if !self.fit.held_out.cases.is_empty() {
             let held = &self.fit.held_out;
@@ -172,9 +223,19 @@ impl IdentificationReport<'_> {
             ]);
         }
         if let Some(wheel) = &self.fit.wheel {
-            let row = |name: &str, before: f64, after: f64| [name.to_string(), show(Some(before)), show(Some(after))];
-            table.row(row("camber, rms, deg", wheel.camber_deg_rms_before, wheel.camber_deg_rms_after));
-            table.row(row("steer, rms, deg", wheel.steer_deg_rms_before, wheel.steer_deg_rms_after));
+            let row = |name: &str, before: f64, after: f64| {
+                [name.to_string(), show(Some(before)), show(Some(after))]
+            };
+            table.row(row(
+                "camber, rms, deg",
+                wheel.camber_deg_rms_before,
+                wheel.camber_deg_rms_after,
+            ));
+            table.row(row(
+                "steer, rms, deg",
+                wheel.steer_deg_rms_before,
+                wheel.steer_deg_rms_after,
+            ));
         }
         page.table(&table);
     }
@@ -182,7 +243,12 @@ impl IdentificationReport<'_> {
 
 /// The answer in two sentences.
 pub fn lead(fit: &Fit) -> String {
-    let of = |status: Status| fit.parameters.iter().filter(|parameter| parameter.status == status).count();
+    let of = |status: Status| {
+        fit.parameters
+            .iter()
+            .filter(|parameter| parameter.status == status)
+            .count()
+    };
     let explained = fit.marks.map_or_else(String::new, |marks| match (marks.rms, marks.chi2_per_dof) {
         (Some(rms), Some(chi2)) => {
             let verdict = if chi2 < 1.3 { "as well as their noise allows" } else { "worse than their noise allows" };
@@ -191,7 +257,11 @@ pub fn lead(fit: &Fit) -> String {
         (Some(rms), None) => format!(" The model then explains the marks to {rms:.2e} rms."),
         _ => String::new(),
     });
-    let ending = if fit.converged { "" } else { " without converging" };
+    let ending = if fit.converged {
+        ""
+    } else {
+        " without converging"
+    };
     format!(
         "{} of {} numbers are identified by {} after {} iterations{ending} ({} equilibria).{explained}",
         of(Status::Identified),
@@ -222,7 +292,11 @@ fn rounded(value: f64, digits: i32) -> String {
     }
     if decimals >= 0 {
         let text = format!("{value:.*}", decimals as usize);
-        return if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_string() } else { text };
+        return if text.contains('.') {
+            text.trim_end_matches('0').trim_end_matches('.').to_string()
+        } else {
+            text
+        };
     }
     let unit = 10f64.powi(-decimals);
     format!("{:.0}", (value / unit).round() * unit)
@@ -233,8 +307,11 @@ fn interval(parameter: &ParameterFit) -> String {
     if low.is_none() && high.is_none() {
         return String::new();
     }
-    let show = |side: Option<f64>| side.map_or_else(|| "no bound".to_string(), |value| rounded(value, 3));
-    let digits = |side: Option<f64>| side.map_or_else(|| show(side), |value| number(value, parameter.std_error));
+    let show =
+        |side: Option<f64>| side.map_or_else(|| "no bound".to_string(), |value| rounded(value, 3));
+    let digits = |side: Option<f64>| {
+        side.map_or_else(|| show(side), |value| number(value, parameter.std_error))
+    };
     format!("{} … {}", digits(low), digits(high))
 }
 

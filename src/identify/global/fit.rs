@@ -10,10 +10,11 @@ use super::differences::DifferencePredictor;
 use super::gauss_newton::{Ending, Minimum, Tolerances, minimise};
 use super::native::{Loads, NativePredictor};
 use super::observation::{NuisanceLayout, Observations, Row};
-use super::predictor::{Observed, Predictor};
+use super::predictor::{CasePrediction, Observed, Predictor};
 use super::problem::{GlobalProblem, Watch};
 use super::unknown::{Component, FitUnknown, FitUnknowns, Meaning};
-use crate::backend::{Backend, BackendError, compile, slot};
+use crate::backend::{Backend, BackendError, CaseFailure, Sweep, compile, slot};
+use crate::identify::evaluation::fill;
 use crate::identify::unknowns::{Place, bushing_number};
 use crate::identify::{
     Fit, HeldOut, IdentifyError, Marks, OffsetFit, ParameterFit, Problem, Status,
@@ -21,7 +22,7 @@ use crate::identify::{
 };
 use crate::model::Model;
 use crate::rig::settings::Method;
-use crate::system::System;
+use crate::system::{Equilibrium, System};
 
 /// sd of ln K above which a number counts as unidentifiable (STUDY-FORMAT).
 pub const UNIDENTIFIABLE: f64 = 0.5;
@@ -137,6 +138,7 @@ pub fn global_problem<'a>(
         observations,
         predictor,
         loss: problem.settings.loss,
+        history: Vec::new(),
         watch: None,
     }
 }
@@ -160,6 +162,7 @@ pub fn identify<'a>(
     global.watch = options.watch;
     let (priors, scale, held) = (global.priors(), global.scale(), global.held());
     let start = global.start();
+    global.history = vec![global.unknowns.start()];
     let minimum = minimise(
         &mut global,
         &start,
@@ -171,19 +174,50 @@ pub fn identify<'a>(
     .ok_or(IdentifyError::NoCases(None))?;
     global.watch = None;
     let covariance = covariance(&minimum, &held);
-    let fit = answer(
+    let history = std::mem::take(&mut global.history);
+    let mut fit = answer(
         problem,
         &mut global,
         &minimum,
         &covariance,
         (backend, options.profile),
     );
+    let count = problem.unknowns.len();
+    fit.history = history
+        .iter()
+        .map(|x| x[..count].iter().map(|x| x.exp()).collect())
+        .collect();
+    // Wheel and held-out cases are compared with everything that was found, offsets included.
+    let (marks, end) = (fit.marks, minimum.x.clone());
+    let [before, after] = [&start, &end].map(|x| swept(&mut global, x));
+    fill(&mut fit, problem, &before, &after, 0);
+    fit.marks = marks;
     Ok(GlobalFit {
         fit,
         problem: global,
         minimum,
         covariance,
     })
+}
+
+/// All load cases at these unknowns.
+fn swept(global: &mut GlobalProblem<'_>, x: &[f64]) -> Sweep {
+    let numbers = global.unknowns.numbers(&global.deck, x);
+    let of = |prediction: Option<CasePrediction>| match prediction {
+        Some(prediction) => Ok(Equilibrium {
+            time: 0.0,
+            poses: prediction.poses,
+        }),
+        None => Err(CaseFailure::NoStep { message: None }),
+    };
+    Sweep {
+        cases: global
+            .predictor
+            .predict(&numbers, None)
+            .into_iter()
+            .map(of)
+            .collect(),
+    }
 }
 
 fn answer(

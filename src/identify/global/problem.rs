@@ -29,6 +29,8 @@ pub struct GlobalProblem<'a> {
     pub predictor: Box<dyn Predictor + 'a>,
     /// How residuals count.
     pub loss: Loss,
+    /// The deck's unknowns at the start and after every accepted step.
+    pub history: Vec<Vec<f64>>,
     /// Who watches.
     pub watch: Option<Box<Watch<'a>>>,
 }
@@ -109,7 +111,8 @@ impl LeastSquares for GlobalProblem<'_> {
         weights
     }
 
-    fn progress(&mut self, iteration: usize, _x: &[f64], objective: f64) -> bool {
+    fn progress(&mut self, iteration: usize, x: &[f64], objective: f64) -> bool {
+        self.history.push(x[..self.unknowns.len()].to_vec());
         let sweeps = self.predictor.sweeps();
         self.watch
             .as_mut()
