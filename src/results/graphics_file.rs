@@ -43,30 +43,32 @@ impl<W: Write> GraphicsWriter<W> {
         parts: &[i64],
         markers: &[GraphicsMarker],
     ) -> io::Result<Self> {
-        let mut text = format!(
-            " A.G8    {:<19}  {} {}\n",
+        let mut text = Vec::new();
+        writeln!(
+            text,
+            " A.G8    {:<19}  {} {}",
             when.date_time(),
             unit_code(units),
             exponential(1.0 / units.length.si, 21, 15)
-        );
-        text.push_str(&title_line(title));
-        text.push_str(&format!(" {:>5}{:>5}", parts.len() + 1, markers.len()));
-        text.push_str(&"    0".repeat(7));
-        text.push('\n');
+        )?;
+        text.extend_from_slice(title_line(title).as_bytes());
+        write!(text, " {:>5}{:>5}", parts.len() + 1, markers.len())?;
+        text.extend_from_slice("    0".repeat(7).as_bytes());
+        text.push(b'\n');
         for part in std::iter::once(&ground).chain(parts) {
-            text.push_str(&format!(" {part:>10}{:>10}\n", 1));
+            writeln!(text, " {part:>10}{:>10}", 1)?;
         }
         for marker in markers {
-            text.push_str(&format!(" {:>10}{:>10}", marker.id, marker.part));
+            write!(text, " {:>10}{:>10}", marker.id, marker.part)?;
             for x in marker.position {
-                text.push_str(&exponential(x, 13, 5));
+                text.extend_from_slice(exponential(x, 13, 5).as_bytes());
             }
-            text.push_str(&format!("{:>8}\n", 0));
-            text.push_str(&line_of(&marker.angles));
+            writeln!(text, "{:>8}", 0)?;
+            text.extend_from_slice(line_of(&marker.angles).as_bytes());
         }
-        text.push_str(&line_of(&[-9.999_99e5]));
-        text.push_str(&line_of(&[0.0; 6]));
-        output.write_all(text.as_bytes())?;
+        text.extend_from_slice(line_of(&[-9.999_99e5]).as_bytes());
+        text.extend_from_slice(line_of(&[0.0; 6]).as_bytes());
+        output.write_all(&text)?;
         output.flush()?;
         Ok(Self {
             output,
@@ -83,11 +85,11 @@ impl<W: Write> GraphicsWriter<W> {
             let message = format!("{} poses for {} parts", poses.len(), self.parts);
             return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
         }
-        let mut text = line_of(&[time]);
+        let mut text = line_of(&[time]).into_bytes();
         for pose in poses {
-            text.push_str(&line_of(pose));
+            text.extend_from_slice(line_of(pose).as_bytes());
         }
-        self.output.write_all(text.as_bytes())?;
+        self.output.write_all(&text)?;
         self.output.flush()
     }
 

@@ -67,7 +67,7 @@ impl Groups {
             number.clear();
             write_number(&mut number, value, style);
             let new_line = if kind == StepKind::Input && at > self.bodies_end {
-                (at - self.bodies_end + 1) % 7 == 0
+                (at - self.bodies_end + 1).is_multiple_of(7)
             } else {
                 self.breaks.get(at).copied().unwrap_or(false)
             };

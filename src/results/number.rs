@@ -165,7 +165,7 @@ mod tests {
         assert_eq!(since_2017(0.0), "0");
         assert_eq!(since_2017(-0.0), "0");
         assert_eq!(since_2017(-90.0), "-90");
-        assert_eq!(since_2017(0.07000000000000001), "0.07000000000000001");
+        assert_eq!(since_2017(0.07), "0.07000000000000001");
         assert_eq!(since_2017(386.0885827), "386.08858270000001767");
         assert_eq!(since_2017(1e5), "1.E+05");
         assert_eq!(since_2017(1e-3), "0.001");
@@ -174,10 +174,7 @@ mod tests {
         let before_2017 = |value| print(value, NumberStyle::SeventeenDigits);
         assert_eq!(before_2017(-0.1), "-0.10000000000000001");
         assert_eq!(before_2017(9.80665), "9.8066499999999994");
-        assert_eq!(
-            before_2017(-2.1890475540000001E-14),
-            "-2.1890475540000001E-014"
-        );
+        assert_eq!(before_2017(-2.189_047_554E-14), "-2.1890475540000001E-014");
         assert_eq!(print(1.0 / 3.0, NumberStyle::Decimals(5)), "0.33333");
         assert_eq!(print(-1.0e-5, NumberStyle::Decimals(0)), "-1.E-05");
         assert_eq!(print(-0.4, NumberStyle::Decimals(0)), "0");

@@ -41,26 +41,34 @@ impl<W: Write> RequestWriter<W> {
         when: Timestamp,
         requests: &[RequestEntry],
     ) -> io::Result<Self> {
-        let mut text = format!(" A.R3    {:<19}{:>16}{:>10}  3D\n", when.date_time(), 0, 0);
-        text.push_str(&title_line(title));
-        text.push_str(&format!(
-            "{:>5}     {} {}\n",
+        let mut text = Vec::new();
+        writeln!(
+            text,
+            " A.R3    {:<19}{:>16}{:>10}  3D",
+            when.date_time(),
+            0,
+            0
+        )?;
+        text.extend_from_slice(title_line(title).as_bytes());
+        writeln!(
+            text,
+            "{:>5}     {} {}",
             requests.len(),
             unit_code(units),
             exponential(1.0 / units.length.si, 21, 15)
-        ));
+        )?;
         for request in requests {
             let name = request.name.trim();
             let looks_like_numbers = whole_numbers(name.as_bytes()).is_some();
             let mark = if looks_like_numbers { "REQUEST " } else { "" };
-            text.push_str(&title_line(&format!("{mark}{name}")));
-            text.push_str(&format!("{:>10}", request.id));
+            text.extend_from_slice(title_line(&format!("{mark}{name}")).as_bytes());
+            write!(text, "{:>10}", request.id)?;
             for number in &request.numbers {
-                text.push_str(&format!("{number:>10}"));
+                write!(text, "{number:>10}")?;
             }
-            text.push('\n');
+            text.push(b'\n');
         }
-        output.write_all(text.as_bytes())?;
+        output.write_all(&text)?;
         output.flush()?;
         Ok(Self {
             output,
@@ -77,11 +85,11 @@ impl<W: Write> RequestWriter<W> {
             let message = format!("{} values for {} requests", values.len(), self.requests);
             return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
         }
-        let mut text = line_of(&[time]);
+        let mut text = line_of(&[time]).into_bytes();
         for six in values {
-            text.push_str(&line_of(six));
+            text.extend_from_slice(line_of(six).as_bytes());
         }
-        self.output.write_all(text.as_bytes())?;
+        self.output.write_all(&text)?;
         self.output.flush()
     }
 
@@ -186,7 +194,7 @@ impl RequestFile {
     fn data(&mut self, lines: &mut Lines<'_>) -> Result<Option<Trouble>, Trouble> {
         let wanted = 1 + 6 * self.requests.len();
         let mut values: Vec<f64> = Vec::new();
-        while let Some((span, line)) = lines.next() {
+        for (span, line) in lines.by_ref() {
             let found =
                 numbers(line).ok_or_else(|| malformed("a line that is not numbers", span))?;
             values.extend(found);

@@ -37,39 +37,37 @@ pub fn write_tabular(
         return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
     }
     let mut page = 0;
-    let mut text = String::new();
+    let mut text = Vec::new();
     for (at, request) in requests.iter().enumerate() {
         for lines in rows.chunks(PAGE) {
             page += 1;
             if page > 1 {
-                text.push('\u{c}');
+                text.push(b'\x0c');
             }
             let title: String = title.chars().filter(|c| !c.is_control()).take(80).collect();
-            text.push_str(&format!(
-                "1{title:<86}{:<20}PAGE{page:>6}\n",
-                when.date_time()
-            ));
-            text.push_str(&format!(
+            writeln!(text, "1{title:<86}{:<20}PAGE{page:>6}", when.date_time())?;
+            write!(
+                text,
                 "0REQUEST/{:<8} {}\n\n",
                 request.id,
                 request.name.trim()
-            ));
-            text.push_str(&format!(" {:>13}", "TIME"));
+            )?;
+            write!(text, " {:>13}", "TIME")?;
             for heading in &request.headings {
                 let heading: String = heading.chars().take(12).collect();
-                text.push_str(&format!("{heading:>13}"));
+                write!(text, "{heading:>13}")?;
             }
-            text.push('\n');
+            text.push(b'\n');
             for (time, row) in lines {
-                text.push_str(&format!(" {}", exponential(*time, 13, 5)));
+                write!(text, " {}", exponential(*time, 13, 5))?;
                 for &value in &row[at] {
-                    text.push_str(&exponential(value, 13, 5));
+                    text.extend_from_slice(exponential(value, 13, 5).as_bytes());
                 }
-                text.push('\n');
+                text.push(b'\n');
             }
         }
     }
-    output.write_all(text.as_bytes())?;
+    output.write_all(&text)?;
     output.flush()
 }
 

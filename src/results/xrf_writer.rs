@@ -269,9 +269,9 @@ fn present<'a>(all: &[(&'a str, Option<&'a str>)]) -> Vec<(&'a str, &'a str)> {
 }
 
 fn attributes(all: &[(&str, &str)]) -> String {
-    all.iter()
-        .map(|(name, value)| format!(" {name}=\"{}\"", escape(value)))
-        .collect()
+    all.iter().fold(String::new(), |text, (name, value)| {
+        text + " " + name + "=\"" + &escape(value) + "\""
+    })
 }
 
 /// Text as XML: the characters with a meaning as references, control characters (which XML cannot hold) as blanks.

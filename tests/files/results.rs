@@ -46,7 +46,9 @@ fn small_file(steps: usize) -> Vec<u8> {
     writer.finish("Successful").unwrap()
 }
 
-fn read_all(bytes: &[u8]) -> (XrfReader<&[u8]>, Vec<(StepKind, Vec<f64>)>) {
+type Steps = Vec<(StepKind, Vec<f64>)>;
+
+fn read_all(bytes: &[u8]) -> (XrfReader<&[u8]>, Steps) {
     let mut reader = XrfReader::open("test.res", bytes).unwrap();
     let mut steps = Vec::new();
     while let Some(step) = reader.next_step().unwrap() {
