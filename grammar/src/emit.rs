@@ -110,13 +110,11 @@ fn dimension(exponents: [i8; 5]) -> String {
         ([0, 1, 0, 0, 0], "MASS"),
         ([0, 0, 0, 1, 0], "TIME"),
     ];
-    match named.iter().find(|(e, _)| *e == exponents) {
-        Some((_, name)) => format!("Dimension::{name}"),
-        None => {
-            let [force, mass, length, time, angle] = exponents;
-            format!("Dimension::new({force}, {mass}, {length}, {time}, {angle})")
-        }
+    if let Some((_, name)) = named.iter().find(|(e, _)| *e == exponents) {
+        return format!("Dimension::{name}");
     }
+    let [force, mass, length, time, angle] = exponents;
+    format!("Dimension::new({force}, {mass}, {length}, {time}, {angle})")
 }
 
 fn solved(solved: &Solved) -> String {

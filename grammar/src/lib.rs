@@ -29,6 +29,7 @@
 //!   DX       i[,j][,k]                              # the count is read off: 1 to 3
 //! ```
 
+mod check;
 mod declaration;
 mod emit;
 mod parse;
@@ -37,7 +38,7 @@ pub use declaration::{
     Argument, Count, Function, Grammar, Keyword, Presence, Range, Solved, Statement, Value,
 };
 pub use emit::{coverage, emit};
-pub use parse::{ParseError, parse};
+pub use parse::{ParseError, Problem, parse};
 
 use std::path::{Path, PathBuf};
 
@@ -87,6 +88,6 @@ pub fn read(folder: &Path) -> Result<Grammar, ReadError> {
         });
         parse(&name, &text, &mut grammar).map_err(ReadError::Parse)?;
     }
-    parse::check(&grammar).map_err(ReadError::Parse)?;
+    check::check(&grammar).map_err(ReadError::Parse)?;
     Ok(grammar)
 }

@@ -1,4 +1,3 @@
-use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
 use crate::declaration::{
@@ -475,83 +474,10 @@ fn count_of(shown: &str) -> Result<Count, Problem> {
     })
 }
 
-/// What no single line shows: names that are unique, references and presence rules that name something, abbreviations that
-/// do not clash.
-pub(crate) fn check(grammar: &Grammar) -> Result<(), ParseError> {
-    let spaces: BTreeSet<&str> = grammar
-        .statements
-        .iter()
-        .filter_map(|s| s.id.as_deref())
-        .collect();
-    let mut names = BTreeSet::new();
-    for statement in &grammar.statements {
-        let fail = |problem| ParseError {
-            file: statement.place.0.clone(),
-            line: statement.place.1,
-            problem,
-        };
-        if !names.insert(statement.keyword.name.as_str()) {
-            return Err(fail(Problem::Twice(statement.keyword.name.clone())));
-        }
-        let keywords: Vec<&Keyword> = statement.arguments.iter().map(|a| &a.keyword).collect();
-        clash(&keywords).map_err(fail)?;
-        for argument in &statement.arguments {
-            match &argument.value {
-                Value::Reference(space) if !spaces.contains(space.as_str()) => {
-                    return Err(fail(Problem::Unknown(space.clone())));
-                }
-                Value::Word(choices) => clash(&choices.iter().collect::<Vec<_>>()).map_err(fail)?,
-                _ => {}
-            }
-        }
-        for name in statement.presence.iter().flat_map(|p| &p.names) {
-            if !keywords.iter().any(|k| k.name == *name) {
-                return Err(fail(Problem::Unknown(name.clone())));
-            }
-        }
-    }
-    clash(
-        &grammar
-            .statements
-            .iter()
-            .map(|s| &s.keyword)
-            .collect::<Vec<_>>(),
-    )
-    .map_err(|problem| ParseError {
-        file: "grammar".into(),
-        line: 0,
-        problem,
-    })?;
-    let mut functions = BTreeSet::new();
-    for function in &grammar.functions {
-        if !functions.insert(function.name.as_str()) {
-            return Err(ParseError {
-                file: function.place.0.clone(),
-                line: function.place.1,
-                problem: Problem::Twice(function.name.clone()),
-            });
-        }
-    }
-    Ok(())
-}
-
-fn clash(keywords: &[&Keyword]) -> Result<(), Problem> {
-    let mut shortest: BTreeMap<&str, &str> = BTreeMap::new();
-    for keyword in keywords {
-        if let Some(other) = shortest.insert(&keyword.name[..keyword.minimum], &keyword.name) {
-            return Err(if other == keyword.name {
-                Problem::Twice(other.to_string())
-            } else {
-                Problem::Clash(other.to_string(), keyword.name.clone())
-            });
-        }
-    }
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::check::check;
 
     const SMALL: &str = "\
 statement BUshing / id            # A bushing.

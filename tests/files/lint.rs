@@ -1,6 +1,7 @@
 //! Every lint code on a deck of its own, and no false alarm on real decks.
 
 use std::collections::BTreeMap;
+use std::fmt::Write;
 use std::path::Path;
 
 use admire::diagnostic::{Code, Diagnostic, Severity};
@@ -45,13 +46,17 @@ fn shown(dataset: &Dataset, diagnostic: &Diagnostic) -> String {
             .text(label.span)
             .replace('\n', "\\n")
             .replace('\t', "\\t");
-        out += &format!("  {}:{} `{text}` {}\n", at.line, at.column, label.message);
+        let _ = writeln!(
+            out,
+            "  {}:{} `{text}` {}",
+            at.line, at.column, label.message
+        );
     }
     if let Some(help) = &diagnostic.help {
-        out += &format!("  help: {help}\n");
+        let _ = writeln!(out, "  help: {help}");
     }
     if let Some(fix) = &diagnostic.fix {
-        out += &format!("  fix: {} ({} edits)\n", fix.title, fix.edits.len());
+        let _ = writeln!(out, "  fix: {} ({} edits)", fix.title, fix.edits.len());
     }
     out
 }
@@ -138,11 +143,11 @@ fn real_decks_show_only_what_was_reviewed() {
     let mut wrong = String::new();
     for (key, count) in &counts {
         if reviewed.get(key) != Some(count) {
-            wrong += &format!("{key} {count}\n{}", examples[key]);
+            let _ = write!(wrong, "{key} {count}\n{}", examples[key]);
         }
     }
     for key in reviewed.keys().filter(|key| !counts.contains_key(*key)) {
-        wrong += &format!("{key}: no longer found\n");
+        let _ = writeln!(wrong, "{key}: no longer found");
     }
     assert!(wrong.is_empty(), "{wrong}");
 }

@@ -1,5 +1,6 @@
 //! One small deck or command file per statement and command: read with meaning, written back unchanged, edited in place.
 
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use admire::diagnostic::{Code, Diagnostic, Severity};
@@ -31,7 +32,7 @@ fn understood(source: &Source, statement: &Statement) -> String {
         None => kind.to_string(),
     };
     if let Some(name) = statement.view_name {
-        out += &format!("  named {}", source.text(name));
+        let _ = write!(out, "  named {}", source.text(name));
     }
     out.push('\n');
     for argument in &statement.arguments {
@@ -40,9 +41,12 @@ fn understood(source: &Source, statement: &Statement) -> String {
             Value::Numbers(numbers) => {
                 let shown: Vec<String> = numbers
                     .iter()
-                    .map(|n| match n.degrees {
-                        true => format!("{} deg", n.value.to_degrees()),
-                        false => n.value.to_string(),
+                    .map(|n| {
+                        if n.degrees {
+                            format!("{} deg", n.value.to_degrees())
+                        } else {
+                            n.value.to_string()
+                        }
                     })
                     .collect();
                 format!(" = [{}]", shown.join(", "))
@@ -53,7 +57,7 @@ fn understood(source: &Source, statement: &Statement) -> String {
             Value::User(span) => format!(" = {}", source.text(*span)),
             Value::Malformed(span) => format!(" MALFORMED {}", source.text(*span)),
         };
-        out += &format!("  {}{value}\n", argument.kind().unwrap_or("?"));
+        let _ = writeln!(out, "  {}{value}", argument.kind().unwrap_or("?"));
     }
     out
 }

@@ -63,7 +63,7 @@ impl<'a> Context<'a> {
     }
 
     /// The body a marker is on: id space and id.
-    pub fn body(&self, marker: &Statement) -> Option<(&'static str, u32)> {
+    pub fn body(marker: &Statement) -> Option<(&'static str, u32)> {
         ["PART", "POINT_MASS", "FLEX_BODY", "FE_PART"]
             .iter()
             .find_map(|owner| {
@@ -76,7 +76,7 @@ impl<'a> Context<'a> {
     }
 
     /// Every reference of a statement, those in functions included. Zeros stand for ground or for nothing and are left out.
-    pub fn references(&self, statement: &Statement) -> Vec<Reference> {
+    pub fn references(statement: &Statement) -> Vec<Reference> {
         let mut found = Vec::new();
         let mut push = |space, number: &Number| {
             if let Some(id) = as_id(number).filter(|id| *id != 0) {
@@ -90,7 +90,9 @@ impl<'a> Context<'a> {
         for argument in &statement.arguments {
             match (&argument.value, argument.def.map(|def| def.kind)) {
                 (Value::Numbers(numbers), Some(ValueKind::Reference(space))) => {
-                    numbers.iter().for_each(|number| push(space, number));
+                    for number in numbers {
+                        push(space, number);
+                    }
                 }
                 (Value::Function(expression), _) => {
                     for (space, literal) in expression.references() {
@@ -117,7 +119,7 @@ impl<'a> Context<'a> {
     }
 
     /// Where a statement says who it is: keyword and id.
-    pub fn head(&self, statement: &Statement) -> Span {
+    pub fn head(statement: &Statement) -> Span {
         match statement.id {
             Some((_, id)) => statement.keyword.join(id),
             None => statement.keyword,

@@ -15,7 +15,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
             let message = format!("{}/{id} is defined twice", def.name);
             found.push(context.error(Code::DuplicateId, span, message).label(
                 file,
-                context.head(first),
+                Context::head(first),
                 "first defined here",
             ));
         }

@@ -40,7 +40,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
                         .error(Code::FloatingMarker, number.span, message)
                         .label(
                             context.dataset.source().name(),
-                            context.head(marker),
+                            Context::head(marker),
                             "this marker",
                         ),
                 );

@@ -1,5 +1,6 @@
 use super::context::Context;
 use crate::diagnostic::{Code, Diagnostic};
+use crate::syntax::Argument;
 use crate::units::LENGTH_UNITS;
 
 /// Below this lever arm a rotational stiffness was hardly meant per radian.
@@ -29,7 +30,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         }
         let place = bushing
             .argument("KT")
-            .map_or(bushing.keyword, |argument| argument.value_span());
+            .map_or(bushing.keyword, Argument::value_span);
         let message = format!(
             "KT of {} looks like a stiffness per degree: with K it means a lever arm of {:.2} mm",
             context.title(bushing),

@@ -44,7 +44,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         let message = format!("{count} {kind} of this dataset take no part in a built-in solution");
         found.push(
             context
-                .warning(Code::NotSolvedNatively, context.head(first), message)
+                .warning(Code::NotSolvedNatively, Context::head(first), message)
                 .help(format!("{why}; without them the answer is another one")),
         );
     }
@@ -52,7 +52,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         let message = format!("{count} {kind} of this dataset are off in statics");
         found.push(
             context
-                .note(Code::InactiveInStatics, context.head(first), message)
+                .note(Code::InactiveInStatics, Context::head(first), message)
                 .help(why.to_string()),
         );
     }

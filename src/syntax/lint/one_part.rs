@@ -1,5 +1,6 @@
 use super::context::Context;
 use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::syntax::Argument;
 
 /// Constraints and forces whose two markers are on one body.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
@@ -19,7 +20,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         ) else {
             continue;
         };
-        let (Some(body), true) = (context.body(i), context.body(i) == context.body(j)) else {
+        let (Some(body), true) = (Context::body(i), Context::body(i) == Context::body(j)) else {
             continue;
         };
         let constraint = matches!(
@@ -36,7 +37,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         };
         let place = statement
             .argument(second)
-            .map_or(statement.keyword, |argument| argument.value_span());
+            .map_or(statement.keyword, Argument::value_span);
         let message = format!(
             "both markers of {} are on {}/{}: {consequence}",
             context.title(statement),

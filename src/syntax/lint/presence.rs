@@ -7,7 +7,7 @@ use crate::syntax::Statement;
 pub(super) fn missing(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     for statement in context.statements() {
         let Some(def) = statement.def else { continue };
-        let place = context.head(statement);
+        let place = Context::head(statement);
         let mut complain = |message: String| {
             found.push(context.error(Code::MissingArgument, place, message));
         };

@@ -9,7 +9,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     let mut used = HashSet::new();
     let mut user = false;
     for statement in context.statements() {
-        for reference in context.references(statement) {
+        for reference in Context::references(statement) {
             used.insert((reference.space, reference.id));
         }
         user |= statement
@@ -34,7 +34,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
             let message = format!("nothing uses {}", context.title(statement));
             found.push(
                 context
-                    .note(Code::Unreferenced, context.head(statement), message)
+                    .note(Code::Unreferenced, Context::head(statement), message)
                     .help(format!("this {kind} has no effect")),
             );
         }
