@@ -106,7 +106,7 @@ pub struct Statement {
     pub solved: Solved,
     /// One line for people.
     pub doc: String,
-    /// What it was checked against.
+    /// The page that documents it.
     pub source: String,
     /// File and line of its declaration.
     pub place: (String, usize),
@@ -125,7 +125,7 @@ pub struct Function {
     pub solved: Solved,
     /// One line for people.
     pub doc: String,
-    /// What it was checked against.
+    /// The page that documents it.
     pub source: String,
     /// File and line of its declaration.
     pub place: (String, usize),

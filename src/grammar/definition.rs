@@ -19,7 +19,7 @@ pub struct StatementDef {
     pub solved: Solved,
     /// One line for people.
     pub doc: &'static str,
-    /// The page or fact this was checked against.
+    /// The page that documents it; `grammar/NOTES.md` says which pages were read.
     pub source: &'static str,
 }
 
@@ -148,6 +148,6 @@ pub struct FunctionDef {
     pub solved: Solved,
     /// One line for people.
     pub doc: &'static str,
-    /// The page or fact this was checked against.
+    /// The page that documents it; `grammar/NOTES.md` says which pages were read.
     pub source: &'static str,
 }
