@@ -2,6 +2,7 @@
 
 mod common;
 mod files {
+    pub mod comparing;
     pub mod editing;
     pub mod hostile;
     pub mod lint;

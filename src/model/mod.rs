@@ -11,6 +11,7 @@ pub mod lint;
 mod lower;
 mod object;
 mod settings;
+pub mod summary;
 
 pub use constraint::{
     Coupler, CouplerKind, Gcon, Gear, Joint, JointKind, Motion, MotionAxis, MotionOrder, Primitive,

@@ -65,10 +65,10 @@ impl CommandFile {
         }
         Checked {
             value: Self {
+                source,
                 head,
                 commands,
                 lines,
-                source,
             },
             diagnostics,
         }

@@ -171,7 +171,7 @@ impl Dataset {
                 }
                 Ok(vec![Edit::new(span, text)])
             }
-            _ => Ok(vec![self.new_argument(statement, def.name, text)]),
+            _ => Ok(vec![self.new_argument(statement, def.name, Some(text))]),
         }
     }
 
@@ -270,12 +270,17 @@ impl Dataset {
         let text = values.join(", ");
         Ok(vec![match numbers.last() {
             Some(last) => Edit::new(Span::at(last.span.end), format!(", {text}")),
-            None => self.new_argument(statement, def.name, &text),
+            None => self.new_argument(statement, def.name, Some(&text)),
         }])
     }
 
-    /// The edit that adds `NAME = text` at the end of a statement.
-    fn new_argument(&self, statement: &Statement, name: &str, text: &str) -> Edit {
+    /// The edit that adds `NAME = text`, or a flag, at the end of a statement.
+    pub(super) fn new_argument(
+        &self,
+        statement: &Statement,
+        name: &str,
+        text: Option<&str>,
+    ) -> Edit {
         let style = Style::of_statement(self, statement);
         let last = statement.arguments.last();
         let mut at = last.map_or_else(
@@ -300,21 +305,19 @@ impl Dataset {
         }
         Edit::new(
             Span::at(at),
-            format!("{lead}{}", style.argument(name, Some(text))),
+            format!("{lead}{}", style.argument(name, text)),
         )
     }
 
     /// After `KEYWORD/id`.
-    fn after_header(&self, statement: &Statement) -> usize {
-        match statement.id {
-            Some((_, span)) => span.end,
-            None => {
-                let rest = &self.bytes()[statement.keyword.end..statement.span.end];
-                match rest.iter().position(|byte| !byte.is_ascii_whitespace()) {
-                    Some(slash) if rest[slash] == b'/' => statement.keyword.end + slash + 1,
-                    _ => statement.keyword.end,
-                }
-            }
+    pub(super) fn after_header(&self, statement: &Statement) -> usize {
+        if let Some((_, span)) = statement.id {
+            return span.end;
+        }
+        let rest = &self.bytes()[statement.keyword.end..statement.span.end];
+        match rest.iter().position(|byte| !byte.is_ascii_whitespace()) {
+            Some(slash) if rest[slash] == b'/' => statement.keyword.end + slash + 1,
+            _ => statement.keyword.end,
         }
     }
 
@@ -348,9 +351,10 @@ impl Dataset {
     fn after_line(&self, at: usize, text: &str, style: &Style) -> (usize, String) {
         let next = self.line_end(at);
         let open = !matches!(self.bytes()[..next].last(), None | Some(b'\n' | b'\r'));
-        match open {
-            true => (next, format!("{}{text}", style.line_end)),
-            false => (next, text.to_string()),
+        if open {
+            (next, format!("{}{text}", style.line_end))
+        } else {
+            (next, text.to_string())
         }
     }
 }

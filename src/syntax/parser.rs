@@ -167,19 +167,17 @@ impl<'a> StatementParser<'a> {
             .ok()
             .filter(|text| text.bytes().all(|byte| byte.is_ascii_digit()))
             .and_then(|text| text.parse().ok());
-        match id {
-            Some(id) => statement.id = Some((id, token.span)),
-            None => {
-                let diagnostic = Diagnostic::error(
-                    Code::BadNumber,
-                    format!(
-                        "{} is not an id: ids are whole numbers up to {}",
-                        self.source.text(token.span),
-                        u32::MAX
-                    ),
-                );
-                self.complain(diagnostic, token.span, "");
-            }
+        statement.id = id.map(|id| (id, token.span));
+        if id.is_none() {
+            let diagnostic = Diagnostic::error(
+                Code::BadNumber,
+                format!(
+                    "{} is not an id: ids are whole numbers up to {}",
+                    self.source.text(token.span),
+                    u32::MAX
+                ),
+            );
+            self.complain(diagnostic, token.span, "");
         }
     }
 

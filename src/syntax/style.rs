@@ -91,7 +91,7 @@ impl Style {
             // ADAMS/View centres the name comment on column 41.
             let comment = format!("adams_view_name='{name}'");
             let pad = " ".repeat(40usize.saturating_sub(comment.len().div_ceil(2)).max(1));
-            text.push_str(&format!("!{end}!{pad}{comment}{end}"));
+            text = format!("!{end}!{pad}{comment}{end}");
         }
         text.push_str(&new.kind);
         text.push('/');

@@ -338,7 +338,7 @@ impl StatementParser<'_> {
                 Some(_) => {
                     at = self
                         .line_of_text(statement, cursor, list, &mut texts)
-                        .unwrap_or(at)
+                        .unwrap_or(at);
                 }
                 None => break,
             }

@@ -91,6 +91,7 @@ fn controllable_form(
 }
 
 /// ARRAY.
+#[allow(clippy::unnecessary_wraps)] // All readers have one signature.
 pub(super) fn array(reader: &mut Reader, old: Option<&ArrayData>) -> Option<ArrayData> {
     let size = reader.real("SIZE", None) as usize;
     let kind = if reader.flag("U", false) {

@@ -5,6 +5,7 @@ use crate::mechanics::{Mat3, Pose, Vec3, euler313};
 use crate::model::{Marker, MarkerIx, Model, Orientation, Part, PartIx, PartKind};
 
 /// PART, POINT_MASS, and the bodies only real ADAMS solves.
+#[allow(clippy::unnecessary_wraps)] // All readers have one signature.
 pub(super) fn part(reader: &mut Reader, old: Option<&Part>) -> Option<Part> {
     let kind = match reader.def.name {
         "POINT_MASS" => PartKind::PointMass,
@@ -41,6 +42,7 @@ pub(super) fn part(reader: &mut Reader, old: Option<&Part>) -> Option<Part> {
 }
 
 /// MARKER. Its frame with RM is completed by [`resolve_rm`], when all markers are known.
+#[allow(clippy::unnecessary_wraps)] // All readers have one signature.
 pub(super) fn marker(reader: &mut Reader, old: Option<&Marker>) -> Option<Marker> {
     let owner = [
         ("PART", "part"),
@@ -93,24 +95,17 @@ fn orientation(
     let z_axis = z_point.map(|point| point - origin);
     let x_axis = x_point.map(|point| point - origin);
     let usexp = reader.flag("USEXP", false);
-    match axes(z_axis, x_axis, usexp) {
-        Some(R) => (R, Some(Orientation::Points)),
-        None => {
-            let place = reader.place(if z_point.is_some() { z } else { x });
-            let diagnostic = Diagnostic::error(
-                Code::OutOfRange,
-                format!(
-                    "{} and {} do not give {} two directions",
-                    z,
-                    x,
-                    reader.called()
-                ),
-            )
-            .help("each point must lie apart from the origin, and not both on one line with it");
-            reader.complain(diagnostic, place);
-            (Mat3::identity(), Some(Orientation::Points))
-        }
+    let R = axes(z_axis, x_axis, usexp);
+    if R.is_none() {
+        let place = reader.place(if z_point.is_some() { z } else { x });
+        let diagnostic = Diagnostic::error(
+            Code::OutOfRange,
+            format!("{z} and {x} do not give {} two directions", reader.called()),
+        )
+        .help("each point must lie apart from the origin, and not both on one line with it");
+        reader.complain(diagnostic, place);
     }
+    (R.unwrap_or_else(Mat3::identity), Some(Orientation::Points))
 }
 
 /// Axes from directions of z and x; one of them is exact, the other gives a half plane. A missing one follows the base's axis.

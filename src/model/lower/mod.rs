@@ -461,7 +461,7 @@ impl Model {
         for kind in command
             .arguments
             .iter()
-            .filter_map(|argument| argument.kind())
+            .filter_map(crate::syntax::Argument::kind)
         {
             let mut found = 0;
             macro_rules! set {

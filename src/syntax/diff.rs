@@ -1,0 +1,285 @@
+//! What changed between two datasets, per object, whatever their layout.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde::Serialize;
+
+use super::lexer::Lexer;
+use super::{Address, Argument, Dataset, Expression, Number, Statement, TokenKind, Value};
+use crate::text::{Source, Span};
+
+/// Numbers that differ by no more than this are the same.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Tolerance {
+    /// Largest difference, in the unit of the number.
+    pub absolute: f64,
+    /// Largest difference as a share of the larger magnitude.
+    pub relative: f64,
+}
+
+/// One difference of one object.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Difference {
+    /// The object or number: `BUSHING/12.K.2`.
+    pub address: String,
+    /// The view name of the object, if it has one.
+    pub name: Option<String>,
+    /// What is different.
+    pub change: Change,
+}
+
+/// What is different.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Change {
+    /// Only the second dataset has it.
+    Added,
+    /// Only the first dataset has it.
+    Removed,
+    /// A number.
+    Number {
+        /// In the first dataset, radians for angles.
+        before: f64,
+        /// In the second dataset.
+        after: f64,
+    },
+    /// A text, a function, a word, or how many values there are; absent where it is not written.
+    Text {
+        /// In the first dataset.
+        before: Option<String>,
+        /// In the second dataset.
+        after: Option<String>,
+    },
+}
+
+impl Tolerance {
+    fn same(self, a: f64, b: f64) -> bool {
+        a == b || (a - b).abs() <= self.absolute + self.relative * a.abs().max(b.abs())
+    }
+}
+
+/// The differences in order: objects of the first dataset as they appear there, then what only the second one has. A default
+/// that is written out, another order of arguments, another spelling of a number, comments and line breaks are no differences.
+pub fn diff(before: &Dataset, after: &Dataset, tolerance: Tolerance) -> Vec<Difference> {
+    let mut found = Vec::new();
+    if before.title() != after.title() {
+        found.push(Difference {
+            address: "TITLE".into(),
+            name: None,
+            change: Change::Text {
+                before: Some(before.title().into_owned()),
+                after: Some(after.title().into_owned()),
+            },
+        });
+    }
+    let (old, new) = (objects(before), objects(after));
+    let others: BTreeMap<&str, &Statement> = new
+        .iter()
+        .map(|(key, statement)| (key.as_str(), *statement))
+        .collect();
+    let known: BTreeSet<&str> = old.iter().map(|(key, _)| key.as_str()).collect();
+    for (key, statement) in &old {
+        match others.get(key.as_str()) {
+            Some(other) => {
+                let pair = Pair {
+                    before: (before, statement),
+                    after: (after, other),
+                    key,
+                    tolerance,
+                };
+                pair.compare(&mut found);
+            }
+            None => found.push(whole(key, before, statement, Change::Removed)),
+        }
+    }
+    for (key, statement) in &new {
+        if !known.contains(key.as_str()) {
+            found.push(whole(key, after, statement, Change::Added));
+        }
+    }
+    found
+}
+
+/// Statements with a key that says which object they are: the address; the text for what the grammar does not know. What
+/// stands several times is numbered.
+fn objects(dataset: &Dataset) -> Vec<(String, &Statement)> {
+    let mut seen: BTreeMap<String, usize> = BTreeMap::new();
+    let mut all = Vec::new();
+    for statement in dataset.statements() {
+        let mut key = match Address::of(statement) {
+            Some(address) => address.to_string(),
+            None => one_line(dataset.source(), statement.span),
+        };
+        let times = seen.entry(key.clone()).or_insert(0);
+        *times += 1;
+        if *times > 1 {
+            key = format!("{key} ({times})");
+        }
+        all.push((key, statement));
+    }
+    all
+}
+
+fn whole(key: &str, dataset: &Dataset, statement: &Statement, change: Change) -> Difference {
+    Difference {
+        address: key.to_string(),
+        name: view_name(dataset, statement),
+        change,
+    }
+}
+
+fn view_name(dataset: &Dataset, statement: &Statement) -> Option<String> {
+    Some(dataset.source().text(statement.view_name?).into_owned())
+}
+
+/// One object in both datasets.
+struct Pair<'a> {
+    before: (&'a Dataset, &'a Statement),
+    after: (&'a Dataset, &'a Statement),
+    key: &'a str,
+    tolerance: Tolerance,
+}
+
+impl Pair<'_> {
+    fn compare(&self, found: &mut Vec<Difference>) {
+        let names = (
+            view_name(self.before.0, self.before.1),
+            view_name(self.after.0, self.after.1),
+        );
+        if names.0 != names.1 {
+            self.push(
+                found,
+                "",
+                Change::Text {
+                    before: names.0,
+                    after: names.1,
+                },
+            );
+        }
+        let mut seen = BTreeSet::new();
+        let arguments = self
+            .before
+            .1
+            .arguments
+            .iter()
+            .chain(&self.after.1.arguments);
+        for def in arguments.filter_map(|argument| argument.def) {
+            if seen.insert(def.name) {
+                self.argument(def.name, def.default, found);
+            }
+        }
+    }
+
+    fn argument(&self, name: &str, default: &[f64], found: &mut Vec<Difference>) {
+        let (old, new) = (self.before.1.argument(name), self.after.1.argument(name));
+        if let (Some(Value::Function(old)), Some(Value::Function(new))) =
+            (old.map(|a| &a.value), new.map(|a| &a.value))
+        {
+            if self.same_function(old, new) {
+                return;
+            }
+        } else if let (Some(old), Some(new)) = (
+            Self::numbers(self.before.1, name, default),
+            Self::numbers(self.after.1, name, default),
+        ) && (old.len() == new.len())
+        {
+            for (k, (old, new)) in old.iter().zip(&new).enumerate() {
+                if !self.tolerance.same(*old, *new) {
+                    let change = Change::Number {
+                        before: *old,
+                        after: *new,
+                    };
+                    self.push(found, &format!(".{name}.{}", k + 1), change);
+                }
+            }
+            return;
+        }
+        let shown = |(dataset, statement): (&Dataset, &Statement)| {
+            let texts: Vec<String> = statement
+                .all(name)
+                .map(|argument| text(dataset.source(), argument))
+                .collect();
+            (!texts.is_empty()).then(|| texts.join(" | "))
+        };
+        let (old, new) = (shown(self.before), shown(self.after));
+        if old != new {
+            self.push(
+                found,
+                &format!(".{name}"),
+                Change::Text {
+                    before: old,
+                    after: new,
+                },
+            );
+        }
+    }
+
+    /// The values of an argument; its defaults if it is not written and has some.
+    fn numbers(statement: &Statement, name: &str, default: &[f64]) -> Option<Vec<f64>> {
+        let mut arguments = statement.all(name).peekable();
+        if arguments.peek().is_none() {
+            return (!default.is_empty()).then(|| default.to_vec());
+        }
+        let mut values = Vec::new();
+        for argument in arguments {
+            match &argument.value {
+                Value::Numbers(numbers) => values.extend(numbers.iter().map(|n: &Number| n.value)),
+                _ => return None,
+            }
+        }
+        Some(values)
+    }
+
+    fn same_function(&self, old: &Expression, new: &Expression) -> bool {
+        shape(&old.text) == shape(&new.text)
+            && old.literals.len() == new.literals.len()
+            && old
+                .literals
+                .iter()
+                .zip(&new.literals)
+                .all(|(a, b)| self.tolerance.same(a.value, b.value))
+    }
+
+    fn push(&self, found: &mut Vec<Difference>, place: &str, change: Change) {
+        found.push(Difference {
+            address: format!("{}{place}", self.key),
+            name: view_name(self.after.0, self.after.1),
+            change,
+        });
+    }
+}
+
+/// A function's text without blanks, in capitals, with a mark for each number.
+fn shape(text: &str) -> String {
+    let mut shape = String::with_capacity(text.len());
+    for token in Lexer::new(text.as_bytes(), Span::new(0, text.len()), false) {
+        match token.kind {
+            TokenKind::Blank => {}
+            TokenKind::Number => shape.push('#'),
+            _ => shape.push_str(&text[token.span.range()].to_ascii_uppercase()),
+        }
+    }
+    shape
+}
+
+/// An argument's value as one line: words whole and in capitals.
+fn text(source: &Source, argument: &Argument) -> String {
+    match &argument.value {
+        Value::Flag => String::new(),
+        Value::Words(_) => argument.choices(source).join(":"),
+        Value::Texts(_) => argument.texts(source).join(":"),
+        Value::Function(expression) => expression.text.clone(),
+        Value::Numbers(_) | Value::User(_) | Value::Malformed(_) => {
+            one_line(source, argument.value_span())
+        }
+    }
+}
+
+/// A piece of a file with runs of blanks and line ends as one blank.
+fn one_line(source: &Source, span: Span) -> String {
+    source
+        .text(span)
+        .split_whitespace()
+        .collect::<Vec<_>>()
+        .join(" ")
+}

@@ -1,0 +1,222 @@
+//! New ids for objects: every reference follows, in arguments, in functions and in commands.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::{Argument, CommandFile, Dataset, Number, Statement, Value};
+use crate::diagnostic::{Checked, Code, Diagnostic};
+use crate::grammar::{STATEMENTS, ValueKind};
+use crate::text::{Edit, Source};
+
+/// New ids by id space (`marker`, `part`, `bushing`) and old id. What is not in it keeps its id.
+pub type Renumbering = BTreeMap<(&'static str, u32), u32>;
+
+/// The edits of a renumbering.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct RenumberingEdits {
+    /// Of the dataset.
+    pub dataset: Vec<Edit>,
+    /// Of each command file, in the order given.
+    pub commands: Vec<Vec<Edit>>,
+}
+
+/// Ids `first`, `first + step`, ... for all statements of a kind (whole keyword in capitals) in order of appearance.
+pub fn in_order(dataset: &Dataset, kind: &str, first: u32, step: u32) -> Renumbering {
+    let mut renumbering = Renumbering::new();
+    let mut next = first;
+    for statement in dataset.statements() {
+        if let (Some(def), Some(id)) = (statement.def, statement.number())
+            && def.name == kind
+            && let Some(space) = def.id
+        {
+            renumbering.entry((space, id)).or_insert_with(|| {
+                let new = next;
+                next = next.saturating_add(step);
+                new
+            });
+        }
+    }
+    renumbering
+}
+
+/// The edits that give objects new ids. Complains about what may hold ids that cannot be known: the numbers of USER calls and
+/// of arrays that subroutines read.
+///
+/// # Errors
+/// `duplicate-id` if two objects would have one id.
+pub fn renumber(
+    dataset: &Dataset,
+    commands: &[&CommandFile],
+    renumbering: &Renumbering,
+) -> Result<Checked<RenumberingEdits>, Diagnostic> {
+    refuse_duplicates(dataset, renumbering)?;
+    let mut edits = RenumberingEdits::default();
+    let mut diagnostics = Vec::new();
+    for statement in dataset.statements() {
+        references(dataset.source(), statement, renumbering, &mut edits.dataset);
+        unknowable(dataset.source(), statement, &mut diagnostics);
+    }
+    for file in commands {
+        let mut own = Vec::new();
+        for command in file.commands() {
+            references(file.source(), command, renumbering, &mut own);
+            activation(dataset, command, renumbering, &mut own);
+            unknowable(file.source(), command, &mut diagnostics);
+        }
+        edits.commands.push(own);
+    }
+    Ok(Checked {
+        value: edits,
+        diagnostics,
+    })
+}
+
+fn refuse_duplicates(dataset: &Dataset, renumbering: &Renumbering) -> Result<(), Diagnostic> {
+    let mut taken: BTreeMap<(&str, u32), u32> = BTreeMap::new();
+    for statement in dataset.statements() {
+        let (Some(def), Some((id, span))) = (statement.def, statement.id) else {
+            continue;
+        };
+        let Some(space) = def.id else {
+            continue;
+        };
+        let new = renumbering.get(&(space, id)).copied().unwrap_or(id);
+        if let Some(other) = taken.insert((space, new), id)
+            && other != id
+        {
+            return Err(Diagnostic::error(
+                Code::DuplicateId,
+                format!("{0}/{other} and {0}/{id} would both be {0}/{new}", def.name),
+            )
+            .label(dataset.source().name(), span, ""));
+        }
+    }
+    Ok(())
+}
+
+/// The statement's own id and the ids its arguments and functions refer to.
+fn references(
+    source: &Source,
+    statement: &Statement,
+    renumbering: &Renumbering,
+    edits: &mut Vec<Edit>,
+) {
+    if let (Some(space), Some((id, span))) = (statement.def.and_then(|def| def.id), statement.id)
+        && let Some(new) = renumbering.get(&(space, id))
+        && *new != id
+    {
+        edits.push(Edit::new(span, spelled(*new, source.slice(span))));
+    }
+    let mut follow = |space: &'static str, number: &Number| {
+        let old = number.value as u32;
+        if f64::from(old) == number.value
+            && let Some(new) = renumbering.get(&(space, old))
+            && *new != old
+        {
+            edits.push(Edit::new(
+                number.span,
+                spelled(*new, source.slice(number.span)),
+            ));
+        }
+    };
+    for argument in &statement.arguments {
+        match (&argument.value, argument.def.map(|def| def.kind)) {
+            (Value::Numbers(numbers), Some(ValueKind::Reference(space))) => {
+                for number in numbers {
+                    follow(space, number);
+                }
+            }
+            (Value::Function(expression), _) => {
+                for (space, literal) in expression.references() {
+                    follow(space, &expression.literals[literal]);
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+/// ID and RANGE of ACTIVATE and DEACTIVATE: their id space is that of the kind that stands beside them.
+fn activation(
+    dataset: &Dataset,
+    command: &Statement,
+    renumbering: &Renumbering,
+    edits: &mut Vec<Edit>,
+) {
+    if !matches!(command.kind(), Some("ACTIVATE" | "DEACTIVATE")) {
+        return;
+    }
+    let space = command
+        .arguments
+        .iter()
+        .filter(|argument| argument.value == Value::Flag)
+        .filter_map(Argument::kind)
+        .find_map(|kind| STATEMENTS.iter().find(|def| def.name == kind)?.id);
+    let Some(space) = space else {
+        return;
+    };
+    let new = |id: u32| renumbering.get(&(space, id)).copied().unwrap_or(id);
+    for number in command.numbers("ID") {
+        let old = number.value as u32;
+        if f64::from(old) == number.value && new(old) != old {
+            edits.push(Edit::new(number.span, new(old).to_string()));
+        }
+    }
+    let (Some(argument), [from, to]) = (command.argument("RANGE"), command.numbers("RANGE")) else {
+        return;
+    };
+    let all: Vec<u32> = dataset
+        .statements()
+        .iter()
+        .filter(|statement| statement.def.is_some_and(|def| def.id == Some(space)))
+        .filter_map(Statement::number)
+        .collect();
+    let meant = |id: &&u32| (from.value..=to.value).contains(&f64::from(**id));
+    let ids: BTreeSet<u32> = all.iter().filter(meant).map(|id| new(*id)).collect();
+    let unchanged = all.iter().filter(meant).all(|id| new(*id) == *id);
+    let intruders = match (ids.first(), ids.last()) {
+        (Some(first), Some(last)) => all
+            .iter()
+            .map(|id| new(*id))
+            .any(|id| (first..=last).contains(&&id) && !ids.contains(&id)),
+        _ => return,
+    };
+    if unchanged && !intruders {
+        return;
+    }
+    let text = match (ids.first(), ids.last()) {
+        (Some(first), Some(last)) if !intruders => format!("RANGE={first},{last}"),
+        // The objects do not stand side by side any more.
+        _ => {
+            let list: Vec<String> = ids.iter().map(u32::to_string).collect();
+            format!("ID={}", list.join(","))
+        }
+    };
+    edits.push(Edit::new(argument.span, text));
+}
+
+/// Leading zeros keep the width of an id.
+fn spelled(new: u32, old: &[u8]) -> String {
+    let width = if old.starts_with(b"0") { old.len() } else { 0 };
+    format!("{new:0width$}")
+}
+
+fn unknowable(source: &Source, statement: &Statement, diagnostics: &mut Vec<Diagnostic>) {
+    for argument in &statement.arguments {
+        let what = match argument.value {
+            Value::User(_) => "the numbers of this USER call",
+            Value::Numbers(_)
+                if statement.kind() == Some("ARRAY") && argument.kind() == Some("NUMBERS") =>
+            {
+                "the numbers of this array"
+            }
+            _ => continue,
+        };
+        diagnostics.push(
+            Diagnostic::warning(
+                Code::UserSubroutine,
+                format!("{what} may be ids; they were left as they are"),
+            )
+            .label(source.name(), argument.span, ""),
+        );
+    }
+}
