@@ -3,6 +3,7 @@ use std::path::{Path, PathBuf};
 use crate::diagnostic::{Code, Diagnostic};
 
 use super::Outcome;
+use super::permissions::make_executable;
 use super::shell::{Exit, Shell};
 
 /// Put commands called like ADAMS' own into a folder; each runs this installation's `mdi`.
@@ -81,17 +82,6 @@ fn windows_shim(mdi: &Path) -> String {
     // `%` would be taken for a variable.
     let quoted = mdi.display().to_string().replace('%', "%%");
     format!("@echo off\r\n\"{quoted}\" %*\r\nexit /b %ERRORLEVEL%\r\n")
-}
-
-#[cfg(unix)]
-fn make_executable(path: &Path) -> std::io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o755))
-}
-
-#[cfg(not(unix))]
-fn make_executable(_: &Path) -> std::io::Result<()> {
-    Ok(())
 }
 
 #[cfg(test)]

@@ -3,14 +3,20 @@
 //! The only place that prints, colours and asks. Knows no formats and no mechanics: every subcommand calls one function of a
 //! lower floor and shows what came back.
 
+mod addresses;
 mod check;
 mod compare;
 mod completions;
+mod diff;
 mod explain;
+mod fix;
+mod get;
 mod identify;
 mod install_shims;
+mod permissions;
 mod render;
 mod results;
+mod set;
 mod shell;
 mod solve;
 
@@ -40,6 +46,10 @@ struct Cli {
 #[derive(Subcommand, Debug)]
 enum Command {
     Check(check::Arguments),
+    Fix(fix::Arguments),
+    Get(get::Arguments),
+    Set(set::Arguments),
+    Diff(diff::Arguments),
     Solve(solve::Arguments),
     Identify(identify::Arguments),
     Results(results::Arguments),
@@ -56,6 +66,10 @@ pub fn main() -> ExitCode {
     let mut shell = Shell::new(cli.format, cli.color);
     let exit = match cli.command {
         Command::Check(arguments) => check::run(&arguments, &mut shell),
+        Command::Fix(arguments) => fix::run(&arguments, &mut shell),
+        Command::Get(arguments) => get::run(&arguments, &mut shell),
+        Command::Set(arguments) => set::run(&arguments, &mut shell),
+        Command::Diff(arguments) => diff::run(&arguments, &mut shell),
         Command::Solve(arguments) => solve::run(&arguments, &mut shell),
         Command::Identify(arguments) => identify::run(&arguments, &mut shell),
         Command::Results(arguments) => results::run(&arguments, &mut shell),

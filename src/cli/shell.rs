@@ -5,6 +5,7 @@ use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::session::Sources;
 use crate::text::Source;
 
+use super::permissions::as_new_files;
 use super::render;
 
 /// How complaints are printed.
@@ -168,9 +169,8 @@ fn replace_file(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
-    let mut file = tempfile::Builder::new()
-        .prefix(".admire-")
-        .tempfile_in(folder)?;
+    let mut builder = tempfile::Builder::new();
+    let mut file = as_new_files(builder.prefix(".admire-")).tempfile_in(folder)?;
     file.write_all(bytes)?;
     file.as_file().sync_all()?;
     if let Ok(before) = std::fs::metadata(&path) {

@@ -72,7 +72,11 @@ impl<'a> Messages<'a> {
     fn banner(&mut self, directory: &Path) {
         let rule = "-".repeat(79);
         let mut text = format!("\n{rule}\n");
-        let here = std::path::absolute(Path::new(".").join(directory)).unwrap_or_default();
+        let here = if directory.as_os_str().is_empty() {
+            std::env::current_dir().unwrap_or_default()
+        } else {
+            std::path::absolute(directory).unwrap_or_default()
+        };
         let lines = [
             String::new(),
             format!("{:^75}", concat!("admire ", env!("CARGO_PKG_VERSION"))),

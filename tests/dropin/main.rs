@@ -10,3 +10,4 @@ mod reference;
 mod run;
 mod security;
 mod shims;
+mod toolkit;

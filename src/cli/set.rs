@@ -1,0 +1,74 @@
+use std::path::PathBuf;
+
+use clap_complete::ArgValueCompleter;
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::syntax::{Dataset, number};
+
+use super::Outcome;
+use super::addresses::complete;
+use super::get::parse;
+use super::shell::{Exit, Shell};
+
+/// Change values of a dataset; only their own bytes change.
+///
+/// A number is in the deck's units, an angle in radians or with the suffix D; anything else is written as it is in place of the
+/// whole value (`SFORCE/3.FUNCTION=10*TIME`). Without assignments the copy is identical. Without -o or --in-place the new deck
+/// goes to standard output.
+#[derive(clap::Args, Debug)]
+pub(super) struct Arguments {
+    /// The dataset.
+    deck: PathBuf,
+    /// `BUSHING/12.K.2=15000`, `front_arm_bushing.K=1,2,3`, ...
+    #[arg(value_name = "ADDRESS=VALUE", add = ArgValueCompleter::new(complete))]
+    assignments: Vec<String>,
+    /// Where to write the new deck.
+    #[arg(long, short, conflicts_with = "in_place")]
+    out: Option<PathBuf>,
+    /// Replace the deck itself.
+    #[arg(long)]
+    in_place: bool,
+}
+
+/// Writes the changed deck.
+pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    let source = shell.read(&arguments.deck)?;
+    let mut dataset = Dataset::parse(source).value;
+    for assignment in &arguments.assignments {
+        let Some((address, value)) = assignment.split_once('=') else {
+            return Err(shell.fail(
+                Diagnostic::error(Code::BadNumber, format!("`{assignment}` has no `=`"))
+                    .help("write ADDRESS=VALUE"),
+            ));
+        };
+        let address = parse(address, &dataset, shell)?;
+        let value = value.trim();
+        let edits = match number::parse_number(value.as_bytes()) {
+            Some((number, _)) => dataset.set(&address, number),
+            None => dataset.set_text(&address, value),
+        };
+        let edits = edits.map_err(|diagnostic| {
+            shell.complain(&[diagnostic]);
+            Exit::Findings
+        })?;
+        dataset = dataset
+            .edited(&edits)
+            .map_err(|conflict| {
+                shell.fail(Diagnostic::error(Code::CannotWrite, conflict.to_string()))
+            })?
+            .value;
+    }
+    let target = if arguments.in_place {
+        Some(&arguments.deck)
+    } else {
+        arguments.out.as_ref()
+    };
+    match target {
+        Some(path) => shell.write(path, dataset.bytes())?,
+        None => {
+            // Nobody may be listening.
+            let _ = std::io::Write::write_all(&mut std::io::stdout(), dataset.bytes());
+        }
+    }
+    Ok(Exit::Fine)
+}
