@@ -116,7 +116,7 @@ pub(super) fn count_tokens(text: &[u8]) -> usize {
             .iter()
             .zip(after)
             .map(|(&b, &a)| u8::from(is_blank(b) & !is_blank(a)))
-            .sum();
+            .fold(0, u8::wrapping_add);
         count += usize::from(starts);
     }
     count

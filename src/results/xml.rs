@@ -8,7 +8,7 @@ use std::ops::Range;
 
 /// Longest tag, comment, or text of a header.
 pub(super) const LIMIT: usize = 1 << 20;
-const CHUNK: usize = 1 << 18;
+const CHUNK: usize = 1 << 16;
 
 /// Why XML is refused.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
