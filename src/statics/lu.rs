@@ -193,11 +193,6 @@ impl Lu {
             .sum();
         sum.sqrt()
     }
-
-    /// Products of one factorisation.
-    pub fn operations(&self) -> usize {
-        self.targets.len()
-    }
 }
 
 #[cfg(test)]

@@ -3,8 +3,8 @@
 use super::lu::Lu;
 use super::matrix::Matrix;
 use super::rank::{free_motion, redundant_equations};
-use super::{Continuation, Iteration, Report, Settings, SolveError};
-use crate::mechanics::{Mat6, Vec3, skew};
+use super::{Continuation, Iteration, Report, Settings, SolveError, Tangent};
+use crate::mechanics::{Mat6, Pose, Vec3, skew};
 use crate::system::{NoValue, Parameters, Scratch, State, System};
 
 /// ADAMS' default of STABILITY: up to here it only holds massive free motions.
@@ -13,6 +13,8 @@ const DEFAULT_STABILITY: f64 = 1e-5;
 const CREEPING: usize = 10;
 /// Shortest fraction of a step the line search tries.
 const SHORTEST: f64 = 1.0 / 256.0;
+/// Relative corrections below which old factors are tried.
+const NEAR: f64 = 1e-3;
 /// Relative size of corrections and imbalances that may be round-off.
 const NOISE: f64 = 1e-9;
 /// A removed constraint equation may be violated by so much of the model's length.
@@ -52,6 +54,9 @@ pub struct Solver {
     shortened: usize,
     limited: usize,
     at_roundoff: bool,
+    factorisations: usize,
+    /// Where the factors are the tangent of an equilibrium.
+    poses: Vec<Pose>,
 }
 
 /// Why a sequence of iterations ended without an answer.
@@ -72,6 +77,8 @@ struct Way {
     /// Fraction of `held` that still acts against the imbalance.
     held: f64,
     damped: bool,
+    /// The factors are those of an earlier iteration.
+    keep: bool,
     error: f64,
     imbalance: f64,
     maxit: usize,
@@ -97,6 +104,8 @@ impl Solver {
             shortened: 0,
             limited: 0,
             at_roundoff: false,
+            factorisations: 0,
+            poses: Vec::new(),
         }
     }
 
@@ -127,12 +136,14 @@ impl Solver {
         settings: &Settings,
     ) -> Result<Report, SolveError> {
         let mut report = Report::default();
+        self.factorisations = 0;
         if state.redundant.len() != system.equations {
             self.find_redundant(system, parameters, state)?;
         }
         let plain = Way {
             held: 0.0,
             damped: false,
+            keep: false,
             error: settings.error,
             imbalance: settings.imbalance,
             maxit: settings.maxit,
@@ -170,7 +181,23 @@ impl Solver {
         report.history.clone_from(&self.history);
         report.shortened = self.shortened;
         report.at_roundoff = self.at_roundoff;
+        report.factorisations = self.factorisations;
+        self.poses.clone_from(&state.poses);
         Ok(report)
+    }
+
+    /// The linearised equations at an equilibrium.
+    ///
+    /// # Errors
+    /// [`SolveError::NoValue`] if an element has no value there.
+    pub fn tangent(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+    ) -> Result<Tangent, SolveError> {
+        let factors = self.matrix.clone();
+        Tangent::with(system, parameters, state, (factors, &mut self.next))
     }
 
     /// Marks the constraint equations that say nothing new in this configuration.
@@ -223,18 +250,29 @@ impl Solver {
         Ok(())
     }
 
-    /// Residual and Jacobian at the state, the held part of the first imbalance taken off.
+    /// Jacobian at the state; `g_trial` is overwritten.
     fn assemble(
         &mut self,
         system: &System,
         parameters: &Parameters,
         state: &State,
-        way: Way,
     ) -> Result<(), NoValue> {
         self.next.clear();
         let (scratch, g, next) = (&mut self.scratch, &mut self.g_trial, &mut self.next);
         system.assemble(parameters, state, scratch, g, next)?;
         self.next.finish();
+        Ok(())
+    }
+
+    /// Residual at the trial state, the held part of the first imbalance taken off.
+    fn evaluate(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        way: Way,
+    ) -> Result<(), NoValue> {
+        let (scratch, g) = (&mut self.scratch, &mut self.g_trial);
+        system.residual(parameters, &self.trial, scratch, g)?;
         self.hold(way);
         Ok(())
     }
@@ -258,17 +296,23 @@ impl Solver {
         self.history.clear();
         (self.shortened, self.limited) = (0, 0);
         self.at_roundoff = false;
-        self.assemble(system, parameters, state, way)?;
+        // The factors of the last equilibrium are the tangent that predicts the next one.
+        let mut keep = self.poses == state.poses && !way.damped && way.held == 0.0;
+        self.poses.clear();
+        self.trial.clone_from(state);
+        self.evaluate(system, parameters, way)?;
         std::mem::swap(&mut self.g, &mut self.g_trial);
         let first = largest(&self.g).max(f64::MIN_POSITIVE);
         // The first damped step is about half of TLIMIT long.
         let damping = 2.0 * force_imbalance(system, &self.g) / settings.tlimit;
-        for iteration in 0..way.maxit {
+        let mut iteration = 0;
+        while iteration < way.maxit {
             let imbalance = largest(&self.g);
             if !imbalance.is_finite() {
                 return Err(Failure::NotConverged);
             }
-            if settings.new_jacobian(iteration) || iteration == 0 || way.damped {
+            if !keep && (settings.new_jacobian(iteration) || iteration == 0 || way.damped) {
+                self.assemble(system, parameters, state)?;
                 if settings.stability > DEFAULT_STABILITY * (1.0 + 1e-9) {
                     add_stability(
                         system,
@@ -283,6 +327,7 @@ impl Solver {
                     add_damping(system, damping * fraction, &mut self.next);
                 }
                 self.matrix.factor(&self.next);
+                self.factorisations += 1;
             }
             for (dx, g) in self.dx.iter_mut().zip(&self.g) {
                 *dx = -g;
@@ -293,7 +338,15 @@ impl Solver {
             if limit < 1.0 {
                 self.limited += 1;
             }
-            let step = self.take(system, parameters, state, way, (limit, correction))?;
+            let way_now = Way { keep, ..way };
+            let Some(step) = self.take(system, parameters, state, way_now, (limit, correction))?
+            else {
+                // The old factors do not serve: the same place again with new ones.
+                keep = false;
+                continue;
+            };
+            iteration += 1;
+            let before = self.history.last().map_or(f64::INFINITY, |i| i.correction);
             self.history.push(Iteration {
                 imbalance,
                 correction,
@@ -305,25 +358,28 @@ impl Solver {
             }
             std::mem::swap(state, &mut self.trial);
             std::mem::swap(&mut self.g, &mut self.g_trial);
-            if step < 1.0 || correction >= way.error {
+            if step < 1.0 {
+                keep = false;
                 continue;
             }
-            if balanced(system, &self.g, way.imbalance, self.scratch.largest) {
+            let noise = self.scratch.largest;
+            if correction < way.error && balanced(system, &self.g, way.imbalance, noise) {
                 return Ok(());
             }
             // Below round-off of stiffness times position no iteration gets any further.
-            let after = largest(&self.g);
-            let noise = NOISE * self.scratch.largest * system.length.max(1.0);
-            if correction < NOISE && after > 0.1 * imbalance && after < noise {
+            if largest(&self.g) > 0.1 * imbalance && self.is_noise(system, state) {
                 self.at_roundoff = true;
                 return Ok(());
             }
+            // Near the end the factors change so little that old ones do.
+            let falling = !keep || correction < 0.1 * before;
+            keep = !way.damped && correction < NEAR && falling;
         }
         Err(Failure::NotConverged)
     }
 
     /// Goes along `dx` to the trial state. The whole (limited) step is taken unless it makes things worse in the residual and in
-    /// the next correction (Deuflhard's natural monotonicity test); then shorter ones are tried.
+    /// the next correction (Deuflhard's natural monotonicity test); then shorter ones are tried, or none if the factors are old.
     fn take(
         &mut self,
         system: &System,
@@ -331,7 +387,7 @@ impl Solver {
         state: &State,
         way: Way,
         (limit, correction): (f64, f64),
-    ) -> Result<f64, Failure> {
+    ) -> Result<Option<f64>, Failure> {
         let mut step = limit;
         loop {
             for (s, dx) in self.step.iter_mut().zip(&self.dx) {
@@ -339,32 +395,53 @@ impl Solver {
             }
             self.trial.clone_from(state);
             system.advance(&mut self.trial, &self.step);
-            // Where the iteration is about to end, the Jacobian would be for nothing.
-            if correction < 1e-6 && way.held == 0.0 {
-                let (scratch, g) = (&mut self.scratch, &mut self.g_trial);
-                system.residual(parameters, &self.trial, scratch, g)?;
-                if balanced(system, &self.g_trial, way.imbalance, self.scratch.largest)
-                    && correction < way.error
-                {
-                    return Ok(step);
-                }
-            }
-            let trial = std::mem::replace(&mut self.trial, State::empty());
-            let assembled = self.assemble(system, parameters, &trial, way);
-            self.trial = trial;
-            match assembled {
+            let trust = way.damped || correction < NOISE || step <= SHORTEST;
+            match self.evaluate(system, parameters, way) {
                 Err(reason) if step <= SHORTEST => return Err(reason.into()),
                 Err(_) => {}
                 Ok(()) => {
-                    let trust = way.damped || correction < NOISE || step <= SHORTEST;
                     if trust || self.is_better(system, step) {
-                        return Ok(step);
+                        return Ok(Some(step));
                     }
                 }
+            }
+            if way.keep {
+                return Ok(None);
             }
             self.shortened += 1;
             step *= 0.5;
         }
+    }
+
+    /// True if every equation is within what round-off of positions, angles and multipliers makes of its terms. `dx_bar` is
+    /// overwritten.
+    fn is_noise(&mut self, system: &System, state: &State) -> bool {
+        let floor = &mut self.dx_bar;
+        floor.fill(0.0);
+        let scales = &mut self.step;
+        scales.fill(0.0);
+        for (body, pose) in system.bodies.iter().zip(&state.poses) {
+            for k in 0..body.freedoms {
+                scales[body.first + k] = if k < 3 {
+                    pose.p.amax().max(system.length)
+                } else {
+                    1.0
+                };
+            }
+        }
+        for (k, multiplier) in state.multipliers.iter().enumerate() {
+            scales[system.first_equation + k] = multiplier.abs();
+        }
+        for (k, variable) in state.variables.iter().enumerate() {
+            scales[system.first_variable + k] = variable.abs();
+        }
+        for (row, column, value) in self.next.entries() {
+            floor[row] += value.abs() * scales[column];
+        }
+        self.g
+            .iter()
+            .zip(floor)
+            .all(|(g, floor)| g.abs() <= 8.0 * f64::EPSILON * *floor)
     }
 
     fn is_better(&mut self, system: &System, step: f64) -> bool {

@@ -48,6 +48,8 @@ impl fmt::Display for FreeMotion {
 pub struct Report {
     /// Iterations in all, those of continuation included.
     pub iterations: usize,
+    /// How many of them worked out and factored a new Jacobian; the others used an earlier one.
+    pub factorisations: usize,
     /// Largest residual of any equation at the end.
     pub imbalance: f64,
     /// Largest relative correction of the last iteration.

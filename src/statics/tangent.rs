@@ -15,7 +15,7 @@ pub struct Tangent {
 }
 
 impl Tangent {
-    /// At an equilibrium.
+    /// At an equilibrium. Those who have just solved take [`Solver::tangent`](super::Solver::tangent), which is cheaper.
     ///
     /// # Errors
     /// [`SolveError::NoValue`] if an element has no value there.
@@ -24,16 +24,24 @@ impl Tangent {
         parameters: &Parameters,
         state: &State,
     ) -> Result<Self, SolveError> {
-        let mut new = Self {
-            factors: Lu::new(system.unknowns()),
-            scratch: Scratch::new(system),
-        };
+        let n = system.unknowns();
+        Self::with(system, parameters, state, (Lu::new(n), &mut Matrix::new(n)))
+    }
+
+    /// With factors and a matrix that may know the pattern and the order already.
+    pub(super) fn with(
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+        (mut factors, matrix): (Lu, &mut Matrix),
+    ) -> Result<Self, SolveError> {
+        let mut scratch = Scratch::new(system);
         let mut g = vec![0.0; system.unknowns()];
-        let mut matrix = Matrix::new(system.unknowns());
-        system.assemble(parameters, state, &mut new.scratch, &mut g, &mut matrix)?;
+        matrix.clear();
+        system.assemble(parameters, state, &mut scratch, &mut g, matrix)?;
         matrix.finish();
-        new.factors.factor(&matrix);
-        Ok(new)
+        factors.factor(matrix);
+        Ok(Self { factors, scratch })
     }
 
     /// How many motions nothing resists; they are held where they are.

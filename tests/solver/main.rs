@@ -4,6 +4,7 @@
 mod common;
 mod deck;
 mod derivatives;
+mod elements;
 mod reference;
 mod robust;
 mod speed;
