@@ -165,6 +165,11 @@ impl Solver {
         if let Err(failure) = result {
             return Err(self.explain(system, parameters, state, settings, failure));
         }
+        if self.matrix.deficiency() > 0 {
+            // The factors may be some iterations old, the free motions are to be those of here.
+            self.assemble(system, parameters, state)?;
+            self.matrix.factor(&self.next);
+        }
         for m in 0..self.matrix.deficiency() {
             let z = self.matrix.null_vector(m);
             if let Some(motion) = free_motion(system, parameters, state, &z) {
