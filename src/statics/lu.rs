@@ -79,7 +79,8 @@ impl Lu {
             let at = step.at as usize;
             let pivot = self.values[at];
             // Written so that a NaN fails.
-            if !(pivot.abs() >= SHRUNK * step.size) {
+            let sound = pivot.abs() >= SHRUNK * step.size;
+            if !sound {
                 return false;
             }
             let inverse = 1.0 / pivot;

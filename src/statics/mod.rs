@@ -2,16 +2,21 @@
 //!
 //! Newton's method on the force balance with Lagrange multipliers. Knows no files and no commands.
 
+mod continuation;
 mod lu;
 mod matrix;
+mod measures;
 mod newton;
+mod path;
 mod pivoting;
 mod rank;
 mod report;
 mod settings;
+mod stability;
 mod tangent;
 
 pub use newton::{Solver, solve};
 pub use report::{Continuation, FreeMotion, Iteration, Report, SolveError};
 pub use settings::Settings;
+pub use stability::smallest_eigenvalue;
 pub use tangent::{Tangent, point_change};

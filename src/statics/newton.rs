@@ -2,9 +2,13 @@
 
 use super::lu::Lu;
 use super::matrix::Matrix;
+use super::measures::{
+    balanced, force_imbalance, largest, limit, motion_norm, relative_correction,
+};
+use super::path::{add_damping, add_stability};
 use super::rank::{free_motion, redundant_equations};
-use super::{Continuation, Iteration, Report, Settings, SolveError, Tangent};
-use crate::mechanics::{Mat6, Pose, Vec3, skew};
+use super::{Iteration, Report, Settings, SolveError, Tangent};
+use crate::mechanics::Pose;
 use crate::system::{NoValue, Parameters, Scratch, State, System};
 
 /// ADAMS' default of STABILITY: up to here it only holds massive free motions.
@@ -36,23 +40,23 @@ pub fn solve(
 /// Memory for solving one system again and again: nothing is allocated per iteration.
 #[derive(Clone, Debug)]
 pub struct Solver {
-    scratch: Scratch,
+    pub(super) scratch: Scratch,
     /// Factors of the last Jacobian in use.
-    matrix: Lu,
+    pub(super) matrix: Lu,
     /// Assembled at the trial state.
     next: Matrix,
-    g: Vec<f64>,
+    pub(super) g: Vec<f64>,
     g_trial: Vec<f64>,
     dx: Vec<f64>,
     dx_bar: Vec<f64>,
     step: Vec<f64>,
     /// What is not yet released of the imbalance at the start.
-    held: Vec<f64>,
-    start: State,
+    pub(super) held: Vec<f64>,
+    pub(super) start: State,
     trial: State,
-    history: Vec<Iteration>,
+    pub(super) history: Vec<Iteration>,
     shortened: usize,
-    limited: usize,
+    pub(super) limited: usize,
     at_roundoff: bool,
     factorisations: usize,
     /// Where the factors are the tangent of an equilibrium.
@@ -60,7 +64,7 @@ pub struct Solver {
 }
 
 /// Why a sequence of iterations ended without an answer.
-enum Failure {
+pub(super) enum Failure {
     NotConverged,
     NoValue(NoValue),
 }
@@ -73,15 +77,15 @@ impl From<NoValue> for Failure {
 
 /// How a sequence of iterations is run.
 #[derive(Clone, Copy)]
-struct Way {
+pub(super) struct Way {
     /// Fraction of `held` that still acts against the imbalance.
-    held: f64,
-    damped: bool,
+    pub held: f64,
+    pub damped: bool,
     /// The factors are those of an earlier iteration.
-    keep: bool,
-    error: f64,
-    imbalance: f64,
-    maxit: usize,
+    pub keep: bool,
+    pub error: f64,
+    pub imbalance: f64,
+    pub maxit: usize,
 }
 
 impl Solver {
@@ -148,22 +152,20 @@ impl Solver {
             imbalance: settings.imbalance,
             maxit: settings.maxit,
         };
-        let mut result = self.iterate(system, parameters, state, settings, plain);
+        let result = self.iterate(system, parameters, state, settings, plain);
         report.iterations += self.history.len();
-        if result.is_err() && settings.continuation {
-            let first = (std::mem::take(&mut self.history), self.limited);
+        if let Err(failure) = result {
+            // The plain iteration is what the user knows: it is what is told if nothing helps.
+            let error = self.explain(system, parameters, state, settings, failure);
+            if !settings.continuation {
+                return Err(error);
+            }
             let (help, more) = self.continuation(system, parameters, state, settings, plain);
             report.iterations += more;
-            if let Some(help) = help {
-                report.continuation = Some(help);
-                result = Ok(());
-            } else {
-                // The plain iteration is what the user knows: its history is told.
-                (self.history, self.limited) = first;
+            if help.is_none() {
+                return Err(error);
             }
-        }
-        if let Err(failure) = result {
-            return Err(self.explain(system, parameters, state, settings, failure));
+            report.continuation = help;
         }
         if self.matrix.deficiency() > 0 {
             // The factors may be some iterations old, the free motions are to be those of here.
@@ -174,7 +176,7 @@ impl Solver {
             let z = self.matrix.null_vector(m);
             if let Some(motion) = free_motion(system, parameters, state, &z) {
                 if !motion.has_mass {
-                    return Err(SolveError::FreeMotion(motion));
+                    return Err(SolveError::FreeMotion(Box::new(motion)));
                 }
                 report.free_motions.push(motion);
             }
@@ -290,7 +292,7 @@ impl Solver {
         }
     }
 
-    fn iterate(
+    pub(super) fn iterate(
         &mut self,
         system: &System,
         parameters: &Parameters,
@@ -463,275 +465,5 @@ impl Solver {
         }
         self.matrix.solve(&mut self.dx_bar);
         motion_norm(system, &self.dx_bar) <= (1.0 - 0.25 * step) * motion_norm(system, &self.dx)
-    }
-
-    /// Ways to an equilibrium that plain iteration does not find. Gives the one that helped and the iterations used.
-    fn continuation(
-        &mut self,
-        system: &System,
-        parameters: &Parameters,
-        state: &mut State,
-        settings: &Settings,
-        plain: Way,
-    ) -> (Option<Continuation>, usize) {
-        let mut iterations = 0;
-        let start = self.start.clone();
-        let reset = |state: &mut State| {
-            let redundant = std::mem::take(&mut state.redundant);
-            state.clone_from(&start);
-            state.redundant = redundant;
-        };
-        reset(state);
-        let damped = Way {
-            damped: true,
-            maxit: 200,
-            error: 1e-3,
-            imbalance: plain.imbalance.max(1e-6 * self.scratch.largest),
-            ..plain
-        };
-        let found = self.iterate(system, parameters, state, settings, damped);
-        iterations += self.history.len();
-        if found.is_ok() {
-            let found = self.iterate(system, parameters, state, settings, plain);
-            iterations += self.history.len();
-            if found.is_ok() {
-                return (Some(Continuation::Damped), iterations);
-            }
-        }
-        reset(state);
-        if system
-            .residual(parameters, state, &mut self.scratch, &mut self.held)
-            .is_err()
-        {
-            return (None, iterations);
-        }
-        let (mut released, mut increment, mut steps) = (0.0_f64, 0.25_f64, 0);
-        while released < 1.0 && steps < 200 {
-            let goal = (released + increment).min(1.0);
-            let way = Way {
-                held: 1.0 - goal,
-                maxit: 15,
-                error: 1e-3,
-                imbalance: 1e-4 * largest(&self.held),
-                ..plain
-            };
-            let before = state.clone();
-            let found = self.iterate(system, parameters, state, settings, way);
-            iterations += self.history.len();
-            steps += 1;
-            if found.is_ok() {
-                released = goal;
-                increment *= 2.0;
-            } else {
-                state.clone_from(&before);
-                increment *= 0.5;
-                if increment < 1e-3 {
-                    return (None, iterations);
-                }
-            }
-        }
-        let found = self.iterate(system, parameters, state, settings, plain);
-        iterations += self.history.len();
-        (
-            found.is_ok().then_some(Continuation::Load { steps }),
-            iterations,
-        )
-    }
-
-    /// What to tell about a failure.
-    fn explain(
-        &mut self,
-        system: &System,
-        parameters: &Parameters,
-        state: &State,
-        settings: &Settings,
-        failure: Failure,
-    ) -> SolveError {
-        if let Failure::NoValue(reason) = failure {
-            return reason.into();
-        }
-        let mut causes = Vec::new();
-        for m in 0..self.matrix.deficiency() {
-            let z = self.matrix.null_vector(m);
-            if let Some(motion) = free_motion(system, parameters, state, &z) {
-                if !motion.has_mass {
-                    return SolveError::FreeMotion(motion);
-                }
-                causes.push(format!("{motion}, and something drives it"));
-            }
-        }
-        if self.limited > 0 {
-            causes.push(format!(
-                "{} steps were cut to TLIMIT={} or ALIMIT={} degrees: the start is far from equilibrium",
-                self.limited,
-                settings.tlimit,
-                settings.alimit.to_degrees().round()
-            ));
-        }
-        let worst = self
-            .g
-            .iter()
-            .enumerate()
-            .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
-            .map_or(0, |(k, _)| k);
-        SolveError::NotConverged {
-            worst: system.equation_name(worst),
-            imbalance: self.g.get(worst).copied().unwrap_or(0.0),
-            history: self.history.clone(),
-            causes,
-        }
-    }
-}
-
-fn largest(g: &[f64]) -> f64 {
-    // A NaN must not hide.
-    g.iter().fold(
-        0.0,
-        |a: f64, b| {
-            if b.is_nan() { f64::NAN } else { a.max(b.abs()) }
-        },
-    )
-}
-
-fn force_imbalance(system: &System, g: &[f64]) -> f64 {
-    let mut out = 0.0_f64;
-    for body in &system.bodies {
-        for k in 0..body.freedoms {
-            let scale = if k < 3 { 1.0 } else { system.length };
-            out = out.max(g[body.first + k].abs() / scale);
-        }
-    }
-    out
-}
-
-/// Every equation within IMBALANCE, or within what round-off leaves of the forces that cancel in it.
-fn balanced(system: &System, g: &[f64], imbalance: f64, force: f64) -> bool {
-    let floor = 64.0 * f64::EPSILON * force;
-    for body in &system.bodies {
-        for k in 0..body.freedoms {
-            let scale = if k < 3 { 1.0 } else { 4.0 * system.length };
-            if !(g[body.first + k].abs() <= imbalance.max(floor * scale)) {
-                return false;
-            }
-        }
-    }
-    let floor = 64.0 * f64::EPSILON * system.length;
-    g[system.first_equation..]
-        .iter()
-        .all(|g| g.abs() <= imbalance.max(floor))
-}
-
-/// Largest correction: translations by the larger of position and model length, rotations in radians, multipliers by the
-/// largest of them, variables and states by the larger of their value and one.
-fn relative_correction(system: &System, state: &State, dx: &[f64]) -> f64 {
-    let mut out = 0.0_f64;
-    for (body, pose) in system.bodies.iter().zip(&state.poses) {
-        let d = &dx[body.first..body.first + body.freedoms];
-        for k in 0..body.freedoms {
-            let scale = if k < 3 {
-                pose.p[k].abs().max(system.length)
-            } else {
-                1.0
-            };
-            out = out.max(d[k].abs() / scale);
-        }
-    }
-    let largest = state
-        .multipliers
-        .iter()
-        .fold(1.0_f64, |a, b| a.max(b.abs()));
-    for d in &dx[system.first_equation..system.first_variable] {
-        out = out.max(d.abs() / largest);
-    }
-    for (d, v) in dx[system.first_variable..].iter().zip(&state.variables) {
-        out = out.max(d.abs() / v.abs().max(1.0));
-    }
-    for (equation, value) in system.states.iter().zip(&state.states) {
-        if let Some(unknown) = equation.unknown {
-            out = out.max(dx[unknown].abs() / value.abs().max(1.0));
-        }
-    }
-    out
-}
-
-/// The fraction of the step that keeps every part within TLIMIT and ALIMIT.
-fn limit(system: &System, settings: &Settings, dx: &[f64]) -> f64 {
-    let (mut shift, mut turn) = (0.0_f64, 0.0_f64);
-    for body in &system.bodies {
-        for k in 0..body.freedoms {
-            let d = dx[body.first + k].abs();
-            if k < 3 {
-                shift = shift.max(d);
-            } else {
-                turn = turn.max(d);
-            }
-        }
-    }
-    let mut out = 1.0;
-    if shift > settings.tlimit {
-        out = settings.tlimit / shift;
-    }
-    if turn * out > settings.alimit {
-        out = settings.alimit / turn;
-    }
-    out
-}
-
-fn motion_norm(system: &System, dx: &[f64]) -> f64 {
-    let mut sum = 0.0;
-    for body in &system.bodies {
-        for k in 0..body.freedoms {
-            let scale = if k < 3 { 1.0 } else { system.length };
-            sum += (dx[body.first + k] * scale).powi(2);
-        }
-    }
-    sum.sqrt()
-}
-
-/// STABILITY times mass, over the units consistency factor, to the stiffness block.
-fn add_stability(
-    system: &System,
-    parameters: &Parameters,
-    state: &State,
-    stability: f64,
-    matrix: &mut Matrix,
-) {
-    for (body, pose) in system.bodies.iter().zip(&state.poses) {
-        if body.freedoms == 0 {
-            continue;
-        }
-        let mass = parameters.theta()[body.mass];
-        let arm = body
-            .cm
-            .map_or_else(Vec3::zeros, |cm| pose.R * parameters.markers()[cm].p);
-        let r = skew(&arm) * mass;
-        let mut M = Mat6::zeros();
-        for k in 0..3 {
-            M[(k, k)] = mass;
-        }
-        let inertia = pose.R * body.inertia * pose.R.transpose() - r * skew(&arm);
-        M.fixed_view_mut::<3, 3>(0, 3).copy_from(&-r);
-        M.fixed_view_mut::<3, 3>(3, 0).copy_from(&r);
-        M.fixed_view_mut::<3, 3>(3, 3).copy_from(&inertia);
-        for i in 0..body.freedoms {
-            for j in 0..body.freedoms {
-                let value = -stability / system.ucf * M[(i, j)];
-                matrix.add_later(body.first + i, body.first + j, value);
-            }
-        }
-    }
-}
-
-/// As if every part moved in honey.
-fn add_damping(system: &System, damping: f64, matrix: &mut Matrix) {
-    for body in &system.bodies {
-        for k in 0..body.freedoms {
-            let scale = if k < 3 {
-                1.0
-            } else {
-                system.length * system.length
-            };
-            matrix.add_later(body.first + k, body.first + k, -damping * scale);
-        }
     }
 }

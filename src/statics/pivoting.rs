@@ -169,7 +169,8 @@ impl Elimination<'_> {
         for &row in &self.columns[column as usize] {
             largest = largest.max(self.size(row, column, self.find(row, column)));
         }
-        if !(largest >= RANK_TOLERANCE) {
+        let enough = largest >= RANK_TOLERANCE;
+        if !enough {
             return None;
         }
         let mut best: Option<(usize, f64, u32)> = None;

@@ -100,7 +100,7 @@ pub enum SolveError {
     },
     /// A massless part moves without any resistance.
     #[error("{0}: it has neither stiffness nor mass there")]
-    FreeMotion(FreeMotion),
+    FreeMotion(Box<FreeMotion>),
     /// A removed constraint equation is violated where the others hold.
     #[error("{equation} contradicts the other constraints: it is violated by {violation:.3e}")]
     Inconsistent {

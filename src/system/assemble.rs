@@ -178,7 +178,6 @@ impl System {
 
     /// Evaluates a law at the state; the result is in `scratch.wrench`, in J axes.
     pub(crate) fn evaluate_law(
-        &self,
         element: &Element,
         parameters: &Parameters,
         state: &State,
@@ -246,7 +245,7 @@ impl System {
     ) -> Result<(), NoValue> {
         match &element.action {
             Action::Law(_, drive) => {
-                self.evaluate_law(element, parameters, state, scratch, false)?;
+                Self::evaluate_law(element, parameters, state, scratch, false)?;
                 let R = scratch.markers[element.j].R;
                 let (F, T) = halves(&R, &scratch.wrench.value);
                 scratch.largest = scratch.largest.max(F.amax().max(T.amax() / self.length));
@@ -260,7 +259,7 @@ impl System {
                 acting.add(g, sink);
                 if let Drive::Function(function) = drive {
                     let unit = halves(&R, &scratch.wrench.by_parameter[0]);
-                    self.add_gradient(&acting, unit, *function, scratch, sink);
+                    Self::add_gradient(&acting, unit, *function, scratch, sink);
                 }
             }
             Action::Vector(components) => {
@@ -279,7 +278,7 @@ impl System {
                     for k in 0..6 {
                         if let Some(function) = components[k] {
                             let unit = halves(&R, &Vec6::ith(k, 1.0));
-                            self.add_gradient(&acting, unit, function, scratch, sink);
+                            Self::add_gradient(&acting, unit, function, scratch, sink);
                         }
                     }
                 }
@@ -290,7 +289,6 @@ impl System {
 
     /// Adds unit wrench times the gradient of a function.
     fn add_gradient<S: Sink>(
-        &self,
         acting: &Acting,
         (F, T): (Vec3, Vec3),
         function: usize,
@@ -340,7 +338,7 @@ impl System {
             return;
         }
         for (number, term) in joint.terms.iter().enumerate() {
-            let multipliers = self.evaluate_term(joint, number, &out, parameters, state, scratch);
+            let multipliers = Self::evaluate_term(joint, number, out, parameters, state, scratch);
             let R = scratch.markers[term.j].R;
             let (a, c) = (self.owners[term.i], self.owners[term.j]);
             let (place_a, place_c) = (self.place(a), self.place(c));
@@ -404,10 +402,9 @@ impl System {
 
     /// Evaluates one term of a constraint into `scratch.equations`; gives the multipliers of the term.
     pub(crate) fn evaluate_term(
-        &self,
         joint: &Joint,
         number: usize,
-        removed: &[bool; 6],
+        removed: [bool; 6],
         parameters: &Parameters,
         state: &State,
         scratch: &mut Scratch,

@@ -38,7 +38,7 @@ impl System {
                 if !element.active {
                     return Ok(());
                 }
-                self.evaluate_law(element, parameters, state, scratch, true)?;
+                Self::evaluate_law(element, parameters, state, scratch, true)?;
                 if let Action::Law(_, Drive::Theta(range)) = &element.action {
                     let w = scratch.wrench.by_parameter[slot.0 - range.start];
                     let R = scratch.markers[element.j].R;
@@ -70,11 +70,11 @@ impl System {
             }
             Role::Joint { joint } => {
                 let joint = &self.joints[joint];
-                let out = self.removed(joint, state);
+                let out = Self::removed(joint, state);
                 if !joint.active || out[0] {
                     return Ok(());
                 }
-                let lambda = self.evaluate_term(joint, 0, &out, parameters, state, scratch);
+                let lambda = Self::evaluate_term(joint, 0, out, parameters, state, scratch);
                 dg[self.first_equation + joint.first] = scratch.equations.residual_by_parameter;
                 let term = &joint.terms[0];
                 let R = scratch.markers[term.j].R;
@@ -131,7 +131,7 @@ impl System {
         add_wrench(dg, self.place(b), -1.0, F, T, &arm);
     }
 
-    pub(crate) fn removed(&self, joint: &super::structure::Joint, state: &State) -> [bool; 6] {
+    pub(crate) fn removed(joint: &super::structure::Joint, state: &State) -> [bool; 6] {
         let mut out = [false; 6];
         for (k, out) in out.iter_mut().enumerate().take(joint.count) {
             *out = state.redundant.get(joint.first + k) == Some(&true);
@@ -151,7 +151,7 @@ impl System {
         for element in self.elements.iter().filter(|e| e.active) {
             match &element.action {
                 Action::Law(_, Drive::Function(f)) if *f == function => {
-                    self.evaluate_law(element, parameters, state, scratch, true)?;
+                    Self::evaluate_law(element, parameters, state, scratch, true)?;
                     let R = scratch.markers[element.j].R;
                     let (F, T) = halves(&R, &(scratch.wrench.by_parameter[0] * rate));
                     let acting = self.acting(element, state, scratch, (F, T), None);
@@ -172,10 +172,10 @@ impl System {
         }
         for joint in self.joints.iter().filter(|j| j.active) {
             if matches!(joint.drive, Drive::Function(f) if f == function)
-                && !self.removed(joint, state)[0]
+                && !Self::removed(joint, state)[0]
             {
-                let out = self.removed(joint, state);
-                self.evaluate_term(joint, 0, &out, parameters, state, scratch);
+                let out = Self::removed(joint, state);
+                Self::evaluate_term(joint, 0, out, parameters, state, scratch);
                 dg[self.first_equation + joint.first] +=
                     scratch.equations.residual_by_parameter * joint.terms[0].scale * rate;
             }
@@ -208,7 +208,7 @@ impl System {
             let (w, D, R);
             match &element.action {
                 Action::Law(..) => {
-                    self.evaluate_law(element, parameters, state, scratch, false)?;
+                    Self::evaluate_law(element, parameters, state, scratch, false)?;
                     R = scratch.markers[element.j].R;
                     w = halves(&R, &scratch.wrench.value);
                     D = turn(&R, &scratch.wrench.by_motion);
@@ -231,12 +231,12 @@ impl System {
             add_change(&acting, &of(element.i), &c, &d, dg);
         }
         for joint in self.joints.iter().filter(|j| j.active) {
-            let out = self.removed(joint, state);
+            let out = Self::removed(joint, state);
             for (number, term) in joint.terms.iter().enumerate() {
                 if term.i != marker && term.j != marker {
                     continue;
                 }
-                let lambda = self.evaluate_term(joint, number, &out, parameters, state, scratch);
+                let lambda = Self::evaluate_term(joint, number, out, parameters, state, scratch);
                 let R = scratch.markers[term.j].R;
                 let d = scratch.markers[term.i].p - scratch.markers[term.j].p;
                 let (i, j) = (of(term.i), of(term.j));

@@ -51,7 +51,7 @@ impl System {
         } else {
             Vec3::new(w[0], w[1], w[2])
         };
-        let magnitude = index % 4 == 0;
+        let magnitude = index.is_multiple_of(4);
         // Value = e . half; for a magnitude e is the direction of the force itself.
         let R = force
             .axes
@@ -166,7 +166,7 @@ impl System {
         let on = if element.active { 1.0 } else { 0.0 };
         match &element.action {
             Action::Law(_, drive) => {
-                self.evaluate_law(element, parameters, state, scratch, false)?;
+                Self::evaluate_law(element, parameters, state, scratch, false)?;
                 let R = scratch.markers[element.j].R;
                 let (F, T) = halves(&R, &scratch.wrench.value);
                 let D = turn(&R, &scratch.wrench.by_motion);
@@ -226,8 +226,8 @@ impl System {
         let term = &joint.terms[0];
         let on = if joint.active { 1.0 } else { 0.0 };
         let weight = weight * on;
-        let out = self.removed(joint, state);
-        let lambda = self.evaluate_term(joint, 0, &out, parameters, state, scratch);
+        let out = Self::removed(joint, state);
+        let lambda = Self::evaluate_term(joint, 0, out, parameters, state, scratch);
         let R = scratch.markers[term.j].R;
         let mut w = Vec6::zeros();
         for k in 0..joint.count {

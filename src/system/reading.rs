@@ -58,7 +58,7 @@ impl System {
         if element.active {
             match &element.action {
                 Action::Law(..) => {
-                    self.evaluate_law(element, parameters, state, scratch, false)?;
+                    Self::evaluate_law(element, parameters, state, scratch, false)?;
                     w = scratch.wrench.value;
                     R = scratch.markers[element.j].R;
                 }
@@ -90,8 +90,8 @@ impl System {
         };
         let mut w = Vec6::zeros();
         if joint.active {
-            let out = self.removed(joint, state);
-            let lambda = self.evaluate_term(joint, 0, &out, parameters, state, scratch);
+            let out = Self::removed(joint, state);
+            let lambda = Self::evaluate_term(joint, 0, out, parameters, state, scratch);
             for k in 0..joint.count {
                 w -= scratch.equations.jacobian[k] * lambda[k];
             }

@@ -104,10 +104,15 @@ fn forces() -> Deck {
     let stiffness: Vec<String> = (0..36)
         .map(|k| {
             let (r, c) = (k % 6, k / 6);
-            let scale = [30.0, 3e4][usize::from(r > 2)] * [1.0, 30.0][usize::from(c > 2)];
+            let scale: f64 = [30.0, 3e4][usize::from(r > 2)] * [1.0, 30.0][usize::from(c > 2)];
             format!(
                 "{}",
-                scale * if r == c { 10.0 } else { 1.0 / (1.0 + k as f64) }
+                scale
+                    * if r == c {
+                        10.0
+                    } else {
+                        1.0 / (1.0 + f64::from(k))
+                    }
             )
         })
         .collect();
@@ -162,7 +167,12 @@ fn forces() -> Deck {
             let scale = [5.0, 5e3][usize::from(r % 6 > 2)] * [1.0, 30.0][usize::from(c % 6 > 2)];
             format!(
                 "{}",
-                scale * if r == c { 10.0 } else { 1.0 / (1.0 + k as f64) }
+                scale
+                    * if r == c {
+                        10.0
+                    } else {
+                        1.0 / (1.0 + f64::from(k))
+                    }
             )
         })
         .collect();
@@ -186,7 +196,7 @@ fn forces() -> Deck {
     );
     let [x, y, z] = Deck::origin(2);
     deck.add(&format!("MARKER/8, PART=1, QP={x},{y},{z}"));
-    deck.add(&format!("POINT_MASS/1, MASS=1.5, CM=5, QG=50,60,70\nMARKER/5, POINT_MASS=1\nSPRINGDAMPER/9, I=5, J=200, TRANSLATIONAL, K=5, LENGTH=60\nSPRINGDAMPER/10, I=5, J=300, TRANSLATIONAL, K=5, LENGTH=60\nSPRINGDAMPER/11, I=5, J=1, TRANSLATIONAL, K=5, LENGTH=60"));
+    deck.add("POINT_MASS/1, MASS=1.5, CM=5, QG=50,60,70\nMARKER/5, POINT_MASS=1\nSPRINGDAMPER/9, I=5, J=200, TRANSLATIONAL, K=5, LENGTH=60\nSPRINGDAMPER/10, I=5, J=300, TRANSLATIONAL, K=5, LENGTH=60\nSPRINGDAMPER/11, I=5, J=1, TRANSLATIONAL, K=5, LENGTH=60");
     deck
 }
 

@@ -1,0 +1,126 @@
+//! Ways to an equilibrium that plain iteration does not find, and what to tell when there is none.
+
+use super::measures::largest;
+use super::newton::{Failure, Solver, Way};
+use super::rank::free_motion;
+use super::{Continuation, Settings, SolveError};
+use crate::system::{Parameters, State, System};
+
+impl Solver {
+    /// Ways to an equilibrium that plain iteration does not find. Gives the one that helped and the iterations used.
+    pub(super) fn continuation(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &mut State,
+        settings: &Settings,
+        plain: Way,
+    ) -> (Option<Continuation>, usize) {
+        let mut iterations = 0;
+        let start = self.start.clone();
+        let reset = |state: &mut State| {
+            let redundant = std::mem::take(&mut state.redundant);
+            state.clone_from(&start);
+            state.redundant = redundant;
+        };
+        reset(state);
+        let damped = Way {
+            damped: true,
+            maxit: 200,
+            error: 1e-3,
+            imbalance: plain.imbalance.max(1e-6 * self.scratch.largest),
+            ..plain
+        };
+        let found = self.iterate(system, parameters, state, settings, damped);
+        iterations += self.history.len();
+        if found.is_ok() {
+            let found = self.iterate(system, parameters, state, settings, plain);
+            iterations += self.history.len();
+            if found.is_ok() {
+                return (Some(Continuation::Damped), iterations);
+            }
+        }
+        reset(state);
+        if system
+            .residual(parameters, state, &mut self.scratch, &mut self.held)
+            .is_err()
+        {
+            return (None, iterations);
+        }
+        let (mut released, mut increment, mut steps) = (0.0_f64, 0.25_f64, 0);
+        while released < 1.0 && steps < 200 {
+            let goal = (released + increment).min(1.0);
+            let way = Way {
+                held: 1.0 - goal,
+                maxit: 15,
+                error: 1e-3,
+                imbalance: 1e-4 * largest(&self.held),
+                ..plain
+            };
+            let before = state.clone();
+            let found = self.iterate(system, parameters, state, settings, way);
+            iterations += self.history.len();
+            steps += 1;
+            if found.is_ok() {
+                released = goal;
+                increment *= 2.0;
+            } else {
+                state.clone_from(&before);
+                increment *= 0.5;
+                if increment < 1e-3 {
+                    return (None, iterations);
+                }
+            }
+        }
+        let found = self.iterate(system, parameters, state, settings, plain);
+        iterations += self.history.len();
+        (
+            found.is_ok().then_some(Continuation::Load { steps }),
+            iterations,
+        )
+    }
+
+    /// What to tell about a failure.
+    pub(super) fn explain(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+        settings: &Settings,
+        failure: Failure,
+    ) -> SolveError {
+        if let Failure::NoValue(reason) = failure {
+            return reason.into();
+        }
+        let mut causes = Vec::new();
+        for m in 0..self.matrix.deficiency() {
+            let z = self.matrix.null_vector(m);
+            if let Some(motion) = free_motion(system, parameters, state, &z) {
+                if !motion.has_mass {
+                    return SolveError::FreeMotion(Box::new(motion));
+                }
+                causes.push(format!("{motion}, and something drives it"));
+            }
+        }
+        if self.limited > 0 {
+            causes.push(format!(
+                "{} steps were cut to TLIMIT={} or ALIMIT={} degrees: the start is far from equilibrium",
+                self.limited,
+                settings.tlimit,
+                settings.alimit.to_degrees().round()
+            ));
+        }
+        let worst = self
+            .g
+            .iter()
+            .enumerate()
+            .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+            .map_or(0, |(k, _)| k);
+        SolveError::NotConverged {
+            worst: system.equation_name(worst),
+            imbalance: self.g.get(worst).copied().unwrap_or(0.0),
+            history: self.history.clone(),
+            causes,
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! Sizes of residuals and corrections, in the words of EQUILIBRIUM.
+
+use super::Settings;
+use crate::system::{State, System};
+
+/// The largest entry.
+pub(super) fn largest(g: &[f64]) -> f64 {
+    // A NaN must not hide.
+    g.iter().fold(
+        0.0,
+        |a: f64, b| {
+            if b.is_nan() { f64::NAN } else { a.max(b.abs()) }
+        },
+    )
+}
+
+/// The largest force or torque over model length that is not balanced.
+pub(super) fn force_imbalance(system: &System, g: &[f64]) -> f64 {
+    let mut out = 0.0_f64;
+    for body in &system.bodies {
+        for k in 0..body.freedoms {
+            let scale = if k < 3 { 1.0 } else { system.length };
+            out = out.max(g[body.first + k].abs() / scale);
+        }
+    }
+    out
+}
+
+/// Every equation within IMBALANCE, or within what round-off leaves of the forces that cancel in it.
+pub(super) fn balanced(system: &System, g: &[f64], imbalance: f64, force: f64) -> bool {
+    let floor = 64.0 * f64::EPSILON * force;
+    for body in &system.bodies {
+        for k in 0..body.freedoms {
+            let scale = if k < 3 { 1.0 } else { 4.0 * system.length };
+            // Written so that a NaN is out of balance.
+            let within = g[body.first + k].abs() <= imbalance.max(floor * scale);
+            if !within {
+                return false;
+            }
+        }
+    }
+    let floor = 64.0 * f64::EPSILON * system.length;
+    g[system.first_equation..]
+        .iter()
+        .all(|g| g.abs() <= imbalance.max(floor))
+}
+
+/// Largest correction: translations by the larger of position and model length, rotations in radians, multipliers by the
+/// largest of them, variables and states by the larger of their value and one.
+pub(super) fn relative_correction(system: &System, state: &State, dx: &[f64]) -> f64 {
+    let mut out = 0.0_f64;
+    for (body, pose) in system.bodies.iter().zip(&state.poses) {
+        let d = &dx[body.first..body.first + body.freedoms];
+        for k in 0..body.freedoms {
+            let scale = if k < 3 {
+                pose.p[k].abs().max(system.length)
+            } else {
+                1.0
+            };
+            out = out.max(d[k].abs() / scale);
+        }
+    }
+    let largest = state
+        .multipliers
+        .iter()
+        .fold(1.0_f64, |a, b| a.max(b.abs()));
+    for d in &dx[system.first_equation..system.first_variable] {
+        out = out.max(d.abs() / largest);
+    }
+    for (d, v) in dx[system.first_variable..].iter().zip(&state.variables) {
+        out = out.max(d.abs() / v.abs().max(1.0));
+    }
+    for (equation, value) in system.states.iter().zip(&state.states) {
+        if let Some(unknown) = equation.unknown {
+            out = out.max(dx[unknown].abs() / value.abs().max(1.0));
+        }
+    }
+    out
+}
+
+/// The fraction of the step that keeps every part within TLIMIT and ALIMIT.
+pub(super) fn limit(system: &System, settings: &Settings, dx: &[f64]) -> f64 {
+    let (mut shift, mut turn) = (0.0_f64, 0.0_f64);
+    for body in &system.bodies {
+        for k in 0..body.freedoms {
+            let d = dx[body.first + k].abs();
+            if k < 3 {
+                shift = shift.max(d);
+            } else {
+                turn = turn.max(d);
+            }
+        }
+    }
+    let mut out = 1.0;
+    if shift > settings.tlimit {
+        out = settings.tlimit / shift;
+    }
+    if turn * out > settings.alimit {
+        out = settings.alimit / turn;
+    }
+    out
+}
+
+/// Length of the motion of all parts, rotations times the model length.
+pub(super) fn motion_norm(system: &System, dx: &[f64]) -> f64 {
+    let mut sum = 0.0;
+    for body in &system.bodies {
+        for k in 0..body.freedoms {
+            let scale = if k < 3 { 1.0 } else { system.length };
+            sum += (dx[body.first + k] * scale).powi(2);
+        }
+    }
+    sum.sqrt()
+}

@@ -1,0 +1,121 @@
+//! Free motions, redundant and contradicting constraints, stability: named in the user's words.
+
+use admire::statics::{Settings, SolveError, Solver, smallest_eigenvalue};
+use admire::system::System;
+
+use crate::deck;
+
+const HEAD: &str = "rank\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\n\
+                    PART/1, GROUND\nMARKER/1, PART=1\nACCGRAV/JGRAV=-9806.65\n";
+
+fn solve(
+    text: &str,
+) -> (
+    System,
+    admire::system::State,
+    Result<admire::statics::Report, SolveError>,
+) {
+    let model = deck::read(&format!("{HEAD}{text}\nEND\n"));
+    let system = System::compile(&model).value;
+    let mut state = system.state();
+    let result = Solver::new(&system).solve(
+        &system,
+        &system.parameters(),
+        &mut state,
+        &Settings::tight(),
+    );
+    (system, state, result)
+}
+
+/// A pendulum finds the place below its pivot from the side; upright it is in unstable equilibrium. The mass centre is the part
+/// origin, so that only the multipliers carry the stiffness.
+#[test]
+fn pendulum() {
+    let at = |x: f64, y: f64| {
+        format!(
+            "PART/2, QG={x},{y},0, MASS=2, CM=20, IP=100,100,100\nMARKER/20, PART=2\n\
+             MARKER/21, PART=2, QP={},{},0\nJOINT/1, REVOLUTE, I=21, J=1",
+            -x, -y
+        )
+    };
+    let (system, state, result) = solve(&at(100.0, 0.0));
+    let report = result.unwrap();
+    println!(
+        "{} iterations, {:?}",
+        report.iterations, report.continuation
+    );
+    let p = state.poses[1].p;
+    assert!((p.y + 100.0).abs() < 1e-7 && p.x.abs() < 1e-5, "{p}");
+    let stiffness = smallest_eigenvalue(&system, &system.parameters(), &state).unwrap();
+    assert!(stiffness.unwrap() > 0.0);
+    let (system, state, result) = solve(&at(0.0, 100.0));
+    result.unwrap();
+    assert!((state.poses[1].p.y - 100.0).abs() < 1e-9);
+    let stiffness = smallest_eigenvalue(&system, &system.parameters(), &state).unwrap();
+    assert!(stiffness.unwrap() < 0.0);
+}
+
+/// Two revolutes on one axis: five of the ten equations say nothing new, and the part turns freely.
+#[test]
+fn redundant_hinges() {
+    let (_, _, result) = solve(
+        "PART/2, MASS=2, CM=20, IP=100,100,100\nMARKER/20, PART=2\nMARKER/21, PART=2\nMARKER/22, PART=2, QP=0,0,100\n\
+         MARKER/2, PART=1, QP=0,0,100\nJOINT/1, REVOLUTE, I=21, J=1\nJOINT/2, REVOLUTE, I=22, J=2",
+    );
+    let report = result.unwrap();
+    assert_eq!(report.redundant.len(), 5, "{:?}", report.redundant);
+    assert!(
+        report.redundant.contains(&"Zi.Xj in JOINT/2".to_string()),
+        "{:?}",
+        report.redundant
+    );
+    assert_eq!(
+        report.free_motions[0].to_string(),
+        "PART/2 spins freely about the line MARKER/21-MARKER/22"
+    );
+}
+
+/// A part on an inplane primitive falls along x: nothing holds it there.
+#[test]
+fn held_by_nothing() {
+    let (_, _, result) = solve(
+        "PART/2, MASS=0, CM=20, IP=100,100,100\nMARKER/20, PART=2\nMARKER/21, PART=2\n\
+         MARKER/2, PART=1, REULER=90D,90D,0D\nMARKER/22, PART=2, REULER=90D,90D,0D\nJOINT/1, TRANSLATIONAL, I=22, J=2",
+    );
+    let error = result.unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "PART/2 is held by nothing along x: it has neither stiffness nor mass there"
+    );
+}
+
+/// A bar between two spheres that are further apart than it is long.
+#[test]
+fn contradicting_joints() {
+    let (_, _, result) = solve(
+        "PART/2, MASS=2, CM=20, IP=100,100,100\nMARKER/20, PART=2\nMARKER/21, PART=2\nMARKER/22, PART=2, QP=0,100,0\n\
+         MARKER/2, PART=1, QP=0,101,0\nJOINT/1, FIXED, I=21, J=1\nJOINT/2, SPHERICAL, I=22, J=2",
+    );
+    let error = result.unwrap_err();
+    assert!(
+        matches!(&error, SolveError::Inconsistent { equation, violation } if equation == "D.Yj in JOINT/2" && (violation - 1.0).abs() < 1e-9),
+        "{error}"
+    );
+}
+
+/// Nothing can hold a constant load without stiffness: the worst equation and the cause are told.
+#[test]
+fn no_equilibrium() {
+    let (_, _, result) = solve(
+        "PART/2, MASS=2, CM=20, IP=100,100,100\nMARKER/20, PART=2\nMARKER/21, PART=2, REULER=0D,90D,0D\n\
+         MARKER/2, PART=1, REULER=0D,90D,0D\nJOINT/1, TRANSLATIONAL, I=21, J=2",
+    );
+    let Err(SolveError::NotConverged { worst, causes, .. }) = result else {
+        panic!("{result:?}");
+    };
+    assert_eq!(worst, "PART/2 force along y");
+    assert_eq!(
+        causes[0],
+        "PART/2 is held by nothing along y, and something drives it"
+    );
+}
