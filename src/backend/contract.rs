@@ -52,12 +52,71 @@ impl Sweep {
     }
 }
 
+/// Why an external run gave no answer.
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+pub enum RunError {
+    /// The deck cannot be edited as asked.
+    #[error("the deck cannot be prepared: {0}")]
+    Deck(String),
+    /// Files of the run cannot be written.
+    #[error("the files of the run cannot be written: {0}")]
+    Files(String),
+    /// The program cannot be started.
+    #[error("`{program}` cannot be started: {reason}")]
+    Start {
+        /// The program.
+        program: String,
+        /// What the system says.
+        reason: String,
+    },
+    /// It was killed.
+    #[error("the run was killed after {seconds} s\n{tail}")]
+    Timeout {
+        /// Seconds it had.
+        seconds: f64,
+        /// The last lines of its log.
+        tail: String,
+    },
+    /// There was no licence.
+    #[error("the solver got no licence: {0}")]
+    Licence(String),
+    /// It failed or crashed.
+    #[error("the run ended with {}\n{tail}", code.map_or_else(|| "a crash".to_string(), |code| format!("exit code {code}")))]
+    Exit {
+        /// Its exit code, if it was not killed by a signal.
+        code: Option<i32>,
+        /// The last lines of its log.
+        tail: String,
+    },
+    /// The results file is missing, cut off or contradicts itself.
+    #[error("{0}")]
+    Results(String),
+    /// Steps and load cases do not match, and the messages do not tell which cases failed.
+    #[error("the results hold {steps} equilibria for {cases} load cases\n{tail}")]
+    Steps {
+        /// Static steps in the results.
+        steps: usize,
+        /// Load cases asked for.
+        cases: usize,
+        /// The last lines of the log.
+        tail: String,
+    },
+}
+
 /// Why there is no answer at all.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum BackendError {
     /// The built-in solver cannot solve this model as it is.
     #[error("the built-in solver cannot solve this model: {}", .0.first().map_or("", |d| d.message.as_str()))]
     NotSolvable(Vec<Diagnostic>),
+    /// An external run gave nothing that can be taken for an answer.
+    #[error("{reason} (files kept in {})", folder.display())]
+    Run {
+        /// What went wrong.
+        reason: Box<RunError>,
+        /// Where its files are.
+        folder: std::path::PathBuf,
+    },
     /// An address that names nothing which can be changed between runs.
     #[error("{0} names no number or function of the model")]
     UnknownTarget(Address),

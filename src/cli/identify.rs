@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 use comfy_table::{CellAlignment, Table, presets};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::backend::{Backend, NativeBackend};
+use crate::backend::{Backend, CommandBackend, NativeBackend};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::identify::global::{Options, Prepared, fit_study};
 use crate::identify::{Fit, IdentifyError, LoadedStudy, regression};
 use crate::report::{IdentificationReport, lead, number, status};
-use crate::rig::settings::Method;
+use crate::rig::settings::{BackendChoice, Method};
 
 use super::Outcome;
 use super::shell::{Exit, Format, Shell};
@@ -87,7 +87,18 @@ fn identified(loaded: &LoadedStudy, shell: &Shell) -> Result<Fit, IdentifyError>
     if !shell.shows_progress() {
         bar.set_draw_target(indicatif::ProgressDrawTarget::hidden());
     }
-    let mut native = NativeBackend::new();
+    let mut backend: Box<dyn Backend> = match loaded.study.solver.backend {
+        BackendChoice::Native => Box::new(NativeBackend::new()),
+        BackendChoice::Command => {
+            let solver = &loaded.study.solver;
+            shell.say(&format!(
+                "every equilibrium is solved by: {}\n",
+                solver.command.join(" ")
+            ));
+            let timeout = std::time::Duration::from_secs_f64(solver.timeout_s);
+            Box::new(CommandBackend::new(solver.command.clone(), timeout))
+        }
+    };
     let mut fit = match loaded.study.identify.method {
         Method::Regression => {
             let mut watch = |iteration: usize, _: &[f64], moves: f64| {
@@ -98,8 +109,7 @@ fn identified(loaded: &LoadedStudy, shell: &Shell) -> Result<Fit, IdentifyError>
                 bar.tick();
                 ControlFlow::Continue(())
             };
-            let backend: &mut dyn Backend = &mut native;
-            regression::identify(&problem, backend, &mut watch)?
+            regression::identify(&problem, backend.as_mut(), &mut watch)?
         }
         Method::GaussNewton | Method::Direct => {
             let prepared = Prepared::new(&problem)?;
@@ -115,7 +125,18 @@ fn identified(loaded: &LoadedStudy, shell: &Shell) -> Result<Fit, IdentifyError>
                 profile: true,
                 watch: Some(Box::new(watch)),
             };
-            fit_study(&problem, &prepared, None, options)?.fit
+            let external = loaded.study.solver.backend == BackendChoice::Command;
+            // Profile likelihood over an external program would take hundreds of runs.
+            let options = Options {
+                profile: !external,
+                ..options
+            };
+            let other: Option<&mut dyn Backend> = if external {
+                Some(backend.as_mut())
+            } else {
+                None
+            };
+            fit_study(&problem, &prepared, other, options)?.fit
         }
     };
     bar.finish_and_clear();

@@ -92,6 +92,14 @@ impl Shell {
         let _ = std::io::stderr().write_all(text.as_bytes());
     }
 
+    /// Says something on standard error, beside the answer.
+    pub(super) fn say(&self, text: &str) {
+        if self.format == Format::Text {
+            // Nobody may be listening.
+            let _ = std::io::stderr().write_all(text.as_bytes());
+        }
+    }
+
     /// True if a person watches standard error.
     pub(super) fn shows_progress(&self) -> bool {
         self.format == Format::Text && std::io::stderr().is_terminal()

@@ -1,5 +1,6 @@
 //! Identification on the two reference axles: the paper's loop and the direct solution.
 
+mod command;
 #[path = "../common/mod.rs"]
 mod common;
 #[path = "../solver/deck.rs"]

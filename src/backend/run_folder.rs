@@ -1,0 +1,161 @@
+//! The files of one run of an external solver: the user's own deck with one-line edits, and the command file of the programme.
+
+use std::path::Path;
+
+use super::{Load, SweepRequest};
+use crate::diagnostic::Diagnostic;
+use crate::syntax::{Address, Dataset, NewStatement};
+
+/// Base name of the files of a run.
+pub(super) const STEM: &str = "run";
+
+/// Writes `run.adm` and `run.acf`.
+pub(super) fn prepare(folder: &Path, request: &SweepRequest<'_>) -> Result<(), PrepareError> {
+    let deck = deck(request)?;
+    std::fs::write(folder.join(format!("{STEM}.adm")), deck.bytes())?;
+    std::fs::write(
+        folder.join(format!("{STEM}.acf")),
+        commands(request, &deck)?,
+    )?;
+    Ok(())
+}
+
+/// Why the files could not be made.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum PrepareError {
+    #[error("{}", .0.message)]
+    Edit(Box<Diagnostic>),
+    #[error(transparent)]
+    Write(#[from] std::io::Error),
+}
+
+impl From<Diagnostic> for PrepareError {
+    fn from(diagnostic: Diagnostic) -> Self {
+        Self::Edit(Box::new(diagnostic))
+    }
+}
+
+/// The user's deck with the numbers of the request, and with RESULTS/XRF where it does not ask for results in that form.
+fn deck(request: &SweepRequest<'_>) -> Result<Dataset, PrepareError> {
+    let mut deck = request.dataset.clone();
+    for (address, value) in request.theta {
+        let edits = deck.set(address, *value)?;
+        deck = edited(&deck, &edits);
+    }
+    let has_xrf = deck
+        .statement("RESULTS", None)
+        .map(|results| results.has("XRF"));
+    let edits = match (has_xrf, deck.statement("RESULTS", None)) {
+        (Some(true), _) => return Ok(deck),
+        (Some(false), Some(results)) => {
+            vec![crate::text::Edit::new(
+                crate::text::Span::at(results.span.end),
+                ", XRF",
+            )]
+        }
+        _ => deck.add(&NewStatement {
+            kind: "RESULTS".to_string(),
+            id: None,
+            view_name: None,
+            arguments: vec![("XRF".to_string(), None)],
+        }),
+    };
+    Ok(edited(&deck, &edits))
+}
+
+fn edited(deck: &Dataset, edits: &[crate::text::Edit]) -> Dataset {
+    deck.edited(edits)
+        .expect("edits of one value do not overlap")
+        .value
+}
+
+/// A blank line, FILE/MODEL, then for every case its loads and SIMULATE/STATIC.
+fn commands(request: &SweepRequest<'_>, deck: &Dataset) -> Result<String, PrepareError> {
+    let mut out = format!("\nfile/model={STEM}\n");
+    for case in &request.programme.cases {
+        out += &format!(
+            "! case {}\n",
+            case.label.replace(['\n', '\r', '&', ';'], " ")
+        );
+        for command in redefinitions(&request.programme.loads, &case.values, deck)? {
+            out += &command;
+            out.push('\n');
+        }
+        out += "simulate/static\n";
+    }
+    out += "stop\n";
+    Ok(out)
+}
+
+/// The commands that set the loads of a case. Numbers of one list are set by one command, the others of the list as the deck has
+/// them: a redefinition replaces the whole list.
+fn redefinitions(
+    loads: &[Load],
+    values: &[f64],
+    deck: &Dataset,
+) -> Result<Vec<String>, PrepareError> {
+    let mut lists: Vec<(Address, Vec<f64>)> = Vec::new();
+    let mut out = Vec::new();
+    for (load, value) in loads.iter().zip(values) {
+        let target = &load.target;
+        let Some(index) = target.index else {
+            let argument = target.argument.as_deref().unwrap_or("FUNCTION");
+            out.push(format!(
+                "{}, {argument}={}",
+                object(target),
+                spelled(*value)
+            ));
+            continue;
+        };
+        let whole = Address {
+            index: None,
+            ..target.clone()
+        };
+        let at = lists
+            .iter()
+            .position(|(address, _)| *address == whole)
+            .unwrap_or_else(|| {
+                let count = deck.find(&whole).map_or(0, |statement| {
+                    statement
+                        .numbers(whole.argument.as_deref().unwrap_or_default())
+                        .len()
+                });
+                let of = |k| {
+                    deck.value_at(&Address {
+                        index: Some(k),
+                        ..whole.clone()
+                    })
+                    .unwrap_or(0.0)
+                };
+                // QP, REULER and the like have three numbers, written or not.
+                lists.push((
+                    whole.clone(),
+                    (1..=count.max(3).max(index)).map(of).collect(),
+                ));
+                lists.len() - 1
+            });
+        lists[at].1[index - 1] = *value;
+    }
+    for (address, values) in lists {
+        let list: Vec<String> = values.iter().map(|value| spelled(*value)).collect();
+        let argument = address.argument.as_deref().unwrap_or_default();
+        out.push(format!(
+            "{}, {argument}={}",
+            object(&address),
+            list.join(",")
+        ));
+    }
+    Ok(out)
+}
+
+fn object(address: &Address) -> String {
+    address.id.map_or_else(
+        || format!("{}/", address.kind),
+        |id| format!("{}/{id}", address.kind),
+    )
+}
+
+/// The shortest spelling that reads back.
+fn spelled(value: f64) -> String {
+    format!("{value:?}").replace('e', "E")
+}

@@ -1,0 +1,101 @@
+//! The command backend: our own `mdi` behind it gives what the built-in solver gives, and programs that behave badly give nothing.
+
+use std::time::Duration;
+
+use admire::backend::{Backend, CommandBackend, NativeBackend, SweepRequest};
+use admire::identify::{LoadedStudy, regression};
+
+fn study(method: &str) -> LoadedStudy {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/pseudo-mcpherson");
+    let mut loaded = LoadedStudy::read(&folder).value.unwrap();
+    assert_eq!(method, "regression");
+    loaded.study.regression.max_iterations = 6;
+    loaded
+}
+
+fn mdi() -> Vec<String> {
+    let words = [
+        env!("CARGO_BIN_EXE_mdi"),
+        "-c",
+        "ru-standard",
+        "i",
+        "{acf}",
+        "exit",
+    ];
+    words.map(String::from).to_vec()
+}
+
+#[test]
+fn regression_agrees_on_both_backends() {
+    let loaded = study("regression");
+    let problem = loaded.problem();
+    let mut quiet = |_: usize, _: &[f64], _: f64| std::ops::ControlFlow::Continue(());
+    let native = regression::identify(&problem, &mut NativeBackend::new(), &mut quiet).unwrap();
+    let mut external = CommandBackend::new(mdi(), Duration::from_secs(60));
+    let command = regression::identify(&problem, &mut external, &mut quiet).unwrap();
+    assert_eq!(command.backend, "command");
+    for (a, b) in native.parameters.iter().zip(&command.parameters) {
+        assert!(
+            (a.value / b.value - 1.0).abs() < 1e-6,
+            "{}: {} {}",
+            a.address,
+            a.value,
+            b.value
+        );
+    }
+}
+
+#[test]
+fn nothing_of_a_bad_run_is_taken_for_an_answer() {
+    let loaded = study("regression");
+    let request = SweepRequest {
+        dataset: &loaded.dataset,
+        model: &loaded.model,
+        theta: &[],
+        programme: &loaded.programme,
+    };
+    let run = |words: &[&str], seconds: f64| {
+        let words = words.iter().map(ToString::to_string).collect();
+        let mut backend = CommandBackend::new(words, Duration::from_secs_f64(seconds));
+        let error = backend.sweep(&request).unwrap_err().to_string();
+        let folder = error
+            .rsplit_once("(files kept in ")
+            .map(|(_, rest)| rest.trim_end_matches(')').to_string());
+        if let Some(folder) = folder {
+            assert!(
+                std::path::Path::new(&folder).join("run.adm").exists(),
+                "{error}"
+            );
+            std::fs::remove_dir_all(folder).unwrap();
+        }
+        error
+    };
+    let fake = env!("CARGO_BIN_EXE_mdi");
+    assert!(run(&["no-such-program-anywhere"], 5.0).contains("cannot be started"));
+    // A program that ends well and writes nothing.
+    assert!(
+        run(&[fake, "-c", "ru-standard", "i", "absent.acf", "exit"], 5.0).contains("exit code")
+    );
+    if cfg!(unix) {
+        assert!(run(&["sleep", "30"], 0.2).contains("killed after 0.2 s"));
+        assert!(run(&["true"], 5.0).contains("no results file"));
+        assert!(run(&["false"], 5.0).contains("exit code 1"));
+        let after = |script: &str| {
+            let script = format!("'{fake}' -c ru-standard i run.acf exit >/dev/null; {script}");
+            run(&["sh", "-c", &script], 20.0)
+        };
+        assert!(
+            after("exit 3").contains("exit code 3"),
+            "good results, bad exit code"
+        );
+        assert!(after("head -c 20000 run.res > x; mv x run.res").contains("results file"));
+        assert!(
+            after(
+                "sed -i '0,/<Step type=.quasiStatic/{/<Step type=.quasiStatic/,/<.Step>/d}' run.res"
+            )
+            .contains("12 equilibria for 13 load cases")
+        );
+        assert!(after("echo 'ERROR: could not checkout license' >> run.msg").contains("licence"));
+        assert!(after("kill -9 $$").contains("crash"));
+    }
+}
