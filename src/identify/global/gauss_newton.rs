@@ -161,7 +161,7 @@ pub fn minimise(
     let mut evaluation = problem.evaluate(&x, true)?;
     let mut weights = problem.weights(&evaluation.residual);
     let mut value = objective(&evaluation, &weights, &x, priors);
-    let (mut damping, mut growth) = (1e-3, 2.0);
+    let (mut damping, mut growth) = (1e-4, 2.0);
     let (mut iterations, mut ending) = (0, Ending::MaxIterations);
     for _ in 0..tolerances.max_iterations {
         let (information, gradient) = normal_equations(&evaluation, &weights, &x, priors);
@@ -180,14 +180,13 @@ pub fn minimise(
             ending = Ending::Converged;
             break;
         }
-        // A trust region of two natural units keeps exponentials of ln K sane.
-        let shrink = (2.0 / longest).min(1.0);
-        let trial: Vec<f64> = x
-            .iter()
-            .zip(step.iter())
-            .map(|(x, s)| x + shrink * s)
-            .collect();
-        let predicted = shrink * (1.0 - 0.5 * shrink) * -gradient.dot(&step);
+        // Two natural units at most, unknown by unknown, keep exponentials of ln K sane; what little the data say of one unknown must
+        // not hold back the others.
+        let step = step.zip_map(&DVector::from_column_slice(scale), |s, scale| {
+            s.clamp(-2.0 * scale, 2.0 * scale)
+        });
+        let trial: Vec<f64> = x.iter().zip(step.iter()).map(|(x, s)| x + s).collect();
+        let predicted = -gradient.dot(&step) - 0.5 * step.dot(&(&information * &step));
         let outcome = problem.evaluate(&trial, true).map(|next| {
             let gained = value - objective(&next, &weights, &trial, priors);
             (next, gained)
@@ -195,8 +194,9 @@ pub fn minimise(
         match outcome {
             Some((next, gained)) if gained > 0.0 && gained.is_finite() => {
                 let ratio = gained / predicted.max(f64::MIN_POSITIVE);
-                damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).clamp(0.1, 2.0);
-                damping = damping.max(1e-12);
+                // Faster down than Nielsen's third: directions the data hardly know need damping far below their diagonal.
+                damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).clamp(0.01, 2.0);
+                damping = damping.max(1e-16);
                 growth = 2.0;
                 x = trial;
                 evaluation = next;
