@@ -23,6 +23,7 @@ impl Pose {
         self.p + self.R * x_local
     }
 
+    #[must_use]
     /// `self * other`: the pose of a frame given in this frame.
     pub fn compose(&self, other: &Self) -> Self {
         Self {
@@ -31,6 +32,7 @@ impl Pose {
         }
     }
 
+    #[must_use]
     /// The base seen from this frame.
     pub fn inverse(&self) -> Self {
         Self {

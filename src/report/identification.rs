@@ -287,7 +287,7 @@ pub fn number(value: f64, std_error: Option<f64>) -> String {
 fn rounded(value: f64, digits: i32) -> String {
     let exponent = value.abs().log10().floor() as i32;
     let decimals = digits - 1 - exponent;
-    if exponent < -5 || exponent > 9 {
+    if !(-5..=9).contains(&exponent) {
         return format!("{value:.*e}", (digits - 1).max(0) as usize);
     }
     if decimals >= 0 {

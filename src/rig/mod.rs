@@ -3,8 +3,6 @@
 //! Study folders, marks and absolute orientation, bushing deflections, wheel angles, measuring noise, and effects that can be
 //! planted. Knows nothing about what is inferred from the measurements: that is identification and diagnosis.
 
-#[cfg(test)]
-mod bad_data;
 mod check;
 pub mod deflection;
 mod load;
@@ -13,9 +11,12 @@ pub mod noise;
 pub mod orientation;
 mod resolve;
 mod section;
+/// Sections of `study.toml` with their defaults.
 pub mod settings;
 mod study;
 mod table;
+#[cfg(test)]
+mod tests;
 pub mod wheel;
 
 pub use load::programme;

@@ -208,7 +208,7 @@ impl<'a> Section<'a> {
             return None;
         };
         let mut texts = Vec::new();
-        for item in array.iter() {
+        for item in array {
             let at = Span::from(item.span());
             match item.get_ref().as_str() {
                 Some(text) => texts.push(Spelled {

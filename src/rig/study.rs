@@ -89,9 +89,11 @@ impl Study {
             hash.update((source.bytes().len() as u64).to_le_bytes());
             hash.update(source.bytes());
         }
+        let digits =
+            |byte: u8| [byte >> 4, byte & 15].map(|d| char::from(b"0123456789abcdef"[d as usize]));
         hash.finalize()
             .iter()
-            .map(|byte| format!("{byte:02x}"))
+            .flat_map(|byte| digits(*byte))
             .collect()
     }
 }

@@ -55,7 +55,10 @@ pub struct Channels {
 const STEP: f64 = 1e-5;
 
 impl Channels {
-    /// Values in a configuration; `None` where one has no value.
+    /// Values in a configuration.
+    ///
+    /// # Errors
+    /// [`NoValue`] if a function is undefined there.
     pub fn values(
         self,
         system: &System,
@@ -75,6 +78,9 @@ impl Channels {
     }
 
     /// Changes along each direction, given how the system's unknowns respond to it.
+    ///
+    /// # Errors
+    /// [`NoValue`] if a function is undefined there.
     pub fn changes(
         self,
         system: &System,

@@ -80,7 +80,9 @@ pub fn open_directions(covariance: &DMatrix<f64>, count: usize, limit: f64) -> V
                 .collect();
             weights.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
             if weights.first().is_some_and(|(_, w)| *w < 0.0) {
-                weights.iter_mut().for_each(|(_, w)| *w = -*w);
+                for (_, weight) in &mut weights {
+                    *weight = -*weight;
+                }
             }
             Some(OpenDirection { weights, sd })
         })

@@ -282,7 +282,7 @@ fn answer(
     match minimum.ending {
         Ending::Converged => {}
         Ending::Stopped => {
-            remarks.push("The fit was stopped; these are the values it had reached.".to_string())
+            remarks.push("The fit was stopped; these are the values it had reached.".to_string());
         }
         Ending::MaxIterations | Ending::Stalled | Ending::NoAnswer => {
             remarks
