@@ -48,6 +48,7 @@ pub mod backend;
 pub mod cli;
 pub mod constraint;
 pub mod diagnostic;
+pub mod discrepancy;
 pub mod element;
 pub mod function;
 pub mod grammar;

@@ -56,6 +56,12 @@ impl<'a> NativePredictor<'a> {
         }
     }
 
+    /// The last answer of a case with the numbers it was solved at.
+    pub fn answer(&self, case: usize) -> Option<(&State, &Parameters)> {
+        let answer = self.answers[case].as_ref()?;
+        Some((&answer.state, &answer.theta))
+    }
+
     /// Solves one case from its own last answer, from the neighbour's, or from the design position, whichever is there and works.
     fn solve(&mut self, case: usize, theta: &Parameters) -> Option<State> {
         self.runs += 1;

@@ -1,0 +1,84 @@
+use std::fmt;
+
+use serde::Serialize;
+
+/// What can be wrong with a model or with its measurement (STUDY-FORMAT).
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Cause {
+    /// Force grows faster than linearly with a deflection of a bushing.
+    ProgressiveStiffness,
+    /// Rate-independent hysteresis in a bushing or joint.
+    DryFriction,
+    /// A part deforms along the line of its two joints.
+    LinkCompliance,
+    /// The ground-side attachment of a joint or spring yields.
+    BodyCompliance,
+    /// The two sides of a bushing sit displaced from where the deck says.
+    AssemblyOffset,
+    /// The connection point of a joint or spring is elsewhere.
+    HardpointError,
+    /// A bushing is mounted turned about an axis.
+    BushingOrientation,
+    /// Off-diagonal stiffness.
+    BushingCoupling,
+    /// A number taken as known is wrong.
+    ElementParameter,
+    /// A one-sided spring engages past a clearance.
+    StopContact,
+    /// A load is wrong by a factor.
+    LoadGain,
+    /// Part of one load acts along another.
+    LoadCrosstalk,
+    /// A load acts elsewhere than at its marker.
+    LoadPointError,
+    /// The measuring frame moved in one load case.
+    FrameDrift,
+    /// One mark reading is wrong.
+    MarkOutlier,
+    /// A reading's gain, zero or single value is wrong.
+    ChannelFault,
+}
+
+impl Cause {
+    /// The name of `diagnosis.json`.
+    pub const fn as_str(self) -> &'static str {
+        match self {
+            Self::ProgressiveStiffness => "progressive-stiffness",
+            Self::DryFriction => "dry-friction",
+            Self::LinkCompliance => "link-compliance",
+            Self::BodyCompliance => "body-compliance",
+            Self::AssemblyOffset => "assembly-offset",
+            Self::HardpointError => "hardpoint-error",
+            Self::BushingOrientation => "bushing-orientation",
+            Self::BushingCoupling => "bushing-coupling",
+            Self::ElementParameter => "element-parameter",
+            Self::StopContact => "stop-contact",
+            Self::LoadGain => "load-gain",
+            Self::LoadCrosstalk => "load-crosstalk",
+            Self::LoadPointError => "load-point-error",
+            Self::FrameDrift => "frame-drift",
+            Self::MarkOutlier => "mark-outlier",
+            Self::ChannelFault => "channel-fault",
+        }
+    }
+
+    /// True for faults of single readings, which no cross-validation by load case can name.
+    pub const fn of_the_measurement(self) -> bool {
+        matches!(
+            self,
+            Self::FrameDrift | Self::MarkOutlier | Self::ChannelFault
+        )
+    }
+
+    /// True for a cause so free that it fits almost anything: it wins only when no other does as well.
+    pub const fn is_free_form(self) -> bool {
+        matches!(self, Self::LoadCrosstalk)
+    }
+}
+
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.as_str())
+    }
+}

@@ -1,0 +1,130 @@
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::cause::Cause;
+
+/// The answer in one word.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    /// The model explains the data to their noise.
+    Consistent,
+    /// At least one finding that matters.
+    Discrepancy,
+    /// Structure remains that no known cause explains.
+    Unexplained,
+}
+
+/// The model as it was, best fitted.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct BaselineFit {
+    /// Chi-square per degree of freedom of the cases that were fitted.
+    pub chi2_per_dof: f64,
+    /// Rms of one mark coordinate in the cases held out.
+    pub held_out_rms: Option<f64>,
+}
+
+/// Why a finding is one.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Evidence {
+    /// Name of the statistic.
+    pub statistic: &'static str,
+    /// Its value: fall of chi-square.
+    pub value: f64,
+    /// Its p-value for so many numbers, places tried included.
+    pub p_value: f64,
+    /// By how much the criterion of Schwarz falls.
+    pub bic_gain: f64,
+}
+
+/// Another explanation that does as well.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Indistinguishable {
+    /// What.
+    pub cause: Cause,
+    /// Where.
+    pub address: String,
+    /// By how much its criterion is behind, after its own refit.
+    pub bic_behind: f64,
+}
+
+/// What a finding gains.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Gain {
+    /// Without it.
+    pub chi2_per_dof_before: f64,
+    /// With it.
+    pub chi2_per_dof_after: f64,
+    /// Rms of one mark coordinate held out, without it.
+    pub held_out_rms_before: Option<f64>,
+    /// The same with it.
+    pub held_out_rms_after: Option<f64>,
+    /// Whether the held-out readings agree with the prediction and its own covariance.
+    pub held_out_p_value: Option<f64>,
+}
+
+/// One thing that is wrong.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Finding {
+    /// What.
+    pub cause: Cause,
+    /// Where.
+    pub address: String,
+    /// How large.
+    pub parameters: BTreeMap<String, f64>,
+    /// How well that is known.
+    pub std_error: BTreeMap<String, f64>,
+    /// True if it does not matter for what the model is used for.
+    pub minor: bool,
+    /// Why it is a finding.
+    pub evidence: Evidence,
+    /// What else would do as well.
+    pub indistinguishable_from: Vec<Indistinguishable>,
+    /// What it gains.
+    pub gain: Gain,
+}
+
+/// What remains.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Unexplained {
+    /// True if something does.
+    pub structured: bool,
+    /// Of the hardest test, for all tests done.
+    pub p_value: f64,
+    /// Where it is, one sentence each. For the report only.
+    #[serde(skip)]
+    pub places: Vec<String>,
+}
+
+/// A measurement that would tell rivals apart.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct NextMeasurement {
+    /// Value of each load.
+    pub case: BTreeMap<String, f64>,
+    /// What it is for.
+    pub why: String,
+}
+
+/// What `diagnosis.json` holds.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Diagnosis {
+    /// In one word.
+    pub verdict: Verdict,
+    /// The model as it was.
+    pub baseline: BaselineFit,
+    /// What is wrong, the most important first.
+    pub findings: Vec<Finding>,
+    /// What remains.
+    pub unexplained: Unexplained,
+    /// What to measure next.
+    pub next_measurement: Option<NextMeasurement>,
+}
+
+impl Diagnosis {
+    /// `diagnosis.json`.
+    pub fn to_json(&self) -> String {
+        let text = serde_json::to_string_pretty(self);
+        text.expect("a diagnosis holds only names and numbers") + "\n"
+    }
+}

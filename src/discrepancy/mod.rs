@@ -1,0 +1,28 @@
+//! Discrepancy: what a model gets wrong after its best fit, named, modelled and measured on load cases no fit saw.
+//!
+//! Knows no files: a study's problem comes in, a diagnosis and the fits behind it go out. The laws by which effects are planted on
+//! the virtual rig are not known here.
+
+mod cause;
+mod diagnose;
+mod diagnosis;
+mod extended;
+mod held_out;
+mod hypothesis;
+mod screening;
+mod selection;
+mod structure;
+mod subject;
+mod survey;
+
+pub use cause::Cause;
+pub use diagnose::{Outcome, diagnose, held_out};
+pub use diagnosis::{
+    BaselineFit, Diagnosis, Evidence, Finding, Gain, Indistinguishable, NextMeasurement,
+    Unexplained, Verdict,
+};
+pub use extended::{Estimate, Fitted};
+pub use held_out::{HeldOutTest, held_out_test};
+pub use hypothesis::Hypothesis;
+pub use structure::StructureTest;
+pub use subject::{Data, Subject};

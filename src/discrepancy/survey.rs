@@ -1,0 +1,516 @@
+use nalgebra::DMatrix;
+
+use super::extended::Fitted;
+use super::hypothesis::{Change, Column, Hypothesis};
+use super::subject::Subject;
+use crate::backend::Load;
+use crate::identify::global::{
+    CaseChange, CasePrediction, Direction, Meaning, NuisanceLayout, Observations, Row,
+};
+use crate::mechanics::{Pose, RelativeMotion, Vec3};
+use crate::model::{MarkerIx, Model, Orientation, PartIx};
+use crate::rig::Measurement;
+use crate::statics::Tangent;
+use crate::syntax::{Address, NewStatement};
+use crate::system::{Parameters, Reading, Scratch, Slot, State, System};
+
+/// Where a part is held.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Attachment {
+    /// The marker on the part.
+    pub marker: MarkerIx,
+    /// Force on the part there in each case, ground axes.
+    pub force: Vec<Vec3>,
+}
+
+/// Every load case at a fit: poses, deflections, forces, and how readings answer to small changes.
+pub struct Survey<'a> {
+    /// The deck as the study has it; what an extension added is no place for further hypotheses.
+    pub model: &'a Model,
+    /// What was measured.
+    pub measurement: &'a Measurement,
+    subject: &'a Subject<'a>,
+    fitted: &'a Fitted,
+    readings: Vec<(&'static str, u32, Vec<Reading>)>,
+}
+
+/// Displacement of I as J sees it: 0 to 2 along the axes of J, 3 to 5 its projected angles.
+pub fn displacement(
+    model: &Model,
+    (theta, state): (&Parameters, &State),
+    (i, j): (MarkerIx, MarkerIx),
+    axis: usize,
+) -> f64 {
+    let place = |marker: MarkerIx| {
+        let part = model.markers[marker.0].part;
+        state.poses[part.0].compose(theta.marker(marker))
+    };
+    let motion = RelativeMotion::between(&place(i), &place(j), &Vec3::zeros());
+    if axis < 3 {
+        motion.p_ij_j[axis]
+    } else {
+        motion.angles[axis - 3]
+    }
+}
+
+impl<'a> Survey<'a> {
+    /// At a fit.
+    pub fn new(subject: &'a Subject<'a>, fitted: &'a Fitted) -> Self {
+        let model = subject.problem.model;
+        let system = &fitted.prepared.system;
+        let mut scratch = Scratch::new(system);
+        let elements: Vec<_> = system
+            .elements()
+            .map(|(ix, name)| (ix, name.clone()))
+            .collect();
+        let constraints: Vec<_> = system
+            .constraints()
+            .map(|(ix, name)| (ix, name.clone()))
+            .collect();
+        let mut readings: Vec<(&'static str, u32, Vec<Reading>)> = elements
+            .iter()
+            .map(|(_, name)| name)
+            .chain(constraints.iter().map(|(_, name)| name))
+            .map(|name| (name.kind, name.id, Vec::new()))
+            .collect();
+        for (theta, state) in fitted.thetas.iter().zip(&fitted.states) {
+            if system.look(theta, state, &mut scratch).is_err() {
+                continue;
+            }
+            for (k, (element, _)) in elements.iter().enumerate() {
+                if let Ok(reading) = system.read_element(theta, state, &mut scratch, *element) {
+                    readings[k].2.push(reading);
+                }
+            }
+            for (k, (constraint, _)) in constraints.iter().enumerate() {
+                let reading = system.read_constraint(theta, state, &mut scratch, *constraint);
+                readings[elements.len() + k].2.push(reading);
+            }
+        }
+        // What could not be read in every case is no place for a hypothesis.
+        readings.retain(|(_, _, read)| read.len() == fitted.states.len());
+        Self {
+            model,
+            measurement: subject.problem.measurement,
+            subject,
+            fitted,
+            readings,
+        }
+    }
+
+    /// How many load cases there are.
+    pub fn cases(&self) -> usize {
+        self.fitted.states.len()
+    }
+
+    /// All rows of the residual.
+    pub fn rows(&self) -> &[Row] {
+        &self.subject.rows
+    }
+
+    /// Sd of a mark coordinate.
+    pub fn sigma(&self) -> f64 {
+        self.subject.sigma
+    }
+
+    /// One millimetre in the deck's length unit.
+    pub fn millimetre(&self) -> f64 {
+        1e-3 / self.model.units.length.si
+    }
+
+    /// One newton in the deck's force unit.
+    pub fn newton(&self) -> f64 {
+        1.0 / self.model.units.force.si
+    }
+
+    /// What the study drives.
+    pub fn loads(&self) -> &[Load] {
+        &self.subject.problem.programme.loads
+    }
+
+    /// The values of a load, one per case.
+    pub fn load_values(&self, load: usize) -> Vec<f64> {
+        let cases = &self.subject.problem.programme.cases;
+        cases.iter().map(|case| case.values[load]).collect()
+    }
+
+    /// True if a load is a force or torque.
+    pub fn is_force(&self, load: &Load) -> bool {
+        matches!(
+            load.target.kind.as_str(),
+            "SFORCE" | "GFORCE" | "VFORCE" | "VTORQUE"
+        )
+    }
+
+    /// True if the study identifies this number.
+    pub fn is_identified(&self, address: &Address) -> bool {
+        self.subject
+            .problem
+            .unknowns
+            .iter()
+            .any(|u| u.address == *address || u.tied.contains(address))
+    }
+
+    /// True if the offsets of a bushing are unknowns of the fit.
+    pub fn offset_is_unknown(&self, bushing: usize) -> bool {
+        let id = Some(self.model.bushings[bushing].header.id);
+        let catalogue = self.fitted.prepared.system.catalogue();
+        self.fitted.unknowns.list().iter().any(|unknown| {
+            matches!(unknown.meaning, Meaning::Offset(component)
+                if catalogue.info(component.stiffness).address.id == id)
+        })
+    }
+
+    /// A force element in each case; empty if there is none.
+    pub fn element(&self, kind: &str, id: u32) -> &[Reading] {
+        self.readings
+            .iter()
+            .find(|(k, i, _)| *k == kind && *i == id)
+            .map_or(&[], |(_, _, readings)| readings)
+    }
+
+    /// A constraint in each case; empty if there is none.
+    pub fn constraint(&self, kind: &str, id: u32) -> &[Reading] {
+        self.element(kind, id)
+    }
+
+    /// Deflections of a bushing in each case: three along the axes of J, three projected angles.
+    pub fn bushing_deflections(&self, bushing: usize) -> Vec<[f64; 6]> {
+        self.element("BUSHING", self.model.bushings[bushing].header.id)
+            .iter()
+            .map(|reading| {
+                let (p, a) = (reading.motion.p_ij_j, reading.motion.angles);
+                [p.x, p.y, p.z, a.x, a.y, a.z]
+            })
+            .collect()
+    }
+
+    /// The six stiffnesses of a bushing at the fit.
+    pub fn stiffnesses(&self, bushing: usize) -> [f64; 6] {
+        let law = &self.model.bushings[bushing];
+        let theta = &self.fitted.thetas[0];
+        let catalogue = self.fitted.prepared.system.catalogue();
+        std::array::from_fn(|axis| {
+            let word = ["K", "KT"][axis / 3];
+            let address =
+                super::hypothesis::number("BUSHING", law.header.id, word, Some(axis % 3 + 1));
+            catalogue.slot(&address).map_or(0.0, |slot| theta.get(slot))
+        })
+    }
+
+    /// The id of a marker.
+    pub fn marker_id(&self, marker: MarkerIx) -> u32 {
+        self.model.markers[marker.0].header.id
+    }
+
+    /// Pose of a part in a case.
+    pub fn pose(&self, case: usize, part: PartIx) -> Pose {
+        self.fitted.states[case].poses[part.0].clone()
+    }
+
+    /// True if a marker's Euler angles can follow a turn about any axis.
+    pub fn can_turn(&self, marker: MarkerIx) -> bool {
+        match self.model.markers[marker.0].orientation {
+            Orientation::Reuler(angles) => angles[1].sin().abs() > 0.02,
+            Orientation::Points => false,
+        }
+    }
+
+    /// An id that no statement of this kind has yet.
+    pub fn free_id(&self, kind: &str) -> u32 {
+        self.fitted
+            .dataset
+            .statements()
+            .iter()
+            .filter(|s| s.def.is_some_and(|def| def.name == kind))
+            .filter_map(|s| Some(s.id?.0))
+            .max()
+            .map_or(1, |id| id + 1)
+    }
+
+    /// How a function reads a displacement of I as J sees it.
+    pub fn deflection_function(&self, (i, j): (MarkerIx, MarkerIx), axis: usize) -> String {
+        let word = ["DX", "DY", "DZ", "AX", "AY", "AZ"][axis];
+        let (i, j) = (self.marker_id(i), self.marker_id(j));
+        if axis < 3 {
+            format!("{word}({i},{j},{j})")
+        } else {
+            format!("{word}({i},{j})")
+        }
+    }
+
+    /// A GFORCE along one axis of J, with the floating marker it needs; and its id.
+    pub fn vector_force(
+        &self,
+        (i, j): (MarkerIx, MarkerIx),
+        axis: usize,
+        function: &str,
+    ) -> (u32, Vec<NewStatement>) {
+        let (id, floating) = (self.free_id("GFORCE"), self.free_id("MARKER"));
+        let part = self.model.parts[self.model.markers[j.0].part.0].header.id;
+        let mut arguments = vec![
+            ("I", self.marker_id(i).to_string()),
+            ("JFLOAT", floating.to_string()),
+            ("RM", self.marker_id(j).to_string()),
+        ];
+        for (k, word) in ["FX", "FY", "FZ", "TX", "TY", "TZ"].into_iter().enumerate() {
+            let text = if k == axis { function } else { "0.0" };
+            // The continuation of ADAMS: components of a GFORCE are separated by a backslash.
+            let end = if k < 5 { "\\" } else { "" };
+            arguments.push((word, format!("{text}{end}")));
+        }
+        let mut marker = statement("MARKER", floating, &[("PART", part.to_string())]);
+        marker.arguments.push(("FLOATING".to_string(), None));
+        (id, vec![marker, statement("GFORCE", id, &arguments)])
+    }
+
+    /// Changes that give a marker of a part to a new, massless part, held to the old one by a bushing at `place` (in axes of the
+    /// part) with these translational stiffnesses; and the id of the bushing.
+    pub fn split(
+        &self,
+        (part, _): (u32, PartIx),
+        marker: u32,
+        (place, angles): (Vec3, [f64; 3]),
+        stiffness: [f64; 3],
+    ) -> (u32, Vec<Change>) {
+        let (new, first, bushing) = (
+            self.free_id("PART"),
+            self.free_id("MARKER"),
+            self.free_id("BUSHING"),
+        );
+        let at = self.model.parts.iter().find(|p| p.header.id == part);
+        let pose = at.map_or_else(Pose::identity, |part| part.pose.clone());
+        let three = |v: [f64; 3]| format!("{:.12}, {:.12}, {:.12}", v[0], v[1], v[2]);
+        let turned = |v: [f64; 3]| three(v);
+        let qg: [f64; 3] = pose.p.into();
+        let body = statement(
+            "PART",
+            new,
+            &[
+                ("QG", three(qg)),
+                ("REULER", turned(crate::mechanics::psi_theta_phi(&pose.R))),
+            ],
+        );
+        let qp: [f64; 3] = place.into();
+        let end = |id: u32, part: u32| {
+            statement(
+                "MARKER",
+                id,
+                &[
+                    ("PART", part.to_string()),
+                    ("QP", three(qp)),
+                    ("REULER", turned(angles)),
+                ],
+            )
+        };
+        let rigid = super::hypothesis::RIGID[1];
+        let law = statement(
+            "BUSHING",
+            bushing,
+            &[
+                ("I", first.to_string()),
+                ("J", (first + 1).to_string()),
+                ("C", three([0.0; 3])),
+                (
+                    "K",
+                    format!("{:E}, {:E}, {:E}", stiffness[0], stiffness[1], stiffness[2]),
+                ),
+                ("CT", three([0.0; 3])),
+                ("KT", format!("{rigid:E}, {rigid:E}, {rigid:E}")),
+            ],
+        );
+        let whose = super::hypothesis::number("MARKER", marker, "PART", None);
+        let changes = vec![
+            Change::Add(body),
+            Change::Add(end(first, new)),
+            Change::Add(end(first + 1, part)),
+            Change::Add(law),
+            Change::Text(whose, new.to_string()),
+        ];
+        (bushing, changes)
+    }
+
+    /// Everything that holds a part.
+    pub fn attachments(&self, part: PartIx) -> Vec<Attachment> {
+        let owner = |marker: MarkerIx| self.model.markers[marker.0].part;
+        self.readings
+            .iter()
+            .filter(|(kind, id, _)| self.is_of_the_deck(kind, *id))
+            .filter_map(|(_, _, readings)| {
+                let first = readings.first()?;
+                let known = |m: MarkerIx| m.0 < self.model.markers.len();
+                if !known(first.i) || !known(first.j) {
+                    return None;
+                }
+                let (marker, side) = if owner(first.i) == part {
+                    (first.i, 0)
+                } else if owner(first.j) == part {
+                    (first.j, 1)
+                } else {
+                    return None;
+                };
+                Some(Attachment {
+                    marker,
+                    force: readings
+                        .iter()
+                        .map(|r| [r.force, r.force_on_j][side])
+                        .collect(),
+                })
+            })
+            .collect()
+    }
+
+    /// False for what an extension has added.
+    fn is_of_the_deck(&self, kind: &str, id: u32) -> bool {
+        self.subject
+            .problem
+            .dataset
+            .statement(kind, Some(id))
+            .is_some()
+    }
+
+    /// Effect of every number of these hypotheses on every row, per unit of its prior standard deviation; one column each.
+    pub fn columns(&self, hypotheses: &[Hypothesis]) -> DMatrix<f64> {
+        let numbers: Vec<_> = hypotheses.iter().flat_map(|h| &h.numbers).collect();
+        let system = &self.fitted.prepared.system;
+        let catalogue = system.catalogue();
+        let slot = |address: &Address| catalogue.slot(address);
+        // Only what the solver has to answer.
+        let asked: Vec<usize> = (0..numbers.len())
+            .filter(|k| !matches!(numbers[*k].column, Column::Rows(_)))
+            .collect();
+        let directions: Vec<Direction> = asked
+            .iter()
+            .map(|k| {
+                let mut direction = Direction::default();
+                match &numbers[*k].column {
+                    Column::Always(pairs) => direction
+                        .always
+                        .extend(pairs.iter().filter_map(|(a, f)| Some((slot(a)?, *f)))),
+                    Column::PerCase(pairs) => direction.per_case.extend(
+                        pairs
+                            .iter()
+                            .filter_map(|(a, f)| Some((slot(a)?, f.clone()))),
+                    ),
+                    Column::Wrench(..) | Column::Rows(_) => {}
+                }
+                direction
+            })
+            .collect();
+        let mut scratch = Scratch::new(system);
+        let cases: Vec<usize> = (0..self.cases()).collect();
+        let observations = Observations::new(self.measurement, self.subject.problem.model, &cases);
+        let mut prediction = Vec::with_capacity(cases.len());
+        for &case in &cases {
+            let at = (&self.fitted.thetas[case], &self.fitted.states[case]);
+            let changes = self.changes(case, at, &mut scratch, (&asked, &directions), &numbers);
+            let channels = self.fitted.prepared.channels;
+            prediction.push(Some(CasePrediction {
+                poses: at.1.poses.clone(),
+                channels: channels
+                    .values(system, at.0, at.1, &mut scratch)
+                    .unwrap_or_default(),
+                by_unknown: changes
+                    .into_iter()
+                    .map(|six| share(system, &observations, six))
+                    .collect(),
+            }));
+        }
+        let mut out = DMatrix::zeros(self.subject.rows.len(), numbers.len());
+        let x = vec![0.0; asked.len()];
+        let evaluated = observations.evaluate(&prediction, &NuisanceLayout::default(), &x, true);
+        if let Some(evaluated) = evaluated {
+            for (from, &to) in asked.iter().enumerate() {
+                let column = evaluated.jacobian.column(from) * numbers[to].sd;
+                out.set_column(to, &column);
+            }
+        }
+        for (k, number) in numbers.iter().enumerate() {
+            if let Column::Rows(rows) = &number.column {
+                for (row, value) in rows {
+                    out[(*row, k)] = value * number.sd;
+                }
+            }
+        }
+        out
+    }
+
+    /// How the system's unknowns and the channels of a case change along each direction.
+    fn changes(
+        &self,
+        case: usize,
+        (theta, state): (&Parameters, &State),
+        scratch: &mut Scratch,
+        (asked, directions): (&[usize], &[Direction]),
+        numbers: &[&super::hypothesis::Number],
+    ) -> Vec<(Vec<f64>, Vec<f64>)> {
+        let system = &self.fitted.prepared.system;
+        let n = system.unknowns();
+        let zero = || vec![(vec![0.0; n], vec![0.0; self.measurement.channels.len()]); asked.len()];
+        let Ok(mut tangent) = Tangent::new(system, theta, state) else {
+            return zero();
+        };
+        let mut by_slot = vec![0.0; n];
+        let mut known: std::collections::BTreeMap<Slot, Vec<f64>> =
+            std::collections::BTreeMap::new();
+        let mut responses = Vec::with_capacity(asked.len());
+        for (k, direction) in asked.iter().zip(directions) {
+            let mut dg = vec![0.0; n];
+            if let Column::Wrench(pair, wrenches) = &numbers[*k].column {
+                dg = system.unit_wrench_column(theta, state, scratch, *pair, &wrenches[case]);
+            }
+            for (slot, weight) in direction.in_case(case).filter(|(_, weight)| *weight != 0.0) {
+                if !known.contains_key(&slot) {
+                    let done = system.residual_by_slot(theta, state, scratch, slot, &mut by_slot);
+                    if done.is_err() {
+                        by_slot.fill(0.0);
+                    }
+                    known.insert(slot, by_slot.clone());
+                }
+                for (sum, value) in dg.iter_mut().zip(&known[&slot]) {
+                    *sum += weight * value;
+                }
+            }
+            tangent.respond(&mut dg);
+            responses.push(dg);
+        }
+        let channels = self.fitted.prepared.channels;
+        let along = (directions, responses.as_slice());
+        let Ok(changed) = channels.changes(system, (theta, case), state, scratch, along) else {
+            return zero();
+        };
+        responses.into_iter().zip(changed).collect()
+    }
+}
+
+/// The observed parts' share of a change.
+fn share(
+    system: &System,
+    observations: &Observations<'_>,
+    (dx, channels): (Vec<f64>, Vec<f64>),
+) -> CaseChange {
+    let six = |part: &PartIx| {
+        let mut six = [0.0; 6];
+        for (to, from) in six.iter_mut().zip(&dx[system.part_unknowns(*part)]) {
+            *to = *from;
+        }
+        six
+    };
+    CaseChange {
+        parts: observations.observed.parts.iter().map(six).collect(),
+        channels,
+    }
+}
+
+/// A statement with its arguments.
+fn statement(kind: &str, id: u32, arguments: &[(&str, String)]) -> NewStatement {
+    NewStatement {
+        kind: kind.to_string(),
+        id: Some(id),
+        view_name: None,
+        arguments: arguments
+            .iter()
+            .map(|(word, value)| ((*word).to_string(), Some(value.clone())))
+            .collect(),
+    }
+}
