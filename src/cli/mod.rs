@@ -7,6 +7,7 @@ mod addresses;
 mod check;
 mod compare;
 mod completions;
+mod diagnose;
 mod diff;
 mod explain;
 mod fix;
@@ -52,6 +53,7 @@ enum Command {
     Diff(diff::Arguments),
     Solve(solve::Arguments),
     Identify(identify::Arguments),
+    Diagnose(diagnose::Arguments),
     Results(results::Arguments),
     Compare(compare::Arguments),
     Explain(explain::Arguments),
@@ -72,6 +74,7 @@ pub fn main() -> ExitCode {
         Command::Diff(arguments) => diff::run(&arguments, &mut shell),
         Command::Solve(arguments) => solve::run(&arguments, &mut shell),
         Command::Identify(arguments) => identify::run(&arguments, &mut shell),
+        Command::Diagnose(arguments) => diagnose::run(&arguments, &mut shell),
         Command::Results(arguments) => results::run(&arguments, &mut shell),
         Command::Compare(arguments) => compare::run(&arguments, &mut shell),
         Command::Explain(arguments) => explain::run(&arguments, &mut shell),

@@ -7,6 +7,7 @@ mod cause;
 mod diagnose;
 mod diagnosis;
 mod extended;
+mod extension;
 mod held_out;
 mod hypothesis;
 mod screening;

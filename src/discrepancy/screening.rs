@@ -12,13 +12,9 @@ use super::survey::Survey;
 pub struct Score {
     /// The hypothesis.
     pub hypothesis: Hypothesis,
-    /// Fall of chi-square, priors included.
-    pub gain: f64,
-    /// Numbers that the data determine: each counts as far as it is known better than by its prior.
-    pub numbers: f64,
     /// First guess of the numbers, in units of their priors.
     pub estimate: Vec<f64>,
-    /// Gain less its penalty.
+    /// Fall of chi-square, priors included, less the penalty of the numbers that the data determine.
     pub net: f64,
 }
 
@@ -95,8 +91,6 @@ fn score(
         out.push(Score {
             net: gain - penalty(numbers, count, places),
             hypothesis,
-            gain,
-            numbers,
             estimate: estimate.iter().copied().collect(),
         });
     }

@@ -31,8 +31,6 @@ pub struct Rival {
 pub struct Selected {
     /// The fit.
     pub fitted: Fitted,
-    /// Chi-square plus penalties; less is better.
-    pub criterion: f64,
     /// How many hypotheses were tried.
     pub places: usize,
     /// Chi-square without each chosen hypothesis less that with all.
@@ -165,6 +163,15 @@ fn finish(
             at += 1;
             continue;
         };
+        let value = criterion(&base, places);
+        if value <= best {
+            // What has been added since, or put in another's place, makes this one needless.
+            (current, best) = (base, value);
+            at = 0;
+            gains.clear();
+            rivals.clear();
+            continue;
+        }
         let own = current.chosen[at].clone();
         let gain = base.chi_square() - current.chi_square();
         let promising = survivors(screen(subject, &base), 0.3 * gain - 40.0, &|h| {
@@ -208,7 +215,6 @@ fn finish(
     }
     Selected {
         fitted: current,
-        criterion: best,
         places,
         gains,
         rivals,

@@ -3,12 +3,14 @@
 //! Knows results and how a person reads them; neither solvers nor files. Every text that comes from a study is escaped.
 
 mod chart;
+mod diagnosis;
 mod heat_map;
 mod identification;
 mod page;
 mod table;
 
 pub use chart::{Chart, Mark, Series};
+pub use diagnosis::DiagnosisReport;
 pub use heat_map::HeatMap;
 pub use identification::{IdentificationReport, lead, number, status};
 pub use page::{Page, escape};

@@ -1,0 +1,127 @@
+use std::path::{Path, PathBuf};
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::discrepancy::{Finding, Outcome as Diagnosed, Verdict, diagnose, held_out};
+use crate::identify::LoadedStudy;
+use crate::report::{DiagnosisReport, number};
+
+use super::Outcome;
+use super::identify::changed_lines;
+use super::shell::{Exit, Format, Shell};
+
+/// Say what a model still gets wrong after its best fit, name the cause, and extend the model by it.
+///
+/// Writes `diagnosis.json`, `extended.adm`, `extended.acf` and `report.html`.
+#[derive(clap::Args, Debug)]
+pub(super) struct Arguments {
+    /// The study's folder.
+    study: PathBuf,
+    /// Where the answers go.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+}
+
+/// Diagnoses, writes and prints.
+pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    let checked = LoadedStudy::read(&arguments.study);
+    if let Some(loaded) = &checked.value {
+        shell.sources.add(loaded.study.source.clone());
+        shell.sources.add(loaded.study.deck.clone());
+    }
+    shell.complain(&checked.diagnostics);
+    let Some(loaded) = checked.value else {
+        return Err(Exit::Findings);
+    };
+    let problem = loaded.problem();
+    let held_out = held_out(&loaded.study, &loaded.measurement);
+    let outcome = diagnose(&problem, held_out).map_err(|error| {
+        shell.fail(Diagnostic::error(Code::NoFit, error.to_string()));
+        Exit::NoAnswer
+    })?;
+    write(&loaded, &outcome, &arguments.out, shell)?;
+    match shell.format {
+        Format::Json => shell.print(&outcome.diagnosis.to_json()),
+        Format::Text | Format::Plain => {
+            let report = arguments.out.join("report.html");
+            shell.print(&format!(
+                "{}report: {}\n",
+                words(&outcome),
+                report.display()
+            ));
+        }
+    }
+    Ok(Exit::Fine)
+}
+
+fn write(
+    loaded: &LoadedStudy,
+    outcome: &Diagnosed<'_>,
+    out: &Path,
+    shell: &mut Shell,
+) -> Result<(), Exit> {
+    std::fs::create_dir_all(out).map_err(|error| {
+        shell.fail(Diagnostic::error(
+            Code::CannotWrite,
+            format!("{}: {error}", out.display()),
+        ))
+    })?;
+    let (deck, commands) = (outcome.extended_deck(), outcome.extended_commands());
+    let diff = changed_lines(loaded.dataset.bytes(), &deck);
+    let report = DiagnosisReport {
+        outcome,
+        diff: &diff,
+    };
+    shell.write(&out.join("extended.adm"), &deck)?;
+    shell.write(&out.join("extended.acf"), commands.as_bytes())?;
+    shell.write(
+        &out.join("diagnosis.json"),
+        outcome.diagnosis.to_json().as_bytes(),
+    )?;
+    shell.write(&out.join("report.html"), report.html().as_bytes())
+}
+
+/// The answer for a person.
+fn words(outcome: &Diagnosed<'_>) -> String {
+    let diagnosis = &outcome.diagnosis;
+    let verdict = match diagnosis.verdict {
+        Verdict::Consistent => "consistent: the model explains the data to their noise",
+        Verdict::Discrepancy => "discrepancy",
+        Verdict::Unexplained => "unexplained: structure remains that no known cause explains",
+    };
+    let mut text = format!(
+        "{verdict} (chi-square per degree of freedom {:.2}, {} hypotheses tried)\n",
+        diagnosis.baseline.chi2_per_dof, outcome.places
+    );
+    for finding in &diagnosis.findings {
+        text += &line(finding);
+    }
+    for place in &diagnosis.unexplained.places {
+        text += &format!("  left: {place}\n");
+    }
+    text
+}
+
+fn line(finding: &Finding) -> String {
+    let numbers: Vec<String> = finding
+        .parameters
+        .iter()
+        .map(|(name, value)| {
+            let error = finding.std_error.get(name).copied();
+            format!("{name} = {}", number(*value, error))
+        })
+        .collect();
+    let minor = if finding.minor { " (minor)" } else { "" };
+    let mut text = format!(
+        "  {} {}{minor}: {}\n",
+        finding.cause,
+        finding.address,
+        numbers.join(", ")
+    );
+    for rival in &finding.indistinguishable_from {
+        text += &format!(
+            "    or {} {} (BIC {:.1} behind)\n",
+            rival.cause, rival.address, rival.bic_behind
+        );
+    }
+    text
+}

@@ -1,0 +1,137 @@
+//! The extended model as files: the user's own deck with edits, and a command file that replays the measured loads.
+
+use std::fmt::Write as _;
+
+use super::diagnose::Outcome;
+use super::extended::Fitted;
+use crate::identify::global::Meaning;
+use crate::syntax::{Address, Dataset};
+use crate::system::Slot;
+
+impl Outcome<'_> {
+    /// The extended deck with all numbers of the fit.
+    pub fn extended_deck(&self) -> Vec<u8> {
+        deck(&self.extended, &self.driven())
+    }
+
+    /// Replays the load cases in their order on the extended deck.
+    pub fn extended_commands(&self) -> String {
+        let programme = &self.subject.problem.programme;
+        let fitted = &self.extended;
+        let catalogue = fitted.prepared.system.catalogue();
+        let mut targets: Vec<(Address, Slot)> = Vec::new();
+        let loads = programme.loads.iter().map(|load| load.target.clone());
+        let others = per_case(fitted)
+            .into_iter()
+            .map(|slot| catalogue.info(slot).address);
+        for address in loads.chain(others) {
+            let Some(slot) = catalogue.slot(&address) else {
+                continue;
+            };
+            if !targets.iter().any(|(_, known)| *known == slot) {
+                targets.push((address, slot));
+            }
+        }
+        let mut text = String::from("extended.adm\nextended\n");
+        if !fitted.chosen.is_empty() {
+            let names: Vec<String> = fitted
+                .chosen
+                .iter()
+                .map(|h| format!("{} at {}", h.cause, h.address))
+                .collect();
+            let _ = writeln!(text, "! {}", names.join(", "));
+        }
+        if fitted
+            .chosen
+            .iter()
+            .any(|h| h.cause == super::Cause::DryFriction)
+        {
+            text.push_str(
+                "! Friction has memory: these forces hold for this sequence of loads only.\n",
+            );
+        }
+        for (case, load) in programme.cases.iter().enumerate() {
+            let _ = writeln!(text, "! case {}", load.label);
+            for (address, slot) in &targets {
+                let value = fitted.thetas[case].get(*slot);
+                if let Some(command) = redefine(address, value, |other| {
+                    catalogue
+                        .slot(other)
+                        .map(|slot| fitted.thetas[case].get(slot))
+                }) {
+                    text.push_str(&command);
+                }
+            }
+            text.push_str("SIMULATE/STATICS\n");
+        }
+        text.push_str("STOP\n");
+        text
+    }
+
+    /// Slots that change from case to case.
+    fn driven(&self) -> Vec<Slot> {
+        let catalogue = self.extended.prepared.system.catalogue();
+        let loads = &self.subject.problem.programme.loads;
+        let mut slots: Vec<Slot> = loads
+            .iter()
+            .filter_map(|load| catalogue.slot(&load.target))
+            .collect();
+        slots.extend(per_case(&self.extended));
+        slots
+    }
+}
+
+/// Slots of a fit that change from case to case besides the loads.
+fn per_case(fitted: &Fitted) -> Vec<Slot> {
+    let mut out = Vec::new();
+    for unknown in fitted.unknowns.list() {
+        if let Meaning::PerCase(slots) = &unknown.meaning {
+            out.extend(slots.iter().map(|(slot, _)| *slot));
+        }
+    }
+    out
+}
+
+/// A command that sets a number: the whole FUNCTION, or an argument with all its values.
+fn redefine(address: &Address, value: f64, of: impl Fn(&Address) -> Option<f64>) -> Option<String> {
+    let id = address.id?;
+    let kind = &address.kind;
+    let Some(argument) = &address.argument else {
+        return Some(format!("{kind}/{id}, FUNCTION={value:.10E}\n"));
+    };
+    let Some(_) = address.index else {
+        return Some(format!("{kind}/{id}, {argument}={value:.10E}\n"));
+    };
+    if matches!(kind.as_str(), "GFORCE" | "SFORCE") {
+        return Some(format!("{kind}/{id}, {argument}={value:.10E}\n"));
+    }
+    let values: Vec<String> = (1..=3)
+        .map_while(|index| {
+            let other = Address {
+                index: Some(index),
+                ..address.clone()
+            };
+            of(&other).map(|value| format!("{value:.10E}"))
+        })
+        .collect();
+    Some(format!("{kind}/{id}, {argument}={}\n", values.join(",")))
+}
+
+/// A fit's numbers written into its deck, those that change from case to case left as they are.
+fn deck(fitted: &Fitted, driven: &[Slot]) -> Vec<u8> {
+    let system = &fitted.prepared.system;
+    let catalogue = system.catalogue();
+    let (before, after) = (system.parameters(), &fitted.thetas[0]);
+    let mut dataset: Dataset = fitted.dataset.clone();
+    for slot in catalogue.slots() {
+        let (old, new) = (before.get(slot), after.get(slot));
+        if driven.contains(&slot) || old.to_bits() == new.to_bits() || !new.is_finite() {
+            continue;
+        }
+        let edits = dataset.set(&catalogue.info(slot).address, new);
+        if let Some(edited) = edits.ok().and_then(|edits| dataset.edited(&edits).ok()) {
+            dataset = edited.value;
+        }
+    }
+    dataset.bytes().to_vec()
+}

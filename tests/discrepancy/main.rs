@@ -1,0 +1,4 @@
+//! Hidden effects: each is planted on an axle, the diagnosis sees only the study folder, then the truth is opened.
+
+mod found;
+mod plant;

@@ -1,0 +1,214 @@
+//! Plants an effect on the reference deck of a shipped study and writes what a rig would have read.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use admire::backend::{Backend, LoadProgramme, NativeBackend, SweepRequest};
+use admire::identify::LoadedStudy;
+use admire::mechanics::Pose;
+use admire::model::Model;
+use admire::syntax::Dataset;
+use admire::text::Source;
+use rand::SeedableRng;
+use rand_distr::{Distribution, Normal};
+
+/// What is wrong.
+pub struct Plant {
+    /// Cause and address.
+    pub truth: (&'static str, &'static str),
+    /// Replacements in the text of the reference deck.
+    pub edits: Vec<(&'static str, String)>,
+    /// Statements added before END.
+    pub added: String,
+    /// Changes the loads of a case.
+    pub loads: fn(&mut [f64]),
+    /// Changes a reading: case, part, mark, place.
+    pub reading: fn(usize, usize, usize, &mut [f64; 3]),
+    /// An element's text with `ANCHOR` in it: force of slipping, stiffness, I, J, axis.
+    pub friction: Option<Friction>,
+}
+
+/// Elasto-slip along an axis of J.
+pub struct Friction {
+    pub force: f64,
+    pub stiffness: f64,
+    pub i: u32,
+    pub j: u32,
+    pub part_of_j: u32,
+    pub axis: usize,
+}
+
+impl Plant {
+    pub fn nothing() -> Self {
+        Self {
+            truth: ("", ""),
+            edits: Vec::new(),
+            added: String::new(),
+            loads: |_| {},
+            reading: |_, _, _, _| {},
+            friction: None,
+        }
+    }
+}
+
+/// A study folder that tells nothing of what was planted.
+pub fn study(
+    name: &str,
+    plant: &Plant,
+    sigma: f64,
+    seed: u64,
+    loads: Option<&str>,
+) -> tempfile::TempDir {
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("corpus")
+        .join(name);
+    let folder = tempfile::tempdir().unwrap();
+    for entry in std::fs::read_dir(&shipped).unwrap() {
+        let path = entry.unwrap().path();
+        if path.file_name().unwrap() != "reference.adm" {
+            std::fs::copy(&path, folder.path().join(path.file_name().unwrap())).unwrap();
+        }
+    }
+    let path = |file: &str| folder.path().join(file);
+    let toml = std::fs::read_to_string(path("study.toml")).unwrap();
+    let toml = toml.replace("[reference]\ndeck = \"reference.adm\"\n", "");
+    std::fs::write(
+        path("study.toml"),
+        toml.replace("sigma = 0.05", &format!("sigma = {sigma}")),
+    )
+    .unwrap();
+    if let Some(loads) = loads {
+        std::fs::write(path("load_cases.csv"), loads).unwrap();
+    }
+    let mut text = std::fs::read_to_string(shipped.join("reference.adm")).unwrap();
+    for (from, to) in &plant.edits {
+        assert!(text.contains(from), "{from}");
+        text = text.replace(from, to);
+    }
+    let end = text.rfind("END").unwrap();
+    text.insert_str(end, &plant.added);
+    // The labels of the cases have to exist in the readings before they are simulated.
+    let cases = std::fs::read_to_string(path("load_cases.csv")).unwrap();
+    let mut marks = String::from("case,part,mark,x,y,z\n");
+    let first = std::fs::read_to_string(path("marks_on_parts.csv")).unwrap();
+    for case in cases.lines().skip(1) {
+        let label = case.split(',').next().unwrap();
+        for mark in first.lines().skip(1) {
+            let mut words = mark.split(',');
+            let (part, mark) = (words.next().unwrap(), words.next().unwrap());
+            writeln!(marks, "{label},{part},{mark},0,0,0").unwrap();
+        }
+    }
+    std::fs::write(path("marks_measured.csv"), marks).unwrap();
+    let loaded = LoadedStudy::read(folder.path()).value.unwrap();
+    let mut programme = loaded.programme.clone();
+    for case in &mut programme.cases {
+        (plant.loads)(&mut case.values);
+    }
+    let poses = match &plant.friction {
+        None => sweep(&text, &programme),
+        Some(friction) => slipping(&text, &programme, friction),
+    };
+    let mut random = rand_pcg::Pcg64::seed_from_u64(seed);
+    let noise = Normal::new(0.0, sigma).unwrap();
+    let mut marks = String::from("case,part,mark,x,y,z\n");
+    for (case, poses) in poses.iter().enumerate() {
+        for (p, part) in loaded.measurement.parts.iter().enumerate() {
+            for (m, mark) in part.marks.iter().enumerate() {
+                let x = poses[part.part.0].point(&mark.p);
+                let mut x: [f64; 3] = x.into();
+                for x in &mut x {
+                    *x += noise.sample(&mut random);
+                }
+                (plant.reading)(case, p, m, &mut x);
+                let label = &loaded.measurement.cases[case].label;
+                writeln!(
+                    marks,
+                    "{label},{},{},{:.9},{:.9},{:.9}",
+                    part.name, mark.label, x[0], x[1], x[2]
+                )
+                .unwrap();
+            }
+        }
+    }
+    std::fs::write(path("marks_measured.csv"), marks).unwrap();
+    folder
+}
+
+fn deck(text: &str) -> (Dataset, Model) {
+    let dataset = Dataset::parse(Source::new(
+        "planted.adm".to_string(),
+        text.as_bytes().to_vec(),
+    ))
+    .value;
+    let lowered = admire::model::lower(&dataset);
+    assert!(!lowered.has_errors(), "{:?}", lowered.diagnostics);
+    (dataset, lowered.value)
+}
+
+fn sweep(text: &str, programme: &LoadProgramme) -> Vec<Vec<Pose>> {
+    let (dataset, model) = deck(text);
+    let request = SweepRequest {
+        dataset: &dataset,
+        model: &model,
+        theta: &[],
+        programme,
+    };
+    let swept = NativeBackend::new().sweep(&request).unwrap();
+    (0..programme.cases.len())
+        .map(|case| swept.equilibrium(case).unwrap().poses.clone())
+        .collect()
+}
+
+/// Case by case; each leaves its anchor to the next.
+fn slipping(text: &str, programme: &LoadProgramme, friction: &Friction) -> Vec<Vec<Pose>> {
+    let Friction {
+        force,
+        stiffness,
+        i,
+        j,
+        part_of_j,
+        axis,
+    } = friction;
+    let (mut anchor, mut out) = (0.0, Vec::new());
+    let end = text.rfind("END").unwrap();
+    let measure = ["DX", "DY", "DZ"][*axis];
+    for case in &programme.cases {
+        let law = format!(
+            "-MAX(-{force},MIN({force},{stiffness}*({measure}({i},{j},{j})-({anchor:.12}))))"
+        );
+        let mut components = ["0.0"; 6].map(str::to_string);
+        components[*axis] = law;
+        let names = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
+        let listed: Vec<String> = names
+            .iter()
+            .zip(&components)
+            .map(|(n, c)| format!(", {n} = {c}"))
+            .collect();
+        let added = format!(
+            "MARKER/990, PART = {part_of_j}, FLOATING\nGFORCE/990\n, I = {i}\n, JFLOAT = 990\n, RM = {j}\n{}\n",
+            listed.join("\\\n")
+        );
+        let mut deck_text = text.to_string();
+        deck_text.insert_str(end, &added);
+        let one = LoadProgramme {
+            cases: vec![case.clone()],
+            loads: programme.loads.clone(),
+        };
+        let poses = sweep(&deck_text, &one).remove(0);
+        let (_, model) = deck(&deck_text);
+        let place = |id: u32| {
+            let marker = &model.markers[model.marker(id).unwrap().0];
+            poses[marker.part.0].compose(&Pose {
+                p: marker.qp,
+                R: marker.R,
+            })
+        };
+        let (a, b) = (place(*i), place(*j));
+        let u = (b.R.transpose() * (a.p - b.p))[*axis];
+        let slip = force / stiffness;
+        anchor = u - (u - anchor).clamp(-slip, slip);
+        out.push(poses);
+    }
+    out
+}
