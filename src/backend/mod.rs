@@ -13,5 +13,5 @@ pub use command::CommandBackend;
 pub use contract::{
     Backend, BackendError, CaseFailure, CaseOutcome, RunError, Sweep, SweepRequest,
 };
-pub use native::{NativeBackend, compile, slot};
+pub use native::{NativeBackend, compile, slot, tight_settings};
 pub use programme::{Load, LoadCase, LoadProgramme};

@@ -7,7 +7,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use crate::backend::{Backend, CommandBackend, NativeBackend};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::identify::global::{Options, Prepared, fit_study};
-use crate::identify::{Fit, IdentifyError, LoadedStudy, regression};
+use crate::identify::{Fit, IdentifyError, LoadedStudy, direct, regression};
 use crate::report::{IdentificationReport, lead, number, status};
 use crate::rig::settings::{BackendChoice, Method};
 
@@ -111,7 +111,15 @@ fn identified(loaded: &LoadedStudy, shell: &Shell) -> Result<Fit, IdentifyError>
             };
             regression::identify(&problem, backend.as_mut(), &mut watch)?
         }
-        Method::GaussNewton | Method::Direct => {
+        Method::Direct => {
+            let mut watch = |round: usize, _: &[f64], moves: f64| {
+                bar.set_message(format!("round {round}: largest change of ln K {moves:.1e}"));
+                bar.tick();
+                ControlFlow::Continue(())
+            };
+            direct::identify(&problem, backend.as_mut(), &mut watch)?
+        }
+        Method::GaussNewton => {
             let prepared = Prepared::new(&problem)?;
             let watch = |iteration: usize, sweeps: usize, objective: f64| {
                 bar.set_message(format!(

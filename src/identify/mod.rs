@@ -4,6 +4,7 @@
 //! well a sweep explains the readings, and the result as `identification.json` and edits. Knows no effect a model may lack: that
 //! is diagnosis.
 
+pub mod direct;
 mod evaluation;
 mod fit;
 pub mod global;

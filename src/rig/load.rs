@@ -18,8 +18,8 @@ pub fn programme(
     let mut loads = Vec::new();
     let mut factors = Vec::new();
     for (name, target) in &study.columns {
-        let found = address(&target.text).filter(|address| exists(address, dataset));
-        let Some(target) = found else {
+        let found = Address::parse(&target.text, dataset).ok();
+        let Some(target) = found.filter(|address| exists(address, dataset)) else {
             let message = format!(
                 "`{}` is nothing in the deck that a load can drive",
                 target.text
@@ -56,31 +56,6 @@ pub fn programme(
         cases: cases.collect(),
         loads,
     }
-}
-
-/// `KIND/id`, `KIND/id.ARGUMENT`, `KIND/id.ARGUMENT.index`.
-fn address(text: &str) -> Option<Address> {
-    let (object, rest) = match text.trim().split_once('.') {
-        Some((object, rest)) => (object, Some(rest)),
-        None => (text.trim(), None),
-    };
-    let (kind, id) = object.split_once('/')?;
-    let (argument, index) = match rest.map(|rest| {
-        rest.split_once('.')
-            .map_or((rest, None), |(a, i)| (a, Some(i)))
-    }) {
-        Some((argument, index)) => (Some(argument.trim().to_uppercase()), index),
-        None => (None, None),
-    };
-    Some(Address {
-        kind: kind.trim().to_uppercase(),
-        id: Some(id.trim().parse().ok()?),
-        argument,
-        index: match index {
-            Some(index) => Some(index.trim().parse().ok().filter(|index| *index > 0)?),
-            None => None,
-        },
-    })
 }
 
 fn exists(address: &Address, dataset: &Dataset) -> bool {

@@ -226,6 +226,11 @@ impl System {
         self.first_equation
     }
 
+    /// True if VARIABLEs or dynamic states are unknowns besides poses and multipliers.
+    pub fn has_data_unknowns(&self) -> bool {
+        self.first_variable < self.unknowns
+    }
+
     /// The numbers of the dataset.
     pub fn parameters(&self) -> Parameters {
         self.parameters.clone()

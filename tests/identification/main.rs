@@ -5,6 +5,7 @@ mod command;
 mod common;
 #[path = "../solver/deck.rs"]
 mod deck;
+mod direct;
 mod global;
 mod regression;
 mod setup;

@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use admire::backend::LoadProgramme;
+use admire::backend::{Backend, LoadProgramme, NativeBackend, SweepRequest};
 use admire::identify::{Problem, Unknown, unknowns};
 use admire::model::Model;
+use admire::rig::noise::Noise;
 use admire::rig::{Measurement, Study, programme};
 use admire::syntax::Dataset;
 
@@ -110,4 +111,29 @@ pub fn exact_mcpherson(change: impl Fn(&Path)) -> Loaded {
         replace(folder, "study.toml", "sigma = 0.05", "sigma = 0.0");
         change(folder);
     })
+}
+
+/// Replaces the readings of a study by what its reference deck does, with normal noise.
+pub fn measure(loaded: &mut Loaded, sigma: f64, seed: u64) {
+    let reference = loaded.study.reference.as_ref().unwrap();
+    let truth = crate::deck::read(std::str::from_utf8(reference.bytes()).unwrap());
+    let sweep = NativeBackend::new()
+        .sweep(&SweepRequest {
+            dataset: &loaded.dataset,
+            model: &truth,
+            theta: &[],
+            programme: &loaded.programme,
+        })
+        .unwrap();
+    let mut noise = Noise::new(seed, "marks");
+    let measurement = &mut loaded.measurement;
+    for (case, outcome) in measurement.cases.iter_mut().zip(&sweep.cases) {
+        let poses = &outcome.as_ref().unwrap().poses;
+        for reading in &mut case.marks {
+            let marked = &measurement.parts[reading.part];
+            let x = poses[marked.part.0].point(&marked.marks[reading.mark].p);
+            reading.x = x + noise.vector(sigma);
+        }
+    }
+    measurement.sigma = sigma;
 }

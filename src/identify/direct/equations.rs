@@ -1,0 +1,205 @@
+//! Equilibrium of measured poses, linearised: one set of equations per load case.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::mechanics::{Pose, Vec3, exp, log};
+use crate::model::{Model, PartIx};
+use crate::rig::Measurement;
+use crate::rig::orientation::absolute_orientation;
+use crate::system::{NoValue, Parameters, Scratch, Sink, Slot, State, System};
+
+/// The measured poses of all moving parts in one case, and the current estimate of where they really were.
+#[derive(Clone)]
+pub(super) struct CaseState {
+    /// Index of the case.
+    pub case: usize,
+    measured: Vec<(PartIx, Pose)>,
+    /// Covariance of the poses over all part unknowns.
+    covariance: DMatrix<f64>,
+    state: State,
+}
+
+/// `residual + columns * dtheta + (noise) = 0`, joint reactions eliminated, constraints included.
+pub(super) struct Linearised {
+    /// At the current poses and numbers, measured poses taken into account to first order.
+    pub residual: DVector<f64>,
+    /// By each number.
+    pub columns: DMatrix<f64>,
+    /// Covariance of the residual under pose noise.
+    pub covariance: DMatrix<f64>,
+    /// Pose noise times the derivative: what moves the poses onto the equations.
+    pub gain: DMatrix<f64>,
+    /// Misfit of the current poses to the measured ones.
+    pub misfit: DVector<f64>,
+}
+
+struct Entries(DMatrix<f64>);
+
+impl Sink for Entries {
+    fn add(&mut self, row: usize, column: usize, value: f64) {
+        self.0[(row, column)] += value;
+    }
+}
+
+impl CaseState {
+    /// `None` if the pose of a moving part is not measured in this case.
+    pub fn new(
+        system: &System,
+        model: &Model,
+        measurement: &Measurement,
+        case: usize,
+        sigma: f64,
+    ) -> Option<Self> {
+        let parts = system.equations_start();
+        let mut covariance = DMatrix::zeros(parts, parts);
+        let mut measured = Vec::new();
+        let mut state = system.state();
+        for part in (0..model.parts.len()).map(PartIx) {
+            let unknowns = system.part_unknowns(part);
+            if unknowns.is_empty() {
+                continue;
+            }
+            let marked = measurement
+                .parts
+                .iter()
+                .position(|marked| marked.part == part)?;
+            let (on_part, read) = measurement.pairs(case, marked);
+            let fit = absolute_orientation(&on_part, &read, sigma).ok()?;
+            if unknowns.len() != 6 {
+                return None;
+            }
+            covariance
+                .view_mut((unknowns.start, unknowns.start), (6, 6))
+                .copy_from(&fit.covariance);
+            state.poses[part.0] = fit.pose;
+            measured.push((part, fit.pose));
+        }
+        Some(Self {
+            case,
+            measured,
+            covariance,
+            state,
+        })
+    }
+
+    /// Linearises at the current poses. Multipliers are set to what balances the parts best.
+    pub fn linearise(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        scratch: &mut Scratch,
+        slots: &[Vec<Slot>],
+    ) -> Result<Linearised, NoValue> {
+        let unknowns = system.unknowns();
+        let parts = system.equations_start();
+        let equations = self.state.multipliers.len();
+        let mut g = vec![0.0; unknowns];
+        let mut jacobian = Entries(DMatrix::zeros(unknowns, unknowns));
+        system.assemble(parameters, &self.state, scratch, &mut g, &mut jacobian)?;
+        // Reactions enter linearly: G^T lambda. The basis of what they cannot balance, and the reactions that balance the rest.
+        let reactions = jacobian.0.view((0, parts), (parts, equations)).into_owned();
+        let (basis, free) = split(&reactions);
+        let balance = DVector::from_column_slice(&g[..parts]);
+        let correction = free * balance;
+        for (multiplier, change) in self.state.multipliers.iter_mut().zip(correction.iter()) {
+            *multiplier -= change;
+        }
+        jacobian.0.fill(0.0);
+        system.assemble(parameters, &self.state, scratch, &mut g, &mut jacobian)?;
+        let balance = DVector::from_column_slice(&g[..parts]);
+        let constraints = DVector::from_column_slice(&g[parts..parts + equations]);
+        let tangent = jacobian.0.view((0, 0), (parts, parts));
+        let constraint_rows = jacobian.0.view((parts, 0), (equations, parts));
+        let rows = basis.ncols() + equations;
+        let mut residual = DVector::zeros(rows);
+        let mut h = DMatrix::zeros(rows, parts);
+        residual
+            .rows_mut(0, basis.ncols())
+            .copy_from(&(basis.transpose() * &balance));
+        residual
+            .rows_mut(basis.ncols(), equations)
+            .copy_from(&constraints);
+        h.rows_mut(0, basis.ncols())
+            .copy_from(&(basis.transpose() * tangent));
+        h.rows_mut(basis.ncols(), equations)
+            .copy_from(&constraint_rows);
+        let mut columns = DMatrix::zeros(rows, slots.len());
+        let mut dg = vec![0.0; unknowns];
+        for (k, tied) in slots.iter().enumerate() {
+            for slot in tied {
+                system.residual_by_slot(parameters, &self.state, scratch, *slot, &mut dg)?;
+                let by = basis.transpose() * DVector::from_column_slice(&dg[..parts]);
+                let mut column = columns.column_mut(k);
+                let mut upper = column.rows_mut(0, basis.ncols());
+                upper += by;
+            }
+        }
+        let misfit = self.misfit(system);
+        let gain = &self.covariance * h.transpose();
+        Ok(Linearised {
+            residual: residual + &h * &misfit,
+            columns,
+            covariance: &h * &gain,
+            gain,
+            misfit,
+        })
+    }
+
+    /// Measured minus current poses: translation, rotation vector, ground axes.
+    fn misfit(&self, system: &System) -> DVector<f64> {
+        let mut misfit = DVector::zeros(self.covariance.nrows());
+        for (part, measured) in &self.measured {
+            let now = &self.state.poses[part.0];
+            let first = system.part_unknowns(*part).start;
+            misfit
+                .fixed_rows_mut::<3>(first)
+                .copy_from(&(measured.p - now.p));
+            let turn = log(&(measured.R * now.R.transpose()));
+            misfit.fixed_rows_mut::<3>(first + 3).copy_from(&turn);
+        }
+        misfit
+    }
+
+    /// Puts the poses back to where they were measured.
+    pub fn as_measured(&mut self) {
+        for (part, measured) in &self.measured {
+            self.state.poses[part.0] = *measured;
+        }
+    }
+
+    /// Moves the poses by a change of the part unknowns.
+    pub fn advance(&mut self, system: &System, change: &DVector<f64>) {
+        for (part, _) in &self.measured {
+            let first = system.part_unknowns(*part).start;
+            let d = |k: usize| {
+                Vec3::new(
+                    change[first + k],
+                    change[first + k + 1],
+                    change[first + k + 2],
+                )
+            };
+            let pose = &mut self.state.poses[part.0];
+            pose.p += d(0);
+            pose.R = exp(&d(3)) * pose.R;
+        }
+    }
+}
+
+/// Orthonormal basis of what no column of `a` reaches, and the pseudo-inverse of `a`.
+fn split(a: &DMatrix<f64>) -> (DMatrix<f64>, DMatrix<f64>) {
+    let rows = a.nrows();
+    if a.ncols() == 0 {
+        return (DMatrix::identity(rows, rows), DMatrix::zeros(0, rows));
+    }
+    let eigen = (a * a.transpose()).symmetric_eigen();
+    let largest = eigen.eigenvalues.max();
+    let open: Vec<usize> = (0..rows)
+        .filter(|&k| eigen.eigenvalues[k] <= 1e-12 * largest)
+        .collect();
+    let basis = eigen.eigenvectors.select_columns(&open);
+    let pseudo = a.clone().pseudo_inverse(1e-9 * largest.sqrt());
+    (
+        basis,
+        pseudo.unwrap_or_else(|_| DMatrix::zeros(a.ncols(), rows)),
+    )
+}

@@ -1,0 +1,528 @@
+//! The direct solution: equilibrium of the measured poses is linear in the stiffnesses. No solver run.
+//!
+//! In every load case the forces on each part must balance where it was measured. Joint reactions are eliminated by projection on
+//! what they cannot balance; what remains is linear in stiffnesses and preloads (assembly offsets are preloads, `p = K delta0`).
+//! Pose noise makes the equations inexact with covariance `C = K_T Sigma K_T^T`: they are weighted by its inverse. Because the
+//! noise also sits in the deflections that multiply the stiffnesses, that solution is biased towards zero; moving the poses onto the equations within their
+//! covariance, again and again, removes most of it.
+
+mod bounded;
+mod equations;
+mod report;
+
+pub use report::identify;
+
+use std::ops::ControlFlow;
+
+use nalgebra::{DMatrix, DVector};
+
+use self::equations::{CaseState, Linearised};
+use super::unknowns::stiffness;
+use super::{IdentifyError, Problem, Progress};
+use crate::backend::{compile, slot};
+use crate::rig::orientation::chi_square_p_value;
+use crate::rig::settings::Method;
+use crate::syntax::Address;
+use crate::system::{NoValue, Scratch, Slot, System};
+
+/// What is taken as the noise of exact readings: their weights must still be relative to something.
+const EXACT: f64 = 1e-6;
+/// Largest change of ln K in one round.
+const STEP: f64 = 1.5;
+/// Corrections of the poses for one set of numbers.
+const CORRECTIONS: usize = 3;
+/// Damping of a first step, what a rejected step multiplies it by and an accepted one divides it by.
+const DAMPING: (f64, f64, f64) = (1e-3, 8.0, 5.0);
+/// Damping beyond which there is no way down.
+const STUCK: f64 = 1e6;
+/// Values stay within this many e-folds of where they started.
+const WIDTH: f64 = 9.0;
+/// What still moves by less, or by less than this fraction of its standard deviation, is settled.
+const SETTLED: (f64, f64) = (1e-7, 0.05);
+/// Rounds with the poses as measured before they are corrected, one attempt after the other: few keep weakly seen stiffnesses
+/// from collapsing, many bring strongly seen ones near.
+const ATTEMPTS: [usize; 2] = [2, 12];
+/// An attempt whose misfit is likelier than this is taken.
+const BELIEVABLE: f64 = 1e-3;
+
+/// How the direct solution is found.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct DirectSettings {
+    /// Most rounds in which the poses move onto the equations.
+    pub rounds: usize,
+    /// Also solve with the poses as measured, to show the bias their noise would leave.
+    pub show_bias: bool,
+}
+
+impl Default for DirectSettings {
+    fn default() -> Self {
+        Self {
+            rounds: 60,
+            show_bias: true,
+        }
+    }
+}
+
+/// The direct solution.
+#[derive(Clone, PartialEq, Debug)]
+pub struct DirectSolution {
+    /// One per unknown of the problem.
+    pub values: Vec<f64>,
+    /// Values with the poses as measured, their noise uncorrected: what plain weighted least squares gives. Empty if not asked for.
+    pub uncorrected: Vec<f64>,
+    /// Which unknowns ended at the edge of what is allowed.
+    pub at_bound: Vec<bool>,
+    /// Covariance of (ln of the values, offsets in the order of `offsets`).
+    pub covariance: DMatrix<f64>,
+    /// (bushing, axis, delta0) of equation 9 in J axes, lengths and radians; empty if offsets are switched off.
+    pub offsets: Vec<(usize, usize, f64)>,
+    /// How many rounds it took.
+    pub rounds: usize,
+    /// True if nothing moved any more.
+    pub settled: bool,
+    /// Squared misfit of the poses moved onto the equations, in units of their covariance, priors included.
+    pub chi_square: f64,
+    /// Equations minus unknowns.
+    pub dof: usize,
+    /// Cases that took part.
+    pub cases: Vec<usize>,
+}
+
+/// Solves for all unknowns of a problem.
+///
+/// # Errors
+/// [`IdentifyError`] when no case has the poses of all moving parts, or the model cannot be compiled.
+pub fn solve(
+    problem: &Problem<'_>,
+    settings: &DirectSettings,
+    progress: &mut Progress<'_>,
+) -> Result<DirectSolution, IdentifyError> {
+    let not_possible = |needs| IdentifyError::NotPossible {
+        method: Method::Direct.as_str(),
+        needs,
+    };
+    if problem.unknowns.is_empty() {
+        return Err(IdentifyError::NoUnknowns);
+    }
+    let system = compile(problem.model)?;
+    if system.has_data_unknowns() {
+        return Err(not_possible(
+            "a deck whose VARIABLEs and DIFFs are no unknowns of the equilibrium",
+        ));
+    }
+    let direct = Direct::new(problem, &system)?;
+    if direct.cases.is_empty() {
+        return Err(not_possible(
+            "three or more marks on every moving part in at least one load case",
+        ));
+    }
+    direct.run(settings, progress)
+}
+
+/// Where one attempt ended.
+struct Attempt {
+    x: DVector<f64>,
+    information: DMatrix<f64>,
+    settled: bool,
+    stopped: bool,
+    chi_square: f64,
+    dof: usize,
+}
+
+struct Direct<'a> {
+    problem: &'a Problem<'a>,
+    system: &'a System,
+    cases: Vec<CaseState>,
+    /// Slots of each number: unknowns first, then preloads.
+    slots: Vec<Vec<Slot>>,
+    /// (bushing, axis) of each offset.
+    offsets: Vec<(usize, usize)>,
+    loads: Vec<Slot>,
+    /// (ln of the unknowns, offsets).
+    x: DVector<f64>,
+}
+
+impl<'a> Direct<'a> {
+    fn new(problem: &'a Problem<'a>, system: &'a System) -> Result<Self, IdentifyError> {
+        let mut slots = Vec::new();
+        for unknown in &problem.unknowns {
+            let tied = std::iter::once(&unknown.address).chain(&unknown.tied);
+            slots.push(
+                tied.map(|address| slot(system, address))
+                    .collect::<Result<_, _>>()?,
+            );
+        }
+        let sd = problem.settings.offset_sd;
+        let mut offsets = Vec::new();
+        for bushing in problem.bushings() {
+            let id = problem.model.bushings[bushing].header.id;
+            for axis in 0..6 {
+                let off = if axis < 3 { sd.length } else { sd.angle_deg } <= 0.0;
+                if !off {
+                    let argument = if axis < 3 { "FORCE" } else { "TORQUE" };
+                    let address = Address {
+                        argument: Some(argument.to_string()),
+                        ..stiffness(id, axis)
+                    };
+                    slots.push(vec![slot(system, &address)?]);
+                    offsets.push((bushing, axis));
+                }
+            }
+        }
+        let loads = problem.programme.loads.iter();
+        let loads = loads
+            .map(|load| slot(system, &load.target))
+            .collect::<Result<_, _>>()?;
+        let sigma = problem.measurement.sigma.max(EXACT);
+        let cases = problem.measurement.fitted_cases().filter_map(|case| {
+            CaseState::new(system, problem.model, problem.measurement, case, sigma)
+        });
+        let mut x: Vec<f64> = problem.initial().iter().map(|value| value.ln()).collect();
+        x.resize(slots.len(), 0.0);
+        Ok(Self {
+            cases: cases.collect(),
+            x: DVector::from_vec(x),
+            problem,
+            system,
+            slots,
+            offsets,
+            loads,
+        })
+    }
+
+    fn values(&self) -> Vec<f64> {
+        self.x
+            .iter()
+            .take(self.problem.unknowns.len())
+            .map(|ln| ln.exp())
+            .collect()
+    }
+
+    fn run(
+        mut self,
+        settings: &DirectSettings,
+        progress: &mut Progress<'_>,
+    ) -> Result<DirectSolution, IdentifyError> {
+        let count = self.problem.unknowns.len();
+        let start = self.x.clone();
+        let mut best: Option<Attempt> = None;
+        let mut rounds = 0;
+        for weighting in ATTEMPTS {
+            self.x.clone_from(&start);
+            let attempt = self.attempt(weighting, settings, &mut rounds, progress)?;
+            let done =
+                attempt.stopped || chi_square_p_value(attempt.chi_square, attempt.dof) > BELIEVABLE;
+            if best
+                .as_ref()
+                .is_none_or(|best| attempt.chi_square < best.chi_square)
+            {
+                best = Some(attempt);
+            }
+            if done {
+                break;
+            }
+        }
+        let Attempt {
+            x,
+            information,
+            settled,
+            chi_square,
+            dof,
+            ..
+        } = best.expect("there is at least one attempt");
+        self.x = x;
+        let x = self.x.clone();
+        let uncorrected = if settings.show_bias {
+            self.as_measured()?
+        } else {
+            Vec::new()
+        };
+        self.x = x;
+        let at_bound = (0..count).map(|k| {
+            let initial = self.problem.unknowns[k].initial.ln();
+            (self.x[k] - initial).abs() >= WIDTH - 1e-9
+        });
+        let offsets = self.offsets.iter().enumerate();
+        Ok(DirectSolution {
+            at_bound: at_bound.collect(),
+            offsets: offsets
+                .map(|(k, (bushing, axis))| (*bushing, *axis, self.x[count + k]))
+                .collect(),
+            values: self.values(),
+            uncorrected,
+            covariance: inverse(&information),
+            rounds,
+            settled,
+            chi_square,
+            dof,
+            cases: self.cases.iter().map(|case| case.case).collect(),
+        })
+    }
+
+    /// Weighting rounds to get near, then Levenberg and Marquardt's descent of the misfit of the corrected poses.
+    fn attempt(
+        &mut self,
+        weighting: usize,
+        settings: &DirectSettings,
+        rounds: &mut usize,
+        progress: &mut Progress<'_>,
+    ) -> Result<Attempt, IdentifyError> {
+        let count = self.problem.unknowns.len();
+        for case in &mut self.cases {
+            case.as_measured();
+        }
+        for _ in 0..weighting {
+            self.round()?;
+            *rounds += 1;
+        }
+        let (mut linear, mut chi_square) = self.corrected()?;
+        let (mut damping, mut settled, mut stopped) = (DAMPING.0, false, false);
+        for _ in 0..settings.rounds {
+            let (normal, right) = self.normal_equations(&linear);
+            let mut damped = normal.clone();
+            for k in 0..damped.nrows() {
+                damped[(k, k)] *= 1.0 + damping;
+            }
+            let (lower, upper) = self.bounds();
+            let (step, _) = bounded::solve(&damped, &right, &lower, &upper);
+            *rounds += 1;
+            // A change of the misfit nobody would notice: exact readings never get better than their last digit.
+            let unnoticed = step.dot(&right) < 1e-4 * (1.0 + 1e-2 * chi_square);
+            let before = (self.x.clone(), self.cases.clone());
+            self.x += &step;
+            let trial = self.corrected();
+            let variance = inverse(&normal).diagonal();
+            let small = (0..count)
+                .all(|k| step[k].abs() < SETTLED.0 + SETTLED.1 * variance[k].max(0.0).sqrt());
+            match trial {
+                Ok((next, value)) if value <= chi_square => {
+                    (linear, chi_square) = (next, value);
+                    damping /= DAMPING.2;
+                    settled = (small || unnoticed) && damping < 1.0;
+                }
+                _ => {
+                    (self.x, self.cases) = before;
+                    damping *= DAMPING.1;
+                    settled = (small || unnoticed) && damping < 1.0;
+                }
+            }
+            let change = step.rows(0, count).amax();
+            stopped = progress(*rounds, &self.values(), change) == ControlFlow::Break(());
+            if settled || stopped || damping > STUCK {
+                break;
+            }
+        }
+        let (information, _) = self.normal_equations(&linear);
+        let rows: usize = linear.iter().map(|case| case.residual.len()).sum();
+        Ok(Attempt {
+            x: self.x.clone(),
+            information,
+            settled,
+            stopped,
+            chi_square,
+            dof: rows.saturating_sub(count),
+        })
+    }
+
+    /// Moves the poses onto the equations of the present numbers; the equations there and the misfit.
+    fn corrected(&mut self) -> Result<(Vec<Linearised>, f64), IdentifyError> {
+        let nothing = DVector::zeros(self.x.len());
+        for _ in 0..CORRECTIONS {
+            let linear = self.linearise()?;
+            self.correct(&linear, &nothing);
+        }
+        let linear = self.linearise()?;
+        let misfit = self.misfit(&linear);
+        Ok((linear, misfit))
+    }
+
+    /// Squared misfit of the poses that obey the equations, in units of their covariance, and of the priors.
+    fn misfit(&self, linear: &[Linearised]) -> f64 {
+        let mut sum = 0.0;
+        for case in linear {
+            let open = DMatrix::from_columns(std::slice::from_ref(&case.residual));
+            sum += open.dot(&weigh(&case.covariance, &open));
+        }
+        for (k, (mean, sd)) in self.priors().into_iter().enumerate() {
+            sum += ((self.x[k] - mean) / sd).powi(2);
+        }
+        sum
+    }
+
+    /// Mean and sd of every number before anything was read.
+    fn priors(&self) -> Vec<(f64, f64)> {
+        let settings = self.problem.settings;
+        let unknowns = self.problem.unknowns.iter();
+        let stiffnesses = unknowns.map(|unknown| (unknown.initial.ln(), settings.prior_log_sd));
+        let offset_sd = |axis: usize| match axis {
+            0..3 => settings.offset_sd.length,
+            _ => settings.offset_sd.angle_deg.to_radians(),
+        };
+        let offsets = self.offsets.iter().map(|(_, axis)| (0.0, offset_sd(*axis)));
+        stiffnesses.chain(offsets).collect()
+    }
+
+    /// One step of weighted least squares from where the numbers and the poses are.
+    fn round(&mut self) -> Result<(), IdentifyError> {
+        let linear = self.linearise()?;
+        let (normal, right) = self.normal_equations(&linear);
+        let (lower, upper) = self.bounds();
+        self.x += bounded::solve(&normal, &right, &lower, &upper).0;
+        Ok(())
+    }
+
+    /// The values plain weighted least squares gives from here, poses as measured.
+    fn as_measured(&mut self) -> Result<Vec<f64>, IdentifyError> {
+        for case in &mut self.cases {
+            case.as_measured();
+        }
+        for _ in 0..5 {
+            self.round()?;
+        }
+        Ok(self.values())
+    }
+
+    /// Linearises every case in terms of (ln K, delta0). The preload of an offset is `F0 = K delta0`.
+    fn linearise(&mut self) -> Result<Vec<Linearised>, IdentifyError> {
+        let count = self.problem.unknowns.len();
+        let values = self.values();
+        let mut parameters = self.system.parameters();
+        for (slots, value) in self.slots.iter().zip(&values) {
+            for slot in slots {
+                parameters.set(*slot, *value);
+            }
+        }
+        let mut stiffnesses = Vec::with_capacity(self.offsets.len());
+        for (k, (bushing, axis)) in self.offsets.iter().enumerate() {
+            let law = &self.problem.model.bushings[*bushing];
+            let deck = if *axis < 3 {
+                law.force[*axis]
+            } else {
+                law.torque[*axis - 3]
+            };
+            let stiffness = self.problem.stiffnesses(*bushing, &values)[*axis];
+            parameters.set(
+                self.slots[count + k][0],
+                deck + stiffness * self.x[count + k],
+            );
+            stiffnesses.push(stiffness);
+        }
+        let mut scratch = Scratch::new(self.system);
+        let mut linear = Vec::with_capacity(self.cases.len());
+        for case in &mut self.cases {
+            let loads = &self.problem.programme.cases[case.case].values;
+            for (slot, value) in self.loads.iter().zip(loads) {
+                parameters.set(*slot, *value);
+            }
+            let mut equations = case
+                .linearise(self.system, &parameters, &mut scratch, &self.slots)
+                .map_err(no_value)?;
+            let columns = &mut equations.columns;
+            for (k, unknown) in self.problem.unknowns.iter().enumerate() {
+                for (o, place) in self.offsets.iter().enumerate() {
+                    if unknown.axes().contains(place) {
+                        let preload = columns.column(count + o) * self.x[count + o];
+                        let mut column = columns.column_mut(k);
+                        column += preload;
+                    }
+                }
+                let mut column = columns.column_mut(k);
+                column *= values[k];
+            }
+            for (o, stiffness) in stiffnesses.iter().enumerate() {
+                let mut column = columns.column_mut(count + o);
+                column *= *stiffness;
+            }
+            linear.push(equations);
+        }
+        Ok(linear)
+    }
+
+    /// Normal equations of a step, priors included.
+    fn normal_equations(&self, linear: &[Linearised]) -> (DMatrix<f64>, DVector<f64>) {
+        let count = self.slots.len();
+        let (mut normal, mut right) = (DMatrix::zeros(count, count), DVector::zeros(count));
+        for case in linear {
+            let weighted = weigh(&case.covariance, &case.columns);
+            normal += case.columns.transpose() * &weighted;
+            right -= weighted.transpose() * &case.residual;
+        }
+        for (k, (mean, sd)) in self.priors().into_iter().enumerate() {
+            let weight = sd.powi(-2);
+            normal[(k, k)] += weight;
+            right[k] -= weight * (self.x[k] - mean);
+        }
+        (normal, right)
+    }
+
+    /// Bounds of a step.
+    fn bounds(&self) -> (Vec<f64>, Vec<f64>) {
+        let (mut lower, mut upper) = (Vec::new(), Vec::new());
+        for (k, unknown) in self.problem.unknowns.iter().enumerate() {
+            let moved = self.x[k] - unknown.initial.ln();
+            lower.push((-STEP).max(-WIDTH - moved));
+            upper.push(STEP.min(WIDTH - moved));
+        }
+        lower.resize(self.slots.len(), f64::NEG_INFINITY);
+        upper.resize(self.slots.len(), f64::INFINITY);
+        (lower, upper)
+    }
+
+    /// Moves the poses to where they most probably were: `misfit - Sigma H^T C^-1 (residual + columns step)`.
+    fn correct(&mut self, linear: &[Linearised], step: &DVector<f64>) {
+        for (case, linear) in self.cases.iter_mut().zip(linear) {
+            let open = &linear.residual + &linear.columns * step;
+            let noise = &linear.gain * weigh(&linear.covariance, &DMatrix::from_columns(&[open]));
+            let change = &linear.misfit - noise.column(0);
+            case.advance(self.system, &change.into_owned());
+        }
+    }
+}
+
+/// `C^-1 X`, whatever the units of its rows.
+fn weigh(covariance: &DMatrix<f64>, x: &DMatrix<f64>) -> DMatrix<f64> {
+    let scale = covariance
+        .diagonal()
+        .map(|c| 1.0 / c.max(f64::MIN_POSITIVE).sqrt());
+    let scaled = DMatrix::from_fn(covariance.nrows(), covariance.ncols(), |i, j| {
+        covariance[(i, j)] * scale[i] * scale[j]
+    });
+    let mut y = x.clone();
+    for (mut row, s) in y.row_iter_mut().zip(scale.iter()) {
+        row *= *s;
+    }
+    let mut solved = match scaled.clone().cholesky() {
+        Some(factor) => factor.solve(&y),
+        // Redundant constraints say the same thing twice.
+        None => scaled
+            .pseudo_inverse(1e-12)
+            .map_or_else(|_| y.clone(), |inverse| inverse * &y),
+    };
+    for (mut row, s) in solved.row_iter_mut().zip(scale.iter()) {
+        row *= *s;
+    }
+    solved
+}
+
+fn inverse(information: &DMatrix<f64>) -> DMatrix<f64> {
+    let count = information.nrows();
+    let scale = information
+        .diagonal()
+        .map(|d| 1.0 / d.max(f64::MIN_POSITIVE).sqrt());
+    let scaled = DMatrix::from_fn(count, count, |i, j| {
+        information[(i, j)] * scale[i] * scale[j]
+    });
+    let inverse = scaled
+        .clone()
+        .cholesky()
+        .map(|factor| factor.inverse())
+        .or_else(|| scaled.pseudo_inverse(1e-13).ok());
+    let inverse = inverse.unwrap_or_else(|| DMatrix::zeros(count, count));
+    DMatrix::from_fn(count, count, |i, j| inverse[(i, j)] * scale[i] * scale[j])
+}
+
+fn no_value(error: NoValue) -> IdentifyError {
+    IdentifyError::NoCases(Some(crate::backend::CaseFailure::NoEquilibrium(
+        error.into(),
+    )))
+}

@@ -1,0 +1,172 @@
+//! The direct solution as `identification.json` shows it.
+
+use std::collections::BTreeMap;
+use std::f64::consts::LN_10;
+
+use super::{DirectSettings, DirectSolution, solve};
+use crate::backend::Backend;
+use crate::identify::evaluation::fill;
+use crate::identify::global::confidence::open_directions;
+use crate::identify::{
+    Fit, HeldOut, IdentifyError, OffsetFit, ParameterFit, Problem, Progress, Status,
+    UnidentifiableDirection,
+};
+use crate::rig::settings::Method;
+
+/// Sd of ln K beyond which a number is not identified.
+const UNIDENTIFIABLE: f64 = 0.5;
+/// Two-sided 95 percent point of the normal distribution.
+const NORMAL95: f64 = 1.959_963_984_540_054;
+
+/// Identifies by the direct solution. The backend only judges it: two sweeps, with the initial and the found values.
+///
+/// # Errors
+/// [`IdentifyError`] when there is no direct solution or the backend solves nothing.
+pub fn identify(
+    problem: &Problem<'_>,
+    backend: &mut dyn Backend,
+    progress: &mut Progress<'_>,
+) -> Result<Fit, IdentifyError> {
+    let solution = solve(problem, &DirectSettings::default(), progress)?;
+    let before = problem.sweep(backend, &problem.initial())?;
+    let after = problem.sweep(backend, &solution.values)?;
+    let mut fit = Fit {
+        method: Method::Direct.as_str().to_string(),
+        backend: backend.name().to_string(),
+        converged: solution.settled,
+        iterations: solution.rounds,
+        solver_runs: 2 * problem.programme.cases.len(),
+        inputs_sha256: String::new(),
+        parameters: parameters(problem, &solution),
+        assembly_offsets: offsets(problem, &solution),
+        unidentifiable_directions: directions(problem, &solution),
+        marks: None,
+        held_out: HeldOut {
+            cases: Vec::new(),
+            marks_rms_before: None,
+            marks_rms_after: None,
+        },
+        wheel: None,
+        history: vec![problem.initial(), solution.values.clone()],
+        remarks: remarks(problem, &solution),
+    };
+    fill(&mut fit, problem, &before, &after, problem.unknowns.len());
+    Ok(fit)
+}
+
+fn sd_log(solution: &DirectSolution, k: usize) -> f64 {
+    solution.covariance[(k, k)].max(0.0).sqrt()
+}
+
+fn parameters(problem: &Problem<'_>, solution: &DirectSolution) -> Vec<ParameterFit> {
+    let count = problem.unknowns.len();
+    let correlation = |k: usize| {
+        let others = (0..count).filter(|other| *other != k);
+        let with = others.map(|other| {
+            let scale = sd_log(solution, k) * sd_log(solution, other);
+            if scale > 0.0 {
+                (solution.covariance[(k, other)] / scale).abs()
+            } else {
+                0.0
+            }
+        });
+        with.fold(0.0, f64::max)
+    };
+    let one = |(k, unknown): (usize, &crate::identify::Unknown)| {
+        let (value, sd) = (solution.values[k], sd_log(solution, k));
+        let reach = NORMAL95 * sd;
+        // A side three decades away is no bound.
+        let side = |factor: f64| (reach < 3.0 * LN_10).then_some(value * factor);
+        ParameterFit {
+            address: unknown.address.to_string(),
+            tied: unknown.tied.iter().map(ToString::to_string).collect(),
+            unit: unknown.unit.clone(),
+            initial: unknown.initial,
+            value,
+            std_error: Some(value * sd),
+            interval95: [side((-reach).exp()), side(reach.exp())],
+            correlation: Some(correlation(k)),
+            status: if solution.at_bound[k] {
+                Status::Bound
+            } else if sd > UNIDENTIFIABLE {
+                Status::Unidentifiable
+            } else {
+                Status::Identified
+            },
+        }
+    };
+    problem.unknowns.iter().enumerate().map(one).collect()
+}
+
+fn offsets(problem: &Problem<'_>, solution: &DirectSolution) -> Vec<OffsetFit> {
+    let mut fits: Vec<OffsetFit> = Vec::new();
+    let count = problem.unknowns.len();
+    for (o, (bushing, axis, delta)) in solution.offsets.iter().enumerate() {
+        let address = format!("BUSHING/{}", problem.model.bushings[*bushing].header.id);
+        if fits.last().is_none_or(|last| last.address != address) {
+            fits.push(OffsetFit {
+                address,
+                delta: [0.0; 6],
+                std_error: [None; 6],
+            });
+        }
+        let fit = fits.last_mut().expect("pushed just above");
+        fit.delta[*axis] = *delta;
+        fit.std_error[*axis] = Some(sd_log(solution, count + o));
+    }
+    fits
+}
+
+fn directions(problem: &Problem<'_>, solution: &DirectSolution) -> Vec<UnidentifiableDirection> {
+    let open = open_directions(&solution.covariance, problem.unknowns.len(), UNIDENTIFIABLE);
+    open.into_iter()
+        .map(|direction| {
+            let shares = direction
+                .weights
+                .iter()
+                .map(|(k, weight)| (problem.unknowns[*k].address.to_string(), *weight));
+            UnidentifiableDirection {
+                combination: shares.collect::<BTreeMap<_, _>>(),
+                sd_log: direction.sd,
+            }
+        })
+        .collect()
+}
+
+/// States the bias, and which cases could not take part.
+fn remarks(problem: &Problem<'_>, solution: &DirectSolution) -> Vec<String> {
+    let mut remarks = Vec::new();
+    let mut worst: Option<(usize, f64)> = None;
+    for (k, plain) in solution.uncorrected.iter().enumerate() {
+        let bias = (plain / solution.values[k]).ln();
+        if sd_log(solution, k) <= UNIDENTIFIABLE && worst.is_none_or(|(_, b)| bias.abs() > b.abs())
+        {
+            worst = Some((k, bias));
+        }
+    }
+    if let Some((k, bias)) = worst
+        && bias.abs() > 0.02
+    {
+        remarks.push(format!(
+            "noise in the measured poses would bias plain weighted least squares; the correction moved {} most, from {:.2} of the \
+             value given here. What the correction leaves is of second order in the noise",
+            problem.unknowns[k].address,
+            bias.exp()
+        ));
+    }
+    let fitted: Vec<usize> = problem.measurement.fitted_cases().collect();
+    let left_out = fitted.iter().filter(|case| !solution.cases.contains(case));
+    let labels: Vec<&str> = left_out
+        .map(|case| problem.measurement.cases[*case].label.as_str())
+        .collect();
+    if !labels.is_empty() {
+        remarks.push(format!(
+            "load cases without the pose of every moving part take no part: {}",
+            labels.join(", ")
+        ));
+    }
+    if !solution.settled {
+        remarks.push("the correction for pose noise did not settle".to_string());
+    }
+    remarks
+}
