@@ -1,3 +1,4 @@
+use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use crate::results::{Comparison, Tolerance, compare};
@@ -60,12 +61,14 @@ fn table(comparison: &Comparison, all: bool) -> String {
         .collect();
     for column in &shown {
         let unit = column.units.as_deref().unwrap_or("");
-        out += &format!(
+        _ = write!(
+            out,
             "{:48} largest {:.3e} {unit}, relative {:.3e}, {} of {} steps beyond",
             column.path, column.largest, column.largest_relative, column.beyond, comparison.steps
         );
         if let Some(worst) = &column.worst {
-            out += &format!(
+            _ = write!(
+                out,
                 "; step {} at time {}: {} and {}",
                 worst.step, worst.time, worst.a, worst.b
             );
@@ -78,13 +81,14 @@ fn table(comparison: &Comparison, all: bool) -> String {
         (&comparison.only_in_b, "second"),
     ] {
         for name in names {
-            out += &format!("{name:48} only in the {place} file\n");
+            _ = writeln!(out, "{name:48} only in the {place} file");
         }
     }
     for column in &comparison.units_differ {
         let unit = |unit: &Option<String>| unit.clone().unwrap_or_else(|| "no unit".into());
-        out += &format!(
-            "{:48} {} and {}\n",
+        _ = writeln!(
+            out,
+            "{:48} {} and {}",
             column.path,
             unit(&column.a),
             unit(&column.b)
@@ -95,14 +99,15 @@ fn table(comparison: &Comparison, all: bool) -> String {
         (comparison.steps_only_in_b, "second"),
     ] {
         if count > 0 {
-            out += &format!("{count} more steps in the {place} file\n");
+            _ = writeln!(out, "{count} more steps in the {place} file");
         }
     }
     for step in &comparison.kinds_differ {
-        out += &format!("step {step} is of another kind\n");
+        _ = writeln!(out, "step {step} is of another kind");
     }
-    out += &format!(
-        "{} steps, {} columns compared: {}\n",
+    _ = writeln!(
+        out,
+        "{} steps, {} columns compared: {}",
         comparison.steps,
         comparison.columns.len(),
         if differing == 0 {

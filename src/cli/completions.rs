@@ -15,6 +15,7 @@ pub(super) struct Arguments {
 }
 
 /// Prints the script.
+#[allow(clippy::unnecessary_wraps)] // Every subcommand has an outcome.
 pub(super) fn run(arguments: &Arguments, command: &mut clap::Command) -> Outcome {
     let mut script = Vec::new();
     clap_complete::generate(arguments.shell, command, "admire", &mut script);

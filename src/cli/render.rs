@@ -1,6 +1,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt;
+use std::fmt::Write as _;
 
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteSpanContents, SourceCode};
 use serde_json::{Value, json};
@@ -131,7 +132,7 @@ fn graphical(diagnostics: &[Diagnostic], sources: &Sources, colours: bool) -> St
         out.push('\n');
     }
     if diagnostics.len() > SHOWN {
-        out.push_str(&format!("... and {} more\n", diagnostics.len() - SHOWN));
+        _ = writeln!(out, "... and {} more", diagnostics.len() - SHOWN);
     }
     out
 }

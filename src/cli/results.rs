@@ -1,3 +1,4 @@
+use std::fmt::Write as _;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -105,7 +106,7 @@ fn list(reader: &mut AnyResults, shell: &Shell) -> Result<String, ResultsError> 
         header.execution_date
     );
     for (block, count) in steps {
-        out += &format!("{block}: {count} steps\n");
+        _ = writeln!(out, "{block}: {count} steps");
     }
     for column in &selection.columns {
         let unit = column.units.as_deref().unwrap_or("");

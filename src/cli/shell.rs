@@ -117,6 +117,7 @@ impl Shell {
     }
 
     /// Prints on standard output. A closed pipe ends nothing.
+    #[allow(clippy::unused_self)] // All printing goes through the shell.
     pub(super) fn print(&self, text: &str) {
         let mut out = std::io::stdout().lock();
         let _ = out.write_all(text.as_bytes());

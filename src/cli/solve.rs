@@ -1,3 +1,4 @@
+use std::fmt::Write as _;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
@@ -151,7 +152,8 @@ impl Answer<'_> {
         );
         let bushings = self.bushings();
         if !bushings.is_empty() {
-            out += &format!(
+            _ = write!(
+                out,
                 "\n{}",
                 table(
                     &format!("bushing, J axes ({length}, {force}, {force}-{length})"),
@@ -161,10 +163,10 @@ impl Answer<'_> {
             );
         }
         for redundant in &self.report.redundant {
-            out += &format!("\nredundant: {redundant}");
+            _ = write!(out, "\nredundant: {redundant}");
         }
         for free in &self.report.free_motions {
-            out += &format!("\nnothing resists: {free}");
+            _ = write!(out, "\nnothing resists: {free}");
         }
         out.trim_end().to_string() + "\n"
     }

@@ -51,14 +51,13 @@ pub fn mdi() -> ExitCode {
     for warning in &launch.warnings {
         session.complain(warning);
     }
-    let ending: Ending = match name {
-        Some(name) => session.run_file(&name),
-        None => {
-            let mut bytes = Vec::new();
-            // What could be read is executed.
-            let _ = std::io::stdin().read_to_end(&mut bytes);
-            session.run_commands(Source::new("standard input", bytes))
-        }
+    let ending: Ending = if let Some(name) = name {
+        session.run_file(&name)
+    } else {
+        let mut bytes = Vec::new();
+        // What could be read is executed.
+        let _ = std::io::stdin().read_to_end(&mut bytes);
+        session.run_commands(&Source::new("standard input", bytes))
     };
     let strict =
         std::env::var_os("MDI_STRICT").is_some_and(|value| !value.is_empty() && value != "0");

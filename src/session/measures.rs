@@ -99,7 +99,7 @@ impl Columns {
         values.push(state.time);
         self.bodies(state, values);
         for item in &self.items {
-            self.item(item, model, measures, values);
+            Self::item(item, model, measures, values);
         }
     }
 
@@ -122,7 +122,7 @@ impl Columns {
         }
     }
 
-    fn item(&self, item: &Item, model: &Model, measures: &mut Measures<'_>, values: &mut Vec<f64>) {
+    fn item(item: &Item, model: &Model, measures: &mut Measures<'_>, values: &mut Vec<f64>) {
         let wrench = |reading: Option<&Reading>, values: &mut Vec<f64>| match reading {
             Some(reading) => {
                 values.extend(reading.force.iter());

@@ -1,3 +1,4 @@
+use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -88,9 +89,9 @@ impl<'a> Messages<'a> {
             String::new(),
         ];
         for line in lines {
-            text.push_str(&format!("| {line:<75} |\n"));
+            _ = writeln!(text, "| {line:<75} |");
         }
-        text.push_str(&format!("{rule}\n\n"));
+        _ = write!(text, "{rule}\n\n");
         self.say(&text);
     }
 

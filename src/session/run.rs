@@ -112,7 +112,7 @@ impl<'a> Session<'a> {
     }
 
     /// Executes commands that are not in a file: those of standard input.
-    pub fn run_commands(mut self, commands: Source) -> Ending {
+    pub fn run_commands(mut self, commands: &Source) -> Ending {
         let start = std::time::Instant::now();
         let flow = self.execute(commands, 0);
         self.finish(flow, start)
@@ -200,11 +200,11 @@ impl<'a> Session<'a> {
         if !self.folders.contains(&folder) {
             self.folders.push(folder);
         }
-        self.execute(source, depth)
+        self.execute(&source, depth)
     }
 
     /// Executes commands line by line, each echoed before what it does.
-    fn execute(&mut self, source: Source, depth: usize) -> Flow {
+    fn execute(&mut self, source: &Source, depth: usize) -> Flow {
         self.sources.add(source.clone());
         let parsed = CommandFile::parse(source.clone());
         let file = parsed.value;
@@ -218,7 +218,7 @@ impl<'a> Session<'a> {
             self.messages
                 .command(&format!("FILE/MODEL={model}, OUTPUT_PREFIX={shown}"));
             let place = Some(Place {
-                source: &source,
+                source,
                 span: head.model,
             });
             self.model_file(&model, prefix.as_deref(), place)?;
@@ -244,7 +244,7 @@ impl<'a> Session<'a> {
                 if command.kind() == Some("STOP") {
                     return Ok(());
                 }
-                self.command(command, &source, depth)?;
+                self.command(command, source, depth)?;
             }
             self.messages.flush();
         }
@@ -424,6 +424,7 @@ impl<'a> Session<'a> {
     }
 
     /// Says why a command is not executed; the run goes on.
+    #[allow(clippy::unnecessary_wraps)] // Every command ends in a Flow.
     pub(super) fn misunderstood(
         &mut self,
         diagnostic: Diagnostic,
@@ -435,6 +436,7 @@ impl<'a> Session<'a> {
     }
 
     /// Says that a command is left out; the run goes on.
+    #[allow(clippy::unnecessary_wraps)] // Every command ends in a Flow.
     pub(super) fn refused(&mut self, diagnostic: Diagnostic, place: Option<Place<'_>>) -> Flow {
         self.complain(&place.label(diagnostic));
         self.ending.refused += 1;

@@ -3,6 +3,7 @@ use crate::results::StepKind;
 use crate::statics::{Report, Settings, SolveError};
 use crate::syntax::Statement;
 use crate::text::Source;
+use std::fmt::Write as _;
 
 use super::loaded::{Compiled, Loaded};
 use super::measures::Measures;
@@ -156,9 +157,7 @@ impl Session<'_> {
                 "-".repeat(73)
             );
             for equation in &report.redundant {
-                text.push_str(&format!(
-                    "   -  deactivating constraint equation  {equation}\n"
-                ));
+                _ = writeln!(text, "   -  deactivating constraint equation  {equation}");
             }
             self.messages.say(&(text + "\n"));
         }
@@ -184,13 +183,14 @@ impl Session<'_> {
             let skipped = history.len().saturating_sub(SHOWN);
             let mut text = String::from("   Iteration    Imbalance     Correction    Step\n");
             for (k, iteration) in history.iter().enumerate().skip(skipped) {
-                text.push_str(&format!(
-                    "   {:>9}    {}   {}   {:.4}\n",
+                _ = writeln!(
+                    text,
+                    "   {:>9}    {}   {}   {:.4}",
                     k + 1,
                     exponent(iteration.imbalance, 4),
                     exponent(iteration.correction, 4),
                     iteration.step
-                ));
+                );
             }
             self.messages.say(&text);
         }

@@ -159,7 +159,7 @@ fn a_study_is_identified_into_a_deck_numbers_and_a_report() {
     let deck = std::fs::read_to_string(study.join("model.adm")).unwrap();
     let identified = text(&out, "identified.adm");
     let changed = deck.lines().zip(identified.lines()).filter(|(a, b)| a != b);
-    assert!(changed.clone().count() == 4 && changed.clone().all(|(_, b)| b.contains("K")));
+    assert!(changed.clone().count() == 4 && changed.clone().all(|(_, b)| b.contains('K')));
     assert_eq!(deck.lines().count(), identified.lines().count());
     let report = text(&out, "report.html");
     assert!(report.contains("B.K.1") && !report.contains("src=") && !report.contains("href="));
