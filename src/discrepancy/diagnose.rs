@@ -42,10 +42,9 @@ pub struct Outcome<'a> {
 
 /// The cases no fit sees: those the study names, else every fourth.
 pub fn held_out(study: &Study, measurement: &Measurement) -> Vec<bool> {
-    let cases = measurement.cases.iter().enumerate();
     match study.hold_out {
-        Some(_) => cases.map(|(_, case)| case.held_out).collect(),
-        None => cases.map(|(k, _)| k % 4 == 3).collect(),
+        Some(_) => measurement.cases.iter().map(|case| case.held_out).collect(),
+        None => (0..measurement.cases.len()).map(|k| k % 4 == 3).collect(),
     }
 }
 

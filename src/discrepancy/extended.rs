@@ -284,7 +284,9 @@ impl Setup {
                         row_starts.push(guess);
                         continue;
                     }
-                    (Unknown::Linear, Column::Always(pairs)) => Meaning::Number(scaled(pairs)?),
+                    (Unknown::Linear, Column::Always(pairs)) | (Unknown::Extended(pairs), _) => {
+                        Meaning::Number(scaled(pairs)?)
+                    }
                     (Unknown::Linear, Column::PerCase(pairs)) => {
                         let mut factors = Vec::new();
                         for (address, values) in pairs {
@@ -295,7 +297,6 @@ impl Setup {
                     }
                     // A wrench is no number of a deck.
                     (Unknown::Linear, Column::Wrench(..)) => return None,
-                    (Unknown::Extended(pairs), _) => Meaning::Number(scaled(pairs)?),
                     (Unknown::Compliance(addresses), _) => {
                         let components = addresses
                             .iter()

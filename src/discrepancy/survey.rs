@@ -205,7 +205,7 @@ impl<'a> Survey<'a> {
 
     /// Pose of a part in a case.
     pub fn pose(&self, case: usize, part: PartIx) -> Pose {
-        self.fitted.states[case].poses[part.0].clone()
+        self.fitted.states[case].poses[part.0]
     }
 
     /// True if a marker's Euler angles can follow a turn about any axis.
@@ -279,7 +279,7 @@ impl<'a> Survey<'a> {
             self.free_id("BUSHING"),
         );
         let at = self.model.parts.iter().find(|p| p.header.id == part);
-        let pose = at.map_or_else(Pose::identity, |part| part.pose.clone());
+        let pose = at.map_or_else(Pose::identity, |part| part.pose);
         let three = |v: [f64; 3]| format!("{:.12}, {:.12}, {:.12}", v[0], v[1], v[2]);
         let turned = |v: [f64; 3]| three(v);
         let qg: [f64; 3] = pose.p.into();
@@ -460,14 +460,14 @@ impl<'a> Survey<'a> {
                 dg = system.unit_wrench_column(theta, state, scratch, *pair, &wrenches[case]);
             }
             for (slot, weight) in direction.in_case(case).filter(|(_, weight)| *weight != 0.0) {
-                if !known.contains_key(&slot) {
+                let column = known.entry(slot).or_insert_with(|| {
                     let done = system.residual_by_slot(theta, state, scratch, slot, &mut by_slot);
                     if done.is_err() {
                         by_slot.fill(0.0);
                     }
-                    known.insert(slot, by_slot.clone());
-                }
-                for (sum, value) in dg.iter_mut().zip(&known[&slot]) {
+                    by_slot.clone()
+                });
+                for (sum, value) in dg.iter_mut().zip(column.iter()) {
                     *sum += weight * value;
                 }
             }

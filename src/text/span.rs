@@ -33,6 +33,7 @@ impl Span {
         self.start == self.end
     }
 
+    #[must_use]
     /// The smallest span that holds both.
     pub fn join(self, other: Self) -> Self {
         Self {
