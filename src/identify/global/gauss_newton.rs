@@ -68,7 +68,8 @@ impl Default for Tolerances {
     fn default() -> Self {
         Self {
             decrement: 1e-7,
-            step: 1e-9,
+            // Convergence is quadratic near the end: after a step of a millionth nothing worth a sweep is left.
+            step: 1e-6,
             max_iterations: 100,
         }
     }
