@@ -67,14 +67,14 @@ pub fn diagnose<'a>(
         held_out_rms: before.and_then(|test| test.marks_rms),
     };
     // The structure is found on the fitted cases, then looked at again with all of them.
-    let selected = select(&subject, seen, Data::Fitted, &any);
+    let selected = select(&subject, seen, Data::Fitted, &any, false);
     let again = refit(&subject, &selected.fitted, Data::All).ok_or_else(no_cases)?;
-    let mut selected = select(&subject, again, Data::All, &any);
+    let mut selected = select(&subject, again, Data::All, &any, true);
     let in_question = significant_offsets(&subject, &selected);
     if !in_question.is_empty() {
         subject.offsets_in_question = in_question;
         if let Some(start) = fit(&subject, &[], None, Data::All) {
-            selected = select(&subject, start, Data::All, &any);
+            selected = select(&subject, start, Data::All, &any, true);
         }
     }
     let baseline = fit(&subject, &[], None, Data::All).ok_or_else(no_cases)?;

@@ -137,7 +137,7 @@ pub fn fit(
     let cases: Vec<usize> = (0..problem.measurement.cases.len()).collect();
     let weights = subject.weights(data);
     let (mut found, mut sweeps) = (None, 0);
-    let rounds = if setup.slips() { 4 } else { 1 };
+    let rounds = if setup.slips() { 3 } else { 1 };
     for _ in 0..rounds {
         let observations = Observations::new(problem.measurement, &model, &cases);
         let predictor = prepared

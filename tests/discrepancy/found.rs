@@ -1,4 +1,5 @@
 use super::plant::{Friction, Plant, study};
+use admire::backend::{Backend, NativeBackend, SweepRequest};
 use admire::discrepancy::{Outcome, diagnose, held_out};
 use admire::identify::LoadedStudy;
 
@@ -24,6 +25,10 @@ const UP_AND_DOWN: &str = "case,vertical,lateral,longitudinal
 18,3000,0,-1500
 19,3000,0,0
 ";
+
+/// Where the contact patch is on the knuckle, and where it is on the rig.
+const CONTACT: &str = ", QP = -17.07941120175, -94.82756163548, -302.8878130055\n";
+const CONTACT_MOVED: &str = ", QP = -11.079411201749998, -94.82756163548, -302.8878130055\n";
 
 fn plants() -> Vec<(Plant, Option<&'static str>)> {
     let none = Plant::nothing;
@@ -87,50 +92,101 @@ fn plants() -> Vec<(Plant, Option<&'static str>)> {
             },
             Some(UP_AND_DOWN),
         ),
+        (
+            Plant {
+                truth: ("link-compliance", "PART/6"),
+                edits: vec![(", PART = 6\n, QP = -350.0, -10.50965490998, -9.462935785116\n", ", PART = 906\n, QP = -350.0, -10.50965490998, -9.462935785116\n".to_string())],
+                added: "PART/906, QG = 130.0, -345.0, 232.0, REULER = 90.0D, 3.0D, 0.0D\nMARKER/991, PART = 906, QP = -350.0, -10.50965490998, -9.462935785116, REULER = 0, 0, 0\nMARKER/992, PART = 6, QP = -350.0, -10.50965490998, -9.462935785116, REULER = 0, 0, 0\nBUSHING/990, I = 991, J = 992, C = 0, 0, 0, K = 8000, 1E7, 1E7, CT = 0, 0, 0, KT = 1E10, 1E10, 1E10\n".to_string(),
+                ..none()
+            },
+            None,
+        ),
+        (
+            Plant {
+                truth: ("load-point-error", "MARKER/19"),
+                loads: |_| {},
+                edits: vec![(CONTACT, CONTACT_MOVED.to_string())],
+                ..none()
+            },
+            None,
+        ),
     ]
 }
 
+/// The extended deck alone, solved anew, is the extended fit.
+fn reproduces(outcome: &Outcome<'_>, loaded: &LoadedStudy) {
+    let source = admire::text::Source::new("extended.adm".to_string(), outcome.extended_deck());
+    let dataset = admire::syntax::Dataset::parse(source).value;
+    let lowered = admire::model::lower(&dataset);
+    assert!(!lowered.has_errors(), "{:?}", lowered.diagnostics);
+    let request = SweepRequest {
+        dataset: &dataset,
+        model: &lowered.value,
+        theta: &[],
+        programme: &loaded.programme,
+    };
+    let swept = NativeBackend::new().sweep(&request).unwrap();
+    for (case, state) in outcome.extended.states.iter().enumerate() {
+        let solved = swept.equilibrium(case).unwrap();
+        for (a, b) in solved.poses.iter().zip(&state.poses) {
+            assert!((a.p - b.p).norm() < 1e-3, "case {case}: {} {}", a.p, b.p);
+        }
+    }
+}
+
+/// Plants that come first are found; those after them are not held to yet.
+const HELD_TO: usize = 8;
+
 #[test]
 fn planted_causes_are_named() {
-    let only = std::env::var("ADMIRE_PLANT")
-        .ok()
-        .and_then(|k| k.parse::<usize>().ok());
+    named(|k| k < HELD_TO);
+}
+
+#[test]
+#[ignore = "friction, split parts and load points are planted but not held to yet"]
+fn further_causes_are_named() {
+    named(|k| k >= HELD_TO);
+}
+
+fn named(choose: impl Fn(usize) -> bool) {
+    let mut wrong = Vec::new();
     for (k, (plant, loads)) in plants().iter().enumerate() {
-        if only.is_some_and(|only| only != k) {
+        if !choose(k) {
             continue;
         }
         let folder = study("pseudo-mcpherson", plant, 0.02, 11 + k as u64, *loads);
         let loaded = LoadedStudy::read(folder.path()).value.unwrap();
-        let started = std::time::Instant::now();
         let problem = loaded.problem();
+        let started = std::time::Instant::now();
         let outcome: Outcome<'_> =
             diagnose(&problem, held_out(&loaded.study, &loaded.measurement)).unwrap();
-        let seconds = started.elapsed().as_secs_f64();
+        let diagnosis = &outcome.diagnosis;
         println!(
-            "== {:?} in {seconds:.2} s, {} places, verdict {:?}, baseline {:?}",
-            plant.truth, outcome.places, outcome.diagnosis.verdict, outcome.diagnosis.baseline
+            "{:?}: {:.1} s, {}",
+            plant.truth,
+            started.elapsed().as_secs_f64(),
+            diagnosis.to_json()
         );
-        for f in &outcome.diagnosis.findings {
-            println!(
-                "   {} {} {:?} +- {:?} minor {} gain {:.1} bic {:.1} held {:?}->{:?} p {:?}",
-                f.cause,
-                f.address,
-                f.parameters,
-                f.std_error,
-                f.minor,
-                f.evidence.value,
-                f.evidence.bic_gain,
-                f.gain.held_out_rms_before,
-                f.gain.held_out_rms_after,
-                f.gain.held_out_p_value
-            );
-            for r in &f.indistinguishable_from {
-                println!(
-                    "      or {} {} behind {:.2}",
-                    r.cause, r.address, r.bic_behind
-                );
-            }
+        let first = diagnosis.findings.first();
+        let named = first.map_or(("", ""), |f| (f.cause.as_str(), f.address.as_str()));
+        let among = first.is_some_and(|f| {
+            let rivals = &f.indistinguishable_from;
+            rivals.len() <= 3
+                && rivals
+                    .iter()
+                    .any(|r| (r.cause.as_str(), r.address.as_str()) == plant.truth)
+        });
+        if named != plant.truth && !among {
+            wrong.push((plant.truth, named.0.to_string(), named.1.to_string()));
         }
-        println!("   left {:?}", outcome.diagnosis.unexplained);
+        if k >= HELD_TO
+            && matches!(
+                plant.truth.0,
+                "hardpoint-error" | "progressive-stiffness" | "link-compliance"
+            )
+        {
+            reproduces(&outcome, &loaded);
+        }
     }
+    assert!(wrong.is_empty(), "{wrong:?}");
 }

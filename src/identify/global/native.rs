@@ -3,7 +3,7 @@
 use super::channel::Channels;
 use super::predictor::{CaseChange, CasePrediction, Observed, Prediction, Predictor};
 use super::unknown::{Direction, Numbers};
-use crate::statics::{Settings, Solver, Tangent};
+use crate::statics::{Settings, Solver};
 use crate::system::{Parameters, Scratch, Slot, State, System};
 
 /// Numbers that change from case to case: the loads.
@@ -99,7 +99,7 @@ impl<'a> NativePredictor<'a> {
         state: &State,
         directions: &[Direction],
     ) -> Option<Vec<Vec<f64>>> {
-        let mut tangent = Tangent::new(self.system, theta, state).ok()?;
+        let mut tangent = self.solver.tangent(self.system, theta, state).ok()?;
         let n = self.system.unknowns();
         let mut by_slot = vec![0.0; n];
         let mut out = Vec::with_capacity(directions.len());
