@@ -5,6 +5,7 @@
 
 mod check;
 pub mod deflection;
+pub mod effect;
 mod load;
 mod measurement;
 pub mod noise;
@@ -15,6 +16,7 @@ mod section;
 pub mod settings;
 mod study;
 mod table;
+mod virtual_rig;
 #[cfg(test)]
 mod tests;
 pub mod wheel;
@@ -25,3 +27,4 @@ pub use resolve::part;
 pub use section::Spelled;
 pub use study::{MarkFiles, Study};
 pub use table::{Cell, Table};
+pub use virtual_rig::{RigOptions, RigRun, virtual_rig};
