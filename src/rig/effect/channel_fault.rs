@@ -1,11 +1,14 @@
 //! A reading's gain, zero or single value is wrong.
 
-use super::{EffectSpec, Reality, ReadingFault};
+use super::{EffectSpec, ReadingFault, Reality};
 use crate::diagnostic::Diagnostic;
 
 /// `gain=...` and `offset=...`; with `case=...` in that case only.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
-    let found = reality.channels.iter().position(|name| *name == spec.address);
+    let found = reality
+        .channels
+        .iter()
+        .position(|name| *name == spec.address);
     let Some(channel) = found else {
         return Err(spec.refuse(format!("the study has no channel `{}`", spec.address)));
     };
