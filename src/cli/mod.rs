@@ -17,7 +17,6 @@ mod install_shims;
 mod permissions;
 mod render;
 mod results;
-mod rig;
 mod set;
 mod shell;
 mod solve;
@@ -55,7 +54,6 @@ enum Command {
     Solve(solve::Arguments),
     Identify(identify::Arguments),
     Diagnose(diagnose::Arguments),
-    Rig(rig::Arguments),
     Results(results::Arguments),
     Compare(compare::Arguments),
     Explain(explain::Arguments),
@@ -77,7 +75,6 @@ pub fn main() -> ExitCode {
         Command::Solve(arguments) => solve::run(&arguments, &mut shell),
         Command::Identify(arguments) => identify::run(&arguments, &mut shell),
         Command::Diagnose(arguments) => diagnose::run(&arguments, &mut shell),
-        Command::Rig(arguments) => rig::run(&arguments, &mut shell),
         Command::Results(arguments) => results::run(&arguments, &mut shell),
         Command::Compare(arguments) => compare::run(&arguments, &mut shell),
         Command::Explain(arguments) => explain::run(&arguments, &mut shell),

@@ -16,9 +16,9 @@ mod section;
 pub mod settings;
 mod study;
 mod table;
+mod virtual_rig;
 #[cfg(test)]
 mod tests;
-mod virtual_rig;
 pub mod wheel;
 
 pub use load::programme;

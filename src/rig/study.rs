@@ -279,9 +279,7 @@ impl Files<'_> {
         let count = out.len();
         let text = section.text(key, &mut Vec::new());
         let opened = self.required(section, key, out);
-        let unreadable = out[count..]
-            .iter()
-            .any(|diagnostic| diagnostic.code == Code::CannotRead);
+        let unreadable = out[count..].iter().any(|diagnostic| diagnostic.code == Code::CannotRead);
         opened.or_else(|| {
             let path = self.folder.join(&text.filter(|_| unreadable)?.text);
             Some((Source::new(path.display().to_string(), Vec::new()), path))

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::effect::{EffectSpec, Memory, ReadingFault, Reality, plant};
+use super::effect::{EffectSpec, Memory, Reality, ReadingFault, plant};
 use super::load::programme;
 use super::measurement::Measurement;
 use super::noise::Noise;
@@ -47,10 +47,7 @@ pub fn virtual_rig(folder: &Path, options: &RigOptions) -> Result<RigRun, Vec<Di
     // Readings are what the rig makes: those that are missing do not matter.
     let matters = |diagnostic: &Diagnostic| {
         diagnostic.severity == Severity::Error
-            && !matches!(
-                diagnostic.code,
-                Code::CannotRead | Code::MissingColumn | Code::MissingMarks
-            )
+            && !matches!(diagnostic.code, Code::CannotRead | Code::MissingColumn | Code::MissingMarks)
     };
     let Some(study) = checked.value else {
         return Err(checked.diagnostics);
@@ -83,11 +80,7 @@ pub fn virtual_rig(folder: &Path, options: &RigOptions) -> Result<RigRun, Vec<Di
                 (part.name.clone(), part.id, labels.collect())
             })
             .collect(),
-        channels: measured
-            .channels
-            .iter()
-            .map(|channel| channel.name.clone())
-            .collect(),
+        channels: measured.channels.iter().map(|channel| channel.name.clone()).collect(),
     };
     for spec in &options.effects {
         plant(spec, &mut reality).map_err(|why| vec![why])?;
@@ -115,12 +108,9 @@ struct Rest {
 /// Applies the loads one after the other and lets what remembers the path remember it.
 fn at_rest(reality: &Reality, measured: &Measurement) -> Result<Vec<Rest>, Vec<Diagnostic>> {
     let model = with_requests(reality.model(), measured).map_err(|why| vec![why])?;
-    let refuse =
-        |code, error: &dyn std::fmt::Display| vec![Diagnostic::error(code, error.to_string())];
+    let refuse = |code, error: &dyn std::fmt::Display| vec![Diagnostic::error(code, error.to_string())];
     let system = compile(&model).map_err(|error| refuse(Code::BadEffect, &error))?;
-    let slot_of = |address: &Address| {
-        slot(&system, address).map_err(|error| refuse(Code::UnknownTarget, &error))
-    };
+    let slot_of = |address: &Address| slot(&system, address).map_err(|error| refuse(Code::UnknownTarget, &error));
     let mut loads = Vec::new();
     for load in &reality.programme.loads {
         loads.push(slot_of(&load.target)?);
@@ -163,10 +153,7 @@ fn at_rest(reality: &Reality, measured: &Measurement) -> Result<Vec<Rest>, Vec<D
             solved = solver.solve(&system, &parameters, &mut state, &settings);
         }
         solved.map_err(|error| {
-            let message = format!(
-                "the rig finds no equilibrium in load case {}: {error}",
-                case.label
-            );
+            let message = format!("the rig finds no equilibrium in load case {}: {error}", case.label);
             vec![Diagnostic::error(Code::UnreachableCase, message)]
         })?;
         for (memory, _, held) in &mut memories {
@@ -191,9 +178,7 @@ fn place(model: &Model, poses: &[Pose], marker: MarkerIx) -> Pose {
 
 fn displacement(model: &Model, poses: &[Pose], memory: &Memory) -> f64 {
     let [i, j] = memory.markers.map(|id| {
-        let marker = model
-            .marker(id)
-            .expect("an effect remembers markers of the deck");
+        let marker = model.marker(id).expect("an effect remembers markers of the deck");
         place(model, poses, marker)
     });
     let motion = RelativeMotion::between(&i, &j, &Vec3::zeros());
@@ -207,9 +192,7 @@ fn displacement(model: &Model, poses: &[Pose], memory: &Memory) -> f64 {
 fn with_requests(mut model: Model, measured: &Measurement) -> Result<Model, Diagnostic> {
     for channel in &measured.channels {
         let mut functions: [Option<Function>; 8] = Default::default();
-        functions[1] = Some(Function::Expression(Expression::parse_str(
-            &channel.function,
-        )?));
+        functions[1] = Some(Function::Expression(Expression::parse_str(&channel.function)?));
         model.requests.push(Request {
             header: Header {
                 id: 0,
@@ -274,12 +257,7 @@ impl Readings {
         let listed = measured
             .parts
             .iter()
-            .map(|part| {
-                part.marks
-                    .iter()
-                    .map(|m| m.p + first_session.vector(on_parts))
-                    .collect()
-            })
+            .map(|part| part.marks.iter().map(|m| m.p + first_session.vector(on_parts)).collect())
             .collect();
         // The wheel marker is the deck's; the reality may hold more markers, never fewer.
         let model = reality.model();
@@ -295,22 +273,14 @@ impl Readings {
             }
             let of_part = |part: &super::MarkedPart| {
                 let pose = &at.poses[part.part.0];
-                part.marks
-                    .iter()
-                    .map(|m| frame.point(&pose.point(&m.p)))
-                    .collect::<Vec<_>>()
+                part.marks.iter().map(|m| frame.point(&pose.point(&m.p))).collect::<Vec<_>>()
             };
             let mut seen: Vec<Vec<Vec3>> = measured.parts.iter().map(of_part).collect();
             for x in seen.iter_mut().flatten() {
                 *x += second_session.vector(measured.sigma);
             }
             for fault in &reality.faults {
-                if let ReadingFault::Mark {
-                    case: of,
-                    part,
-                    mark,
-                    shift,
-                } = fault
+                if let ReadingFault::Mark { case: of, part, mark, shift } = fault
                     && *of == case
                 {
                     seen[*part][*mark] += shift;
@@ -326,17 +296,10 @@ impl Readings {
             }));
             let mut values = Vec::new();
             for (k, channel) in measured.channels.iter().enumerate() {
-                let before = channel
-                    .relative_to
-                    .map_or(0.0, |case| rest[case].channels[k]);
+                let before = channel.relative_to.map_or(0.0, |case| rest[case].channels[k]);
                 let mut value = at.channels[k] - before + sensors.normal() * channel.sigma * on;
                 for fault in &reality.faults {
-                    if let ReadingFault::Channel {
-                        channel,
-                        gain,
-                        offset,
-                        case: of,
-                    } = fault
+                    if let ReadingFault::Channel { channel, gain, offset, case: of } = fault
                         && *channel == k
                         && of.is_none_or(|of| of == case)
                     {
@@ -364,27 +327,18 @@ fn files(
 ) -> Vec<(PathBuf, Vec<u8>)> {
     let relative = |name: &str| {
         let path = Path::new(name);
-        path.strip_prefix(&study.folder)
-            .unwrap_or(path)
-            .to_path_buf()
+        path.strip_prefix(&study.folder).unwrap_or(path).to_path_buf()
     };
     let mut files = vec![
         (relative(study.deck.name()), study.deck.bytes().to_vec()),
-        (
-            relative(study.loads.source.name()),
-            study.loads.source.bytes().to_vec(),
-        ),
+        (relative(study.loads.source.name()), study.loads.source.bytes().to_vec()),
     ];
     let mut toml = String::from_utf8_lossy(study.source.bytes()).into_owned();
     if let Some(marks) = &study.marks {
         let mut listed = String::from("part,mark,x,y,z\n");
         for (part, places) in measured.parts.iter().zip(&read.listed) {
             for (mark, p) in part.marks.iter().zip(places) {
-                let _ = writeln!(
-                    listed,
-                    "{},{},{:.9},{:.9},{:.9}",
-                    part.name, mark.label, p.x, p.y, p.z
-                );
+                let _ = writeln!(listed, "{},{},{:.9},{:.9},{:.9}", part.name, mark.label, p.x, p.y, p.z);
             }
         }
         let mut seen = String::from("case,part,mark,x,y,z\n");
@@ -400,16 +354,10 @@ fn files(
             }
         }
         let exact_list = measured.sigma_on_parts == 0.0 || options.sigma == Some(0.0);
-        let listed = if exact_list {
-            marks.on_parts.source.bytes().to_vec()
-        } else {
-            listed.into_bytes()
-        };
+        let listed = if exact_list { marks.on_parts.source.bytes().to_vec() } else { listed.into_bytes() };
         files.push((relative(marks.on_parts.source.name()), listed));
         files.push((relative(marks.measured.source.name()), seen.into_bytes()));
-        if let (Some(sigma), Some(span)) =
-            (options.sigma, section::number_span(&toml, "marks", "sigma"))
-        {
+        if let (Some(sigma), Some(span)) = (options.sigma, section::number_span(&toml, "marks", "sigma")) {
             toml.replace_range(span.range(), &format!("{sigma:?}"));
         }
     }
@@ -429,10 +377,7 @@ fn files(
         if name.is_none() {
             toml = toml.replacen("[wheel]", "[wheel]\nmeasured = \"wheel.csv\"", 1);
         }
-        files.push((
-            name.unwrap_or_else(|| PathBuf::from("wheel.csv")),
-            seen.into_bytes(),
-        ));
+        files.push((name.unwrap_or_else(|| PathBuf::from("wheel.csv")), seen.into_bytes()));
     }
     if let Some((table, _)) = &study.readings {
         let mut seen = String::from("case");
@@ -449,10 +394,7 @@ fn files(
         }
         files.push((relative(table.source.name()), seen.into_bytes()));
     }
-    files.push((
-        PathBuf::from("study.toml"),
-        without_section(&toml, "reference").into_bytes(),
-    ));
+    files.push((PathBuf::from("study.toml"), without_section(&toml, "reference").into_bytes()));
     files
 }
 

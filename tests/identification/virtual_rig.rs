@@ -17,12 +17,7 @@ fn folder() -> tempfile::TempDir {
     }
     let reference = folder.path().join("reference.adm");
     std::fs::rename(reference, folder.path().join("model.adm")).unwrap();
-    replace(
-        folder.path(),
-        "study.toml",
-        "[reference]\ndeck = \"reference.adm\"\n",
-        "",
-    );
+    replace(folder.path(), "study.toml", "[reference]\ndeck = \"reference.adm\"\n", "");
     let toml = std::fs::read_to_string(folder.path().join("study.toml")).unwrap();
     let more = "[wheel]\nmarker = \"MARKER/20\"\naxis = \"y\"\n[readings]\nfile = \"readings.csv\"\n[readings.channels]\n\
                 height = { function = \"DZ(11,1)\", sigma = 1.0 }\ntravel = { function = \"DM(18,17)\", sigma = 0.1, relative_to = \"3\" }\n";
@@ -32,15 +27,8 @@ fn folder() -> tempfile::TempDir {
 
 fn rig(effects: &[&str], sigma: f64, seed: u64) -> RigRun {
     let folder = folder();
-    let effects = effects
-        .iter()
-        .map(|text| EffectSpec::parse(text).unwrap())
-        .collect();
-    let options = RigOptions {
-        seed,
-        sigma: Some(sigma),
-        effects,
-    };
+    let effects = effects.iter().map(|text| EffectSpec::parse(text).unwrap()).collect();
+    let options = RigOptions { seed, sigma: Some(sigma), effects };
     virtual_rig(folder.path(), &options).unwrap_or_else(|why| panic!("{why:#?}"))
 }
 
@@ -52,13 +40,8 @@ fn file(run: &RigRun, name: &str) -> String {
 /// The numbers of a CSV file from the given column on.
 fn numbers(text: &str, first: usize) -> Vec<f64> {
     let rows = text.lines().skip(1);
-    rows.flat_map(|row| {
-        row.split(',')
-            .skip(first)
-            .map(|x| x.parse().unwrap())
-            .collect::<Vec<f64>>()
-    })
-    .collect()
+    rows.flat_map(|row| row.split(',').skip(first).map(|x| x.parse().unwrap()).collect::<Vec<f64>>())
+        .collect()
 }
 
 fn rms_difference(a: &[f64], b: &[f64]) -> f64 {
@@ -72,10 +55,7 @@ fn an_honest_rig_reads_the_reference_marks() {
     let run = rig(&[], 0.0, 1);
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/pseudo-mcpherson");
     let expected = std::fs::read_to_string(shipped.join("marks_noise_free.csv")).unwrap();
-    let (ours, theirs) = (
-        numbers(&file(&run, "marks_measured.csv"), 3),
-        numbers(&expected, 3),
-    );
+    let (ours, theirs) = (numbers(&file(&run, "marks_measured.csv"), 3), numbers(&expected, 3));
     assert!(ours.iter().zip(&theirs).all(|(a, b)| (a - b).abs() < 2e-6));
     // Relative to case 3, which therefore reads zero.
     let readings = file(&run, "readings.csv");
@@ -83,10 +63,7 @@ fn an_honest_rig_reads_the_reference_marks() {
     assert_eq!(numbers(&readings, 1)[5], 0.0);
     // Camber and steer at 4500 N and +-4000 N lateral differ and are degrees, not radians.
     let wheel = numbers(&file(&run, "wheel.csv"), 1);
-    assert!(
-        (wheel[5 * 5 + 3] - wheel[8 * 5 + 3]).abs() > 0.05,
-        "{wheel:?}"
-    );
+    assert!((wheel[5 * 5 + 3] - wheel[8 * 5 + 3]).abs() > 0.05, "{wheel:?}");
     assert!(run.truth.is_empty());
 }
 
@@ -98,34 +75,18 @@ fn noise_has_its_size_and_its_seed() {
     let noisy = numbers(&file(&a, "marks_measured.csv"), 3);
     // 780 coordinates: the rms is known to 2.5 percent.
     assert!((rms_difference(&noisy, &exact) / 0.05 - 1.0).abs() < 0.1);
-    assert_ne!(
-        file(&rig(&[], 0.05, 8), "marks_measured.csv"),
-        file(&a, "marks_measured.csv")
-    );
+    assert_ne!(file(&rig(&[], 0.05, 8), "marks_measured.csv"), file(&a, "marks_measured.csv"));
     assert!(file(&a, "study.toml").contains("sigma = 0.05"));
     // An effect leaves the noise of the readings alone.
-    let shifted = numbers(
-        &file(
-            &rig(&["frame-drift@case 2:x=1"], 0.05, 7),
-            "marks_measured.csv",
-        ),
-        3,
-    );
+    let shifted = numbers(&file(&rig(&["frame-drift@case 2:x=1"], 0.05, 7), "marks_measured.csv"), 3);
     let moved: Vec<f64> = shifted.iter().zip(&noisy).map(|(a, b)| a - b).collect();
-    assert!(
-        moved
-            .iter()
-            .all(|d| d.abs() < 1e-8 || (d - 1.0).abs() < 1e-8)
-    );
+    assert!(moved.iter().all(|d| d.abs() < 1e-8 || (d - 1.0).abs() < 1e-8));
 }
 
 #[test]
 fn every_cause_can_be_planted() {
     let exact = rig(&[], 0.0, 1);
-    let (marks, wheel) = (
-        file(&exact, "marks_measured.csv"),
-        file(&exact, "wheel.csv"),
-    );
+    let (marks, wheel) = (file(&exact, "marks_measured.csv"), file(&exact, "wheel.csv"));
     let specs = [
         "progressive-stiffness@BUSHING/2.K.1:cubic=300",
         "progressive-stiffness@BUSHING/2.K.1:law=exponential,rate=1.0",
@@ -153,10 +114,7 @@ fn every_cause_can_be_planted() {
     ];
     for text in specs {
         let run = rig(&[text], 0.0, 1);
-        let change = rms_difference(
-            &numbers(&file(&run, "marks_measured.csv"), 3),
-            &numbers(&marks, 3),
-        );
+        let change = rms_difference(&numbers(&file(&run, "marks_measured.csv"), 3), &numbers(&marks, 3));
         let turned = rms_difference(&numbers(&file(&run, "wheel.csv"), 1), &numbers(&wheel, 1));
         println!("{text}: marks {change:.4} mm rms, wheel {turned:.4}");
         assert!(change > 0.005, "{text} moves the marks by {change}");
@@ -164,17 +122,11 @@ fn every_cause_can_be_planted() {
         assert_eq!(run.truth, format!("{text}\n"));
         for (path, bytes) in &run.files {
             let cause = text.split('@').next().unwrap();
-            assert!(
-                !String::from_utf8_lossy(bytes).contains(cause),
-                "{path:?} tells"
-            );
+            assert!(!String::from_utf8_lossy(bytes).contains(cause), "{path:?} tells");
         }
     }
     let run = rig(&["channel-fault@height:gain=1.1,offset=2"], 0.0, 1);
-    let (faulty, good) = (
-        numbers(&file(&run, "readings.csv"), 1),
-        numbers(&file(&exact, "readings.csv"), 1),
-    );
+    let (faulty, good) = (numbers(&file(&run, "readings.csv"), 1), numbers(&file(&exact, "readings.csv"), 1));
     assert!((faulty[0] - (1.1 * good[0] + 2.0)).abs() < 1e-6 * good[0].abs());
     assert_eq!(faulty[1], good[1]);
 }
@@ -187,22 +139,10 @@ fn friction_depends_on_the_order_of_the_loads() {
         let folder = folder();
         if reorder {
             replace(folder.path(), "load_cases.csv", "3,4500,0,0\n", "");
-            replace(
-                folder.path(),
-                "load_cases.csv",
-                "5,7500,0,0\n",
-                "5,7500,0,0\n3,4500,0,0\n",
-            );
+            replace(folder.path(), "load_cases.csv", "5,7500,0,0\n", "5,7500,0,0\n3,4500,0,0\n");
         }
-        let effects = effects
-            .iter()
-            .map(|text| EffectSpec::parse(text).unwrap())
-            .collect();
-        let options = RigOptions {
-            seed: 1,
-            sigma: Some(0.0),
-            effects,
-        };
+        let effects = effects.iter().map(|text| EffectSpec::parse(text).unwrap()).collect();
+        let options = RigOptions { seed: 1, sigma: Some(0.0), effects };
         let run = virtual_rig(folder.path(), &options).unwrap();
         let text = file(&run, "marks_measured.csv");
         let rows: Vec<&str> = text.lines().filter(|row| row.starts_with("3,")).collect();
@@ -229,11 +169,7 @@ fn effects_that_sit_nowhere_are_refused() {
         "body-compliance@JOINT/1:stiffness=100",
     ] {
         let effects = vec![EffectSpec::parse(text).unwrap()];
-        let options = RigOptions {
-            seed: 1,
-            sigma: Some(0.0),
-            effects,
-        };
+        let options = RigOptions { seed: 1, sigma: Some(0.0), effects };
         let why = virtual_rig(folder.path(), &options).unwrap_err();
         assert_eq!(why[0].code.as_str(), "bad-effect", "{text}: {why:?}");
     }

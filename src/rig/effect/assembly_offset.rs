@@ -9,7 +9,5 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diag
     let bushing = reality.object(spec, &["BUSHING"])?;
     let (shift, turn) = spec.motion()?;
     // J sits where the deck puts it, plus the offset: the real deflection is smaller by it.
-    reality
-        .rehang(spec, (&bushing, "J"), None, (&shift, &turn))
-        .map(drop)
+    reality.rehang(spec, (&bushing, "J"), None, (&shift, &turn)).map(drop)
 }

@@ -34,18 +34,12 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diag
         R: Mat3::identity(),
     };
     let markers = [block, ground].map(|part| reality.add_marker(part, &frame).to_string());
-    let pair = [
-        ("I", Some(markers[0].clone())),
-        ("J", Some(markers[1].clone())),
-    ];
+    let pair = [("I", Some(markers[0].clone())), ("J", Some(markers[1].clone()))];
     let mut hold = vec![("ORIENTATION", None)];
     hold.extend(pair.clone());
     reality.add("JPRIM", &hold);
     let mut spring = pair.to_vec();
-    spring.push((
-        "K",
-        Some(format!("{stiffness:e}, {stiffness:e}, {stiffness:e}")),
-    ));
+    spring.push(("K", Some(format!("{stiffness:e}, {stiffness:e}, {stiffness:e}"))));
     spring.push(("KT", Some("0.0, 0.0, 0.0".to_string())));
     reality.add("BUSHING", &spring);
     Ok(())

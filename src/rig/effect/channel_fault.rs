@@ -1,14 +1,11 @@
 //! A reading's gain, zero or single value is wrong.
 
-use super::{EffectSpec, ReadingFault, Reality};
+use super::{EffectSpec, Reality, ReadingFault};
 use crate::diagnostic::Diagnostic;
 
 /// `gain=...` and `offset=...`; with `case=...` in that case only.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
-    let found = reality
-        .channels
-        .iter()
-        .position(|name| *name == spec.address);
+    let found = reality.channels.iter().position(|name| *name == spec.address);
     let Some(channel) = found else {
         return Err(spec.refuse(format!("the study has no channel `{}`", spec.address)));
     };

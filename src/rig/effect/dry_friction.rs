@@ -16,11 +16,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diag
         let statement = reality.dataset.find(&address);
         let slides = statement.is_some_and(|s| s.has("TRANSLATIONAL") || s.has("CYLINDRICAL"));
         let words = if slides { ["z", "az"] } else { ["az", "z"] };
-        let component = if spec.word("axis", &words)? == "z" {
-            2
-        } else {
-            5
-        };
+        let component = if spec.word("axis", &words)? == "z" { 2 } else { 5 };
         (reality.pair(spec, &address)?, component)
     };
     let (limit, stiffness) = (spec.positive("force")?, spec.positive("stiffness")?);
@@ -28,10 +24,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diag
     let zero = [("FUNCTION", Some("0.0".to_string()))];
     let u = displacement(pair, component);
     let (force, variables) = if gradual {
-        let (from, held) = (
-            reality.add("VARIABLE", &zero),
-            reality.add("VARIABLE", &zero),
-        );
+        let (from, held) = (reality.add("VARIABLE", &zero), reality.add("VARIABLE", &zero));
         let moved = format!("({u}-VARVAL({from}))");
         let way = |sign: &str| {
             let goal = format!("{sign}{limit:e}");
@@ -45,10 +38,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diag
     } else {
         let anchor = reality.add("VARIABLE", &zero);
         let spring = format!("{stiffness:e}*({u}-VARVAL({anchor}))");
-        (
-            format!("-MAX(-{limit:e},MIN({limit:e},{spring}))"),
-            vec![anchor],
-        )
+        (format!("-MAX(-{limit:e},MIN({limit:e},{spring}))"), vec![anchor])
     };
     reality.memories.push(Memory {
         variables,

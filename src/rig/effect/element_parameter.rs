@@ -11,11 +11,8 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diag
     let Some(deck) = reality.dataset.value_at(&address) else {
         return Err(spec.refuse("that is the address of no number"));
     };
-    let (value, factor, delta) = (
-        spec.optional("value")?,
-        spec.optional("factor")?,
-        spec.optional("delta")?,
-    );
+    let (value, factor, delta) =
+        (spec.optional("value")?, spec.optional("factor")?, spec.optional("delta")?);
     let value = match (value, factor, delta) {
         (Some(value), None, None) => value,
         (None, Some(factor), None) => deck * factor,

@@ -1,6 +1,6 @@
 //! The measuring frame moved in one load case: `case 7`.
 
-use super::{EffectSpec, ReadingFault, Reality};
+use super::{EffectSpec, Reality, ReadingFault};
 use crate::diagnostic::Diagnostic;
 use crate::mechanics::Pose;
 

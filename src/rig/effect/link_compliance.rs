@@ -36,14 +36,8 @@ type End = (Address, &'static str, Vec3);
 
 fn ends(model: &Model, part: u32) -> Vec<End> {
     let mut found = Vec::new();
-    let joints = model
-        .joints
-        .iter()
-        .map(|joint| ("JOINT", joint.header.id, joint.i, joint.j));
-    let bushings = model
-        .bushings
-        .iter()
-        .map(|law| ("BUSHING", law.header.id, law.i, law.j));
+    let joints = model.joints.iter().map(|joint| ("JOINT", joint.header.id, joint.i, joint.j));
+    let bushings = model.bushings.iter().map(|law| ("BUSHING", law.header.id, law.i, law.j));
     for (kind, id, i, j) in joints.chain(bushings) {
         for (argument, marker) in [("I", i), ("J", j)] {
             let frame = &model.markers[marker.0];
@@ -73,42 +67,26 @@ fn cut(
     let own = model.parts.iter().find(|other| other.header.id == part);
     let pose = own.map_or_else(Pose::identity, |own| own.pose);
     let list = |values: [f64; 3]| {
-        values
-            .iter()
-            .map(|value| format!("{value:.15e}"))
-            .collect::<Vec<_>>()
-            .join(", ")
+        values.iter().map(|value| format!("{value:.15e}")).collect::<Vec<_>>().join(", ")
     };
     // The new part has the frame of the old one, so that markers keep their places.
     let new = reality.add(
         "PART",
         &[
             ("QG", Some(list(pose.p.into()))),
-            (
-                "REULER",
-                Some(list(crate::mechanics::psi_theta_phi(&pose.R))),
-            ),
+            ("REULER", Some(list(crate::mechanics::psi_theta_phi(&pose.R)))),
         ],
     );
     let still = (&Vec3::zeros(), &Mat3::identity());
     reality.rehang(spec, (&end.0, end.1), Some(new), still)?;
     let z = line.normalize();
-    let x = z
-        .cross(&if z.x.abs() < 0.7 {
-            Vec3::x()
-        } else {
-            Vec3::y()
-        })
-        .normalize();
+    let x = z.cross(&if z.x.abs() < 0.7 { Vec3::x() } else { Vec3::y() }).normalize();
     let frame = Pose {
         p: end.2,
         R: Mat3::from_columns(&[x, z.cross(&x), z]),
     };
     let markers = [new, part].map(|part| reality.add_marker(part, &frame).to_string());
-    let pair = [
-        ("I", Some(markers[0].clone())),
-        ("J", Some(markers[1].clone())),
-    ];
+    let pair = [("I", Some(markers[0].clone())), ("J", Some(markers[1].clone()))];
     let mut joint = vec![("TRANSLATIONAL", None)];
     joint.extend(pair.clone());
     reality.add("JOINT", &joint);

@@ -1,6 +1,6 @@
 //! One mark reading is wrong: `case 7 KNUCKLE 3`.
 
-use super::{EffectSpec, ReadingFault, Reality};
+use super::{EffectSpec, Reality, ReadingFault};
 use crate::diagnostic::Diagnostic;
 
 /// `x, y, z`: by so much.
@@ -10,14 +10,8 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diag
         return Err(spec.refuse("sits at a reading, for example `case 7 KNUCKLE 3`"));
     };
     let case = reality.case(spec, label)?;
-    let id = part
-        .rsplit('/')
-        .next()
-        .and_then(|id| id.parse::<u32>().ok());
-    let found = reality
-        .marks
-        .iter()
-        .position(|(name, own, _)| name == part || id == Some(*own));
+    let id = part.rsplit('/').next().and_then(|id| id.parse::<u32>().ok());
+    let found = reality.marks.iter().position(|(name, own, _)| name == part || id == Some(*own));
     let Some(part) = found else {
         return Err(spec.refuse(format!("no part `{part}` carries marks")));
     };

@@ -22,7 +22,7 @@ mod reality;
 mod spec;
 mod stop_contact;
 
-pub use reality::{Memory, ReadingFault, Reality};
+pub use reality::{Memory, Reality, ReadingFault};
 pub use spec::EffectSpec;
 
 use crate::diagnostic::Diagnostic;

@@ -11,13 +11,14 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diag
     let address = reality.object(spec, &["BUSHING"])?;
     let (pair, component) = reality.bushing_component(spec, &address)?;
     let u = displacement(pair, component);
-    let force = if spec.word("law", &["cubic", "exponential"])? == "cubic" {
-        format!("-{:e}*({u})**3", spec.positive("cubic")?)
-    } else {
-        let rate = spec.positive("rate")?;
-        let k = reality.dataset.value_at(&address).unwrap_or(0.0);
-        // The linear part is the bushing's own.
-        format!("-{k:e}*SIGN(1.0,{u})*((EXP({rate:e}*ABS({u}))-1.0)/{rate:e}-ABS({u}))")
+    let force = match spec.word("law", &["cubic", "exponential"])? {
+        "cubic" => format!("-{:e}*({u})**3", spec.positive("cubic")?),
+        _ => {
+            let rate = spec.positive("rate")?;
+            let k = reality.dataset.value_at(&address).unwrap_or(0.0);
+            // The linear part is the bushing's own.
+            format!("-{k:e}*SIGN(1.0,{u})*((EXP({rate:e}*ABS({u}))-1.0)/{rate:e}-ABS({u}))")
+        }
     };
     reality.add_component_force(spec, pair, &[(component, force)])
 }

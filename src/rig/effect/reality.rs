@@ -99,9 +99,13 @@ impl Reality {
     }
 
     /// An object of this kind with its id.
-    pub(super) fn object(&self, spec: &EffectSpec, kinds: &[&str]) -> Result<Address, Diagnostic> {
-        let address =
-            Address::parse(&spec.address, &self.dataset).map_err(|why| spec.refuse(why.message))?;
+    pub(super) fn object(
+        &self,
+        spec: &EffectSpec,
+        kinds: &[&str],
+    ) -> Result<Address, Diagnostic> {
+        let address = Address::parse(&spec.address, &self.dataset)
+            .map_err(|why| spec.refuse(why.message))?;
         if kinds.contains(&address.kind.as_str()) {
             return Ok(address);
         }
@@ -109,11 +113,7 @@ impl Reality {
     }
 
     /// The I and J markers of the object with this address.
-    pub(super) fn pair(
-        &self,
-        spec: &EffectSpec,
-        address: &Address,
-    ) -> Result<[u32; 2], Diagnostic> {
+    pub(super) fn pair(&self, spec: &EffectSpec, address: &Address) -> Result<[u32; 2], Diagnostic> {
         let of = |name: &str| {
             let value = self.dataset.find(address)?.first(name)?;
             Some(value as u32)
@@ -151,16 +151,8 @@ impl Reality {
 
     /// Adds a statement and returns its id.
     pub(super) fn add(&mut self, kind: &str, arguments: &[(&str, Option<String>)]) -> u32 {
-        let same = self
-            .dataset
-            .statements()
-            .iter()
-            .filter(|s| s.kind() == Some(kind));
-        let id = same
-            .filter_map(crate::syntax::Statement::number)
-            .max()
-            .unwrap_or(0)
-            + 1;
+        let same = self.dataset.statements().iter().filter(|s| s.kind() == Some(kind));
+        let id = same.filter_map(crate::syntax::Statement::number).max().unwrap_or(0) + 1;
         let edits = self.dataset.add(&NewStatement {
             kind: kind.to_string(),
             id: Some(id),
@@ -276,17 +268,10 @@ impl Reality {
         );
         let names = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
         let of = |k: usize| {
-            let terms: Vec<&str> = forces
-                .iter()
-                .filter(|(axis, _)| *axis == k)
-                .map(|(_, text)| text.as_str())
-                .collect();
+            let terms: Vec<&str> =
+                forces.iter().filter(|(axis, _)| *axis == k).map(|(_, text)| text.as_str()).collect();
             // All six are needed, each but the last ended by a backslash.
-            let text = if terms.is_empty() {
-                "0.0".to_string()
-            } else {
-                terms.join("")
-            };
+            let text = if terms.is_empty() { "0.0".to_string() } else { terms.join("") };
             if k < 5 { text + "\\" } else { text }
         };
         let mut arguments = vec![

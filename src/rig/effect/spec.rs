@@ -101,11 +101,9 @@ impl EffectSpec {
         let Some(text) = self.get(name) else {
             return Ok(words[0]);
         };
-        words
-            .iter()
-            .copied()
-            .find(|word| *word == text)
-            .ok_or_else(|| self.refuse(format!("{name} is one of {}", words.join(", "))))
+        words.iter().copied().find(|word| *word == text).ok_or_else(|| {
+            self.refuse(format!("{name} is one of {}", words.join(", ")))
+        })
     }
 
     /// x, y, z; what is not given is zero, but not all of them.
@@ -137,9 +135,7 @@ impl EffectSpec {
     }
 
     fn turn_vector(&self) -> Result<Vec3, Diagnostic> {
-        Ok(self
-            .vector(["ax_deg", "ay_deg", "az_deg"])?
-            .map(f64::to_radians))
+        Ok(self.vector(["ax_deg", "ay_deg", "az_deg"])?.map(f64::to_radians))
     }
 
     fn vector(&self, names: [&str; 3]) -> Result<Vec3, Diagnostic> {
@@ -173,10 +169,7 @@ mod tests {
     fn the_example_of_the_study_format() {
         let spec =
             EffectSpec::parse("dry-friction@BUSHING/2.K.1:force=200,stiffness=4000").unwrap();
-        assert_eq!(
-            (spec.cause.as_str(), spec.address.as_str()),
-            ("dry-friction", "BUSHING/2.K.1")
-        );
+        assert_eq!((spec.cause.as_str(), spec.address.as_str()), ("dry-friction", "BUSHING/2.K.1"));
         assert_eq!(spec.positive("force").unwrap(), 200.0);
         assert!(spec.all_used().unwrap_err().message.contains("stiffness"));
         assert_eq!(spec.positive("stiffness").unwrap(), 4000.0);

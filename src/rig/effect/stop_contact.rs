@@ -20,17 +20,11 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diag
     let (model, i, frame_i) = reality.marker(spec, pair[0])?;
     let (_, j, frame_j) = reality.marker(spec, pair[1])?;
     let place = |marker: crate::model::MarkerIx, frame: &Pose| {
-        model.parts[model.markers[marker.0].part.0]
-            .pose
-            .compose(frame)
+        model.parts[model.markers[marker.0].part.0].pose.compose(frame)
     };
     let (i, j) = (place(i, &frame_i), place(j, &frame_j));
     let gap = |u: &str, at: f64, plus: bool| {
-        let way = if plus {
-            format!("({u}-({at:.12e}))")
-        } else {
-            format!("(({at:.12e})-{u})")
-        };
+        let way = if plus { format!("({u}-({at:.12e}))") } else { format!("(({at:.12e})-{u})") };
         format!("MAX(0.0,{way}-({clearance:e}))")
     };
     if address.kind == "SPRINGDAMPER" {
@@ -45,10 +39,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diag
                 ("TRANSLATIONAL", None),
                 ("I", Some(pair[0].to_string())),
                 ("J", Some(pair[1].to_string())),
-                (
-                    "FUNCTION",
-                    Some(format!("{sign}{stiffness:e}*{law}{power}")),
-                ),
+                ("FUNCTION", Some(format!("{sign}{stiffness:e}*{law}{power}"))),
             ],
         );
         return Ok(());
@@ -57,9 +48,5 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diag
     let along = (j.R.transpose() * (i.p - j.p)).z;
     let law = gap(&displacement(pair, 2), along, plus);
     let sign = if plus { "-" } else { "" };
-    reality.add_component_force(
-        spec,
-        pair,
-        &[(2, format!("{sign}{stiffness:e}*{law}{power}"))],
-    )
+    reality.add_component_force(spec, pair, &[(2, format!("{sign}{stiffness:e}*{law}{power}"))])
 }
