@@ -5,7 +5,6 @@
 
 mod check;
 pub mod deflection;
-pub mod effect;
 mod load;
 mod measurement;
 pub mod noise;
@@ -16,7 +15,6 @@ mod section;
 pub mod settings;
 mod study;
 mod table;
-mod virtual_rig;
 #[cfg(test)]
 mod tests;
 pub mod wheel;
@@ -27,4 +25,3 @@ pub use resolve::part;
 pub use section::Spelled;
 pub use study::{MarkFiles, Study};
 pub use table::{Cell, Table};
-pub use virtual_rig::{RigOptions, RigRun, virtual_rig};

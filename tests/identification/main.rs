@@ -9,4 +9,3 @@ mod direct;
 mod global;
 mod regression;
 mod setup;
-mod virtual_rig;
