@@ -166,11 +166,15 @@ fn time_grows_with_the_file_and_not_faster() {
             }
             bytes
         };
-        let (short, long) = (time(&make(200_000)), time(&make(1_600_000)));
-        // Eight times the bytes; quadratic time would take sixty-four times as long.
-        assert!(
-            long < short * 24 + Duration::from_millis(50),
-            "{lead:?} {unit:?}: {short:?} and {long:?}"
-        );
+        let (short, long) = (make(200_000), make(1_600_000));
+        // Eight times the bytes; quadratic time would take sixty-four times as long. Other programs make a measurement
+        // too long, never too short: one good measurement of several is enough.
+        let mut seen = Vec::new();
+        let linear = (0..6).any(|_| {
+            let (short, long) = (time(&short), time(&long));
+            seen.push((short, long));
+            long < short * 24 + Duration::from_millis(50)
+        });
+        assert!(linear, "{lead:?} {unit:?}: {seen:?}");
     }
 }
