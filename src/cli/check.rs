@@ -35,22 +35,24 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         if is_command_file(path) {
             found.extend(CommandFile::parse(source).diagnostics);
         } else {
-            found.extend(of_dataset(source, arguments.fortran));
+            found.extend(of_dataset(source, arguments.fortran, shell));
         }
     }
     shell.findings(&found);
     if unread {
-        return Err(Exit::Failed);
+        return Err(Exit::Findings);
     }
     Ok(exit_of(&found))
 }
 
 /// Everything there is to say of a dataset, each fault once, in the order of the file.
-fn of_dataset(source: Source, fortran: bool) -> Vec<Diagnostic> {
+fn of_dataset(source: Source, fortran: bool, shell: &mut Shell) -> Vec<Diagnostic> {
     let read = Dataset::parse(source);
     let dataset = &read.value;
-    let resolved = Model::lower(dataset);
+    let files = shell.read_files(dataset);
+    let resolved = Model::lower_with(dataset, &files.value);
     let mut found = read.diagnostics;
+    found.extend(files.diagnostics);
     found.extend(syntax::lint::check(dataset, &Options { fortran }));
     let mut seen: BTreeSet<_> = found.iter().map(place).collect();
     // The reader of the model meets some faults of statements again.

@@ -28,7 +28,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let mut exit = Exit::Fine;
     for path in &arguments.decks {
         let Ok(source) = shell.read(path) else {
-            exit = Exit::Failed;
+            exit = Exit::Findings;
             continue;
         };
         let fixed = fixed(&source);
@@ -63,12 +63,13 @@ fn fixed(source: &Source) -> Vec<u8> {
     apply_edits(source.bytes(), &edits).unwrap_or_else(|_| source.bytes().to_vec())
 }
 
-fn diff(source: &Source, fixed: &[u8]) -> String {
+/// The change as a unified diff.
+pub(super) fn diff(source: &Source, fixed: &[u8]) -> String {
     let text = |source: &Source| source.text(Span::new(0, source.bytes().len())).into_owned();
     let before = text(source);
     let after = text(&Source::new(source.name(), fixed));
     TextDiff::from_lines(&before, &after)
         .unified_diff()
-        .header(source.name(), &format!("{} (fixed)", source.name()))
+        .header(source.name(), &format!("{} (changed)", source.name()))
         .to_string()
 }

@@ -43,7 +43,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     };
     for name in &arguments.names {
         if !plain(name) {
-            return Err(shell.fail(Diagnostic::error(
+            return Err(shell.usage(Diagnostic::error(
                 Code::CannotWrite,
                 format!("`{name}` is not a name for a command"),
             )));
@@ -57,7 +57,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
                 && !arguments.force
                 && std::fs::read(&path).ok() != Some(text.clone().into_bytes())
             {
-                return Err(shell.fail(
+                return Err(shell.usage(
                     Diagnostic::error(
                         Code::CannotWrite,
                         format!("`{}` is there already", path.display()),

@@ -10,16 +10,20 @@ mod completions;
 mod diagnose;
 mod diff;
 mod explain;
+mod export;
 mod fix;
 mod get;
 mod identify;
+mod import;
 mod install_shims;
 mod permissions;
 mod render;
+mod renumber;
 mod results;
 mod set;
 mod shell;
 mod solve;
+mod summary;
 
 use std::process::ExitCode;
 
@@ -29,8 +33,8 @@ use shell::{ColorChoice, Exit, Format, Shell};
 
 /// Reads, checks, edits and solves ADAMS datasets, identifies bushing stiffnesses, and says what a model still gets wrong.
 ///
-/// Exit codes: 0 fine; 1 the input has errors, or a comparison found differences; 2 the command line is wrong or a file cannot
-/// be read or written; 3 there is no equilibrium or no fit.
+/// Exit codes: 0 fine; 1 the input has errors, a file cannot be read or written, or a comparison found differences; 2 the
+/// command line is wrong; 3 there is no equilibrium or no fit.
 #[derive(Parser, Debug)]
 #[command(name = "admire", version, max_term_width = 100)]
 struct Cli {
@@ -51,6 +55,10 @@ enum Command {
     Get(get::Arguments),
     Set(set::Arguments),
     Diff(diff::Arguments),
+    Summary(summary::Arguments),
+    Renumber(renumber::Arguments),
+    Export(export::Arguments),
+    Import(import::Arguments),
     Solve(solve::Arguments),
     Identify(identify::Arguments),
     Diagnose(diagnose::Arguments),
@@ -72,6 +80,10 @@ pub fn main() -> ExitCode {
         Command::Get(arguments) => get::run(&arguments, &mut shell),
         Command::Set(arguments) => set::run(&arguments, &mut shell),
         Command::Diff(arguments) => diff::run(&arguments, &mut shell),
+        Command::Summary(arguments) => summary::run(&arguments, &mut shell),
+        Command::Renumber(arguments) => renumber::run(&arguments, &mut shell),
+        Command::Export(arguments) => export::run(&arguments, &mut shell),
+        Command::Import(arguments) => import::run(&arguments, &mut shell),
         Command::Solve(arguments) => solve::run(&arguments, &mut shell),
         Command::Identify(arguments) => identify::run(&arguments, &mut shell),
         Command::Diagnose(arguments) => diagnose::run(&arguments, &mut shell),

@@ -77,12 +77,7 @@ pub(super) fn open(path: &Path, shell: &Shell) -> Result<AnyResults, Exit> {
 
 /// Says why a file is not read further.
 pub(super) fn refused(error: ResultsError, shell: &Shell) -> Exit {
-    let exit = match &error {
-        ResultsError::Io(_) => Exit::Failed,
-        ResultsError::Refused(_) => Exit::Findings,
-    };
-    shell.complain(&[error.into_diagnostic()]);
-    exit
+    shell.fail(error.into_diagnostic())
 }
 
 fn list(reader: &mut AnyResults, shell: &Shell) -> Result<String, ResultsError> {

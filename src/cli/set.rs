@@ -36,7 +36,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let mut dataset = Dataset::parse(source).value;
     for assignment in &arguments.assignments {
         let Some((address, value)) = assignment.split_once('=') else {
-            return Err(shell.fail(
+            return Err(shell.usage(
                 Diagnostic::error(Code::BadNumber, format!("`{assignment}` has no `=`"))
                     .help("write ADDRESS=VALUE"),
             ));
@@ -63,12 +63,6 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     } else {
         arguments.out.as_ref()
     };
-    match target {
-        Some(path) => shell.write(path, dataset.bytes())?,
-        None => {
-            // Nobody may be listening.
-            let _ = std::io::Write::write_all(&mut std::io::stdout(), dataset.bytes());
-        }
-    }
+    shell.deliver(target, dataset.bytes())?;
     Ok(Exit::Fine)
 }

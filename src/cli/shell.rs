@@ -1,8 +1,10 @@
 use std::io::{IsTerminal, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use crate::diagnostic::{Code, Diagnostic, Severity};
-use crate::session::Sources;
+use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
+use crate::session::{Sources, folder_of, read_files};
+use crate::syntax::Dataset;
+use crate::syntax::files::Files;
 use crate::text::Source;
 
 use super::permissions::as_new_files;
@@ -35,10 +37,10 @@ pub(super) enum ColorChoice {
 pub(super) enum Exit {
     /// All went well.
     Fine = 0,
-    /// The input has errors, or a comparison found differences.
+    /// The input has errors, a file cannot be read or written, or a comparison found differences.
     Findings = 1,
-    /// The command line is wrong, or a file cannot be read or written.
-    Failed = 2,
+    /// The command line is wrong.
+    Usage = 2,
     /// There is no equilibrium, or no fit.
     NoAnswer = 3,
 }
@@ -49,7 +51,7 @@ impl Exit {
         match code {
             0 => Self::Fine,
             1 => Self::Findings,
-            2 => Self::Failed,
+            2 => Self::Usage,
             _ => Self::NoAnswer,
         }
     }
@@ -124,10 +126,16 @@ impl Shell {
         let _ = out.flush();
     }
 
-    /// Says why, and gives up.
+    /// Says what is wrong with the input, and gives up.
     pub(super) fn fail(&self, diagnostic: Diagnostic) -> Exit {
         self.complain(&[diagnostic]);
-        Exit::Failed
+        Exit::Findings
+    }
+
+    /// Says what is wrong with the command line, and gives up.
+    pub(super) fn usage(&self, diagnostic: Diagnostic) -> Exit {
+        self.complain(&[diagnostic]);
+        Exit::Usage
     }
 
     /// Reads a file and remembers it for showing places in it; `-` is standard input.
@@ -148,6 +156,27 @@ impl Shell {
                 Code::CannotRead,
                 format!("`{}` cannot be read: {error}", path.display()),
             ))),
+        }
+    }
+
+    /// Reads the files a dataset names, and remembers them for showing places in them.
+    pub(super) fn read_files(&mut self, dataset: &Dataset) -> Checked<Files> {
+        let read = read_files(dataset, &folder_of(dataset.source()));
+        for source in read.value.sources() {
+            self.sources.add(source.clone());
+        }
+        read
+    }
+
+    /// Writes bytes to a file, or to standard output if there is none.
+    pub(super) fn deliver(&self, target: Option<&PathBuf>, bytes: &[u8]) -> Result<(), Exit> {
+        match target {
+            Some(path) => self.write(path, bytes),
+            None => {
+                // Nobody may be listening.
+                let _ = std::io::stdout().write_all(bytes);
+                Ok(())
+            }
         }
     }
 

@@ -14,6 +14,8 @@ pub struct Summary {
     pub title: String,
     /// Words for force, mass, length and time, such as `newton`, `kg`, `mm`, `sec`.
     pub units: [&'static str; 4],
+    /// True if the dataset states its units.
+    pub units_stated: bool,
     /// The units consistency factor: force * UCF = mass * acceleration.
     pub ucf: f64,
     /// Statements by whole keyword, in alphabetical order; unknown ones under `(unknown)`.
@@ -58,6 +60,7 @@ pub fn summary(dataset: &Dataset, model: &Model) -> Summary {
             units.length.word,
             units.time.word,
         ],
+        units_stated: units.stated,
         ucf: units.ucf,
         statements,
         mass,

@@ -5,6 +5,7 @@ use crate::syntax::{Dataset, Statement};
 use crate::system::{Parameters, State, System};
 use crate::text::Source;
 
+use super::files::{folder_of, read_files};
 use super::outputs::Outputs;
 use super::saved::Saved;
 
@@ -49,8 +50,10 @@ impl Loaded {
     /// Reads a dataset. The model can be used if no complaint is an error.
     pub fn read(source: Source, outputs: Outputs) -> Checked<Self> {
         let parsed = Dataset::parse(source);
-        let lowered = Model::lower(&parsed.value);
+        let files = read_files(&parsed.value, &folder_of(parsed.value.source()));
+        let lowered = Model::lower_with(&parsed.value, &files.value);
         let mut diagnostics = parsed.diagnostics;
+        diagnostics.extend(files.diagnostics);
         diagnostics.extend(lowered.diagnostics);
         for diagnostic in &mut diagnostics {
             // What is not understood would be missing in the answer.

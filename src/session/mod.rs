@@ -3,6 +3,7 @@
 //! Knows how ADAMS' command line, messages and output files look. Does not know how an equilibrium is found.
 
 mod columns;
+mod files;
 mod launcher;
 mod loaded;
 mod located;
@@ -16,6 +17,7 @@ mod saved;
 mod simulate;
 mod simulation;
 
+pub use files::{folder_of, read_files};
 pub use launcher::{Launch, LaunchInput};
 pub use located::{Sources, located};
 pub use mdi::mdi;

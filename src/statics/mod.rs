@@ -3,6 +3,7 @@
 //! Newton's method on the force balance with Lagrange multipliers. Knows no files and no commands.
 
 mod continuation;
+mod freedoms;
 mod lu;
 mod matrix;
 mod measures;
@@ -15,6 +16,7 @@ mod settings;
 mod stability;
 mod tangent;
 
+pub use freedoms::Freedoms;
 pub use newton::{Solver, solve};
 pub use report::{Continuation, FreeMotion, Iteration, Report, SolveError};
 pub use settings::Settings;

@@ -1,8 +1,12 @@
 use super::reader::Reader;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::model::{
     ArrayData, ArrayKind, Diff, Function, LinearStates, MarkerIx, Request, RequestKind, Sensor,
     SensorCompare, Spline, StringData, Variable,
 };
+use crate::syntax::files::Files;
+use crate::syntax::property::PropertyFile;
+use crate::units::Units;
 
 /// VARIABLE.
 pub(super) fn variable(reader: &mut Reader, old: Option<&Variable>) -> Option<Variable> {
@@ -159,6 +163,47 @@ pub(super) fn spline(reader: &mut Reader, old: Option<&Spline>) -> Option<Spline
             "LINEAR_EXTRAPOLATE",
             old.is_some_and(|old| old.linear_extrapolate),
         ),
+    })
+}
+
+/// SPLINE from a property file: the curve of its BLOCK (of the first curve if none is named) in the units of the model.
+pub(super) fn spline_of_file(reader: &mut Reader, files: &Files, units: &Units) -> Option<Spline> {
+    let name = reader.text("FILE", None)?;
+    let source = files.get(&name)?;
+    if !PropertyFile::is_one(source.bytes()) {
+        let why = format!(
+            "{} is not solved: `{name}` is no property file in the TeimOrbit form; DAC and RPC files are not read",
+            reader.called()
+        );
+        let place = reader.place("FILE");
+        reader.complain(Diagnostic::error(Code::NotSolvedNatively, why), place);
+        return None;
+    }
+    let read = PropertyFile::parse(source.clone());
+    reader.diagnostics.extend(read.diagnostics);
+    let file = read.value;
+    let curve = match reader.text("BLOCK", None) {
+        Some(block) => file.curve(&block),
+        None => file.curves().into_iter().next(),
+    };
+    let Some(curve) = curve else {
+        let blocks: Vec<String> = file.curves().into_iter().map(|c| c.block).collect();
+        let diagnostic = Diagnostic::error(
+            Code::UndefinedId,
+            format!("`{name}` has no curve of that name"),
+        )
+        .help(format!("BLOCK may be one of {}", blocks.join(", ")));
+        let place = reader.place("BLOCK");
+        reader.complain(diagnostic, place);
+        return None;
+    };
+    let (x, y) = curve.in_units(file.units.as_ref(), units);
+    Some(Spline {
+        header: reader.header(None),
+        x,
+        z: vec![0.0],
+        y: vec![y],
+        linear_extrapolate: reader.flag("LINEAR_EXTRAPOLATE", false),
     })
 }
 

@@ -17,6 +17,7 @@ use super::{Header, Joint, MarkerIx, Model, Part, PartIx, PartKind, Unsolved, ob
 use crate::diagnostic::{Checked, Code, Diagnostic};
 use crate::grammar::{Solved, StatementDef};
 use crate::mechanics::Pose;
+use crate::syntax::files::Files;
 use crate::syntax::{Dataset, Statement, Value};
 use crate::text::Source;
 
@@ -52,11 +53,18 @@ macro_rules! in_list {
     };
 }
 
-/// Resolves a dataset. Complaints: undefined and duplicate ids, missing arguments, wrong counts, frames that cannot be made.
-/// The model is as good as it could be made; with errors among the complaints it must not be solved.
+/// Resolves a dataset without looking at other files; see [`lower_with`].
 pub fn lower(dataset: &Dataset) -> Checked<Model> {
+    lower_with(dataset, &Files::default())
+}
+
+/// Resolves a dataset. Complaints: undefined and duplicate ids, missing arguments, wrong counts, frames that cannot be made.
+/// The model is as good as it could be made; with errors among the complaints it must not be solved. What `files` do not hold is
+/// not read.
+pub fn lower_with(dataset: &Dataset, files: &Files) -> Checked<Model> {
     let mut lowering = Lowering {
         dataset,
+        files,
         ids: Ids::of(dataset),
         model: Model {
             title: dataset.title().into_owned(),
@@ -93,6 +101,7 @@ pub fn lower(dataset: &Dataset) -> Checked<Model> {
         }
     }
     lowering.model.joints = joints;
+    lowering.splines_of_files();
     Checked {
         value: lowering.model,
         diagnostics: lowering.diagnostics,
@@ -101,6 +110,7 @@ pub fn lower(dataset: &Dataset) -> Checked<Model> {
 
 struct Lowering<'a> {
     dataset: &'a Dataset,
+    files: &'a Files,
     ids: Ids<'a>,
     model: Model,
     diagnostics: Vec<Diagnostic>,
@@ -229,6 +239,40 @@ impl Lowering<'_> {
         }
     }
 
+    /// True for a SPLINE whose file was read.
+    fn is_supplied(&self, statement: &Statement) -> bool {
+        let name = statement.text("FILE", self.dataset.source());
+        statement.kind() == Some("SPLINE")
+            && name.is_some_and(|name| self.files.get(&name).is_some())
+    }
+
+    /// Splines from other files: they are turned into the units of the model, which may be stated behind them.
+    fn splines_of_files(&mut self) {
+        for (at, statement) in self.dataset.statements().iter().enumerate() {
+            let Some(def) = statement.def else {
+                continue;
+            };
+            let first = statement
+                .number()
+                .is_some_and(|id| self.dataset.position(def.name, Some(id)) == Some(at));
+            if !first || !self.is_supplied(statement) {
+                continue;
+            }
+            let mut reader = Reader {
+                source: self.dataset.source(),
+                statement,
+                def,
+                ids: &self.ids,
+                joints: &[],
+                diagnostics: &mut self.diagnostics,
+                origin: at,
+                name: self.dataset.name(statement).into_owned(),
+            };
+            let spline = data::spline_of_file(&mut reader, self.files, &self.model.units);
+            self.model.splines.extend(spline);
+        }
+    }
+
     /// Everything else, and the rules that hold for every statement.
     fn rest(
         &mut self,
@@ -247,6 +291,9 @@ impl Lowering<'_> {
             &mut self.diagnostics,
         );
         if def.id.is_some() && statement.id.is_none() {
+            return;
+        }
+        if self.is_supplied(statement) {
             return;
         }
         if let Some(why) = unsolved(statement, def) {
@@ -342,7 +389,7 @@ fn unsolved(statement: &Statement, def: &'static StatementDef) -> Option<String>
             "its values come from a user subroutine"
         }
         "FIELD" if statement.has("NONLINEAR") => "its values come from a user subroutine",
-        "SPLINE" if statement.has("FILE") => "its points are in another file",
+        "SPLINE" if statement.has("FILE") => "its points are in a file that was not read",
         "GFORCE" | "VFORCE" | "VTORQUE" if statement.has("FXYZ") || statement.has("TXYZ") => {
             "vector expressions are not evaluated by the built-in solver"
         }
@@ -352,9 +399,14 @@ fn unsolved(statement: &Statement, def: &'static StatementDef) -> Option<String>
 }
 
 impl Model {
-    /// Resolves a dataset; see [`lower`].
+    /// Resolves a dataset without looking at other files; see [`lower`].
     pub fn lower(dataset: &Dataset) -> Checked<Self> {
         lower(dataset)
+    }
+
+    /// Resolves a dataset whose splines may stand in other files; see [`lower_with`].
+    pub fn lower_with(dataset: &Dataset, files: &Files) -> Checked<Self> {
+        lower_with(dataset, files)
     }
 
     /// Applies a command that redefines an object (`SFORCE/3, FUNCTION=100`), changes settings (`EQUILIBRIUM/ERROR=1E-6`), or

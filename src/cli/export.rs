@@ -1,0 +1,33 @@
+use std::path::PathBuf;
+
+use crate::syntax::{Dataset, json};
+
+use super::Outcome;
+use super::shell::{Exit, Shell};
+
+/// Print a dataset as JSON; `admire import` brings changes of it back.
+///
+/// `title`, and `statements` with `kind`, `id`, `name` and `arguments`. Numbers are in the deck's units, angles in radians.
+#[derive(clap::Args, Debug)]
+pub(super) struct Arguments {
+    /// The dataset.
+    deck: PathBuf,
+    /// As JSON; there is no other form yet.
+    #[arg(long)]
+    json: bool,
+    /// Where to write it; standard output if absent.
+    #[arg(long, short)]
+    out: Option<PathBuf>,
+}
+
+/// Prints or writes the JSON.
+pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    let source = shell.read(&arguments.deck)?;
+    let dataset = Dataset::parse(source).value;
+    let text = serde_json::to_string_pretty(&json::export(&dataset)).expect("JSON values print");
+    match &arguments.out {
+        Some(path) => shell.write(path, (text + "\n").as_bytes())?,
+        None => shell.print(&(text + "\n")),
+    }
+    Ok(Exit::Fine)
+}

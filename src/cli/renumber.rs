@@ -1,0 +1,130 @@
+use std::path::PathBuf;
+
+use clap_complete::ArgValueCompleter;
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::grammar::{Lookup, Role, find_statement};
+use crate::syntax::renumber::{Renumbering, in_order, renumber};
+use crate::syntax::{CommandFile, Dataset};
+use crate::text::{Edit, Source, apply_edits};
+
+use super::Outcome;
+use super::addresses::complete;
+use super::fix::diff;
+use super::get::parse;
+use super::shell::{Exit, Shell};
+
+/// Give objects new ids; every reference follows, in arguments, in functions and in commands.
+///
+/// The change is shown as a diff; with --in-place or --out it is made.
+#[derive(clap::Args, Debug)]
+pub(super) struct Arguments {
+    /// The dataset.
+    deck: PathBuf,
+    /// `MARKER=1000` numbers all markers from 1000 on in their order, `MARKER=1000,10` in steps of ten; `MARKER/7=12`, or a view
+    /// name for `MARKER/7`, gives one object its new id.
+    #[arg(required = true, value_name = "KIND=FIRST[,STEP]", add = ArgValueCompleter::new(complete))]
+    ids: Vec<String>,
+    /// Command files (.acf) that go with the dataset; their references follow too.
+    #[arg(long, short, value_name = "FILE")]
+    commands: Vec<PathBuf>,
+    /// Folder for the changed files, under their own names.
+    #[arg(long, short, value_name = "FOLDER", conflicts_with = "in_place")]
+    out: Option<PathBuf>,
+    /// Replace the files themselves.
+    #[arg(long)]
+    in_place: bool,
+}
+
+/// Shows or makes the change.
+pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    let source = shell.read(&arguments.deck)?;
+    let dataset = Dataset::parse(source.clone()).value;
+    let mut renumbering = Renumbering::new();
+    for text in &arguments.ids {
+        renumbering.extend(ids(text, &dataset, shell)?);
+    }
+    let mut commands = Vec::new();
+    for path in &arguments.commands {
+        commands.push(CommandFile::parse(shell.read(path)?).value);
+    }
+    let all: Vec<&CommandFile> = commands.iter().collect();
+    let done = renumber(&dataset, &all, &renumbering).map_err(|refused| shell.fail(refused))?;
+    shell.complain(&done.diagnostics);
+    let mut changed = vec![(
+        &arguments.deck,
+        source.clone(),
+        edited(&source, &done.value.dataset, shell)?,
+    )];
+    for ((path, file), edits) in arguments
+        .commands
+        .iter()
+        .zip(&commands)
+        .zip(&done.value.commands)
+    {
+        changed.push((
+            path,
+            file.source().clone(),
+            edited(file.source(), edits, shell)?,
+        ));
+    }
+    if arguments.out.is_none() && !arguments.in_place {
+        for (_, source, bytes) in &changed {
+            shell.print(&diff(source, bytes));
+        }
+        return Ok(Exit::Fine);
+    }
+    for (path, _, bytes) in &changed {
+        let target = match (&arguments.out, path.file_name()) {
+            (Some(folder), Some(name)) => folder.join(name),
+            _ => (*path).clone(),
+        };
+        shell.write(&target, bytes)?;
+    }
+    Ok(Exit::Fine)
+}
+
+/// What one word of the command line asks for.
+fn ids(text: &str, dataset: &Dataset, shell: &Shell) -> Result<Renumbering, Exit> {
+    let wrong = |message: String| {
+        shell.usage(
+            Diagnostic::error(Code::BadNumber, message)
+                .help("write KIND=FIRST, KIND=FIRST,STEP or KIND/ID=NEW"),
+        )
+    };
+    let Some((what, numbers)) = text.split_once('=') else {
+        return Err(wrong(format!("`{text}` has no `=`")));
+    };
+    let (first, step) = numbers.split_once(',').unwrap_or((numbers, "1"));
+    let number = |word: &str| {
+        word.trim()
+            .parse::<u32>()
+            .ok()
+            .filter(|number| *number > 0)
+            .ok_or_else(|| wrong(format!("`{word}` is not a whole number above zero")))
+    };
+    let (first, step) = (number(first)?, number(step)?);
+    let kind = find_statement(what.trim().as_bytes(), Role::Dataset);
+    if let Lookup::Found(def) = kind
+        && def.id.is_some()
+    {
+        let found = in_order(dataset, def.name, first, step);
+        let too_many = found.len() as u64 * u64::from(step) + u64::from(first);
+        if too_many > u64::from(u32::MAX) {
+            return Err(wrong(format!("`{text}`: the ids become too large")));
+        }
+        return Ok(found);
+    }
+    let address = parse(what, dataset, shell)?;
+    let statement = dataset.find(&address);
+    let space = statement.and_then(|statement| statement.def?.id);
+    match (space, address.id, &address.argument) {
+        (Some(space), Some(id), None) => Ok(Renumbering::from([((space, id), first)])),
+        _ => Err(wrong(format!("`{what}` is not an object with an id"))),
+    }
+}
+
+fn edited(source: &Source, edits: &[Edit], shell: &Shell) -> Result<Vec<u8>, Exit> {
+    apply_edits(source.bytes(), edits)
+        .map_err(|conflict| shell.fail(Diagnostic::error(Code::CannotWrite, conflict.to_string())))
+}

@@ -1,0 +1,172 @@
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use serde_json::json;
+
+use crate::diagnostic::{Checked, Code, Severity};
+use crate::model::Model;
+use crate::model::summary::{Summary, summary};
+use crate::statics::Freedoms;
+use crate::syntax::Dataset;
+use crate::system::System;
+
+use super::Outcome;
+use super::shell::{Exit, Format, Shell};
+
+/// A model in a few numbers: objects per kind, units, mass and centre of mass, degrees of freedom, unused markers.
+///
+/// Masses and lengths are in the deck's units; the centre of mass is where the dataset puts the parts.
+#[derive(clap::Args, Debug)]
+pub(super) struct Arguments {
+    /// The dataset.
+    deck: PathBuf,
+    /// List every unused marker and every redundant equation, not only how many there are.
+    #[arg(long)]
+    all: bool,
+}
+
+/// More names than a person reads are counted, not shown.
+const SHOWN: usize = 8;
+
+/// Prints the numbers.
+pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    let source = shell.read(&arguments.deck)?;
+    let parsed = Dataset::parse(source);
+    let dataset = &parsed.value;
+    let files = shell.read_files(dataset);
+    let lowered = Model::lower_with(dataset, &files.value);
+    let summary = summary(dataset, &lowered.value);
+    let errors = parsed
+        .diagnostics
+        .iter()
+        .chain(&lowered.diagnostics)
+        .filter(|diagnostic| diagnostic.severity == Severity::Error)
+        .count();
+    let freedoms = if errors == 0 {
+        freedoms(&lowered.value)
+    } else {
+        Err(format!("the deck has {errors} errors (`admire check`)"))
+    };
+    let missing: Vec<&str> = files
+        .diagnostics
+        .iter()
+        .filter(|diagnostic| diagnostic.code == Code::CannotRead)
+        .map(|diagnostic| diagnostic.message.as_str())
+        .collect();
+    shell.print(&match shell.format {
+        Format::Json => {
+            let mut all = json!(summary);
+            all["degrees_of_freedom"] = match &freedoms {
+                Ok(found) => json!({
+                    "gruebler": found.gruebler(),
+                    "actual": found.actual(),
+                    "redundant": found.redundant,
+                }),
+                Err(why) => json!({ "unknown": why }),
+            };
+            all["files"] = json!(missing);
+            serde_json::to_string_pretty(&all).expect("JSON values print") + "\n"
+        }
+        Format::Text | Format::Plain => text(&summary, &freedoms, &missing, arguments.all, dataset),
+    });
+    Ok(if errors == 0 {
+        Exit::Fine
+    } else {
+        Exit::Findings
+    })
+}
+
+/// Degrees of freedom at the design position, or why they are not known.
+fn freedoms(model: &Model) -> Result<Freedoms, String> {
+    let Checked { value: system, .. } = System::compile(model);
+    Freedoms::of(&system, &system.parameters(), &system.state()).map_err(|error| error.to_string())
+}
+
+fn text(
+    summary: &Summary,
+    freedoms: &Result<Freedoms, String>,
+    missing: &[&str],
+    all: bool,
+    dataset: &Dataset,
+) -> String {
+    let mut out = format!("{}\n", summary.title);
+    let [force, mass, length, time] = summary.units;
+    _ = writeln!(
+        out,
+        "units: {force}, {mass}, {length}, {time}{}; UCF {}",
+        if summary.units_stated {
+            ""
+        } else {
+            " (none are stated)"
+        },
+        summary.ucf
+    );
+    _ = writeln!(
+        out,
+        "{} bytes, {} statements",
+        dataset.bytes().len(),
+        dataset.statements().len()
+    );
+    for (kind, count) in &summary.statements {
+        _ = writeln!(out, "  {kind:24} {count}");
+    }
+    _ = write!(out, "mass: {} {mass}", rounded(summary.mass));
+    if let Some(centre) = summary.centre_of_mass {
+        let [x, y, z] = centre.map(rounded);
+        _ = write!(out, " at {x}, {y}, {z} {length}");
+    }
+    out.push('\n');
+    match freedoms {
+        Ok(found) => {
+            _ = writeln!(
+                out,
+                "degrees of freedom: {} (Gruebler count {}: {} of parts, {} equations, {} of them redundant)",
+                found.actual(),
+                found.gruebler(),
+                found.of_parts,
+                found.equations,
+                found.redundant.len()
+            );
+            listed(&mut out, "redundant", &found.redundant, all);
+        }
+        Err(why) => _ = writeln!(out, "degrees of freedom: not known, {why}"),
+    }
+    let markers: Vec<String> = summary
+        .unused_markers
+        .iter()
+        .map(|(id, name)| format!("MARKER/{id} ({name})"))
+        .collect();
+    _ = writeln!(
+        out,
+        "unused markers: {}{}",
+        markers.len(),
+        if summary.calls_subroutines && !markers.is_empty() {
+            " (user subroutines may use them)"
+        } else {
+            ""
+        }
+    );
+    listed(&mut out, "unused", &markers, all);
+    for (kind, id, why) in &summary.unsolved {
+        _ = writeln!(out, "not solved natively: {kind}/{id}, {why}");
+    }
+    for file in missing {
+        _ = writeln!(out, "{file}");
+    }
+    out
+}
+
+fn listed(out: &mut String, what: &str, names: &[String], all: bool) {
+    let shown = if all { names.len() } else { SHOWN };
+    for name in names.iter().take(shown) {
+        _ = writeln!(out, "  {what}: {name}");
+    }
+    if names.len() > shown {
+        _ = writeln!(out, "  ... and {} more (--all)", names.len() - shown);
+    }
+}
+
+/// Nine digits: what is summed has rounding errors no one wants to see.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.9e}").parse().unwrap_or(value)
+}

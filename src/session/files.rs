@@ -1,0 +1,108 @@
+use std::path::{Path, PathBuf};
+
+use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
+use crate::grammar::Solved;
+use crate::syntax::Dataset;
+use crate::syntax::files::{FileReference, Files, references};
+use crate::syntax::property::PropertyFile;
+use crate::text::Source;
+
+use super::paths::find_file;
+
+/// Larger files are no property files.
+const MOST_BYTES: u64 = 64 << 20;
+
+/// Reads the property files a dataset names, from the folder of the dataset or where their path leads. Complains of files that are
+/// not there: a warning where the answer needs them, a note where only graphics or a subroutine would read them.
+pub fn read_files(dataset: &Dataset, folder: &Path) -> Checked<Files> {
+    let mut files = Files::default();
+    let mut diagnostics = Vec::new();
+    for reference in references(dataset) {
+        if files.get(&reference.name).is_some() {
+            continue;
+        }
+        let label =
+            |diagnostic: Diagnostic| diagnostic.label(dataset.source().name(), reference.span, "");
+        let found = find_file(&reference.name, "", &[folder]);
+        diagnostics.extend(found.diagnostics.into_iter().map(label));
+        let Some(path) = found.value else {
+            diagnostics.push(label(absent(dataset, &reference)));
+            continue;
+        };
+        match property_file(&path) {
+            Ok(Some(source)) => files.add(reference.name.clone(), source),
+            Ok(None) => {}
+            Err(error) => diagnostics.push(label(Diagnostic::warning(
+                Code::CannotRead,
+                format!("`{}` cannot be read: {error}", path.display()),
+            ))),
+        }
+    }
+    Checked {
+        value: files,
+        diagnostics,
+    }
+}
+
+/// The folder a dataset of this name stands in.
+pub fn folder_of(source: &Source) -> PathBuf {
+    Path::new(source.name())
+        .parent()
+        .map_or_else(PathBuf::new, Path::to_path_buf)
+}
+
+fn property_file(path: &Path) -> std::io::Result<Option<Source>> {
+    if std::fs::metadata(path)?.len() > MOST_BYTES {
+        return Ok(None);
+    }
+    let bytes = std::fs::read(path)?;
+    let is_one = PropertyFile::is_one(&bytes);
+    Ok(is_one.then(|| Source::new(path.display().to_string(), bytes)))
+}
+
+fn absent(dataset: &Dataset, reference: &FileReference) -> Diagnostic {
+    let of_graphics = dataset.statements().iter().any(|statement| {
+        statement.span.contains(reference.span)
+            && statement
+                .def
+                .is_some_and(|def| matches!(def.solved, Solved::NoEffect(_)))
+    });
+    let mut diagnostic = Diagnostic::warning(
+        Code::CannotRead,
+        format!("the file `{}` is not here", reference.name),
+    );
+    if of_graphics || !reference.needed {
+        diagnostic.severity = Severity::Note;
+    }
+    diagnostic.help("it is looked up from the folder of the dataset")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_beside_the_deck_are_read_and_missing_ones_are_told() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let spring = "[MDI_HEADER]\nFILE_TYPE='spr'\n[CURVE]\n{disp force}\n0 0\n1 2\n";
+        std::fs::write(folder.path().join("a.spr"), spring).expect("writable");
+        let text = "t\nSPLINE/1, FILE=A.SPR\nSPLINE/2, FILE=b.spr\nSTRING/3, STRING=c.bus\nEND\n";
+        let name = folder.path().join("d.adm").display().to_string();
+        let dataset = Dataset::parse(Source::new(name, text.as_bytes())).value;
+        let read = read_files(&dataset, &folder_of(dataset.source()));
+        assert!(read.value.get("A.SPR").is_some());
+        let found: Vec<_> = read
+            .diagnostics
+            .iter()
+            .map(|d| (d.code, d.severity))
+            .filter(|(code, _)| *code != Code::FileNameCase)
+            .collect();
+        assert_eq!(
+            found,
+            [
+                (Code::CannotRead, Severity::Warning),
+                (Code::CannotRead, Severity::Note)
+            ]
+        );
+    }
+}

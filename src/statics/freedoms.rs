@@ -1,0 +1,56 @@
+use super::SolveError;
+use super::matrix::Matrix;
+use super::rank::redundant_equations;
+use crate::system::{Parameters, Scratch, State, System};
+
+/// Degrees of freedom of a mechanism in one configuration.
+#[derive(Clone, PartialEq, Eq, Debug, serde::Serialize)]
+pub struct Freedoms {
+    /// Six for every part that can move, three for every point mass.
+    pub of_parts: usize,
+    /// Scalar equations of joints, primitives, motions, couplers, gears and general constraints.
+    pub equations: usize,
+    /// Those of them that say nothing new in this configuration, in the words ADAMS names equations with.
+    pub redundant: Vec<String>,
+}
+
+impl Freedoms {
+    /// Counts the equations and finds the rank of their Jacobian at a state.
+    ///
+    /// # Errors
+    /// [`SolveError::NoValue`] if an element has no value there.
+    pub fn of(system: &System, parameters: &Parameters, state: &State) -> Result<Self, SolveError> {
+        let n = system.unknowns();
+        let mut whole = state.clone();
+        whole.redundant.clear();
+        let (mut matrix, mut g) = (Matrix::new(n), vec![0.0; n]);
+        matrix.clear();
+        system.assemble(
+            parameters,
+            &whole,
+            &mut Scratch::new(system),
+            &mut g,
+            &mut matrix,
+        )?;
+        matrix.finish();
+        let redundant = redundant_equations(system, &matrix);
+        Ok(Self {
+            of_parts: system.first_equation,
+            equations: redundant.len(),
+            redundant: (0..redundant.len())
+                .filter(|k| redundant[*k])
+                .map(|k| system.constraint_equation_name(k))
+                .collect(),
+        })
+    }
+
+    /// The Gruebler count: freedoms of the parts less all equations. Negative for overconstrained mechanisms.
+    pub fn gruebler(&self) -> i64 {
+        self.of_parts as i64 - self.equations as i64
+    }
+
+    /// What is left of them: redundant equations do not count.
+    pub fn actual(&self) -> i64 {
+        self.gruebler() + self.redundant.len() as i64
+    }
+}

@@ -1,0 +1,98 @@
+//! Which other files a dataset names, and those of them that were read.
+
+use std::collections::BTreeMap;
+
+use super::{Dataset, Value};
+use crate::grammar::ValueKind;
+use crate::text::{Source, Span};
+
+/// A place where a dataset names another file.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct FileReference {
+    /// The name as written, quotes not included.
+    pub name: String,
+    /// Where it stands.
+    pub span: Span,
+    /// True if the statement cannot be understood without the file: a FILE argument. The text of a STRING may be anything.
+    pub needed: bool,
+}
+
+/// Endings of Adams/Car property files and of road and tyre files: texts of STRING that end like this name a file.
+const ENDINGS: [&str; 8] = ["bus", "spr", "bum", "reb", "dpr", "tir", "rdf", "xml"];
+
+/// Every other file a dataset names: FILE arguments of all kinds, and texts of STRING statements that end like a property file, as
+/// Adams/Car hands them to its subroutines.
+pub fn references(dataset: &Dataset) -> Vec<FileReference> {
+    let mut found = Vec::new();
+    for statement in dataset.statements() {
+        for argument in &statement.arguments {
+            let Value::Texts(spans) = &argument.value else {
+                continue;
+            };
+            let needed = argument.def.is_some_and(|def| def.kind == ValueKind::File);
+            if !needed && statement.kind() != Some("STRING") {
+                continue;
+            }
+            for span in spans {
+                let name = dataset.source().text(*span).trim().to_string();
+                let ending = name.rsplit_once('.').map(|(_, ending)| ending);
+                let looks = ending.is_some_and(|ending| {
+                    ENDINGS
+                        .iter()
+                        .any(|known| ending.eq_ignore_ascii_case(known))
+                });
+                if !name.is_empty() && (needed || looks) {
+                    found.push(FileReference {
+                        name,
+                        span: *span,
+                        needed,
+                    });
+                }
+            }
+        }
+    }
+    found
+}
+
+/// Files that were read, by the name a dataset writes.
+#[derive(Clone, Debug, Default)]
+pub struct Files(BTreeMap<String, Source>);
+
+impl Files {
+    /// Adds a file under the name a dataset writes.
+    pub fn add(&mut self, name: impl Into<String>, source: Source) {
+        self.0.insert(name.into(), source);
+    }
+
+    /// The file a dataset writes so.
+    pub fn get(&self, name: &str) -> Option<&Source> {
+        self.0.get(name.trim())
+    }
+
+    /// Every file.
+    pub fn sources(&self) -> impl Iterator<Item = &Source> {
+        self.0.values()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn file_arguments_and_strings_that_end_like_property_files() {
+        let text = "t\nSTRING/1, STRING=mdids://acar/bushings.tbl/a.bus\nSTRING/2, STRING=Hello. World\nSPLINE/3, FILE=\"b.spr\", BLOCK=CURVE\nEND\n";
+        let dataset = Dataset::parse(Source::new("a.adm", text.as_bytes())).value;
+        let found: Vec<_> = references(&dataset)
+            .into_iter()
+            .map(|file| (file.name, file.needed))
+            .collect();
+        assert_eq!(
+            found,
+            [
+                ("mdids://acar/bushings.tbl/a.bus".to_string(), false),
+                ("b.spr".to_string(), true)
+            ]
+        );
+    }
+}

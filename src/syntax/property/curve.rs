@@ -1,0 +1,114 @@
+use super::block::{Block, Table};
+use super::{PropertyKind, PropertyUnits};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::syntax::Number;
+use crate::text::{Source, Span};
+use crate::units::{Dimension, Units};
+
+/// A curve y(x) of a property file, in the units of the file.
+#[derive(Clone, PartialEq, Debug)]
+pub struct PropertyCurve {
+    /// The block it stands in, in capitals.
+    pub block: String,
+    /// The part of the block, in capitals, if it stands in one.
+    pub part: Option<String>,
+    /// Abscissae with their places.
+    pub x: Vec<Number>,
+    /// Ordinates with their places.
+    pub y: Vec<Number>,
+    /// What x and y measure; absent where neither the file type nor the headings tell.
+    pub dimensions: Option<(Dimension, Dimension)>,
+    /// Where it stands.
+    pub span: Span,
+}
+
+const VELOCITY: Dimension = Dimension::new(0, 0, 1, -1, 0);
+
+impl PropertyCurve {
+    /// The curve of a table of two columns; `None` for tables of texts or of other widths. Cells that are no numbers stay out
+    /// with their row.
+    pub(super) fn of(kind: &PropertyKind, block: &Block, table: &Table) -> Option<Self> {
+        let mut curve = Self {
+            block: block.name.clone(),
+            part: block.part.clone(),
+            x: Vec::new(),
+            y: Vec::new(),
+            dimensions: dimensions(kind, &block.name, &table.columns),
+            span: table.span,
+        };
+        for row in &table.rows {
+            if let [super::Cell::Number(x), super::Cell::Number(y)] = row.as_slice() {
+                curve.x.push(*x);
+                curve.y.push(*y);
+            }
+        }
+        (!curve.x.is_empty()).then_some(curve)
+    }
+
+    /// x and y in the units of a model; angles in radians. Without units of the file, or where the dimensions are not known, the
+    /// numbers are taken as they are.
+    pub fn in_units(&self, own: Option<&PropertyUnits>, units: &Units) -> (Vec<f64>, Vec<f64>) {
+        let (fx, fy) = match (own, self.dimensions) {
+            (Some(own), Some((x, y))) => (own.factor(x, units), own.factor(y, units)),
+            _ => (1.0, 1.0),
+        };
+        let scaled = |numbers: &[Number], factor: f64| {
+            numbers.iter().map(|number| number.value * factor).collect()
+        };
+        (scaled(&self.x, fx), scaled(&self.y, fy))
+    }
+
+    /// Complains of abscissae that do not increase.
+    pub(super) fn check(&self, source: &Source, diagnostics: &mut Vec<Diagnostic>) {
+        if let Some(pair) = self
+            .x
+            .windows(2)
+            .find(|pair| pair[1].value <= pair[0].value)
+        {
+            diagnostics.push(
+                Diagnostic::error(
+                    Code::SplineNotIncreasing,
+                    format!("the x values of {} do not increase here", self.block),
+                )
+                .label(source.name(), pair[1].span, ""),
+            );
+        }
+    }
+}
+
+/// What the columns measure, by the element, or by the words of the headings.
+fn dimensions(
+    kind: &PropertyKind,
+    block: &str,
+    columns: &[String],
+) -> Option<(Dimension, Dimension)> {
+    match (kind, block.as_bytes()) {
+        (PropertyKind::Bushing, [b'F', ..]) => Some((Dimension::LENGTH, Dimension::FORCE)),
+        (PropertyKind::Bushing, [b'T', ..]) => Some((Dimension::ANGLE, Dimension::TORQUE)),
+        (PropertyKind::Spring | PropertyKind::Stop, _) => {
+            Some((Dimension::LENGTH, Dimension::FORCE))
+        }
+        (PropertyKind::Damper, _) => Some((VELOCITY, Dimension::FORCE)),
+        _ => match columns {
+            [x, y] => Some((word_dimension(x)?, word_dimension(y)?)),
+            _ => None,
+        },
+    }
+}
+
+fn word_dimension(word: &str) -> Option<Dimension> {
+    let begins = |starts: &[&str]| starts.iter().any(|start| word.starts_with(start));
+    if begins(&["disp", "length", "trav", "penetr"]) {
+        Some(Dimension::LENGTH)
+    } else if begins(&["vel"]) {
+        Some(VELOCITY)
+    } else if begins(&["force"]) {
+        Some(Dimension::FORCE)
+    } else if begins(&["torque", "moment"]) {
+        Some(Dimension::TORQUE)
+    } else if begins(&["ang"]) {
+        Some(Dimension::ANGLE)
+    } else {
+        None
+    }
+}

@@ -1,0 +1,114 @@
+use super::block::Block;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::text::Source;
+use crate::units::{Dimension, FORCE_UNITS, LENGTH_UNITS, MASS_UNITS, TIME_UNITS, Unit, Units};
+
+/// The units of a property file: sizes in SI, and of the angle in radians.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct PropertyUnits {
+    /// Size of the unit of force in newton.
+    pub force: f64,
+    /// Size of the unit of mass in kilograms.
+    pub mass: f64,
+    /// Size of the unit of length in metres.
+    pub length: f64,
+    /// Size of the unit of time in seconds.
+    pub time: f64,
+    /// Size of the unit of angle in radians.
+    pub angle: f64,
+}
+
+/// Spellings of Adams/Car that neither begin the keyword of UNITS nor are the word of results.
+const MORE: &[(&str, &str)] = &[
+    ("m", "METER"),
+    ("in", "INCH"),
+    ("ft", "FOOT"),
+    ("n", "NEWTON"),
+    ("kn", "KNEWTON"),
+    ("lbf", "POUND_FORCE"),
+    ("lb", "POUND_MASS"),
+    ("lbm", "POUND_MASS"),
+    ("g", "GRAM"),
+    ("s", "SECOND"),
+];
+
+impl PropertyUnits {
+    /// Reads the block `UNITS`. What is missing or not known is taken as millimetres, newtons, kilograms, seconds, degrees, as
+    /// Adams/Car writes them; unknown words are complained of.
+    pub(super) fn read(block: &Block, source: &Source, diagnostics: &mut Vec<Diagnostic>) -> Self {
+        let mut size = |name: &str, all: &[Unit], usual: f64| {
+            let Some(parameter) = block.parameter(name) else {
+                return usual;
+            };
+            let word = parameter.text(source).to_ascii_lowercase();
+            let known = find(&word, all);
+            if known.is_none() {
+                diagnostics.push(unknown(&word, name).label(
+                    source.name(),
+                    parameter.value.span(),
+                    "",
+                ));
+            }
+            known.unwrap_or(usual)
+        };
+        let mut units = Self {
+            force: size("FORCE", FORCE_UNITS, 1.0),
+            mass: size("MASS", MASS_UNITS, 1.0),
+            length: size("LENGTH", LENGTH_UNITS, 1e-3),
+            time: size("TIME", TIME_UNITS, 1.0),
+            angle: 1f64.to_radians(),
+        };
+        if let Some(parameter) = block.parameter("ANGLE") {
+            let word = parameter.text(source).to_ascii_lowercase();
+            if word.starts_with("rad") {
+                units.angle = 1.0;
+            } else if !word.starts_with("deg") {
+                let place = parameter.value.span();
+                diagnostics.push(unknown(&word, "ANGLE").label(source.name(), place, ""));
+            }
+        }
+        units
+    }
+
+    /// What a number of this dimension is multiplied by to be in the units of a model, whose angles are radians.
+    pub fn factor(&self, dimension: Dimension, units: &Units) -> f64 {
+        [
+            (self.force / units.force.si, dimension.force),
+            (self.mass / units.mass.si, dimension.mass),
+            (self.length / units.length.si, dimension.length),
+            (self.time / units.time.si, dimension.time),
+            (self.angle, dimension.angle),
+        ]
+        .iter()
+        .map(|(ratio, exponent)| ratio.powi(i32::from(*exponent)))
+        .product()
+    }
+}
+
+/// The size of a unit by its keyword, the beginning of it, its word, or a spelling of Adams/Car.
+fn find(word: &str, all: &[Unit]) -> Option<f64> {
+    let keyword = MORE
+        .iter()
+        .find(|(short, keyword)| *short == word && all.iter().any(|unit| unit.keyword == *keyword))
+        .map_or_else(
+            || word.to_ascii_uppercase(),
+            |(_, keyword)| (*keyword).to_string(),
+        );
+    all.iter()
+        .find(|unit| unit.keyword == keyword || unit.word.eq_ignore_ascii_case(word))
+        .or_else(|| {
+            let begins = |unit: &&Unit| keyword.len() >= 3 && unit.keyword.starts_with(&keyword);
+            all.iter().find(begins)
+        })
+        .map(|unit| unit.si)
+}
+
+fn unknown(word: &str, name: &str) -> Diagnostic {
+    Diagnostic::warning(
+        Code::WrongType,
+        format!(
+            "`{word}` is no unit of {} this program knows",
+            name.to_lowercase()
+        ),
+    )
+}
