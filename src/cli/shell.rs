@@ -170,14 +170,12 @@ impl Shell {
 
     /// Writes bytes to a file, or to standard output if there is none.
     pub(super) fn deliver(&self, target: Option<&PathBuf>, bytes: &[u8]) -> Result<(), Exit> {
-        match target {
-            Some(path) => self.write(path, bytes),
-            None => {
-                // Nobody may be listening.
-                let _ = std::io::stdout().write_all(bytes);
-                Ok(())
-            }
+        if let Some(path) = target {
+            return self.write(path, bytes);
         }
+        // Nobody may be listening.
+        let _ = std::io::stdout().write_all(bytes);
+        Ok(())
     }
 
     /// Writes a file whole or not at all: through a temporary file beside it that takes its place.

@@ -1,3 +1,4 @@
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
@@ -147,8 +148,16 @@ fn text(
         }
     );
     listed(&mut out, "unused", &markers, all);
+    let mut unsolved: BTreeMap<(&str, &str), Vec<String>> = BTreeMap::new();
     for (kind, id, why) in &summary.unsolved {
-        _ = writeln!(out, "not solved natively: {kind}/{id}, {why}");
+        unsolved
+            .entry((kind, why))
+            .or_default()
+            .push(format!("{kind}/{id}"));
+    }
+    for ((kind, why), objects) in unsolved {
+        _ = writeln!(out, "not solved natively: {} {kind}, {why}", objects.len());
+        listed(&mut out, "unsolved", &objects, all);
     }
     for file in missing {
         _ = writeln!(out, "{file}");

@@ -1,11 +1,12 @@
 //! New ids for objects: every reference follows, in arguments, in functions and in commands.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use super::{Argument, CommandFile, Dataset, Number, Statement, Value};
 use crate::diagnostic::{Checked, Code, Diagnostic};
 use crate::grammar::{STATEMENTS, ValueKind};
-use crate::text::{Edit, Source};
+use crate::text::{Edit, Source, Span};
 
 /// New ids by id space (`marker`, `part`, `bushing`) and old id. What is not in it keeps its id.
 pub type Renumbering = BTreeMap<(&'static str, u32), u32>;
@@ -50,23 +51,23 @@ pub fn renumber(
 ) -> Result<Checked<RenumberingEdits>, Diagnostic> {
     refuse_duplicates(dataset, renumbering)?;
     let mut edits = RenumberingEdits::default();
-    let mut diagnostics = Vec::new();
+    let mut places = Vec::new();
     for statement in dataset.statements() {
         references(dataset.source(), statement, renumbering, &mut edits.dataset);
-        unknowable(dataset.source(), statement, &mut diagnostics);
+        unknowable(dataset.source(), statement, renumbering, &mut places);
     }
     for file in commands {
         let mut own = Vec::new();
         for command in file.commands() {
             references(file.source(), command, renumbering, &mut own);
             activation(dataset, command, renumbering, &mut own);
-            unknowable(file.source(), command, &mut diagnostics);
+            unknowable(file.source(), command, renumbering, &mut places);
         }
         edits.commands.push(own);
     }
     Ok(Checked {
         value: edits,
-        diagnostics,
+        diagnostics: told(&places),
     })
 }
 
@@ -200,23 +201,52 @@ fn spelled(new: u32, old: &[u8]) -> String {
     format!("{new:0width$}")
 }
 
-fn unknowable(source: &Source, statement: &Statement, diagnostics: &mut Vec<Diagnostic>) {
+/// Numbers that may be ids of what is renumbered: of USER calls, and of arrays that subroutines read. Only numbers that are an id
+/// which changes are told of.
+fn unknowable(
+    source: &Source,
+    statement: &Statement,
+    renumbering: &Renumbering,
+    places: &mut Vec<(Arc<str>, Span)>,
+) {
+    let changes = |number: f64| {
+        renumbering
+            .iter()
+            .any(|((_, old), new)| f64::from(*old) == number && old != new)
+    };
     for argument in &statement.arguments {
-        let what = match argument.value {
-            Value::User(_) => "the numbers of this USER call",
-            Value::Numbers(_)
+        let may_be = match &argument.value {
+            Value::User(span) => source
+                .text(*span)
+                .split(|c: char| !(c.is_ascii_digit() || c == '.'))
+                .any(|word| word.parse().is_ok_and(&changes)),
+            Value::Numbers(numbers)
                 if statement.kind() == Some("ARRAY") && argument.kind() == Some("NUMBERS") =>
             {
-                "the numbers of this array"
+                numbers.iter().any(|number| changes(number.value))
             }
-            _ => continue,
+            _ => false,
         };
-        diagnostics.push(
-            Diagnostic::warning(
-                Code::UserSubroutine,
-                format!("{what} may be ids; they were left as they are"),
-            )
-            .label(source.name(), argument.span, ""),
-        );
+        if may_be {
+            places.push((source.name().into(), argument.span));
+        }
     }
+}
+
+/// One complaint about all such places; the first few are shown.
+fn told(places: &[(Arc<str>, Span)]) -> Vec<Diagnostic> {
+    const SHOWN: usize = 4;
+    let Some((file, first)) = places.first() else {
+        return Vec::new();
+    };
+    let message = format!(
+        "numbers of {} USER calls or arrays may be ids that change; they were left as they are",
+        places.len()
+    );
+    let mut diagnostic =
+        Diagnostic::warning(Code::UserSubroutine, message).label(file.clone(), *first, "");
+    for (file, span) in places.iter().take(SHOWN).skip(1) {
+        diagnostic = diagnostic.label(file.clone(), *span, "");
+    }
+    vec![diagnostic.help("what a subroutine reads is known to its author only")]
 }

@@ -14,8 +14,6 @@ pub use block::{Block, Cell, Parameter, Table};
 pub use curve::PropertyCurve;
 pub use units::PropertyUnits;
 
-use std::borrow::Cow;
-
 use crate::diagnostic::{Checked, Code, Diagnostic};
 use crate::text::{Source, Span};
 use crate::units::{Dimension, Units};
@@ -62,28 +60,27 @@ impl PropertyFile {
             value: blocks,
             mut diagnostics,
         } = read::blocks(&source);
-        let header = |name: &str| -> Option<Cow<'_, Parameter>> {
+        let header = |name: &str| -> Option<&Parameter> {
             let block = blocks.iter().find(|block| block.name == "MDI_HEADER")?;
-            block.parameter(name).map(Cow::Borrowed)
+            block.parameter(name)
         };
-        let kind = match header("FILE_TYPE") {
-            Some(parameter) => kind_of(&parameter.text(&source)),
-            None => {
-                diagnostics.push(no_header(&source));
-                kind_of(source.name().rsplit('.').next().unwrap_or_default())
-            }
+        let kind = if let Some(parameter) = header("FILE_TYPE") {
+            kind_of(&parameter.text(&source))
+        } else {
+            diagnostics.push(no_header(&source));
+            kind_of(source.name().rsplit('.').next().unwrap_or_default())
         };
-        let version = header("FILE_VERSION").and_then(|parameter| parameter.number());
+        let version = header("FILE_VERSION").and_then(Parameter::number);
         let units = blocks
             .iter()
             .find(|block| block.name == "UNITS")
             .map(|block| PropertyUnits::read(block, &source, &mut diagnostics));
         let file = Self {
+            source,
             kind,
             version,
             units,
             blocks,
-            source,
         };
         for curve in file.curves() {
             curve.check(&file.source, &mut diagnostics);
