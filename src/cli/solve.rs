@@ -7,9 +7,11 @@ use serde_json::{Value, json};
 
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::mechanics::psi_theta_phi;
-use crate::model::{Model, PartKind};
+use crate::model::{Model, PartIx, PartKind};
 use crate::session::Session;
-use crate::statics::{Report, Settings, SolveError, solve};
+use crate::statics::{
+    Continuation, Report, Settings, SolveError, history_table, smallest_eigenvalue, solve,
+};
 use crate::syntax::Dataset;
 use crate::system::{Scratch, State, System};
 use crate::units::Dimension;
@@ -29,6 +31,9 @@ pub(super) struct Arguments {
     /// TIME at which the equilibrium is sought.
     #[arg(long, default_value_t = 0.0)]
     time: f64,
+    /// Also list every force on a part: `PART/4` or its name.
+    #[arg(long, value_name = "PART")]
+    free_body: Vec<String>,
 }
 
 /// Solves and prints.
@@ -53,6 +58,10 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         return Err(Exit::Findings);
     }
     let (model, system) = (lowered.value, compiled.value);
+    let mut bodies = Vec::new();
+    for text in &arguments.free_body {
+        bodies.push(part(text, &model, shell)?);
+    }
     let mut state = system.state();
     state.time = arguments.time;
     let settings = Settings::from(system.settings());
@@ -63,6 +72,10 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
                 system: &system,
                 state: &state,
                 report: &report,
+                stiffness: smallest_eigenvalue(&system, &system.parameters(), &state)
+                    .ok()
+                    .flatten(),
+                bodies: &bodies,
             };
             shell.print(&match shell.format {
                 Format::Json => answer.json(),
@@ -79,12 +92,32 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
 
 fn no_equilibrium(error: &SolveError) -> Diagnostic {
     let diagnostic = Diagnostic::error(Code::NoEquilibrium, error.to_string());
-    match error {
-        SolveError::NotConverged { causes, .. } if !causes.is_empty() => {
-            diagnostic.help(causes.join("\n"))
-        }
-        _ => diagnostic,
-    }
+    let SolveError::NotConverged {
+        causes, history, ..
+    } = error
+    else {
+        return diagnostic;
+    };
+    let mut lines = causes.clone();
+    lines.extend(history_table(history));
+    diagnostic.help(lines.join("\n"))
+}
+
+/// The part that an address or a name means.
+fn part(text: &str, model: &Model, shell: &Shell) -> Result<PartIx, Exit> {
+    let wanted = text.to_ascii_uppercase();
+    let found = model.parts.iter().position(|part| {
+        let kind = match part.kind {
+            PartKind::PointMass => "POINT_MASS",
+            _ => "PART",
+        };
+        part.header.name == text || format!("{kind}/{}", part.header.id) == wanted
+    });
+    found.map(PartIx).ok_or_else(|| {
+        let message = format!("`{text}` is no part of this dataset");
+        shell.complain(&[Diagnostic::error(Code::UndefinedId, message)]);
+        Exit::Findings
+    })
 }
 
 struct Answer<'a> {
@@ -92,6 +125,10 @@ struct Answer<'a> {
     system: &'a System,
     state: &'a State,
     report: &'a Report,
+    /// Smallest eigenvalue of the tangent stiffness; force per length.
+    stiffness: Option<f64>,
+    /// Parts whose loads are shown.
+    bodies: &'a [PartIx],
 }
 
 impl Answer<'_> {
@@ -139,6 +176,57 @@ impl Answer<'_> {
         out
     }
 
+    /// What acts on a part: who, force (ground axes) and torque about the part origin; the sum last.
+    fn loads(&self, part: PartIx) -> Vec<(String, [f64; 6])> {
+        let parameters = self.system.parameters();
+        let mut scratch = Scratch::new(self.system);
+        let looked = self.system.look(&parameters, self.state, &mut scratch);
+        let loads = looked.and_then(|()| self.system.loads(&parameters, self.state, &mut scratch));
+        let origin = self.state.poses[part.0].p;
+        let mut out = Vec::new();
+        let mut sum = [0.0; 6];
+        for load in loads.unwrap_or_default() {
+            if load.part != part {
+                continue;
+            }
+            let (F, T) = (load.force, load.torque_about(&origin));
+            let all = [F.x, F.y, F.z, T.x, T.y, T.z];
+            for (sum, value) in sum.iter_mut().zip(all) {
+                *sum += value;
+            }
+            let by = load.by.map_or_else(|| "weight".into(), |n| n.to_string());
+            out.push((by, all));
+        }
+        out.push(("sum".into(), sum));
+        out
+    }
+
+    /// What the smallest eigenvalue of the tangent stiffness says.
+    fn stability(&self) -> Option<String> {
+        let units = &self.model.units;
+        let stiffness = self.stiffness?;
+        let word = if stiffness < 0.0 {
+            "unstable"
+        } else {
+            "stable"
+        };
+        Some(format!(
+            "{word}: smallest stiffness {stiffness:.4e} {}/{}",
+            units.name(Dimension::FORCE),
+            units.name(Dimension::LENGTH)
+        ))
+    }
+
+    /// How it was reached, if plain iteration did not do.
+    fn help_needed(&self) -> Option<String> {
+        Some(match self.report.continuation? {
+            Continuation::Damped => "reached by slowing motions down, less and less".to_string(),
+            Continuation::Load { steps } => {
+                format!("reached by releasing the imbalance of the start in {steps} steps")
+            }
+        })
+    }
+
     fn text(&self) -> String {
         let units = &self.model.units;
         let (length, force) = (units.name(Dimension::LENGTH), units.name(Dimension::FORCE));
@@ -163,6 +251,19 @@ impl Answer<'_> {
                     &bushings,
                 )
             );
+        }
+        for &part in self.bodies {
+            let rows = self.loads(part);
+            let rows: Vec<(&str, [f64; 6])> = rows.iter().map(|(n, v)| (n.as_str(), *v)).collect();
+            let head = format!(
+                "on {}, ground axes, torque about its origin ({force}, {force}-{length})",
+                self.system.part_name(part)
+            );
+            let names = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
+            _ = write!(out, "\n{}", table(&head, &names, &rows));
+        }
+        for line in [self.help_needed(), self.stability()].into_iter().flatten() {
+            _ = write!(out, "\n{line}");
         }
         for redundant in &self.report.redundant {
             _ = write!(out, "\nredundant: {redundant}");
@@ -199,6 +300,15 @@ impl Answer<'_> {
             "parts": named(parts, &[("position", 0..3), ("psi_theta_phi_deg", 3..6)]),
             "bushings": named(bushings, &[("deflection_j", 0..3), ("force_on_i_j", 3..6), ("torque_on_i_j", 6..9)]),
             "redundant": self.report.redundant,
+            "free_motions": self.report.free_motions.iter().map(ToString::to_string).collect::<Vec<_>>(),
+            "continuation": self.help_needed(),
+            "smallest_stiffness": self.stiffness,
+            "free_bodies": self.bodies.iter().map(|&part| {
+                let rows = self.loads(part);
+                let rows = rows.iter().map(|(n, v)| (n.as_str(), v.to_vec())).collect();
+                let loads = named(rows, &[("force", 0..3), ("torque", 3..6)]);
+                json!({ "part": self.system.part_name(part).to_string(), "loads": loads })
+            }).collect::<Vec<_>>(),
         });
         serde_json::to_string_pretty(&all).expect("JSON values print") + "\n"
     }

@@ -133,6 +133,11 @@ impl Program {
         Compiler::new(model).compile(expression)
     }
 
+    /// True if an IF chooses between its parts.
+    pub fn has_branches(&self) -> bool {
+        self.branches
+    }
+
     /// The value, if no state quantity enters and it exists. `literals` are all literals of the expression.
     pub fn as_constant(&self, literals: &[f64]) -> Option<f64> {
         if !self.inputs.is_empty() {

@@ -1,8 +1,8 @@
 //! Ways to an equilibrium that plain iteration does not find, and what to tell when there is none.
 
+use super::causes::Ended;
 use super::measures::largest;
 use super::newton::{Failure, Solver, Way};
-use super::rank::free_motion;
 use super::{Continuation, Settings, SolveError};
 use crate::system::{Parameters, State, System};
 
@@ -92,24 +92,20 @@ impl Solver {
         if let Failure::NoValue(reason) = failure {
             return reason.into();
         }
-        let mut causes = Vec::new();
-        for m in 0..self.matrix.deficiency() {
-            let z = self.matrix.null_vector(m);
-            if let Some(motion) = free_motion(system, parameters, state, &z) {
-                if !motion.has_mass {
-                    return SolveError::FreeMotion(Box::new(motion));
-                }
-                causes.push(format!("{motion}, and something drives it"));
-            }
-        }
-        if self.limited > 0 {
-            causes.push(format!(
-                "{} steps were cut to TLIMIT={} or ALIMIT={} degrees: the start is far from equilibrium",
-                self.limited,
-                settings.tlimit,
-                settings.alimit.to_degrees().round()
-            ));
-        }
+        let ended = Ended {
+            system,
+            parameters,
+            start: &self.start,
+            end: state,
+            g: &self.g,
+            factors: &self.matrix,
+            limited: self.limited,
+            settings,
+        };
+        let causes = match ended.causes(&mut self.scratch) {
+            Ok(causes) => causes,
+            Err(motion) => return SolveError::FreeMotion(Box::new(motion)),
+        };
         let worst = self
             .g
             .iter()

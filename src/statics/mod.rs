@@ -2,6 +2,7 @@
 //!
 //! Newton's method on the force balance with Lagrange multipliers. Knows no files and no commands.
 
+mod causes;
 mod continuation;
 mod freedoms;
 mod lu;
@@ -18,7 +19,7 @@ mod tangent;
 
 pub use freedoms::Freedoms;
 pub use newton::{Solver, solve};
-pub use report::{Continuation, FreeMotion, Iteration, Report, SolveError};
+pub use report::{Continuation, FreeMotion, Iteration, Report, SolveError, history_table};
 pub use settings::Settings;
 pub use stability::smallest_eigenvalue;
 pub use tangent::{Tangent, point_change};

@@ -7,6 +7,8 @@ use super::matrix::Matrix;
 const RANK_TOLERANCE: f64 = 1e-11;
 /// A pivot must reach this share of the largest entry of its column.
 const THRESHOLD: f64 = 0.1;
+/// Entries smaller than this beside others are round-off of directions: cos 90 degrees.
+const NOISE: f64 = 1e-14;
 /// How many columns are looked at for one pivot.
 const CANDIDATES: usize = 4;
 const NOWHERE: u32 = u32::MAX;
@@ -254,18 +256,28 @@ impl Elimination<'_> {
     }
 }
 
-/// Powers of two that bring the largest entry of every row, then of every column, close to one.
+/// Powers of two that bring the largest entry of every row, then of every column, close to one. An entry that is round-off beside the
+/// others of its column says nothing about its row, and the other way round: a row of nothing else stays small, and has no pivot.
 fn scale(matrix: &Matrix, rows: &mut [f64], columns: &mut [f64]) {
     rows.fill(0.0);
     columns.fill(0.0);
-    for (row, _, value) in matrix.entries() {
-        rows[row] = rows[row].max(value.abs());
+    for (_, column, value) in matrix.entries() {
+        columns[column] = columns[column].max(value.abs());
+    }
+    for (row, column, value) in matrix.entries() {
+        if value.abs() > NOISE * columns[column] {
+            rows[row] = rows[row].max(value.abs());
+        }
     }
     for scale in rows.iter_mut() {
         *scale = inverse_power_of_two(*scale);
     }
+    columns.fill(0.0);
     for (row, column, value) in matrix.entries() {
-        columns[column] = columns[column].max(value.abs() * rows[row]);
+        let size = value.abs() * rows[row];
+        if size > NOISE {
+            columns[column] = columns[column].max(size);
+        }
     }
     for scale in columns.iter_mut() {
         *scale = inverse_power_of_two(*scale);

@@ -14,6 +14,30 @@ pub struct Iteration {
     pub step: f64,
 }
 
+/// Rows of [`history_table`] at the start and at the end.
+const ROWS: usize = 6;
+
+/// The iterations as lines of a table: the first and the last ones where there are many.
+pub fn history_table(history: &[Iteration]) -> Vec<String> {
+    let mut out = vec!["iteration  imbalance  correction  step".to_string()];
+    for (k, i) in history.iter().enumerate() {
+        if history.len() > 2 * ROWS && (ROWS..history.len() - ROWS).contains(&k) {
+            if k == ROWS {
+                out.push("      ...".to_string());
+            }
+            continue;
+        }
+        out.push(format!(
+            "{:9}  {:9.2e}  {:10.2e}  {:4.2}",
+            k + 1,
+            i.imbalance,
+            i.correction,
+            i.step
+        ));
+    }
+    out
+}
+
 /// A motion that nothing resists.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FreeMotion {

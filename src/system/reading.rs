@@ -1,7 +1,7 @@
 //! What elements and constraints do in a configuration.
 
 use super::assemble::{NoValue, halves};
-use super::structure::Action;
+use super::structure::{Action, Joint};
 use super::{ConstraintIx, ElementIx, Parameters, Scratch, State, System};
 use crate::mechanics::{Mat3, RelativeMotion, Vec3, Vec6};
 use crate::model::MarkerIx;
@@ -84,14 +84,27 @@ impl System {
         constraint: ConstraintIx,
     ) -> Reading {
         let joint = &self.joints[constraint.0];
-        let Some(term) = joint.terms.first() else {
+        if joint.terms.is_empty() {
             let w = (&Vec6::zeros(), &Mat3::identity());
             return Self::reading(state, scratch, (0, 0, 0), w, 0.0);
-        };
+        }
+        self.read_term(joint, 0, parameters, state, scratch)
+    }
+
+    /// The reaction of one term of a constraint on its I marker.
+    pub(crate) fn read_term(
+        &self,
+        joint: &Joint,
+        number: usize,
+        parameters: &Parameters,
+        state: &State,
+        scratch: &mut Scratch,
+    ) -> Reading {
+        let term = &joint.terms[number];
         let mut w = Vec6::zeros();
         if joint.active {
             let out = Self::removed(joint, state);
-            let lambda = Self::evaluate_term(joint, 0, out, parameters, state, scratch);
+            let lambda = Self::evaluate_term(joint, number, out, parameters, state, scratch);
             for k in 0..joint.count {
                 w -= scratch.equations.jacobian[k] * lambda[k];
             }

@@ -2,11 +2,11 @@
 
 use std::fmt::Write;
 
-use admire::mechanics::Vec3;
-use admire::model::{Model, PartIx};
+use admire::model::Model;
 use admire::statics::{Settings, Solver};
-use admire::system::{Scratch, System};
+use admire::system::System;
 
+use crate::balance;
 use crate::deck;
 use crate::derivatives::{check_slot, check_tangent};
 
@@ -275,77 +275,6 @@ fn constraints() -> Deck {
     deck
 }
 
-/// Newton's second law with nothing moving: all readings on a part and its weight cancel.
-fn check_balance(model: &Model, system: &System, state: &admire::system::State) {
-    let parameters = system.parameters();
-    let mut scratch = Scratch::new(system);
-    system.look(&parameters, state, &mut scratch).unwrap();
-    let mut sums = vec![(Vec3::zeros(), Vec3::zeros(), 0.0_f64); model.parts.len()];
-    let mut readings = Vec::new();
-    for (element, name) in system.elements() {
-        // Reactions of vector forces act at I.
-        let at_i = matches!(name.kind, "GFORCE" | "VFORCE" | "VTORQUE");
-        let reading = system
-            .read_element(&parameters, state, &mut scratch, element)
-            .unwrap();
-        readings.push((reading, at_i));
-    }
-    for (constraint, name) in system.constraints() {
-        if !matches!(name.kind, "COUPLER" | "GEAR") {
-            readings.push((
-                system.read_constraint(&parameters, state, &mut scratch, constraint),
-                false,
-            ));
-        }
-    }
-    for (r, at_i) in readings {
-        let place = |m: admire::model::MarkerIx| {
-            let marker = &model.markers[m.0];
-            (marker.part.0, state.poses[marker.part.0].point(&marker.qp))
-        };
-        let ((a, p_i), (b, p_j)) = (place(r.i), place(r.j));
-        sums[a].0 += r.force;
-        sums[a].1 += r.torque + p_i.cross(&r.force);
-        sums[a].2 += r.force.norm();
-        sums[b].0 += r.force_on_j;
-        if at_i {
-            sums[b].1 -= r.torque + p_i.cross(&r.force);
-        } else {
-            sums[b].1 += r.torque_on_j + p_j.cross(&r.force_on_j);
-        }
-    }
-    for (part, (F, T, size)) in model.parts.iter().zip(&sums).skip(1) {
-        let cm = part.cm.unwrap();
-        let index = model.markers[cm.0].part.0;
-        let weight = model.gravity * part.mass / 1000.0;
-        let at = state.poses[index].point(&model.markers[cm.0].qp);
-        let (F, T) = (F + weight, T + at.cross(&weight));
-        let special = model.nforces.iter().flat_map(|n| n.i.iter().chain([&n.j]));
-        let skip = special.chain(model.couplers.iter().flat_map(|c| {
-            c.terms
-                .iter()
-                .flat_map(|t| [&model.joints[t.0].i, &model.joints[t.0].j])
-        }));
-        let gears = model.gears.iter().flat_map(|g| {
-            g.joints
-                .iter()
-                .flat_map(|j| [&model.joints[*j].i, &model.joints[*j].j])
-        });
-        let gcon = !model.gcons.is_empty() && part.header.id >= 40;
-        if gcon
-            || skip
-                .chain(gears)
-                .any(|m| model.markers[m.0].part == PartIx(index))
-        {
-            continue;
-        }
-        assert!(F.amax() < 1e-9 * (size + 1e3), "{} {F}", part.header.name);
-        if part.kind == admire::model::PartKind::Rigid {
-            assert!(T.amax() < 1e-6 * (size + 1e3), "{} {T}", part.header.name);
-        }
-    }
-}
-
 fn examine(deck: &Deck) {
     let model = deck.model();
     let checked = System::compile(&model);
@@ -366,7 +295,7 @@ fn examine(deck: &Deck) {
         report.free_motions
     );
     assert!(report.redundant.is_empty() && report.free_motions.is_empty());
-    check_balance(&model, &system, &state);
+    balance::check(&model, &system, &parameters, &state, &report);
     check_tangent(&system, &parameters, &state, 1e-5);
     let mut tangent = solver.tangent(&system, &parameters, &state).unwrap();
     let mut worst = (0.0, String::new());

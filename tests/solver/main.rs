@@ -2,12 +2,15 @@
 
 #![allow(non_snake_case)] // Forces, torques and rotation matrices keep their capitals.
 
+mod balance;
 #[path = "../common/mod.rs"]
 mod common;
 mod deck;
 mod derivatives;
+mod double_wishbone;
 mod elements;
 mod rank;
+mod real_decks;
 mod reference;
 mod robust;
 mod speed;

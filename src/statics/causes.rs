@@ -1,0 +1,141 @@
+//! The usual reasons why an iteration finds nothing, as far as they are present in this model. Knows no iteration.
+
+use super::Settings;
+use super::lu::Lu;
+use super::rank::free_motion;
+use super::report::FreeMotion;
+use crate::system::{Parameters, Scratch, State, System};
+
+/// A joint whose markers are further apart than this part of the model's length is open.
+const OPEN: f64 = 1e-3;
+/// Share of the imbalance along a free motion from which it counts as driven.
+const DRIVEN: f64 = 1e-9;
+/// So many causes of a kind are told, the others counted.
+const TOLD: usize = 3;
+
+/// What is known when the iteration has ended.
+pub(super) struct Ended<'a> {
+    pub system: &'a System,
+    pub parameters: &'a Parameters,
+    pub start: &'a State,
+    pub end: &'a State,
+    /// Residual at the end.
+    pub g: &'a [f64],
+    pub factors: &'a Lu,
+    /// Steps that were cut to TLIMIT or ALIMIT.
+    pub limited: usize,
+    pub settings: &'a Settings,
+}
+
+impl Ended<'_> {
+    /// A massless free motion, which by itself explains the failure; else all causes that are seen.
+    pub fn causes(&self, scratch: &mut Scratch) -> Result<Vec<String>, FreeMotion> {
+        let mut out = Vec::new();
+        self.free_motions(&mut out)?;
+        self.open_joints(scratch, &mut out);
+        if self.limited > 0 {
+            out.push(format!(
+                "{} steps were cut to TLIMIT={} or ALIMIT={} degrees: the start is far from equilibrium",
+                self.limited,
+                self.settings.tlimit,
+                self.settings.alimit.to_degrees().round()
+            ));
+        }
+        self.large_angles(scratch, &mut out);
+        self.kinks(&mut out);
+        Ok(out)
+    }
+
+    fn free_motions(&self, out: &mut Vec<String>) -> Result<(), FreeMotion> {
+        let mut told = Vec::new();
+        for m in 0..self.factors.deficiency() {
+            let z = self.factors.null_vector(m);
+            let Some(motion) = free_motion(self.system, self.parameters, self.end, &z) else {
+                continue;
+            };
+            if !motion.has_mass {
+                return Err(motion);
+            }
+            let bodies = 0..self.system.first_equation;
+            let (mut work, mut size) = (0.0, 0.0);
+            for k in bodies {
+                work += self.g[k] * z[k];
+                size += (self.g[k] * z[k]).abs();
+            }
+            if f64::abs(work) > DRIVEN * size {
+                told.push(format!("{motion}, and something drives it"));
+            }
+        }
+        some(told, out);
+        Ok(())
+    }
+
+    fn open_joints(&self, scratch: &mut Scratch, out: &mut Vec<String>) {
+        let mut g = vec![0.0; self.system.unknowns()];
+        let (system, parameters) = (self.system, self.parameters);
+        if system
+            .residual(parameters, self.start, scratch, &mut g)
+            .is_err()
+        {
+            return;
+        }
+        let mut told = Vec::new();
+        for k in 0..system.equations {
+            let gap = g[system.first_equation + k];
+            if self.start.redundant.get(k) != Some(&true) && gap.abs() > OPEN * system.length {
+                let equation = system.constraint_equation_name(k);
+                told.push(format!("{equation} is open by {gap:.3} at the start"));
+            }
+        }
+        some(told, out);
+    }
+
+    /// Projected angles lose their meaning where two of them are large (ADAMS-FORMATS 2.7).
+    fn large_angles(&self, scratch: &mut Scratch, out: &mut Vec<String>) {
+        self.system
+            .place_markers(self.parameters, self.end, scratch);
+        let mut told = Vec::new();
+        for element in self.system.elements.iter().filter(|e| e.active) {
+            if !matches!(element.name.kind, "BUSHING" | "FIELD" | "BEAM") {
+                continue;
+            }
+            let pair = (element.i, element.j, element.pair);
+            let angles = System::motion(scratch, self.end, pair, true).angles;
+            let worst = angles.x.abs().max(angles.y.abs());
+            if worst > 1.0 {
+                told.push(format!(
+                    "{} is turned by {:.0} degrees about x or y of its J marker, where its angles lose their meaning",
+                    element.name,
+                    worst.to_degrees()
+                ));
+            }
+        }
+        some(told, out);
+    }
+
+    fn kinks(&self, out: &mut Vec<String>) {
+        let told = self
+            .system
+            .order
+            .iter()
+            .map(|&f| &self.system.functions[f])
+            .filter(|f| f.program.as_ref().is_some_and(|p| p.has_branches()))
+            .map(|f| {
+                format!(
+                    "the function of {} has an IF: where it jumps no tangent leads across",
+                    f.owner
+                )
+            })
+            .collect();
+        some(told, out);
+    }
+}
+
+fn some(mut told: Vec<String>, out: &mut Vec<String>) {
+    let more = told.len().saturating_sub(TOLD);
+    told.truncate(TOLD);
+    if let (Some(last), true) = (told.last_mut(), more > 0) {
+        *last += &format!(" (and {more} more like this)");
+    }
+    out.append(&mut told);
+}

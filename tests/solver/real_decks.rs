@@ -1,0 +1,88 @@
+//! The real decks of ../shared/real-decks: each reaches equilibrium or is refused with the reason, as the table beside says.
+
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+
+use admire::diagnostic::{Diagnostic, Severity};
+use admire::model::Model;
+use admire::statics::{Continuation, Settings, SolveError, Solver};
+use admire::syntax::Dataset;
+use admire::system::System;
+use admire::text::Source;
+
+use crate::common::{files_below, shared};
+
+fn first_error(what: &str, diagnostics: &[Diagnostic]) -> Option<String> {
+    let errors: Vec<&Diagnostic> = diagnostics
+        .iter()
+        .filter(|d| d.severity == Severity::Error)
+        .collect();
+    let first = errors.first()?;
+    let more = match errors.len() {
+        1 => String::new(),
+        n => format!(" (and {} more)", n - 1),
+    };
+    Some(format!("{what}: {}{more}", first.message))
+}
+
+/// What becomes of a deck, in one line.
+fn outcome(path: &Path) -> String {
+    let parsed = Dataset::parse(Source::new("deck", fs::read(path).unwrap()));
+    if let Some(told) = first_error("not read", &parsed.diagnostics) {
+        return told;
+    }
+    let lowered = Model::lower(&parsed.value);
+    if let Some(told) = first_error("refused", &lowered.diagnostics) {
+        return told;
+    }
+    let compiled = System::compile(&lowered.value);
+    if let Some(told) = first_error("refused", &compiled.diagnostics) {
+        return told;
+    }
+    let system = compiled.value;
+    let mut state = system.state();
+    let settings = Settings::from(system.settings());
+    match Solver::new(&system).solve(&system, &system.parameters(), &mut state, &settings) {
+        Ok(report) => {
+            let mut out = String::from("equilibrium");
+            match report.continuation {
+                None => {}
+                Some(Continuation::Damped) => out += ", by damping",
+                Some(Continuation::Load { .. }) => out += ", by releasing the load in steps",
+            }
+            if !report.free_motions.is_empty() {
+                _ = write!(out, ", {} free motions", report.free_motions.len());
+            }
+            if !report.redundant.is_empty() {
+                _ = write!(out, ", {} redundant equations", report.redundant.len());
+            }
+            let left_out = lowered.value.unsolved.len();
+            if left_out > 0 {
+                _ = write!(out, ", {left_out} statements left out");
+            }
+            out
+        }
+        Err(SolveError::NotConverged { worst, causes, .. }) => {
+            let cause = causes.first().map(|c| format!("; {c}")).unwrap_or_default();
+            format!("no equilibrium: largest imbalance at {worst}{cause}")
+        }
+        Err(error) => format!("no equilibrium: {error}"),
+    }
+}
+
+#[test]
+fn reach_equilibrium_or_say_why_not() {
+    let Some(folder) = shared("real-decks") else {
+        return;
+    };
+    let mut table = String::new();
+    for path in files_below(&folder, "adm") {
+        let name = path.strip_prefix(&folder).unwrap().display();
+        let start = std::time::Instant::now();
+        let outcome = outcome(&path);
+        println!("{name}: {:.2} s", start.elapsed().as_secs_f64());
+        _ = writeln!(table, "{name}: {outcome}");
+    }
+    insta::assert_snapshot!(table);
+}
