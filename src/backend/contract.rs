@@ -88,9 +88,14 @@ pub enum RunError {
         /// The last lines of its log.
         tail: String,
     },
-    /// The results file is missing, cut off or contradicts itself.
-    #[error("{0}")]
-    Results(String),
+    /// The results file is missing, cut off, that of another run, or contradicts itself.
+    #[error("{reason}\n{tail}")]
+    Results {
+        /// What is wrong with it.
+        reason: String,
+        /// The last lines of the log.
+        tail: String,
+    },
     /// Steps and load cases do not match, and the messages do not tell which cases failed.
     #[error("the results hold {steps} equilibria for {cases} load cases\n{tail}")]
     Steps {
@@ -117,9 +122,37 @@ pub enum BackendError {
         /// Where its files are.
         folder: std::path::PathBuf,
     },
+    /// Nobody recorded this run.
+    #[error(
+        "no recorded run has this deck and these commands (content {}, {recorded} runs in {}); `admire record` makes recordings, \
+         and a study that was changed since needs a new one",
+        &key[..16],
+        folder.display()
+    )]
+    NotRecorded {
+        /// SHA-256 of deck and command file.
+        key: String,
+        /// How many runs there are.
+        recorded: usize,
+        /// Where they are.
+        folder: std::path::PathBuf,
+    },
     /// An address that names nothing which can be changed between runs.
     #[error("{0} names no number or function of the model")]
     UnknownTarget(Address),
+}
+
+impl BackendError {
+    /// True if no other numbers would help: there is no program, no licence, no disk, no recording.
+    pub fn is_lasting(&self) -> bool {
+        match self {
+            Self::NotSolvable(_) | Self::UnknownTarget(_) | Self::NotRecorded { .. } => true,
+            Self::Run { reason, .. } => matches!(
+                **reason,
+                RunError::Files(_) | RunError::Start { .. } | RunError::Licence(_)
+            ),
+        }
+    }
 }
 
 /// Who solves.
@@ -132,4 +165,14 @@ pub trait Backend {
     /// # Errors
     /// [`BackendError`] when nothing could be solved.
     fn sweep(&mut self, request: &SweepRequest<'_>) -> Result<Sweep, BackendError>;
+
+    /// Solves several requests that do not wait for each other; answers come in their order.
+    fn sweeps(&mut self, requests: &[SweepRequest<'_>]) -> Vec<Result<Sweep, BackendError>> {
+        requests.iter().map(|request| self.sweep(request)).collect()
+    }
+
+    /// What a person should know of the runs so far.
+    fn remarks(&self) -> Vec<String> {
+        Vec::new()
+    }
 }

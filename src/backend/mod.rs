@@ -3,15 +3,23 @@
 //! One contract for all: a dataset, numbers of it that change between runs, load cases; back come part poses. Knows nothing
 //! about measurements and about what the answers are used for.
 
+mod answer;
+mod bushing_check;
 mod command;
 mod contract;
 mod native;
+mod process;
 mod programme;
+mod recording;
+mod replay;
 mod run_folder;
 
+pub use bushing_check::ForceFrame;
 pub use command::CommandBackend;
 pub use contract::{
     Backend, BackendError, CaseFailure, CaseOutcome, RunError, Sweep, SweepRequest,
 };
 pub use native::{NativeBackend, compile, slot, tight_settings};
 pub use programme::{Load, LoadCase, LoadProgramme};
+pub use recording::Recording;
+pub use replay::ReplayBackend;

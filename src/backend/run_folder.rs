@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use sha2::Digest;
+
 use super::{Load, SweepRequest};
 use crate::diagnostic::Diagnostic;
 use crate::syntax::{Address, Dataset, NewStatement};
@@ -9,37 +11,66 @@ use crate::syntax::{Address, Dataset, NewStatement};
 /// Base name of the files of a run.
 pub(super) const STEM: &str = "run";
 
-/// Writes `run.adm` and `run.acf`.
-pub(super) fn prepare(folder: &Path, request: &SweepRequest<'_>) -> Result<(), PrepareError> {
-    let deck = deck(request)?;
-    std::fs::write(folder.join(format!("{STEM}.adm")), deck.bytes())?;
-    std::fs::write(
-        folder.join(format!("{STEM}.acf")),
-        commands(request, &deck)?,
-    )?;
-    Ok(())
+/// What an external solver is given for one request: every byte that can matter to its answer.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) struct RunFiles {
+    /// `run.adm`.
+    pub deck: Vec<u8>,
+    /// `run.acf`.
+    pub commands: Vec<u8>,
 }
 
-/// Why the files could not be made.
-#[derive(Debug, thiserror::Error)]
-pub(super) enum PrepareError {
-    #[error("{}", .0.message)]
-    Edit(Box<Diagnostic>),
-    #[error(transparent)]
-    Write(#[from] std::io::Error),
-}
+impl RunFiles {
+    /// The files of a request.
+    ///
+    /// # Errors
+    /// An address that the deck cannot be edited at.
+    pub fn of(request: &SweepRequest<'_>) -> Result<Self, Box<Diagnostic>> {
+        let deck = deck(request)?;
+        let commands = commands(request, &deck).into_bytes();
+        Ok(Self {
+            deck: deck.bytes().to_vec(),
+            commands,
+        })
+    }
 
-impl From<Diagnostic> for PrepareError {
-    fn from(diagnostic: Diagnostic) -> Self {
-        Self::Edit(Box::new(diagnostic))
+    /// Writes them into a folder.
+    ///
+    /// # Errors
+    /// When they cannot be written.
+    pub fn write(&self, folder: &Path) -> std::io::Result<()> {
+        std::fs::write(folder.join(format!("{STEM}.adm")), &self.deck)?;
+        std::fs::write(folder.join(format!("{STEM}.acf")), &self.commands)
+    }
+
+    /// True if a folder holds a run of these files.
+    pub fn are_in(&self, folder: &Path) -> bool {
+        let same = |extension: &str, bytes: &[u8]| {
+            std::fs::read(folder.join(format!("{STEM}.{extension}"))).is_ok_and(|b| b == bytes)
+        };
+        same("adm", &self.deck) && same("acf", &self.commands)
+    }
+
+    /// SHA-256 of both, in hexadecimal: what a recorded run is found by.
+    pub fn key(&self) -> String {
+        let mut hash = sha2::Sha256::new();
+        for bytes in [&self.deck, &self.commands] {
+            hash.update((bytes.len() as u64).to_le_bytes());
+            hash.update(bytes);
+        }
+        let digit = |half: u8| char::from(b"0123456789abcdef"[usize::from(half)]);
+        hash.finalize()
+            .iter()
+            .flat_map(|byte| [digit(byte >> 4), digit(byte & 15)])
+            .collect()
     }
 }
 
 /// The user's deck with the numbers of the request, and with RESULTS/XRF where it does not ask for results in that form.
-fn deck(request: &SweepRequest<'_>) -> Result<Dataset, PrepareError> {
+fn deck(request: &SweepRequest<'_>) -> Result<Dataset, Box<Diagnostic>> {
     let mut deck = request.dataset.clone();
     for (address, value) in request.theta {
-        let edits = deck.set(address, *value)?;
+        let edits = deck.set(address, *value).map_err(Box::new)?;
         deck = edited(&deck, &edits);
     }
     let has_xrf = deck
@@ -70,30 +101,26 @@ fn edited(deck: &Dataset, edits: &[crate::text::Edit]) -> Dataset {
 }
 
 /// A blank line, FILE/MODEL, then for every case its loads and SIMULATE/STATIC.
-fn commands(request: &SweepRequest<'_>, deck: &Dataset) -> Result<String, PrepareError> {
+fn commands(request: &SweepRequest<'_>, deck: &Dataset) -> String {
     let mut out = format!("\nfile/model={STEM}\n");
     for case in &request.programme.cases {
         out += &format!(
             "! case {}\n",
             case.label.replace(['\n', '\r', '&', ';'], " ")
         );
-        for command in redefinitions(&request.programme.loads, &case.values, deck)? {
+        for command in redefinitions(&request.programme.loads, &case.values, deck) {
             out += &command;
             out.push('\n');
         }
         out += "simulate/static\n";
     }
     out += "stop\n";
-    Ok(out)
+    out
 }
 
 /// The commands that set the loads of a case. Numbers of one list are set by one command, the others of the list as the deck has
 /// them: a redefinition replaces the whole list.
-fn redefinitions(
-    loads: &[Load],
-    values: &[f64],
-    deck: &Dataset,
-) -> Result<Vec<String>, PrepareError> {
+fn redefinitions(loads: &[Load], values: &[f64], deck: &Dataset) -> Vec<String> {
     let mut lists: Vec<(Address, Vec<f64>)> = Vec::new();
     let mut out = Vec::new();
     for (load, value) in loads.iter().zip(values) {
@@ -145,7 +172,7 @@ fn redefinitions(
             list.join(",")
         ));
     }
-    Ok(out)
+    out
 }
 
 fn object(address: &Address) -> String {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use comfy_table::{CellAlignment, Table, presets};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::backend::{Backend, CommandBackend, NativeBackend};
+use crate::backend::Backend;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::identify::global::{Options, Prepared, fit_study};
 use crate::identify::{Fit, IdentifyError, LoadedStudy, direct, regression};
@@ -13,6 +13,7 @@ use crate::rig::settings::{BackendChoice, Method};
 
 use super::Outcome;
 use super::shell::{Exit, Format, Shell};
+use super::solver;
 
 /// Identify the stiffnesses of a study from what was measured.
 ///
@@ -27,13 +28,28 @@ pub(super) struct Arguments {
     /// The method, instead of the study's own.
     #[arg(long, value_enum)]
     method: Option<MethodChoice>,
+    /// Keep the folder of every run of an external solver, below `runs` of the output folder; without it only those of failed runs
+    /// stay.
+    #[arg(long)]
+    keep: bool,
 }
 
+/// `--method`.
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum MethodChoice {
+pub(super) enum MethodChoice {
     GaussNewton,
     Regression,
     Direct,
+}
+
+impl From<MethodChoice> for Method {
+    fn from(choice: MethodChoice) -> Self {
+        match choice {
+            MethodChoice::GaussNewton => Self::GaussNewton,
+            MethodChoice::Regression => Self::Regression,
+            MethodChoice::Direct => Self::Direct,
+        }
+    }
 }
 
 /// Identifies, writes and prints.
@@ -48,13 +64,15 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         return Err(Exit::Findings);
     };
     if let Some(method) = arguments.method {
-        loaded.study.identify.method = match method {
-            MethodChoice::GaussNewton => Method::GaussNewton,
-            MethodChoice::Regression => Method::Regression,
-            MethodChoice::Direct => Method::Direct,
-        };
+        loaded.study.identify.method = method.into();
     }
-    let fit = identified(&loaded, shell).map_err(|error| {
+    let keep = arguments.keep.then(|| arguments.out.join("runs"));
+    let mut backend = solver::backend(&loaded.study, keep, shell);
+    let outcome = identified(&loaded, backend.as_mut(), shell);
+    for remark in backend.remarks() {
+        shell.say(&format!("{remark}\n"));
+    }
+    let fit = outcome.map_err(|error| {
         shell.fail(Diagnostic::error(Code::NoFit, error.to_string()));
         Exit::NoAnswer
     })?;
@@ -78,8 +96,12 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     })
 }
 
-/// Runs the study's method on the study's backend, showing how it goes.
-fn identified(loaded: &LoadedStudy, shell: &Shell) -> Result<Fit, IdentifyError> {
+/// Runs the study's method on a backend, showing how it goes.
+pub(super) fn identified(
+    loaded: &LoadedStudy,
+    backend: &mut dyn Backend,
+    shell: &Shell,
+) -> Result<Fit, IdentifyError> {
     let problem = loaded.problem();
     let bar = ProgressBar::new_spinner().with_style(
         ProgressStyle::with_template("{spinner} {msg}").expect("the template is valid"),
@@ -87,18 +109,6 @@ fn identified(loaded: &LoadedStudy, shell: &Shell) -> Result<Fit, IdentifyError>
     if !shell.shows_progress() {
         bar.set_draw_target(indicatif::ProgressDrawTarget::hidden());
     }
-    let mut backend: Box<dyn Backend> = match loaded.study.solver.backend {
-        BackendChoice::Native => Box::new(NativeBackend::new()),
-        BackendChoice::Command => {
-            let solver = &loaded.study.solver;
-            shell.say(&format!(
-                "every equilibrium is solved by: {}\n",
-                solver.command.join(" ")
-            ));
-            let timeout = std::time::Duration::from_secs_f64(solver.timeout_s);
-            Box::new(CommandBackend::new(solver.command.clone(), timeout))
-        }
-    };
     let mut fit = match loaded.study.identify.method {
         Method::Regression => {
             let mut watch = |iteration: usize, _: &[f64], moves: f64| {
@@ -109,7 +119,7 @@ fn identified(loaded: &LoadedStudy, shell: &Shell) -> Result<Fit, IdentifyError>
                 bar.tick();
                 ControlFlow::Continue(())
             };
-            regression::identify(&problem, backend.as_mut(), &mut watch)?
+            regression::identify(&problem, backend, &mut watch)?
         }
         Method::Direct => {
             let mut watch = |round: usize, _: &[f64], moves: f64| {
@@ -117,7 +127,7 @@ fn identified(loaded: &LoadedStudy, shell: &Shell) -> Result<Fit, IdentifyError>
                 bar.tick();
                 ControlFlow::Continue(())
             };
-            direct::identify(&problem, backend.as_mut(), &mut watch)?
+            direct::identify(&problem, backend, &mut watch)?
         }
         Method::GaussNewton => {
             let prepared = Prepared::new(&problem)?;
@@ -133,17 +143,13 @@ fn identified(loaded: &LoadedStudy, shell: &Shell) -> Result<Fit, IdentifyError>
                 profile: true,
                 watch: Some(Box::new(watch)),
             };
-            let external = loaded.study.solver.backend == BackendChoice::Command;
+            let external = loaded.study.solver.backend != BackendChoice::Native;
             // Profile likelihood over an external program would take hundreds of runs.
             let options = Options {
                 profile: !external,
                 ..options
             };
-            let other: Option<&mut dyn Backend> = if external {
-                Some(backend.as_mut())
-            } else {
-                None
-            };
+            let other: Option<&mut dyn Backend> = if external { Some(backend) } else { None };
             fit_study(&problem, &prepared, other, options)?.fit
         }
     };

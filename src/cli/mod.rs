@@ -17,12 +17,14 @@ mod identify;
 mod import;
 mod install_shims;
 mod permissions;
+mod record;
 mod render;
 mod renumber;
 mod results;
 mod set;
 mod shell;
 mod solve;
+mod solver;
 mod summary;
 
 use std::process::ExitCode;
@@ -62,6 +64,7 @@ enum Command {
     Solve(solve::Arguments),
     Identify(identify::Arguments),
     Diagnose(diagnose::Arguments),
+    Record(record::Arguments),
     Results(results::Arguments),
     Compare(compare::Arguments),
     Explain(explain::Arguments),
@@ -87,6 +90,7 @@ pub fn main() -> ExitCode {
         Command::Solve(arguments) => solve::run(&arguments, &mut shell),
         Command::Identify(arguments) => identify::run(&arguments, &mut shell),
         Command::Diagnose(arguments) => diagnose::run(&arguments, &mut shell),
+        Command::Record(arguments) => record::run(&arguments, &mut shell),
         Command::Results(arguments) => results::run(&arguments, &mut shell),
         Command::Compare(arguments) => compare::run(&arguments, &mut shell),
         Command::Explain(arguments) => explain::run(&arguments, &mut shell),

@@ -34,13 +34,16 @@ pub(super) struct Arguments {
     /// Also list every force on a part: `PART/4` or its name.
     #[arg(long, value_name = "PART")]
     free_body: Vec<String>,
+    /// Further folders that a command file may read and write; its own and the working directory are always allowed.
+    #[arg(long, value_name = "DIR")]
+    allow_path: Vec<PathBuf>,
 }
 
 /// Solves and prints.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if is_command_file(&arguments.file) {
         let console = Box::new(BufWriter::new(std::io::stdout().lock()));
-        let session = Session::new(console, Path::new(""));
+        let session = Session::new(console, Path::new("")).confined(&arguments.allow_path);
         let ending = session.run_file(&arguments.file.to_string_lossy());
         return Ok(Exit::of_code(ending.exit_code(true)));
     }

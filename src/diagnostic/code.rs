@@ -109,9 +109,14 @@ codes! {
     FileNameCase = "file-name-case",
     /// A path of another computer: the file was looked up by its base name here.
     ForeignPath = "foreign-path",
+    /// A command file run by `admire solve` may read only below its own folder and the working directory; `--allow-path` and
+    /// ADMIRE_ALLOW_PATH add folders.
+    ReadOutside = "read-outside",
     /// A command file may write only beside itself, beside its model and in the working directory; ADMIRE_ALLOW_PATH adds folders.
     WriteOutside = "write-outside",
     // Running a command file.
+    /// An option of OUTPUT or RESULTS that ADAMS follows and this solver does not: a file or a spelling that is not written.
+    OutputNotWritten = "output-not-written",
     /// A word of the launcher's command line that means nothing here.
     LauncherWord = "launcher-word",
     /// A launch form only a full ADAMS installation can run.
@@ -124,6 +129,8 @@ codes! {
     NoEquilibrium = "no-equilibrium",
     /// A command asks for more than this program is willing to do.
     LimitExceeded = "limit-exceeded",
+    /// A study names a program that is started for every run. Only `study.toml` can name one; decks and command files start nothing.
+    RunsProgram = "runs-program",
     // Studies: study.toml and its CSV files.
     /// `study.toml` does not follow the syntax of TOML.
     StudySyntax = "study-syntax",

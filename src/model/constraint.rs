@@ -95,6 +95,8 @@ pub struct Gear {
 pub struct Gcon {
     /// Id, name, origin.
     pub header: Header,
+    /// I: where the reaction is reported.
+    pub i: Option<MarkerIx>,
     /// The constrained function.
     pub function: Function,
 }

@@ -125,6 +125,37 @@ pub struct Sensor {
     pub stops: bool,
     /// HALT: the whole command file ends.
     pub halts: bool,
+    /// ANGLE: the function is an angle, whole turns of which do not count.
+    pub angle: bool,
+    /// DT: time between output steps once it fired.
+    pub dt: Option<f64>,
+}
+
+impl Sensor {
+    /// True if the event is there: the function equals VALUE within ERROR, or is beyond it (GE, LE).
+    pub fn fires(&self, value: f64) -> bool {
+        let mut beyond = value - self.value;
+        if self.angle {
+            beyond = (beyond + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU)
+                - std::f64::consts::PI;
+        }
+        match self.compare {
+            SensorCompare::Eq => beyond.abs() <= self.error,
+            SensorCompare::Ge => beyond >= -self.error,
+            SensorCompare::Le => beyond <= self.error,
+        }
+    }
+}
+
+/// PINPUT or POUTPUT: variables a plant is driven by, or that are read of it.
+#[derive(Clone, PartialEq, Debug)]
+pub struct PlantPort {
+    /// Id, name, origin.
+    pub header: Header,
+    /// Which statement it was: `PINPUT` or `POUTPUT`.
+    pub kind: &'static str,
+    /// Ids of VARIABLEs.
+    pub variables: Vec<u32>,
 }
 
 /// What a REQUEST asks for. I, J and RM are the statement's markers.

@@ -18,8 +18,8 @@ pub use constraint::{
     PrimitiveKind,
 };
 pub use data::{
-    ArrayData, ArrayKind, Diff, LinearStates, Request, RequestKind, Sensor, SensorCompare, Spline,
-    StringData, Variable,
+    ArrayData, ArrayKind, Diff, LinearStates, PlantPort, Request, RequestKind, Sensor,
+    SensorCompare, Spline, StringData, Variable,
 };
 pub use force::{
     Beam, BeamFormulation, Bushing, Field, Nforce, Sforce, SforceKind, SpringDamper, SpringKind,
@@ -118,6 +118,10 @@ pub struct Model {
     pub strings: Vec<StringData>,
     /// SENSORs.
     pub sensors: Vec<Sensor>,
+    /// PINPUTs and POUTPUTs.
+    pub plant_ports: Vec<PlantPort>,
+    /// FRICTIONs: they take no part in statics.
+    pub frictions: Vec<Header>,
     /// REQUESTs.
     pub requests: Vec<Request>,
     /// EQUILIBRIUM.

@@ -1,6 +1,6 @@
 use super::{
     ArrayData, Beam, Bushing, Coupler, Diff, Field, Gcon, Gear, Header, Joint, LinearStates,
-    Marker, Motion, Nforce, Part, PartKind, Primitive, Request, Sensor, Sforce, Spline,
+    Marker, Motion, Nforce, Part, PartKind, PlantPort, Primitive, Request, Sensor, Sforce, Spline,
     SpringDamper, StringData, Variable, VectorForce, VectorForceKind,
 };
 
@@ -43,6 +43,7 @@ objects! {
         VectorForceKind::Vtorque => "VTORQUE",
     },
     LinearStates: |states, kind| states.kind == kind,
+    PlantPort: |port, kind| port.kind == kind,
     Marker: |_marker, _kind| true,
     Joint: |_joint, _kind| true,
     Primitive: |_primitive, _kind| true,

@@ -54,7 +54,7 @@ impl Default for EquilibriumSettings {
 }
 
 /// OUTPUT.
-#[derive(Clone, PartialEq, Eq, Debug, Default)]
+#[derive(Clone, PartialEq, Debug, Default)]
 pub struct OutputSettings {
     /// REQSAVE: write the .req file.
     pub reqsave: bool,
@@ -62,8 +62,16 @@ pub struct OutputSettings {
     pub grsave: bool,
     /// NOPRINT: no request tables in the .out file.
     pub noprint: bool,
-    /// NOSEPARATOR.
+    /// NOSEPARATOR: the tables of consecutive simulations are not separated.
     pub noseparator: bool,
+    /// YPR: displacement requests give YAW, PITCH, ROLL instead of PSI, THETA, PHI.
+    pub ypr: bool,
+    /// FIXED: the tables hold numbers with a fixed point.
+    pub fixed: bool,
+    /// TELETYPE: the tables are at most 80 columns wide.
+    pub teletype: bool,
+    /// DZERO, VZERO, AZERO, FZERO: what is smaller is written as zero in requests and tables.
+    pub zero: [f64; 4],
 }
 
 /// RESULTS.

@@ -43,7 +43,7 @@ pub use rewrite::{Change, Rewritten, rewrite, rewrite_file};
 pub use selection::{SelectedColumn, Selection};
 pub use step::Step;
 pub use step_kind::StepKind;
-pub use tabular_file::{TabularRequest, write_tabular};
+pub use tabular_file::{Tabular, TabularRequest, write_tabular};
 pub use timestamp::Timestamp;
 pub use xrf_reader::XrfReader;
 pub use xrf_writer::{LineEnd, Style, XrfWriter};

@@ -3,9 +3,11 @@ use crate::units::{Dimension, Units};
 use super::entity_kind::Shape;
 use super::{Catalogue, Component, Entity, EntityKind};
 
-/// Which derivatives of displacements are stored (RESULTS/NOVELOCITIES, NOACCELERATIONS).
+/// What of the motion of bodies is stored (RESULTS/NODISPLACEMENTS, NOVELOCITIES, NOACCELERATIONS).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Stored {
+    /// Displacements are stored.
+    pub displacements: bool,
     /// Velocities are stored.
     pub velocities: bool,
     /// Accelerations are stored.
@@ -15,6 +17,7 @@ pub struct Stored {
 impl Default for Stored {
     fn default() -> Self {
         Self {
+            displacements: true,
             velocities: true,
             accelerations: true,
         }
@@ -129,7 +132,11 @@ impl Numbering {
         number(&mut time);
         let mut objects = std::mem::take(&mut self.objects);
         objects.sort_by_key(|(kind, _)| *kind);
-        let stored = [true, self.stored.velocities, self.stored.accelerations];
+        let stored = [
+            self.stored.displacements,
+            self.stored.velocities,
+            self.stored.accelerations,
+        ];
         for order in (0..3).filter(|&order| stored[order]) {
             for (kind, entity) in objects.iter_mut().filter(|(kind, _)| kind.is_body()) {
                 let mut more = self.kinematic(order, kind.shape() == Shape::Pose);

@@ -14,14 +14,23 @@ pub struct TabularRequest {
     pub headings: [String; 8],
 }
 
+/// How tables are spelled (OUTPUT/FIXED, TELETYPE).
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Tabular {
+    /// Numbers have a fixed point where they fit.
+    pub fixed: bool,
+    /// Lines have at most 80 columns: four values beside TIME, the other four below.
+    pub narrow: bool,
+}
+
 /// Lines of values on one page.
 const PAGE: usize = 50;
 
 /// Writes a `.out` file: for each request pages of its eight columns over time.
 ///
 /// The layout is ours, since none of ADAMS is known (ADAMS-FORMATS 6.4): a form feed before every page but the first, two
-/// lines of title, a line with the request, a line of headings, then `TIME` and eight columns of 1PE13.5, at most 50 lines to
-/// a page.
+/// lines of title, a line with the request, a line of headings, then `TIME` and eight columns of 1PE13.5 (or F13.5), at most 50
+/// lines to a page.
 ///
 /// # Errors
 /// `InvalidInput` when a row has not as many entries as there are requests; otherwise when the output cannot be written.
@@ -29,6 +38,7 @@ pub fn write_tabular(
     mut output: impl Write,
     title: &str,
     when: Timestamp,
+    spelling: Tabular,
     requests: &[TabularRequest],
     rows: &[(f64, Vec<[f64; 8]>)],
 ) -> io::Result<()> {
@@ -52,23 +62,49 @@ pub fn write_tabular(
                 request.id,
                 request.name.trim()
             )?;
-            write!(text, " {:>13}", "TIME")?;
-            for heading in &request.headings {
-                let heading: String = heading.chars().take(12).collect();
-                write!(text, "{heading:>13}")?;
-            }
-            text.push(b'\n');
-            for (time, row) in lines {
-                write!(text, " {}", exponential(*time, 13, 5))?;
-                for &value in &row[at] {
-                    text.extend_from_slice(exponential(value, 13, 5).as_bytes());
+            let wide = if spelling.narrow { 4 } else { 8 };
+            for (first, headings) in request.headings.chunks(wide).enumerate() {
+                write!(text, " {:>13}", if first == 0 { "TIME" } else { "" })?;
+                for heading in headings {
+                    let heading: String = heading.chars().take(12).collect();
+                    write!(text, "{heading:>13}")?;
                 }
                 text.push(b'\n');
+            }
+            for (time, row) in lines {
+                for (first, values) in row[at].chunks(wide).enumerate() {
+                    let begin = if first == 0 {
+                        spelling.number(*time)
+                    } else {
+                        " ".repeat(13)
+                    };
+                    write!(text, " {begin}")?;
+                    for &value in values {
+                        text.extend_from_slice(spelling.number(value).as_bytes());
+                    }
+                    text.push(b'\n');
+                }
             }
         }
     }
     output.write_all(&text)?;
     output.flush()
+}
+
+impl Tabular {
+    /// 13 columns.
+    fn number(self, value: f64) -> String {
+        let fixed = format!("{value:>13.5}");
+        // What would touch its neighbour or lose its digits is spelled with an exponent.
+        if self.fixed
+            && fixed.starts_with(' ')
+            && fixed.len() == 13
+            && (value == 0.0 || value.abs() >= 1e-4)
+        {
+            return fixed;
+        }
+        exponential(value, 13, 5)
+    }
 }
 
 #[cfg(test)]
@@ -85,7 +121,8 @@ mod tests {
         let rows: Vec<_> = (0..51).map(|n| (f64::from(n), vec![[0.25; 8]])).collect();
         let mut out = Vec::new();
         let when = Timestamp::from_unix(0);
-        write_tabular(&mut out, "a model", when, &[request], &rows).unwrap();
+        let usual = Tabular::default();
+        write_tabular(&mut out, "a model", when, usual, &[request], &rows).unwrap();
         let text = String::from_utf8(out).unwrap();
         let pages: Vec<&str> = text.split('\u{c}').collect();
         assert_eq!(pages.len(), 2);

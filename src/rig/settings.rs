@@ -10,6 +10,8 @@ pub enum BackendChoice {
     Native,
     /// Any program with ADAMS' command line.
     Command,
+    /// Recorded runs of such a program.
+    Replay,
 }
 
 /// `[solver]`.
@@ -23,6 +25,8 @@ pub struct SolverSettings {
     pub timeout_s: f64,
     /// Parallel runs.
     pub jobs: usize,
+    /// Folder of recorded runs below the study: what `admire record` fills and backend `replay` serves.
+    pub recordings: Spelled,
 }
 
 impl SolverSettings {
@@ -30,6 +34,7 @@ impl SolverSettings {
         let words = [
             ("native", BackendChoice::Native),
             ("command", BackendChoice::Command),
+            ("replay", BackendChoice::Replay),
         ];
         let command = section.texts("command", out).map_or_else(
             || {
@@ -52,6 +57,10 @@ impl SolverSettings {
             command,
             timeout_s: section.number("timeout_s", 600.0, (1e-3, 1e9), out),
             jobs: section.count("jobs", 1, (1, 1024), out),
+            recordings: section.text("recordings", out).unwrap_or_else(|| Spelled {
+                text: "recorded".to_string(),
+                span: section.span(),
+            }),
         }
     }
 }

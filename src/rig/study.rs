@@ -159,6 +159,7 @@ fn sections(root: &mut Section<'_>, files: &Files<'_>, out: &mut Vec<Diagnostic>
 
     let mut section = root.section("solver", out);
     let solver = SolverSettings::read(&mut section, out);
+    files.path(&solver.recordings, out);
     section.finish(out);
 
     let mut section = root.section("loads", out);
@@ -279,7 +280,8 @@ impl Files<'_> {
         self.open(&spelled, out)
     }
 
-    fn open(&self, spelled: &Spelled, out: &mut Vec<Diagnostic>) -> Option<(Source, PathBuf)> {
+    /// A path of the study, which must lie below its folder whether it exists or not.
+    fn path(&self, spelled: &Spelled, out: &mut Vec<Diagnostic>) -> Option<PathBuf> {
         let relative = Path::new(&spelled.text);
         let plain = relative
             .components()
@@ -300,6 +302,11 @@ impl Files<'_> {
             );
             return None;
         }
+        Some(path)
+    }
+
+    fn open(&self, spelled: &Spelled, out: &mut Vec<Diagnostic>) -> Option<(Source, PathBuf)> {
+        let path = self.path(spelled, out)?;
         match std::fs::read(&path) {
             Ok(bytes) => Some((Source::new(path.display().to_string(), bytes), path)),
             Err(error) => {

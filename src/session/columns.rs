@@ -1,5 +1,6 @@
 use crate::model::{
-    Model, PartIx, PartKind, Request, RequestKind, ResultsSettings, SpringKind, VectorForceKind,
+    MarkerIx, Model, PartIx, PartKind, Request, RequestKind, ResultsSettings, SpringKind,
+    VectorForceKind,
 };
 use crate::results::{Catalogue, EntityKind, Numbering, Stored};
 use crate::units::{Dimension, Units};
@@ -26,6 +27,16 @@ pub(super) enum Item {
     Variable(usize),
     /// The floating marker of a vector force: index of the force.
     FloatingMarker(usize),
+    /// A GCON: its id, and the marker its reaction is reported at.
+    Condition(u32, Option<MarkerIx>),
+    /// An NFORCE: its id and how many I markers it has.
+    Multi(u32, usize),
+    /// The variables of a PINPUT or POUTPUT: indices into the model.
+    Variables(Vec<Option<usize>>),
+    /// States and outputs of linear state equations: index into the model.
+    LinearStates(usize),
+    /// What is switched off in statics: so many zeros.
+    Zeros(usize),
 }
 
 /// The columns of a run in the order of the values of a step (ADAMS-FORMATS 6.1, 12).
@@ -46,6 +57,7 @@ impl Columns {
     pub fn of(model: &Model) -> Self {
         let settings = &model.results;
         let stored = Stored {
+            displacements: !settings.no_displacements,
             velocities: !settings.no_velocities,
             accelerations: !settings.no_accelerations,
         };
@@ -54,7 +66,7 @@ impl Columns {
             items: Vec::new(),
         };
         let mut bodies = Vec::new();
-        if !settings.no_displacements {
+        if stored.displacements || stored.velocities || stored.accelerations {
             for (index, part) in model.parts.iter().enumerate() {
                 let kind = match part.kind {
                     PartKind::Rigid => EntityKind::Part,
@@ -119,6 +131,8 @@ impl Builder {
                 let (name, id) = (&variable.header.name, variable.header.id);
                 self.item(EntityKind::Variable, name, id, Item::Variable(index));
             }
+            self.add_ports(model);
+            self.add_linear_states(model);
         }
         if !settings.no_requests {
             self.add_requests(model);
@@ -148,6 +162,88 @@ impl Builder {
             gears Gear "GEAR",
             couplers Coupler "COUPLER"
         );
+        for gcon in &model.gcons {
+            let (name, id) = (&gcon.header.name, gcon.header.id);
+            self.item(
+                EntityKind::UserConstraint,
+                name,
+                id,
+                Item::Condition(id, gcon.i),
+            );
+        }
+    }
+
+    fn add_ports(&mut self, model: &Model) {
+        let variable = |id: &u32| model.variables.iter().position(|v| v.header.id == *id);
+        for port in &model.plant_ports {
+            let kind = match port.kind {
+                "PINPUT" => EntityKind::PlantInput,
+                _ => EntityKind::PlantOutput,
+            };
+            let variables: Vec<_> = port.variables.iter().map(variable).collect();
+            let (name, id) = (&port.header.name, port.header.id);
+            let name = (!name.is_empty()).then_some(name.as_str());
+            self.numbering
+                .object(kind, name, i64::from(id), variables.len());
+            self.items.push((kind, Item::Variables(variables)));
+        }
+    }
+
+    /// States as X1, X2, ... and outputs as Y1, Y2, ...: how ADAMS calls them is not documented.
+    fn add_linear_states(&mut self, model: &Model) {
+        for (index, states) in model.linear_states.iter().enumerate() {
+            let kind = match states.kind {
+                "TFSISO" => EntityKind::TransferFunction,
+                _ => EntityKind::LinearStateEquation,
+            };
+            let columns: Vec<String> = (1..=states.a.len())
+                .map(|k| format!("X{k}"))
+                .chain((1..=states.c.len()).map(|k| format!("Y{k}")))
+                .collect();
+            let columns: Vec<(&str, Option<&str>)> =
+                columns.iter().map(|name| (name.as_str(), None)).collect();
+            let (name, id) = (&states.header.name, i64::from(states.header.id));
+            self.numbering.named(kind, Some(name), id, None, &columns);
+            self.items.push((kind, Item::LinearStates(index)));
+        }
+    }
+
+    /// FX to TZ at the first I marker, FX_2 to TZ_2 at the second and so on: how ADAMS calls them is not documented.
+    fn add_multi_point_forces(&mut self, model: &Model) {
+        let units = [Dimension::FORCE, Dimension::TORQUE].map(|d| model.units.name(d));
+        for force in &model.nforces {
+            let mut columns: Vec<(String, Option<&str>)> = Vec::new();
+            for marker in 1..=force.i.len() {
+                for (k, name) in ["FX", "FY", "FZ", "TX", "TY", "TZ"].iter().enumerate() {
+                    let name = match marker {
+                        1 => (*name).to_string(),
+                        _ => format!("{name}_{marker}"),
+                    };
+                    columns.push((name, Some(units[k / 3].as_str())));
+                }
+            }
+            let columns: Vec<(&str, Option<&str>)> = columns
+                .iter()
+                .map(|(name, unit)| (name.as_str(), *unit))
+                .collect();
+            let (name, id) = (&force.header.name, force.header.id);
+            let kind = EntityKind::MultiPointForce;
+            self.numbering
+                .named(kind, Some(name), i64::from(id), None, &columns);
+            self.items.push((kind, Item::Multi(id, force.i.len())));
+        }
+    }
+
+    /// Joint friction takes no part in statics here: its entities are there for those who look for them, and zero.
+    fn add_frictions(&mut self, model: &Model) {
+        for friction in &model.frictions {
+            self.item(
+                EntityKind::Friction,
+                &friction.name,
+                friction.id,
+                Item::Zeros(6),
+            );
+        }
     }
 
     fn add_forces(&mut self, model: &Model) {
@@ -191,6 +287,8 @@ impl Builder {
             };
             add(entity, word, &force.header, false);
         }
+        self.add_multi_point_forces(model);
+        self.add_frictions(model);
     }
 
     /// Requests with one RESULTS_NAME make one result set, whose object id is 0.
@@ -212,7 +310,9 @@ impl Builder {
             let mut columns: Vec<(String, Option<String>)> = Vec::new();
             for member in members {
                 done[member] = true;
-                for (component, name, unit) in components(&model.requests[member], &model.units) {
+                for (component, name, unit) in
+                    components(&model.requests[member], &model.units, model.output.ypr)
+                {
                     values.push((member, component));
                     columns.push((name, unit));
                 }
@@ -240,8 +340,12 @@ impl Builder {
 ///
 /// Names are those of CNAMES or TITLE, and an empty one takes its component out; a request of functions has only the
 /// components with a function. The names ADAMS gives by itself are not documented; these are the usual column headings.
-pub(super) fn components(request: &Request, units: &Units) -> Vec<(usize, String, Option<String>)> {
-    let usual = usual_names(&request.kind);
+pub(super) fn components(
+    request: &Request,
+    units: &Units,
+    ypr: bool,
+) -> Vec<(usize, String, Option<String>)> {
+    let usual = usual_names(&request.kind, ypr);
     let (translation, rotation) = match &request.kind {
         RequestKind::Displacement { .. } => (Dimension::LENGTH, Dimension::ANGLE),
         RequestKind::Velocity { .. } => (
@@ -280,9 +384,12 @@ pub(super) fn components(request: &Request, units: &Units) -> Vec<(usize, String
     out
 }
 
-/// The names of the eight components of a request that names none itself.
-pub(super) fn usual_names(kind: &RequestKind) -> [&'static str; 8] {
+/// The names of the eight components of a request that names none itself. With `ypr` displacements have YAW, PITCH, ROLL.
+pub(super) fn usual_names(kind: &RequestKind, ypr: bool) -> [&'static str; 8] {
     match kind {
+        RequestKind::Displacement { .. } if ypr => {
+            ["MAG", "X", "Y", "Z", "AMAG", "YAW", "PITCH", "ROLL"]
+        }
         RequestKind::Displacement { .. } => ["MAG", "X", "Y", "Z", "AMAG", "PSI", "THETA", "PHI"],
         RequestKind::Velocity { .. } => ["VM", "VX", "VY", "VZ", "WM", "WX", "WY", "WZ"],
         RequestKind::Acceleration { .. } => {

@@ -46,7 +46,10 @@ impl Launch {
                 "--version" => return Ok(Self::of(LaunchInput::Version)),
                 "acar" | "aview" | "acarrt" | "atruck" | "adriveline" | "amachinery"
                 | "achassis" | "aengine" | "arail" | "aflex" | "aplugin" | "ppt" | "python"
-                | "vibration" | "controls" | "durability" | "cr-user" | "cr-u" => {
+                | "vibration" | "controls" | "durability" | "cr-user" | "cr-u"
+                    // After `ru-standard` it is a command file of that name.
+                    if !runs =>
+                {
                     return Err(refused(
                         word,
                         "that product of the ADAMS installation is not part of admire; \

@@ -6,6 +6,7 @@ use crate::system::{Parameters, State, System};
 use crate::text::Source;
 
 use super::files::{folder_of, read_files};
+use super::output_options::not_written;
 use super::outputs::Outputs;
 use super::saved::Saved;
 
@@ -15,6 +16,8 @@ pub(super) struct Loaded {
     pub outputs: Outputs,
     /// The redundant constraints that were last told of.
     pub said_redundant: Option<Vec<String>>,
+    /// The limit of iterations was told of.
+    pub said_iterations: bool,
     /// The free motions that were last told of.
     pub said_free: Option<Vec<String>>,
     pub(super) compiled: Option<Compiled>,
@@ -55,6 +58,7 @@ impl Loaded {
         let mut diagnostics = parsed.diagnostics;
         diagnostics.extend(files.diagnostics);
         diagnostics.extend(lowered.diagnostics);
+        diagnostics.extend(not_written(&parsed.value));
         for diagnostic in &mut diagnostics {
             // What is not understood would be missing in the answer.
             if matches!(
@@ -69,6 +73,7 @@ impl Loaded {
                 model: lowered.value,
                 outputs,
                 said_redundant: None,
+                said_iterations: false,
                 said_free: None,
                 compiled: None,
                 before: None,
@@ -147,6 +152,11 @@ impl Loaded {
             if let Some(before) = self.before.take() {
                 carry_over(&mut state, before);
             }
+            for (value, sensor) in state.sensors.iter_mut().zip(&self.model.sensors) {
+                if !sensor.header.active {
+                    *value = 0.0;
+                }
+            }
             Compiled {
                 parameters: system.parameters(),
                 solver: Solver::new(&system),
@@ -168,6 +178,7 @@ fn carry_over(state: &mut State, before: State) {
         (&mut state.variables, before.variables),
         (&mut state.states, before.states),
         (&mut state.multipliers, before.multipliers),
+        (&mut state.sensors, before.sensors),
     ] {
         if now.len() == then.len() {
             *now = then;

@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 
-use crate::mechanics::{Pose, Vec3, psi_theta_phi};
-use crate::model::{MarkerIx, Model};
+use crate::mechanics::{Mat3, Pose, Vec3, euler313, psi_theta_phi};
+use crate::model::{ArrayKind, MarkerIx, Model, RequestKind};
 use crate::results::EntityKind;
 use crate::system::{ConstraintIx, ElementIx, Parameters, Reading, Scratch, State, System};
 
@@ -58,19 +58,58 @@ impl<'s> Measures<'s> {
         ))
     }
 
+    fn multi(&mut self, id: u32) -> Vec<Reading> {
+        self.system
+            .read_nforce(id, self.parameters, self.state, &mut self.scratch)
+            .unwrap_or_default()
+    }
+
+    /// x, then y = C x + D u.
+    fn linear_states(&self, model: &Model, index: usize, values: &mut Vec<f64>) {
+        // DIFFs come first among the states, then these in the order of the model.
+        let before: usize = model.linear_states[..index].iter().map(|s| s.a.len()).sum();
+        let first = model.diffs.len() + before;
+        let states = &model.linear_states[index];
+        let x: Vec<f64> = (first..first + states.a.len())
+            .map(|at| self.state.states.get(at).copied().unwrap_or(0.0))
+            .collect();
+        let inputs = model
+            .arrays
+            .iter()
+            .find(|array| array.header.id == states.u);
+        let u: Vec<f64> = match inputs.map(|array| &array.kind) {
+            Some(ArrayKind::Variables(ids)) => ids
+                .iter()
+                .map(|id| {
+                    let at = model.variables.iter().position(|v| v.header.id == *id);
+                    at.and_then(|k| self.state.variables.get(k).copied())
+                        .unwrap_or(0.0)
+                })
+                .collect(),
+            _ => Vec::new(),
+        };
+        let dot = |row: &[f64], v: &[f64]| -> f64 { row.iter().zip(v).map(|(a, b)| a * b).sum() };
+        values.extend(&x);
+        for (k, row) in states.c.iter().enumerate() {
+            let through = states.d.get(k).map_or(0.0, |row| dot(row, &u));
+            values.push(dot(row, &x) + through);
+        }
+    }
+
     /// Pose of a marker in ground.
     fn marker(&self, model: &Model, marker: MarkerIx) -> Pose {
         let part = model.markers[marker.0].part;
         self.state.poses[part.0].compose(self.parameters.marker(marker))
     }
 
-    /// The eight components of a request; zero if it is switched off or has no value here.
+    /// The eight components of a request as OUTPUT wants them; zero if it is switched off or has no value here.
     pub fn request(&mut self, model: &Model, index: usize) -> [f64; 8] {
         let request = &model.requests[index];
         if !request.header.active {
             return [0.0; 8];
         }
-        self.system
+        let mut values = self
+            .system
             .read_request(
                 request,
                 index,
@@ -78,9 +117,35 @@ impl<'s> Measures<'s> {
                 self.state,
                 &mut self.scratch,
             )
-            .unwrap_or_default()
-            .map(|value| if value.is_finite() { value } else { 0.0 })
+            .unwrap_or_default();
+        let output = &model.output;
+        let smallest = match &request.kind {
+            RequestKind::Displacement { .. } => {
+                if output.ypr {
+                    let R = euler313(values[5], values[6], values[7]);
+                    values[5..].copy_from_slice(&yaw_pitch_roll(&R));
+                }
+                output.zero[0]
+            }
+            RequestKind::Velocity { .. } => output.zero[1],
+            RequestKind::Acceleration { .. } => output.zero[2],
+            RequestKind::Force { .. } => output.zero[3],
+            RequestKind::Functions(_) | RequestKind::User(_) => 0.0,
+        };
+        values.map(|value| {
+            let shown = value.is_finite() && value.abs() >= smallest;
+            if shown { value } else { 0.0 }
+        })
     }
+}
+
+/// YAW, PITCH, ROLL of R = Rz(a) Ry(b) Rx(c): a, -b, c (ADAMS-FORMATS 4.4).
+fn yaw_pitch_roll(R: &Mat3) -> [f64; 3] {
+    [
+        R[(1, 0)].atan2(R[(0, 0)]),
+        R[(2, 0)].clamp(-1.0, 1.0).asin(),
+        R[(2, 1)].atan2(R[(2, 2)]),
+    ]
 }
 
 impl Columns {
@@ -106,12 +171,15 @@ impl Columns {
     fn bodies(&self, state: &State, values: &mut Vec<f64>) {
         let mut count = 0;
         for (part, kind) in &self.bodies {
+            let whole = *kind == EntityKind::Part;
+            count += if whole { 6 } else { 3 };
+            if !self.stored.displacements {
+                continue;
+            }
             let pose = &state.poses[part.0];
             values.extend(pose.p.iter());
-            count += 3;
-            if *kind == EntityKind::Part {
+            if whole {
                 values.extend(psi_theta_phi(&pose.R));
-                count += 3;
             }
         }
         // At rest.
@@ -158,6 +226,33 @@ impl Columns {
                     values.push(all[component]);
                 }
             }
+            Item::Condition(id, marker) => {
+                let (force, torque) = marker.map_or_else(
+                    || (Vec3::zeros(), Vec3::zeros()),
+                    |marker| {
+                        let (system, state) = (measures.system, measures.state);
+                        system.read_condition(*id, marker, state, &measures.scratch)
+                    },
+                );
+                values.extend(force.iter());
+                values.extend(torque.iter());
+            }
+            Item::Multi(id, markers) => {
+                let readings = measures.multi(*id);
+                for marker in 0..*markers {
+                    wrench(readings.get(marker), values);
+                }
+            }
+            Item::Variables(variables) => {
+                let value = |index: &Option<usize>| {
+                    index.map_or(0.0, |k| {
+                        measures.state.variables.get(k).copied().unwrap_or(0.0)
+                    })
+                };
+                values.extend(variables.iter().map(value));
+            }
+            Item::LinearStates(index) => measures.linear_states(model, *index, values),
+            Item::Zeros(count) => values.resize(values.len() + count, 0.0),
             Item::FloatingMarker(index) => {
                 // A floating marker is kept on the I marker of its force.
                 let pose = measures.marker(model, model.vector_forces[*index].i);

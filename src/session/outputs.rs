@@ -7,13 +7,13 @@ use crate::mechanics::psi_theta_phi;
 use crate::model::{Model, Orientation, PartKind, Request};
 use crate::results::{
     GraphicsMarker, GraphicsWriter, Header, NumberStyle, RequestEntry, RequestWriter, StepKind,
-    Style, TabularRequest, Timestamp, XrfWriter, write_tabular,
+    Style, Tabular, TabularRequest, Timestamp, XrfWriter, write_tabular,
 };
 use crate::system::State;
 
 use super::columns::{Columns, usual_names};
 use super::measures::Measures;
-use super::paths::WritePolicy;
+use super::paths::FilePolicy;
 
 /// Extensions of the files a run writes beside `.msg`.
 const EXTENSIONS: [&str; 4] = ["res", "req", "gra", "out"];
@@ -41,6 +41,9 @@ pub(super) struct Outputs {
 struct Tables {
     file: BufWriter<File>,
     title: String,
+    spelling: Tabular,
+    /// Each simulation has tables of its own.
+    separate: bool,
     requests: Vec<TabularRequest>,
     rows: Vec<(f64, Vec<[f64; 8]>)>,
 }
@@ -50,7 +53,7 @@ impl Outputs {
     ///
     /// # Errors
     /// When a file lies outside of the allowed folders or cannot be written.
-    pub fn prepare(prefix: PathBuf, policy: &WritePolicy) -> Result<Self, Diagnostic> {
+    pub fn prepare(prefix: PathBuf, policy: &FilePolicy) -> Result<Self, Diagnostic> {
         for extension in EXTENSIONS {
             let path = with_extension(&prefix, extension);
             policy.check(&path)?;
@@ -99,10 +102,16 @@ impl Outputs {
             self.begin_graphics(model, when)?;
         }
         if !model.output.noprint && !model.requests.is_empty() {
-            let requests = model.requests.iter().map(tabular).collect();
+            let ypr = model.output.ypr;
+            let requests = model.requests.iter().map(|r| tabular(r, ypr)).collect();
             self.tables = Some(Tables {
                 file: self.create("out", Ok)?,
                 title: model.title.clone(),
+                spelling: Tabular {
+                    fixed: model.output.fixed,
+                    narrow: model.output.teletype,
+                },
+                separate: !model.output.noseparator,
                 requests,
                 rows: Vec::new(),
             });
@@ -235,6 +244,20 @@ impl Outputs {
         Ok(())
     }
 
+    /// A simulation is over: unless OUTPUT/NOSEPARATOR, the next one begins tables of its own.
+    ///
+    /// # Errors
+    /// When a file cannot be written.
+    pub fn simulation_ended(&mut self) -> Result<(), Diagnostic> {
+        let path = with_extension(&self.prefix, "out");
+        match &mut self.tables {
+            Some(tables) if tables.separate => {
+                tables.write().map_err(|error| cannot_write(&path, &error))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Closes the files of a run that came to its end.
     ///
     /// # Errors
@@ -263,6 +286,7 @@ impl Tables {
             &mut self.file,
             &self.title,
             when,
+            self.spelling,
             &self.requests,
             &self.rows,
         )?;
@@ -290,9 +314,9 @@ fn entry(request: &Request) -> RequestEntry {
     }
 }
 
-fn tabular(request: &Request) -> TabularRequest {
+fn tabular(request: &Request, ypr: bool) -> TabularRequest {
     let given = request.component_names.as_deref().unwrap_or_default();
-    let usual = usual_names(&request.kind);
+    let usual = usual_names(&request.kind, ypr);
     TabularRequest {
         id: i64::from(request.header.id),
         name: called(request).to_string(),

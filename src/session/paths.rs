@@ -116,19 +116,26 @@ fn ignoring_case(path: &Path) -> Option<PathBuf> {
     found.is_file().then_some(found)
 }
 
-/// Where a command file may write. Datasets and command files are not trusted: they name output files, so they are held to the
-/// folders of the run.
+/// Which files a command file may name. Datasets and command files are not trusted: what they name is held to the folders of the
+/// run.
 #[derive(Clone, Debug)]
-pub struct WritePolicy {
+pub struct FilePolicy {
     /// Real paths of folders; what is below them may be written.
     folders: Vec<PathBuf>,
+    /// Real paths of folders; what is in them may be written, not what is in folders of theirs.
+    beside: Vec<PathBuf>,
+    /// Nothing outside of `folders` may be read either.
+    confined: bool,
 }
 
-impl WritePolicy {
-    /// The working directory, and the folders that the environment variable `ADMIRE_ALLOW_PATH` lists.
+impl FilePolicy {
+    /// The working directory, and the folders that the environment variable `ADMIRE_ALLOW_PATH` lists, may be written. Anything may
+    /// be read.
     pub fn new(directory: &Path) -> Self {
         let mut policy = Self {
             folders: Vec::new(),
+            beside: Vec::new(),
+            confined: false,
         };
         policy.allow(directory);
         if let Some(more) = std::env::var_os("ADMIRE_ALLOW_PATH") {
@@ -141,13 +148,48 @@ impl WritePolicy {
         policy
     }
 
-    /// Allows a folder too: where the command file or the model is.
+    /// Lets nothing be read either that may not be written.
+    pub const fn confine(&mut self) {
+        self.confined = true;
+    }
+
+    /// Allows a folder and all below: where the command file of the command line is.
     pub fn allow(&mut self, folder: &Path) {
         if let Ok(real) = or_here(folder).canonicalize()
             && !self.folders.contains(&real)
         {
             self.folders.push(real);
         }
+    }
+
+    /// Allows to write beside a model. Its name comes out of a command file: only a dataset by name opens its folder, and nothing
+    /// below.
+    pub fn allow_beside(&mut self, model: &Path) {
+        let is_adm = model
+            .extension()
+            .is_some_and(|extension| extension.eq_ignore_ascii_case("adm"));
+        if let (true, Some(folder)) = (is_adm, model.parent())
+            && let Ok(real) = or_here(folder).canonicalize()
+            && !self.beside.contains(&real)
+        {
+            self.beside.push(real);
+        }
+    }
+
+    /// True if a file that was found may be read.
+    ///
+    /// # Errors
+    /// `read-outside`.
+    pub fn check_read(&self, path: &Path) -> Result<(), Diagnostic> {
+        let inside = |real: PathBuf| self.folders.iter().any(|folder| real.starts_with(folder));
+        if !self.confined || path.canonicalize().is_ok_and(inside) {
+            return Ok(());
+        }
+        Err(Diagnostic::error(
+            Code::ReadOutside,
+            format!("`{}` lies outside of the folders of this run", path.display()),
+        )
+        .help("a command file may read beside itself, below and in the working directory; `--allow-path` and ADMIRE_ALLOW_PATH add folders"))
     }
 
     /// True if `path` may be written: its real folder, links followed, is one of the allowed ones or below, and what stands
@@ -173,7 +215,9 @@ impl WritePolicy {
                 .map_err(|e| cannot(e.to_string()))?
                 .join(name)
         };
-        if !self.folders.iter().any(|folder| real.starts_with(folder)) {
+        let below = self.folders.iter().any(|folder| real.starts_with(folder));
+        let beside = !self.confined && self.beside.iter().any(|f| real.parent() == Some(f));
+        if !below && !beside {
             return Err(Diagnostic::error(
                 Code::WriteOutside,
                 format!("`{}` lies outside of the folders of this run", path.display()),
@@ -242,14 +286,29 @@ mod tests {
         for path in [&run, &model] {
             std::fs::create_dir(path).unwrap();
         }
-        let mut policy = WritePolicy::new(&run);
+        let mut policy = FilePolicy::new(&run);
         assert!(policy.check(&run.join("a.res")).is_ok());
         let outside = policy.check(&model.join("a.res")).unwrap_err();
         assert_eq!(outside.code, Code::WriteOutside);
         let climbing = policy.check(&run.join("../model/a.res")).unwrap_err();
         assert_eq!(climbing.code, Code::WriteOutside);
-        policy.allow(&model);
+        // Beside a model, but not below; and only a dataset by name is one.
+        policy.allow_beside(&model.join("passwd"));
+        assert!(policy.check(&model.join("a.res")).is_err());
+        policy.allow_beside(&model.join("a.adm"));
         assert!(policy.check(&run.join("../model/a.res")).is_ok());
+        std::fs::create_dir(model.join("deeper")).unwrap();
+        assert!(policy.check(&model.join("deeper/a.res")).is_err());
+        std::fs::write(model.join("a.adm"), "x").unwrap();
+        assert!(policy.check_read(&model.join("a.adm")).is_ok());
+        policy.confine();
+        assert_eq!(
+            policy.check_read(&model.join("a.adm")).unwrap_err().code,
+            Code::ReadOutside
+        );
+        assert!(policy.check(&model.join("a.res")).is_err());
+        policy.allow(&model);
+        assert!(policy.check_read(&model.join("a.adm")).is_ok());
         std::fs::create_dir(run.join("b.res")).unwrap();
         assert_eq!(
             policy.check(&run.join("b.res")).unwrap_err().code,
@@ -258,22 +317,6 @@ mod tests {
         assert_eq!(
             policy.check(&run.join("missing/a.res")).unwrap_err().code,
             Code::CannotWrite
-        );
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn a_link_out_of_the_folder_is_not_followed() {
-        let folder = tempfile::tempdir().unwrap();
-        let run = folder.path().join("run");
-        std::fs::create_dir(&run).unwrap();
-        let victim = folder.path().join("victim");
-        std::fs::write(&victim, "x").unwrap();
-        std::os::unix::fs::symlink(&victim, run.join("a.res")).unwrap();
-        let policy = WritePolicy::new(&run);
-        assert_eq!(
-            policy.check(&run.join("a.res")).unwrap_err().code,
-            Code::WriteOutside
         );
     }
 }

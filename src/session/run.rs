@@ -10,11 +10,14 @@ use super::loaded::Loaded;
 use super::located::Sources;
 use super::message::Messages;
 use super::outputs::Outputs;
-use super::paths::{WritePolicy, find_file, native_spelling};
+use super::paths::{FilePolicy, find_file, native_spelling};
 use super::saved::Saved;
 
 /// Command files that read command files, one inside of the other.
 const DEEPEST: usize = 16;
+
+/// The largest file that is read: a command file may name any.
+pub(super) const LARGEST: u64 = 1 << 30;
 
 /// Why a run ended.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -67,7 +70,7 @@ pub struct Session<'a> {
     directory: PathBuf,
     /// Folders to look files up in: the working directory, then those of the command files.
     folders: Vec<PathBuf>,
-    policy: WritePolicy,
+    policy: FilePolicy,
     pub(super) loaded: Option<Loaded>,
     saved: BTreeMap<PathBuf, Saved>,
     stop_on_failure: bool,
@@ -85,7 +88,7 @@ impl<'a> Session<'a> {
             sources: Sources::default(),
             directory: directory.to_path_buf(),
             folders: vec![directory.to_path_buf()],
-            policy: WritePolicy::new(directory),
+            policy: FilePolicy::new(directory),
             loaded: None,
             saved: BTreeMap::new(),
             stop_on_failure: false,
@@ -96,6 +99,16 @@ impl<'a> Session<'a> {
                 failed: 0,
             },
         }
+    }
+
+    /// Lets the run read nothing outside of the folders it may write; `more` folders are among them.
+    #[must_use]
+    pub fn confined(mut self, more: &[PathBuf]) -> Self {
+        for folder in more {
+            self.policy.allow(folder);
+        }
+        self.policy.confine();
+        self
     }
 
     /// Says a complaint that came up before any command.
@@ -164,7 +177,11 @@ impl<'a> Session<'a> {
             self.complain(&place.label(missing));
             return Err(Stop::File);
         };
-        match std::fs::read(&path) {
+        if let Err(outside) = self.policy.check_read(&path) {
+            self.complain(&place.label(outside));
+            return Err(Stop::File);
+        }
+        match read_limited(&path) {
             Ok(mut bytes) => {
                 // Files from DOS may end with ^Z.
                 while bytes.last() == Some(&0x1a) {
@@ -194,9 +211,17 @@ impl<'a> Session<'a> {
             self.complain(&place.label(deep));
             return Err(Stop::File);
         }
+        if depth == 0
+            && let Some(folder) = find_file(written, "acf", &self.folders)
+                .value
+                .as_deref()
+                .and_then(Path::parent)
+        {
+            // The one that the command line names; those that command files name open no folder.
+            self.policy.allow(folder);
+        }
         let (source, path) = self.read(written, "acf", place)?;
         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
-        self.policy.allow(&folder);
         if !self.folders.contains(&folder) {
             self.folders.push(folder);
         }
@@ -320,8 +345,8 @@ impl<'a> Session<'a> {
     ) -> Flow {
         self.close_model()?;
         let found = find_file(written, "adm", &self.folders).value;
-        if let Some(folder) = found.as_deref().and_then(Path::parent) {
-            self.policy.allow(folder);
+        if let Some(model) = &found {
+            self.policy.allow_beside(model);
         }
         let prefix = self.directory.join(match prefix.map(str::trim) {
             Some(prefix) if !prefix.is_empty() => native_spelling(prefix),
@@ -403,7 +428,10 @@ impl<'a> Session<'a> {
         let path = self.directory.join(native_spelling(&name));
         let restored = match self.saved.get(&path) {
             Some(saved) => Ok(saved.clone()),
-            None => Saved::read(&path, &loaded.model),
+            None => self
+                .policy
+                .check_read(&path)
+                .and_then(|()| Saved::read(&path, &loaded.model)),
         };
         match restored.and_then(|saved| loaded.restore(saved)) {
             Ok(()) => Ok(()),
@@ -484,6 +512,19 @@ impl Locate for Option<Place<'_>> {
             _ => diagnostic,
         }
     }
+}
+
+/// The bytes of a file of reasonable size.
+fn read_limited(path: &Path) -> std::io::Result<Vec<u8>> {
+    let size = std::fs::metadata(path)?.len();
+    if size > LARGEST {
+        let message = format!("its {size} bytes are more than the {LARGEST} that are read");
+        return Err(std::io::Error::new(
+            std::io::ErrorKind::FileTooLarge,
+            message,
+        ));
+    }
+    std::fs::read(path)
 }
 
 fn place_in_file(diagnostic: &Diagnostic) -> usize {

@@ -6,6 +6,8 @@ use crate::mechanics::{Mat3, Pose, Vec3};
 use crate::model::Model;
 use crate::system::State;
 
+use super::run::LARGEST;
+
 /// The first line of a file that SAVE writes.
 const MAGIC: &str = "admire saved state 1";
 
@@ -87,6 +89,11 @@ impl Saved {
                 format!("`{}` cannot be read: {why}", path.display()),
             )
         };
+        let there = std::fs::metadata(path).map_err(|error| cannot(&error.to_string()))?;
+        if !there.is_file() || there.len() > LARGEST {
+            // A device never ends.
+            return Err(cannot("it is no saved state of this program"));
+        }
         let text = std::fs::read_to_string(path).map_err(|error| cannot(&error.to_string()))?;
         let mut lines = text.lines();
         if lines.next() != Some(MAGIC) {

@@ -48,6 +48,20 @@ impl OutputTimes {
     }
 }
 
+impl OutputTimes {
+    /// Outputs every `dt` from `now` to the same end; `None` if they are too many.
+    pub fn every(&self, dt: f64, now: f64) -> Option<Self> {
+        // An interval that divides the span but for round-off divides it.
+        let count = ((self.end - now) / dt - 1e-9).ceil().max(1.0);
+        (count <= MOST_STEPS).then_some(Self {
+            start: now,
+            end: self.end,
+            count: count as usize,
+            interval: Some(dt),
+        })
+    }
+}
+
 impl Analysis {
     /// Reads a SIMULATE command given at time `now`.
     ///

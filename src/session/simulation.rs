@@ -9,6 +9,7 @@ use super::loaded::{Compiled, Loaded};
 use super::measures::Measures;
 use super::message::exponent;
 use super::run::{Flow, Place, Session, Stop};
+use super::sensing::Sensed;
 use super::simulate::{Analysis, OutputTimes};
 
 /// How a lone SIMULATE/STATICS is written. Whether ADAMS writes `static` or `quasiStatic` is not known (ADAMS-FORMATS 12);
@@ -22,6 +23,9 @@ const MODE_QUASI_STATIC: i32 = 6;
 
 /// A time step that fails is halved at most so often.
 const HALVINGS: i32 = 8;
+
+/// MAXIT beyond this is as good as never: a command file may not hang the machine by a typing error.
+const MOST_ITERATIONS: usize = 20_000;
 
 /// Lines of the iteration table that are shown of a failed solution.
 const SHOWN: usize = 12;
@@ -41,6 +45,17 @@ impl Session<'_> {
             );
         };
         let now = loaded.time();
+        let iterations = loaded.model.equilibrium.maxit;
+        if iterations > MOST_ITERATIONS && !std::mem::replace(&mut loaded.said_iterations, true) {
+            let limited = Diagnostic::warning(
+                Code::LimitExceeded,
+                format!("MAXIT = {iterations} is taken as {MOST_ITERATIONS}"),
+            );
+            self.complain(&limited);
+        }
+        let Some(loaded) = &mut self.loaded else {
+            return Ok(());
+        };
         let diagnostics = loaded.compiled().diagnostics;
         let unusable = diagnostics
             .iter()
@@ -79,7 +94,14 @@ impl Session<'_> {
             Ok(report) => {
                 self.remarks(&report);
                 self.messages.converged(report.iterations, report.imbalance);
-                self.write_step(LONE_STATIC)
+                self.write_step(LONE_STATIC)?;
+                let sensed = self.sense();
+                self.simulation_ended()?;
+                if sensed.halts {
+                    Err(Stop::Finished)
+                } else {
+                    Ok(())
+                }
             }
             Err(error) => {
                 self.no_equilibrium(&error, place);
@@ -91,15 +113,18 @@ impl Session<'_> {
 
     /// Equilibria, or positions of a model without freedoms, at the output times: the start first, unless its step was just
     /// written (ADAMS-FORMATS 6.1: the joint time of two runs is not repeated).
-    fn sequence(&mut self, times: OutputTimes, kind: StepKind, place: Place<'_>) -> Flow {
+    fn sequence(&mut self, mut times: OutputTimes, kind: StepKind, place: Place<'_>) -> Flow {
         let (mode, what) = match kind {
             StepKind::Kinematic => (MODE_KINEMATIC, "Kinematic"),
             _ => (MODE_QUASI_STATIC, "Quasi-Static"),
         };
         self.messages.begin_simulation(what);
         let fresh = self.model().outputs.last != Some(times.start);
-        for k in usize::from(!fresh)..=times.count {
+        let mut k = usize::from(!fresh);
+        let mut halted = false;
+        while k <= times.count {
             let time = if k == 0 { times.start } else { times.at(k) };
+            k += 1;
             match self.model().advance(time, mode) {
                 Ok(report) => {
                     self.remarks(&report);
@@ -113,6 +138,18 @@ impl Session<'_> {
                     self.messages
                         .simulation_step(time, report.iterations, report.imbalance);
                     self.write_step(kind)?;
+                    let sensed = self.sense();
+                    halted = sensed.halts;
+                    if sensed.halts || sensed.returns {
+                        break;
+                    }
+                    if let Some(dt) = sensed.dt.filter(|_| time < times.end) {
+                        let Some(other) = times.every(dt, time) else {
+                            self.messages.end_simulation();
+                            return self.refused(too_many(dt), Some(place));
+                        };
+                        (times, k) = (other, 1);
+                    }
                 }
                 Err(error) => {
                     self.no_equilibrium(&error, place);
@@ -123,7 +160,24 @@ impl Session<'_> {
             self.messages.flush();
         }
         self.messages.end_simulation();
-        Ok(())
+        self.simulation_ended()?;
+        if halted { Err(Stop::Finished) } else { Ok(()) }
+    }
+
+    /// Looks at the sensors and says which fired.
+    fn sense(&mut self) -> Sensed {
+        let sensed = self.model().sense();
+        if !sensed.said.is_empty() {
+            self.messages.say(&sensed.said);
+        }
+        sensed
+    }
+
+    fn simulation_ended(&mut self) -> Flow {
+        match self.model().outputs.simulation_ended() {
+            Ok(()) => Ok(()),
+            Err(diagnostic) => self.unwritable(&diagnostic),
+        }
     }
 
     fn model(&mut self) -> &mut Loaded {
@@ -218,7 +272,8 @@ pub(super) struct Failure {
 impl Loaded {
     /// Finds the equilibrium at a time (the current one if none is given). The state stays as it was where there is none.
     fn solve(&mut self, time: Option<f64>, mode: i32) -> Result<Report, Failure> {
-        let settings = Settings::from(&self.model.equilibrium);
+        let mut settings = Settings::from(&self.model.equilibrium);
+        settings.maxit = settings.maxit.min(MOST_ITERATIONS);
         let Compiled {
             system,
             parameters,
@@ -291,6 +346,13 @@ impl Loaded {
         outputs.begin(model, &system.state())?;
         outputs.step(kind, model, &mut Measures::new(system, parameters, state))
     }
+}
+
+fn too_many(dt: f64) -> Diagnostic {
+    Diagnostic::error(
+        Code::LimitExceeded,
+        format!("the DT of a sensor asks for an output every {dt}, more often than is done"),
+    )
 }
 
 fn no_dynamics() -> Diagnostic {

@@ -5,11 +5,45 @@ use super::chain::Sink;
 use super::scratch::Beside;
 use super::structure::Condition;
 use super::{Parameters, Scratch, State, System};
+use crate::mechanics::Vec3;
+use crate::model::MarkerIx;
 
 /// Steps of the differences of gradients: lengths by the model's length, angles in radians.
 const STEP: f64 = 1e-6;
 
 impl System {
+    /// The reaction of a GCON on the part of a marker: force, and torque about the marker's origin, ground axes; after
+    /// [`System::look`]. Zero if it is switched off or redundant.
+    pub fn read_condition(
+        &self,
+        id: u32,
+        marker: MarkerIx,
+        state: &State,
+        scratch: &Scratch,
+    ) -> (Vec3, Vec3) {
+        let part = self.owners[marker.0];
+        let place = self.place(part);
+        let mut reaction = [0.0; 6];
+        let is_it = |c: &&Condition| {
+            c.name.id == id && c.active && state.redundant.get(c.equation) != Some(&true)
+        };
+        if let Some(condition) = self.conditions.iter().find(is_it) {
+            let lambda = state.multipliers[condition.equation];
+            let value = scratch.functions[condition.function];
+            for &(unknown, derivative) in &scratch.gradient[value.first..value.last] {
+                if (place.first..place.first + place.freedoms).contains(&unknown) {
+                    // Generalised forces of a constraint: minus multiplier times gradient.
+                    reaction[unknown - place.first] -= lambda * derivative;
+                }
+            }
+        }
+        let force = Vec3::new(reaction[0], reaction[1], reaction[2]);
+        let about_part = Vec3::new(reaction[3], reaction[4], reaction[5]);
+        // T_I = T_part - r x F, with r from the part's origin to I.
+        let arm = scratch.arms[marker.0];
+        (force, about_part - arm.cross(&force))
+    }
+
     /// Adds residuals, gradients and reactions of the GCONs.
     pub(crate) fn add_conditions<S: Sink>(
         &self,

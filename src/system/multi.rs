@@ -100,6 +100,25 @@ impl System {
         (place, scratch.arms[marker], s)
     }
 
+    /// What an NFORCE does at each of its I markers; after [`System::look`].
+    ///
+    /// # Errors
+    /// [`NoValue`] if it is undefined in this configuration.
+    pub fn read_nforce(
+        &self,
+        id: u32,
+        parameters: &Parameters,
+        state: &State,
+        scratch: &mut Scratch,
+    ) -> Result<Vec<Reading>, NoValue> {
+        let Some(at) = self.multis.iter().position(|multi| multi.name.id == id) else {
+            return Ok(Vec::new());
+        };
+        (0..self.multis[at].i.len())
+            .map(|marker| self.read_multi((at, marker), parameters, state, scratch))
+            .collect()
+    }
+
     /// What an NFORCE does at one of its markers.
     pub(crate) fn read_multi(
         &self,

@@ -270,3 +270,150 @@ fn other_readers_find_every_column_of_our_results() {
         &[0.0, 5.0, 10.0],
     );
 }
+
+#[test]
+fn exit_codes_are_those_of_adams_or_of_the_house() {
+    // Commands; exit code; exit code with MDI_STRICT and of `admire solve`.
+    for (acf, usual, strict) in [
+        ("\nfile/model=slider\nSIM/STAT\nSTOP\n", 0, 0),
+        // Without STOP the end of the file ends the run.
+        ("\nfile/model=slider\nSIM/STAT\n", 0, 0),
+        ("\nfile/model=absent\nSIM/STAT\nSTOP\n", 2, 2),
+        ("\nfile/model=broken\nSIM/STAT\nSTOP\n", 1, 1),
+        // What stands behind STOP is not executed.
+        (
+            "\nfile/model=slider\nSIM/STAT\nSTOP\nfile/model=absent\n",
+            0,
+            0,
+        ),
+        (
+            "\nfile/model=slider\nSFORCE/1, FUNCTION=5\nSPRINGDAMPER/1, K=0\nSIM/STAT\nSTOP\n",
+            0,
+            3,
+        ),
+        (
+            "\nfile/model=slider\nPREFERENCES/SIMFAIL=STOPCF\nSFORCE/1, FUNCTION=5\nSPRINGDAMPER/1, K=0\nSIM/STAT\nSTOP\n",
+            3,
+            3,
+        ),
+        (
+            "\nfile/model=slider\nPREFERENCES/SIMFAIL=NOSTOPCF\nSFORCE/1, FUNCTION=5\nSPRINGDAMPER/1, K=0\nSIM/STAT\nSTOP\n",
+            0,
+            3,
+        ),
+        ("\nfile/model=slider\nLINEAR/EIGENSOL\nSTOP\n", 0, 1),
+    ] {
+        let broken = SLIDER.replace("I=21, J=11", "I=99, J=11");
+        let folder = folder(&[
+            ("slider.adm", SLIDER),
+            ("broken.adm", &broken),
+            ("run.acf", acf),
+        ]);
+        let ran = mdi(folder.path(), &["ru-s", "run"]);
+        assert_eq!(ran.code, usual, "{acf:?}: {}", ran.stdout);
+        let ran = mdi_with(folder.path(), &["ru-s", "run"], "", &[("MDI_STRICT", "1")]);
+        assert_eq!(ran.code, strict, "{acf:?} strictly: {}", ran.stdout);
+        let solved = std::process::Command::new(env!("CARGO_BIN_EXE_admire"))
+            .args(["solve", "run.acf"])
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        assert_eq!(solved.status.code(), Some(strict), "{acf:?} by admire");
+    }
+    let folder = folder(&[]);
+    assert_eq!(mdi(folder.path(), &["ru-s", "absent"]).code, 2);
+}
+
+#[test]
+fn callers_find_the_text_they_look_for_in_both_places() {
+    let commands = "! a remark\nSFORCE/1, FUNCTION=5\n\nSIM/STAT\nSIM/STAT, END=1, STEPS=2\nSPRINGDAMPER/1, K=0\nSIM/STAT\nSTOP";
+    let (folder, ran) = run(commands);
+    assert_eq!(ran.code, 0);
+    assert_eq!(ran.stdout, text(folder.path(), "slider.msg"));
+    for line in [
+        " command: FILE/COMMAND=run",
+        " command: ",
+        " command: file/model=slider",
+    ]
+    .into_iter()
+    .map(String::from)
+    .chain(commands.lines().map(|line| format!(" command: {line}")))
+    {
+        assert!(
+            ran.stdout.lines().any(|said| said == line),
+            "{line:?} in {}",
+            ran.stdout
+        );
+    }
+    let found = |part: &str| {
+        ran.stdout
+            .find(part)
+            .unwrap_or_else(|| panic!("{part} in {}", ran.stdout))
+    };
+    let order = [
+        "A slider on a spring",
+        " command: SIM/STAT\n",
+        "  Begin Static Solution",
+        "  Static Solution converged in ",
+        "  End Static Solution",
+        " command: SIM/STAT, END=1",
+        "****** Performing Quasi-Static Simulation ******",
+        "  End Simulation",
+        "---- START: ERROR ----",
+        "---- END: ERROR ----",
+        " command: STOP",
+        "Finished -----",
+    ]
+    .map(found);
+    assert!(order.is_sorted(), "{order:?}");
+}
+
+#[test]
+fn the_files_grow_step_by_step_and_hold_whole_steps() {
+    // The second simulation fails; what the first one wrote is there, and nothing of the second.
+    let deck = SLIDER.replace("OUTPUT/REQSAVE", "OUTPUT/REQSAVE, GRSAVE");
+    let acf = "\nfile/model=slider\nSFORCE/1, FUNCTION=5+0*TIME\nSIM/STAT, END=1, STEPS=2\nSPRINGDAMPER/1, K=0\nSIM/STAT\nSIM/STAT, END=2, STEPS=2\nSTOP\n";
+    let folder = folder(&[("slider.adm", &deck), ("run.acf", acf)]);
+    let ran = mdi(folder.path(), &["ru-s", "run"]);
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    assert_eq!(Results::read(folder.path(), "slider.res").steps.len(), 3);
+    let source =
+        admire::text::Source::new("slider.req", text(folder.path(), "slider.req").into_bytes());
+    near(
+        &admire::results::RequestFile::parse(&source).value.times,
+        &[0.0, 0.5, 1.0],
+    );
+    assert!(text(folder.path(), "slider.gra").contains("1.00000E+00"));
+    assert!(text(folder.path(), "slider.out").contains("1.00000E+00"));
+
+    // The answer of a run before is gone as soon as the model is named, in every file, even if the deck does not read or asks for
+    // other files.
+    for deck in [
+        deck.replace("I=21, J=11", "I=99, J=11"),
+        deck.replace(
+            "OUTPUT/REQSAVE, GRSAVE\nRESULTS/FORMATTED, XRF\n",
+            "OUTPUT/NOPRINT\n",
+        ),
+        "no deck at all".to_string(),
+    ] {
+        let other = self::folder(&[("slider.adm", &deck), ("run.acf", acf)]);
+        for extension in ["res", "req", "gra", "out", "msg"] {
+            std::fs::write(
+                other.path().join(format!("slider.{extension}")),
+                "the answer before",
+            )
+            .unwrap();
+        }
+        mdi(other.path(), &["ru-s", "run"]);
+        for extension in ["res", "req", "gra", "out", "msg"] {
+            let left = text(other.path(), &format!("slider.{extension}"));
+            assert!(!left.contains("the answer before"), "{extension}");
+            assert!(
+                extension == "msg"
+                    || deck.contains("K=10") && deck.contains("I=21")
+                    || left.is_empty(),
+                "{extension}: {left}"
+            );
+        }
+    }
+}

@@ -87,3 +87,153 @@ fn user_libraries_are_refused_by_name() {
         ran.stdout
     );
 }
+
+#[test]
+fn other_products_are_refused_by_name_and_are_file_names_after_the_word() {
+    let folder = folder(&[
+        ("slider.adm", SLIDER),
+        ("controls.acf", RUN),
+        ("n.acf", RUN),
+    ]);
+    for words in [
+        &["acar", "ru-solver", "run.acf"][..],
+        &["acar", "ru-acar", "b", "x.cmd"],
+        &["aview", "ru-standard", "i", "x"],
+        &["ru-u", "lib", "run.acf"],
+    ] {
+        let ran = mdi(folder.path(), words);
+        assert_eq!(ran.code, 2, "{words:?}");
+        assert!(
+            ran.stdout.contains("cannot be run by this solver"),
+            "{}",
+            ran.stdout
+        );
+        assert!(
+            words
+                .iter()
+                .any(|word| ran.stdout.contains(&format!("`{word}`"))),
+            "{}",
+            ran.stdout
+        );
+        assert!(!folder.path().join("slider.res").exists());
+    }
+    let ran = mdi(folder.path(), &["ru-standard", "controls"]);
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+}
+
+#[test]
+fn unknown_words_are_skipped_with_a_warning() {
+    let folder = folder(&[("slider.adm", SLIDER), ("run.acf", RUN)]);
+    let ran = mdi(
+        folder.path(),
+        &[
+            "-t",
+            "4",
+            "-c",
+            "ru-standard",
+            "n",
+            "16mb",
+            "i",
+            "run.acf",
+            "more",
+            "exit",
+        ],
+    );
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    for word in ["`-t 4`", "`n`", "`16mb`", "`more`"] {
+        let said = format!("the word {word} of the command line is not known here and is skipped");
+        assert!(ran.stdout.contains(&said), "{word}: {}", ran.stdout);
+    }
+    assert_eq!(ran.stdout.matches("---- START: WARNING ----").count(), 4);
+}
+
+#[test]
+fn the_name_it_is_started_under_does_not_matter() {
+    let tools = folder(&[]);
+    for name in ["adams2024_1", "mdi2005", "ADAMS08", "my solver.exe"] {
+        let program = tools.path().join(name);
+        std::fs::copy(env!("CARGO_BIN_EXE_mdi"), &program).unwrap();
+        let folder = folder(&[("slider.adm", SLIDER), ("run.acf", RUN)]);
+        for words in [&["ru-standard", "run"][..], &["run"]] {
+            let status = std::process::Command::new(&program)
+                .args(words)
+                .current_dir(folder.path())
+                .stdout(std::process::Stdio::null())
+                .status()
+                .unwrap();
+            assert!(status.success(), "{name}");
+            assert_eq!(
+                Results::read(folder.path(), "slider.res").steps.len(),
+                1,
+                "{name}"
+            );
+        }
+    }
+}
+
+#[test]
+fn paths_are_found_as_scripts_write_them() {
+    for (written, warning) in [
+        ("my runs/the slider", None),
+        (r"my runs\the slider.adm", None),
+        (r#""my runs\the slider""#, None),
+        ("'my runs/the slider.adm'", None),
+        ("  my runs/the slider  ", None),
+        (r"MY RUNS\The Slider.ADM", Some("[file-name-case]")),
+        (r"D:\work\the slider", Some("[foreign-path]")),
+        ("/home/somebody/else/the slider.adm", Some("[foreign-path]")),
+    ] {
+        let acf = format!(
+            "\nfile/model={written}, output_prefix=out\nSFORCE/1, FUNCTION=5\nSIMULATE/STATIC\nSTOP\n"
+        );
+        let folder = folder(&[("run.acf", &acf)]);
+        std::fs::create_dir(folder.path().join("my runs")).unwrap();
+        std::fs::write(folder.path().join("my runs/the slider.adm"), SLIDER).unwrap();
+        if warning == Some("[foreign-path]") {
+            std::fs::write(folder.path().join("the slider.adm"), SLIDER).unwrap();
+        }
+        let ran = mdi(folder.path(), &["ru-s", "run"]);
+        assert_eq!(ran.code, 0, "{written}: {}", ran.stdout);
+        assert_eq!(
+            Results::read(folder.path(), "out.res").steps.len(),
+            1,
+            "{written}"
+        );
+        match warning {
+            Some(code) => assert!(ran.stdout.contains(code), "{written}: {}", ran.stdout),
+            None => assert!(!ran.stdout.contains("WARNING"), "{written}: {}", ran.stdout),
+        }
+    }
+    // The command file's own path: absolute, with blanks, in quotes that a shell left on it.
+    let folder = folder(&[("slider.adm", SLIDER)]);
+    let acf = folder.path().join("a run.acf");
+    std::fs::write(&acf, RUN).unwrap();
+    for word in [acf.display().to_string(), format!("\"{}\"", acf.display())] {
+        let ran = mdi(folder.path(), &["-c", "ru-standard", "i", &word, "exit"]);
+        assert_eq!(ran.code, 0, "{}", ran.stdout);
+    }
+}
+
+#[test]
+fn byte_order_marks_and_the_end_of_dos_files_are_tolerated() {
+    let marked = |text: &str| format!("\u{feff}{text}\u{1a}\u{1a}");
+    for acf in [
+        "\nfile/model=slider\nSIM/STAT\nSTOP\n",
+        "slider\n\nSIM/STAT\n",
+        "\r\nfile/model=slider\r\nSIM/STAT\r\n",
+    ] {
+        let folder = folder(&[("slider.adm", &marked(SLIDER)), ("run.acf", &marked(acf))]);
+        let ran = mdi(folder.path(), &["ru-s", "run"]);
+        assert_eq!(ran.code, 0, "{acf:?}: {}", ran.stdout);
+        assert_eq!(
+            Results::read(folder.path(), "slider.res").steps.len(),
+            1,
+            "{acf:?}"
+        );
+        assert!(
+            !ran.stdout.contains("ERROR") && !ran.stdout.contains("WARNING"),
+            "{acf:?}: {}",
+            ran.stdout
+        );
+    }
+}

@@ -4,10 +4,14 @@
 mod common;
 
 mod commands;
+mod entities;
 mod errors;
+mod external;
 mod launch;
 mod reference;
 mod run;
 mod security;
+mod sensors;
 mod shims;
+mod study_solver;
 mod toolkit;

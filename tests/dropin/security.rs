@@ -1,4 +1,7 @@
-use crate::run::{Results, SLIDER, folder, mdi, mdi_with};
+use std::path::Path;
+use std::process::Command;
+
+use crate::run::{Results, SLIDER, folder, mdi, mdi_with, text};
 
 #[test]
 fn a_command_file_writes_only_in_the_folders_of_its_run() {
@@ -57,5 +60,269 @@ fn absurd_sizes_are_refused_at_once() {
         assert!(start.elapsed().as_secs() < 20, "{command}");
         assert_ne!(ran.code, 0, "{command}: {}", ran.stdout);
         assert!(ran.stdout.contains("---- START: ERROR ----"), "{command}");
+    }
+}
+
+/// Everything below a folder, as paths.
+fn listing(folder: &Path) -> Vec<String> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() && !path.is_symlink() {
+            found.extend(listing(&path));
+        }
+        found.push(path.display().to_string());
+    }
+    found.sort();
+    found
+}
+
+/// The files of the program itself.
+fn sources() -> Vec<String> {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let all = listing(&src).into_iter();
+    all.filter(|path| Path::new(path).extension().is_some_and(|e| e == "rs"))
+        .collect()
+}
+
+/// A folder `run` with the slider and a command file, beside a folder `victim` with a file of somebody else.
+fn beside_a_victim(commands: &str) -> tempfile::TempDir {
+    let place = folder(&[]);
+    for name in ["run", "victim", "victim/deeper"] {
+        std::fs::create_dir(place.path().join(name)).unwrap();
+    }
+    std::fs::write(place.path().join("victim/mine.res"), "mine").unwrap();
+    std::fs::write(place.path().join("run/slider.adm"), SLIDER).unwrap();
+    let commands = commands.replace("PLACE", &place.path().display().to_string());
+    std::fs::write(place.path().join("run/run.acf"), commands).unwrap();
+    place
+}
+
+#[test]
+fn no_spelling_of_a_path_leads_out_of_the_folders_of_a_run() {
+    for commands in [
+        "\nfile/model=slider, output_prefix=PLACE/victim/mine\nSIM/STAT\n",
+        "\nfile/model=slider, output_prefix=../victim/mine\nSIM/STAT\n",
+        "\nfile/model=slider, output_prefix=..\\victim\\mine\nSIM/STAT\n",
+        "\nfile/model=slider, output_prefix=\"C:PLACE/victim/mine\"\nSIM/STAT\n",
+        "\nfile/model=slider, output_prefix=x/../../victim/mine\nSIM/STAT\n",
+        "slider\n../victim/mine\nSIM/STAT\n",
+        "\nfile/model=slider\nSIM/STAT\nSAVE/FILE=PLACE/victim/new\n",
+        "\nfile/model=slider\nSIM/STAT\nSAVE/FILE=../victim/mine.res\n",
+        // A command file or model elsewhere, by whatever name, opens no folder.
+        "\nFILE/COMMAND=PLACE/victim/mine.res\nfile/model=slider, output_prefix=PLACE/victim/mine\nSIM/STAT\n",
+        "\nfile/model=PLACE/victim/mine.res, output_prefix=PLACE/victim/new\nSIM/STAT\n",
+    ] {
+        let place = beside_a_victim(commands);
+        let before = listing(&place.path().join("victim"));
+        mdi(&place.path().join("run"), &["ru-s", "run"]);
+        assert_eq!(
+            text(&place.path().join("victim"), "mine.res"),
+            "mine",
+            "{commands}"
+        );
+        assert_eq!(listing(&place.path().join("victim")), before, "{commands}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn links_are_followed_before_they_are_judged() {
+    use std::os::unix::fs::symlink;
+    let commands = "\nfile/model=slider\nSIM/STAT\nSTOP\n";
+    // The results file itself, a folder on the way, and a link to nothing yet.
+    for (link, to) in [
+        ("slider.res", "victim/mine.res"),
+        ("slider.msg", "victim/new"),
+        ("slider.out", "victim/deeper"),
+    ] {
+        let place = beside_a_victim(commands);
+        symlink(place.path().join(to), place.path().join("run").join(link)).unwrap();
+        let before = listing(&place.path().join("victim"));
+        let ran = mdi(&place.path().join("run"), &["ru-s", "run"]);
+        assert_ne!(ran.code, 0, "{link}: {}", ran.stdout);
+        assert_eq!(
+            text(&place.path().join("victim"), "mine.res"),
+            "mine",
+            "{link}"
+        );
+        assert_eq!(listing(&place.path().join("victim")), before, "{link}");
+    }
+    let place = beside_a_victim("\nfile/model=slider, output_prefix=link/mine\nSIM/STAT\n");
+    symlink(place.path().join("victim"), place.path().join("run/link")).unwrap();
+    let ran = mdi(&place.path().join("run"), &["ru-s", "run"]);
+    assert!(ran.stdout.contains("[write-outside]"), "{}", ran.stdout);
+    assert_eq!(text(&place.path().join("victim"), "mine.res"), "mine");
+}
+
+#[test]
+fn a_model_elsewhere_may_have_its_results_beside_it_and_no_deeper() {
+    let place = beside_a_victim(
+        "\nfile/model=PLACE/victim/slider, output_prefix=PLACE/victim/answer\nSIM/STAT\n",
+    );
+    std::fs::write(place.path().join("victim/slider.adm"), SLIDER).unwrap();
+    let ran = mdi(&place.path().join("run"), &["ru-s", "run"]);
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    assert_eq!(
+        Results::read(&place.path().join("victim"), "answer.res")
+            .steps
+            .len(),
+        1
+    );
+    let acf = format!(
+        "\nfile/model={0}/slider, output_prefix={0}/deeper/answer\nSIM/STAT\n",
+        place.path().join("victim").display()
+    );
+    std::fs::write(place.path().join("run/run.acf"), acf).unwrap();
+    let ran = mdi(&place.path().join("run"), &["ru-s", "run"]);
+    assert_eq!(ran.code, 2, "{}", ran.stdout);
+    assert!(ran.stdout.contains("[write-outside]"), "{}", ran.stdout);
+}
+
+#[test]
+fn decks_and_command_files_start_no_process() {
+    let deck = SLIDER
+        .replacen(
+            "A slider on a spring",
+            "$(touch pwned) `touch pwned`; touch pwned",
+            1,
+        )
+        .replacen("REQUEST/1", "STRING/1, STRING=$(touch pwned)\nREQUEST/1", 1);
+    let acf = "\nfile/model=slider, output_prefix=$(touch pwned)\n! `touch pwned`\n!touch pwned\nSIM/STAT\n\
+        ENVIRONMENT/NAME=PATH, VALUE=.\nPREFERENCES/LIBPATH=.\nCONTROL/FUNCTION=USER(1)\\, ROUTINE=evil::sub\n\
+        SAVE/FILE=x;touch pwned\nRELOAD/FILE=|touch pwned\nSTOP\n";
+    let folder = folder(&[
+        ("slider.adm", &deck),
+        ("run.acf", acf),
+        ("evil.so", "not a library"),
+    ]);
+    mdi(folder.path(), &["ru-s", "run; touch pwned"]);
+    mdi(folder.path(), &["ru-s", "run"]);
+    assert!(!folder.path().join("pwned").exists());
+    // What starts programs is one file, which only a study reaches.
+    let starts: Vec<String> = sources()
+        .into_iter()
+        .filter(|path| {
+            std::fs::read_to_string(path)
+                .unwrap()
+                .contains("Command::new(")
+        })
+        .map(|path| path.replace('\\', "/"))
+        .collect();
+    assert!(
+        starts.len() == 1 && starts[0].ends_with("src/backend/process.rs"),
+        "{starts:?}"
+    );
+}
+
+#[test]
+fn interfaces_that_only_unix_has_are_in_one_file() {
+    let found: Vec<String> = sources()
+        .into_iter()
+        .filter(|path| {
+            let text = std::fs::read_to_string(path).unwrap();
+            [
+                "os::unix",
+                "os::linux",
+                "cfg(unix)",
+                "libc::",
+                "/dev/",
+                "/proc/",
+            ]
+            .iter()
+            .any(|word| text.contains(word))
+        })
+        .map(|path| path.replace('\\', "/"))
+        .collect();
+    assert!(
+        found.len() == 1 && found[0].ends_with("src/cli/permissions.rs"),
+        "{found:?}"
+    );
+}
+
+#[test]
+fn nothing_endless_is_read_or_tried() {
+    // A device never ends; a matrix of four thousand million rows is not made; MAXIT is no way to hang.
+    let matrix = "MATRIX/1, SPARSE, ROWS=4294967296, COLUMNS=4294967296, DATA=1,1,1\nARRAY/1, X, SIZE=4000000000\n\
+        ARRAY/2, U, SIZE=1, VARIABLES=1\nVARIABLE/1, FUNCTION=0\nLSE/1, X=1, U=2, A=1, B=1\nREQUEST/1";
+    for (deck, command) in [
+        (SLIDER.to_string(), "RELOAD/FILE=/dev/zero"),
+        (SLIDER.to_string(), "FILE/COMMAND=/dev/zero"),
+        (SLIDER.to_string(), "FILE/MODEL=/dev/zero"),
+        (SLIDER.replacen("REQUEST/1", matrix, 1), "SIM/STAT"),
+        (
+            SLIDER.replace("K=10", "K=0"),
+            "EQUILIBRIUM/MAXIT=2000000000\nSFORCE/1, FUNCTION=5\nSIM/STAT",
+        ),
+        (SLIDER.to_string(), "SIM/STAT, END=1, STEPS=1E300"),
+        (SLIDER.to_string(), "SIM/STAT, END=1E300, STEPS=100001"),
+        (
+            SLIDER.to_string(),
+            "DEACTIVATE/SFORCE, RANGE=1, 4294967295\nACTIVATE/SFORCE, RANGE=0, 1E30",
+        ),
+    ] {
+        let acf = format!("\nfile/model=slider\n{command}\nSTOP\n");
+        let folder = folder(&[("slider.adm", &deck), ("run.acf", &acf)]);
+        let start = std::time::Instant::now();
+        let ran = mdi_with(folder.path(), &["ru-s", "run"], "", &[("MDI_STRICT", "1")]);
+        assert!(start.elapsed().as_secs() < 60, "{command}");
+        assert!(
+            (0..=3).contains(&ran.code),
+            "{command}: {} {}",
+            ran.code,
+            ran.stderr
+        );
+        assert!(
+            !ran.stderr.contains("panicked"),
+            "{command}: {}",
+            ran.stderr
+        );
+        assert!(
+            ran.stdout.contains("---- START: "),
+            "{command}: {}",
+            ran.stdout
+        );
+    }
+}
+
+fn solve(folder: &Path, words: &[&str]) -> std::process::Output {
+    Command::new(env!("CARGO_BIN_EXE_admire"))
+        .current_dir(folder)
+        .arg("solve")
+        .args(words)
+        .env_remove("ADMIRE_ALLOW_PATH")
+        .output()
+        .unwrap()
+}
+
+#[test]
+fn admire_solve_reads_only_the_folders_of_the_run() {
+    for command in [
+        "file/model=PLACE/victim/slider",
+        "file/model=../victim/slider",
+        "FILE/COMMAND=../victim/other",
+    ] {
+        let place = beside_a_victim(&format!("\n{command}\nSIM/STAT\nSTOP\n"));
+        let victim = place.path().join("victim");
+        std::fs::write(victim.join("slider.adm"), SLIDER).unwrap();
+        std::fs::write(victim.join("other.acf"), "\nfile/model=slider\n").unwrap();
+        let run = place.path().join("run");
+        let refused = solve(&run, &["run.acf"]);
+        let said = String::from_utf8_lossy(&refused.stdout).into_owned();
+        assert_eq!(refused.status.code(), Some(2), "{said}");
+        assert!(
+            said.contains("[read-outside]") && !said.contains("Model Title"),
+            "{said}"
+        );
+        let allowed = solve(
+            &run,
+            &["run.acf", "--allow-path", &victim.display().to_string()],
+        );
+        assert_eq!(
+            allowed.status.code(),
+            Some(0),
+            "{}",
+            String::from_utf8_lossy(&allowed.stdout)
+        );
     }
 }

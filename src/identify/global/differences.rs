@@ -2,7 +2,7 @@
 
 use super::predictor::{CaseChange, CasePrediction, Observed, Prediction, Predictor};
 use super::unknown::{Direction, Numbers};
-use crate::backend::{Backend, Load, LoadProgramme, SweepRequest};
+use crate::backend::{Backend, BackendError, Load, LoadProgramme, SweepRequest};
 use crate::identify::Problem;
 use crate::mechanics::{Pose, log};
 use crate::syntax::Address;
@@ -20,7 +20,11 @@ pub struct DifferencePredictor<'a> {
     backend: &'a mut dyn Backend,
     observed: Observed,
     sweeps: usize,
+    failure: Failure,
 }
+
+/// Why the last run that gave no answer at all gave none.
+pub(super) type Failure = std::rc::Rc<std::cell::RefCell<Option<BackendError>>>;
 
 impl<'a> DifferencePredictor<'a> {
     /// For a study's problem, its compiled deck and whoever solves it.
@@ -37,31 +41,62 @@ impl<'a> DifferencePredictor<'a> {
             backend,
             observed,
             sweeps: 0,
+            failure: Failure::default(),
         }
     }
 
-    fn sweep(&mut self, numbers: &Numbers) -> Vec<Option<Vec<Pose>>> {
-        self.sweeps += 1;
-        let catalogue = self.system.catalogue();
-        let theta: Vec<(Address, f64)> = catalogue
-            .slots()
-            .filter(|slot| numbers.theta.get(*slot).to_bits() != self.deck.get(*slot).to_bits())
-            .map(|slot| (catalogue.info(slot).address, numbers.theta.get(slot)))
-            .collect();
-        let programme = self.programme(numbers);
-        let request = SweepRequest {
-            dataset: self.problem.dataset,
-            model: self.problem.model,
-            theta: &theta,
-            programme: &programme,
-        };
+    /// Where failures of whole runs are told.
+    pub(super) fn failure(&self) -> Failure {
+        self.failure.clone()
+    }
+
+    /// Poses of every case at each of these numbers; the runs go side by side where the backend can.
+    fn sweep(&mut self, all: &[Numbers]) -> Vec<Vec<Option<Vec<Pose>>>> {
         let cases = self.problem.programme.cases.len();
-        match self.backend.sweep(&request) {
-            Ok(sweep) => (0..cases)
-                .map(|case| sweep.equilibrium(case).map(|e| e.poses.clone()))
-                .collect(),
-            Err(_) => vec![None; cases],
+        let lasting =
+            |failure: &Option<BackendError>| failure.as_ref().is_some_and(BackendError::is_lasting);
+        if lasting(&self.failure.borrow()) {
+            return vec![vec![None; cases]; all.len()];
         }
+        self.sweeps += all.len();
+        let catalogue = self.system.catalogue();
+        let asked: Vec<(Vec<(Address, f64)>, LoadProgramme)> = all
+            .iter()
+            .map(|numbers| {
+                let changed = catalogue.slots().filter(|slot| {
+                    numbers.theta.get(*slot).to_bits() != self.deck.get(*slot).to_bits()
+                });
+                let theta = changed
+                    .map(|slot| (catalogue.info(slot).address, numbers.theta.get(slot)))
+                    .collect();
+                (theta, self.programme(numbers))
+            })
+            .collect();
+        let requests: Vec<SweepRequest<'_>> = asked
+            .iter()
+            .map(|(theta, programme)| SweepRequest {
+                dataset: self.problem.dataset,
+                model: self.problem.model,
+                theta,
+                programme,
+            })
+            .collect();
+        let answers = self.backend.sweeps(&requests);
+        answers
+            .into_iter()
+            .map(|answer| match answer {
+                Ok(sweep) => (0..cases)
+                    .map(|case| sweep.equilibrium(case).map(|e| e.poses.clone()))
+                    .collect(),
+                Err(error) => {
+                    let mut failure = self.failure.borrow_mut();
+                    if !lasting(&failure) {
+                        *failure = Some(error);
+                    }
+                    vec![None; cases]
+                }
+            })
+            .collect()
     }
 
     /// The study's programme with what the unknowns add from case to case.
@@ -112,8 +147,14 @@ impl Predictor for DifferencePredictor<'_> {
     }
 
     fn predict(&mut self, numbers: &Numbers, directions: Option<&[Direction]>) -> Prediction {
-        let centre = self.sweep(numbers);
-        let mut out: Prediction = centre
+        let directions = directions.unwrap_or_default();
+        let mut all = vec![numbers.clone()];
+        for direction in directions {
+            all.extend([STEP, -STEP].map(|step| moved(numbers, direction, step)));
+        }
+        let mut swept = self.sweep(&all).into_iter();
+        let mut next = || swept.next().expect("an answer for each request");
+        let mut out: Prediction = next()
             .into_iter()
             .map(|poses| {
                 Some(CasePrediction {
@@ -123,9 +164,8 @@ impl Predictor for DifferencePredictor<'_> {
                 })
             })
             .collect();
-        for direction in directions.unwrap_or_default() {
-            let up = self.sweep(&moved(numbers, direction, STEP));
-            let down = self.sweep(&moved(numbers, direction, -STEP));
+        for _ in directions {
+            let (up, down) = (next(), next());
             for (prediction, (up, down)) in out.iter_mut().zip(up.iter().zip(&down)) {
                 let change = |part: &crate::model::PartIx| {
                     let (Some(up), Some(down)) = (up, down) else {

@@ -468,21 +468,19 @@ pub fn fit_study<'a>(
     let observations = Observations::new(problem.measurement, problem.model, &cases);
     let unknowns = fit_unknowns(problem, &prepared.system, options.start.as_deref());
     let observed = observations.observed.clone();
-    let (name, predictor): (&str, Box<dyn Predictor + 'a>) = match backend {
-        None => ("native", Box::new(prepared.native(problem, observed)?)),
-        Some(backend) => {
-            let name = backend.name();
-            (
-                name,
-                Box::new(DifferencePredictor::new(
-                    problem,
-                    &prepared.system,
-                    backend,
-                    observed,
-                )),
-            )
-        }
+    let Some(backend) = backend else {
+        let predictor = Box::new(prepared.native(problem, observed)?);
+        let global = global_problem(problem, observations, unknowns, predictor);
+        return identify(problem, global, "native", options);
     };
-    let global = global_problem(problem, observations, unknowns, predictor);
-    identify(problem, global, name, options)
+    let name = backend.name();
+    let predictor = DifferencePredictor::new(problem, &prepared.system, backend, observed);
+    let failure = predictor.failure();
+    let global = global_problem(problem, observations, unknowns, Box::new(predictor));
+    let outcome = identify(problem, global, name, options);
+    match (outcome, failure.take()) {
+        (Err(IdentifyError::NoCases(None)), Some(error)) => Err(error.into()),
+        (_, Some(error)) if error.is_lasting() => Err(error.into()),
+        (outcome, _) => outcome,
+    }
 }

@@ -149,6 +149,7 @@ pub(super) fn gear(reader: &mut Reader, old: Option<&Gear>) -> Option<Gear> {
 pub(super) fn gcon(reader: &mut Reader, old: Option<&Gcon>) -> Option<Gcon> {
     Some(Gcon {
         header: reader.header(old.map(|old| &old.header)),
+        i: reader.marker("I", old.and_then(|old| old.i)),
         function: reader.function("FUNCTION", old.map(|old| &old.function))?,
     })
 }

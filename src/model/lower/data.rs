@@ -1,8 +1,8 @@
 use super::reader::Reader;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::{
-    ArrayData, ArrayKind, Diff, Function, LinearStates, MarkerIx, Request, RequestKind, Sensor,
-    SensorCompare, Spline, StringData, Variable,
+    ArrayData, ArrayKind, Diff, Function, LinearStates, MarkerIx, PlantPort, Request, RequestKind,
+    Sensor, SensorCompare, Spline, StringData, Variable,
 };
 use crate::syntax::files::Files;
 use crate::syntax::property::PropertyFile;
@@ -234,6 +234,24 @@ pub(super) fn sensor(reader: &mut Reader, old: Option<&Sensor>) -> Option<Sensor
         evaluate: reader.function("EVALUATE", old.and_then(|old| old.evaluate.as_ref())),
         stops: halts || reader.flag("RETURN", old.is_some_and(|old| old.stops)),
         halts,
+        angle: reader.flag("ANGLE", old.is_some_and(|old| old.angle)),
+        dt: reader
+            .given("DT")
+            .and_then(|argument| Some(argument.numbers().first()?.value))
+            .or_else(|| old.and_then(|old| old.dt)),
+    })
+}
+
+/// PINPUT and POUTPUT.
+#[allow(clippy::unnecessary_wraps)] // All readers have one signature.
+pub(super) fn plant_port(reader: &mut Reader, old: Option<&PlantPort>) -> Option<PlantPort> {
+    Some(PlantPort {
+        header: reader.header(old.map(|old| &old.header)),
+        kind: reader.def.name,
+        variables: reader
+            .written_ids("VARIABLES")
+            .or_else(|| old.map(|old| old.variables.clone()))
+            .unwrap_or_default(),
     })
 }
 

@@ -47,6 +47,7 @@ macro_rules! in_list {
             "SPLINE" => $do!(splines, data::spline, $($arguments)*),
             "STRING" => $do!(strings, data::string, $($arguments)*),
             "SENSOR" => $do!(sensors, data::sensor, $($arguments)*),
+            "PINPUT" | "POUTPUT" => $do!(plant_ports, data::plant_port, $($arguments)*),
             "REQUEST" => $do!(requests, data::request, $($arguments)*),
             _ => $none,
         }
@@ -327,8 +328,11 @@ impl Lowering<'_> {
         }
         in_list!(
             def.name,
-            {
-                settings::settings(&mut reader, &mut self.model);
+            match def.name {
+                "FRICTION" => self.model.frictions.push(reader.header(None)),
+                _ => {
+                    settings::settings(&mut reader, &mut self.model);
+                }
             },
             push,
         );

@@ -144,7 +144,8 @@ impl Reader<'_> {
         let by_columns = statement
             .argument("FULL")
             .is_some_and(|full| full.choices(self.source).contains(&"CORDER"));
-        if statement.has("SPARSE") && rows * columns <= MOST_VALUES {
+        let size = rows.max(1).checked_mul(columns.max(1));
+        if statement.has("SPARSE") && size.is_some_and(|size| size <= MOST_VALUES) {
             let mut matrix = vec![vec![0.0; columns]; rows];
             for entry in statement.numbers("DATA").chunks_exact(3) {
                 let (row, column) = (entry[0].value as usize, entry[1].value as usize);

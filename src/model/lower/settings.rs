@@ -109,6 +109,12 @@ fn output(reader: &Reader, old: &OutputSettings) -> OutputSettings {
         grsave: reader.flag("GRSAVE", old.grsave),
         noprint: reader.flag("NOPRINT", old.noprint),
         noseparator: reader.flag("NOSEPARATOR", old.noseparator),
+        ypr: reader.flag("YPR", old.ypr),
+        fixed: reader.flag("FIXED", old.fixed),
+        teletype: reader.flag("TELETYPE", old.teletype),
+        zero: std::array::from_fn(|k| {
+            reader.real(["DZERO", "VZERO", "AZERO", "FZERO"][k], Some(old.zero[k]))
+        }),
     }
 }
 

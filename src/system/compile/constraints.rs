@@ -169,6 +169,9 @@ impl Compiler<'_> {
     fn conditions(&mut self) {
         for g in &self.model.gcons {
             let owner = name("GCON", &g.header);
+            if let Some(i) = g.i {
+                self.used[i.0] = true;
+            }
             let function = self.function(&g.function, &owner, None, Dimension::NONE);
             self.conditions.push(Condition {
                 name: owner,

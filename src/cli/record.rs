@@ -1,0 +1,67 @@
+use std::path::PathBuf;
+
+use crate::backend::Recording;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::identify::LoadedStudy;
+use crate::rig::settings::BackendChoice;
+
+use super::Outcome;
+use super::identify::{MethodChoice, identified};
+use super::shell::{Exit, Shell};
+use super::solver;
+
+/// Record the runs of a study's external solver, so that `backend = "replay"` serves them without it.
+///
+/// The study is identified as `admire identify` would with `backend = "command"`; each run that gave an answer is kept with its deck,
+/// command file, results and messages, under the content of the first two. Nothing else is written.
+#[derive(clap::Args, Debug)]
+pub(super) struct Arguments {
+    /// The study's folder.
+    study: PathBuf,
+    /// Where the runs are kept, instead of the study's own `[solver] recordings`.
+    #[arg(long, value_name = "DIR")]
+    into: Option<PathBuf>,
+    /// The method, instead of the study's own.
+    #[arg(long, value_enum)]
+    method: Option<MethodChoice>,
+}
+
+/// Runs the study and keeps its runs.
+pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    let checked = LoadedStudy::read(&arguments.study);
+    if let Some(loaded) = &checked.value {
+        shell.sources.add(loaded.study.source.clone());
+        shell.sources.add(loaded.study.deck.clone());
+    }
+    shell.complain(&checked.diagnostics);
+    let Some(mut loaded) = checked.value else {
+        return Err(Exit::Findings);
+    };
+    if let Some(method) = arguments.method {
+        loaded.study.identify.method = method.into();
+    }
+    // Whatever the study asks for otherwise: a native run has nothing to record.
+    loaded.study.solver.backend = BackendChoice::Command;
+    let mut backend = solver::command(&loaded.study, None, shell);
+    let recording = match &arguments.into {
+        Some(folder) => Recording::new(folder),
+        None => solver::recording(&loaded.study),
+    };
+    backend.record = Some(recording.clone());
+    let outcome = identified(&loaded, &mut backend, shell);
+    let (runs, failed) = backend.tally();
+    shell.print(&format!(
+        "{} of {runs} runs gave an answer and were recorded; {} holds {} runs\n",
+        runs - failed,
+        recording.folder.display(),
+        recording.count()
+    ));
+    match outcome {
+        Ok(fit) if fit.converged => Ok(Exit::Fine),
+        Ok(_) => Ok(Exit::NoAnswer),
+        Err(error) => {
+            shell.fail(Diagnostic::error(Code::NoFit, error.to_string()));
+            Err(Exit::NoAnswer)
+        }
+    }
+}

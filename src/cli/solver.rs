@@ -1,0 +1,82 @@
+//! Who solves a study: the backend `[solver]` asks for, announced before it runs.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use crate::backend::{Backend, CommandBackend, NativeBackend, Recording, ReplayBackend};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::rig::Study;
+use crate::rig::settings::BackendChoice;
+
+use super::shell::Shell;
+
+/// The backend of a study. `keep`: run folders of an external program are made there and stay.
+pub(super) fn backend(study: &Study, keep: Option<PathBuf>, shell: &Shell) -> Box<dyn Backend> {
+    match study.solver.backend {
+        BackendChoice::Native => Box::new(NativeBackend::new()),
+        BackendChoice::Command => Box::new(command(study, keep, shell)),
+        BackendChoice::Replay => Box::new(ReplayBackend::new(recording(study))),
+    }
+}
+
+/// The recorded runs of a study.
+pub(super) fn recording(study: &Study) -> Recording {
+    Recording::new(study.folder.join(&study.solver.recordings.text))
+}
+
+/// The external program of a study. Says which one it is before it is ever started: only `study.toml` names a program, and
+/// whoever runs a study of somebody else wants to know.
+pub(super) fn command(study: &Study, keep: Option<PathBuf>, shell: &Shell) -> CommandBackend {
+    let solver = &study.solver;
+    let mut words = solver.command.clone();
+    let mut shown = words.join(" ");
+    if let Some(program) = words.first_mut() {
+        // A program beside the study; runs have folders of their own.
+        if Path::new(program.as_str()).components().count() > 1 {
+            let beside = study.folder.join(program.as_str());
+            *program = std::path::absolute(&beside)
+                .unwrap_or(beside)
+                .display()
+                .to_string();
+        }
+        let found = found_on_path(program);
+        shown = format!(
+            "{shown} ({})",
+            found.map_or_else(
+                || "there is no such program here".to_string(),
+                |path| path.display().to_string()
+            )
+        );
+    }
+    shell.complain(&[Diagnostic::note(
+        Code::RunsProgram,
+        format!("every equilibrium is solved by a program that study.toml names: {shown}"),
+    )]);
+    let mut backend = CommandBackend::new(words, Duration::from_secs_f64(solver.timeout_s));
+    backend.jobs = solver.jobs;
+    backend.keep = keep;
+    backend
+}
+
+/// Where the system finds a program.
+fn found_on_path(program: &str) -> Option<PathBuf> {
+    let given = Path::new(program);
+    let folders: Vec<PathBuf> = if given.components().count() > 1 {
+        vec![PathBuf::new()]
+    } else {
+        std::env::split_paths(&std::env::var_os("PATH")?).collect()
+    };
+    let endings: &[&str] = if cfg!(windows) {
+        &["", ".exe", ".bat", ".cmd"]
+    } else {
+        &[""]
+    };
+    folders
+        .iter()
+        .flat_map(|folder| {
+            endings
+                .iter()
+                .map(move |ending| folder.join(format!("{program}{ending}")))
+        })
+        .find(|path| path.is_file())
+}

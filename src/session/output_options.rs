@@ -1,0 +1,71 @@
+//! Options of OUTPUT and RESULTS that ask for what is not written here.
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::syntax::{Dataset, Statement};
+
+/// Options of OUTPUT, and what ADAMS would do.
+const OUTPUT: [(&str, &str); 15] = [
+    ("GR5", "a graphics file of an old kind"),
+    ("GR521SAV", "a graphics file of an old kind"),
+    ("MATSAVE", "a file for MATLAB"),
+    ("DACSAVE", "a DAC file"),
+    ("RPCSAVE", "an RPC III file"),
+    ("CHART", "charts in the tabular output"),
+    ("DPRINT", "tables of part displacements"),
+    ("VPRINT", "tables of part velocities"),
+    ("APRINT", "tables of part accelerations"),
+    ("FPRINT", "tables of forces"),
+    ("OSFORMAT", "numbers as the system spells them"),
+    ("DSCALE", "scaled charts of displacements"),
+    ("VSCALE", "scaled charts of velocities"),
+    ("ASCALE", "scaled charts of accelerations"),
+    ("FSCALE", "scaled charts of forces"),
+];
+
+/// A warning for each such option of a dataset.
+///
+/// A results file is text or binary unless XRF is given, and the binary kind is the default (help page `fstate_results`). Neither
+/// layout is public beyond the displacements of parts, so XML is written in their place, and said.
+pub(super) fn not_written(dataset: &Dataset) -> Vec<Diagnostic> {
+    let mut found = Vec::new();
+    let mut warn = |statement: &Statement, option: Option<&str>, what: &str, help: Option<&str>| {
+        let span = option
+            .and_then(|name| statement.argument(name))
+            .map_or(statement.keyword, |argument| argument.span);
+        let mut warning = Diagnostic::warning(Code::OutputNotWritten, what.to_string());
+        warning = warning.label(dataset.source().name(), span, "");
+        if let Some(help) = help {
+            warning = warning.help(help);
+        }
+        found.push(warning);
+    };
+    if let Some(output) = dataset.statement("OUTPUT", None) {
+        for (option, what) in OUTPUT {
+            if output.has(option) {
+                let said = format!("OUTPUT/{option} asks for {what}, which is not written");
+                warn(output, Some(option), &said, None);
+            }
+        }
+    }
+    if let Some(results) = dataset.statement("RESULTS", None)
+        && !results.has("XRF")
+    {
+        let (option, kind) = if results.has("FORMATTED") {
+            (Some("FORMATTED"), "plain text")
+        } else {
+            (
+                results.has("UNFORMATTED").then_some("UNFORMATTED"),
+                "binary",
+            )
+        };
+        warn(
+            results,
+            option,
+            &format!(
+                "without XRF the results file of ADAMS is {kind}; here it is XML all the same"
+            ),
+            Some("RESULTS/XRF asks both for XML, and for the same columns"),
+        );
+    }
+    found
+}

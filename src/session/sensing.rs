@@ -1,0 +1,89 @@
+//! SENSORs: what is watched at every output step of a static or quasi-static simulation.
+
+use std::fmt::Write as _;
+
+use super::loaded::{Compiled, Loaded};
+use super::message::exponent;
+use crate::system::Scratch;
+
+/// What the sensors that fired at an output step ask for.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub(super) struct Sensed {
+    /// What is said of them.
+    pub said: String,
+    /// HALT: the whole run ends.
+    pub halts: bool,
+    /// RETURN: this simulation ends.
+    pub returns: bool,
+    /// DT: the time between output steps from here on.
+    pub dt: Option<f64>,
+}
+
+impl Loaded {
+    /// Looks at every active sensor at the state that was just written. One that fires keeps its EVALUATE for SENVAL.
+    ///
+    /// CODGEN, RESTART, STEPSIZE and YYDUMP concern integrators and other solvers; what PRINT asks for is written at every output
+    /// step anyway.
+    pub fn sense(&mut self) -> Sensed {
+        let mut sensed = Sensed::default();
+        if self
+            .model
+            .sensors
+            .iter()
+            .all(|sensor| !sensor.header.active)
+        {
+            return sensed;
+        }
+        self.compiled();
+        let Self {
+            model,
+            compiled: Some(compiled),
+            ..
+        } = self
+        else {
+            return sensed;
+        };
+        let Compiled {
+            system,
+            parameters,
+            state,
+            ..
+        } = compiled;
+        let mut scratch = Scratch::new(system);
+        // A function without a value fires nothing.
+        let _ = system.look(parameters, state, &mut scratch);
+        for (index, sensor) in model.sensors.iter().enumerate() {
+            if !sensor.header.active {
+                continue;
+            }
+            let Ok(value) = system.read_sensor(index, parameters, state, &mut scratch) else {
+                continue;
+            };
+            if !sensor.fires(value) {
+                continue;
+            }
+            if let Ok(Some(kept)) =
+                system.read_sensor_evaluate(index, parameters, state, &mut scratch)
+            {
+                state.sensors[index] = kept;
+            }
+            let what = match (sensor.halts, sensor.stops) {
+                (true, _) => "; it halts the run",
+                (false, true) => "; it ends the simulation",
+                (false, false) => "",
+            };
+            _ = writeln!(
+                sensed.said,
+                "\n  SENSOR/{} '{}' is active at T = {}: its value is {}{what}",
+                sensor.header.id,
+                sensor.header.name,
+                exponent(state.time, 5),
+                exponent(value, 5)
+            );
+            sensed.halts |= sensor.halts;
+            sensed.returns |= sensor.stops;
+            sensed.dt = sensor.dt.filter(|dt| *dt > 0.0).or(sensed.dt);
+        }
+        sensed
+    }
+}

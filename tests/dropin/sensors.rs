@@ -1,0 +1,127 @@
+//! SENSORs act on static and quasi-static simulations after each output step.
+
+use crate::run::{Ran, Results, SLIDER, folder, mdi};
+
+/// The slider, which is at z = TIME, with a sensor.
+fn run(sensor: &str, commands: &str) -> (Results, Ran) {
+    let deck = SLIDER.replacen("REQUEST/1", &format!("{sensor}\nREQUEST/1"), 1);
+    let acf = format!("\nfile/model=slider\n{commands}\n");
+    let folder = folder(&[("slider.adm", &deck), ("run.acf", &acf)]);
+    let ran = mdi(folder.path(), &["ru-s", "run"]);
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    (Results::read(folder.path(), "slider.res"), ran)
+}
+
+fn times(results: &Results) -> Vec<f64> {
+    results
+        .column("time", "TIME")
+        .iter()
+        .map(|t| (t * 1e6).round() / 1e6)
+        .collect()
+}
+
+const RUN: &str = "SIM/STAT, END=1, STEPS=10\nSIM/STAT\nSTOP";
+
+#[test]
+fn return_ends_the_simulation_and_halt_the_run() {
+    let to = |end: usize| -> Vec<f64> { (0..=end).map(|k| k as f64 / 10.0).collect() };
+    // The lone static after it runs at the time that was reached.
+    let (results, ran) = run(
+        "SENSOR/1, GE, VALUE=0.5, ERROR=0.001, RETURN, FUNCTION=DZ(20,1)",
+        RUN,
+    );
+    let mut expected = to(5);
+    expected.push(0.5);
+    assert_eq!(times(&results), expected);
+    assert!(
+        ran.stdout
+            .contains("SENSOR/1 'SENSOR_1' is active at T = 5.00000E-01"),
+        "{}",
+        ran.stdout
+    );
+    assert!(ran.stdout.contains("it ends the simulation"));
+
+    let (results, ran) = run(
+        "SENSOR/1, GE, VALUE=0.5, ERROR=0.001, HALT, FUNCTION=DZ(20,1)",
+        RUN,
+    );
+    assert_eq!(times(&results), to(5));
+    assert!(
+        ran.stdout.contains("it halts the run") && !ran.stdout.contains(" command: SIM/STAT\n")
+    );
+    // The file is whole all the same.
+    assert!(ran.stdout.contains("Finished -----"));
+
+    // EQ needs to be met within ERROR; LE and a function of time alone.
+    for (event, last) in [
+        ("EQ, VALUE=0.35, ERROR=0.01", 10),
+        ("EQ, VALUE=0.35, ERROR=0.06", 3),
+        ("LE, VALUE=-5, ERROR=0.001", 10),
+        ("GE, VALUE=2, ERROR=0.001", 10),
+    ] {
+        let (results, _) = run(&format!("SENSOR/1, {event}, HALT, FUNCTION=TIME"), RUN);
+        let expected = if last == 10 {
+            to(10).len() + 1
+        } else {
+            last + 1
+        };
+        assert_eq!(times(&results).len(), expected, "{event}");
+    }
+}
+
+#[test]
+fn a_sensor_that_is_switched_off_senses_nothing() {
+    let sensor = "SENSOR/1, GE, VALUE=0.5, ERROR=0.001, HALT, FUNCTION=TIME";
+    let (results, _) = run(sensor, &format!("DEACTIVATE/SENSOR, ID=1\n{RUN}"));
+    assert_eq!(times(&results).len(), 12);
+    // And one that is redefined senses something else.
+    let (results, _) = run(sensor, &format!("SENSOR/1, VALUE=0.25\n{RUN}"));
+    assert_eq!(times(&results).last(), Some(&0.3));
+}
+
+#[test]
+fn evaluate_is_kept_for_senval() {
+    // Once it fired at 0.5 the force is 5 (ten times the z of that time), whatever the time.
+    let deck = "SENSOR/1, EQ, VALUE=0.5, ERROR=0.001, FUNCTION=TIME\\, EVALUATE=10*DZ(20,1)\nREQUEST/9, F2=SENVAL(1)\\";
+    let (results, _) = run(
+        deck,
+        "SIM/STAT, END=1, STEPS=10\nSFORCE/1, FUNCTION=SENVAL(1)\nSIM/STAT\nDEACTIVATE/SENSOR, ID=1\nSIM/STAT",
+    );
+    let z = results.column("block_XFORM", "Z");
+    assert!((z[11] - 0.5).abs() < 1e-9 && z[12].abs() < 1e-9, "{z:?}");
+    let kept = results.column("REQUEST_9", "U2");
+    assert!(
+        kept[..6].iter().all(|v| *v == 0.0) && (kept[6] - 5.0).abs() < 1e-6,
+        "{kept:?}"
+    );
+}
+
+#[test]
+fn dt_changes_the_steps_that_follow() {
+    let (results, _) = run(
+        "SENSOR/1, EQ, VALUE=0.5, ERROR=0.001, DT=0.25, PRINT, FUNCTION=TIME",
+        "SIM/STAT, END=1, STEPS=10",
+    );
+    assert_eq!(times(&results), [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.75, 1.0]);
+    // A step that never ends is refused.
+    let (results, ran) = run(
+        "SENSOR/1, EQ, VALUE=0.5, ERROR=0.001, DT=1E-12, FUNCTION=TIME",
+        "SIM/STAT, END=1, STEPS=10",
+    );
+    assert_eq!(times(&results).len(), 6);
+    assert!(ran.stdout.contains("[limit-exceeded]"), "{}", ran.stdout);
+}
+
+#[test]
+fn whole_turns_of_an_angle_do_not_count() {
+    let (results, _) = run(
+        "SENSOR/1, EQ, VALUE=0.2, ERROR=0.001, ANGLE, RETURN, FUNCTION=TIME-2*PI",
+        "SIM/STAT, END=1, STEPS=10",
+    );
+    assert_eq!(times(&results).last(), Some(&0.2));
+    let (results, _) = run(
+        "SENSOR/1, EQ, VALUE=0.2, ERROR=0.001, RETURN, FUNCTION=TIME-2*PI",
+        "SIM/STAT, END=1, STEPS=10",
+    );
+    assert_eq!(times(&results).last(), Some(&1.0));
+}

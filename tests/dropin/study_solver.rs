@@ -1,0 +1,200 @@
+//! `[solver]` of a study: an external program by one line, announced; its runs recorded and replayed.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use crate::run::{folder, text};
+
+/// Lays the study of the corpus in a folder, with a section `[solver]` and a loop of three rounds.
+fn study(folder: &Path, solver: &str, identify: &str) {
+    let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/pseudo-mcpherson");
+    for name in [
+        "model.adm",
+        "load_cases.csv",
+        "marks_on_parts.csv",
+        "marks_measured.csv",
+    ] {
+        std::fs::copy(corpus.join(name), folder.join(name)).unwrap();
+    }
+    let toml = format!(
+        "[model]\ndeck = \"model.adm\"\n{solver}\n[loads]\nfile = \"load_cases.csv\"\n\
+        columns = {{ vertical = \"SFORCE/3\", lateral = \"SFORCE/2\", longitudinal = \"SFORCE/1\" }}\n\
+        [marks]\non_parts = \"marks_on_parts.csv\"\nmeasured = \"marks_measured.csv\"\nsigma = 0.05\n\
+        [identify]\n{identify}\n[regression]\nmax_iterations = 3\n"
+    );
+    std::fs::write(folder.join("study.toml"), toml).unwrap();
+}
+
+fn admire(folder: &Path, words: &[&str], path: &str) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_admire"))
+        .current_dir(folder)
+        .args(words)
+        .env("NO_COLOR", "1")
+        .env("PATH", path)
+        .output()
+        .unwrap()
+}
+
+fn errors(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn folder_of_mdi() -> String {
+    Path::new(env!("CARGO_BIN_EXE_mdi"))
+        .parent()
+        .unwrap()
+        .display()
+        .to_string()
+}
+
+fn values(folder: &Path) -> Vec<(String, f64)> {
+    let json: serde_json::Value =
+        serde_json::from_str(&text(folder, "identification.json")).unwrap();
+    let parameters = json["parameters"].as_array().unwrap();
+    parameters
+        .iter()
+        .map(|p| {
+            (
+                p["address"].as_str().unwrap().to_string(),
+                p["value"].as_f64().unwrap(),
+            )
+        })
+        .collect()
+}
+
+const REGRESSION: &str = "method = \"regression\"\nbushings = [\"BUSHING/1\", \"BUSHING/2\"]";
+
+#[test]
+fn one_line_changes_the_solver_and_a_recording_needs_none() {
+    let place = folder(&[]);
+    let folder = place.path();
+    let path = folder_of_mdi();
+    study(folder, "", REGRESSION);
+    // Three rounds do not converge, and say so.
+    let native = admire(folder, &["identify", ".", "--out", "native"], "");
+    assert_eq!(native.status.code(), Some(3), "{}", errors(&native));
+    assert!(!errors(&native).contains("[runs-program]"));
+
+    // The default command is ADAMS' own; the PATH decides whose `mdi` it is, and `admire` says so before it starts it.
+    study(folder, "[solver]\nbackend = \"command\"", REGRESSION);
+    for format in ["text", "plain", "json"] {
+        let run = admire(
+            folder,
+            &["identify", ".", "--out", "none", "--format", format],
+            "/nonexistent",
+        );
+        let said = errors(&run);
+        assert_eq!(run.status.code(), Some(3), "{said}");
+        assert!(
+            said.contains("runs-program") && said.contains("there is no such program here"),
+            "{format}: {said}"
+        );
+        assert!(said.contains("cannot be started"), "{said}");
+    }
+    let command = admire(
+        folder,
+        &["identify", ".", "--out", "command", "--keep"],
+        &path,
+    );
+    let said = errors(&command);
+    let shown = Path::new(&path).join(format!("mdi{}", std::env::consts::EXE_SUFFIX));
+    assert!(said.contains(&shown.display().to_string()), "{said}");
+    assert!(
+        said.contains("bushing forces of the results are in ground axes"),
+        "{said}"
+    );
+    for ((address, a), (_, b)) in values(&folder.join("native"))
+        .iter()
+        .zip(values(&folder.join("command")))
+    {
+        assert!((a / b - 1.0).abs() < 1e-6, "{address}: {a} {b}");
+    }
+    let kept = std::fs::read_dir(folder.join("command/runs"))
+        .unwrap()
+        .count();
+
+    let record = admire(folder, &["record", "."], &path);
+    assert_eq!(record.status.code(), Some(3), "{}", errors(&record));
+    let said = String::from_utf8_lossy(&record.stdout).into_owned();
+    assert!(
+        said.contains(&format!("{kept} of {kept} runs gave an answer")),
+        "{said}"
+    );
+
+    study(folder, "[solver]\nbackend = \"replay\"", REGRESSION);
+    let replay = admire(
+        folder,
+        &["identify", ".", "--out", "replay"],
+        "/nonexistent",
+    );
+    assert!(!errors(&replay).contains("[runs-program]"));
+    assert_eq!(
+        values(&folder.join("replay")),
+        values(&folder.join("command"))
+    );
+    assert!(
+        text(&folder.join("replay"), "identification.json").contains("\"backend\": \"replay\"")
+    );
+
+    // A deck that was changed since has no recording.
+    let deck = text(folder, "model.adm");
+    std::fs::write(
+        folder.join("model.adm"),
+        deck.replacen("KGRAV", "KGRAV ", 1),
+    )
+    .unwrap();
+    let stale = admire(folder, &["identify", ".", "--out", "stale"], &path);
+    assert_eq!(stale.status.code(), Some(3));
+    assert!(
+        errors(&stale).contains("no recorded run has this deck"),
+        "{}",
+        errors(&stale)
+    );
+    assert!(!folder.join("stale/identified.adm").exists());
+}
+
+#[test]
+fn the_global_fit_says_why_it_got_no_answer() {
+    let place = folder(&[]);
+    let folder = place.path();
+    let one = "bushings = [\"BUSHING/2\"]";
+    study(
+        folder,
+        "[solver]\nbackend = \"replay\"\nrecordings = \"runs\"",
+        one,
+    );
+    let run = admire(folder, &["identify", ".", "--out", "out"], "");
+    assert_eq!(run.status.code(), Some(3));
+    assert!(
+        errors(&run).contains("no recorded run") && errors(&run).contains("runs"),
+        "{}",
+        errors(&run)
+    );
+    study(
+        folder,
+        "[solver]\nbackend = \"command\"\ncommand = [\"no-such-solver\", \"{acf}\"]",
+        one,
+    );
+    let run = admire(folder, &["identify", ".", "--out", "out"], "");
+    assert_eq!(run.status.code(), Some(3));
+    assert!(
+        errors(&run).contains("`no-such-solver` cannot be started"),
+        "{}",
+        errors(&run)
+    );
+}
+
+#[test]
+fn recordings_lie_below_the_study() {
+    for outside in ["../elsewhere", "/tmp/elsewhere"] {
+        let place = folder(&[]);
+        study(
+            place.path(),
+            &format!("[solver]\nbackend = \"replay\"\nrecordings = \"{outside}\""),
+            REGRESSION,
+        );
+        let run = admire(place.path(), &["identify", ".", "--out", "out"], "");
+        assert!(errors(&run).contains("outside-study"), "{}", errors(&run));
+        assert_ne!(run.status.code(), Some(0));
+    }
+}
