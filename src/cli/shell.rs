@@ -2,7 +2,7 @@ use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
 use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
-use crate::session::{Sources, folder_of, read_files};
+use crate::session::{FilePolicy, Sources, folder_of, read_files};
 use crate::syntax::Dataset;
 use crate::syntax::files::Files;
 use crate::text::Source;
@@ -159,9 +159,14 @@ impl Shell {
         }
     }
 
-    /// Reads the files a dataset names, and remembers them for showing places in them.
+    /// Reads the files a dataset names, below its own folder, the working directory and where ADMIRE_ALLOW_PATH says, and remembers
+    /// them for showing places in them.
     pub(super) fn read_files(&mut self, dataset: &Dataset) -> Checked<Files> {
-        let read = read_files(dataset, &folder_of(dataset.source()));
+        let folder = folder_of(dataset.source());
+        let mut policy = FilePolicy::new(Path::new(""));
+        policy.allow(&folder);
+        policy.confine();
+        let read = read_files(dataset, &folder, &policy);
         for source in read.value.sources() {
             self.sources.add(source.clone());
         }

@@ -109,8 +109,8 @@ codes! {
     FileNameCase = "file-name-case",
     /// A path of another computer: the file was looked up by its base name here.
     ForeignPath = "foreign-path",
-    /// A command file run by `admire solve` may read only below its own folder and the working directory; `--allow-path` and
-    /// ADMIRE_ALLOW_PATH add folders.
+    /// `admire` reads what a deck or command file names only below the folder of that file and the working directory;
+    /// ADMIRE_ALLOW_PATH, and `--allow-path` of `admire solve`, add folders.
     ReadOutside = "read-outside",
     /// A command file may write only beside itself, beside its model and in the working directory; ADMIRE_ALLOW_PATH adds folders.
     WriteOutside = "write-outside",

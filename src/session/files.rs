@@ -7,14 +7,15 @@ use crate::syntax::files::{FileReference, Files, references};
 use crate::syntax::property::PropertyFile;
 use crate::text::Source;
 
-use super::paths::find_file;
+use super::paths::{FilePolicy, find_file};
 
 /// Larger files are no property files.
 const MOST_BYTES: u64 = 64 << 20;
 
-/// Reads the property files a dataset names, from the folder of the dataset or where their path leads. Complains of files that are
-/// not there: a warning where the answer needs them, a note where only graphics or a subroutine would read them.
-pub fn read_files(dataset: &Dataset, folder: &Path) -> Checked<Files> {
+/// Reads the property files a dataset names, from the folder of the dataset or where their path leads as far as the policy lets it.
+/// Complains of files that are not there: a warning where the answer needs them, a note where only graphics or a subroutine would
+/// read them.
+pub fn read_files(dataset: &Dataset, folder: &Path, policy: &FilePolicy) -> Checked<Files> {
     let mut files = Files::default();
     let mut diagnostics = Vec::new();
     for reference in references(dataset) {
@@ -29,6 +30,12 @@ pub fn read_files(dataset: &Dataset, folder: &Path) -> Checked<Files> {
             diagnostics.push(label(absent(dataset, &reference)));
             continue;
         };
+        if let Err(mut outside) = policy.check_read(&path) {
+            // What the answer needs of it is missing, as if the file were.
+            outside.severity = Severity::Warning;
+            diagnostics.push(label(outside));
+            continue;
+        }
         match property_file(&path) {
             Ok(Some(source)) => files.add(reference.name.clone(), source),
             Ok(None) => {}
@@ -89,7 +96,8 @@ mod tests {
         let text = "t\nSPLINE/1, FILE=A.SPR\nSPLINE/2, FILE=b.spr\nSTRING/3, STRING=c.bus\nEND\n";
         let name = folder.path().join("d.adm").display().to_string();
         let dataset = Dataset::parse(Source::new(name, text.as_bytes())).value;
-        let read = read_files(&dataset, &folder_of(dataset.source()));
+        let policy = FilePolicy::new(folder.path());
+        let read = read_files(&dataset, &folder_of(dataset.source()), &policy);
         assert!(read.value.get("A.SPR").is_some());
         let found: Vec<_> = read
             .diagnostics

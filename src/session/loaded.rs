@@ -8,6 +8,7 @@ use crate::text::Source;
 use super::files::{folder_of, read_files};
 use super::output_options::not_written;
 use super::outputs::Outputs;
+use super::paths::FilePolicy;
 use super::saved::Saved;
 
 /// A model that was read, and where it stands.
@@ -51,9 +52,10 @@ impl Compiled {
 
 impl Loaded {
     /// Reads a dataset. The model can be used if no complaint is an error.
-    pub fn read(source: Source, outputs: Outputs) -> Checked<Self> {
+    pub fn read(source: Source, outputs: Outputs, policy: &FilePolicy) -> Checked<Self> {
         let parsed = Dataset::parse(source);
-        let files = read_files(&parsed.value, &folder_of(parsed.value.source()));
+        let folder = folder_of(parsed.value.source());
+        let files = read_files(&parsed.value, &folder, policy);
         let lowered = Model::lower_with(&parsed.value, &files.value);
         let mut diagnostics = parsed.diagnostics;
         diagnostics.extend(files.diagnostics);

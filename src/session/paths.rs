@@ -189,7 +189,7 @@ impl FilePolicy {
             Code::ReadOutside,
             format!("`{}` lies outside of the folders of this run", path.display()),
         )
-        .help("a command file may read beside itself, below and in the working directory; `--allow-path` and ADMIRE_ALLOW_PATH add folders"))
+        .help("what a file names is read below its own folder and the working directory; ADMIRE_ALLOW_PATH, and `--allow-path` of `admire solve`, add folders"))
     }
 
     /// True if `path` may be written: its real folder, links followed, is one of the allowed ones or below, and what stands

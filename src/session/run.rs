@@ -368,7 +368,7 @@ impl<'a> Session<'a> {
             self.complain(&unwritable);
         }
         let (source, _) = self.read(written, "adm", place)?;
-        let loaded = Loaded::read(source, outputs);
+        let loaded = Loaded::read(source, outputs, &self.policy);
         let mut errors = 0;
         for diagnostic in &loaded.diagnostics {
             errors += usize::from(diagnostic.severity == Severity::Error);

@@ -1,36 +1,42 @@
-//! Our own identification of a study folder, to compare clients with.
+//! `admire identify` of a study folder, to compare clients with.
 
-use std::ops::ControlFlow;
 use std::path::Path;
+use std::process::Command;
 
-use admire::backend::NativeBackend;
-use admire::identify::{Fit, Problem, regression, unknowns};
-use admire::model::Model;
-use admire::rig::{Measurement, Study, programme};
-use admire::syntax::Dataset;
+/// What `admire identify` found.
+pub struct Fit {
+    /// Rounds of the loop.
+    pub iterations: u64,
+    /// Address and value of every stiffness, those that equal another one by symmetry too.
+    pub stiffnesses: Vec<(String, f64)>,
+}
 
-/// The paper's loop on the built-in solver, as `study.toml` asks for it.
-pub fn by_regression(folder: &Path) -> Fit {
-    let study = Study::read(folder);
-    let study = study.value.expect("a study");
-    let dataset = Dataset::parse(study.deck.clone()).value;
-    let model = Model::lower(&dataset).value;
-    let measurement = Measurement::resolve(&study, &model);
-    assert!(!measurement.has_errors(), "{:?}", measurement.diagnostics);
-    let measurement = measurement.value;
-    let mut complaints = Vec::new();
-    let programme = programme(&study, &dataset, &measurement, &mut complaints);
-    let unknowns = unknowns(&study, &model, |_| None, &mut complaints);
-    assert!(complaints.is_empty(), "{complaints:?}");
-    let problem = Problem {
-        dataset: &dataset,
-        model: &model,
-        programme: &programme,
-        measurement: &measurement,
-        settings: &study.identify,
-        regression: &study.regression,
-        unknowns,
-    };
-    let mut progress = |_: usize, _: &[f64], _: f64| ControlFlow::Continue(());
-    regression::identify(&problem, &mut NativeBackend::new(), &mut progress).expect("a fit")
+/// Runs the command as a user would, by the method `study.toml` asks for.
+pub fn by_admire(study: &Path) -> Fit {
+    let out = study.join("by-admire");
+    let run = Command::new(env!("CARGO_BIN_EXE_admire"))
+        .arg("identify")
+        .arg(study)
+        .arg("--out")
+        .arg(&out)
+        .output()
+        .expect("admire starts");
+    // A loop that is stopped by its limit of rounds still writes what it has, and says so by 3.
+    assert!(matches!(run.status.code(), Some(0 | 3)), "{run:?}");
+    let text = std::fs::read_to_string(out.join("identification.json")).expect("an answer");
+    let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(json["method"], "regression");
+    let mut stiffnesses = Vec::new();
+    for parameter in json["parameters"].as_array().expect("parameters") {
+        let value = parameter["value"].as_f64().expect("a value");
+        let tied = parameter["tied"].as_array().into_iter().flatten();
+        for address in std::iter::once(&parameter["address"]).chain(tied) {
+            let address = address.as_str().expect("an address").to_string();
+            stiffnesses.push((address, value));
+        }
+    }
+    Fit {
+        iterations: json["iterations"].as_u64().expect("a count"),
+        stiffnesses,
+    }
 }
