@@ -181,6 +181,11 @@ fn the_generated_tables_are_fresh() {
         committed == grammar::emit(&grammar),
         "src/grammar/generated.rs is stale: cargo run -p grammar"
     );
+    let readme = fs::read_to_string(root().join("README.md")).expect("README.md");
+    assert!(
+        grammar::with_coverage(&readme, &grammar).as_ref() == Some(&readme),
+        "the coverage table of the README is stale: cargo run -p grammar"
+    );
 }
 
 #[test]

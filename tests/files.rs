@@ -8,6 +8,7 @@ mod files {
     pub mod lint;
     pub mod lossless;
     pub mod lowering;
+    pub mod real_decks;
     pub mod results;
     pub mod statements;
 }

@@ -129,6 +129,21 @@ fn presence(presence: &Presence) -> String {
     format!("Presence::{}(&{:?})", presence.rule, presence.names)
 }
 
+const BEGIN: &str = "<!-- coverage: cargo run -p grammar -->\n";
+const END: &str = "<!-- end of coverage -->";
+
+/// The README with a fresh coverage table between its two marks; `None` if it has no such place.
+pub fn with_coverage(readme: &str, grammar: &Grammar) -> Option<String> {
+    let begin = readme.find(BEGIN)? + BEGIN.len();
+    let end = begin + readme[begin..].find(END)?;
+    Some(format!(
+        "{}{}{}",
+        &readme[..begin],
+        coverage(grammar),
+        &readme[end..]
+    ))
+}
+
 /// The coverage table of the README in Markdown: every statement and who does what with it.
 pub fn coverage(grammar: &Grammar) -> String {
     let mut out = String::from(

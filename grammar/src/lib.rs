@@ -37,7 +37,7 @@ mod parse;
 pub use declaration::{
     Argument, Count, Function, Grammar, Keyword, Presence, Range, Solved, Statement, Value,
 };
-pub use emit::{coverage, emit};
+pub use emit::{coverage, emit, with_coverage};
 pub use parse::{ParseError, Problem, parse};
 
 use std::path::{Path, PathBuf};

@@ -1,5 +1,5 @@
-//! `cargo run -p grammar` rewrites `src/grammar/generated.rs` from `grammar/*.grammar`; with `--coverage` it prints the
-//! coverage table of the README instead.
+//! `cargo run -p grammar` rewrites `src/grammar/generated.rs` and the coverage table of the README from `grammar/*.grammar`; with
+//! `--coverage` it prints that table instead.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -20,15 +20,25 @@ fn main() -> ExitCode {
     let path = folder.join("../src/grammar/generated.rs");
     let statements = grammar.statements.len();
     let functions = grammar.functions.len();
-    match std::fs::write(&path, grammar::emit(&grammar)) {
+    let readme = folder.join("../README.md");
+    let written = std::fs::write(&path, grammar::emit(&grammar)).and_then(|()| {
+        let text = std::fs::read_to_string(&readme)?;
+        match grammar::with_coverage(&text, &grammar) {
+            Some(fresh) => std::fs::write(&readme, fresh),
+            None => Err(std::io::Error::other(
+                "README.md has no place for the coverage table",
+            )),
+        }
+    });
+    match written {
         Ok(()) => {
             println!(
-                "src/grammar/generated.rs: {statements} statements and commands, {functions} functions"
+                "src/grammar/generated.rs, README.md: {statements} statements and commands, {functions} functions"
             );
             ExitCode::SUCCESS
         }
         Err(error) => {
-            eprintln!("{}: {error}", path.display());
+            eprintln!("{error}");
             ExitCode::FAILURE
         }
     }

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use clap_complete::CompletionCandidate;
 
 use crate::grammar::ValueKind;
+use crate::results::{Selection, open_any};
 use crate::syntax::{Dataset, Statement};
 use crate::text::Source;
 
@@ -30,6 +31,30 @@ pub(super) fn complete(current: &OsStr) -> Vec<CompletionCandidate> {
     let dataset = Dataset::parse(Source::new("deck", bytes)).value;
     candidates(&dataset, typed)
         .into_iter()
+        .take(MOST)
+        .map(CompletionCandidate::new)
+        .collect()
+}
+
+/// The columns of the results file on the command line that begin with what was typed.
+pub(super) fn complete_columns(current: &OsStr) -> Vec<CompletionCandidate> {
+    let typed = current.to_string_lossy();
+    let file = std::env::args_os().map(PathBuf::from).find(|word| {
+        word.extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("res") || e.eq_ignore_ascii_case("req"))
+            && word.is_file()
+    });
+    let Some(opened) = file.and_then(|file| open_any(&file).ok()) else {
+        return Vec::new();
+    };
+    Selection::all(opened.value.catalogue())
+        .columns
+        .into_iter()
+        .map(|column| column.path)
+        .filter(|path| {
+            path.get(..typed.len())
+                .is_some_and(|start| start.eq_ignore_ascii_case(&typed))
+        })
         .take(MOST)
         .map(CompletionCandidate::new)
         .collect()

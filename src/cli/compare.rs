@@ -85,10 +85,13 @@ fn table(comparison: &Comparison, all: bool) -> String {
         }
     }
     for column in &comparison.units_differ {
-        let unit = |unit: &Option<String>| unit.clone().unwrap_or_else(|| "no unit".into());
+        let unit = |unit: &Option<String>| match unit {
+            Some(unit) => format!("in {unit}"),
+            None => "without a unit".to_string(),
+        };
         _ = writeln!(
             out,
-            "{:48} {} and {}",
+            "{:48} not compared: {} in the first file, {} in the second",
             column.path,
             unit(&column.a),
             unit(&column.b)
@@ -105,16 +108,27 @@ fn table(comparison: &Comparison, all: bool) -> String {
     for step in &comparison.kinds_differ {
         _ = writeln!(out, "step {step} is of another kind");
     }
+    let alone = comparison.only_in_a.len() + comparison.only_in_b.len();
+    let mut said = vec![match differing {
+        0 if comparison.columns.is_empty() => "nothing to compare".to_string(),
+        0 => "all within the tolerance".to_string(),
+        1 => "1 column differs".to_string(),
+        n => format!("{n} columns differ"),
+    }];
+    for (count, what) in [
+        (comparison.units_differ.len(), "in other units"),
+        (alone, "in one file only"),
+    ] {
+        if count > 0 {
+            said.push(format!("{count} {what}"));
+        }
+    }
     _ = writeln!(
         out,
         "{} steps, {} columns compared: {}",
         comparison.steps,
         comparison.columns.len(),
-        if differing == 0 {
-            "all within the tolerance".to_string()
-        } else {
-            format!("{differing} columns differ")
-        }
+        said.join(", ")
     );
     out
 }

@@ -1,5 +1,7 @@
 use std::fmt::Write as _;
 
+use clap_complete::{ArgValueCompleter, CompletionCandidate};
+
 use crate::diagnostic::Code;
 use crate::grammar::{
     ArgumentDef, Bound, Count, FUNCTIONS, FunctionDef, Lookup, Presence, Role, STATEMENTS, Solved,
@@ -14,6 +16,7 @@ use super::shell::{Exit, Shell};
 #[derive(clap::Args, Debug)]
 pub(super) struct Arguments {
     /// `BUSHING`, `simulate`, `AZ`, `undefined-id`, ... Nothing lists them all.
+    #[arg(add = ArgValueCompleter::new(complete))]
     word: Option<String>,
 }
 
@@ -33,6 +36,23 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             Err(Exit::Findings)
         }
     }
+}
+
+/// Keywords, functions and codes that begin with what was typed.
+fn complete(current: &std::ffi::OsStr) -> Vec<CompletionCandidate> {
+    let typed = current.to_string_lossy();
+    let statements = STATEMENTS.iter().map(|def| def.name);
+    let functions = FUNCTIONS.iter().map(|def| def.name);
+    let codes = Code::ALL.iter().map(|code| code.as_str());
+    statements
+        .chain(functions)
+        .chain(codes)
+        .filter(|word| {
+            word.get(..typed.len())
+                .is_some_and(|start| start.eq_ignore_ascii_case(&typed))
+        })
+        .map(CompletionCandidate::new)
+        .collect()
 }
 
 fn list() -> String {

@@ -2,10 +2,13 @@ use std::fmt::Write as _;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+use clap_complete::ArgValueCompleter;
+
 use crate::diagnostic::{Code, Diagnostic};
 use crate::results::{AnyResults, ResultsError, Selection, open_any};
 
 use super::Outcome;
+use super::addresses::complete_columns;
 use super::shell::{Exit, Format, Shell, exit_of};
 
 /// Show what a results file holds, or take columns out of it.
@@ -17,7 +20,7 @@ pub(super) struct Arguments {
     #[arg(long)]
     list: bool,
     /// Print the values of the columns with these names: `arm_XFORM.X`, `*_XFORM.?`, `JOINT_1`.
-    #[arg(long, num_args = 1.., value_name = "PATTERN")]
+    #[arg(long, num_args = 1.., value_name = "PATTERN", add = ArgValueCompleter::new(complete_columns))]
     get: Vec<String>,
     /// Print values as CSV; this is the default.
     #[arg(long, conflicts_with = "json")]

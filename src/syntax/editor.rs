@@ -96,19 +96,24 @@ impl Dataset {
             }
             let inside =
                 def.is_some_and(|def| def.kind == ValueKind::Function) && address.index.is_some();
-            if inside && value < 0.0 {
-                return Err(self
-                    .refuse(
-                        Code::OutOfRange,
-                        format!(
-                            "{address} is a number inside of a function, its sign is an operator"
-                        ),
-                        number.span,
-                    )
-                    .help("replace the whole function"));
-            }
             let old = self.source().slice(number.span);
-            return Ok(vec![Edit::new(number.span, spell_like(value, old))]);
+            let spelled = spell_like(value, old);
+            if !inside {
+                return Ok(vec![Edit::new(number.span, spelled)]);
+            }
+            if is_id(statement, address) && (value < 0.0 || value.fract() != 0.0) {
+                return Err(self.refuse(
+                    Code::WrongType,
+                    format!("{address} is an id, it cannot be {value}"),
+                    number.span,
+                ));
+            }
+            // Two operators never stand side by side: a negative number has parentheses around it.
+            return Ok(vec![if value < 0.0 && !old.starts_with(b"-") {
+                Edit::new(number.span, format!("({spelled})"))
+            } else {
+                Edit::new(number.span, spelled)
+            }]);
         }
         let Some(def) = argument_def(statement, address) else {
             return Err(self.refuse(
@@ -366,6 +371,21 @@ fn argument_def(statement: &Statement, address: &Address) -> Option<&'static Arg
         .arguments
         .iter()
         .find(|argument| argument.name == name)
+}
+
+/// True if the address is that of an id inside of a function.
+fn is_id(statement: &Statement, address: &Address) -> bool {
+    let name = address.argument.as_deref().unwrap_or("FUNCTION");
+    let (Some(argument), Some(index)) = (statement.argument(name), address.index) else {
+        return false;
+    };
+    match &argument.value {
+        Value::Function(expression) => expression
+            .references()
+            .iter()
+            .any(|(_, literal)| literal + 1 == index),
+        _ => false,
+    }
 }
 
 const fn is_whole(def: &'static ArgumentDef) -> bool {

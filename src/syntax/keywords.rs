@@ -1,5 +1,4 @@
-use std::collections::HashMap;
-
+use super::hash::QuickMap;
 use crate::grammar::{
     ArgumentDef, Lookup, Role, STATEMENTS, StatementDef, find_argument, find_statement, nearest,
 };
@@ -19,8 +18,8 @@ type Found<T> = Result<&'static T, Missed>;
 #[derive(Debug)]
 pub(super) struct Keywords {
     role: Role,
-    statements: HashMap<Vec<u8>, Found<StatementDef>>,
-    arguments: HashMap<&'static str, HashMap<Vec<u8>, Found<ArgumentDef>>>,
+    statements: QuickMap<Vec<u8>, Found<StatementDef>>,
+    arguments: QuickMap<&'static str, QuickMap<Vec<u8>, Found<ArgumentDef>>>,
 }
 
 /// Longer words are never keywords worth remembering, or worth a suggestion.
@@ -32,8 +31,8 @@ impl Keywords {
     pub fn new(role: Role) -> Self {
         Self {
             role,
-            statements: HashMap::new(),
-            arguments: HashMap::new(),
+            statements: QuickMap::default(),
+            arguments: QuickMap::default(),
         }
     }
 
@@ -57,6 +56,12 @@ impl Keywords {
         statement: &'static StatementDef,
         typed: &[u8],
     ) -> Found<ArgumentDef> {
+        // Most decks write whole keywords, and those win whatever else begins like them.
+        if let Some(exact) = statement.arguments.iter().find(|def| {
+            def.name.len() == typed.len() && def.name.as_bytes().eq_ignore_ascii_case(typed)
+        }) {
+            return Ok(exact);
+        }
         let known = self.arguments.entry(statement.name).or_default();
         if let Some(found) = known.get(typed) {
             return found.clone();
@@ -84,7 +89,7 @@ fn missed<T, I: Iterator<Item = &'static str>>(
     }
 }
 
-fn remember<T>(known: &mut HashMap<Vec<u8>, Found<T>>, typed: &[u8], found: &Found<T>) {
+fn remember<T>(known: &mut QuickMap<Vec<u8>, Found<T>>, typed: &[u8], found: &Found<T>) {
     if typed.len() <= LONGEST && known.len() < MOST {
         known.insert(typed.to_vec(), found.clone());
     }

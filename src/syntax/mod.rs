@@ -11,6 +11,7 @@ mod editor;
 pub mod expression;
 pub mod files;
 mod fix;
+pub(crate) mod hash;
 pub mod json;
 mod keywords;
 mod lexer;

@@ -1,7 +1,7 @@
 use super::keywords::{Keywords, Missed};
 use super::lexer::Lexer;
 use super::lines::LogicalLine;
-use super::{Argument, Statement, Token, TokenKind};
+use super::{Argument, Number, Statement, Token, TokenKind};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::grammar::{ArgumentDef, Role, StatementDef};
 use crate::text::{Source, Span};
@@ -16,6 +16,12 @@ pub(super) struct StatementParser<'a> {
     pub(super) diagnostics: Vec<Diagnostic>,
     role: Role,
     complaints: usize,
+    /// Memory of the line before.
+    tokens: Vec<Token>,
+    /// Memory of the list of numbers before.
+    pub(super) list: Vec<Number>,
+    /// Memory of the statement before.
+    found: Vec<Argument>,
 }
 
 impl<'a> StatementParser<'a> {
@@ -26,12 +32,17 @@ impl<'a> StatementParser<'a> {
             diagnostics: Vec::new(),
             role,
             complaints: 0,
+            tokens: Vec::new(),
+            list: Vec::new(),
+            found: Vec::new(),
         }
     }
 
     /// The statements of a logical line: one, or several between semicolons. A semicolon belongs to the statement before it.
     pub fn line(&mut self, line: LogicalLine, statements: &mut Vec<Statement>) {
-        let tokens: Vec<Token> = Lexer::new(self.source.bytes(), line.span, true).collect();
+        let mut tokens = std::mem::take(&mut self.tokens);
+        tokens.clear();
+        tokens.extend(Lexer::new(self.source.bytes(), line.span, true));
         let first = statements.len();
         let mut view_name = line.view_name;
         for piece in tokens.split_inclusive(|token| token.kind == TokenKind::Punctuation(b';')) {
@@ -62,6 +73,7 @@ impl<'a> StatementParser<'a> {
             }
             statements.push(statement);
         }
+        self.tokens = tokens;
     }
 
     /// One statement from its tokens; the first one is not trivia.
@@ -186,12 +198,14 @@ impl<'a> StatementParser<'a> {
         loop {
             cursor.skip_separators();
             let Some(token) = cursor.peek() else {
+                // Exactly as long as it must be: a large deck has millions of these lists.
+                statement.arguments = self.found.drain(..).collect();
                 return;
             };
             if token.kind == TokenKind::Word {
                 cursor.advance();
                 let argument = self.argument(statement.def, token.span, cursor);
-                statement.arguments.push(argument);
+                self.found.push(argument);
                 continue;
             }
             let span = cursor.skip_value();

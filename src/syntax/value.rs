@@ -80,21 +80,22 @@ impl StatementParser<'_> {
     }
 
     /// Numbers between commas, up to a separator that no number follows. On an error the cursor stands where it was found.
-    fn numbers(&self, cursor: &mut Cursor) -> Result<Vec<Number>, NotNumbers> {
-        let mut numbers = Vec::new();
+    fn numbers(&mut self, cursor: &mut Cursor) -> Result<Vec<Number>, NotNumbers> {
+        self.list.clear();
         loop {
-            numbers.push(self.number(cursor).ok_or(NotNumbers)?);
+            let number = self.number(cursor).ok_or(NotNumbers)?;
+            self.list.push(number);
             let end = cursor.position();
             let separated = cursor.skip_commas();
             match cursor.peek().map(|token| token.kind) {
                 Some(TokenKind::Number | TokenKind::Punctuation(b'+' | b'-')) if separated => {}
                 None | Some(TokenKind::Punctuation(b'\\')) => {
                     cursor.go_back(end);
-                    return Ok(numbers);
+                    return Ok(self.list.clone());
                 }
                 Some(_) if separated => {
                     cursor.go_back(end);
-                    return Ok(numbers);
+                    return Ok(self.list.clone());
                 }
                 Some(_) => return Err(NotNumbers),
             }

@@ -55,7 +55,7 @@ fn values_are_read_and_set_without_touching_anything_else() {
     assert_eq!(changed.status.code(), Some(1));
     assert_eq!(
         said(&changed),
-        "SFORCE/1.FUNCTION: 10*TIME -> 20*TIME\nSPRINGDAMPER/1.K: 10 -> 12.5\n"
+        "SPRINGDAMPER/1.K.1: 10 -> 12.5\nSFORCE/1.FUNCTION: 10*TIME -> 20*TIME\n"
     );
     let wrong = run(&["set", "slider.adm", "SPRINGDAMPER/2.K=1", "--in-place"]);
     assert_eq!(wrong.status.code(), Some(1));

@@ -1,7 +1,8 @@
-use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 use crate::model::{MarkerIx, Model, PartKind};
 use crate::syntax::Dataset;
+use crate::syntax::hash::QuickMap;
 
 /// Where the objects that others refer to are.
 pub(super) enum Ids<'a> {
@@ -10,9 +11,13 @@ pub(super) enum Ids<'a> {
         /// The dataset, for what the model does not keep (MATRIX).
         dataset: &'a Dataset,
         /// Index into the model's list by id, for each id space.
-        index: HashMap<&'static str, HashMap<u32, usize>>,
+        index: QuickMap<&'static str, QuickMap<u32, usize>>,
+        /// The same for markers, which most references are to.
+        markers: QuickMap<u32, usize>,
+        /// True if two statements of one space have the same id.
+        repeats: bool,
         /// Places of the joints in the model's list, once they are lowered.
-        joints: HashMap<u32, usize>,
+        joints: QuickMap<u32, usize>,
     },
     /// While a command redefines an object of a finished model.
     Model(&'a Model),
@@ -24,9 +29,10 @@ pub(super) const BODIES: [&str; 4] = ["part", "point_mass", "flex_body", "fe_par
 impl<'a> Ids<'a> {
     /// The ids of a dataset: bodies and markers get the index they will have, everything else the index of its statement.
     pub fn of(dataset: &'a Dataset) -> Self {
-        let mut index: HashMap<&'static str, HashMap<u32, usize>> = HashMap::new();
+        let mut index: QuickMap<&'static str, QuickMap<u32, usize>> = QuickMap::default();
         let mut bodies = 0;
-        let mut markers = 0;
+        let mut markers = QuickMap::default();
+        let mut repeats = false;
         for (at, statement) in dataset.statements().iter().enumerate() {
             let (Some(def), Some(id)) = (statement.def, statement.number()) else {
                 continue;
@@ -34,31 +40,39 @@ impl<'a> Ids<'a> {
             let Some(space) = def.id else {
                 continue;
             };
-            let known = index.entry(space).or_default();
-            if known.contains_key(&id) {
-                continue;
-            }
+            let known = if space == "marker" {
+                &mut markers
+            } else {
+                index.entry(space).or_default()
+            };
             let next = if BODIES.contains(&space) {
-                bodies += 1;
-                bodies - 1
+                bodies
             } else if space == "marker" {
-                markers += 1;
-                markers - 1
+                known.len()
             } else {
                 at
             };
-            known.insert(id, next);
+            match known.entry(id) {
+                Entry::Occupied(_) => repeats = true,
+                Entry::Vacant(place) => {
+                    place.insert(next);
+                    bodies += usize::from(BODIES.contains(&space));
+                }
+            }
         }
         Self::Dataset {
             dataset,
             index,
-            joints: HashMap::new(),
+            markers,
+            repeats,
+            joints: QuickMap::default(),
         }
     }
 
     /// Index of a body or a marker in the model's list; of the statement for the rest of a dataset.
     pub fn index(&self, space: &'static str, id: u32) -> Option<usize> {
         match self {
+            Self::Dataset { markers, .. } if space == "marker" => markers.get(&id).copied(),
             Self::Dataset { index, .. } => index.get(space)?.get(&id).copied(),
             Self::Model(model) => match space {
                 "marker" => model.marker(id).map(|marker| marker.0),
@@ -81,13 +95,17 @@ impl<'a> Ids<'a> {
     /// True if an object of this id space has the id. A space may hold several (`force` holds all `force.*`).
     pub fn defines(&self, space: &str, id: u32) -> bool {
         match self {
-            Self::Dataset { index, .. } => index.iter().any(|(known, ids)| {
-                (*known == space
-                    || known
-                        .strip_prefix(space)
-                        .is_some_and(|r| r.starts_with('.')))
-                    && ids.contains_key(&id)
-            }),
+            Self::Dataset { markers, .. } if space == "marker" => markers.contains_key(&id),
+            Self::Dataset { index, .. } => {
+                let has = |ids: &QuickMap<u32, usize>| ids.contains_key(&id);
+                index.get(space).is_some_and(has)
+                    || index.iter().any(|(known, ids)| {
+                        known
+                            .strip_prefix(space)
+                            .is_some_and(|rest| rest.starts_with('.'))
+                            && has(ids)
+                    })
+            }
             Self::Model(model) => match space {
                 "marker" => model.marker(id).is_some(),
                 "joint" => model.joints.iter().any(|joint| joint.header.id == id),
@@ -101,9 +119,15 @@ impl<'a> Ids<'a> {
         }
     }
 
+    /// True if two statements of a dataset have the same id in one space.
+    pub fn repeats(&self) -> bool {
+        matches!(self, Self::Dataset { repeats: true, .. })
+    }
+
     /// Ids of a space in order, for suggestions.
     pub fn all(&self, space: &str) -> Vec<u32> {
         let mut all: Vec<u32> = match self {
+            Self::Dataset { markers, .. } if space == "marker" => markers.keys().copied().collect(),
             Self::Dataset { index, .. } => index
                 .get(space)
                 .map(|ids| ids.keys().copied().collect())

@@ -9,8 +9,6 @@ mod reader;
 mod rules;
 mod settings;
 
-use std::collections::HashMap;
-
 use self::ids::{BODIES, Ids};
 use self::reader::Reader;
 use super::{Header, Joint, MarkerIx, Model, Part, PartIx, PartKind, Unsolved, object::Object};
@@ -18,6 +16,7 @@ use crate::diagnostic::{Checked, Code, Diagnostic};
 use crate::grammar::{Solved, StatementDef};
 use crate::mechanics::Pose;
 use crate::syntax::files::Files;
+use crate::syntax::hash::QuickMap;
 use crate::syntax::{Dataset, Statement, Value};
 use crate::text::Source;
 
@@ -72,7 +71,7 @@ pub fn lower_with(dataset: &Dataset, files: &Files) -> Checked<Model> {
             ..Model::default()
         },
         diagnostics: Vec::new(),
-        unique: HashMap::new(),
+        unique: QuickMap::default(),
     };
     let first_of_its_id: Vec<bool> = dataset
         .statements()
@@ -116,7 +115,7 @@ struct Lowering<'a> {
     model: Model,
     diagnostics: Vec<Diagnostic>,
     /// The statement that has an id first, by id space.
-    unique: HashMap<(&'static str, u32), usize>,
+    unique: QuickMap<(&'static str, u32), usize>,
 }
 
 impl Lowering<'_> {
@@ -126,6 +125,9 @@ impl Lowering<'_> {
         else {
             return true;
         };
+        if !self.ids.repeats() {
+            return true;
+        }
         let first = *self.unique.entry((space, id)).or_insert(at);
         if first == at {
             return true;
@@ -155,7 +157,7 @@ impl Lowering<'_> {
         rm_markers: &mut Vec<(MarkerIx, MarkerIx)>,
         im_parts: &mut Vec<(PartIx, MarkerIx)>,
     ) {
-        let is_body = def.id.is_some_and(|space| BODIES.contains(&space));
+        let is_body = is_body(def);
         if !(is_body || def.name == "MARKER" || def.name == "JOINT") || statement.id.is_none() {
             return;
         }
@@ -242,21 +244,22 @@ impl Lowering<'_> {
 
     /// True for a SPLINE whose file was read.
     fn is_supplied(&self, statement: &Statement) -> bool {
-        let name = statement.text("FILE", self.dataset.source());
         statement.kind() == Some("SPLINE")
-            && name.is_some_and(|name| self.files.get(&name).is_some())
+            && statement
+                .text("FILE", self.dataset.source())
+                .is_some_and(|name| self.files.get(&name).is_some())
     }
 
     /// Splines from other files: they are turned into the units of the model, which may be stated behind them.
     fn splines_of_files(&mut self) {
         for (at, statement) in self.dataset.statements().iter().enumerate() {
-            let Some(def) = statement.def else {
+            let Some(def) = statement.def.filter(|_| self.is_supplied(statement)) else {
                 continue;
             };
             let first = statement
                 .number()
                 .is_some_and(|id| self.dataset.position(def.name, Some(id)) == Some(at));
-            if !first || !self.is_supplied(statement) {
+            if !first {
                 continue;
             }
             let mut reader = Reader {
@@ -291,6 +294,10 @@ impl Lowering<'_> {
             true,
             &mut self.diagnostics,
         );
+        let done = is_body(def) || matches!(def.name, "MARKER" | "JOINT");
+        if done && !matches!(def.solved, Solved::External(_)) {
+            return;
+        }
         if def.id.is_some() && statement.id.is_none() {
             return;
         }
@@ -338,6 +345,11 @@ impl Lowering<'_> {
         );
         forget_repeated(&mut self.diagnostics, known);
     }
+}
+
+/// True for PART, POINT_MASS and the bodies only real ADAMS solves.
+fn is_body(def: &StatementDef) -> bool {
+    def.id.is_some_and(|space| BODIES.contains(&space))
 }
 
 /// What a rule of the grammar has said already is not said again by the reader of the same statement.

@@ -207,12 +207,29 @@ impl Parser<'_> {
             }
             TokenKind::Punctuation(b'(') => {
                 self.at += 1;
+                if let Some(span) = self.negative_number() {
+                    self.at += 3;
+                    return self.literal(span);
+                }
                 let inner = self.nested(Self::sum)?;
                 self.expect(b')', token.span)?;
                 Ok(inner)
             }
             _ => Err(self.unexpected(token)),
         }
+    }
+
+    /// The place of `-1.5` if that and a closing parenthesis come next: a literal of its own, so that a number of a function can be
+    /// set to a negative value and read back.
+    fn negative_number(&self) -> Option<Span> {
+        let [minus, number, close] = self.tokens.get(self.at..self.at + 3)? else {
+            return None;
+        };
+        (minus.kind == TokenKind::Punctuation(b'-')
+            && number.kind == TokenKind::Number
+            && close.kind == TokenKind::Punctuation(b')')
+            && minus.span.end == number.span.start)
+            .then(|| minus.span.join(number.span))
     }
 
     fn literal(&mut self, span: Span) -> Parsed<Grown> {

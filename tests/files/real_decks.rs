@@ -1,0 +1,377 @@
+//! Every command of the toolkit on every real deck, as a user would call it, and the loss list of the README.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use admire::model::Model;
+use admire::syntax::property::PropertyFile;
+use admire::syntax::renumber::{Renumbering, in_order, renumber};
+use admire::syntax::{Address, CommandFile, Dataset, Value, json};
+use admire::system::{Scratch, System};
+use admire::text::{Source, apply_edits};
+use rayon::prelude::*;
+
+use super::lossless::real_files;
+use crate::common::{files_below, shared};
+
+fn admire(words: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_admire"))
+        .args(words)
+        .env("NO_COLOR", "1")
+        .output()
+        .expect("the program runs")
+}
+
+fn text(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+fn code(output: &Output) -> i32 {
+    output.status.code().expect("no signal")
+}
+
+fn dataset(name: &str, bytes: &[u8]) -> Dataset {
+    Dataset::parse(Source::new(name, bytes)).value
+}
+
+/// Every number of a deck in order, bit by bit.
+fn numbers(dataset: &Dataset) -> Vec<u64> {
+    dataset
+        .statements()
+        .iter()
+        .flat_map(|statement| &statement.arguments)
+        .flat_map(|argument| match &argument.value {
+            Value::Function(expression) => expression.literals.clone(),
+            _ => argument.numbers().to_vec(),
+        })
+        .map(|number| number.value.to_bits())
+        .collect()
+}
+
+/// The decks, each with a folder of its own for what the commands write.
+fn decks() -> Vec<(PathBuf, Vec<u8>, tempfile::TempDir)> {
+    real_files("adm")
+        .into_iter()
+        .map(|(name, bytes)| {
+            let folder = tempfile::tempdir().expect("a folder");
+            (PathBuf::from(name), bytes, folder)
+        })
+        .collect()
+}
+
+#[test]
+fn every_command_works_on_every_real_deck() {
+    decks().par_iter().for_each(|(path, bytes, folder)| {
+        let deck = path.to_str().expect("a name");
+        let at = |name: &str| folder.path().join(name).display().to_string();
+        let original = dataset(deck, bytes);
+
+        let checked = admire(&["check", deck, "--format", "json"]);
+        assert!(code(&checked) <= 1, "{deck}: {checked:?}");
+        let complaints: serde_json::Value =
+            serde_json::from_str(&text(&checked)).expect("complaints as JSON");
+        for complaint in complaints.as_array().expect("a list") {
+            for label in complaint["labels"].as_array().expect("labels") {
+                let end = label["end"].as_u64().expect("a place") as usize;
+                assert!(end <= bytes.len(), "{deck}: {complaint}");
+            }
+        }
+
+        let shown = admire(&["fix", deck]);
+        assert_eq!(code(&shown), 0, "{deck}");
+        std::fs::write(at("fixed.adm"), bytes).expect("writable");
+        assert_eq!(code(&admire(&["fix", "--write", &at("fixed.adm")])), 0);
+        let fixed = std::fs::read(at("fixed.adm")).expect("readable");
+        assert_eq!(fixed != *bytes, !shown.stdout.is_empty(), "{deck}");
+        let parsed = Dataset::parse(Source::new("fixed", fixed.clone()));
+        assert_eq!(parsed.diagnostics, [], "{deck}");
+        assert_eq!(numbers(&parsed.value), numbers(&original), "{deck}");
+        assert_eq!(code(&admire(&["diff", deck, &at("fixed.adm")])), 0);
+
+        let objects: Vec<String> = original
+            .statements()
+            .iter()
+            .filter_map(Address::of)
+            .map(|address| address.to_string())
+            .take(100)
+            .collect();
+        let mut words = vec!["get", deck];
+        words.extend(objects.iter().map(String::as_str));
+        let got = admire(&words);
+        assert_eq!(code(&got), 0, "{deck}: {got:?}");
+        assert!(text(&got).lines().count() >= objects.len());
+
+        assert_eq!(admire(&["set", deck]).stdout, *bytes, "{deck}");
+        let number = original.statements().iter().find_map(|statement| {
+            let argument = statement.argument("QP").or(statement.argument("QG"))?;
+            let address = format!("{}.{}.1", Address::of(statement)?, argument.kind()?);
+            Some((address, argument.numbers().first()?.value))
+        });
+        let same = admire(&["diff", deck, deck]);
+        assert_eq!((code(&same), text(&same).as_str()), (0, ""));
+        if let Some((address, value)) = number {
+            let assignment = format!("{address}={}", value + 0.5);
+            let set = admire(&["set", deck, &assignment, "-o", &at("set.adm")]);
+            assert_eq!(code(&set), 0, "{deck}: {set:?}");
+            let changed = admire(&["diff", deck, &at("set.adm")]);
+            assert_eq!(code(&changed), 1);
+            let lines = text(&changed);
+            assert!(
+                lines.lines().count() == 1 && lines.starts_with(&address),
+                "{lines}"
+            );
+        }
+
+        let summary = admire(&["summary", deck, "--format", "json"]);
+        assert!(code(&summary) <= 1, "{deck}: {summary:?}");
+        let summary: serde_json::Value = serde_json::from_str(&text(&summary)).expect("JSON");
+        let counted: u64 = summary["statements"]
+            .as_object()
+            .expect("statements")
+            .values()
+            .map(|count| count.as_u64().expect("a count"))
+            .sum();
+        assert_eq!(counted as usize, original.statements().len());
+
+        let moved = admire(&[
+            "renumber",
+            deck,
+            "MARKER=500001",
+            "PART=90001,3",
+            "-o",
+            &at(""),
+        ]);
+        assert_eq!(code(&moved), 0, "{deck}: {moved:?}");
+        assert!(
+            Path::new(&at(""))
+                .join(path.file_name().expect("a name"))
+                .exists()
+        );
+
+        assert_eq!(
+            code(&admire(&["export", deck, "--json", "-o", &at("deck.json")])),
+            0
+        );
+        let back = admire(&["import", deck, &at("deck.json")]);
+        assert_eq!(back.stdout, *bytes, "{deck}");
+    });
+}
+
+#[test]
+fn every_real_command_file_and_result_is_read_by_its_commands() {
+    for (name, _) in real_files("acf") {
+        assert!(code(&admire(&["check", &name])) <= 1, "{name}");
+    }
+    let Some(folder) = shared("real-decks") else {
+        return;
+    };
+    for ending in ["res", "req"] {
+        for path in files_below(&folder, ending) {
+            let file = path.to_str().expect("a name");
+            let listed = admire(&["results", file, "--list"]);
+            assert_eq!(code(&listed), 0, "{listed:?}");
+            let compared = admire(&["compare", file, file]);
+            assert_eq!(code(&compared), 0, "{compared:?}");
+            let all = admire(&["results", file, "--get", "*", "--json"]);
+            // A request file may hold no request.
+            assert!(code(&all) == 0 || ending == "req", "{file}: {all:?}");
+            if code(&all) == 0 {
+                let columns: serde_json::Value = serde_json::from_str(&text(&all)).expect("JSON");
+                assert!(columns.is_object() || columns.is_array());
+            }
+        }
+    }
+}
+
+/// Numbers 1000, 1010, ... for markers and others for everything a model is made of.
+fn everything_anew(dataset: &Dataset) -> Renumbering {
+    let kinds = [
+        "PART",
+        "MARKER",
+        "JOINT",
+        "JPRIM",
+        "MOTION",
+        "BUSHING",
+        "FIELD",
+        "BEAM",
+        "SFORCE",
+        "VFORCE",
+        "VTORQUE",
+        "GFORCE",
+        "SPRINGDAMPER",
+        "VARIABLE",
+        "SPLINE",
+        "ARRAY",
+        "DIFF",
+        "REQUEST",
+        "MATRIX",
+        "COUPLER",
+        "SENSOR",
+        "STRING",
+        "CONTACT",
+        "GRAPHICS",
+    ];
+    let mut all = Renumbering::new();
+    for (k, kind) in kinds.iter().enumerate() {
+        all.extend(in_order(dataset, kind, 100_003 + 7 * k as u32, 2));
+    }
+    all
+}
+
+/// The residual of the equilibrium at the design position, if the model can be compiled.
+fn residual(dataset: &Dataset) -> Option<Vec<f64>> {
+    let model = Model::lower(dataset);
+    if model.has_errors() {
+        return None;
+    }
+    let compiled = System::compile(&model.value);
+    if compiled.has_errors() {
+        return None;
+    }
+    let system = compiled.value;
+    let mut g = vec![0.0; system.unknowns()];
+    let mut scratch = Scratch::new(&system);
+    system
+        .residual(&system.parameters(), &system.state(), &mut scratch, &mut g)
+        .ok()?;
+    Some(g)
+}
+
+/// New ids for everything leave the mechanics as they are: the same forces on the same parts.
+#[test]
+fn a_renumbered_deck_has_the_same_equations() {
+    let mut compared = 0;
+    for (name, bytes) in real_files("adm") {
+        let before = dataset(&name, &bytes);
+        let edits = renumber(&before, &[], &everything_anew(&before)).expect("no duplicates");
+        let after = before
+            .edited(&edits.value.dataset)
+            .expect("no conflict")
+            .value;
+        if let Some(g) = residual(&before) {
+            assert_eq!(Some(g), residual(&after), "{name}");
+            compared += 1;
+        }
+    }
+    println!("{compared} decks compared");
+}
+
+/// Everything the toolkit does with a file that should lose nothing, and what it loses: one line each.
+fn losses() -> Option<Vec<String>> {
+    let decks = real_files("adm");
+    if decks.is_empty() {
+        return None;
+    }
+    let mut lost = Vec::new();
+    let mut check = |name: &str, what: &str, kept: bool| {
+        if !kept {
+            let file = Path::new(name)
+                .file_name()
+                .expect("a name")
+                .to_string_lossy();
+            lost.push(format!("{file}: {what}"));
+        }
+    };
+    for (name, bytes) in &decks {
+        let before = dataset(name, bytes);
+        let tiled: usize = before.tokens().map(|token| token.span.len()).sum();
+        check(
+            name,
+            "bytes, reading",
+            before.bytes() == *bytes && tiled == bytes.len(),
+        );
+        let known = |dataset: &Dataset| {
+            dataset
+                .statements()
+                .iter()
+                .all(|s| s.kind().is_some() && s.arguments.iter().all(|a| a.kind().is_some()))
+        };
+        check(
+            name,
+            "statements or arguments the grammar does not know",
+            known(&before),
+        );
+        let exported = json::export(&before);
+        let back = json::import(&before, &exported).is_ok_and(|edits| edits.is_empty());
+        check(name, "bytes, through JSON", back);
+        let new = everything_anew(&before);
+        let there = renumber(&before, &[], &new)
+            .expect("no duplicates")
+            .value
+            .dataset;
+        let moved = before.edited(&there).expect("no conflict").value;
+        let home: Renumbering = new
+            .iter()
+            .map(|((space, old), new)| ((*space, *new), *old))
+            .collect();
+        let edits = renumber(&moved, &[], &home)
+            .expect("no duplicates")
+            .value
+            .dataset;
+        let home = apply_edits(moved.bytes(), &edits).expect("no conflict");
+        // Leading zeros of ids are the only thing a longer id does not keep.
+        let same = numbers(&dataset(name, &home)) == numbers(&before);
+        check(name, "numbers, renumbered and back", same);
+    }
+    for (name, bytes) in real_files("acf") {
+        let read = CommandFile::parse(Source::new(name.as_str(), bytes.clone())).value;
+        check(&name, "bytes, reading", read.bytes() == bytes);
+    }
+    Some(lost)
+}
+
+#[test]
+fn the_loss_list_of_the_readme_is_what_the_real_decks_give() {
+    let Some(lost) = losses() else {
+        return;
+    };
+    let readme = include_str!("../../README.md");
+    let begin = readme.find("<!-- losses -->\n").expect("the list") + "<!-- losses -->\n".len();
+    let end = begin
+        + readme[begin..]
+            .find("<!-- end of losses -->")
+            .expect("its end");
+    let list = if lost.is_empty() {
+        "none\n".to_string()
+    } else {
+        lost.join("\n") + "\n"
+    };
+    assert_eq!(readme[begin..end].replace("\r\n", "\n"), list);
+}
+
+/// A spline whose points are in a property file beside the deck bends a spring as if they stood in the deck.
+#[test]
+fn a_spline_of_a_property_file_is_the_spline_of_the_deck() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let property = "[MDI_HEADER]\nFILE_TYPE = 'spr'\n[UNITS]\nLENGTH = 'meter'\nFORCE = 'newton'\n[CURVE]\n{disp force}\n-0.1 -1000\n-0.05 -600\n0 0\n0.1 1500\n";
+    std::fs::write(folder.path().join("soft.spr"), property).expect("writable");
+    assert!(PropertyFile::is_one(property.as_bytes()));
+    let deck = |spline: &str| {
+        format!(
+            "t\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\nPART/1, GROUND\nMARKER/1, PART=1\nPART/2, MASS=2, CM=20, IP=1,1,1\nMARKER/20, PART=2\nJOINT/1, TRANSLATIONAL, I=20, J=1\nSFORCE/1, TRANSLATIONAL, ACTIONONLY, I=20, J=1, FUNCTION=-AKISPL(DZ(20,1,1),0,7)\nSPLINE/7, {spline}\nACCGRAV/KGRAV=-9806.65\nEND\n"
+        )
+    };
+    let solve = |name: &str, spline: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, deck(spline)).expect("writable");
+        let solved = admire(&["solve", path.to_str().expect("a name"), "--format", "json"]);
+        assert_eq!(code(&solved), 0, "{solved:?}");
+        text(&solved)
+    };
+    let inside = solve("a.adm", "X=-100,-50,0,100, Y=-1000,-600,0,1500");
+    let outside = solve("b.adm", "FILE=soft.spr, BLOCK=CURVE");
+    assert_eq!(inside, outside);
+    // Without the file the answer would not be the one meant: it is refused.
+    let missing = folder.path().join("c.adm");
+    std::fs::write(&missing, deck("FILE=hard.spr")).expect("writable");
+    let refused = admire(&[
+        "check",
+        missing.to_str().expect("a name"),
+        "--format",
+        "plain",
+    ]);
+    assert!(
+        text(&refused).contains("the file `hard.spr` is not here"),
+        "{refused:?}"
+    );
+}
