@@ -21,6 +21,7 @@ mod record;
 mod render;
 mod renumber;
 mod results;
+mod rig;
 mod set;
 mod shell;
 mod solve;
@@ -65,6 +66,7 @@ enum Command {
     Identify(identify::Arguments),
     Diagnose(diagnose::Arguments),
     Record(record::Arguments),
+    Rig(rig::Arguments),
     Results(results::Arguments),
     Compare(compare::Arguments),
     Explain(explain::Arguments),
@@ -91,6 +93,7 @@ pub fn main() -> ExitCode {
         Command::Identify(arguments) => identify::run(&arguments, &mut shell),
         Command::Diagnose(arguments) => diagnose::run(&arguments, &mut shell),
         Command::Record(arguments) => record::run(&arguments, &mut shell),
+        Command::Rig(arguments) => rig::run(&arguments, &mut shell),
         Command::Results(arguments) => results::run(&arguments, &mut shell),
         Command::Compare(arguments) => compare::run(&arguments, &mut shell),
         Command::Explain(arguments) => explain::run(&arguments, &mut shell),

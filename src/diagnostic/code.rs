@@ -168,6 +168,8 @@ codes! {
     WrongUnits = "wrong-units",
     /// The marks of a part do not fit a rigid body within their noise.
     InconsistentMarks = "inconsistent-marks",
+    /// An effect to plant on a virtual rig that does not exist, sits nowhere, or lacks a number.
+    BadEffect = "bad-effect",
     /// A load case the solver finds no equilibrium for. It is still applied in its order; no fit uses it.
     UnreachableCase = "unreachable-case",
 }

@@ -453,12 +453,12 @@ fn channel_readings(
     to: &mut Measurement,
     out: &mut Vec<Diagnostic>,
 ) {
-    let Some([case]) = table.columns(["case"], out) else {
-        return;
-    };
+    // A channel is one even where its readings are missing: a rig may still make them.
+    let label = table.columns(["case"], out);
     let mut columns = Vec::new();
     for settings in channels {
-        let Some(column) = table.column(&settings.name) else {
+        let column = table.column(&settings.name);
+        if column.is_none() && label.is_some() {
             out.push(
                 Diagnostic::error(
                     Code::MissingColumn,
@@ -466,8 +466,7 @@ fn channel_readings(
                 )
                 .label(table.source.name(), table.header_span(), "the header line"),
             );
-            continue;
-        };
+        }
         let mut relative_to = None;
         if let Some(label) = &settings.relative_to {
             relative_to = to.case(&label.text);
@@ -493,6 +492,9 @@ fn channel_readings(
     for case in &mut to.cases {
         case.channels = vec![None; columns.len()];
     }
+    let Some([case]) = label else {
+        return;
+    };
     let mut grouped = Grouped::default();
     for row in table.rows() {
         let Some(label) = table.cell(row, case) else {
@@ -501,8 +503,9 @@ fn channel_readings(
         let Some(case) = case_of(label, table, to, &mut grouped) else {
             continue;
         };
-        for (channel, &column) in columns.iter().enumerate() {
-            to.cases[case].channels[channel] = table.number(row, column, out);
+        for (channel, column) in columns.iter().enumerate() {
+            to.cases[case].channels[channel] =
+                column.and_then(|column| table.number(row, column, out));
         }
     }
     grouped.finish(out);

@@ -305,6 +305,18 @@ impl<'a> Section<'a> {
     }
 }
 
+/// Where the number of a key stands in a text of TOML.
+pub(super) fn number_span(text: &str, section: &str, key: &str) -> Option<Span> {
+    let (document, _) = DeTable::parse_recoverable(text);
+    let value = document
+        .get_ref()
+        .get(section)?
+        .get_ref()
+        .as_table()?
+        .get(key)?;
+    number_of(value.get_ref()).map(|_| Span::from(value.span()))
+}
+
 fn number_of(value: &DeValue<'_>) -> Option<f64> {
     let text = match value {
         DeValue::Float(float) => float.as_str(),

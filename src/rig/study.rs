@@ -171,7 +171,7 @@ fn sections(root: &mut Section<'_>, files: &Files<'_>, out: &mut Vec<Diagnostic>
     let mut section = root.section("marks", out);
     let marks = if section.is_present() {
         let on_parts = files.required(&mut section, "on_parts", out);
-        let measured = files.required(&mut section, "measured", out);
+        let measured = files.readings(&mut section, "measured", out);
         let sigma = section.optional_number("sigma", (0.0, f64::INFINITY), out);
         let sigma_on_parts = section.number("sigma_on_parts", 0.0, (0.0, f64::INFINITY), out);
         on_parts
@@ -190,7 +190,11 @@ fn sections(root: &mut Section<'_>, files: &Files<'_>, out: &mut Vec<Diagnostic>
     let mut section = root.section("wheel", out);
     let wheel = if section.is_present() {
         let settings = WheelSettings::read(&mut section, out);
-        let table = files.optional(&mut section, "measured", out);
+        let table = if section.is_text("measured") {
+            files.readings(&mut section, "measured", out)
+        } else {
+            None
+        };
         settings.map(|settings| (settings, table.map(|(source, _)| Table::read(source, out))))
     } else {
         None
@@ -199,7 +203,7 @@ fn sections(root: &mut Section<'_>, files: &Files<'_>, out: &mut Vec<Diagnostic>
 
     let mut section = root.section("readings", out);
     let readings = if section.is_present() {
-        let file = files.required(&mut section, "file", out);
+        let file = files.readings(&mut section, "file", out);
         let mut channels = Vec::new();
         for (name, mut channel) in section.section("channels", out).all_sections(out) {
             channels.extend(ChannelSettings::read(&name, &mut channel, out));
@@ -268,6 +272,25 @@ impl Files<'_> {
             return None;
         };
         self.open(&spelled, out)
+    }
+
+    /// A file of readings. One that cannot be read is an error, and empty: a rig may still make it.
+    fn readings(
+        &self,
+        section: &mut Section<'_>,
+        key: &'static str,
+        out: &mut Vec<Diagnostic>,
+    ) -> Option<(Source, PathBuf)> {
+        let count = out.len();
+        let text = section.text(key, &mut Vec::new());
+        let opened = self.required(section, key, out);
+        let unreadable = out[count..]
+            .iter()
+            .any(|diagnostic| diagnostic.code == Code::CannotRead);
+        opened.or_else(|| {
+            let path = self.folder.join(&text.filter(|_| unreadable)?.text);
+            Some((Source::new(path.display().to_string(), Vec::new()), path))
+        })
     }
 
     fn optional(

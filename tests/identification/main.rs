@@ -9,3 +9,4 @@ mod direct;
 mod global;
 mod regression;
 mod setup;
+mod virtual_rig;

@@ -1,0 +1,116 @@
+use std::path::PathBuf;
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::rig::effect::EffectSpec;
+use crate::rig::{Background, LoadTable, RigOptions, virtual_rig};
+
+use super::Outcome;
+use super::shell::{Exit, Shell};
+
+/// Measure a study's deck on the virtual test rig and write what a rig would hand over: a whole study folder.
+///
+/// Nothing in the folder tells what was planted; `--truth` writes that elsewhere.
+#[derive(clap::Args, Debug)]
+pub(super) struct Arguments {
+    /// The study's folder; its own readings need not exist.
+    study: PathBuf,
+    /// The folder to write.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Seed of the measuring noise.
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Standard deviation of one mark coordinate instead of the study's.
+    #[arg(long)]
+    sigma: Option<f64>,
+    /// An effect to plant: `cause@address:name=value,...`
+    #[arg(long, value_name = "SPEC")]
+    effect: Vec<String>,
+    /// A file of effects to plant, one a line; `#` begins a comment.
+    #[arg(long, value_name = "FILE")]
+    effects: Vec<PathBuf>,
+    /// Small errors in many places besides, as standard deviations: `hardpoints=0.1,load_gain=0.003,marks_on_parts=0.02`
+    #[arg(long, value_name = "LIST")]
+    background: Option<String>,
+    /// Load cases of the paper's table 1 or 2, or each load up and down, instead of the study's.
+    #[arg(long, value_enum)]
+    programme: Option<Programme>,
+    /// Where to write what was planted.
+    #[arg(long, value_name = "FILE")]
+    truth: Option<PathBuf>,
+}
+
+/// Load programmes at hand.
+#[derive(clap::ValueEnum, Clone, Copy, Debug)]
+enum Programme {
+    #[value(name = "table-1")]
+    Table1,
+    #[value(name = "table-2")]
+    Table2,
+    UpAndDown,
+}
+
+impl From<Programme> for LoadTable {
+    fn from(programme: Programme) -> Self {
+        match programme {
+            Programme::Table1 => Self::Table1,
+            Programme::Table2 => Self::Table2,
+            Programme::UpAndDown => Self::UpAndDown,
+        }
+    }
+}
+
+/// Measures and writes.
+pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    let mut lines = Vec::new();
+    for file in &arguments.effects {
+        let text = std::fs::read_to_string(file).map_err(|error| {
+            let message = format!("{} cannot be read: {error}", file.display());
+            shell.fail(Diagnostic::error(Code::CannotRead, message))
+        })?;
+        let said = text
+            .lines()
+            .map(|line| line.split('#').next().unwrap_or(""));
+        lines.extend(
+            said.map(|line| line.trim().to_string())
+                .filter(|line| !line.is_empty()),
+        );
+    }
+    lines.extend(arguments.effect.iter().cloned());
+    let mut effects = Vec::new();
+    for text in &lines {
+        effects.push(EffectSpec::parse(text).map_err(|diagnostic| {
+            shell.complain(&[diagnostic]);
+            Exit::Failed
+        })?);
+    }
+    let background = arguments.background.as_deref().map(Background::parse);
+    let background = background.transpose().map_err(|diagnostic| {
+        shell.complain(&[diagnostic]);
+        Exit::Failed
+    })?;
+    let options = RigOptions {
+        seed: arguments.seed,
+        sigma: arguments.sigma,
+        effects,
+        background: background.unwrap_or_default(),
+        programme: arguments.programme.map(LoadTable::from),
+    };
+    let run = virtual_rig(&arguments.study, &options).map_err(|diagnostics| {
+        shell.complain(&diagnostics);
+        Exit::Findings
+    })?;
+    for (name, bytes) in &run.files {
+        let path = arguments.out.join(name);
+        let folder = path.parent().unwrap_or(&arguments.out);
+        std::fs::create_dir_all(folder).map_err(|error| {
+            let message = format!("{}: {error}", folder.display());
+            shell.fail(Diagnostic::error(Code::CannotWrite, message))
+        })?;
+        shell.write(&path, bytes)?;
+    }
+    if let Some(truth) = &arguments.truth {
+        shell.write(truth, run.truth.as_bytes())?;
+    }
+    Ok(Exit::Fine)
+}

@@ -1,0 +1,17 @@
+//! Outside the catalogue: friction that is stronger one way than the other, as a seal or a one-way damper leaf gives.
+
+use super::dry_friction::{place, slider, start};
+use super::memory::MemoryLaw;
+use super::{EffectSpec, Reality};
+use crate::diagnostic::Diagnostic;
+
+/// `force=...,back=...,stiffness=...`: the force toward positive and toward negative displacements; `start=0`.
+pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+    let at = place(spec, reality)?;
+    let law = MemoryLaw::Slip {
+        stiffness: spec.positive("stiffness")?,
+        limits: [spec.positive("force")?, spec.positive("back")?],
+        start: start(spec)?,
+    };
+    slider(spec, reality, at, law)
+}

@@ -1,0 +1,52 @@
+//! The ground-side attachment of a joint or spring yields: it sits on a small part of its own that ground holds by a spring, alike
+//! in all directions and without rotation.
+
+use super::{EffectSpec, Reality};
+use crate::diagnostic::Diagnostic;
+use crate::mechanics::{Mat3, Pose, Vec3};
+
+/// `stiffness=...`.
+pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+    let kinds = ["JOINT", "SPRINGDAMPER", "BUSHING", "JPRIM"];
+    let object = reality.object(spec, &kinds)?;
+    let stiffness = spec.positive("stiffness")?;
+    let model = reality.model();
+    let pair = reality.pair(spec, &object)?;
+    let on_ground = |id: u32| {
+        let marker = model.marker(id)?;
+        let frame = &model.markers[marker.0];
+        (Some(frame.part) == model.ground()).then_some(frame.qp)
+    };
+    let (argument, place) = match (on_ground(pair[0]), on_ground(pair[1])) {
+        (_, Some(place)) => ("J", place),
+        (Some(place), None) => ("I", place),
+        (None, None) => return Err(spec.refuse(format!("{object} is not attached to ground"))),
+    };
+    let Some(ground) = model.ground() else {
+        return Err(spec.refuse("the deck has no ground part"));
+    };
+    let ground = model.parts[ground.0].header.id;
+    let block = reality.add("PART", &[("QG", Some("0.0, 0.0, 0.0".to_string()))]);
+    let still = (&Vec3::zeros(), &Mat3::identity());
+    reality.rehang(spec, (&object, argument), Some(block), still)?;
+    let frame = Pose {
+        p: place,
+        R: Mat3::identity(),
+    };
+    let markers = [block, ground].map(|part| reality.add_marker(part, &frame).to_string());
+    let pair = [
+        ("I", Some(markers[0].clone())),
+        ("J", Some(markers[1].clone())),
+    ];
+    let mut hold = vec![("ORIENTATION", None)];
+    hold.extend(pair.clone());
+    reality.add("JPRIM", &hold);
+    let mut spring = pair.to_vec();
+    spring.push((
+        "K",
+        Some(format!("{stiffness:e}, {stiffness:e}, {stiffness:e}")),
+    ));
+    spring.push(("KT", Some("0.0, 0.0, 0.0".to_string())));
+    reality.add("BUSHING", &spring);
+    Ok(())
+}

@@ -1,0 +1,30 @@
+//! A reading's gain, zero or single value is wrong.
+
+use super::{EffectSpec, ReadingFault, Reality};
+use crate::diagnostic::Diagnostic;
+
+/// `gain=...` and `offset=...`; with `case=...` in that case only.
+pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+    let found = reality
+        .channels
+        .iter()
+        .position(|name| *name == spec.address);
+    let Some(channel) = found else {
+        return Err(spec.refuse(format!("the study has no channel `{}`", spec.address)));
+    };
+    let (gain, offset) = (spec.optional("gain")?, spec.optional("offset")?);
+    if gain.is_none() && offset.is_none() {
+        return Err(spec.refuse("needs gain=... or offset=..."));
+    }
+    let case = match spec.label("case") {
+        Some(label) => Some(reality.case(spec, &label)?),
+        None => None,
+    };
+    reality.faults.push(ReadingFault::Channel {
+        channel,
+        gain: gain.unwrap_or(1.0),
+        offset: offset.unwrap_or(0.0),
+        case,
+    });
+    Ok(())
+}

@@ -1,0 +1,110 @@
+//! Rate-independent friction at a bushing deflection or along a joint: the answer depends on the order of the loads.
+//!
+//! Prandtl: a spring in series with a slider, `f = -max(-F, min(F, k (u - anchor)))`. Dahl: after each reversal the force
+//! approaches the limit exponentially, `df/du = k (1 - f sgn(du) / F)`. What is remembered sits in VARIABLEs, changed after each
+//! case. Before the first case the parts are in the design position, and the friction carries the part `start` of its limit there.
+
+use super::memory::{Memory, MemoryLaw};
+use super::reality::displacement;
+use super::{EffectSpec, Reality};
+use crate::diagnostic::Diagnostic;
+
+/// `force=...,stiffness=...`, `law=prandtl` or `dahl`, `start=0`; `axis=z` or `az` for a joint.
+pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+    let (pair, component) = place(spec, reality)?;
+    let (limit, stiffness) = (spec.positive("force")?, spec.positive("stiffness")?);
+    let start = start(spec)?;
+    if spec.word("law", &["prandtl", "dahl"])? == "prandtl" {
+        return slider(
+            spec,
+            reality,
+            (pair, component),
+            MemoryLaw::Slip {
+                stiffness,
+                limits: [limit, limit],
+                start,
+            },
+        );
+    }
+    let zero = [("FUNCTION", Some("0.0".to_string()))];
+    let (from, held) = (
+        reality.add("VARIABLE", &zero),
+        reality.add("VARIABLE", &zero),
+    );
+    let u = displacement(pair, component);
+    let moved = format!("({u}-VARVAL({from}))");
+    let way = |sign: &str| {
+        let goal = format!("{sign}{limit:e}");
+        format!(
+            "({goal}-({goal}-VARVAL({held}))*EXP(-{:e}*ABS({moved})))",
+            stiffness / limit
+        )
+    };
+    let force = format!("-IF({moved}: {}, VARVAL({held}), {})", way("-"), way("+"));
+    reality.memories.push(Memory {
+        variables: vec![from, held],
+        markers: pair,
+        component,
+        law: MemoryLaw::Dahl {
+            stiffness,
+            limit,
+            start,
+        },
+    });
+    reality.add_component_force(spec, pair, &[(component, force)])
+}
+
+/// A stiffness of a bushing, or the free motion of a joint.
+pub(super) fn place(spec: &EffectSpec, reality: &Reality) -> Result<([u32; 2], usize), Diagnostic> {
+    let address = reality.object(spec, &["BUSHING", "JOINT"])?;
+    if address.kind == "BUSHING" {
+        return reality.bushing_component(spec, &address);
+    }
+    let statement = reality.dataset.find(&address);
+    let slides = statement.is_some_and(|s| s.has("TRANSLATIONAL") || s.has("CYLINDRICAL"));
+    let words = if slides { ["z", "az"] } else { ["az", "z"] };
+    let component = if spec.word("axis", &words)? == "z" {
+        2
+    } else {
+        5
+    };
+    Ok((reality.pair(spec, &address)?, component))
+}
+
+/// The part of its limit that friction carries before the first case.
+pub(super) fn start(spec: &EffectSpec) -> Result<f64, Diagnostic> {
+    let start = spec.optional("start")?.unwrap_or(0.0);
+    if start.abs() <= 1.0 {
+        Ok(start)
+    } else {
+        Err(spec.refuse("start is a part of the force, from -1 to 1"))
+    }
+}
+
+/// A spring in series with a slider.
+pub(super) fn slider(
+    spec: &EffectSpec,
+    reality: &mut Reality,
+    (pair, component): ([u32; 2], usize),
+    law: MemoryLaw,
+) -> Result<(), Diagnostic> {
+    let MemoryLaw::Slip {
+        stiffness,
+        limits: [plus, minus],
+        ..
+    } = law
+    else {
+        return Err(spec.refuse("is no slider"));
+    };
+    let anchor = reality.add("VARIABLE", &[("FUNCTION", Some("0.0".to_string()))]);
+    let u = displacement(pair, component);
+    let spring = format!("{stiffness:e}*({u}-VARVAL({anchor}))");
+    let force = format!("-MAX(-{minus:e},MIN({plus:e},{spring}))");
+    reality.memories.push(Memory {
+        variables: vec![anchor],
+        markers: pair,
+        component,
+        law,
+    });
+    reality.add_component_force(spec, pair, &[(component, force)])
+}

@@ -1,0 +1,26 @@
+//! A number of the deck taken as known is wrong.
+
+use super::{EffectSpec, Reality};
+use crate::diagnostic::Diagnostic;
+use crate::syntax::Address;
+
+/// `value=...`, `factor=...` or `delta=...`.
+pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+    let address =
+        Address::parse(&spec.address, &reality.dataset).map_err(|why| spec.refuse(why.message))?;
+    let Some(deck) = reality.dataset.value_at(&address) else {
+        return Err(spec.refuse("that is the address of no number"));
+    };
+    let (value, factor, delta) = (
+        spec.optional("value")?,
+        spec.optional("factor")?,
+        spec.optional("delta")?,
+    );
+    let value = match (value, factor, delta) {
+        (Some(value), None, None) => value,
+        (None, Some(factor), None) => deck * factor,
+        (None, None, Some(delta)) => deck + delta,
+        _ => return Err(spec.refuse("needs one of value=, factor=, delta=")),
+    };
+    reality.set(&address, value)
+}

@@ -1,0 +1,17 @@
+//! The measuring frame moved in one load case: `case 7`.
+
+use super::{EffectSpec, ReadingFault, Reality};
+use crate::diagnostic::Diagnostic;
+use crate::mechanics::Pose;
+
+/// `x, y, z, ax_deg, ay_deg, az_deg`: all coordinates of the case are read so much further along, turned about the origin.
+pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+    let Some(label) = spec.address.strip_prefix("case ") else {
+        return Err(spec.refuse("sits at a load case, for example `case 7`"));
+    };
+    let case = reality.case(spec, label.trim())?;
+    let (p, R) = spec.motion()?;
+    let pose = Pose { p, R };
+    reality.faults.push(ReadingFault::Frame { case, pose });
+    Ok(())
+}

@@ -1,0 +1,92 @@
+//! A part that deforms along the line of its two joints.
+//!
+//! The far end becomes a part of its own that slides along the line on the rest, held by a spring: at one end with the given
+//! stiffness, or at both ends with twice of it each.
+
+use super::{EffectSpec, Reality};
+use crate::diagnostic::Diagnostic;
+use crate::mechanics::{Mat3, Pose, Vec3};
+use crate::model::Model;
+use crate::syntax::Address;
+
+/// `stiffness=...` and `ends=one` or `both`.
+pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+    let part = reality.object(spec, &["PART"])?.id.unwrap_or(0);
+    let stiffness = spec.positive("stiffness")?;
+    let both = spec.word("ends", &["one", "both"])? == "both";
+    let model = reality.model();
+    let ends = ends(&model, part);
+    let [near, far] = ends.as_slice() else {
+        return Err(spec.refuse(format!("PART/{part} has {} joints, not two", ends.len())));
+    };
+    let line = far.2 - near.2;
+    if line.norm() < 1e-9 {
+        return Err(spec.refuse(format!("both joints of PART/{part} are at one point")));
+    }
+    let each = if both { 2.0 * stiffness } else { stiffness };
+    cut(spec, reality, part, far, &line, each)?;
+    if both {
+        cut(spec, reality, part, near, &-line, each)?;
+    }
+    Ok(())
+}
+
+/// A joint or bushing on the part: its address, the argument that names the part's marker, and where that is on the part.
+type End = (Address, &'static str, Vec3);
+
+fn ends(model: &Model, part: u32) -> Vec<End> {
+    let mut found = Vec::new();
+    let joints = model
+        .joints
+        .iter()
+        .map(|joint| ("JOINT", joint.header.id, joint.i, joint.j));
+    let bushings = model
+        .bushings
+        .iter()
+        .map(|law| ("BUSHING", law.header.id, law.i, law.j));
+    for (kind, id, i, j) in joints.chain(bushings) {
+        for (argument, marker) in [("I", i), ("J", j)] {
+            let frame = &model.markers[marker.0];
+            if model.parts[frame.part.0].header.id == part {
+                let address = Address {
+                    kind: kind.to_string(),
+                    id: Some(id),
+                    argument: None,
+                    index: None,
+                };
+                found.push((address, argument, frame.qp));
+            }
+        }
+    }
+    found
+}
+
+fn cut(
+    spec: &EffectSpec,
+    reality: &mut Reality,
+    part: u32,
+    end: &End,
+    line: &Vec3,
+    stiffness: f64,
+) -> Result<(), Diagnostic> {
+    let new = reality.twin(part);
+    let still = (&Vec3::zeros(), &Mat3::identity());
+    reality.rehang(spec, (&end.0, end.1), Some(new), still)?;
+    let frame = Pose {
+        p: end.2,
+        R: super::reality::along(&line.normalize()),
+    };
+    let markers = [new, part].map(|part| reality.add_marker(part, &frame).to_string());
+    let pair = [
+        ("I", Some(markers[0].clone())),
+        ("J", Some(markers[1].clone())),
+    ];
+    let mut joint = vec![("TRANSLATIONAL", None)];
+    joint.extend(pair.clone());
+    reality.add("JOINT", &joint);
+    let mut spring = pair.to_vec();
+    spring.push(("K", Some(format!("0.0, 0.0, {stiffness:e}"))));
+    spring.push(("KT", Some("0.0, 0.0, 0.0".to_string())));
+    reality.add("BUSHING", &spring);
+    Ok(())
+}

@@ -1,0 +1,17 @@
+//! The rig applies part of one load along another: `SFORCE/2<-SFORCE/3`.
+
+use super::{EffectSpec, Reality};
+use crate::diagnostic::Diagnostic;
+
+/// `fraction=0.02` of the load on the right acts along the one on the left besides.
+pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+    let Some((to, from)) = spec.address.split_once("<-") else {
+        return Err(spec.refuse("sits at two loads, for example SFORCE/2<-SFORCE/3"));
+    };
+    let (to, from) = (reality.load(spec, to)?, reality.load(spec, from)?);
+    let fraction = spec.number("fraction")?;
+    for case in &mut reality.programme.cases {
+        case.values[to] += fraction * case.values[from];
+    }
+    Ok(())
+}

@@ -1,0 +1,26 @@
+//! One mark reading is wrong: `case 7 KNUCKLE 3`.
+
+use super::{EffectSpec, ReadingFault, Reality};
+use crate::diagnostic::Diagnostic;
+
+/// `x, y, z`: by so much.
+pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+    let words: Vec<&str> = spec.address.split_whitespace().collect();
+    let ["case", label, part, mark] = words.as_slice() else {
+        return Err(spec.refuse("sits at a reading, for example `case 7 KNUCKLE 3`"));
+    };
+    let case = reality.case(spec, label)?;
+    let part = reality.marked(spec, part)?;
+    let labels = &reality.marks[part].labels;
+    let Some(mark) = labels.iter().position(|own| own == mark) else {
+        return Err(spec.refuse(format!("that part has no mark `{mark}`")));
+    };
+    let shift = spec.shift()?;
+    reality.faults.push(ReadingFault::Mark {
+        case,
+        part,
+        mark,
+        shift,
+    });
+    Ok(())
+}

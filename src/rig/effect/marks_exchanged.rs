@@ -1,0 +1,34 @@
+//! Outside the catalogue: somebody mixed up the marks of two parts from some case on: `KNUCKLE<->ROD`.
+
+use super::{EffectSpec, ReadingFault, Reality};
+use crate::diagnostic::Diagnostic;
+
+/// `from=8`: the first case with exchanged marks; `mark=3` if it is one mark only.
+pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+    let Some((a, b)) = spec.address.split_once("<->") else {
+        return Err(spec.refuse("sits at two parts, for example KNUCKLE<->ROD"));
+    };
+    let (a, b) = (reality.marked(spec, a)?, reality.marked(spec, b)?);
+    let Some(label) = spec.label("from") else {
+        return Err(spec.refuse("needs from=..., the first case"));
+    };
+    let first = reality.case(spec, &label)?;
+    let only = spec.label("mark");
+    let mut pairs = Vec::new();
+    for (i, label) in reality.marks[a].labels.iter().enumerate() {
+        let wanted = only.as_ref().is_none_or(|only| only == label);
+        let j = reality.marks[b].labels.iter().position(|own| own == label);
+        if let Some(j) = j.filter(|_| wanted) {
+            pairs.push((i, j));
+        }
+    }
+    if pairs.is_empty() {
+        return Err(spec.refuse("the two parts have no such mark in common"));
+    }
+    reality.faults.push(ReadingFault::Exchanged {
+        first,
+        parts: [a, b],
+        pairs,
+    });
+    Ok(())
+}

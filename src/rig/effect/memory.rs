@@ -1,0 +1,146 @@
+/// A number of the deck that remembers the path: changed once a case has come to rest.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Memory {
+    /// VARIABLEs that hold it, as many as the law remembers.
+    pub variables: Vec<u32>,
+    /// Ids of the I and J markers.
+    pub markers: [u32; 2],
+    /// 0 to 5: component of the displacement in J axes, AX, AY, AZ last.
+    pub component: usize,
+    /// How it changes.
+    pub law: MemoryLaw,
+}
+
+/// What is remembered of a displacement `u`.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum MemoryLaw {
+    /// A spring in series with a slider (Prandtl). Remembers the anchor: the displacement without force.
+    Slip {
+        /// Stiffness of the spring.
+        stiffness: f64,
+        /// Force at which it slides toward positive, and toward negative displacements.
+        limits: [f64; 2],
+        /// Force before the first case, at the design position, as a part of the limit; it has the sign of the stretch.
+        start: f64,
+    },
+    /// Dahl: `df/du = k (1 - f sgn(du) / F)`. Remembers displacement and force of the last rest.
+    Dahl {
+        /// Stiffness at a reversal.
+        stiffness: f64,
+        /// The force that is approached.
+        limit: f64,
+        /// As with [`MemoryLaw::Slip`].
+        start: f64,
+    },
+    /// Rubber that flows: its deflection at rest follows the deflection by this part in every case. Remembers that deflection.
+    Creep {
+        /// From 0 (none) to 1 (at once).
+        rate: f64,
+    },
+}
+
+impl MemoryLaw {
+    /// What is remembered before the first case, when the displacement is `u` at the design position.
+    pub fn before(self, u: f64) -> Vec<f64> {
+        match self {
+            Self::Slip {
+                stiffness,
+                limits,
+                start,
+            } => {
+                let limit = limits[usize::from(start < 0.0)];
+                vec![u - start * limit / stiffness]
+            }
+            Self::Dahl { limit, start, .. } => vec![u, start * limit],
+            Self::Creep { .. } => vec![0.0],
+        }
+    }
+
+    /// What is remembered after a rest at displacement `u`, from what was remembered before.
+    pub fn after(self, held: &[f64], u: f64) -> Vec<f64> {
+        match self {
+            Self::Slip {
+                stiffness, limits, ..
+            } => {
+                let [plus, minus] = limits.map(|limit| limit / stiffness);
+                vec![u - (u - held[0]).clamp(-minus, plus)]
+            }
+            Self::Dahl {
+                stiffness, limit, ..
+            } => {
+                // After a monotonic way from (u0, f0): s F - (s F - f0) exp(-k |u - u0| / F).
+                let (u0, f0) = (held[0], held[1]);
+                let goal = (u - u0).signum() * limit;
+                let force = goal - (goal - f0) * (-stiffness * (u - u0).abs() / limit).exp();
+                vec![u, force]
+            }
+            Self::Creep { rate } => vec![held[0] + rate * (u - held[0])],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_slider_drags_its_anchor() {
+        let law = MemoryLaw::Slip {
+            stiffness: 4000.0,
+            limits: [200.0, 200.0],
+            start: 0.0,
+        };
+        // 200 N / 4000 N/mm: it slips 0.05 mm from the anchor.
+        let after = |anchor, u| law.after(&[anchor], u)[0];
+        assert_eq!(after(0.0, 0.03), 0.0);
+        assert!((after(0.0, 0.20) - 0.15).abs() < 1e-12);
+        assert!((after(0.15, 0.12) - 0.15).abs() < 1e-12);
+        assert!((after(0.15, -0.2) + 0.15).abs() < 1e-12);
+    }
+
+    #[test]
+    fn each_way_has_its_own_limit() {
+        let law = MemoryLaw::Slip {
+            stiffness: 1000.0,
+            limits: [300.0, 100.0],
+            start: 0.0,
+        };
+        assert!((law.after(&[0.0], 1.0)[0] - 0.7).abs() < 1e-12);
+        assert!((law.after(&[0.0], -1.0)[0] + 0.9).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_state_before_the_first_case_is_a_force_at_the_design_position() {
+        let slip = |start| MemoryLaw::Slip {
+            stiffness: 4000.0,
+            limits: [200.0, 100.0],
+            start,
+        };
+        let force = |start: f64| 4000.0 * (1.5 - slip(start).before(1.5)[0]);
+        assert!((force(0.0)).abs() < 1e-9);
+        assert!((force(1.0) - 200.0).abs() < 1e-9);
+        assert!((force(-0.5) + 50.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn dahl_starts_with_its_stiffness_and_ends_at_its_limit() {
+        let law = MemoryLaw::Dahl {
+            stiffness: 4000.0,
+            limit: 200.0,
+            start: 0.0,
+        };
+        let after = |held: &[f64], u| law.after(held, u)[1];
+        assert!((after(&[0.0, 0.0], 1e-6) - 4000.0 * 1e-6).abs() < 1e-6);
+        assert!((after(&[0.0, 0.0], 5.0) - 200.0).abs() < 1e-9);
+        // Full reversal from the limit: twice the way, the other limit.
+        assert!((after(&[5.0, 200.0], -5.0) + 200.0).abs() < 1e-9);
+        assert_eq!(after(&[1.0, 50.0], 1.0), 50.0);
+    }
+
+    #[test]
+    fn creep_follows_the_deflection() {
+        let law = MemoryLaw::Creep { rate: 0.25 };
+        assert_eq!(law.after(&[0.0], 2.0), [0.5]);
+        assert_eq!(law.after(&[2.0], 2.0), [2.0]);
+    }
+}

@@ -1,0 +1,63 @@
+//! Outside the catalogue: a part that bends or twists.
+//!
+//! What is held at one marker, with all marks on that side of the cut, is on a part of its own. It turns
+//! on the rest half way between that marker and the mean of the other connections, held by torsion springs.
+
+use super::{EffectSpec, Reality};
+use crate::diagnostic::Diagnostic;
+use crate::mechanics::{Mat3, Pose, Vec3};
+
+/// Torsional stiffness of the way that does not yield, over that of the way that does.
+const RIGID: f64 = 1e3;
+
+/// `marker=12,stiffness=...` (torque per radian) and `mode=both`, `bend` or `twist`.
+pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+    let part = reality.object(spec, &["PART"])?.id.unwrap_or(0);
+    let end = spec.number("marker")? as u32;
+    let stiffness = spec.positive("stiffness")?;
+    let (bend, twist) = match spec.word("mode", &["both", "bend", "twist"])? {
+        "bend" => (stiffness, RIGID * stiffness),
+        "twist" => (RIGID * stiffness, stiffness),
+        _ => (stiffness, stiffness),
+    };
+    let holders = reality.attachments(part);
+    let named = holders.iter().find(|h| h.marker == end).map(|h| h.place);
+    let here = |place: Vec3| named.is_some_and(|named| (place - named).norm() < 1e-6);
+    let (at_end, others): (Vec<_>, Vec<_>) = holders.iter().partition(|h| here(h.place));
+    if at_end.is_empty() || others.is_empty() {
+        return Err(spec.refuse(format!(
+            "nothing holds PART/{part} at MARKER/{end}, or nothing else does"
+        )));
+    }
+    let place = at_end[0].place;
+    let rest = others.iter().map(|h| h.place).sum::<Vec3>() / others.len() as f64;
+    let line = place - rest;
+    if line.norm() < 1e-9 {
+        return Err(spec.refuse("both ends are at one point"));
+    }
+    let new = reality.twin(part);
+    for holder in &at_end {
+        let still = (&Vec3::zeros(), &Mat3::identity());
+        let object = (&holder.object, holder.argument);
+        reality.rehang(spec, object, Some(new), still)?;
+    }
+    let z = line.normalize();
+    let frame = Pose {
+        p: rest + line * 0.5,
+        R: super::reality::along(&z),
+    };
+    reality.carry_marks(part, new, |p| (p - frame.p).dot(&z) > 0.0);
+    let markers = [new, part].map(|part| reality.add_marker(part, &frame).to_string());
+    let pair = [
+        ("I", Some(markers[0].clone())),
+        ("J", Some(markers[1].clone())),
+    ];
+    let mut joint = vec![("SPHERICAL", None)];
+    joint.extend(pair.clone());
+    reality.add("JOINT", &joint);
+    let mut spring = pair.to_vec();
+    spring.push(("K", Some("0.0, 0.0, 0.0".to_string())));
+    spring.push(("KT", Some(format!("{bend:e}, {bend:e}, {twist:e}"))));
+    reality.add("BUSHING", &spring);
+    Ok(())
+}

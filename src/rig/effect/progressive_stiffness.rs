@@ -1,0 +1,23 @@
+//! A bushing whose force grows faster than linearly with one deflection.
+//!
+//! Cubic: `F = -K u - cubic u^3`. Exponential rate: the stiffness is `K exp(rate |u|)`, `F = -K (exp(rate |u|) - 1) / rate * sgn u`.
+
+use super::reality::displacement;
+use super::{EffectSpec, Reality};
+use crate::diagnostic::Diagnostic;
+
+/// `law=cubic,cubic=...` or `law=exponential,rate=...`.
+pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+    let address = reality.object(spec, &["BUSHING"])?;
+    let (pair, component) = reality.bushing_component(spec, &address)?;
+    let u = displacement(pair, component);
+    let force = if spec.word("law", &["cubic", "exponential"])? == "cubic" {
+        format!("-{:e}*({u})**3", spec.positive("cubic")?)
+    } else {
+        let rate = spec.positive("rate")?;
+        let k = reality.dataset.value_at(&address).unwrap_or(0.0);
+        // The linear part is the bushing's own.
+        format!("-{k:e}*SIGN(1.0,{u})*((EXP({rate:e}*ABS({u}))-1.0)/{rate:e}-ABS({u}))")
+    };
+    reality.add_component_force(spec, pair, &[(component, force)])
+}

@@ -1,0 +1,426 @@
+use crate::backend::LoadProgramme;
+use crate::diagnostic::Diagnostic;
+use crate::mechanics::{Mat3, Pose, Vec3, psi_theta_phi};
+use crate::model::{MarkerIx, Model};
+use crate::syntax::{Address, Dataset, NewStatement};
+
+use super::{EffectSpec, Memory};
+
+/// What goes wrong with a reading after the parts have come to rest.
+#[derive(Clone, PartialEq, Debug)]
+pub enum ReadingFault {
+    /// The measuring frame moved in one case: all coordinates are seen from the moved frame.
+    Frame {
+        /// The case.
+        case: usize,
+        /// Where the frame went.
+        pose: Pose,
+    },
+    /// One mark is read wrongly.
+    Mark {
+        /// The case.
+        case: usize,
+        /// Index of the marked part.
+        part: usize,
+        /// Index of the mark.
+        mark: usize,
+        /// By how much.
+        shift: Vec3,
+    },
+    /// A channel reads `gain * value + offset`, in one case or in all.
+    Channel {
+        /// The channel.
+        channel: usize,
+        /// Its gain.
+        gain: f64,
+        /// Its zero.
+        offset: f64,
+        /// The only case where it does.
+        case: Option<usize>,
+    },
+    /// Everything that is read grows about the ground origin, in proportion to the number of cases done.
+    Growth {
+        /// Relative, at the last case.
+        growth: f64,
+    },
+    /// Marks of two parts are taken for each other.
+    Exchanged {
+        /// In this case and all after it.
+        first: usize,
+        /// Indices of the marked parts.
+        parts: [usize; 2],
+        /// Indices of their marks.
+        pairs: Vec<(usize, usize)>,
+    },
+}
+
+/// A part that carries marks.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Marked {
+    /// Its view name.
+    pub name: String,
+    /// Its id.
+    pub id: u32,
+    /// Labels of its marks.
+    pub labels: Vec<String>,
+    /// Their places in the part's own frame.
+    pub places: Vec<Vec3>,
+    /// Id of the part each of them really moves with.
+    pub carriers: Vec<u32>,
+}
+
+/// What holds a part at a marker.
+#[derive(Clone, PartialEq, Debug)]
+pub(super) struct Holder {
+    /// The joint, bushing, spring or force.
+    pub object: Address,
+    /// Which of its arguments names the marker.
+    pub argument: &'static str,
+    /// Id of the marker on the part.
+    pub marker: u32,
+    /// Where that is on the part.
+    pub place: Vec3,
+}
+
+/// The reality a virtual rig measures: the deck, the loads and the readings, with effects planted.
+#[derive(Clone, Debug)]
+pub struct Reality {
+    /// The deck with what was planted.
+    pub dataset: Dataset,
+    /// The loads that really act.
+    pub programme: LoadProgramme,
+    /// What remembers the path.
+    pub memories: Vec<Memory>,
+    /// What is wrong with readings.
+    pub faults: Vec<ReadingFault>,
+    /// Marked parts.
+    pub marks: Vec<Marked>,
+    /// Names of the channels.
+    pub channels: Vec<String>,
+}
+
+impl Reality {
+    /// The deck as it is now.
+    pub fn model(&self) -> Model {
+        Model::lower(&self.dataset).value
+    }
+
+    /// An object of this kind with its id.
+    pub(super) fn object(&self, spec: &EffectSpec, kinds: &[&str]) -> Result<Address, Diagnostic> {
+        let address =
+            Address::parse(&spec.address, &self.dataset).map_err(|why| spec.refuse(why.message))?;
+        if kinds.contains(&address.kind.as_str()) {
+            return Ok(address);
+        }
+        Err(spec.refuse(format!("sits at one of {}", kinds.join(", "))))
+    }
+
+    /// The I and J markers of the object with this address.
+    pub(super) fn pair(
+        &self,
+        spec: &EffectSpec,
+        address: &Address,
+    ) -> Result<[u32; 2], Diagnostic> {
+        let of = |name: &str| {
+            let value = self.dataset.find(address)?.first(name)?;
+            Some(value as u32)
+        };
+        match (of("I"), of("J")) {
+            (Some(i), Some(j)) => Ok([i, j]),
+            _ => Err(spec.refuse(format!("{address} has no I and J markers"))),
+        }
+    }
+
+    /// `BUSHING/2.K.1`: its I and J markers and the component 0 to 5.
+    pub(super) fn bushing_component(
+        &self,
+        spec: &EffectSpec,
+        address: &Address,
+    ) -> Result<([u32; 2], usize), Diagnostic> {
+        let first = match address.argument.as_deref() {
+            Some("K") => 0,
+            Some("KT") => 3,
+            _ => return Err(spec.refuse("sits at one stiffness, for example BUSHING/2.K.1")),
+        };
+        let index = address.index.filter(|index| (1..=3).contains(index));
+        let Some(index) = index else {
+            return Err(spec.refuse("sits at one stiffness, for example BUSHING/2.K.1"));
+        };
+        Ok((self.pair(spec, address)?, first + index - 1))
+    }
+
+    /// Gives a number of the deck another value.
+    pub(super) fn set(&mut self, address: &Address, value: f64) -> Result<(), Diagnostic> {
+        let edits = self.dataset.set(address, value)?;
+        self.edit(&edits);
+        Ok(())
+    }
+
+    /// Adds a statement and returns its id.
+    pub(super) fn add(&mut self, kind: &str, arguments: &[(&str, Option<String>)]) -> u32 {
+        let same = self
+            .dataset
+            .statements()
+            .iter()
+            .filter(|s| s.kind() == Some(kind));
+        let id = same
+            .filter_map(crate::syntax::Statement::number)
+            .max()
+            .unwrap_or(0)
+            + 1;
+        let edits = self.dataset.add(&NewStatement {
+            kind: kind.to_string(),
+            id: Some(id),
+            view_name: None,
+            arguments: arguments
+                .iter()
+                .map(|(name, value)| ((*name).to_string(), value.clone()))
+                .collect(),
+        });
+        self.edit(&edits);
+        id
+    }
+
+    fn edit(&mut self, edits: &[crate::text::Edit]) {
+        let edited = self.dataset.edited(edits);
+        self.dataset = edited.expect("edits of one statement do not overlap").value;
+    }
+
+    /// Adds a marker on a part, at a frame given in that part.
+    pub(super) fn add_marker(&mut self, part: u32, frame: &Pose) -> u32 {
+        let list = |values: [f64; 3]| {
+            let words: Vec<String> = values.iter().map(|value| format!("{value:.15e}")).collect();
+            Some(words.join(", "))
+        };
+        let angles = psi_theta_phi(&frame.R);
+        self.add(
+            "MARKER",
+            &[
+                ("PART", Some(part.to_string())),
+                ("QP", list(frame.p.into())),
+                ("REULER", list(angles)),
+            ],
+        )
+    }
+
+    /// A marker of the model and its frame on its part.
+    pub(super) fn marker(
+        &self,
+        spec: &EffectSpec,
+        id: u32,
+    ) -> Result<(Model, MarkerIx, Pose), Diagnostic> {
+        let model = self.model();
+        let Some(at) = model.marker(id) else {
+            return Err(spec.refuse(format!("the deck has no MARKER/{id}")));
+        };
+        let frame = &model.markers[at.0];
+        let pose = Pose {
+            p: frame.qp,
+            R: frame.R,
+        };
+        Ok((model, at, pose))
+    }
+
+    /// A part without mass in the frame of another one, so that what moves from one to the other keeps its place.
+    pub(super) fn twin(&mut self, part: u32) -> u32 {
+        let model = self.model();
+        let own = model.parts.iter().find(|other| other.header.id == part);
+        let pose = own.map_or_else(Pose::identity, |own| own.pose);
+        let list = |values: [f64; 3]| {
+            let words: Vec<String> = values.iter().map(|value| format!("{value:.15e}")).collect();
+            Some(words.join(", "))
+        };
+        let frame = [
+            ("QG", list(pose.p.into())),
+            ("REULER", list(psi_theta_phi(&pose.R))),
+        ];
+        self.add("PART", &frame)
+    }
+
+    /// Everything that holds a part: joints, bushings, springs, forces.
+    pub(super) fn attachments(&self, part: u32) -> Vec<Holder> {
+        let model = self.model();
+        let joints = model
+            .joints
+            .iter()
+            .map(|o| ("JOINT", o.header.id, o.i, Some(o.j)));
+        let bushings = model
+            .bushings
+            .iter()
+            .map(|o| ("BUSHING", o.header.id, o.i, Some(o.j)));
+        let springs = model
+            .springdampers
+            .iter()
+            .map(|o| ("SPRINGDAMPER", o.header.id, o.i, Some(o.j)));
+        let forces = model
+            .sforces
+            .iter()
+            .map(|o| ("SFORCE", o.header.id, o.i, None));
+        let mut found = Vec::new();
+        for (kind, id, i, j) in joints.chain(bushings).chain(springs).chain(forces) {
+            for (argument, marker) in [("I", Some(i)), ("J", j)] {
+                let Some(marker) = marker else { continue };
+                let frame = &model.markers[marker.0];
+                if model.parts[frame.part.0].header.id == part {
+                    let object = Address {
+                        kind: kind.to_string(),
+                        id: Some(id),
+                        argument: None,
+                        index: None,
+                    };
+                    found.push(Holder {
+                        object,
+                        argument,
+                        marker: frame.header.id,
+                        place: frame.qp,
+                    });
+                }
+            }
+        }
+        found
+    }
+
+    /// Marks of a part whose places these are move with another part from now on.
+    pub(super) fn carry_marks(&mut self, part: u32, with: u32, which: impl Fn(&Vec3) -> bool) {
+        for marked in self.marks.iter_mut().filter(|marked| marked.id == part) {
+            for (carrier, place) in marked.carriers.iter_mut().zip(&marked.places) {
+                if which(place) {
+                    *carrier = with;
+                }
+            }
+        }
+    }
+
+    /// Index of the marked part with this name, id or address.
+    pub(super) fn marked(&self, spec: &EffectSpec, text: &str) -> Result<usize, Diagnostic> {
+        let text = text.trim();
+        let id = text.rsplit('/').next().and_then(|id| id.parse().ok());
+        let found = |marked: &Marked| marked.name == text || Some(marked.id) == id;
+        let at = self.marks.iter().position(found);
+        at.ok_or_else(|| spec.refuse(format!("no part `{text}` carries marks")))
+    }
+
+    /// Moves a marker on its part.
+    pub(super) fn shift_marker(
+        &mut self,
+        spec: &EffectSpec,
+        address: &Address,
+        shift: &Vec3,
+    ) -> Result<(), Diagnostic> {
+        let (_, _, frame) = self.marker(spec, address.id.unwrap_or(0))?;
+        for k in 0..3 {
+            if shift[k] != 0.0 {
+                let number = Address {
+                    argument: Some("QP".to_string()),
+                    index: Some(k + 1),
+                    ..address.clone()
+                };
+                self.set(&number, frame.p[k] + shift[k])?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Hangs an object on another marker instead of its own: a copy of that one, moved and turned in its own axes, on `part` or
+    /// on its own part. Other objects at the old marker stay where they are.
+    pub(super) fn rehang(
+        &mut self,
+        spec: &EffectSpec,
+        (object, argument): (&Address, &str),
+        part: Option<u32>,
+        (shift, turn): (&Vec3, &Mat3),
+    ) -> Result<u32, Diagnostic> {
+        let number = Address {
+            argument: Some(argument.to_string()),
+            index: None,
+            ..object.clone()
+        };
+        let old = self.dataset.value_at(&number).unwrap_or(0.0) as u32;
+        let (model, at, frame) = self.marker(spec, old)?;
+        let own = model.parts[model.markers[at.0].part.0].header.id;
+        let moved = frame.compose(&Pose {
+            p: *shift,
+            R: *turn,
+        });
+        let new = self.add_marker(part.unwrap_or(own), &moved);
+        self.set(&number, f64::from(new))?;
+        Ok(new)
+    }
+
+    /// Adds a force on I along (or about) one axis of J as a function of the state, with its reaction on J.
+    pub(super) fn add_component_force(
+        &mut self,
+        spec: &EffectSpec,
+        [i, j]: [u32; 2],
+        forces: &[(usize, String)],
+    ) -> Result<(), Diagnostic> {
+        let (model, at, _) = self.marker(spec, j)?;
+        let part = model.parts[model.markers[at.0].part.0].header.id;
+        let floating = self.add(
+            "MARKER",
+            &[("PART", Some(part.to_string())), ("FLOATING", None)],
+        );
+        let names = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
+        let of = |k: usize| {
+            let terms: Vec<&str> = forces
+                .iter()
+                .filter(|(axis, _)| *axis == k)
+                .map(|(_, text)| text.as_str())
+                .collect();
+            // All six are needed, each but the last ended by a backslash.
+            let text = if terms.is_empty() {
+                "0.0".to_string()
+            } else {
+                terms.join("")
+            };
+            if k < 5 { text + "\\" } else { text }
+        };
+        let mut arguments = vec![
+            ("I", Some(i.to_string())),
+            ("JFLOAT", Some(floating.to_string())),
+            ("RM", Some(j.to_string())),
+        ];
+        for (k, name) in names.into_iter().enumerate() {
+            arguments.push((name, Some(of(k))));
+        }
+        self.add("GFORCE", &arguments);
+        Ok(())
+    }
+
+    /// Index of the case with this label.
+    pub(super) fn case(&self, spec: &EffectSpec, label: &str) -> Result<usize, Diagnostic> {
+        let mut cases = self.programme.cases.iter();
+        cases
+            .position(|case| case.label == label)
+            .ok_or_else(|| spec.refuse(format!("there is no load case `{label}`")))
+    }
+
+    /// Index of the load that drives an address.
+    pub(super) fn load(&self, spec: &EffectSpec, text: &str) -> Result<usize, Diagnostic> {
+        let text = text.trim();
+        let address = Address::parse(text, &self.dataset).ok();
+        let mut loads = self.programme.loads.iter();
+        loads
+            .position(|load| Some(&load.target) == address.as_ref() || load.name == text)
+            .ok_or_else(|| spec.refuse(format!("`{text}` is no load of the study")))
+    }
+}
+
+/// Axes whose z is this direction.
+pub(super) fn along(z: &Vec3) -> Mat3 {
+    let across = if z.x.abs() < 0.7 {
+        Vec3::x()
+    } else {
+        Vec3::y()
+    };
+    let x = z.cross(&across).normalize();
+    Mat3::from_columns(&[x, z.cross(&x), *z])
+}
+
+/// The ADAMS function of a displacement component of I from J in J axes.
+pub(super) fn displacement([i, j]: [u32; 2], component: usize) -> String {
+    match component {
+        0..3 => format!("{}({i},{j},{j})", ["DX", "DY", "DZ"][component]),
+        _ => format!("{}({i},{j})", ["AX", "AY", "AZ"][component - 3]),
+    }
+}

@@ -1,0 +1,195 @@
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::mechanics::{Mat3, Vec3, exp};
+
+/// `cause@address:name=value,...`.
+#[derive(Clone, PartialEq, Debug)]
+pub struct EffectSpec {
+    /// As typed.
+    pub text: String,
+    /// A cause of STUDY-FORMAT.
+    pub cause: String,
+    /// Where it sits: an address, `case 7`, `case 7 KNUCKLE 3`, `SFORCE/2<-SFORCE/3` or a channel.
+    pub address: String,
+    values: BTreeMap<String, String>,
+    asked: RefCell<BTreeSet<String>>,
+}
+
+impl EffectSpec {
+    /// Reads the text of an `--effect`.
+    ///
+    /// # Errors
+    /// `bad-effect` when it does not follow that form.
+    pub fn parse(text: &str) -> Result<Self, Diagnostic> {
+        let bad = |what: &str| {
+            Diagnostic::error(Code::BadEffect, format!("`{text}`: {what}"))
+                .help("for example dry-friction@BUSHING/2.K.1:force=200,stiffness=4000")
+        };
+        let Some((cause, rest)) = text.split_once('@') else {
+            return Err(bad("an effect is cause@address:name=value,..."));
+        };
+        let (address, list) = rest.split_once(':').unwrap_or((rest, ""));
+        let mut values = BTreeMap::new();
+        for item in list.split(',').filter(|item| !item.trim().is_empty()) {
+            let Some((name, value)) = item.split_once('=') else {
+                return Err(bad(&format!("`{item}` is not name=value")));
+            };
+            let before = values.insert(name.trim().to_string(), value.trim().to_string());
+            if before.is_some() {
+                return Err(bad(&format!("`{}` is given twice", name.trim())));
+            }
+        }
+        Ok(Self {
+            text: text.to_string(),
+            cause: cause.trim().to_string(),
+            address: address.trim().to_string(),
+            values,
+            asked: RefCell::default(),
+        })
+    }
+
+    /// A complaint about this effect.
+    pub(super) fn refuse(&self, what: impl Into<String>) -> Diagnostic {
+        Diagnostic::error(Code::BadEffect, format!("`{}`: {}", self.text, what.into()))
+    }
+
+    fn get(&self, name: &str) -> Option<&str> {
+        self.asked.borrow_mut().insert(name.to_string());
+        self.values.get(name).map(String::as_str)
+    }
+
+    /// A number, if given.
+    pub(super) fn optional(&self, name: &str) -> Result<Option<f64>, Diagnostic> {
+        let Some(text) = self.get(name) else {
+            return Ok(None);
+        };
+        match text.parse::<f64>().ok().filter(|number| number.is_finite()) {
+            Some(number) => Ok(Some(number)),
+            None => Err(self.refuse(format!("`{name}={text}` is no number"))),
+        }
+    }
+
+    /// A number that must be given.
+    pub(super) fn number(&self, name: &str) -> Result<f64, Diagnostic> {
+        self.optional(name)?
+            .ok_or_else(|| self.refuse(format!("needs {name}=...")))
+    }
+
+    /// A number above zero that must be given.
+    pub(super) fn positive(&self, name: &str) -> Result<f64, Diagnostic> {
+        let number = self.number(name)?;
+        if number > 0.0 {
+            Ok(number)
+        } else {
+            Err(self.refuse(format!("{name} must be above zero")))
+        }
+    }
+
+    /// A free text, if given.
+    pub(super) fn label(&self, name: &str) -> Option<String> {
+        self.get(name).map(str::to_string)
+    }
+
+    /// One of these words; the first one if none is given.
+    pub(super) fn word(
+        &self,
+        name: &str,
+        words: &[&'static str],
+    ) -> Result<&'static str, Diagnostic> {
+        let Some(text) = self.get(name) else {
+            return Ok(words[0]);
+        };
+        words
+            .iter()
+            .copied()
+            .find(|word| *word == text)
+            .ok_or_else(|| self.refuse(format!("{name} is one of {}", words.join(", "))))
+    }
+
+    /// x, y, z; what is not given is zero, but not all of them.
+    pub(super) fn shift(&self) -> Result<Vec3, Diagnostic> {
+        let shift = self.vector(["x", "y", "z"])?;
+        if shift == Vec3::zeros() {
+            return Err(self.refuse("needs at least one of x, y, z"));
+        }
+        Ok(shift)
+    }
+
+    /// x, y, z and a rotation vector `ax_deg, ay_deg, az_deg`; not all zero.
+    pub(super) fn motion(&self) -> Result<(Vec3, Mat3), Diagnostic> {
+        let shift = self.vector(["x", "y", "z"])?;
+        let turn = self.turn_vector()?;
+        if shift == Vec3::zeros() && turn == Vec3::zeros() {
+            return Err(self.refuse("needs at least one of x, y, z, ax_deg, ay_deg, az_deg"));
+        }
+        Ok((shift, exp(&turn)))
+    }
+
+    /// A rotation vector `ax_deg, ay_deg, az_deg`, not zero.
+    pub(super) fn turn(&self) -> Result<Mat3, Diagnostic> {
+        let turn = self.turn_vector()?;
+        if turn == Vec3::zeros() {
+            return Err(self.refuse("needs at least one of ax_deg, ay_deg, az_deg"));
+        }
+        Ok(exp(&turn))
+    }
+
+    fn turn_vector(&self) -> Result<Vec3, Diagnostic> {
+        Ok(self
+            .vector(["ax_deg", "ay_deg", "az_deg"])?
+            .map(f64::to_radians))
+    }
+
+    fn vector(&self, names: [&str; 3]) -> Result<Vec3, Diagnostic> {
+        let mut vector = Vec3::zeros();
+        for (k, name) in names.into_iter().enumerate() {
+            vector[k] = self.optional(name)?.unwrap_or(0.0);
+        }
+        Ok(vector)
+    }
+
+    /// Complains of a value nobody asked for.
+    pub(super) fn all_used(&self) -> Result<(), Diagnostic> {
+        let asked = self.asked.borrow();
+        match self.values.keys().find(|name| !asked.contains(*name)) {
+            Some(name) => {
+                let known: Vec<&str> = asked.iter().map(String::as_str).collect();
+                Err(self
+                    .refuse(format!("does not know `{name}`"))
+                    .help(format!("it knows {}", known.join(", "))))
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_example_of_the_study_format() {
+        let spec =
+            EffectSpec::parse("dry-friction@BUSHING/2.K.1:force=200,stiffness=4000").unwrap();
+        assert_eq!(
+            (spec.cause.as_str(), spec.address.as_str()),
+            ("dry-friction", "BUSHING/2.K.1")
+        );
+        assert_eq!(spec.positive("force").unwrap(), 200.0);
+        assert!(spec.all_used().unwrap_err().message.contains("stiffness"));
+        assert_eq!(spec.positive("stiffness").unwrap(), 4000.0);
+        assert!(spec.all_used().is_ok());
+        assert!(spec.number("clearance").is_err());
+    }
+
+    #[test]
+    fn malformed_effects_are_refused() {
+        for text in ["friction", "a@b:c", "a@b:c=1,c=2"] {
+            assert_eq!(EffectSpec::parse(text).unwrap_err().code, Code::BadEffect);
+        }
+        let spec = EffectSpec::parse("a@b:x=one,y=NaN").unwrap();
+        assert!(spec.number("x").is_err() && spec.number("y").is_err());
+    }
+}

@@ -1,0 +1,137 @@
+//! The study folder a virtual rig hands over: the study's own files with new readings, and nothing that tells what was planted.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use super::measurement::Measurement;
+use super::readings::Readings;
+use super::section;
+use super::study::Study;
+use super::virtual_rig::RigOptions;
+
+/// The files, relative to the folder.
+pub(super) fn files(
+    study: &Study,
+    measured: &Measurement,
+    read: &Readings,
+    options: &RigOptions,
+) -> Vec<(PathBuf, Vec<u8>)> {
+    let relative = |name: &str| {
+        let path = Path::new(name);
+        path.strip_prefix(&study.folder)
+            .unwrap_or(path)
+            .to_path_buf()
+    };
+    let mut files = vec![
+        (relative(study.deck.name()), study.deck.bytes().to_vec()),
+        (
+            relative(study.loads.source.name()),
+            study.loads.source.bytes().to_vec(),
+        ),
+    ];
+    let mut toml = String::from_utf8_lossy(study.source.bytes()).into_owned();
+    if let Some(marks) = &study.marks {
+        let mut listed = String::from("part,mark,x,y,z\n");
+        for (part, places) in measured.parts.iter().zip(&read.listed) {
+            for (mark, p) in part.marks.iter().zip(places) {
+                let _ = writeln!(
+                    listed,
+                    "{},{},{:.9},{:.9},{:.9}",
+                    part.name, mark.label, p.x, p.y, p.z
+                );
+            }
+        }
+        let mut seen = String::from("case,part,mark,x,y,z\n");
+        for (case, places) in measured.cases.iter().zip(&read.marks) {
+            for (part, places) in measured.parts.iter().zip(places) {
+                for (mark, x) in part.marks.iter().zip(places) {
+                    let _ = writeln!(
+                        seen,
+                        "{},{},{},{:.9},{:.9},{:.9}",
+                        case.label, part.name, mark.label, x.x, x.y, x.z
+                    );
+                }
+            }
+        }
+        let exact_list = measured.sigma_on_parts == 0.0 || options.sigma == Some(0.0);
+        if options.background.marks_on_parts > 0.0 {
+            let size = format!("{:?}", measured.sigma_on_parts);
+            if let Some(span) = section::number_span(&toml, "marks", "sigma_on_parts") {
+                toml.replace_range(span.range(), &size);
+            } else {
+                let with = format!("[marks]\nsigma_on_parts = {size}");
+                toml = toml.replacen("[marks]", &with, 1);
+            }
+        }
+        let listed = if exact_list {
+            marks.on_parts.source.bytes().to_vec()
+        } else {
+            listed.into_bytes()
+        };
+        files.push((relative(marks.on_parts.source.name()), listed));
+        files.push((relative(marks.measured.source.name()), seen.into_bytes()));
+        if let (Some(sigma), Some(span)) =
+            (options.sigma, section::number_span(&toml, "marks", "sigma"))
+        {
+            toml.replace_range(span.range(), &format!("{sigma:?}"));
+        }
+    }
+    if let Some((_, table)) = &study.wheel {
+        let mut seen = String::from("case,x,y,z,camber_deg,steer_deg\n");
+        for (case, wheel) in measured.cases.iter().zip(&read.wheel) {
+            if let Some(wheel) = wheel {
+                let p = wheel.position;
+                let _ = writeln!(
+                    seen,
+                    "{},{:.9},{:.9},{:.9},{:.9},{:.9}",
+                    case.label, p.x, p.y, p.z, wheel.camber_deg, wheel.steer_deg
+                );
+            }
+        }
+        let name = table.as_ref().map(|table| relative(table.source.name()));
+        if name.is_none() {
+            toml = toml.replacen("[wheel]", "[wheel]\nmeasured = \"wheel.csv\"", 1);
+        }
+        files.push((
+            name.unwrap_or_else(|| PathBuf::from("wheel.csv")),
+            seen.into_bytes(),
+        ));
+    }
+    if let Some((table, _)) = &study.readings {
+        let mut seen = String::from("case");
+        for channel in &measured.channels {
+            let _ = write!(seen, ",{}", channel.name);
+        }
+        seen.push('\n');
+        for (case, values) in measured.cases.iter().zip(&read.channels) {
+            seen += &case.label;
+            for value in values {
+                let _ = write!(seen, ",{value:.9e}");
+            }
+            seen.push('\n');
+        }
+        files.push((relative(table.source.name()), seen.into_bytes()));
+    }
+    files.push((
+        PathBuf::from("study.toml"),
+        without_section(&toml, "reference").into_bytes(),
+    ));
+    files
+}
+
+/// A reference deck says what another reality was: the new study has none.
+fn without_section(toml: &str, name: &str) -> String {
+    let header = format!("[{name}]");
+    let mut keep = true;
+    let mut out = String::with_capacity(toml.len());
+    for line in toml.split_inclusive('\n') {
+        let start = line.trim_start();
+        if start.starts_with('[') {
+            keep = !start.starts_with(&header);
+        }
+        if keep {
+            out += line;
+        }
+    }
+    out
+}

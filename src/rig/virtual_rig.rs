@@ -1,0 +1,289 @@
+//! The virtual test rig: a study folder whose readings are what a rig would read on the deck, with effects planted.
+
+use std::path::{Path, PathBuf};
+
+use super::background::Background;
+use super::effect::{EffectSpec, Marked, Memory, Reality, plant};
+use super::load::programme;
+use super::load_table::LoadTable;
+use super::measurement::Measurement;
+use super::readings::Readings;
+use super::resolve;
+use super::study::Study;
+use super::study_folder;
+use super::table::Table;
+use crate::backend::{compile, slot, tight_settings};
+use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::mechanics::{Pose, RelativeMotion, Vec3};
+use crate::model::{Function, Header, MarkerIx, Model, Request, RequestKind};
+use crate::statics::Solver;
+use crate::syntax::{Address, Dataset, Expression};
+use crate::system::{Parameters, Scratch, State, System};
+use crate::text::Source;
+
+/// What the rig is asked to do.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct RigOptions {
+    /// Seed of the noise.
+    pub seed: u64,
+    /// Sd of a mark coordinate instead of the study's; zero makes every reading exact.
+    pub sigma: Option<f64>,
+    /// Effects to plant.
+    pub effects: Vec<EffectSpec>,
+    /// Small errors in many places besides.
+    pub background: Background,
+    /// Load cases instead of the study's, whose loads must be called vertical, lateral and longitudinal.
+    pub programme: Option<LoadTable>,
+}
+
+/// What the rig hands over.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct RigRun {
+    /// Files of the new study folder, relative to it.
+    pub files: Vec<(PathBuf, Vec<u8>)>,
+    /// What was planted, one effect per line: for `--truth` only.
+    pub truth: String,
+}
+
+/// Measures the deck of a study. The study's own readings need not exist.
+///
+/// # Errors
+/// Whatever stands in the way: of the study, of an effect, or a load case the reality has no equilibrium for.
+pub fn virtual_rig(folder: &Path, options: &RigOptions) -> Result<RigRun, Vec<Diagnostic>> {
+    let mut checked = Study::read(folder);
+    // Readings are what the rig makes: those that are missing do not matter.
+    let matters = |diagnostic: &Diagnostic| {
+        diagnostic.severity == Severity::Error
+            && !matches!(
+                diagnostic.code,
+                Code::CannotRead | Code::MissingColumn | Code::MissingMarks
+            )
+    };
+    // The first session is no reading of the rig's: without it there is nothing to see on the parts.
+    let complete = |study: &mut Study| study.marks.is_some() || !says_marks(study);
+    let Some(mut study) = checked.value.take_if(complete) else {
+        return Err(checked.diagnostics);
+    };
+    let mut out: Vec<Diagnostic> = checked.diagnostics;
+    if let Some(table) = options.programme {
+        let source = Source::new(
+            study.loads.source.name().to_string(),
+            table.csv().into_bytes(),
+        );
+        study.loads = Table::read(source, &mut out);
+    }
+    let dataset = Dataset::parse(study.deck.clone()).value;
+    let lowered = Model::lower(&dataset);
+    out.extend(lowered.diagnostics);
+    let mut measured = resolve::measurement(&study, &lowered.value, &mut out);
+    let programme = programme(&study, &dataset, &measured, &mut out);
+    if out.iter().any(matters) {
+        out.retain(matters);
+        return Err(out);
+    }
+    if let Some(sigma) = options.sigma {
+        measured.sigma = sigma;
+    } else if measured.sigma_estimated {
+        measured.sigma = 0.05;
+    }
+    if options.background.marks_on_parts > 0.0 {
+        measured.sigma_on_parts = options.background.marks_on_parts;
+    }
+    let (mut dataset, mut programme) = (dataset, programme);
+    options
+        .background
+        .apply(options.seed, &mut dataset, &mut programme)
+        .map_err(|why| vec![why])?;
+    let mut reality = Reality {
+        dataset,
+        programme,
+        memories: Vec::new(),
+        faults: Vec::new(),
+        marks: measured
+            .parts
+            .iter()
+            .map(|part| Marked {
+                name: part.name.clone(),
+                id: part.id,
+                labels: part.marks.iter().map(|mark| mark.label.clone()).collect(),
+                places: part.marks.iter().map(|mark| mark.p).collect(),
+                carriers: vec![part.id; part.marks.len()],
+            })
+            .collect(),
+        channels: measured
+            .channels
+            .iter()
+            .map(|channel| channel.name.clone())
+            .collect(),
+    };
+    for spec in &options.effects {
+        plant(spec, &mut reality).map_err(|why| vec![why])?;
+    }
+    let rest = at_rest(&reality, &measured)?;
+    let exact = options.sigma == Some(0.0);
+    let read = Readings::new(&measured, &reality, &rest, options.seed, exact);
+    let mut truth = String::new();
+    for spec in &options.effects {
+        truth += &spec.text;
+        truth.push('\n');
+    }
+    Ok(RigRun {
+        files: study_folder::files(&study, &measured, &read, options),
+        truth,
+    })
+}
+
+/// Part poses and channel values of one case.
+pub(super) struct Rest {
+    /// In the order of the reality's parts.
+    pub poses: Vec<Pose>,
+    /// In the order of the measurement's channels.
+    pub channels: Vec<f64>,
+}
+
+/// Applies the loads one after the other and lets what remembers the path remember it.
+fn at_rest(reality: &Reality, measured: &Measurement) -> Result<Vec<Rest>, Vec<Diagnostic>> {
+    let model = with_requests(reality.model(), measured).map_err(|why| vec![why])?;
+    let refuse =
+        |code, error: &dyn std::fmt::Display| vec![Diagnostic::error(code, error.to_string())];
+    let system = compile(&model).map_err(|error| refuse(Code::BadEffect, &error))?;
+    let slot_of = |address: &Address| {
+        slot(&system, address).map_err(|error| refuse(Code::UnknownTarget, &error))
+    };
+    let mut loads = Vec::new();
+    for load in &reality.programme.loads {
+        loads.push(slot_of(&load.target)?);
+    }
+    let mut state = system.state();
+    let mut parameters = system.parameters();
+    let mut memories = Vec::new();
+    for memory in &reality.memories {
+        let held = memory
+            .law
+            .before(displacement(&model, &state.poses, memory));
+        let mut slots = Vec::new();
+        for id in &memory.variables {
+            let address = Address {
+                kind: "VARIABLE".to_string(),
+                id: Some(*id),
+                argument: None,
+                index: None,
+            };
+            slots.push(slot_of(&address)?);
+        }
+        memories.push((memory, slots, held));
+    }
+    let settings = tight_settings(&system);
+    let mut solver = Solver::new(&system);
+    let mut scratch = Scratch::new(&system);
+    let mut out = Vec::new();
+    for case in &reality.programme.cases {
+        for (slot, value) in loads.iter().zip(&case.values) {
+            parameters.set(*slot, *value);
+        }
+        for (_, slots, held) in &memories {
+            for (slot, value) in slots.iter().zip(held) {
+                parameters.set(*slot, *value);
+            }
+        }
+        let mut solved = solver.solve(&system, &parameters, &mut state, &settings);
+        if solved.is_err() {
+            state = system.state();
+            solved = solver.solve(&system, &parameters, &mut state, &settings);
+        }
+        solved.map_err(|error| {
+            let message = format!(
+                "the rig finds no equilibrium in load case {}: {error}",
+                case.label
+            );
+            vec![Diagnostic::error(Code::UnreachableCase, message)]
+        })?;
+        for (memory, _, held) in &mut memories {
+            *held = memory
+                .law
+                .after(held, displacement(&model, &state.poses, memory));
+        }
+        let channels = channel_values(&system, &model, &parameters, &state, &mut scratch, measured);
+        out.push(Rest {
+            poses: state.poses.clone(),
+            channels: channels.map_err(|error| refuse(Code::UnreachableCase, &error))?,
+        });
+    }
+    Ok(out)
+}
+
+/// Where a marker is.
+pub(super) fn place(model: &Model, poses: &[Pose], marker: MarkerIx) -> Pose {
+    let frame = &model.markers[marker.0];
+    poses[frame.part.0].compose(&Pose {
+        p: frame.qp,
+        R: frame.R,
+    })
+}
+
+fn displacement(model: &Model, poses: &[Pose], memory: &Memory) -> f64 {
+    let [i, j] = memory.markers.map(|id| {
+        let marker = model
+            .marker(id)
+            .expect("an effect remembers markers of the deck");
+        place(model, poses, marker)
+    });
+    let motion = RelativeMotion::between(&i, &j, &Vec3::zeros());
+    match memory.component {
+        k @ 0..3 => motion.p_ij_j[k],
+        k => motion.angles[k - 3],
+    }
+}
+
+/// One more REQUEST per channel, which evaluates its function.
+fn with_requests(mut model: Model, measured: &Measurement) -> Result<Model, Diagnostic> {
+    for channel in &measured.channels {
+        let mut functions: [Option<Function>; 8] = Default::default();
+        functions[1] = Some(Function::Expression(Expression::parse_str(
+            &channel.function,
+        )?));
+        model.requests.push(Request {
+            header: Header {
+                id: 0,
+                name: channel.name.clone(),
+                origin: usize::MAX,
+                active: true,
+            },
+            kind: RequestKind::Functions(Box::new(functions)),
+            comment: String::new(),
+            component_names: None,
+            component_units: Vec::new(),
+            results_name: None,
+        });
+    }
+    Ok(model)
+}
+
+fn channel_values(
+    system: &System,
+    model: &Model,
+    parameters: &Parameters,
+    state: &State,
+    scratch: &mut Scratch,
+    measured: &Measurement,
+) -> Result<Vec<f64>, crate::system::NoValue> {
+    let count = measured.channels.len();
+    if count == 0 {
+        return Ok(Vec::new());
+    }
+    system.look(parameters, state, scratch)?;
+    let first = model.requests.len() - count;
+    let mut values = Vec::with_capacity(count);
+    for k in 0..count {
+        let read = system.read_function((first + k, 1), parameters, state, scratch)?;
+        values.push(read.map_or(f64::NAN, |(value, _)| value));
+    }
+    Ok(values)
+}
+
+/// True if the study has a section of marks, readable or not.
+fn says_marks(study: &Study) -> bool {
+    String::from_utf8_lossy(study.source.bytes())
+        .lines()
+        .any(|line| line.trim_start().starts_with("[marks]"))
+}

@@ -1,0 +1,340 @@
+//! One study: planned, measured, diagnosed.
+
+use std::path::Path;
+
+use admire::backend::{Backend, NativeBackend, SweepRequest};
+use admire::discrepancy::{Diagnosis, diagnose, held_out};
+use admire::identify::LoadedStudy;
+use admire::mechanics::{Pose, RelativeMotion, Vec3};
+use admire::model::{MarkerIx, Model};
+use admire::rig::effect::EffectSpec;
+use admire::rig::{Background, RigOptions, RigRun, virtual_rig};
+
+use nalgebra::DVector;
+
+use super::axle::{Truth, truth};
+use super::detect::Span;
+use super::draw::{Plan, Plant, Ranges, plants};
+
+/// So often a place is drawn.
+const ATTEMPTS: u64 = 6;
+
+/// What was planted, opened after the diagnosis.
+#[derive(Clone, Debug)]
+pub struct Planted {
+    /// See [`Plant`].
+    pub plant: Plant,
+    /// The effect as the rig was told.
+    pub spec: String,
+    /// Sum of squares outside of the span of stiffnesses and nuisances, over the noise.
+    pub seen: f64,
+    /// Root of its mean: the size in units of the noise.
+    pub rms: f64,
+}
+
+/// A study with its answer and its truth.
+#[derive(Clone, Debug)]
+pub struct Trial {
+    /// What the seed planned.
+    pub plan: Plan,
+    /// The truth.
+    pub planted: Vec<Planted>,
+    /// The answer; `None` if there was none.
+    pub diagnosis: Option<Diagnosis>,
+    /// How many hypotheses were tried.
+    pub places: usize,
+    /// Seconds the diagnosis took.
+    pub seconds: f64,
+}
+
+/// Draws, measures and diagnoses the study of a plan.
+pub fn run(plan: Plan) -> Trial {
+    let truth = truth(
+        plan.axle,
+        plan.seed,
+        plan.sigma,
+        plan.programme,
+        plan.instruments,
+    );
+    let mut trial = Trial {
+        plan,
+        planted: Vec::new(),
+        diagnosis: None,
+        places: 0,
+        seconds: 0.0,
+    };
+    plant(&mut trial, &truth);
+    let folder = tempfile::tempdir().expect("a folder for the study");
+    hand_over(&trial, &truth, folder.path());
+    let loaded = LoadedStudy::read(folder.path());
+    let Some(loaded) = loaded.value else {
+        return trial;
+    };
+    let problem = loaded.problem();
+    let started = std::time::Instant::now();
+    if let Ok(outcome) = diagnose(&problem, held_out(&loaded.study, &loaded.measurement)) {
+        trial.places = outcome.places;
+        trial.diagnosis = Some(outcome.diagnosis);
+    }
+    trial.seconds = started.elapsed().as_secs_f64();
+    trial
+}
+
+/// Writes the study of a trial: what the rig hands over, with the deck as the user has it.
+pub fn hand_over(trial: &Trial, truth: &Truth, to: &Path) {
+    let specs: Vec<&str> = trial.planted.iter().map(|p| p.spec.as_str()).collect();
+    let run = measure(truth, &trial.plan, &specs, None).expect("measured before");
+    write(&run, to);
+    std::fs::write(to.join("model.adm"), &truth.nominal).expect("written");
+}
+
+fn write(run: &RigRun, to: &Path) {
+    for (name, bytes) in &run.files {
+        std::fs::write(to.join(name), bytes).expect("written");
+    }
+}
+
+fn measure(truth: &Truth, plan: &Plan, specs: &[&str], sigma: Option<f64>) -> Option<RigRun> {
+    let effects = specs.iter().map(|text| EffectSpec::parse(text));
+    let options = RigOptions {
+        seed: plan.seed,
+        sigma,
+        effects: effects.collect::<Result<_, _>>().expect("an effect"),
+        background: if plan.background {
+            Background::ORDINARY
+        } else {
+            Background::default()
+        },
+        programme: None,
+    };
+    let unreachable = |why: &[admire::diagnostic::Diagnostic]| {
+        let only = why.iter().all(|d| d.code.as_str() == "unreachable-case");
+        assert!(only, "{specs:?} of seed {}: {why:#?}", plan.seed);
+    };
+    virtual_rig(truth.folder.path(), &options)
+        .map_err(|why| unreachable(&why))
+        .ok()
+}
+
+/// The study before anything is planted.
+fn honest(truth: &Truth, plan: &Plan) -> LoadedStudy {
+    let run = measure(truth, plan, &[], None).expect("in balance without any effect");
+    let folder = tempfile::tempdir().expect("a folder");
+    write(&run, folder.path());
+    LoadedStudy::read(folder.path())
+        .value
+        .expect("a whole study")
+}
+
+/// Exact readings with these effects, case by case: marks, wheel, channels. From the files, since a study without noise in which
+/// the same loads come twice looks copied.
+fn exact(truth: &Truth, plan: &Plan, specs: &[&str]) -> Option<DVector<f64>> {
+    let run = measure(truth, plan, specs, Some(0.0))?;
+    let rows = |name: &str, first: usize| {
+        let file = run.files.iter().find(|(path, _)| path == Path::new(name));
+        let text = file.map_or("", |(_, bytes)| std::str::from_utf8(bytes).expect("text"));
+        let row = move |line: &str| {
+            let mut words = line.split(',');
+            let case = words.next().unwrap_or_default().to_string();
+            let numbers = words.skip(first - 1).map(|x| x.parse().expect("a number"));
+            (case, numbers.collect::<Vec<f64>>())
+        };
+        text.lines().skip(1).map(row).collect::<Vec<_>>()
+    };
+    let files = [
+        rows("marks_measured.csv", 3),
+        rows("wheel.csv", 1),
+        rows("readings.csv", 1),
+    ];
+    let mut cases: Vec<&String> = files[0].iter().map(|(case, _)| case).collect();
+    cases.dedup();
+    let mut out = Vec::new();
+    for case in cases {
+        for file in &files {
+            let of_case = file.iter().filter(|(own, _)| own == case);
+            out.extend(of_case.flat_map(|(_, numbers)| numbers));
+        }
+    }
+    Some(DVector::from_vec(out))
+}
+
+/// Draws what is planted and finds its size.
+fn plant(trial: &mut Trial, truth: &Truth) {
+    let plan = &trial.plan;
+    let honest = honest(truth, plan);
+    let without = exact(truth, plan, &[]).expect("as above");
+    let span = Span::new(&honest, &truth.values);
+    let ranges = Displacements::new(&honest);
+    let marks = honest.measurement.parts.iter().map(|part| {
+        let labels = part.marks.iter().map(|mark| mark.label.clone());
+        (part.name.clone(), labels.collect())
+    });
+    let identified = honest
+        .problem()
+        .bushings()
+        .into_iter()
+        .map(|b| honest.model.bushings[b].header.id);
+    let ranges = Ranges {
+        model: &honest.model,
+        of: &|pair, axis| ranges.range(|i, j| displacement(i, j, axis), pair),
+        length: &|pair| ranges.range(|i, j| (i.p - j.p).norm(), pair),
+        marks: marks.collect(),
+        identified: identified.collect(),
+    };
+    let cases: Vec<String> = honest
+        .measurement
+        .cases
+        .iter()
+        .map(|case| case.label.clone())
+        .collect();
+    // A place where hardly anything can be seen of the cause is drawn again, a few times.
+    let mut shifts = Vec::new();
+    for attempt in 0..ATTEMPTS {
+        trial.planted.clear();
+        shifts.clear();
+        let mut reached = f64::INFINITY;
+        for plant in plants(plan, &ranges, &cases, attempt) {
+            let own = own_offset(&plant);
+            let shift_of = |size: f64| {
+                let with = exact(truth, plan, &[&plant.spec(size)])?;
+                Some(span.whitened(&(with - &without), &honest.measurement))
+            };
+            let rms =
+                |shift: &DVector<f64>| (span.outside(shift, own, &[]) / span.rows() as f64).sqrt();
+            let size = calibrated(plant.wanted, plant.most(), |size| {
+                shift_of(size).map(|shift| rms(&shift))
+            });
+            let shift = shift_of(size);
+            let found = shift.as_ref().map_or(f64::INFINITY, &rms);
+            reached = reached.min(found / plant.wanted);
+            trial.planted.push(Planted {
+                spec: plant.spec(size),
+                plant,
+                seen: f64::INFINITY,
+                rms: f64::INFINITY,
+            });
+            shifts.push((shift, own));
+        }
+        if reached > 0.5 {
+            break;
+        }
+    }
+    for k in 0..shifts.len() {
+        let others: Vec<_> = shifts
+            .iter()
+            .enumerate()
+            .filter(|(other, _)| *other != k)
+            .filter_map(|(_, (shift, _))| shift.clone())
+            .collect();
+        if let (Some(shift), own) = &shifts[k] {
+            let seen = span.outside(shift, *own, &others);
+            trial.planted[k].seen = seen;
+            trial.planted[k].rms = (seen / span.rows() as f64).sqrt();
+        }
+    }
+}
+
+/// An offset of an identified bushing is a nuisance unless it is what was planted.
+fn own_offset(plant: &Plant) -> Option<u32> {
+    let id = plant.address.strip_prefix("BUSHING/")?;
+    (plant.cause == "assembly-offset")
+        .then(|| id.parse().ok())
+        .flatten()
+}
+
+/// The size whose effect is the wanted one: the effect grows about in proportion, so a few secants find it. An effect that cannot
+/// be made as large stays at its largest.
+fn calibrated(wanted: f64, most: f64, effect: impl Fn(f64) -> Option<f64>) -> f64 {
+    let mut size = 1.0_f64.min(most);
+    let mut most = most;
+    for _ in 0..6 {
+        let Some(reached) = effect(size) else {
+            // No balance with so much of it.
+            most = size;
+            size *= 0.4;
+            continue;
+        };
+        if reached <= 0.0 {
+            size = (size * 4.0).min(most);
+            continue;
+        }
+        let next = (size * (wanted / reached).clamp(0.02, 20.0)).min(0.95 * most);
+        if (next / size).ln().abs() < 0.1 {
+            break;
+        }
+        size = next;
+    }
+    // The last guess was not tried.
+    while effect(size).is_none() && size > 1e-6 {
+        size *= 0.5;
+    }
+    size
+}
+
+/// Part poses of every case.
+struct Displacements {
+    model: Model,
+    poses: Vec<Vec<Pose>>,
+}
+
+impl Displacements {
+    fn new(study: &LoadedStudy) -> Self {
+        let request = SweepRequest {
+            dataset: &study.dataset,
+            model: &study.model,
+            theta: &[],
+            programme: &study.programme,
+        };
+        let swept = NativeBackend::new().sweep(&request).expect("a sweep");
+        let cases = study.programme.cases.len();
+        Self {
+            model: study.model.clone(),
+            poses: (0..cases)
+                .filter_map(|case| Some(swept.equilibrium(case)?.poses.clone()))
+                .collect(),
+        }
+    }
+
+    fn range(&self, of: impl Fn(&Pose, &Pose) -> f64, (i, j): (MarkerIx, MarkerIx)) -> (f64, f64) {
+        self.poses
+            .iter()
+            .map(|poses| {
+                let place = |marker: MarkerIx| {
+                    let frame = &self.model.markers[marker.0];
+                    poses[frame.part.0].compose(&Pose {
+                        p: frame.qp,
+                        R: frame.R,
+                    })
+                };
+                of(&place(i), &place(j))
+            })
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), u| {
+                (low.min(u), high.max(u))
+            })
+    }
+}
+
+fn displacement(i: &Pose, j: &Pose, axis: usize) -> f64 {
+    let motion = RelativeMotion::between(i, j, &Vec3::zeros());
+    match axis {
+        0..3 => motion.p_ij_j[axis],
+        _ => motion.angles[axis - 3],
+    }
+}
+
+/// Displacement along a joint, or the length of a spring, as the deck is drawn.
+pub fn at_design(model: &Model, (i, j): (MarkerIx, MarkerIx), joint: bool) -> f64 {
+    let place = |marker: MarkerIx| {
+        let frame = &model.markers[marker.0];
+        model.parts[frame.part.0].pose.compose(&Pose {
+            p: frame.qp,
+            R: frame.R,
+        })
+    };
+    let (i, j) = (place(i), place(j));
+    if joint {
+        displacement(&i, &j, 2)
+    } else {
+        (i.p - j.p).norm()
+    }
+}

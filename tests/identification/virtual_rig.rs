@@ -1,0 +1,362 @@
+//! The virtual rig: it measures what the solver says, and every cause of the study format can be planted.
+
+use std::path::Path;
+
+use admire::rig::effect::{EffectSpec, causes, outside_causes};
+use admire::rig::{Background, LoadTable, RigOptions, RigRun, virtual_rig};
+
+use crate::setup::replace;
+
+/// The shipped McPherson with its reference deck as the reality, a wheel and two sensors.
+fn folder() -> tempfile::TempDir {
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/pseudo-mcpherson");
+    let folder = tempfile::tempdir().unwrap();
+    for entry in std::fs::read_dir(&shipped).unwrap() {
+        let path = entry.unwrap().path();
+        std::fs::copy(&path, folder.path().join(path.file_name().unwrap())).unwrap();
+    }
+    let reference = folder.path().join("reference.adm");
+    std::fs::rename(reference, folder.path().join("model.adm")).unwrap();
+    replace(
+        folder.path(),
+        "study.toml",
+        "[reference]\ndeck = \"reference.adm\"\n",
+        "",
+    );
+    let toml = std::fs::read_to_string(folder.path().join("study.toml")).unwrap();
+    let more = "[wheel]\nmarker = \"MARKER/20\"\naxis = \"y\"\n[readings]\nfile = \"readings.csv\"\n[readings.channels]\n\
+                height = { function = \"DZ(11,1)\", sigma = 1.0 }\ntravel = { function = \"DM(18,17)\", sigma = 0.1, relative_to = \"3\" }\n";
+    std::fs::write(folder.path().join("study.toml"), toml + more).unwrap();
+    folder
+}
+
+fn rig(effects: &[&str], sigma: f64, seed: u64) -> RigRun {
+    let folder = folder();
+    let effects = effects
+        .iter()
+        .map(|text| EffectSpec::parse(text).unwrap())
+        .collect();
+    let options = RigOptions {
+        seed,
+        sigma: Some(sigma),
+        effects,
+        ..RigOptions::default()
+    };
+    virtual_rig(folder.path(), &options).unwrap_or_else(|why| panic!("{why:#?}"))
+}
+
+fn file(run: &RigRun, name: &str) -> String {
+    let found = run.files.iter().find(|(path, _)| path == Path::new(name));
+    String::from_utf8(found.unwrap_or_else(|| panic!("{name}")).1.clone()).unwrap()
+}
+
+/// The numbers of a CSV file from the given column on.
+fn numbers(text: &str, first: usize) -> Vec<f64> {
+    let rows = text.lines().skip(1);
+    rows.flat_map(|row| {
+        row.split(',')
+            .skip(first)
+            .map(|x| x.parse().unwrap())
+            .collect::<Vec<f64>>()
+    })
+    .collect()
+}
+
+fn rms_difference(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let squares: f64 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
+    (squares / a.len() as f64).sqrt()
+}
+
+#[test]
+fn an_honest_rig_reads_the_reference_marks() {
+    let run = rig(&[], 0.0, 1);
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/pseudo-mcpherson");
+    let expected = std::fs::read_to_string(shipped.join("marks_noise_free.csv")).unwrap();
+    let (ours, theirs) = (
+        numbers(&file(&run, "marks_measured.csv"), 3),
+        numbers(&expected, 3),
+    );
+    assert!(ours.iter().zip(&theirs).all(|(a, b)| (a - b).abs() < 2e-6));
+    // Relative to case 3, which therefore reads zero.
+    let readings = file(&run, "readings.csv");
+    assert!(readings.starts_with("case,height,travel\n"));
+    assert_eq!(numbers(&readings, 1)[5], 0.0);
+    // Camber and steer at 4500 N and +-4000 N lateral differ and are degrees, not radians.
+    let wheel = numbers(&file(&run, "wheel.csv"), 1);
+    assert!(
+        (wheel[5 * 5 + 3] - wheel[8 * 5 + 3]).abs() > 0.05,
+        "{wheel:?}"
+    );
+    assert!(run.truth.is_empty());
+}
+
+#[test]
+fn noise_has_its_size_and_its_seed() {
+    let exact = numbers(&file(&rig(&[], 0.0, 1), "marks_measured.csv"), 3);
+    let (a, b) = (rig(&[], 0.05, 7), rig(&[], 0.05, 7));
+    assert_eq!(a.files, b.files);
+    let noisy = numbers(&file(&a, "marks_measured.csv"), 3);
+    // 780 coordinates: the rms is known to 2.5 percent.
+    assert!((rms_difference(&noisy, &exact) / 0.05 - 1.0).abs() < 0.1);
+    assert_ne!(
+        file(&rig(&[], 0.05, 8), "marks_measured.csv"),
+        file(&a, "marks_measured.csv")
+    );
+    assert!(file(&a, "study.toml").contains("sigma = 0.05"));
+    // An effect leaves the noise of the readings alone.
+    let shifted = numbers(
+        &file(
+            &rig(&["frame-drift@case 2:x=1"], 0.05, 7),
+            "marks_measured.csv",
+        ),
+        3,
+    );
+    let moved: Vec<f64> = shifted.iter().zip(&noisy).map(|(a, b)| a - b).collect();
+    assert!(
+        moved
+            .iter()
+            .all(|d| d.abs() < 1e-8 || (d - 1.0).abs() < 1e-8)
+    );
+}
+
+#[test]
+fn every_cause_can_be_planted() {
+    let exact = rig(&[], 0.0, 1);
+    let (marks, wheel) = (
+        file(&exact, "marks_measured.csv"),
+        file(&exact, "wheel.csv"),
+    );
+    let specs = [
+        "progressive-stiffness@BUSHING/2.K.1:cubic=300",
+        "progressive-stiffness@BUSHING/2.K.1:law=exponential,rate=1.0",
+        "dry-friction@BUSHING/2.K.1:force=200,stiffness=4000",
+        "dry-friction@BUSHING/2.K.1:force=200,stiffness=4000,law=dahl",
+        "dry-friction@BUSHING/1.K.3:force=123.4567891234,stiffness=22001.23456789,law=dahl",
+        "dry-friction@JOINT/3:force=100,stiffness=500",
+        "link-compliance@PART/6:stiffness=8000",
+        "link-compliance@PART/6:stiffness=8000,ends=both",
+        "body-compliance@JOINT/5:stiffness=5000",
+        "body-compliance@BUSHING/3:stiffness=5000",
+        "assembly-offset@BUSHING/1:x=0.3,az_deg=0.2",
+        "hardpoint-error@MARKER/7:y=1.0",
+        "bushing-orientation@BUSHING/2:az_deg=20",
+        "bushing-coupling@BUSHING/2:xy=400",
+        "element-parameter@SPRINGDAMPER/1.FORCE:factor=1.05",
+        "element-parameter@BUSHING/3.K.1:value=2000",
+        "stop-contact@JOINT/3:clearance=-5,stiffness=200",
+        "stop-contact@SPRINGDAMPER/1:clearance=10,stiffness=50,law=quadratic",
+        "load-gain@SFORCE/3:gain=1.05",
+        "load-gain@lateral:gain=1.05",
+        "load-crosstalk@SFORCE/2<-SFORCE/3:fraction=0.03",
+        "load-point-error@MARKER/19:x=5",
+        "frame-drift@case 7:x=0.2,az_deg=0.01",
+        "mark-outlier@case 7 KNUCKLE 3:x=0.5",
+    ];
+    for text in specs {
+        let run = rig(&[text], 0.0, 1);
+        let change = rms_difference(
+            &numbers(&file(&run, "marks_measured.csv"), 3),
+            &numbers(&marks, 3),
+        );
+        let turned = rms_difference(&numbers(&file(&run, "wheel.csv"), 1), &numbers(&wheel, 1));
+        println!("{text}: marks {change:.4} mm rms, wheel {turned:.4}");
+        assert!(change > 0.005, "{text} moves the marks by {change}");
+        assert!(change < 20.0, "{text} moves the marks by {change}");
+        assert_eq!(run.truth, format!("{text}\n"));
+        for (path, bytes) in &run.files {
+            let cause = text.split('@').next().unwrap();
+            assert!(
+                !String::from_utf8_lossy(bytes).contains(cause),
+                "{path:?} tells"
+            );
+        }
+    }
+    let run = rig(&["channel-fault@height:gain=1.1,offset=2"], 0.0, 1);
+    let (faulty, good) = (
+        numbers(&file(&run, "readings.csv"), 1),
+        numbers(&file(&exact, "readings.csv"), 1),
+    );
+    assert!((faulty[0] - (1.1 * good[0] + 2.0)).abs() < 1e-6 * good[0].abs());
+    assert_eq!(faulty[1], good[1]);
+}
+
+#[test]
+fn friction_depends_on_the_order_of_the_loads() {
+    // 4500 N is reached from below in case 3 only; a rig that applies case 5 first comes from above. The strut's travel is the
+    // displacement that follows the vertical load one way; a bushing of the arms turns back near the design position.
+    let spec = "dry-friction@JOINT/3:force=100,stiffness=500";
+    let at_case_3 = |reorder: bool, effects: &[&str]| {
+        let folder = folder();
+        if reorder {
+            replace(folder.path(), "load_cases.csv", "3,4500,0,0\n", "");
+            replace(
+                folder.path(),
+                "load_cases.csv",
+                "5,7500,0,0\n",
+                "5,7500,0,0\n3,4500,0,0\n",
+            );
+        }
+        let effects = effects
+            .iter()
+            .map(|text| EffectSpec::parse(text).unwrap())
+            .collect();
+        let options = RigOptions {
+            seed: 1,
+            sigma: Some(0.0),
+            effects,
+            ..RigOptions::default()
+        };
+        let run = virtual_rig(folder.path(), &options).unwrap();
+        let text = file(&run, "marks_measured.csv");
+        let rows: Vec<&str> = text.lines().filter(|row| row.starts_with("3,")).collect();
+        numbers(&format!("header\n{}", rows.join("\n")), 3)
+    };
+    assert!(rms_difference(&at_case_3(false, &[]), &at_case_3(true, &[])) < 1e-8);
+    let loop_width = rms_difference(&at_case_3(false, &[spec]), &at_case_3(true, &[spec]));
+    // From one limit to the other the strut carries 200 N more, against a wheel rate of some 40 N/mm.
+    println!("loop {loop_width:.4}");
+    assert!((1.0..8.0).contains(&loop_width), "{loop_width}");
+    // At the same loads, one after the other, nothing moves any more.
+    assert!(rms_difference(&at_case_3(true, &[spec]), &at_case_3(true, &[spec])) < 1e-9);
+}
+
+#[test]
+fn the_state_before_the_first_case_is_what_the_effect_says() {
+    // The friction takes 33 mm of travel to build up, so it matters in the first case where it began; once all have slid the same
+    // way, as at 7500 N, nothing tells any more.
+    let marks = |start: f64| {
+        let spec = format!("dry-friction@JOINT/3:force=100,stiffness=3,start={start}");
+        let text = file(&rig(&[&spec], 0.0, 1), "marks_measured.csv");
+        let of_case = |case: &str| {
+            let rows: Vec<&str> = text.lines().filter(|row| row.starts_with(case)).collect();
+            numbers(&format!("header\n{}", rows.join("\n")), 3)
+        };
+        (of_case("1,"), of_case("5,"))
+    };
+    let (rest, pushed, pulled) = (marks(0.0), marks(1.0), marks(-1.0));
+    let differs = |a: &[f64], b: &[f64]| rms_difference(a, b);
+    assert!(differs(&pushed.0, &pulled.0) > 0.1);
+    assert!(differs(&rest.1, &pushed.1) < 1e-6 && differs(&rest.1, &pulled.1) < 1e-6);
+}
+
+#[test]
+fn what_is_outside_the_catalogue_can_be_planted_too() {
+    let exact = numbers(&file(&rig(&[], 0.0, 1), "marks_measured.csv"), 3);
+    for text in [
+        "creep@BUSHING/2.K.1:rate=0.05",
+        "free-play@BUSHING/2.K.2:gap=0.2",
+        "part-flexibility@PART/4:marker=12,stiffness=2e8",
+        "part-flexibility@PART/4:marker=12,stiffness=1e7,mode=twist",
+        "asymmetric-friction@BUSHING/2.K.1:force=300,back=50,stiffness=4000",
+        "thermal-drift@rig:growth=2e-4",
+        "marks-exchanged@KNUCKLE<->ROD:from=9,mark=2",
+    ] {
+        let run = rig(&[text], 0.0, 1);
+        let marks = numbers(&file(&run, "marks_measured.csv"), 3);
+        let change = rms_difference(&marks, &exact);
+        println!("{text}: {change:.4} mm rms");
+        assert!(change > 0.005, "{text} moves the marks by {change}");
+        let cause = text.split('@').next().unwrap();
+        assert!(outside_causes().any(|known| known == cause));
+        assert!(causes().all(|known| known != cause));
+    }
+    assert_eq!((causes().count(), outside_causes().count()), (16, 6));
+}
+
+#[test]
+fn creep_and_drift_go_on_when_the_loads_do_not() {
+    // Cases 3 and 14 apply the same loads. Only what goes on with time tells them apart.
+    let folder = folder();
+    let path = folder.path().join("load_cases.csv");
+    let loads = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, loads + "14,4500,0,0\n").unwrap();
+    let apart = |effect: &str| {
+        let effects = vec![EffectSpec::parse(effect).unwrap()];
+        let options = RigOptions {
+            sigma: Some(0.0),
+            effects,
+            ..RigOptions::default()
+        };
+        let text = file(
+            &virtual_rig(folder.path(), &options).unwrap(),
+            "marks_measured.csv",
+        );
+        let of_case = |case: &str| {
+            let rows: Vec<&str> = text.lines().filter(|row| row.starts_with(case)).collect();
+            numbers(&format!("header\n{}", rows.join("\n")), 3)
+        };
+        rms_difference(&of_case("3,"), &of_case("14,"))
+    };
+    assert!(apart("progressive-stiffness@BUSHING/2.K.1:cubic=300") < 1e-6);
+    assert!(apart("creep@BUSHING/2.K.1:rate=0.05") > 0.01);
+    // 11 of 13 steps of 2e-4, at some 600 mm from the origin.
+    let drift = apart("thermal-drift@rig:growth=2e-4");
+    assert!((0.02..0.12).contains(&drift), "{drift}");
+}
+
+#[test]
+fn background_errors_have_their_sizes_and_tell_only_what_a_data_sheet_would() {
+    let folder = folder();
+    let options = RigOptions {
+        seed: 3,
+        background: Background::ORDINARY,
+        programme: Some(LoadTable::Table2),
+        ..RigOptions::default()
+    };
+    let run = virtual_rig(folder.path(), &options).unwrap();
+    assert!(file(&run, "study.toml").contains("sigma_on_parts = 0.02"));
+    assert_eq!(file(&run, "load_cases.csv").lines().count(), 18);
+    assert!(file(&run, "load_cases.csv").contains("2,5980,0,0\n"));
+    let deck = std::fs::read_to_string(folder.path().join("model.adm")).unwrap();
+    assert_eq!(file(&run, "model.adm"), deck);
+    // The first session is off by 0.02 mm: 60 coordinates, known to 9 percent.
+    let listed = numbers(&file(&run, "marks_on_parts.csv"), 2);
+    let true_list = std::fs::read_to_string(folder.path().join("marks_on_parts.csv")).unwrap();
+    let off = rms_difference(&listed, &numbers(&true_list, 2));
+    assert!((off / 0.02 - 1.0).abs() < 0.3, "{off}");
+    // Hardpoints and gains move the marks by more than the noise, and by less than a wrong deck would.
+    let exact = |background| {
+        let options = RigOptions {
+            seed: 3,
+            sigma: Some(0.0),
+            background,
+            ..RigOptions::default()
+        };
+        numbers(
+            &file(
+                &virtual_rig(folder.path(), &options).unwrap(),
+                "marks_measured.csv",
+            ),
+            3,
+        )
+    };
+    let moved = rms_difference(&exact(Background::ORDINARY), &exact(Background::default()));
+    assert!((0.02..1.0).contains(&moved), "{moved}");
+}
+
+#[test]
+fn effects_that_sit_nowhere_are_refused() {
+    let folder = folder();
+    for text in [
+        "dry-friction@BUSHING/9.K.1:force=1,stiffness=1",
+        "dry-friction@BUSHING/2:force=1,stiffness=1",
+        "dry-friction@BUSHING/2.K.1:force=1",
+        "rust@BUSHING/2:x=1",
+        "hardpoint-error@MARKER/7:w=1,x=1",
+        "frame-drift@case 99:x=1",
+        "mark-outlier@case 7 KNUCKLE 9:x=1",
+        "channel-fault@depth:gain=2",
+        "body-compliance@JOINT/1:stiffness=100",
+    ] {
+        let effects = vec![EffectSpec::parse(text).unwrap()];
+        let options = RigOptions {
+            seed: 1,
+            sigma: Some(0.0),
+            effects,
+            ..RigOptions::default()
+        };
+        let why = virtual_rig(folder.path(), &options).unwrap_err();
+        assert_eq!(why[0].code.as_str(), "bad-effect", "{text}: {why:?}");
+    }
+}
