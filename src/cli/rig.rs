@@ -81,13 +81,13 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     for text in &lines {
         effects.push(EffectSpec::parse(text).map_err(|diagnostic| {
             shell.complain(&[diagnostic]);
-            Exit::Failed
+            Exit::Findings
         })?);
     }
     let background = arguments.background.as_deref().map(Background::parse);
     let background = background.transpose().map_err(|diagnostic| {
         shell.complain(&[diagnostic]);
-        Exit::Failed
+        Exit::Usage
     })?;
     let options = RigOptions {
         seed: arguments.seed,
