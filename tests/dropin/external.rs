@@ -456,3 +456,72 @@ fn recorded_runs_are_served_by_their_content() {
             .contains("no recorded run")
     );
 }
+
+/// Runs a program that only writes down what it was given, and returns deck and command file.
+fn given(task: &Task) -> (String, String) {
+    let mut backend = backend(words(&["no-such-program-anywhere"]));
+    let error = task.sweep(&mut backend).unwrap_err();
+    let (_, rest) = error.rsplit_once("(files kept in ").expect(&error);
+    let kept = Path::new(rest.trim_end_matches(')')).to_path_buf();
+    let read = |name: &str| String::from_utf8(std::fs::read(kept.join(name)).unwrap()).unwrap();
+    let files = (read("run.adm"), read("run.acf"));
+    std::fs::remove_dir_all(kept).unwrap();
+    files
+}
+
+#[test]
+fn the_deck_is_the_users_own_but_for_the_lines_that_are_meant() {
+    let mut task = Task::new();
+    let (deck, commands) = given(&task);
+    assert_eq!(deck, DECK);
+    // A blank first line, then the model: what ADAMS/View writes for the C++ solver.
+    assert!(commands.starts_with("\nfile/model=run\n"), "{commands}");
+    assert_eq!(
+        commands.lines().skip(2).collect::<Vec<_>>(),
+        [
+            "! case a",
+            "SFORCE/1, FUNCTION=100.0",
+            "SFORCE/2, FUNCTION=30.0",
+            "simulate/static",
+            "! case b",
+            "SFORCE/1, FUNCTION=200.0",
+            "SFORCE/2, FUNCTION=-20.0",
+            "simulate/static",
+            "stop"
+        ]
+    );
+    task.theta = vec![(task.at("BUSHING/1.K.2"), 250.0)];
+    let (deck, _) = given(&task);
+    let changed: Vec<_> = deck
+        .lines()
+        .zip(DECK.lines())
+        .filter(|(a, b)| a != b)
+        .collect();
+    assert_eq!(changed.len(), 1);
+    assert_eq!(
+        changed[0].0,
+        "BUSHING/1, I=20, J=1, K=100, 250, 400, KT=1E5, 1E5, 1E5"
+    );
+    assert_eq!(deck.lines().count(), DECK.lines().count());
+
+    // XRF is asked for where the deck does not.
+    let of = |text: &str| {
+        let dataset = Dataset::parse(Source::new("block.adm", text.as_bytes())).value;
+        let model = Model::lower(&dataset).value;
+        given(&Task {
+            dataset,
+            model,
+            ..Task::new()
+        })
+        .0
+    };
+    let deck = of(&DECK.replace("RESULTS/XRF", "RESULTS/FORMATTED"));
+    assert_eq!(deck, DECK.replace("RESULTS/XRF", "RESULTS/FORMATTED, XRF"));
+    let deck = of(&DECK.replace("RESULTS/XRF\n", "").replace('\n', "\r\n"));
+    assert!(deck.contains("RESULTS/") && deck.contains("XRF"), "{deck}");
+    assert!(deck.lines().count() <= DECK.lines().count() + 2);
+    assert!(
+        deck.matches('\n').count() == deck.matches("\r\n").count(),
+        "{deck:?}"
+    );
+}

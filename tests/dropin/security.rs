@@ -326,3 +326,25 @@ fn admire_solve_reads_only_the_folders_of_the_run() {
         );
     }
 }
+
+#[test]
+fn property_files_are_read_in_the_folders_of_the_deck() {
+    let place = beside_a_victim("");
+    let curve = "[MDI_HEADER]\nFILE_TYPE='spr'\n[CURVE]\n{disp force}\n0 0\n1 2\n2 4\n3 6\n";
+    std::fs::write(place.path().join("victim/secret.spr"), curve).unwrap();
+    let run = place.path().join("run");
+    std::fs::write(run.join("own.spr"), curve).unwrap();
+    for (file, outside) in [("../victim/secret.spr", true), ("own.spr", false)] {
+        let deck = SLIDER.replacen("REQUEST/1", &format!("SPLINE/1, FILE={file}\nREQUEST/1"), 1);
+        std::fs::write(run.join("slider.adm"), deck).unwrap();
+        let checked = Command::new(env!("CARGO_BIN_EXE_admire"))
+            .current_dir(&run)
+            .args(["check", "slider.adm", "--format", "plain"])
+            .env_remove("ADMIRE_ALLOW_PATH")
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&checked.stdout).into_owned()
+            + &String::from_utf8_lossy(&checked.stderr);
+        assert_eq!(said.contains("[read-outside]"), outside, "{file}: {said}");
+    }
+}

@@ -198,3 +198,43 @@ fn recordings_lie_below_the_study() {
         assert_ne!(run.status.code(), Some(0));
     }
 }
+
+#[test]
+fn no_file_of_a_study_lies_outside_of_it() {
+    for (key, with) in [
+        ("deck = \"model.adm\"", "deck = \"../model.adm\""),
+        (
+            "file = \"load_cases.csv\"",
+            "file = \"PLACE/load_cases.csv\"",
+        ),
+        (
+            "measured = \"marks_measured.csv\"",
+            "measured = \"link.csv\"",
+        ),
+    ] {
+        let place = folder(&[]);
+        let inside = place.path().join("study");
+        std::fs::create_dir(&inside).unwrap();
+        study(&inside, "", REGRESSION);
+        for name in ["model.adm", "load_cases.csv", "marks_measured.csv"] {
+            std::fs::copy(inside.join(name), place.path().join(name)).unwrap();
+        }
+        #[cfg(unix)]
+        std::os::unix::fs::symlink(
+            place.path().join("marks_measured.csv"),
+            inside.join("link.csv"),
+        )
+        .unwrap();
+        let toml = text(&inside, "study.toml");
+        assert!(toml.contains(key));
+        let with = with.replace("PLACE", &place.path().display().to_string());
+        std::fs::write(inside.join("study.toml"), toml.replace(key, &with)).unwrap();
+        let run = admire(&inside, &["identify", ".", "--out", "out"], "");
+        assert!(
+            cfg!(not(unix)) || errors(&run).contains("outside-study"),
+            "{with}: {}",
+            errors(&run)
+        );
+        assert!(!inside.join("out/identified.adm").exists(), "{with}");
+    }
+}
