@@ -70,6 +70,10 @@ impl Session<'_> {
             Ok(analysis) => analysis,
             Err(diagnostic) => return self.misunderstood(diagnostic, None),
         };
+        let begins = !matches!(analysis, Analysis::Dynamic | Analysis::InitialConditions);
+        if begins && let Err(diagnostic) = self.model().begin_outputs() {
+            return self.unwritable(&diagnostic);
+        }
         match analysis {
             Analysis::Static => self.lone_static(place),
             Analysis::QuasiStatic(times) => self.sequence(times, StepKind::QuasiStatic, place),
@@ -325,6 +329,21 @@ impl Loaded {
         }
     }
 
+    /// Writes the heads of the output files, which are there even if no equilibrium is found.
+    fn begin_outputs(&mut self) -> Result<(), Diagnostic> {
+        self.compiled();
+        let Self {
+            model,
+            outputs,
+            compiled: Some(compiled),
+            ..
+        } = self
+        else {
+            return Ok(());
+        };
+        outputs.begin(model, &compiled.system.state())
+    }
+
     /// Writes the state to the output files.
     fn write(&mut self, kind: StepKind) -> Result<(), Diagnostic> {
         self.compiled();
@@ -343,7 +362,6 @@ impl Loaded {
             state,
             ..
         } = compiled;
-        outputs.begin(model, &system.state())?;
         outputs.step(kind, model, &mut Measures::new(system, parameters, state))
     }
 }

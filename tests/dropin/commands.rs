@@ -90,6 +90,11 @@ fn a_failed_static_writes_no_step_and_the_run_goes_on() {
     std::fs::write(folder.path().join("run.acf"), &acf).unwrap();
     let stopped = mdi(folder.path(), &["ru-s", "run"]);
     assert_eq!(stopped.code, 3);
+    // The file is there with its columns, whole, and holds no step.
+    let left = text(folder.path(), "slider.res");
+    assert!(
+        left.contains("<Entity name=\"block_XFORM\"") && left.trim_end().ends_with("</Results>")
+    );
     assert!(Results::read(folder.path(), "slider.res").steps.is_empty());
 }
 

@@ -66,3 +66,52 @@ fn the_pseudo_mcpherson_is_solved_in_all_cases() {
 fn the_multilink_axle_is_solved_in_all_cases() {
     agrees("multilink", "ocp_ref");
 }
+
+/// The lines that name columns, angles in radians: runs that SolidWorks drives have degrees.
+fn columns(results: &std::path::Path) -> Vec<String> {
+    let bytes = std::fs::read(results).unwrap();
+    String::from_utf8_lossy(&bytes)
+        .lines()
+        .filter(|line| {
+            ["<Units", "<Entity", "<Component"]
+                .iter()
+                .any(|tag| line.starts_with(tag))
+        })
+        .map(|line| line.replace("\"deg", "\"rad"))
+        .collect()
+}
+
+/// Decks that ADAMS ran, with the results it wrote: ours have the same entities and columns under the same numbers and units, in
+/// the same order, line for line.
+#[test]
+fn columns_are_those_of_adams() {
+    let Some(decks) = shared("real-decks") else {
+        return;
+    };
+    let mut compared = 0;
+    for deck in crate::common::files_below(&decks, "adm") {
+        let results = deck.with_extension("res");
+        if !results.exists() {
+            continue;
+        }
+        let work = tempfile::tempdir().unwrap();
+        std::fs::copy(&deck, work.path().join("deck.adm")).unwrap();
+        std::fs::write(
+            work.path().join("run.acf"),
+            "\nfile/model=deck\nSIM/STAT\nSTOP\n",
+        )
+        .unwrap();
+        let ran = mdi(work.path(), &["ru-s", "run"]);
+        if ran.code != 0 {
+            // What only ADAMS solves is refused, and has no results.
+            continue;
+        }
+        let (ours, theirs) = (columns(&work.path().join("deck.res")), columns(&results));
+        for (a, b) in ours.iter().zip(&theirs) {
+            assert_eq!(a, b, "{}", deck.display());
+        }
+        assert_eq!(ours.len(), theirs.len(), "{}", deck.display());
+        compared += 1;
+    }
+    assert!(compared >= 3, "only {compared} pairs were compared");
+}
