@@ -4,6 +4,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::discrepancy::{Finding, Outcome as Diagnosed, Verdict, diagnose, held_out};
 use crate::identify::LoadedStudy;
 use crate::report::{DiagnosisReport, number};
+use crate::rig::settings::BackendChoice;
 
 use super::Outcome;
 use super::identify::changed_lines;
@@ -32,6 +33,9 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let Some(loaded) = checked.value else {
         return Err(Exit::Findings);
     };
+    if loaded.study.solver.backend != BackendChoice::Native {
+        shell.say("the diagnosis solves with the built-in solver; the program of study.toml is not started\n");
+    }
     let problem = loaded.problem();
     let held_out = held_out(&loaded.study, &loaded.measurement);
     let outcome = diagnose(&problem, held_out).map_err(|error| {
