@@ -62,33 +62,19 @@ impl From<Programme> for LoadTable {
 
 /// Measures and writes.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
-    let mut lines = Vec::new();
+    let mut effects = Vec::new();
     for file in &arguments.effects {
         let text = std::fs::read_to_string(file).map_err(|error| {
             let message = format!("{} cannot be read: {error}", file.display());
             shell.fail(Diagnostic::error(Code::CannotRead, message))
         })?;
-        let said = text
-            .lines()
-            .map(|line| line.split('#').next().unwrap_or(""));
-        lines.extend(
-            said.map(|line| line.trim().to_string())
-                .filter(|line| !line.is_empty()),
-        );
+        effects.extend(EffectSpec::parse_list(&text).map_err(|why| shell.fail(why))?);
     }
-    lines.extend(arguments.effect.iter().cloned());
-    let mut effects = Vec::new();
-    for text in &lines {
-        effects.push(EffectSpec::parse(text).map_err(|diagnostic| {
-            shell.complain(&[diagnostic]);
-            Exit::Findings
-        })?);
+    for text in &arguments.effect {
+        effects.push(EffectSpec::parse(text).map_err(|why| shell.usage(why))?);
     }
     let background = arguments.background.as_deref().map(Background::parse);
-    let background = background.transpose().map_err(|diagnostic| {
-        shell.complain(&[diagnostic]);
-        Exit::Usage
-    })?;
+    let background = background.transpose().map_err(|why| shell.usage(why))?;
     let options = RigOptions {
         seed: arguments.seed,
         sigma: arguments.sigma,

@@ -7,6 +7,7 @@ mod common;
 mod deck;
 mod direct;
 mod global;
+mod kc_experiment;
 mod regression;
 mod setup;
 mod virtual_rig;

@@ -50,6 +50,18 @@ impl EffectSpec {
         })
     }
 
+    /// Reads a list of effects, one a line; `#` begins a comment.
+    ///
+    /// # Errors
+    /// As [`EffectSpec::parse`], of the first that is wrong.
+    pub fn parse_list(text: &str) -> Result<Vec<Self>, Diagnostic> {
+        text.lines()
+            .map(|line| line.split('#').next().unwrap_or("").trim())
+            .filter(|line| !line.is_empty())
+            .map(Self::parse)
+            .collect()
+    }
+
     /// A complaint about this effect.
     pub(super) fn refuse(&self, what: impl Into<String>) -> Diagnostic {
         Diagnostic::error(Code::BadEffect, format!("`{}`: {}", self.text, what.into()))
@@ -182,6 +194,15 @@ mod tests {
         assert_eq!(spec.positive("stiffness").unwrap(), 4000.0);
         assert!(spec.all_used().is_ok());
         assert!(spec.number("clearance").is_err());
+    }
+
+    #[test]
+    fn a_list_has_comments_and_empty_lines() {
+        let list = "# what is wrong\n\nload-gain@SFORCE/3:gain=1.01 # a percent\nframe-drift@case 7:x=0.1\n";
+        let found = EffectSpec::parse_list(list).unwrap();
+        assert_eq!(found.len(), 2);
+        assert_eq!(found[1].address, "case 7");
+        assert!(EffectSpec::parse_list("rust\n").is_err());
     }
 
     #[test]
