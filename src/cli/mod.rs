@@ -22,6 +22,7 @@ mod render;
 mod renumber;
 mod results;
 mod rig;
+mod sensitivity;
 mod set;
 mod shell;
 mod solve;
@@ -63,6 +64,7 @@ enum Command {
     Export(export::Arguments),
     Import(import::Arguments),
     Solve(solve::Arguments),
+    Sensitivity(sensitivity::Arguments),
     Identify(identify::Arguments),
     Diagnose(diagnose::Arguments),
     Record(record::Arguments),
@@ -90,6 +92,7 @@ pub fn main() -> ExitCode {
         Command::Export(arguments) => export::run(&arguments, &mut shell),
         Command::Import(arguments) => import::run(&arguments, &mut shell),
         Command::Solve(arguments) => solve::run(&arguments, &mut shell),
+        Command::Sensitivity(arguments) => sensitivity::run(&arguments, &mut shell),
         Command::Identify(arguments) => identify::run(&arguments, &mut shell),
         Command::Diagnose(arguments) => diagnose::run(&arguments, &mut shell),
         Command::Record(arguments) => record::run(&arguments, &mut shell),

@@ -68,6 +68,8 @@ impl Build<'_> {
                 let sensor = self.object(function, arguments, 0, Space::Sensor)?;
                 Ok(self.input(Input::SensorValue(sensor)))
             }
+            "PINVAL" => self.plant(function, arguments, Space::PlantInput),
+            "POUVAL" => self.plant(function, arguments, Space::PlantOutput),
             "ARYVAL" => self.array(function, arguments),
             _ => self.element(function, arguments),
         }
@@ -230,6 +232,37 @@ impl Build<'_> {
                 Ok(self.input(Input::ArrayValue { array, element }))
             }
         }
+    }
+
+    /// PINVAL(id, component) and POUVAL: a variable of the list.
+    fn plant(
+        &mut self,
+        function: &'static FunctionDef,
+        arguments: Arguments,
+        space: Space,
+    ) -> Result<Place, Diagnostic> {
+        let list = self.object(function, arguments, 0, space)?;
+        let component = self.code_or_id(function, arguments, 1)?;
+        let list = &self.compiler.model.plant_ports[list];
+        let Some(&id) = (component as usize)
+            .checked_sub(1)
+            .and_then(|index| list.variables.get(index))
+        else {
+            return Err(wrong(
+                function,
+                format!(
+                    "{}/{} has {} variables, not {component}",
+                    list.kind,
+                    list.header.id,
+                    list.variables.len()
+                ),
+            ));
+        };
+        let variable = self
+            .compiler
+            .find(Space::Variable, id)
+            .ok_or_else(|| undefined(function, Space::Variable, id))?;
+        Ok(self.input(Input::Variable(variable)))
     }
 
     /// BUSH(id, jflag, comp, rm) and its like; NFORCE(id, marker, comp, rm).

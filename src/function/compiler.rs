@@ -24,6 +24,8 @@ pub(super) enum Space {
     Variable,
     Diff,
     Array,
+    PlantInput,
+    PlantOutput,
     Sensor,
     Spline,
     Beam,
@@ -49,6 +51,8 @@ impl Space {
             Self::Variable => "VARIABLE",
             Self::Diff => "DIFF",
             Self::Array => "ARRAY",
+            Self::PlantInput => "PINPUT",
+            Self::PlantOutput => "POUTPUT",
             Self::Sensor => "SENSOR",
             Self::Spline => "SPLINE",
             Self::Beam => "BEAM",
@@ -86,11 +90,22 @@ impl Space {
                 .map(|(index, force)| (force.header.id, index))
                 .collect()
         };
+        let plant = |kind: &str| {
+            model
+                .plant_ports
+                .iter()
+                .enumerate()
+                .filter(|(_, list)| list.kind == kind)
+                .map(|(index, list)| (list.header.id, index))
+                .collect()
+        };
         match self {
             Self::Marker => ids!(markers),
             Self::Variable => ids!(variables),
             Self::Diff => ids!(diffs),
             Self::Array => ids!(arrays),
+            Self::PlantInput => plant("PINPUT"),
+            Self::PlantOutput => plant("POUTPUT"),
             Self::Sensor => ids!(sensors),
             Self::Spline => ids!(splines),
             Self::Beam => ids!(beams),

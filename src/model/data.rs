@@ -39,6 +39,8 @@ pub struct LinearStates {
     pub u: u32,
     /// Y array.
     pub y: Option<u32>,
+    /// IC array: the states at the start, kept by STATIC_HOLD. Zeros if absent.
+    pub ic: Option<u32>,
     /// A, row by row.
     pub a: Vec<Vec<f64>>,
     /// B, row by row.

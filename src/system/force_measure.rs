@@ -109,7 +109,7 @@ impl System {
     }
 
     /// Appends the gradient of `weight . (force, torque)` of one element or constraint.
-    fn push_force(
+    pub(crate) fn push_force(
         &self,
         who: Exerted,
         on_j: bool,

@@ -1,7 +1,10 @@
 //! Decks to models.
 
+use admire::mechanics::{Pose, Vec3};
 use admire::model::Model;
+use admire::statics::{Report, Settings, Solver};
 use admire::syntax::Dataset;
+use admire::system::{Parameters, Scratch, State, System};
 use admire::text::Source;
 
 pub fn read(text: &str) -> Model {
@@ -10,4 +13,99 @@ pub fn read(text: &str) -> Model {
     let model = Model::lower(&dataset.value);
     assert!(!model.has_errors(), "{:#?}", model.diagnostics);
     model.value
+}
+
+/// Parts, markers and gravity off: what most small decks begin with. Ground has MARKER/1 at its origin.
+pub const HEAD: &str = "small\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\n\
+                        PART/1, GROUND\nMARKER/1, PART=1\n";
+
+/// A small deck and its equilibrium.
+pub struct Solved {
+    pub model: Model,
+    pub system: System,
+    pub parameters: Parameters,
+    pub state: State,
+    pub report: Report,
+    /// What the compiler said.
+    pub told: Vec<String>,
+}
+
+/// Solves [`HEAD`] and these statements, tightly.
+pub fn solve(statements: &str) -> Solved {
+    solve_with(statements, &Settings::tight())
+}
+
+pub fn solve_with(statements: &str, settings: &Settings) -> Solved {
+    let dataset = Dataset::parse(Source::new(
+        "small.adm",
+        format!("{HEAD}{statements}\nEND\n").into_bytes(),
+    ));
+    assert!(!dataset.has_errors(), "{:#?}", dataset.diagnostics);
+    let lowered = Model::lower(&dataset.value);
+    assert!(!lowered.has_errors(), "{:#?}", lowered.diagnostics);
+    let compiled = System::compile(&lowered.value);
+    assert!(!compiled.has_errors(), "{:#?}", compiled.diagnostics);
+    let told = lowered.diagnostics.iter().chain(&compiled.diagnostics);
+    let told = told.map(|d| d.message.clone()).collect();
+    let (model, system) = (lowered.value, compiled.value);
+    let (parameters, mut state) = (system.parameters(), system.state());
+    let report = Solver::new(&system)
+        .solve(&system, &parameters, &mut state, settings)
+        .unwrap_or_else(|error| panic!("{error}: {error:#?}"));
+    Solved {
+        model,
+        system,
+        parameters,
+        state,
+        report,
+        told,
+    }
+}
+
+impl Solved {
+    /// Pose of a part.
+    pub fn pose(&self, part: u32) -> Pose {
+        let all = self.model.parts.iter();
+        let at = all.clone().position(|p| p.header.id == part).unwrap();
+        self.state.poses[at]
+    }
+
+    /// Where a marker is in ground.
+    pub fn marker(&self, id: u32) -> Pose {
+        let marker = &self.model.markers[self.model.marker(id).unwrap().0];
+        let local = Pose {
+            p: marker.qp,
+            R: marker.R,
+        };
+        self.state.poses[marker.part.0].compose(&local)
+    }
+
+    /// What the elements and constraints called this do to the part: force, torque about a point.
+    pub fn on(&self, part: u32, by: &str, about: &Vec3) -> (Vec3, Vec3) {
+        let mut scratch = Scratch::new(&self.system);
+        let (parameters, state) = (&self.parameters, &self.state);
+        self.system.look(parameters, state, &mut scratch).unwrap();
+        let loads = self.system.loads(parameters, state, &mut scratch).unwrap();
+        let (mut F, mut T) = (Vec3::zeros(), Vec3::zeros());
+        for load in loads {
+            let name = load.by.as_ref().map(|n| format!("{}/{}", n.kind, n.id));
+            let is_part = self.model.parts[load.part.0].header.id == part;
+            if is_part && name.as_deref() == Some(by) {
+                F += load.force;
+                T += load.torque_about(about);
+            }
+        }
+        (F, T)
+    }
+
+    /// F2 of REQUEST number `index`, which shows a function.
+    pub fn shown(&self, index: usize) -> f64 {
+        let mut scratch = Scratch::new(&self.system);
+        let (parameters, state) = (&self.parameters, &self.state);
+        self.system.look(parameters, state, &mut scratch).unwrap();
+        let request = &self.model.requests[index];
+        self.system
+            .read_request(request, index, parameters, state, &mut scratch)
+            .unwrap()[1]
+    }
 }

@@ -3,14 +3,19 @@
 #![allow(non_snake_case)] // Forces, torques and rotation matrices keep their capitals.
 
 mod balance;
+mod closed_forms;
 #[path = "../common/mod.rs"]
 mod common;
+mod data;
 mod deck;
 mod derivatives;
 mod double_wishbone;
 mod elements;
+mod energy;
+mod invariance;
 mod rank;
 mod real_decks;
 mod reference;
 mod robust;
+mod sensitivity;
 mod speed;

@@ -1,5 +1,6 @@
 //! The real decks of ../shared/real-decks: each reaches equilibrium or is refused with the reason, as the table beside says.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
@@ -13,31 +14,53 @@ use admire::text::Source;
 
 use crate::common::{files_below, shared};
 
-fn first_error(what: &str, diagnostics: &[Diagnostic]) -> Option<String> {
+fn errors(what: &str, diagnostics: &[Diagnostic]) -> Option<String> {
     let errors: Vec<&Diagnostic> = diagnostics
         .iter()
         .filter(|d| d.severity == Severity::Error)
         .collect();
-    let first = errors.first()?;
-    let more = match errors.len() {
-        1 => String::new(),
-        n => format!(" (and {} more)", n - 1),
-    };
-    Some(format!("{what}: {}{more}", first.message))
+    if errors.is_empty() {
+        return None;
+    }
+    let mut reasons: BTreeMap<String, usize> = BTreeMap::new();
+    let mut users = None;
+    for error in errors {
+        let message = error.message.as_str();
+        if message.contains(" statements need user-written subroutines: ") {
+            users = message.split(": ").next();
+            continue;
+        }
+        // What follows the name of the statement is the reason.
+        let marks = [" is not solved: ", " calls a ", " has ", "': ", ": "];
+        let cut = marks.iter().find_map(|m| Some((message.find(m)?, m)));
+        let (kind, reason) = match cut {
+            Some((at, mark)) => (&message[..at], message[at + mark.len()..].to_string()),
+            None => ("", message.to_string()),
+        };
+        let kind = kind.split('/').next().unwrap_or_default();
+        let reason = match reason.split_once("user-written subroutine: ") {
+            Some(_) => "user-written subroutine".to_string(),
+            None => reason,
+        };
+        *reasons.entry(format!("{kind}: {reason}")).or_default() += 1;
+    }
+    let mut lines: Vec<String> = users.iter().map(ToString::to_string).collect();
+    lines.extend(reasons.iter().map(|(reason, n)| format!("{n} x {reason}")));
+    Some(format!("{what}\n    {}", lines.join("\n    ")))
 }
 
 /// What becomes of a deck, in one line.
 fn outcome(path: &Path) -> String {
     let parsed = Dataset::parse(Source::new("deck", fs::read(path).unwrap()));
-    if let Some(told) = first_error("not read", &parsed.diagnostics) {
+    if let Some(told) = errors("not read", &parsed.diagnostics) {
         return told;
     }
     let lowered = Model::lower(&parsed.value);
-    if let Some(told) = first_error("refused", &lowered.diagnostics) {
+    if let Some(told) = errors("refused", &lowered.diagnostics) {
         return told;
     }
     let compiled = System::compile(&lowered.value);
-    if let Some(told) = first_error("refused", &compiled.diagnostics) {
+    if let Some(told) = errors("refused", &compiled.diagnostics) {
         return told;
     }
     let system = compiled.value;

@@ -123,7 +123,7 @@ fn chain(n: usize) -> admire::model::Model {
 #[test]
 #[ignore = "prints times"]
 fn chains() {
-    for n in [10, 100, 1000, 10_000] {
+    for n in [10, 100, 1000, 10_000, 100_000] {
         let start = Instant::now();
         let model = chain(n);
         let read = start.elapsed().as_secs_f64();

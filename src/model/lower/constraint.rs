@@ -43,6 +43,19 @@ pub(super) fn joint(reader: &mut Reader, old: Option<&Joint>) -> Option<Joint> {
     let Some(kind) = kind else {
         return reader.missing("its type, such as REVOLUTE");
     };
+    for argument in ["IC", "ICTRAN", "ICROT"] {
+        if reader.statement.first(argument).is_some_and(|ic| ic != 0.0) {
+            let message = format!(
+                "the initial displacement of {} is not applied: statics looks for equilibrium from the positions of the parts",
+                reader.called()
+            );
+            let place = reader.place(argument);
+            let diagnostic = Diagnostic::warning(Code::InactiveInStatics, message).help(
+                "place the parts where the search is to start, or hold the joint with a MOTION",
+            );
+            reader.complain(diagnostic, place);
+        }
+    }
     Some(Joint {
         header: reader.header(old.map(|old| &old.header)),
         kind,

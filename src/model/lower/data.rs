@@ -54,6 +54,7 @@ pub(super) fn linear_states(
         // LSE may have no input; no array has the id zero.
         u: reader.written_id("U", old.map(|old| old.u)).unwrap_or(0),
         y: reader.written_id("Y", old.and_then(|old| old.y)),
+        ic: reader.written_id("IC", old.and_then(|old| old.ic)),
         a,
         b,
         c,

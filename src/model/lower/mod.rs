@@ -315,7 +315,10 @@ impl Lowering<'_> {
                 kind: def.name,
                 why,
             });
-            return;
+            // A friction that is left out has its columns in the results all the same.
+            if def.name != "FRICTION" {
+                return;
+            }
         }
         let known = self.diagnostics.len();
         let mut reader = Reader {
@@ -400,7 +403,11 @@ fn unsolved(statement: &Statement, def: &'static StatementDef) -> Option<String>
     let user = statement
         .argument("FUNCTION")
         .is_some_and(|argument| matches!(argument.value, Value::User(_)));
+    let inactive = || statement.has("INACTIVE") || statement.has("INACTIVE_DURING");
     let reason = match def.name {
+        "FRICTION" if !inactive() => {
+            "stiction, which in ADAMS also acts in statics, is left out: joints move without resistance"
+        }
         "COUPLER" | "FIELD" | "SPLINE" | "GFORCE" | "VFORCE" | "VTORQUE" if user => {
             "its values come from a user subroutine"
         }

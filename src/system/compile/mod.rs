@@ -16,9 +16,9 @@ use super::structure::{
     Algebraic, Body, Condition, Element, Joint, Name, Rate, StateEquation, System,
 };
 use super::{Parameters, State};
-use crate::diagnostic::{Checked, Code, Diagnostic};
+use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
 use crate::mechanics::{Mat3, Pose, Vec3};
-use crate::model::{Function, Header, Model, Orientation, PartKind};
+use crate::model::{ArrayKind, Function, Header, Model, Orientation, PartKind};
 use crate::units::Dimension;
 
 const ACCELERATION: Dimension = Dimension::new(0, 0, 1, -2, 0);
@@ -33,6 +33,7 @@ impl System {
         compiler.constraints();
         compiler.data();
         compiler.readings();
+        compiler.left_out();
         compiler.finish()
     }
 }
@@ -236,6 +237,14 @@ impl<'a> Compiler<'a> {
             let of = name(l.kind, &l.header);
             let inputs = self.array_variables(l.u);
             let first = self.states.len();
+            let mut arrays = self.model.arrays.iter();
+            let initial = l.ic.and_then(|id| {
+                let array = arrays.find(|a| a.header.id == id)?;
+                match &array.kind {
+                    ArrayKind::Numbers(numbers) => Some(&numbers[..]),
+                    _ => None,
+                }
+            });
             for (row, a) in l.a.iter().enumerate() {
                 let rate = if l.static_hold {
                     Rate::Held
@@ -249,7 +258,8 @@ impl<'a> Compiler<'a> {
                             .collect(),
                     )
                 };
-                self.push_state(of.clone(), rate, 0.0);
+                let ic = initial.and_then(|ic| ic.get(row)).copied();
+                self.push_state(of.clone(), rate, ic.unwrap_or(0.0));
             }
         }
     }
@@ -261,6 +271,60 @@ impl<'a> Compiler<'a> {
             unknown: None,
         });
         self.state_values.push(ic);
+    }
+
+    /// Statements that take no part. What only writes or draws is not missed.
+    fn left_out(&mut self) {
+        for u in &self.model.unsolved {
+            let owner = name(u.kind, &u.header);
+            let code = if u.why.contains("user subroutine") {
+                Code::UserSubroutine
+            } else {
+                Code::NotSolvedNatively
+            };
+            self.diagnostics.push(match u.kind {
+                "MREQUEST" | "FEMDATA" | "CURVE" | "SURFACE" | "CLEARANCE" | "FE_NODE"
+                | "SECTION" | "LINEAR" | "CONTROL" => continue,
+                // Bodies are refused where they are compiled.
+                "FLEX_BODY" | "FE_PART" => continue,
+                "CONTACT" => Diagnostic::warning(
+                    Code::InactiveInStatics,
+                    format!("{owner} is inactive: {}", u.why),
+                )
+                .help("parts pass through each other; the equilibrium is the model's only as long as nothing touches"),
+                "FRICTION" => Diagnostic::warning(
+                    Code::InactiveInStatics,
+                    format!("{owner} is inactive: {}", u.why),
+                )
+                .help("the equilibrium found is the one without friction; with it every position in a band around is one"),
+                _ => Diagnostic::error(code, format!("{owner} is not solved: {}", u.why))
+                    .help("the command backend runs it with real ADAMS"),
+            });
+        }
+        let mut users: Vec<&str> = Vec::new();
+        let all = self.diagnostics.iter();
+        for diagnostic in
+            all.filter(|d| d.code == Code::UserSubroutine && d.severity == Severity::Error)
+        {
+            users.extend(
+                diagnostic
+                    .message
+                    .split(" calls ")
+                    .next()
+                    .and_then(|w| w.split(" is not").next()),
+            );
+        }
+        if users.len() > 1 {
+            let message = format!(
+                "{} statements need user-written subroutines: {}",
+                users.len(),
+                users.join(", ")
+            );
+            self.diagnostics.push(
+                Diagnostic::error(Code::UserSubroutine, message)
+                    .help("the command backend runs them with real ADAMS and the library"),
+            );
+        }
     }
 
     fn finish(mut self) -> Checked<System> {

@@ -1,0 +1,157 @@
+//! Numbers that an equilibrium shows, with their derivatives by the unknowns and by theta.
+
+use super::assemble::NoValue;
+use super::catalogue::Role;
+use super::force_measure::Exerted;
+use super::structure::{Action, Drive};
+use super::{ConstraintIx, ElementIx, Parameters, Scratch, Slot, State, System};
+use crate::mechanics::Vec6;
+use crate::model::PartIx;
+
+/// Relative step of the differences by theta at fixed unknowns; of fourth order, so that round-off of 1e-12 is what is left.
+const STEP: f64 = 1e-4;
+
+/// A number that an equilibrium shows. Components 0 to 5 are x, y, z of a vector, then of another, in ground axes.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Quantity {
+    /// Displacement of a part's origin, then its rotation vector.
+    Motion(PartIx, usize),
+    /// Force of an element on I, then torque about the I origin.
+    Element(ElementIx, usize),
+    /// Reaction of a constraint on I, then torque about the I origin. For COUPLER and GEAR that of the first joint.
+    Constraint(ConstraintIx, usize),
+    /// A function of a REQUEST: index of the request in the model, component 0 to 7 for F1 to F8.
+    Request(usize, usize),
+}
+
+impl System {
+    /// The value of a quantity; of a motion zero, which is a change from here. Looks at the configuration itself.
+    ///
+    /// # Errors
+    /// [`NoValue`] if an element is undefined in this configuration.
+    pub fn quantity(
+        &self,
+        quantity: Quantity,
+        parameters: &Parameters,
+        state: &State,
+        scratch: &mut Scratch,
+    ) -> Result<f64, NoValue> {
+        self.look(parameters, state, scratch)?;
+        match quantity {
+            Quantity::Motion(..) => Ok(0.0),
+            Quantity::Element(ElementIx(k), component) => {
+                let who = Exerted::Element(k);
+                Ok(self.exerted(who, false, parameters, state, scratch)?[component])
+            }
+            Quantity::Constraint(ConstraintIx(k), component) => {
+                let who = Exerted::Joint(k);
+                Ok(self.exerted(who, false, parameters, state, scratch)?[component])
+            }
+            Quantity::Request(index, component) => Ok(self
+                .read_function((index, component), parameters, state, scratch)?
+                .map_or(0.0, |(value, _)| value)),
+        }
+    }
+
+    /// The gradient of a quantity by the unknowns, added to `out`.
+    ///
+    /// # Errors
+    /// [`NoValue`] if an element is undefined in this configuration.
+    pub fn quantity_by_unknowns(
+        &self,
+        quantity: Quantity,
+        parameters: &Parameters,
+        state: &State,
+        scratch: &mut Scratch,
+        out: &mut [f64],
+    ) -> Result<(), NoValue> {
+        self.look(parameters, state, scratch)?;
+        let before = scratch.gradient.len();
+        let (who, component) = match quantity {
+            Quantity::Motion(part, component) => {
+                if let Some(unknown) = self.part_unknowns(part).nth(component) {
+                    out[unknown] += 1.0;
+                }
+                return Ok(());
+            }
+            Quantity::Element(ElementIx(k), component) => (Exerted::Element(k), component),
+            Quantity::Constraint(ConstraintIx(k), component) => (Exerted::Joint(k), component),
+            Quantity::Request(index, component) => {
+                let at = (index, component);
+                let read = self.read_function(at, parameters, state, scratch)?;
+                for &(unknown, by) in read.map_or(&[][..], |(_, gradient)| gradient) {
+                    out[unknown] += by;
+                }
+                return Ok(());
+            }
+        };
+        let weight = Vec6::ith(component, 1.0);
+        self.push_force(who, false, &weight, parameters, state, scratch)?;
+        for &(unknown, by) in &scratch.gradient[before..] {
+            out[unknown] += by;
+        }
+        Ok(())
+    }
+
+    /// The change of a quantity per unit of a number of theta, the unknowns staying as they are.
+    ///
+    /// # Errors
+    /// [`NoValue`] if an element is undefined in this configuration.
+    pub fn quantity_by_slot(
+        &self,
+        quantity: Quantity,
+        parameters: &Parameters,
+        state: &State,
+        scratch: &mut Scratch,
+        slot: Slot,
+    ) -> Result<f64, NoValue> {
+        let role = self.catalogue().group(slot).role;
+        if !self.may_touch(quantity, role) {
+            return Ok(0.0);
+        }
+        let mut here = parameters.get(slot);
+        if let (true, Role::Override(function)) = (here.is_nan(), role) {
+            self.look(parameters, state, scratch)?;
+            self.evaluate_function(parameters, state, scratch, function)?;
+            here = scratch.functions[function].value;
+        }
+        let h = STEP * here.abs().max(1.0);
+        let mut moved = parameters.clone();
+        let mut difference = |h: f64| -> Result<f64, NoValue> {
+            moved.set(slot, here + h);
+            let plus = self.quantity(quantity, &moved, state, scratch)?;
+            moved.set(slot, here - h);
+            let minus = self.quantity(quantity, &moved, state, scratch)?;
+            Ok((plus - minus) / (2.0 * h))
+        };
+        let (coarse, fine) = (difference(h)?, difference(0.5 * h)?);
+        Ok((4.0 * fine - coarse) / 3.0)
+    }
+
+    /// False if a number cannot change a quantity but through the unknowns.
+    fn may_touch(&self, quantity: Quantity, role: Role) -> bool {
+        match quantity {
+            Quantity::Motion(..) => false,
+            Quantity::Element(ElementIx(k), _) => {
+                let element = &self.elements[k];
+                match (&element.action, role) {
+                    (Action::Law(_, Drive::Theta(_)), Role::Law { element }) => element == k,
+                    (Action::Law(_, Drive::Theta(_)), Role::Marker(m)) => {
+                        m == element.i || m == element.j
+                    }
+                    (Action::Law(_, Drive::Theta(_)), _) => false,
+                    (_, role) => !matches!(role, Role::Mass(_) | Role::Gravity),
+                }
+            }
+            Quantity::Constraint(ConstraintIx(k), _) => match role {
+                Role::Joint { joint } => joint == k,
+                Role::Marker(m) => {
+                    let first = self.joints[k].terms.first();
+                    first.is_some_and(|t| t.i == m || t.j == m)
+                }
+                _ => false,
+            },
+            Quantity::Request(..) => !matches!(role, Role::Mass(_) | Role::Gravity),
+        }
+    }
+}

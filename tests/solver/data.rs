@@ -1,0 +1,200 @@
+//! Equations, states and lists of a dataset at rest, and what is held or left out, against closed forms.
+
+use crate::deck::{Solved, solve};
+
+/// The value of a function in the equilibrium of a deck.
+fn value(deck: &str, function: &str) -> f64 {
+    shown(deck, function).shown(0)
+}
+
+fn shown(deck: &str, function: &str) -> Solved {
+    solve(&format!("{deck}\nREQUEST/1, F2={function}"))
+}
+
+fn close(value: f64, expected: f64) {
+    assert!(
+        (value - expected).abs() < 1e-9 * expected.abs().max(1.0),
+        "{value} instead of {expected}"
+    );
+}
+
+/// v = cos v has one solution (Dottie's number).
+#[test]
+fn an_implicit_variable() {
+    let v = value("VARIABLE/1, IC=1, FUNCTION=COS(VARVAL(1))", "VARVAL(1)");
+    close(v, 0.739_085_133_215_160_6);
+}
+
+/// Two variables that read each other: a + b = 10, a - b = 4.
+#[test]
+fn variables_that_read_each_other() {
+    let deck = "VARIABLE/1, FUNCTION=10-VARVAL(2)\nVARIABLE/2, FUNCTION=VARVAL(1)-4";
+    close(value(deck, "VARVAL(1)"), 7.0);
+    close(value(deck, "VARVAL(2)"), 3.0);
+}
+
+/// A state comes to rest where its derivative is zero; an implicit one where its function is, with the derivative zero.
+#[test]
+fn differential_equations_at_rest() {
+    close(value("DIFF/1, IC=9, FUNCTION=3-2*DIF(1)", "DIF(1)"), 1.5);
+    let implicit = "DIFF/1, IC=1, IMPLICIT, FUNCTION=DIF1(1)+2*DIF(1)-8";
+    close(value(implicit, "DIF(1)"), 4.0);
+    close(value(implicit, "DIF1(1)"), 0.0);
+}
+
+/// With STATIC_HOLD the state keeps its IC, and its derivative is whatever the function gives.
+#[test]
+fn held_states() {
+    let deck = "DIFF/1, IC=9, STATIC_HOLD, FUNCTION=3-2*DIF(1)";
+    close(value(deck, "DIF(1)"), 9.0);
+    close(value(deck, "DIF1(1)"), -15.0);
+}
+
+const LSE: &str = "VARIABLE/1, FUNCTION=3\n\
+    ARRAY/1, X, SIZE=2\nARRAY/2, U, SIZE=1, VARIABLES=1\nARRAY/3, Y, SIZE=1\nARRAY/4, IC, SIZE=2, NUMBERS=0.5,-0.25\n\
+    MATRIX/1, FULL=RORDER, ROWS=2, COLUMNS=2, VALUES=-2,1,0,-4\n\
+    MATRIX/2, FULL=RORDER, ROWS=2, COLUMNS=1, VALUES=1,2\n\
+    MATRIX/3, FULL=RORDER, ROWS=1, COLUMNS=2, VALUES=1,1\n\
+    MATRIX/4, FULL=RORDER, ROWS=1, COLUMNS=1, VALUES=5\n";
+
+/// x = -A^-1 B u, y = C x + D u: with u = 3, x2 = 2 u / 4, x1 = (x2 + u) / 2.
+#[test]
+fn linear_states_at_rest() {
+    let deck = format!("{LSE}LSE/1, X=1, U=2, Y=3, IC=4, A=1, B=2, C=3, D=4");
+    close(value(&deck, "ARYVAL(1,2)"), 1.5);
+    close(value(&deck, "ARYVAL(1,1)"), 2.25);
+    close(value(&deck, "ARYVAL(3,1)"), 3.75 + 15.0);
+}
+
+/// STATIC_HOLD keeps the states at the IC array.
+#[test]
+fn held_linear_states() {
+    let deck = format!("{LSE}LSE/1, X=1, U=2, Y=3, IC=4, A=1, B=2, C=3, D=4, STATIC_HOLD");
+    close(value(&deck, "ARYVAL(1,1)"), 0.5);
+    close(value(&deck, "ARYVAL(1,2)"), -0.25);
+    close(value(&deck, "ARYVAL(3,1)"), 0.25 + 15.0);
+}
+
+/// A transfer function at rest is its gain: (3 + 2 s) / (5 + 4 s + s^2) of u = 2.
+#[test]
+fn a_transfer_function_at_rest() {
+    let deck = "VARIABLE/1, FUNCTION=2\n\
+        ARRAY/1, X, SIZE=2\nARRAY/2, U, SIZE=1, VARIABLES=1\nARRAY/3, Y, SIZE=1\n\
+        TFSISO/1, X=1, U=2, Y=3, NUMERATOR=3,2, DENOMINATOR=5,4,1";
+    close(value(deck, "ARYVAL(3,1)"), 1.2);
+}
+
+/// PINVAL and POUVAL are the variables of the lists.
+#[test]
+fn inputs_and_outputs_of_a_plant() {
+    let deck = "VARIABLE/11, FUNCTION=4\nVARIABLE/12, FUNCTION=VARVAL(11)+3\n\
+                PINPUT/1, VARIABLES=12,11\nPOUTPUT/1, VARIABLES=11";
+    close(value(deck, "PINVAL(1,1)"), 7.0);
+    close(value(deck, "PINVAL(1,2)"), 4.0);
+    close(value(deck, "POUVAL(1,1)"), 4.0);
+}
+
+/// A sensor that has not fired gives zero.
+#[test]
+fn a_sensor_at_rest() {
+    let deck = "SENSOR/1, GE, VALUE=5, ERROR=0.1, FUNCTION=TIME\\, EVALUATE=8";
+    close(value(deck, "SENVAL(1)"), 0.0);
+}
+
+/// A part on a rail, held by a MOTION, with mass so that nothing is singular.
+const RAIL: &str = "PART/2, MASS=1, CM=20, IP=100,100,100, QG=0,0,30\nMARKER/20, PART=2\nMARKER/21, PART=2\n\
+                    JOINT/1, TRANSLATIONAL, I=21, J=1\n";
+
+/// A prescribed speed has no static meaning: the part stays where it is, or at ICDISP, and that is said.
+#[test]
+fn a_prescribed_speed_is_held() {
+    let solved = shown(
+        &format!("{RAIL}MOTION/1, JOINT=1, VELOCITY, FUNCTION=100"),
+        "DZ(21,1)",
+    );
+    close(solved.shown(0), 30.0);
+    assert!(
+        solved
+            .told
+            .iter()
+            .any(|t| t
+                == "MOTION/1 prescribes a rate, which has no static meaning: it is held at 30"),
+        "{:?}",
+        solved.told
+    );
+    let held = format!("{RAIL}MOTION/1, JOINT=1, VELOCITY, ICDISP=45, FUNCTION=100");
+    close(value(&held, "DZ(21,1)"), 45.0);
+    let held = format!("{RAIL}MOTION/1, JOINT=1, ACCELERATION, ICDISP=-5, FUNCTION=100");
+    close(value(&held, "DZ(21,1)"), -5.0);
+}
+
+/// Friction is off, and the warning says what that means; one that is off in statics anyway is not worth a word.
+#[test]
+fn friction_is_inactive() {
+    let spring = "SPRINGDAMPER/1, I=21, J=1, TRANSLATIONAL, K=10, LENGTH=25\n";
+    let deck = format!("{RAIL}{spring}FRICTION/1, JOINT=1, MU_STATIC=0.5, MU_DYNAMIC=0.4");
+    let solved = shown(&deck, "DZ(21,1)");
+    close(solved.shown(0), 25.0);
+    assert!(
+        solved
+            .told
+            .iter()
+            .any(|t| t.starts_with("FRICTION/1 is inactive")
+                && t.contains("move without resistance")),
+        "{:?}",
+        solved.told
+    );
+    let deck = format!("{deck}, INACTIVE=STATIC");
+    assert!(solve(&deck).told.is_empty());
+}
+
+/// An initial displacement of a joint is a start, not a condition; that it is not applied is said.
+#[test]
+fn initial_displacements_of_joints_are_told() {
+    let spring = "SPRINGDAMPER/1, I=21, J=1, TRANSLATIONAL, K=10, LENGTH=25\n";
+    let deck = format!(
+        "{}{spring}",
+        RAIL.replace("TRANSLATIONAL, I", "TRANSLATIONAL, IC=12, I")
+    );
+    let solved = shown(&deck, "DZ(21,1)");
+    close(solved.shown(0), 25.0);
+    assert!(
+        solved.told[0].starts_with("the initial displacement of JOINT/1 is not applied"),
+        "{:?}",
+        solved.told
+    );
+}
+
+/// How many statements need user subroutines and which, in one line; none of them is taken for zero.
+#[test]
+fn user_subroutines_are_refused_by_name() {
+    use admire::model::Model;
+    use admire::syntax::Dataset;
+    use admire::system::System;
+    use admire::text::Source;
+    let text = format!(
+        "{}{RAIL}SFORCE/1, I=21, J=1, ROTATIONAL, FUNCTION=USER(1,2)\n\
+         VARIABLE/7, FUNCTION=USER(3)\nCOUPLER/1, JOINTS=1,1, FUNCTION=USER(4)\nEND\n",
+        crate::deck::HEAD
+    );
+    let dataset = Dataset::parse(Source::new("user.adm", text.into_bytes()));
+    let model = Model::lower(&dataset.value).value;
+    let compiled = System::compile(&model);
+    let said: Vec<&str> = compiled
+        .diagnostics
+        .iter()
+        .map(|d| d.message.as_str())
+        .collect();
+    assert!(
+        said.contains(
+            &"3 statements need user-written subroutines: SFORCE/1, VARIABLE/7, COUPLER/1"
+        ),
+        "{said:?}"
+    );
+    assert!(compiled.has_errors());
+    let help = compiled.diagnostics.last().unwrap().help.as_deref();
+    assert_eq!(
+        help,
+        Some("the command backend runs them with real ADAMS and the library")
+    );
+}
