@@ -8,16 +8,18 @@ mod ids;
 mod reader;
 mod rules;
 mod settings;
+mod unsolved;
 
 use self::ids::{BODIES, Ids};
 use self::reader::Reader;
+use self::unsolved::unsolved;
 use super::{Header, Joint, MarkerIx, Model, Part, PartIx, PartKind, Unsolved, object::Object};
 use crate::diagnostic::{Checked, Code, Diagnostic};
 use crate::grammar::{Solved, StatementDef};
 use crate::mechanics::Pose;
 use crate::syntax::files::Files;
 use crate::syntax::hash::QuickMap;
-use crate::syntax::{Dataset, Statement, Value};
+use crate::syntax::{Dataset, Statement};
 use crate::text::Source;
 
 /// Calls `$do!(list, function that reads it, arguments...)` for the model's list that holds a kind of statement, or
@@ -393,32 +395,6 @@ fn ground() -> Part {
         pose: Pose::identity(),
         exact: [false; 6],
     }
-}
-
-/// Why only real ADAMS can solve a statement; `None` if the built-in solver does, or if statics does not need it.
-fn unsolved(statement: &Statement, def: &'static StatementDef) -> Option<String> {
-    if let Solved::External(why) = def.solved {
-        return Some(why.to_string());
-    }
-    let user = statement
-        .argument("FUNCTION")
-        .is_some_and(|argument| matches!(argument.value, Value::User(_)));
-    let inactive = || statement.has("INACTIVE") || statement.has("INACTIVE_DURING");
-    let reason = match def.name {
-        "FRICTION" if !inactive() => {
-            "stiction, which in ADAMS also acts in statics, is left out: joints move without resistance"
-        }
-        "COUPLER" | "FIELD" | "SPLINE" | "GFORCE" | "VFORCE" | "VTORQUE" if user => {
-            "its values come from a user subroutine"
-        }
-        "FIELD" if statement.has("NONLINEAR") => "its values come from a user subroutine",
-        "SPLINE" if statement.has("FILE") => "its points are in a file that was not read",
-        "GFORCE" | "VFORCE" | "VTORQUE" if statement.has("FXYZ") || statement.has("TXYZ") => {
-            "vector expressions are not evaluated by the built-in solver"
-        }
-        _ => return None,
-    };
-    Some(reason.to_string())
 }
 
 impl Model {
