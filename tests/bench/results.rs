@@ -2,15 +2,18 @@
 //!
 //! `cargo bench --bench results -- [MEGABYTES]`; the stated goal (300 MB/s, memory independent of size) is for 500.
 
+#[path = "process.rs"]
+mod process;
+
 use std::fs::File;
 use std::io::{BufReader, BufWriter};
 use std::path::Path;
-use std::time::Instant;
 
 use admire::results::{
     EntityKind, Header, Numbering, StepKind, Stored, Style, Timestamp, XrfReader, XrfWriter,
 };
 use admire::units::Units;
+use process::{peak, rate};
 
 fn main() {
     let megabytes = std::env::args()
@@ -30,31 +33,9 @@ fn main() {
     assert_eq!(steps, seen);
 }
 
-/// Rates by the clock, and by the processor time of this process where the system tells: on a busy machine only the second
-/// says something of the program.
 fn timed<T>(what: &str, path: &Path, work: impl Fn() -> T) -> T {
-    let (start, busy) = (Instant::now(), processor_seconds());
-    let result = work();
-    let seconds = start.elapsed().as_secs_f64();
-    let megabytes = std::fs::metadata(path).expect("the file is there").len() as f64 / 1e6;
-    print!(
-        "{what:<26} {megabytes:.0} MB: {:>6.0} MB/s",
-        megabytes / seconds
-    );
-    if let (Some(before), Some(after)) = (busy, processor_seconds()) {
-        print!(
-            ", {:>6.0} MB per second of processor",
-            megabytes / (after - before)
-        );
-    }
-    println!();
-    result
-}
-
-fn processor_seconds() -> Option<f64> {
-    let text = std::fs::read_to_string("/proc/self/schedstat").ok()?;
-    let nanoseconds: f64 = text.split_whitespace().next()?.parse().ok()?;
-    Some(nanoseconds / 1e9)
+    let size = || std::fs::metadata(path).expect("the file is there").len() as usize;
+    rate(what, size, work)
 }
 
 /// A suspension of 30 parts, 30 joints and 20 bushings, in numbers without pattern.
@@ -130,15 +111,4 @@ fn events(path: &Path) -> usize {
         }
         buffer.clear();
     }
-}
-
-/// The most memory this process ever had, where the system tells.
-fn peak() -> String {
-    std::fs::read_to_string("/proc/self/status")
-        .ok()
-        .and_then(|status| {
-            let line = status.lines().find(|line| line.starts_with("VmHWM"))?;
-            Some(line.split_once(':')?.1.trim().to_string())
-        })
-        .unwrap_or_else(|| "not known".to_string())
 }

@@ -178,9 +178,9 @@ fn forces() -> Deck {
         .collect();
     deck.add(&format!(
         "MATRIX/1, FULL=CORDER, ROWS=12, COLUMNS=12, VALUES={}\n\
-         ARRAY/1, IC, SIZE=12, NUMBERS=1,2,3,0,0,0,4,5,6,0.1,0,0\n\
-         ARRAY/2, IC, SIZE=12, NUMBERS=1,2,3,4,5,6,7,8,9,10,11,12\n\
-         NFORCE/1, I={},{}, J={j}, KMATRIX=1, LENGTH=1, FORCE=2",
+         MATRIX/2, FULL=CORDER, ROWS=12, COLUMNS=1, VALUES=1,2,3,0,0,0,4,5,6,0.1,0,0\n\
+         MATRIX/3, FULL=CORDER, ROWS=12, COLUMNS=1, VALUES=1,2,3,4,5,6,7,8,9,10,11,12\n\
+         NFORCE/1, I={},{}, J={j}, KMATRIX=1, LENGTH=2, FORCE=3",
         multi.join("\n,"),
         100 * a + 1,
         100 * b + 1,

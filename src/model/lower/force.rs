@@ -125,7 +125,7 @@ pub(super) fn vector_force(reader: &mut Reader, old: Option<&VectorForce>) -> Op
 
 /// NFORCE. Its matrix and arrays are taken from their statements.
 pub(super) fn nforce(reader: &mut Reader, old: Option<&Nforce>) -> Option<Nforce> {
-    let i = reader.markers("I")?;
+    let i = reader.markers("IMARKERS")?;
     let n = 6 * i.len();
     let matrix = match reader.written_id("KMATRIX", None) {
         Some(id) => reader.matrix("KMATRIX", id)?,
@@ -136,15 +136,18 @@ pub(super) fn nforce(reader: &mut Reader, old: Option<&Nforce>) -> Option<Nforce
     }
     // The model keeps it column by column, as FIELD has it.
     let k = (0..n * n).map(|at| matrix[at % n][at / n]).collect();
-    let values = |name: &str| {
-        let mut values = reader
-            .written_id(name, None)
-            .and_then(|id| reader.array_numbers(id))
-            .unwrap_or_default();
-        values.resize(n, 0.0);
-        values
+    let mut column = |name: &str| match reader.written_id(name, None) {
+        Some(id) => {
+            let values: Vec<f64> = reader.matrix(name, id)?.into_iter().flatten().collect();
+            if values.len() == n {
+                Some(values)
+            } else {
+                reader.missing(&format!("{n} values in {name}"))
+            }
+        }
+        None => Some(vec![0.0; n]),
     };
-    let (length, force) = (values("LENGTH"), values("FORCE"));
+    let (length, force) = (column("LENGTH")?, column("FORCE")?);
     Some(Nforce {
         header: reader.header(old.map(|old| &old.header)),
         i,

@@ -175,13 +175,6 @@ impl Reader<'_> {
         )
     }
 
-    /// The NUMBERS of an ARRAY.
-    pub fn array_numbers(&self, id: u32) -> Option<Vec<f64>> {
-        let statement = self.ids.statement("ARRAY", id)?;
-        let numbers = statement.numbers("NUMBERS");
-        Some(numbers.iter().map(|number| number.value).collect())
-    }
-
     pub fn function(&self, name: &str, old: Option<&Function>) -> Option<Function> {
         let Some(argument) = self.given(name) else {
             return old.cloned();
