@@ -1,11 +1,13 @@
 //! The files of one run of an external solver: the user's own deck with one-line edits, and the command file of the programme.
 
-use std::path::Path;
+use std::path::{Component, Path, PathBuf};
 
 use sha2::Digest;
 
 use super::{Load, SweepRequest};
 use crate::diagnostic::Diagnostic;
+use crate::session::{find_file, folder_of, native_spelling};
+use crate::syntax::files::references;
 use crate::syntax::{Address, Dataset, NewStatement};
 
 /// Base name of the files of a run.
@@ -18,7 +20,13 @@ pub(super) struct RunFiles {
     pub deck: Vec<u8>,
     /// `run.acf`.
     pub commands: Vec<u8>,
+    /// Files below the folder of the user's deck that it names by a relative path, with their contents: the run needs them beside
+    /// its own deck.
+    pub beside: Vec<(PathBuf, Vec<u8>)>,
 }
+
+/// Larger files are not carried into run folders.
+const MOST_BYTES: u64 = 64 << 20;
 
 impl RunFiles {
     /// The files of a request.
@@ -31,6 +39,7 @@ impl RunFiles {
         Ok(Self {
             deck: deck.bytes().to_vec(),
             commands,
+            beside: beside(request.dataset),
         })
     }
 
@@ -39,22 +48,32 @@ impl RunFiles {
     /// # Errors
     /// When they cannot be written.
     pub fn write(&self, folder: &Path) -> std::io::Result<()> {
+        for (name, bytes) in &self.beside {
+            let path = folder.join(name);
+            if let Some(parent) = path.parent() {
+                std::fs::create_dir_all(parent)?;
+            }
+            std::fs::write(path, bytes)?;
+        }
         std::fs::write(folder.join(format!("{STEM}.adm")), &self.deck)?;
         std::fs::write(folder.join(format!("{STEM}.acf")), &self.commands)
     }
 
     /// True if a folder holds a run of these files.
     pub fn are_in(&self, folder: &Path) -> bool {
-        let same = |extension: &str, bytes: &[u8]| {
-            std::fs::read(folder.join(format!("{STEM}.{extension}"))).is_ok_and(|b| b == bytes)
-        };
-        same("adm", &self.deck) && same("acf", &self.commands)
+        let same =
+            |name: &Path, bytes: &[u8]| std::fs::read(folder.join(name)).is_ok_and(|b| b == bytes);
+        let own = |extension: &str| PathBuf::from(format!("{STEM}.{extension}"));
+        same(&own("adm"), &self.deck)
+            && same(&own("acf"), &self.commands)
+            && self.beside.iter().all(|(name, bytes)| same(name, bytes))
     }
 
-    /// SHA-256 of both, in hexadecimal: what a recorded run is found by.
+    /// SHA-256 of all of them, in hexadecimal: what a recorded run is found by.
     pub fn key(&self) -> String {
         let mut hash = sha2::Sha256::new();
-        for bytes in [&self.deck, &self.commands] {
+        let files = self.beside.iter().map(|(_, bytes)| bytes);
+        for bytes in [&self.deck, &self.commands].into_iter().chain(files) {
             hash.update((bytes.len() as u64).to_le_bytes());
             hash.update(bytes);
         }
@@ -64,6 +83,42 @@ impl RunFiles {
             .flat_map(|byte| [digit(byte >> 4), digit(byte & 15)])
             .collect()
     }
+}
+
+/// The files a deck names by paths that lead nowhere else.
+fn beside(dataset: &Dataset) -> Vec<(PathBuf, Vec<u8>)> {
+    let folder = folder_of(dataset.source());
+    let mut found: Vec<(PathBuf, Vec<u8>)> = Vec::new();
+    for reference in references(dataset) {
+        let name = native_spelling(&reference.name);
+        let inside = name.components().all(|c| matches!(c, Component::Normal(_)));
+        if !inside || found.iter().any(|(known, _)| *known == name) {
+            continue;
+        }
+        let Some(path) = find_file(&reference.name, "", &[&folder]).value else {
+            continue;
+        };
+        // A link may lead out of the folder although its name does not.
+        let real = |path: &Path| {
+            let path = if path.as_os_str().is_empty() {
+                Path::new(".")
+            } else {
+                path
+            };
+            path.canonicalize().ok()
+        };
+        let below = real(&folder)
+            .zip(real(&path))
+            .is_some_and(|(folder, path)| path.starts_with(folder));
+        let small = std::fs::metadata(&path).is_ok_and(|m| m.is_file() && m.len() <= MOST_BYTES);
+        if below
+            && small
+            && let Ok(bytes) = std::fs::read(&path)
+        {
+            found.push((name, bytes));
+        }
+    }
+    found
 }
 
 /// The user's deck with the numbers of the request, and with RESULTS/XRF where it does not ask for results in that form.

@@ -130,7 +130,12 @@ pub(super) fn identified(
             direct::identify(&problem, backend, &mut watch)?
         }
         Method::GaussNewton => {
-            let prepared = Prepared::new(&problem)?;
+            let external = loaded.study.solver.backend != BackendChoice::Native;
+            let prepared = if external {
+                Prepared::external(&problem)?
+            } else {
+                Prepared::new(&problem)?
+            };
             let watch = |iteration: usize, sweeps: usize, objective: f64| {
                 bar.set_message(format!(
                     "step {iteration}: {sweeps} sweeps, half chi-square {objective:.4e}"
@@ -143,7 +148,6 @@ pub(super) fn identified(
                 profile: true,
                 watch: Some(Box::new(watch)),
             };
-            let external = loaded.study.solver.backend != BackendChoice::Native;
             // Profile likelihood over an external program would take hundreds of runs.
             let options = Options {
                 profile: !external,

@@ -4,7 +4,9 @@ use super::{Problem, Unknown, unknowns};
 use crate::backend::LoadProgramme;
 use crate::diagnostic::{Checked, Diagnostic, Severity};
 use crate::model::Model;
+use crate::rig::settings::BackendChoice;
 use crate::rig::{Measurement, Study, programme};
+use crate::session::{FilePolicy, folder_of, read_files};
 use crate::syntax::{Address, Dataset};
 use crate::system::System;
 
@@ -39,8 +41,13 @@ impl LoadedStudy {
             };
         };
         let parsed = Dataset::parse(study.deck.clone());
-        let lowered = Model::lower(&parsed.value);
+        let mut policy = FilePolicy::new(&study.folder);
+        policy.confine();
+        let folder = folder_of(parsed.value.source());
+        let files = read_files(&parsed.value, &folder, &policy);
+        let lowered = Model::lower_with(&parsed.value, &files.value);
         diagnostics.extend(parsed.diagnostics);
+        diagnostics.extend(files.diagnostics);
         diagnostics.extend(lowered.diagnostics);
         let (dataset, model) = (parsed.value, lowered.value);
         let mut own = Vec::new();
@@ -49,7 +56,14 @@ impl LoadedStudy {
             own.extend(measured.diagnostics);
             let programme = programme(&study, &dataset, &measured.value, &mut own);
             let compiled = System::compile(&model);
-            own.extend(compiled.diagnostics);
+            let external = study.solver.backend != BackendChoice::Native;
+            own.extend(compiled.diagnostics.into_iter().map(|mut diagnostic| {
+                // What the built-in solver leaves out, another one may solve.
+                if external {
+                    diagnostic.severity = diagnostic.severity.min(Severity::Warning);
+                }
+                diagnostic
+            }));
             let system = compiled.value;
             let number = |text: &str| {
                 let address = Address::parse(text, &dataset).ok()?;

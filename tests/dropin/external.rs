@@ -525,3 +525,56 @@ fn the_deck_is_the_users_own_but_for_the_lines_that_are_meant() {
         "{deck:?}"
     );
 }
+
+#[test]
+fn files_that_a_deck_names_come_along() {
+    let place = folder(&[]);
+    let study = place.path().join("study");
+    std::fs::create_dir_all(study.join("curves")).unwrap();
+    let curve = |top: f64| {
+        format!(
+            "[MDI_HEADER]\nFILE_TYPE='spr'\n[CURVE]\n{{disp force}}\n-10 {0}\n-5 {1}\n5 -{1}\n10 -{0}\n",
+            2.0 * top,
+            top
+        )
+    };
+    std::fs::write(study.join("curves/a.spr"), curve(500.0)).unwrap();
+    std::fs::write(place.path().join("secret.spr"), curve(1.0)).unwrap();
+    let text = DECK.replacen(
+        "EQUILIBRIUM",
+        "SPLINE/1, FILE=curves/a.spr\nSPLINE/2, FILE=../secret.spr\n\
+        SFORCE/3, TRANSLATIONAL, ACTIONONLY, I=20, J=3\n, FUNCTION = AKISPL(DZ(20,3),0,1)\nEQUILIBRIUM",
+        1,
+    );
+    let deck = study.join("deck.adm");
+    std::fs::write(&deck, &text).unwrap();
+    let dataset = Dataset::parse(Source::new(deck.display().to_string(), text.as_bytes())).value;
+    let model = Model::lower(&dataset).value;
+    let task = Task {
+        dataset,
+        model,
+        ..Task::new()
+    };
+    let mut first = backend(mdi());
+    first.keep = Some(place.path().join("runs"));
+    let sweep = task.sweep(&mut first).unwrap();
+    // Along z the spring of the file gives 100 newton per millimetre beside the 400 of the bushing.
+    let p = sweep.equilibrium(0).unwrap().poses[1].p;
+    assert!((p.z - 100.0 / 500.0).abs() < 1e-6, "{p}");
+    let run = std::fs::read_dir(place.path().join("runs"))
+        .unwrap()
+        .next()
+        .unwrap()
+        .unwrap()
+        .path();
+    assert!(run.join("curves/a.spr").is_file());
+    assert!(!place.path().join("runs/secret.spr").exists() && !run.join("secret.spr").exists());
+    // Another curve is another run.
+    let recording = Recording::new(place.path().join("recorded"));
+    first.record = Some(recording.clone());
+    task.sweep(&mut first).unwrap();
+    let mut replay = ReplayBackend::new(recording);
+    assert!(replay.sweep(&task.request()).is_ok());
+    std::fs::write(study.join("curves/a.spr"), curve(600.0)).unwrap();
+    assert!(replay.sweep(&task.request()).is_err());
+}

@@ -238,3 +238,52 @@ fn no_file_of_a_study_lies_outside_of_it() {
         assert!(!inside.join("out/identified.adm").exists(), "{with}");
     }
 }
+
+/// The deck of the study with a force that only a subroutine of ADAMS knows.
+const USER_FORCE: &str = "SFORCE/99, TRANSLATIONAL, I=20, J=48\n, FUNCTION=USER(1)\nEND";
+
+#[cfg(unix)]
+#[test]
+fn what_only_adams_solves_is_left_to_it() {
+    let place = folder(&[]);
+    let folder = place.path();
+    study(folder, "", REGRESSION);
+    let plain = admire(folder, &["identify", ".", "--out", "plain"], "");
+    assert_eq!(plain.status.code(), Some(3), "{}", errors(&plain));
+
+    let deck = text(folder, "model.adm");
+    let (before, _) = deck.rsplit_once("END").unwrap();
+    std::fs::write(folder.join("model.adm"), format!("{before}{USER_FORCE}\n")).unwrap();
+    let alone = admire(folder, &["identify", ".", "--out", "alone"], "");
+    assert_eq!(alone.status.code(), Some(1), "{}", errors(&alone));
+    assert!(errors(&alone).contains("user-written subroutine"));
+
+    // An ADAMS that has the subroutine, whose force is zero, beside the study: a relative path is one from there.
+    let mdi = env!("CARGO_BIN_EXE_mdi");
+    let adams = format!(
+        "#!/bin/sh\ncp run.adm kept\nsed 's/USER(1)/0/' kept > run.adm\n'{mdi}' ru-standard \"$1\"\ncode=$?\nmv kept run.adm\nexit $code\n"
+    );
+    std::fs::write(folder.join("adams"), adams).unwrap();
+    let executable = Command::new("chmod")
+        .args(["+x", "adams"])
+        .current_dir(folder)
+        .status()
+        .unwrap();
+    assert!(executable.success());
+    let solver = "[solver]\nbackend = \"command\"\ncommand = [\"./adams\", \"{acf}\"]";
+    let toml = text(folder, "study.toml").replacen("[loads]", &format!("{solver}\n[loads]"), 1);
+    std::fs::write(folder.join("study.toml"), toml).unwrap();
+    let path = "/usr/local/bin:/usr/bin:/bin";
+    let run = admire(folder, &["identify", ".", "--out", "adams.out"], path);
+    assert!(
+        errors(&run).contains("user-written subroutine"),
+        "{}",
+        errors(&run)
+    );
+    for ((address, a), (_, b)) in values(&folder.join("plain"))
+        .iter()
+        .zip(values(&folder.join("adams.out")))
+    {
+        assert!((a / b - 1.0).abs() < 1e-6, "{address}: {a} {b}");
+    }
+}

@@ -415,6 +415,21 @@ impl Prepared {
         })
     }
 
+    /// The same for a deck that another program solves: what the built-in solver cannot solve is left to it.
+    ///
+    /// # Errors
+    /// A channel whose function cannot be read.
+    pub fn external(problem: &Problem<'_>) -> Result<Self, IdentifyError> {
+        let (model, channels) = with_channels(problem.model, problem.measurement)
+            .map_err(|diagnostic| BackendError::NotSolvable(vec![diagnostic]))?;
+        let system = System::compile(&model).value;
+        Ok(Self {
+            model,
+            channels,
+            system,
+        })
+    }
+
     /// The loads of a study as slots.
     ///
     /// # Errors
