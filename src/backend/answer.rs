@@ -79,13 +79,19 @@ fn fates(messages: &[String]) -> Vec<bool> {
     fates
 }
 
-/// The case of each step. A failed case has no step; which one it was, the messages must say.
-fn cases_of(steps: usize, fates: &[bool], cases: usize) -> Option<Vec<usize>> {
-    if steps == cases {
-        return Some((0..cases).collect());
-    }
+/// The case of each step, `None` for one that the messages say did not converge. A failed case may have no step; which one it was,
+/// the messages must say.
+fn cases_of(steps: usize, fates: &[bool], cases: usize) -> Option<Vec<Option<usize>>> {
     let solved: Vec<usize> = (0..fates.len()).filter(|case| fates[*case]).collect();
-    (fates.len() == cases && solved.len() == steps).then_some(solved)
+    if steps == cases {
+        let each = fates.len() == cases;
+        let of = |case: usize| (!each || fates[case]).then_some(case);
+        // A program that says nothing is believed; one that tries a case several times must have converged in all.
+        let believed = fates.is_empty() || each || solved.len() >= cases;
+        return believed.then(|| (0..cases).map(of).collect());
+    }
+    let told = fates.len() == cases && solved.len() == steps;
+    told.then(|| solved.into_iter().map(Some).collect())
 }
 
 /// Reads the answer out of a folder. `known`: the axes of bushing forces found in other runs of this program.
@@ -163,6 +169,9 @@ pub(super) fn read(
     };
     let mut outcomes: Vec<CaseOutcome> = vec![Err(CaseFailure::NoStep { message: None }); cases];
     for (case, (equilibrium, values)) in of.into_iter().zip(steps) {
+        let Some(case) = case else {
+            continue;
+        };
         check
             .step(case, &values, &equilibrium.poses)
             .map_err(broken)?;
@@ -262,9 +271,17 @@ mod tests {
 
     #[test]
     fn a_missing_step_is_given_to_the_case_that_failed() {
-        assert_eq!(cases_of(2, &[true, false, true], 3), Some(vec![0, 2]));
-        assert_eq!(cases_of(3, &[], 3), Some(vec![0, 1, 2]));
+        let some = |cases: &[usize]| Some(cases.iter().copied().map(Some).collect::<Vec<_>>());
+        assert_eq!(cases_of(2, &[true, false, true], 3), some(&[0, 2]));
+        assert_eq!(cases_of(3, &[], 3), some(&[0, 1, 2]));
+        assert_eq!(cases_of(3, &[true, false, true, true], 3), some(&[0, 1, 2]));
+        // A step of a solution that did not converge is no answer.
+        assert_eq!(
+            cases_of(3, &[true, false, true], 3),
+            Some(vec![Some(0), None, Some(2)])
+        );
         // As many converged as there are steps, or nobody knows which is which.
+        assert_eq!(cases_of(3, &[true, false, false, true], 3), None);
         assert_eq!(cases_of(2, &[true, true, true], 3), None);
         assert_eq!(cases_of(4, &[true, true, true], 3), None);
         assert_eq!(cases_of(2, &[true, false], 3), None);

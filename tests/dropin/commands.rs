@@ -422,3 +422,59 @@ fn the_files_grow_step_by_step_and_hold_whole_steps() {
         }
     }
 }
+
+#[test]
+fn a_killed_run_leaves_every_step_it_had_written() {
+    let acf = "\nfile/model=slider\nSIM/STAT, END=1, STEPS=100000\nSTOP\n";
+    let deck = SLIDER.replace("OUTPUT/REQSAVE", "OUTPUT/REQSAVE, GRSAVE");
+    let folder = folder(&[("slider.adm", &deck), ("run.acf", acf)]);
+    let mut running = std::process::Command::new(env!("CARGO_BIN_EXE_mdi"))
+        .args(["ru-s", "run"])
+        .current_dir(folder.path())
+        .stdin(std::process::Stdio::null())
+        .stdout(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    let grown =
+        || std::fs::metadata(folder.path().join("slider.res")).is_ok_and(|m| m.len() > 40_000);
+    for _ in 0..3000 {
+        if grown() {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    running.kill().unwrap();
+    running.wait().unwrap();
+    let res = text(folder.path(), "slider.res");
+    assert!(!res.contains("</Results>"), "it was killed on the way");
+    let mut reader = admire::results::XrfReader::open("slider.res", res.as_bytes()).unwrap();
+    let mut times = Vec::new();
+    let mut values = Vec::new();
+    while let Ok(Some(step)) = reader.next_step() {
+        if step.kind == admire::results::StepKind::QuasiStatic {
+            step.values(&mut values).unwrap();
+            times.push(values[0]);
+        }
+    }
+    assert!(times.len() > 20, "{} steps", times.len());
+    for (k, time) in times.iter().enumerate() {
+        assert!((time - k as f64 * 1e-5).abs() < 1e-12);
+    }
+    // The other files have come as far, but for the last line at most.
+    let source =
+        admire::text::Source::new("slider.req", text(folder.path(), "slider.req").into_bytes());
+    let requests = admire::results::RequestFile::parse(&source)
+        .value
+        .times
+        .len();
+    assert!(requests + 2 > times.len(), "{requests} of {}", times.len());
+    let said = text(folder.path(), "slider.msg");
+    assert!(said.contains("Performing Quasi-Static Simulation"));
+    assert!(
+        said.lines()
+            .filter(|line| line.starts_with("   ") && line.contains("E-"))
+            .count()
+            + 2
+            > times.len()
+    );
+}

@@ -578,3 +578,31 @@ fn files_that_a_deck_names_come_along() {
     std::fs::write(study.join("curves/a.spr"), curve(600.0)).unwrap();
     assert!(replay.sweep(&task.request()).is_err());
 }
+
+#[cfg(unix)]
+#[test]
+fn a_case_that_failed_has_no_answer_whether_a_step_was_written_or_not() {
+    let mut task = Task::new();
+    let good = task.sweep(&mut backend(mdi())).unwrap();
+    // In case b nothing holds the block against its load.
+    task.programme.loads.push(Load {
+        name: "stiffness".to_string(),
+        target: task.at("BUSHING/1.K.3"),
+    });
+    for (case, value) in task.programme.cases.iter_mut().zip([400.0, 0.0]) {
+        case.values.push(value);
+    }
+    task.programme.cases.push(LoadCase {
+        label: "c".to_string(),
+        values: vec![100.0, 30.0, 400.0],
+    });
+    // The step that is missing, as a copy of the first one.
+    let copied = "awk '/<Step type=.quasiStatic/ && !n {n=1; s=1} s {b=b $0 \"\\n\"} {print} /<.Step>/ && s {printf \"%s\", b; s=0}' run.res > x; mv x run.res";
+    for command in [mdi(), after(copied)] {
+        let sweep = task.sweep(&mut backend(command)).unwrap();
+        assert_eq!(sweep.equilibrium(0), good.equilibrium(0));
+        assert!(sweep.equilibrium(1).is_none());
+        assert_eq!(sweep.cases.len(), 3);
+        assert!(sweep.equilibrium(2).is_some());
+    }
+}
