@@ -81,7 +81,10 @@ fn write(
         &out.join("diagnosis.json"),
         outcome.diagnosis.to_json().as_bytes(),
     )?;
-    shell.write(&out.join("report.html"), report.html().as_bytes())
+    let html = report
+        .html()
+        .map_err(|error| shell.fail(Diagnostic::error(Code::CannotWrite, error.to_string())))?;
+    shell.write(&out.join("report.html"), html.as_bytes())
 }
 
 /// The answer for a person.
@@ -99,8 +102,8 @@ fn words(outcome: &Diagnosed<'_>) -> String {
     for finding in &diagnosis.findings {
         text += &line(finding);
     }
-    for place in &diagnosis.unexplained.places {
-        text += &format!("  left: {place}\n");
+    for sentence in outcome.sentences() {
+        text += &format!("{sentence}\n");
     }
     text
 }

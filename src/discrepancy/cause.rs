@@ -71,6 +71,14 @@ impl Cause {
         )
     }
 
+    /// True for a cause whose law is known in kind but not in shape.
+    pub const fn has_rough_law(self) -> bool {
+        matches!(
+            self,
+            Self::DryFriction | Self::ProgressiveStiffness | Self::StopContact
+        )
+    }
+
     /// True for a cause so free that it fits almost anything: it wins only when no other does as well.
     pub const fn is_free_form(self) -> bool {
         matches!(self, Self::LoadCrosstalk)

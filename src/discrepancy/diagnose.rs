@@ -1,16 +1,21 @@
 use std::collections::BTreeMap;
 
+use rayon::prelude::*;
+
 use super::cause::Cause;
 use super::diagnosis::{
     BaselineFit, Diagnosis, Evidence, Finding, Gain, Indistinguishable, Unexplained, Verdict,
 };
-use super::extended::{Fitted, fit};
-use super::held_out::{held_out_test, moved};
-use super::hypothesis::Hypothesis;
+use super::extended::{Effort, Fitted, Warm, fit};
+use super::held_out::{HeldOutTest, held_out_test, marks_gain, moved};
+use super::hypothesis::{Hypothesis, assembly_offset};
+use super::next_measurement::next_measurement;
 use super::screening::penalty;
 use super::selection::{Selected, select};
+use super::stiffness::{CorrectedStiffness, corrected};
 use super::structure::{StructureTest, structure};
 use super::subject::{Data, Subject};
+use super::survey::Survey;
 use crate::identify::global::Meaning;
 use crate::identify::{IdentifyError, Problem};
 use crate::rig::orientation::chi_square_p_value;
@@ -36,6 +41,12 @@ pub struct Outcome<'a> {
     pub extended: Fitted,
     /// Tests of structure before and after.
     pub structure: [Vec<StructureTest>; 2],
+    /// The cases held out, as the model was and as it is extended, both fitted to the other cases only; `None` without such cases.
+    pub held_out: Option<[HeldOutTest; 2]>,
+    /// By how much the rms of marks held out falls, and its standard error.
+    pub marks_gain: Option<(f64, f64)>,
+    /// Stiffnesses before and after.
+    pub stiffnesses: Vec<CorrectedStiffness>,
     /// How many hypotheses were tried.
     pub places: usize,
 }
@@ -59,7 +70,7 @@ pub fn diagnose<'a>(
     let mut subject = Subject::new(problem, held_out);
     let no_cases = || IdentifyError::NoCases(None);
     let any = |_: &Hypothesis| true;
-    let seen = fit(&subject, &[], None, Data::Fitted).ok_or_else(no_cases)?;
+    let seen = fit(&subject, &[], None, Data::Fitted, Effort::FULL).ok_or_else(no_cases)?;
     let before = held_out_test(&subject, &seen);
     let baseline_dof = seen.dof(&seen.covariance());
     let baseline_fit = BaselineFit {
@@ -67,19 +78,57 @@ pub fn diagnose<'a>(
         held_out_rms: before.and_then(|test| test.marks_rms),
     };
     // The structure is found on the fitted cases, then looked at again with all of them.
-    let selected = select(&subject, seen, Data::Fitted, &any, false);
+    let selected = select(&subject, seen.clone(), Data::Fitted, &any, false);
     let again = refit(&subject, &selected.fitted, Data::All).ok_or_else(no_cases)?;
-    let mut selected = select(&subject, again, Data::All, &any, true);
+    let selected = select(&subject, again, Data::All, &any, false);
     let in_question = significant_offsets(&subject, &selected);
-    if !in_question.is_empty() {
-        subject.offsets_in_question = in_question;
-        if let Some(start) = fit(&subject, &[], None, Data::All) {
-            selected = select(&subject, start, Data::All, &any, true);
+    let start = if in_question.is_empty() {
+        selected.fitted
+    } else {
+        // The same model, but the offset is no nuisance any more: it has to hold its own against other causes.
+        let survey = Survey::new(&subject, &selected.fitted);
+        let bushings = subject.problem.model.bushings.iter().enumerate();
+        let mut chosen = unguessed(&selected.fitted);
+        chosen.extend(
+            bushings
+                .filter(|(_, bushing)| in_question.contains(&bushing.header.id))
+                .map(|(k, _)| assembly_offset(&survey, k))
+                .map(|h| (h.clone(), vec![0.0; h.numbers.len()])),
+        );
+        let warm = Warm::at(&selected.fitted);
+        let mut with_question = subject.clone();
+        with_question.offsets_in_question = in_question;
+        let start = fit(&with_question, &chosen, Some(warm), Data::All, Effort::FULL);
+        match start {
+            Some(start) => {
+                subject = with_question;
+                start
+            }
+            None => selected.fitted,
         }
-    }
-    let baseline = fit(&subject, &[], None, Data::All).ok_or_else(no_cases)?;
-    let findings = findings(&subject, &selected);
-    let after = structure(&subject, &selected.fitted);
+    };
+    let selected = select(&subject, start, Data::All, &any, true);
+    let baseline = fit(
+        &subject,
+        &[],
+        Some(Warm::at(&seen)),
+        Data::All,
+        Effort::FULL,
+    )
+    .ok_or_else(no_cases)?;
+    // For the gain the same structure is fitted without the cases held out.
+    let blind = refit(&subject, &selected.fitted, Data::Fitted);
+    let (findings, order) = findings(&subject, &selected, blind.as_ref());
+    let next = order.iter().find_map(|k| {
+        let rival = selected.rivals[*k].first()?;
+        let (instead, what) = rival.instead.as_ref()?;
+        let own = (&selected.fitted, &selected.fitted.chosen[*k]);
+        next_measurement(&subject, own, (instead, what))
+    });
+    let (after, first) = rayon::join(
+        || structure(&subject, &selected.fitted),
+        || structure(&subject, &baseline),
+    );
     let worst = after
         .first()
         .map_or(1.0, |test| test.p_value * after.len() as f64)
@@ -100,15 +149,33 @@ pub fn diagnose<'a>(
     } else {
         Verdict::Consistent
     };
+    // The model as it was, fitted to the same cases and with the same nuisances.
+    let unaware = if subject.offsets_in_question.is_empty() {
+        Some(seen)
+    } else {
+        let warm = Warm::at(&baseline);
+        fit(&subject, &[], Some(warm), Data::Fitted, Effort::FULL)
+    };
+    let tests = [unaware.as_ref(), blind.as_ref()]
+        .map(|fitted| fitted.and_then(|fitted| held_out_test(&subject, fitted)));
+    let stiffnesses = corrected(problem, &baseline, &selected.fitted);
     Ok(Outcome {
         diagnosis: Diagnosis {
             verdict,
             baseline: baseline_fit,
             findings,
             unexplained,
-            next_measurement: None,
+            next_measurement: next,
         },
-        structure: [structure(&subject, &baseline), after],
+        structure: [first, after],
+        held_out: match tests {
+            [Some(before), Some(after)] => Some([before, after]),
+            _ => None,
+        },
+        marks_gain: unaware
+            .zip(blind)
+            .and_then(|(before, after)| marks_gain(&subject, &before, &after)),
+        stiffnesses,
         subject,
         baseline,
         places: selected.places,
@@ -118,19 +185,23 @@ pub fn diagnose<'a>(
 
 /// The same model on other data.
 fn refit(subject: &Subject<'_>, fitted: &Fitted, data: Data) -> Option<Fitted> {
-    let chosen: Vec<_> = fitted
-        .chosen
-        .iter()
+    let chosen = unguessed(fitted);
+    fit(subject, &chosen, Some(Warm::at(fitted)), data, Effort::FULL)
+}
+
+/// What is in a fit, with guesses that its own values replace.
+fn unguessed(fitted: &Fitted) -> Vec<(Hypothesis, Vec<f64>)> {
+    let chosen = fitted.chosen.iter();
+    chosen
         .map(|h| (h.clone(), vec![0.0; h.numbers.len()]))
-        .collect();
-    fit(subject, &chosen, Some(fitted), data)
+        .collect()
 }
 
 /// Bushings whose offset the data demand: Wald's test of its six numbers, penalised as any hypothesis.
 fn significant_offsets(subject: &Subject<'_>, selected: &Selected) -> Vec<u32> {
     let fitted = &selected.fitted;
     let covariance = fitted.covariance();
-    let catalogue = fitted.prepared.system.catalogue();
+    let catalogue = fitted.deck.prepared.system.catalogue();
     let mut by_bushing: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
     for (k, unknown) in fitted.unknowns.list().iter().enumerate() {
         if let Meaning::Offset(component) = unknown.meaning
@@ -161,28 +232,26 @@ fn significant_offsets(subject: &Subject<'_>, selected: &Selected) -> Vec<u32> {
         .collect()
 }
 
-/// Findings of a selected model with what each gains on held-out cases.
-fn findings(subject: &Subject<'_>, selected: &Selected) -> Vec<Finding> {
+/// Findings of a selected model with what each gains on held-out cases, the most important first; and which of the chosen each is.
+fn findings(
+    subject: &Subject<'_>,
+    selected: &Selected,
+    blind: Option<&Fitted>,
+) -> (Vec<Finding>, Vec<usize>) {
     let fitted = &selected.fitted;
     let covariance = fitted.covariance();
-    // For the gain the same structure is fitted without the cases held out.
-    let seen = refit(subject, fitted, Data::Fitted);
-    let after = seen.as_ref().and_then(|seen| held_out_test(subject, seen));
-    let mut out: Vec<Finding> = Vec::new();
-    for (k, hypothesis) in fitted.chosen.iter().enumerate() {
+    let after = blind.and_then(|blind| held_out_test(subject, blind));
+    let of = |k: usize| {
+        let hypothesis = &fitted.chosen[k];
         let rest = |from: &Fitted, data| {
-            let mut chosen: Vec<_> = from
-                .chosen
-                .iter()
-                .map(|h| (h.clone(), vec![0.0; h.numbers.len()]))
-                .collect();
+            let mut chosen = unguessed(from);
             chosen.remove(k);
-            fit(subject, &chosen, Some(from), data)
+            fit(subject, &chosen, Some(Warm::at(from)), data, Effort::FULL)
         };
-        let without = seen.as_ref().and_then(|seen| rest(seen, Data::Fitted));
+        let without = blind.and_then(|blind| rest(blind, Data::Fitted));
         let before = without.as_ref().and_then(|w| held_out_test(subject, w));
         let everywhere = hypothesis.cause.of_the_measurement();
-        let (marks, wheel) = match (&seen, &without) {
+        let (marks, wheel) = match (blind, &without) {
             _ if everywhere => rest(fitted, Data::All)
                 .map_or((1.0, 0.0), |without| moved(subject, fitted, &without, true)),
             (Some(with), Some(without)) => moved(subject, with, without, false),
@@ -194,7 +263,7 @@ fn findings(subject: &Subject<'_>, selected: &Selected) -> Vec<Finding> {
         let dof = fitted.dof(&covariance);
         let estimates = fitted.estimates(k, &covariance);
         let name = |e: &super::extended::Estimate| e.name.clone();
-        out.push(Finding {
+        Finding {
             cause: hypothesis.cause,
             address: hypothesis.address.clone(),
             parameters: estimates.iter().map(|e| (name(e), e.value)).collect(),
@@ -221,14 +290,18 @@ fn findings(subject: &Subject<'_>, selected: &Selected) -> Vec<Finding> {
                 held_out_rms_after: after.and_then(|test| test.marks_rms),
                 held_out_p_value: after.map(|test| test.p_value),
             },
-        });
-    }
+        }
+    };
+    let mut out: Vec<(Finding, usize)> = (0..fitted.chosen.len())
+        .into_par_iter()
+        .map(|k| (of(k), k))
+        .collect();
     // The most important first; faults of single readings after what is wrong with the model.
-    out.sort_by(|a, b| {
+    out.sort_by(|(a, _), (b, _)| {
         let key = |f: &Finding| (f.minor, f.cause == Cause::MarkOutlier);
         key(a)
             .cmp(&key(b))
             .then(b.evidence.value.total_cmp(&a.evidence.value))
     });
-    out
+    out.into_iter().unzip()
 }

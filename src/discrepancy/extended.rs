@@ -1,4 +1,5 @@
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
@@ -9,7 +10,7 @@ use crate::identify::global::gauss_newton::{
     Ending, LeastSquares, Minimum, Prior, Tolerances, minimise,
 };
 use crate::identify::global::{
-    Component, Direction, Evaluation, FitUnknown, FitUnknowns, Meaning, NativePredictor,
+    Component, Direction, Evaluation, FitUnknown, FitUnknowns, Meaning, Memory, NativePredictor,
     NuisanceLayout, Observations, Predictor, Prepared, fit_unknowns,
 };
 use crate::mechanics::{Mat3, Vec3, exp, psi_theta_phi};
@@ -17,13 +18,22 @@ use crate::model::Model;
 use crate::syntax::{Address, Dataset};
 use crate::system::{Parameters, Slot, State};
 
-/// The deck with some hypotheses in it, fitted jointly with stiffnesses and nuisances.
+/// A deck extended by some hypotheses, compiled.
 #[derive(Debug)]
-pub struct Fitted {
-    /// The deck, extended, its numbers as they were.
+pub struct ExtendedDeck {
+    /// The deck, its numbers as they were.
     pub dataset: Dataset,
+    /// The same, lowered.
+    pub model: Model,
     /// The same, compiled.
     pub prepared: Prepared,
+}
+
+/// The deck with some hypotheses in it, fitted jointly with stiffnesses and nuisances.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// The deck; fits of the same structure share it.
+    pub deck: Arc<ExtendedDeck>,
     /// What is in it.
     pub chosen: Vec<Hypothesis>,
     /// Unknowns of the deck, the study's own first.
@@ -42,6 +52,8 @@ pub struct Fitted {
     pub places: Vec<Vec<usize>>,
     /// Priors of all unknowns.
     pub priors: Vec<Prior>,
+    /// Contacts that remember.
+    pub memories: Vec<Memory>,
     /// How often all cases were solved.
     pub sweeps: usize,
 }
@@ -98,6 +110,18 @@ impl Fitted {
                 let (x, sd) = (self.minimum.x[at], covariance[(at, at)].max(0.0).sqrt());
                 let (value, std_error) = match number.unknown {
                     Unknown::Compliance(_) => ((-x).exp(), (-x).exp() * sd),
+                    Unknown::SlipLength { .. } => {
+                        let first = self.places[chosen][0];
+                        let force = self.minimum.x[first];
+                        let scale = hypothesis.numbers[0].sd;
+                        let stiffness = force * scale / x.exp();
+                        // d ln(force / length) = d force / force - d ln length.
+                        let relative = covariance[(first, first)] / (force * force)
+                            + covariance[(at, at)]
+                            - 2.0 * covariance[(first, at)] / force;
+                        (stiffness, stiffness.abs() * relative.max(0.0).sqrt())
+                    }
+                    Unknown::Offset { .. } => (x, sd),
                     _ => (x * number.sd, sd * number.sd),
                 };
                 Estimate {
@@ -118,93 +142,191 @@ impl Fitted {
     }
 }
 
+/// Where a fit begins: at another fit, its unknowns moved by a step.
+#[derive(Clone, Copy)]
+pub struct Warm<'a> {
+    /// The other fit.
+    pub fitted: &'a Fitted,
+    /// A step of its unknowns, or nothing.
+    pub step: &'a [f64],
+}
+
+impl<'a> Warm<'a> {
+    /// Where another fit ended.
+    pub const fn at(fitted: &'a Fitted) -> Self {
+        Self { fitted, step: &[] }
+    }
+
+    /// Its unknowns, moved.
+    fn x(&self) -> Vec<f64> {
+        let mut x = self.fitted.minimum.x.clone();
+        for ((x, step), prior) in x.iter_mut().zip(self.step).zip(&self.fitted.priors) {
+            let most = prior.sd.min(1.0);
+            *x += step.clamp(-most, most);
+        }
+        x
+    }
+}
+
+/// Turns below this, in units of their prior, count as this.
+const LEAST_TURN: f64 = 1e-7;
+/// How much a fit may cost.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Effort {
+    /// Steps tried at most.
+    pub steps: usize,
+    /// A step that gains less than this part of chi-square was the last one.
+    pub relative: f64,
+    /// An objective that is known to be reached otherwise: a fit that stays far above it and no longer comes down fast is given up.
+    pub reached: f64,
+}
+
+impl Effort {
+    /// For a model that is to be kept.
+    pub const FULL: Self = Self {
+        steps: 30,
+        relative: 1e-7,
+        reached: f64::INFINITY,
+    };
+
+    /// For one of many candidates, of which most are dropped.
+    pub const fn candidate(reached: f64) -> Self {
+        Self {
+            steps: 14,
+            relative: 1e-4,
+            reached,
+        }
+    }
+
+    /// Whether a fit that has come down from one objective to another may stop.
+    fn is_enough(self, step: usize, (before, after): (f64, f64)) -> bool {
+        let gained = before - after;
+        let hopeless = after > 2.0 * self.reached + 100.0 && gained < 0.3 * (after - self.reached);
+        gained < self.relative * after || (step >= 4 && hopeless)
+    }
+}
+
 /// Fits the deck extended by some hypotheses. `starts` are the first guesses of their numbers in units of their prior; what `warm`
 /// knows better is taken from there. `None` where the extended deck cannot be compiled or solved.
 pub fn fit(
     subject: &Subject<'_>,
     chosen: &[(Hypothesis, Vec<f64>)],
-    warm: Option<&Fitted>,
+    warm: Option<Warm<'_>>,
     data: Data,
+    effort: Effort,
 ) -> Option<Fitted> {
-    let (dataset, model) = extend(subject.problem.dataset, chosen.iter().map(|(h, _)| h))?;
+    let started = std::time::Instant::now();
+    let changes = || chosen.iter().flat_map(|(h, _)| &h.changes);
+    let plans = || chosen.iter().filter_map(|(h, _)| h.memory.as_ref());
+    let same = warm.map(|warm| warm.fitted).filter(|fitted| {
+        let theirs = fitted.chosen.iter();
+        changes().eq(theirs.clone().flat_map(|h| &h.changes))
+            && plans().eq(theirs.filter_map(|h| h.memory.as_ref()))
+    });
+    let deck = match same {
+        Some(fitted) => Arc::clone(&fitted.deck),
+        None => {
+            let measures: Vec<String> = plans().map(|plan| plan.measure.clone()).collect();
+            Arc::new(extend(&subject.problem, changes(), &measures)?)
+        }
+    };
     let problem = Problem {
-        dataset: &dataset,
-        model: &model,
+        dataset: &deck.dataset,
+        model: &deck.model,
         ..subject.problem.clone()
     };
-    let prepared = Prepared::new(&problem).ok()?;
-    let mut setup = Setup::new((subject, &problem), &prepared, chosen, warm)?;
+    let setup = Setup::new((subject, &problem), &deck.prepared, chosen, warm)?;
     let cases: Vec<usize> = (0..problem.measurement.cases.len()).collect();
     let weights = subject.weights(data);
-    let (mut found, mut sweeps) = (None, 0);
-    let rounds = if setup.slips() { 3 } else { 1 };
-    for _ in 0..rounds {
-        let observations = Observations::new(problem.measurement, &model, &cases);
-        let predictor = prepared
-            .native(&problem, observations.observed.clone())
-            .ok()?;
-        let mut least_squares = FitProblem {
-            setup: &setup,
-            observations,
-            predictor,
-            weights: weights.clone(),
-        };
-        let tolerances = Tolerances {
-            decrement: 1e-3,
-            step: 1e-7,
-            max_iterations: 40,
-        };
-        let held = vec![false; setup.start.len()];
-        let start = setup.start.clone();
-        let minimum = minimise(
-            &mut least_squares,
-            &start,
-            &setup.priors,
-            &setup.scale,
-            &held,
-            tolerances,
-        )?;
-        if minimum.ending == Ending::NoAnswer {
-            return None;
+    let observations = Observations::new(problem.measurement, &deck.model, &cases);
+    let mut predictor = deck
+        .prepared
+        .native(&problem, observations.observed.clone())
+        .ok()?
+        .remembering(setup.memories.clone());
+    if let Some(warm) = warm {
+        for (case, state) in warm.fitted.states.iter().enumerate() {
+            let state = like(&deck, state, &warm.fitted.deck);
+            predictor.start_from(case, state, setup.deck.clone());
         }
-        // A rejected step may have been the last that was solved.
-        least_squares.evaluate(&minimum.x, false)?;
-        let mut thetas = Vec::with_capacity(cases.len());
-        let mut states = Vec::with_capacity(cases.len());
-        for case in &cases {
-            let (state, theta) = least_squares.predictor.answer(*case)?;
-            states.push(state.clone());
-            thetas.push(theta.clone());
-        }
-        sweeps += least_squares.predictor.sweeps();
-        setup.start.clone_from(&minimum.x);
-        setup.update_slips(&model, (&thetas, &states));
-        found = Some((minimum, thetas, states));
     }
-    let (minimum, thetas, states) = found?;
+    let mut least_squares = FitProblem {
+        setup: &setup,
+        observations,
+        predictor,
+        weights: weights.clone(),
+        last: Vec::new(),
+        effort,
+        objective: f64::INFINITY,
+    };
+    let tolerances = Tolerances {
+        decrement: 1e-3,
+        step: 1e-7,
+        max_iterations: effort.steps,
+    };
+    let held = vec![false; setup.start.len()];
+    let minimum = minimise(
+        &mut least_squares,
+        &setup.start,
+        &setup.priors,
+        &setup.scale,
+        &held,
+        tolerances,
+    )?;
+    if minimum.ending == Ending::NoAnswer {
+        return None;
+    }
+    // A rejected step may have been the last that was solved.
+    if least_squares.last != minimum.x {
+        least_squares.evaluate(&minimum.x, false)?;
+    }
+    let mut thetas = Vec::with_capacity(cases.len());
+    let mut states = Vec::with_capacity(cases.len());
+    for case in &cases {
+        let (state, theta) = least_squares.predictor.answer(*case)?;
+        states.push(state.clone());
+        thetas.push(theta.clone());
+    }
+    let sweeps = least_squares.predictor.sweeps();
+    if std::env::var_os("ADMIRE_TRACE").is_some() {
+        eprintln!(
+            "FIT {:?} it {} sweeps {} runs {} {:.3}s chi2 {:.2} {:?}",
+            chosen
+                .iter()
+                .map(|(h, _)| format!("{} {} {}", h.cause, h.address, h.form))
+                .collect::<Vec<_>>(),
+            minimum.iterations,
+            sweeps,
+            least_squares.predictor.solver_runs(),
+            started.elapsed().as_secs_f64(),
+            2.0 * minimum.objective,
+            minimum.ending
+        );
+    }
     Some(Fitted {
         chosen: chosen.iter().map(|(h, _)| h.clone()).collect(),
         unknowns: setup.unknowns,
         layout: setup.layout,
         places: setup.places,
         priors: setup.priors,
+        memories: setup.memories,
         minimum,
         weights,
         thetas,
         states,
         sweeps,
-        dataset,
-        prepared,
+        deck,
     })
 }
 
-/// The deck with the statements of these hypotheses.
+/// The deck with the statements of some hypotheses, and channels for what they have to measure.
 fn extend<'h>(
-    dataset: &Dataset,
-    chosen: impl Iterator<Item = &'h Hypothesis>,
-) -> Option<(Dataset, Model)> {
-    let mut dataset = dataset.clone();
-    for change in chosen.flat_map(|hypothesis| &hypothesis.changes) {
+    problem: &Problem<'_>,
+    changes: impl Iterator<Item = &'h Change>,
+    measures: &[String],
+) -> Option<ExtendedDeck> {
+    let mut dataset = problem.dataset.clone();
+    for change in changes {
         let edits = match change {
             Change::Add(statement) => dataset.add(statement),
             Change::Text(address, text) => dataset.set_text(address, text).ok()?,
@@ -212,7 +334,44 @@ fn extend<'h>(
         dataset = dataset.edited(&edits).ok()?.value;
     }
     let model = crate::model::lower(&dataset).value;
-    Some((dataset, model))
+    let extended = Problem {
+        dataset: &dataset,
+        model: &model,
+        ..problem.clone()
+    };
+    let prepared = Prepared::with(&extended, measures).ok()?;
+    Some(ExtendedDeck {
+        dataset,
+        model,
+        prepared,
+    })
+}
+
+/// A state of one deck as a first guess for another that has the same parts and joints and perhaps some more parts, which are pieces
+/// of old ones and go with them.
+fn like(deck: &ExtendedDeck, state: &State, theirs: &ExtendedDeck) -> State {
+    if std::ptr::eq(deck, theirs) {
+        return state.clone();
+    }
+    let mut new = deck.prepared.system.state();
+    if new.multipliers.len() != state.multipliers.len() {
+        return new;
+    }
+    for (k, pose) in new.poses.iter_mut().enumerate() {
+        let header = &deck.model.parts[k].header;
+        let whole = |other: &crate::model::Part| other.pose == deck.model.parts[k].pose;
+        let parts = &theirs.model.parts;
+        let at = parts
+            .iter()
+            .position(|other| other.header.id == header.id)
+            .or_else(|| parts.iter().position(whole));
+        if let Some(at) = at {
+            *pose = state.poses[at];
+        }
+    }
+    new.multipliers.clone_from(&state.multipliers);
+    new.redundant.clone_from(&state.redundant);
+    new
 }
 
 /// Columns that act on rows directly.
@@ -225,7 +384,7 @@ struct Setup {
     layout: NuisanceLayout,
     rows: Vec<RowColumn>,
     turns: Vec<(usize, Turn, [[Slot; 3]; 2])>,
-    slips: Vec<(usize, super::hypothesis::Slip, f64)>,
+    memories: Vec<Memory>,
     places: Vec<Vec<usize>>,
     start: Vec<f64>,
     priors: Vec<Prior>,
@@ -237,8 +396,10 @@ impl Setup {
         (subject, problem): (&Subject<'_>, &Problem<'_>),
         prepared: &Prepared,
         chosen: &[(Hypothesis, Vec<f64>)],
-        warm: Option<&Fitted>,
+        warm: Option<Warm<'_>>,
     ) -> Option<Self> {
+        let at_warm = warm.map(|warm| warm.x());
+        let warm = warm.map(|warm| warm.fitted);
         let system = &prepared.system;
         let mut list = fit_unknowns(problem, system, None).list().to_vec();
         list.retain(|unknown| match unknown.meaning {
@@ -248,28 +409,40 @@ impl Setup {
             }
             _ => true,
         });
-        let own = list.len();
-        let mut start: Vec<f64> = match warm {
-            Some(warm) => warm.minimum.x[..own].to_vec(),
-            None => list.iter().map(|unknown| unknown.start).collect(),
+        // What another fit says of the same unknown, whatever else was in it.
+        let same = |a: &FitUnknown, b: &FitUnknown| {
+            a.addresses == b.addresses
+                && std::mem::discriminant(&a.meaning) == std::mem::discriminant(&b.meaning)
         };
+        let of_warm = |unknown: &FitUnknown| {
+            let (warm, x) = warm.zip(at_warm.as_ref())?;
+            let list = warm.unknowns.list();
+            let at = list.iter().position(|other| same(other, unknown))?;
+            Some(x[at])
+        };
+        let mut start: Vec<f64> = list
+            .iter()
+            .map(|unknown| of_warm(unknown).unwrap_or(unknown.start))
+            .collect();
         let slot = |address: &Address| system.catalogue().slot(address);
-        let (mut rows, mut turns, mut slips) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut rows, mut turns, mut memories) = (Vec::new(), Vec::new(), Vec::new());
         let (mut row_starts, mut places) = (Vec::new(), Vec::new());
         for (hypothesis, guesses) in chosen {
-            let known = warm.and_then(|warm| {
+            let known = warm.zip(at_warm.as_ref()).and_then(|(warm, x)| {
                 let at = warm.chosen.iter().position(|h| h.same(hypothesis))?;
-                Some(
-                    warm.places[at]
-                        .iter()
-                        .map(|k| warm.minimum.x[*k])
-                        .collect::<Vec<_>>(),
-                )
+                Some(warm.places[at].iter().map(|k| x[*k]).collect::<Vec<_>>())
             });
+            if let Some(plan) = &hypothesis.memory {
+                memories.push(Memory {
+                    anchor: slot(&plan.anchor)?,
+                    length: slot(&plan.length)?,
+                    channel: problem.measurement.channels.len() + memories.len(),
+                });
+            }
             let mut place = Vec::new();
             for (k, number) in hypothesis.numbers.iter().enumerate() {
-                let mut guess = known.as_ref().map_or(guesses[k], |known| known[k]);
-                let (mut mean, mut sd) = (0.0, 1.0);
+                let (mut mean, mut sd) = (number.mean / number.sd, 1.0);
+                let mut guess = known.as_ref().map_or(guesses[k] + mean, |known| known[k]);
                 let scaled = |pairs: &[(Address, f64)]| {
                     let scale = |(address, factor): &(Address, f64)| {
                         Some((slot(address)?, factor * number.sd))
@@ -285,7 +458,19 @@ impl Setup {
                         continue;
                     }
                     (Unknown::Linear, Column::Always(pairs)) | (Unknown::Extended(pairs), _) => {
-                        Meaning::Number(scaled(pairs)?)
+                        let scaled = scaled(pairs)?;
+                        // What the study drives is set anew in every case; the error comes on top each time.
+                        let driven = |address: &Address| {
+                            let loads = &problem.programme.loads;
+                            loads.iter().any(|load| load.target == *address)
+                        };
+                        if pairs.iter().any(|(address, _)| driven(address)) {
+                            let cases = problem.programme.cases.len();
+                            let every = |(slot, factor)| (slot, vec![factor; cases]);
+                            Meaning::PerCase(scaled.into_iter().map(every).collect())
+                        } else {
+                            Meaning::Number(scaled)
+                        }
                     }
                     (Unknown::Linear, Column::PerCase(pairs)) => {
                         let mut factors = Vec::new();
@@ -328,14 +513,40 @@ impl Setup {
                         turns.push((list.len(), turn.clone(), [of(0)?, of(1)?]));
                         Meaning::Number(Vec::new())
                     }
-                    (Unknown::Slip(slip), column) => {
-                        let Column::Wrench(_, pattern) = column else {
-                            return None;
+                    (Unknown::Offset { stiffness, preload }, _) => {
+                        let meaning = Meaning::Offset(Component {
+                            stiffness: slot(stiffness)?,
+                            preload: Some(slot(preload)?),
+                        });
+                        // It may have been a nuisance so far.
+                        let unknown = FitUnknown {
+                            addresses: vec![stiffness.clone()],
+                            meaning,
+                            start: 0.0,
+                            mean: 0.0,
+                            sd: number.sd,
                         };
-                        let factor = slip.force.1 * number.sd;
-                        slips.push((list.len(), slip.clone(), factor));
-                        let pattern = pattern.iter().map(|w| w[slip.axis] * factor).collect();
-                        Meaning::PerCase(vec![(slot(&slip.force.0)?, pattern)])
+                        place.push(list.len());
+                        start.push(of_warm(&unknown).unwrap_or(guess * number.sd));
+                        list.push(unknown);
+                        continue;
+                    }
+                    (
+                        Unknown::SlipLength {
+                            address,
+                            start,
+                            usual,
+                        },
+                        _,
+                    ) => {
+                        if known.is_none() {
+                            guess = start.ln();
+                        }
+                        (mean, sd) = (usual.ln(), number.sd);
+                        Meaning::Stiffness(vec![Component {
+                            stiffness: slot(address)?,
+                            preload: None,
+                        }])
                     }
                 };
                 place.push(list.len());
@@ -354,10 +565,10 @@ impl Setup {
         let frame = problem.settings.frame_sd;
         let frame = (frame.length, frame.angle_deg.to_radians());
         let layout = NuisanceLayout::new(problem.measurement, unknowns.len(), frame);
-        match warm {
-            Some(warm) => {
+        match warm.zip(at_warm.as_ref()) {
+            Some((warm, x)) => {
                 let first = warm.unknowns.len();
-                start.extend_from_slice(&warm.minimum.x[first..first + layout.sd.len()]);
+                start.extend_from_slice(&x[first..first + layout.sd.len()]);
             }
             None => start.resize(unknowns.len() + layout.sd.len(), 0.0),
         }
@@ -385,34 +596,12 @@ impl Setup {
             layout,
             rows,
             turns,
-            slips,
+            memories,
             places,
             start,
             priors,
             scale,
         })
-    }
-
-    fn slips(&self) -> bool {
-        !self.slips.is_empty()
-    }
-
-    /// The slip states that belong to the displacements now found.
-    fn update_slips(&mut self, model: &Model, (thetas, states): (&[Parameters], &[State])) {
-        let mut list = self.unknowns.list().to_vec();
-        for (at, slip, factor) in &self.slips {
-            let u: Vec<f64> = thetas
-                .iter()
-                .zip(states)
-                .map(|(theta, state)| {
-                    super::survey::displacement(model, (theta, state), slip.pair, slip.axis)
-                })
-                .collect();
-            if let Meaning::PerCase(slots) = &mut list[*at].meaning {
-                slots[0].1 = slip.pattern(&u).into_iter().map(|p| p * factor).collect();
-            }
-        }
-        self.unknowns = FitUnknowns::new(list);
     }
 }
 
@@ -421,6 +610,11 @@ struct FitProblem<'a> {
     observations: Observations<'a>,
     predictor: NativePredictor<'a>,
     weights: DVector<f64>,
+    /// The unknowns the predictor was asked for last.
+    last: Vec<f64>,
+    effort: Effort,
+    /// After the last accepted step.
+    objective: f64,
 }
 
 impl FitProblem<'_> {
@@ -432,8 +626,20 @@ impl FitProblem<'_> {
             for ((marker, _), slots) in turn.markers.iter().zip(slots) {
                 let sd = super::hypothesis::TURN_SD;
                 let axis = Vec3::ith(turn.axis, 1.0);
-                let R: Mat3 = theta.marker(*marker).R * exp(&(axis * (x[*at] * sd)));
+                // Where the tilt vanishes psi and phi are one; a turn of nearly nothing tells them apart.
+                let angle = if x[*at].abs() < LEAST_TURN {
+                    LEAST_TURN
+                } else {
+                    x[*at]
+                } * sd;
+                let R: Mat3 = theta.marker(*marker).R * exp(&(axis * angle));
                 let angles = psi_theta_phi(&R);
+                if turn.axis == 2 {
+                    // The last of the three angles is about the marker's own z.
+                    theta.set(slots[2], theta.get(slots[2]) + angle);
+                    rate.push((slots[2], sd));
+                    continue;
+                }
                 for (slot, angle) in slots.iter().zip(angles) {
                     theta.set(*slot, angle);
                 }
@@ -467,6 +673,7 @@ impl LeastSquares for FitProblem<'_> {
                 directions[at].always = rate;
             }
         }
+        self.last = x.to_vec();
         let prediction = self.predictor.predict(&numbers, directions.as_deref());
         let inner = count + setup.layout.sd.len();
         let mut out =
@@ -491,5 +698,10 @@ impl LeastSquares for FitProblem<'_> {
 
     fn weights(&self, _residual: &DVector<f64>) -> DVector<f64> {
         self.weights.clone()
+    }
+
+    fn progress(&mut self, iteration: usize, _x: &[f64], objective: f64) -> bool {
+        let before = std::mem::replace(&mut self.objective, objective);
+        !self.effort.is_enough(iteration, (before, objective))
     }
 }

@@ -7,6 +7,7 @@ use super::extended::Fitted;
 use crate::identify::global::Meaning;
 use crate::syntax::{Address, Dataset};
 use crate::system::Slot;
+use crate::text::Edit;
 
 impl Outcome<'_> {
     /// The extended deck with all numbers of the fit.
@@ -18,7 +19,7 @@ impl Outcome<'_> {
     pub fn extended_commands(&self) -> String {
         let programme = &self.subject.problem.programme;
         let fitted = &self.extended;
-        let catalogue = fitted.prepared.system.catalogue();
+        let catalogue = fitted.deck.prepared.system.catalogue();
         let mut targets: Vec<(Address, Slot)> = Vec::new();
         let loads = programme.loads.iter().map(|load| load.target.clone());
         let others = per_case(fitted)
@@ -33,6 +34,7 @@ impl Outcome<'_> {
             }
         }
         let mut text = String::from("extended.adm\nextended\n");
+        text.push_str("EQUILIBRIUM/ERROR=1.0E-09, IMBALANCE=1.0E-05, MAXIT=100\n");
         if !fitted.chosen.is_empty() {
             let names: Vec<String> = fitted
                 .chosen
@@ -47,7 +49,7 @@ impl Outcome<'_> {
             .any(|h| h.cause == super::Cause::DryFriction)
         {
             text.push_str(
-                "! Friction has memory: these forces hold for this sequence of loads only.\n",
+                "! Friction has memory: where its springs are unstretched holds for this sequence of loads only.\n",
             );
         }
         for (case, load) in programme.cases.iter().enumerate() {
@@ -70,7 +72,7 @@ impl Outcome<'_> {
 
     /// Slots that change from case to case.
     fn driven(&self) -> Vec<Slot> {
-        let catalogue = self.extended.prepared.system.catalogue();
+        let catalogue = self.extended.deck.prepared.system.catalogue();
         let loads = &self.subject.problem.programme.loads;
         let mut slots: Vec<Slot> = loads
             .iter()
@@ -83,7 +85,7 @@ impl Outcome<'_> {
 
 /// Slots of a fit that change from case to case besides the loads.
 fn per_case(fitted: &Fitted) -> Vec<Slot> {
-    let mut out = Vec::new();
+    let mut out: Vec<Slot> = fitted.memories.iter().map(|memory| memory.anchor).collect();
     for unknown in fitted.unknowns.list() {
         if let Meaning::PerCase(slots) = &unknown.meaning {
             out.extend(slots.iter().map(|(slot, _)| *slot));
@@ -102,7 +104,8 @@ fn redefine(address: &Address, value: f64, of: impl Fn(&Address) -> Option<f64>)
     let Some(_) = address.index else {
         return Some(format!("{kind}/{id}, {argument}={value:.10E}\n"));
     };
-    if matches!(kind.as_str(), "GFORCE" | "SFORCE") {
+    // A number inside of a function, of which there is no other.
+    if matches!(kind.as_str(), "GFORCE" | "SFORCE" | "VARIABLE") {
         return Some(format!("{kind}/{id}, {argument}={value:.10E}\n"));
     }
     let values: Vec<String> = (1..=3)
@@ -119,16 +122,23 @@ fn redefine(address: &Address, value: f64, of: impl Fn(&Address) -> Option<f64>)
 
 /// A fit's numbers written into its deck, those that change from case to case left as they are.
 fn deck(fitted: &Fitted, driven: &[Slot]) -> Vec<u8> {
-    let system = &fitted.prepared.system;
+    let system = &fitted.deck.prepared.system;
     let catalogue = system.catalogue();
     let (before, after) = (system.parameters(), &fitted.thetas[0]);
-    let mut dataset: Dataset = fitted.dataset.clone();
+    let mut dataset: Dataset = fitted.deck.dataset.clone();
     for slot in catalogue.slots() {
         let (old, new) = (before.get(slot), after.get(slot));
         if driven.contains(&slot) || old.to_bits() == new.to_bits() || !new.is_finite() {
             continue;
         }
-        let edits = dataset.set(&catalogue.info(slot).address, new);
+        let address = catalogue.info(slot).address;
+        let edits = dataset.set(&address, new).or_else(|refused| {
+            // The sign of a number inside of a function is an operator, so a negative one goes into parentheses.
+            let number = dataset.number_at(&address).filter(|_| new < 0.0);
+            let number = number.ok_or(refused)?;
+            let text = format!("({})", crate::syntax::spell_like(new, b"1.0"));
+            Ok::<_, crate::diagnostic::Diagnostic>(vec![Edit::new(number.span, text)])
+        });
         if let Some(edited) = edits.ok().and_then(|edits| dataset.edited(&edits).ok()) {
             dataset = edited.value;
         }

@@ -12,8 +12,12 @@ use crate::rig::orientation::chi_square_p_value;
 pub struct HeldOutTest {
     /// Rms of one mark coordinate.
     pub marks_rms: Option<f64>,
+    /// Rms of camber and steer of the wheel, degrees.
+    pub wheel_deg_rms: Option<[f64; 2]>,
     /// Chi-square with the prediction's own covariance, `J Sigma J^T + I`.
     pub chi_square: f64,
+    /// Readings in it.
+    pub dof: usize,
     /// Its p-value.
     pub p_value: f64,
 }
@@ -34,7 +38,9 @@ pub fn held_out_test(subject: &Subject<'_>, fitted: &Fitted) -> Option<HeldOutTe
     let chi_square = r.dot(&Cholesky::new(S)?.solve(&r));
     Some(HeldOutTest {
         marks_rms: marks_rms(subject, fitted, &rows),
+        wheel_deg_rms: wheel_rms(subject, fitted, &rows),
         chi_square,
+        dof: rows.len(),
         p_value: chi_square_p_value(chi_square, rows.len()),
     })
 }
@@ -61,6 +67,62 @@ fn marks_rms(subject: &Subject<'_>, fitted: &Fitted, rows: &[usize]) -> Option<f
         .collect();
     let mean = squares.iter().sum::<f64>() / squares.len().max(1) as f64;
     (!squares.is_empty()).then(|| mean.sqrt() * subject.sigma)
+}
+
+fn wheel_rms(subject: &Subject<'_>, fitted: &Fitted, rows: &[usize]) -> Option<[f64; 2]> {
+    let sigma = subject.problem.measurement.wheel.as_ref()?.sigma_angle_deg;
+    let rms = |component: usize| {
+        let squares: Vec<f64> = rows
+            .iter()
+            .filter(|k| {
+                matches!(subject.rows[**k], Row::Wheel { component: of, .. } if of == component)
+            })
+            .map(|k| (fitted.minimum.evaluation.residual[*k] * sigma).powi(2))
+            .collect();
+        (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
+    };
+    Some([rms(3)?, rms(4)?])
+}
+
+/// By how much the rms of marks held out falls from one fit to another, with its standard error: the cases are left out one after the
+/// other (jackknife), because the readings of one case share their errors.
+pub fn marks_gain(subject: &Subject<'_>, before: &Fitted, after: &Fitted) -> Option<(f64, f64)> {
+    let touched = touched_rows(after);
+    let mut by_case = std::collections::BTreeMap::new();
+    for (k, row) in subject.rows.iter().enumerate() {
+        let Row::Mark { case, .. } = *row else {
+            continue;
+        };
+        if !subject.is_held_out(case) || touched.contains(&k) {
+            continue;
+        }
+        let sums = by_case.entry(case).or_insert([0.0; 3]);
+        sums[0] += before.minimum.evaluation.residual[k].powi(2);
+        sums[1] += after.minimum.evaluation.residual[k].powi(2);
+        sums[2] += 1.0;
+    }
+    let gain = |without: Option<usize>| {
+        let mut sums = [0.0; 3];
+        for (_, own) in by_case.iter().filter(|(case, _)| Some(**case) != without) {
+            for (sum, own) in sums.iter_mut().zip(own) {
+                *sum += own;
+            }
+        }
+        ((sums[0] / sums[2]).sqrt() - (sums[1] / sums[2]).sqrt()) * subject.sigma
+    };
+    let n = by_case.len() as f64;
+    if by_case.is_empty() {
+        return None;
+    }
+    let left: Vec<f64> = by_case.keys().map(|case| gain(Some(*case))).collect();
+    let mean = left.iter().sum::<f64>() / n;
+    let spread: f64 = left.iter().map(|g| (g - mean).powi(2)).sum();
+    let error = if n > 1.0 {
+        (spread * (n - 1.0) / n).sqrt()
+    } else {
+        f64::NAN
+    };
+    Some((gain(None), error))
 }
 
 /// What a hypothesis moves: rms of marks in units of their noise, and of wheel angles in degrees.

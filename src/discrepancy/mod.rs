@@ -10,11 +10,16 @@ mod extended;
 mod extension;
 mod held_out;
 mod hypothesis;
+mod influence;
+mod next_measurement;
 mod screening;
 mod selection;
+mod stiffness;
 mod structure;
 mod subject;
 mod survey;
+mod trend;
+mod words;
 
 pub use cause::Cause;
 pub use diagnose::{Outcome, diagnose, held_out};
@@ -23,7 +28,9 @@ pub use diagnosis::{
     Unexplained, Verdict,
 };
 pub use extended::{Estimate, Fitted};
-pub use held_out::{HeldOutTest, held_out_test};
+pub use held_out::{HeldOutTest, held_out_test, marks_gain};
 pub use hypothesis::Hypothesis;
+pub use stiffness::CorrectedStiffness;
 pub use structure::StructureTest;
 pub use subject::{Data, Subject};
+pub use trend::Trend;

@@ -1,17 +1,32 @@
 //! Which hypotheses go into the model: forward and backward, every step refitted jointly.
 
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
 use super::cause::Cause;
-use super::extended::{Fitted, fit};
+use super::extended::{Effort, Fitted, Warm, fit};
 use super::hypothesis::Hypothesis;
+use super::influence::Influence;
 use super::screening::{Score, penalty, screen};
 use super::subject::{Data, Subject};
 
 /// Rivals whose criterion is within so much of the best one's cannot be told apart.
 pub const RIVAL: f64 = 6.0;
+/// Candidates this close are fitted to the end before they are compared.
+const CLOSE: f64 = 60.0;
 /// A free-form cause has to do better by so much than any other.
 const FREE_FORM: f64 = 6.0;
+/// The law of friction, of a stop, of a rubber's progression is known to about a tenth; the square of that is left in chi-square.
+const ROUGH: f64 = 0.01;
+/// What promises less than this part of the best is not refitted.
+const HOPELESS: f64 = 0.2;
+/// What gains more than this needs no cross-validation: a single case may be all that shows it, as a stop that is met once.
+const SURE: f64 = 60.0;
 /// Places that are refitted in each step.
 const SURVIVORS: usize = 8;
+/// Rivals may take another's place so often.
+const SWAPS: usize = 4;
 /// Causes at most.
 const MOST: usize = 4;
 
@@ -24,6 +39,8 @@ pub struct Rival {
     pub address: String,
     /// By how much its criterion is behind, after its own refit.
     pub behind: f64,
+    /// The fit with it instead, and what it is there; of the closest rival only.
+    pub instead: Option<(Arc<Fitted>, Hypothesis)>,
 }
 
 /// A model and its criterion.
@@ -87,19 +104,84 @@ fn survivors(scores: Vec<Score>, least: f64, accept: &dyn Fn(&Hypothesis) -> boo
 }
 
 /// Fits `fitted` with one more hypothesis.
-fn with(subject: &Subject<'_>, fitted: &Fitted, score: &Score, data: Data) -> Option<Fitted> {
+fn with(
+    (subject, data): (&Subject<'_>, Data),
+    fitted: &Fitted,
+    score: &Score,
+    effort: Effort,
+) -> Option<Fitted> {
     let mut all = chosen(fitted);
     all.push((score.hypothesis.clone(), score.estimate.clone()));
-    let found = fit(subject, &all, Some(fitted), data)?;
+    let warm = Warm {
+        fitted,
+        step: &score.step,
+    };
+    let found = fit(subject, &all, Some(warm), data, effort)
+        .or_else(|| fit(subject, &all, Some(Warm::at(fitted)), data, effort))?;
     let last = found.chosen.len() - 1;
     (!found.has_wrong_sign(last)).then_some(found)
 }
 
+/// Refits of all that survived, in their order. The first says what can be reached; the others are given up where they stay far from
+/// that, or from `reached`.
+fn refits(
+    subject: &Subject<'_>,
+    base: &Fitted,
+    scores: &[Score],
+    data: Data,
+    reached: f64,
+) -> Vec<Option<Fitted>> {
+    let Some((first, others)) = scores.split_first() else {
+        return Vec::new();
+    };
+    let first = with((subject, data), base, first, Effort::candidate(reached));
+    let reached = first
+        .as_ref()
+        .map_or(reached, |first| first.minimum.objective.min(reached));
+    let mut out = vec![first];
+    out.par_extend(
+        others
+            .par_iter()
+            .map(|score| with((subject, data), base, score, Effort::candidate(reached))),
+    );
+    out
+}
+
+/// The same model, fitted as well as it can be.
+fn polished(subject: &Subject<'_>, found: Fitted, data: Data) -> Fitted {
+    let again = fit(
+        subject,
+        &chosen(&found),
+        Some(Warm::at(&found)),
+        data,
+        Effort::FULL,
+    );
+    again.unwrap_or(found)
+}
+
 /// Fits `fitted` without one of its hypotheses.
-fn without(subject: &Subject<'_>, fitted: &Fitted, at: usize, data: Data) -> Option<Fitted> {
+fn without(
+    subject: &Subject<'_>,
+    fitted: &Fitted,
+    at: usize,
+    data: Data,
+    effort: Effort,
+) -> Option<Fitted> {
     let mut all = chosen(fitted);
     all.remove(at);
-    fit(subject, &all, Some(fitted), data)
+    fit(subject, &all, Some(Warm::at(fitted)), data, effort)
+}
+
+/// What a further cause has to gain beside those whose law is only roughly known: so much of chi-square may be the law's own error.
+fn floor(gained: &[(Hypothesis, f64)], hypothesis: &Hypothesis) -> f64 {
+    if hypothesis.cause == Cause::MarkOutlier {
+        return 0.0;
+    }
+    gained
+        .iter()
+        .filter(|(h, _)| h.cause.has_rough_law() && !h.same_place(hypothesis))
+        .map(|(_, gain)| ROUGH * gain)
+        .fold(0.0, f64::max)
 }
 
 /// Adds and drops hypotheses until nothing gains, starting from a fit. `accept` limits which may be added; only with `compare` is
@@ -116,27 +198,40 @@ pub fn select(
     let mut current = start;
     let mut best = criterion(&current, places);
     let mut scores = first;
+    // What each one gained when it came in.
+    let mut gained: Vec<(Hypothesis, f64)> = Vec::new();
     while current.chosen.len() < MOST {
-        let tried = survivors(scores, 0.0, accept);
+        let promise = scores.first().map_or(0.0, |score| HOPELESS * score.net);
+        // A score may promise too little, but not by much.
+        let tried = survivors(scores, promise.max(0.0), &|h| accept(h))
+            .into_iter()
+            .filter(|score| score.net > 0.3 * floor(&gained, &score.hypothesis))
+            .collect::<Vec<_>>();
         let mut winner: Option<(Fitted, f64)> = None;
-        for score in &tried {
-            let Some(found) = with(subject, &current, score, data) else {
-                continue;
-            };
+        for found in refits(subject, &current, &tried, data, current.minimum.objective)
+            .into_iter()
+            .flatten()
+        {
             let value = criterion(&found, places);
-            if value < winner.as_ref().map_or(best, |(_, best)| *best) {
+            let last = found.chosen.len() - 1;
+            let enough = best - value > floor(&gained, &found.chosen[last]);
+            if enough && value < winner.as_ref().map_or(best, |(_, best)| *best) {
                 winner = Some((found, value));
             }
         }
         let Some((found, value)) = winner else { break };
-        (current, best) = (found, value);
+        gained.push((found.chosen[found.chosen.len() - 1].clone(), best - value));
+        current = polished(subject, found, data);
+        best = value.min(criterion(&current, places));
         // A mimic goes again when the true cause is in.
         let mut at = 0;
         while current.chosen.len() > 1 && at + 1 < current.chosen.len() {
-            if let Some(found) = without(subject, &current, at, data) {
+            let effort = Effort::candidate(current.minimum.objective);
+            if let Some(found) = without(subject, &current, at, data, effort) {
                 let value = criterion(&found, places);
                 if value < best {
-                    (current, best) = (found, value);
+                    current = polished(subject, found, data);
+                    best = value.min(criterion(&current, places));
                     continue;
                 }
             }
@@ -156,6 +251,16 @@ pub fn select(
     finish(subject, current, (best, places), data, accept)
 }
 
+/// How badly each case is predicted by all others: cross-validation over load cases.
+fn predicted(subject: &Subject<'_>, fitted: &Fitted) -> f64 {
+    let mut cases: Vec<Vec<usize>> = vec![Vec::new(); fitted.states.len()];
+    for (k, row) in subject.rows.iter().enumerate() {
+        cases[row.case()].push(k);
+    }
+    cases.retain(|rows| !rows.is_empty());
+    Influence::new(fitted).left_out(&cases)
+}
+
 /// Rivals of every chosen hypothesis after their own refit; a rival that does better takes the place.
 fn finish(
     subject: &Subject<'_>,
@@ -168,14 +273,18 @@ fn finish(
     let mut at = 0;
     let mut swaps = 0;
     while at < current.chosen.len() {
-        let Some(base) = without(subject, &current, at, data) else {
+        let Some(base) = without(subject, &current, at, data, Effort::FULL) else {
             gains.push(0.0);
             rivals.push(Vec::new());
             at += 1;
             continue;
         };
         let value = criterion(&base, places);
-        if value <= best {
+        let own = &current.chosen[at];
+        let unpredictive = !own.cause.of_the_measurement()
+            && value < best + SURE
+            && predicted(subject, &base) <= predicted(subject, &current);
+        if value <= best || unpredictive {
             // What has been added since, or put in another's place, makes this one needless.
             (current, best) = (base, value);
             at = 0;
@@ -195,11 +304,17 @@ fn finish(
         });
         let mut found_rivals = Vec::new();
         let mut better: Option<(Fitted, f64)> = None;
-        for score in &promising {
-            let Some(found) = with(subject, &base, score, data) else {
+        let found = refits(subject, &base, &promising, data, current.minimum.objective);
+        for (score, found) in promising.iter().zip(found) {
+            let Some(found) = found else {
                 continue;
             };
-            let value = criterion(&found, places);
+            let mut found = found;
+            let mut value = criterion(&found, places);
+            if value < best + CLOSE {
+                found = polished(subject, found, data);
+                value = criterion(&found, places);
+            }
             if value < better.as_ref().map_or(best, |(_, v)| *v) {
                 better = Some((found, value));
             } else if value - best <= RIVAL && !score.hypothesis.same_place(&own) {
@@ -207,10 +322,11 @@ fn finish(
                     cause: score.hypothesis.cause,
                     address: score.hypothesis.address.clone(),
                     behind: value - best,
+                    instead: Some((Arc::new(found), score.hypothesis.clone())),
                 });
             }
         }
-        if let Some((found, value)) = better.filter(|_| swaps < 6) {
+        if let Some((found, value)) = better.filter(|_| swaps < SWAPS) {
             // The order of the findings changes: begin again.
             (current, best) = (found, value);
             swaps += 1;
@@ -220,6 +336,9 @@ fn finish(
             continue;
         }
         found_rivals.sort_by(|a, b| a.behind.total_cmp(&b.behind));
+        for rival in found_rivals.iter_mut().skip(1) {
+            rival.instead = None;
+        }
         gains.push(gain);
         rivals.push(found_rivals);
         at += 1;

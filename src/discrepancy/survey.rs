@@ -1,4 +1,5 @@
 use nalgebra::DMatrix;
+use rayon::prelude::*;
 
 use super::extended::Fitted;
 use super::hypothesis::{Change, Column, Hypothesis};
@@ -7,7 +8,7 @@ use crate::backend::Load;
 use crate::identify::global::{
     CaseChange, CasePrediction, Direction, Meaning, NuisanceLayout, Observations, Row,
 };
-use crate::mechanics::{Pose, RelativeMotion, Vec3};
+use crate::mechanics::{Pose, Vec3};
 use crate::model::{MarkerIx, Model, Orientation, PartIx};
 use crate::rig::Measurement;
 use crate::statics::Tangent;
@@ -34,30 +35,29 @@ pub struct Survey<'a> {
     readings: Vec<(&'static str, u32, Vec<Reading>)>,
 }
 
-/// Displacement of I as J sees it: 0 to 2 along the axes of J, 3 to 5 its projected angles.
-pub fn displacement(
-    model: &Model,
-    (theta, state): (&Parameters, &State),
-    (i, j): (MarkerIx, MarkerIx),
-    axis: usize,
-) -> f64 {
-    let place = |marker: MarkerIx| {
-        let part = model.markers[marker.0].part;
-        state.poses[part.0].compose(theta.marker(marker))
-    };
-    let motion = RelativeMotion::between(&place(i), &place(j), &Vec3::zeros());
-    if axis < 3 {
-        motion.p_ij_j[axis]
-    } else {
-        motion.angles[axis - 3]
-    }
+/// Where the column of a number is.
+#[derive(Clone, PartialEq, Debug)]
+pub enum ColumnOf {
+    /// A column of [`Columns::solved`].
+    Solved(usize),
+    /// Some rows only.
+    Rows(Vec<(usize, f64)>),
+}
+
+/// First-order effects of numbers on all rows.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Columns {
+    /// Those the solver has answered.
+    pub solved: DMatrix<f64>,
+    /// One per number, in order.
+    pub of: Vec<ColumnOf>,
 }
 
 impl<'a> Survey<'a> {
     /// At a fit.
     pub fn new(subject: &'a Subject<'a>, fitted: &'a Fitted) -> Self {
         let model = subject.problem.model;
-        let system = &fitted.prepared.system;
+        let system = &fitted.deck.prepared.system;
         let mut scratch = Scratch::new(system);
         let elements: Vec<_> = system
             .elements()
@@ -154,7 +154,7 @@ impl<'a> Survey<'a> {
     /// True if the offsets of a bushing are unknowns of the fit.
     pub fn offset_is_unknown(&self, bushing: usize) -> bool {
         let id = Some(self.model.bushings[bushing].header.id);
-        let catalogue = self.fitted.prepared.system.catalogue();
+        let catalogue = self.fitted.deck.prepared.system.catalogue();
         self.fitted.unknowns.list().iter().any(|unknown| {
             matches!(unknown.meaning, Meaning::Offset(component)
                 if catalogue.info(component.stiffness).address.id == id)
@@ -167,6 +167,24 @@ impl<'a> Survey<'a> {
             .iter()
             .find(|(k, i, _)| *k == kind && *i == id)
             .map_or(&[], |(_, _, readings)| readings)
+    }
+
+    /// Size of the force in every element and joint of the deck in each case, with its name; loads apart, which the study drives.
+    pub fn forces(&self) -> Vec<(String, Vec<f64>)> {
+        let loads = self.loads();
+        let driven = |kind: &str, id: u32| {
+            loads
+                .iter()
+                .any(|load| load.target.kind == kind && load.target.id == Some(id))
+        };
+        self.readings
+            .iter()
+            .filter(|(kind, id, _)| self.is_of_the_deck(kind, *id) && !driven(kind, *id))
+            .map(|(kind, id, readings)| {
+                let force = readings.iter().map(|reading| reading.force.norm());
+                (format!("{kind}/{id}"), force.collect())
+            })
+            .collect()
     }
 
     /// A constraint in each case; empty if there is none.
@@ -189,7 +207,7 @@ impl<'a> Survey<'a> {
     pub fn stiffnesses(&self, bushing: usize) -> [f64; 6] {
         let law = &self.model.bushings[bushing];
         let theta = &self.fitted.thetas[0];
-        let catalogue = self.fitted.prepared.system.catalogue();
+        let catalogue = self.fitted.deck.prepared.system.catalogue();
         std::array::from_fn(|axis| {
             let word = ["K", "KT"][axis / 3];
             let address =
@@ -208,17 +226,16 @@ impl<'a> Survey<'a> {
         self.fitted.states[case].poses[part.0]
     }
 
-    /// True if a marker's Euler angles can follow a turn about any axis.
+    /// True if a marker's Euler angles say how it is turned, so that they can follow a turn.
     pub fn can_turn(&self, marker: MarkerIx) -> bool {
-        match self.model.markers[marker.0].orientation {
-            Orientation::Reuler(angles) => angles[1].sin().abs() > 0.02,
-            Orientation::Points => false,
-        }
+        let orientation = &self.model.markers[marker.0].orientation;
+        matches!(orientation, Orientation::Reuler(_))
     }
 
     /// An id that no statement of this kind has yet.
     pub fn free_id(&self, kind: &str) -> u32 {
         self.fitted
+            .deck
             .dataset
             .statements()
             .iter()
@@ -369,10 +386,10 @@ impl<'a> Survey<'a> {
             .is_some()
     }
 
-    /// Effect of every number of these hypotheses on every row, per unit of its prior standard deviation; one column each.
-    pub fn columns(&self, hypotheses: &[Hypothesis]) -> DMatrix<f64> {
+    /// Effect of every number of these hypotheses on every row, per unit of its prior standard deviation.
+    pub fn columns(&self, hypotheses: &[Hypothesis]) -> Columns {
         let numbers: Vec<_> = hypotheses.iter().flat_map(|h| &h.numbers).collect();
-        let system = &self.fitted.prepared.system;
+        let system = &self.fitted.deck.prepared.system;
         let catalogue = system.catalogue();
         let slot = |address: &Address| catalogue.slot(address);
         // Only what the solver has to answer.
@@ -397,42 +414,52 @@ impl<'a> Survey<'a> {
                 direction
             })
             .collect();
-        let mut scratch = Scratch::new(system);
         let cases: Vec<usize> = (0..self.cases()).collect();
         let observations = Observations::new(self.measurement, self.subject.problem.model, &cases);
-        let mut prediction = Vec::with_capacity(cases.len());
-        for &case in &cases {
-            let at = (&self.fitted.thetas[case], &self.fitted.states[case]);
-            let changes = self.changes(case, at, &mut scratch, (&asked, &directions), &numbers);
-            let channels = self.fitted.prepared.channels;
-            prediction.push(Some(CasePrediction {
-                poses: at.1.poses.clone(),
-                channels: channels
-                    .values(system, at.0, at.1, &mut scratch)
-                    .unwrap_or_default(),
-                by_unknown: changes
-                    .into_iter()
-                    .map(|six| share(system, &observations, six))
-                    .collect(),
-            }));
-        }
-        let mut out = DMatrix::zeros(self.subject.rows.len(), numbers.len());
+        let prediction: Vec<_> = cases
+            .par_iter()
+            .map_init(
+                || Scratch::new(system),
+                |scratch, &case| {
+                    let at = (&self.fitted.thetas[case], &self.fitted.states[case]);
+                    let changes = self.changes(case, at, scratch, (&asked, &directions), &numbers);
+                    let channels = self.fitted.deck.prepared.channels;
+                    Some(CasePrediction {
+                        poses: at.1.poses.clone(),
+                        channels: channels
+                            .values(system, at.0, at.1, scratch)
+                            .unwrap_or_default(),
+                        by_unknown: changes
+                            .into_iter()
+                            .map(|six| share(system, &observations, six))
+                            .collect(),
+                    })
+                },
+            )
+            .collect();
         let x = vec![0.0; asked.len()];
         let evaluated = observations.evaluate(&prediction, &NuisanceLayout::default(), &x, true);
-        if let Some(evaluated) = evaluated {
-            for (from, &to) in asked.iter().enumerate() {
-                let column = evaluated.jacobian.column(from) * numbers[to].sd;
-                out.set_column(to, &column);
-            }
+        let mut solved = match evaluated {
+            Some(evaluated) => evaluated.jacobian,
+            None => DMatrix::zeros(self.subject.rows.len(), asked.len()),
+        };
+        for (mut column, &of) in solved.column_iter_mut().zip(&asked) {
+            column *= numbers[of].sd;
         }
-        for (k, number) in numbers.iter().enumerate() {
-            if let Column::Rows(rows) = &number.column {
-                for (row, value) in rows {
-                    out[(*row, k)] = value * number.sd;
-                }
+        let mut next = 0;
+        let of = |number: &&super::hypothesis::Number| match &number.column {
+            Column::Rows(rows) => {
+                ColumnOf::Rows(rows.iter().map(|(row, v)| (*row, v * number.sd)).collect())
             }
+            _ => {
+                next += 1;
+                ColumnOf::Solved(next - 1)
+            }
+        };
+        Columns {
+            of: numbers.iter().map(of).collect(),
+            solved,
         }
-        out
     }
 
     /// How the system's unknowns and the channels of a case change along each direction.
@@ -444,7 +471,7 @@ impl<'a> Survey<'a> {
         (asked, directions): (&[usize], &[Direction]),
         numbers: &[&super::hypothesis::Number],
     ) -> Vec<(Vec<f64>, Vec<f64>)> {
-        let system = &self.fitted.prepared.system;
+        let system = &self.fitted.deck.prepared.system;
         let n = system.unknowns();
         let zero = || vec![(vec![0.0; n], vec![0.0; self.measurement.channels.len()]); asked.len()];
         let Ok(mut tangent) = Tangent::new(system, theta, state) else {
@@ -474,7 +501,7 @@ impl<'a> Survey<'a> {
             tangent.respond(&mut dg);
             responses.push(dg);
         }
-        let channels = self.fitted.prepared.channels;
+        let channels = self.fitted.deck.prepared.channels;
         let along = (directions, responses.as_slice());
         let Ok(changed) = channels.changes(system, (theta, case), state, scratch, along) else {
             return zero();
@@ -503,7 +530,7 @@ fn share(
 }
 
 /// A statement with its arguments.
-fn statement(kind: &str, id: u32, arguments: &[(&str, String)]) -> NewStatement {
+pub fn statement(kind: &str, id: u32, arguments: &[(&str, String)]) -> NewStatement {
     NewStatement {
         kind: kind.to_string(),
         id: Some(id),

@@ -1,7 +1,10 @@
-use crate::discrepancy::{Outcome, Verdict};
+use crate::discrepancy::{Fitted, Outcome, StructureTest, Verdict};
 use crate::identify::global::Row;
 
-use super::{Align, HeatMap, Page, Table, number};
+use super::{Align, Chart, DrawingError, HeatMap, Mark, Page, Series, Table, number};
+
+/// Up to so many cases a map of them can be read.
+const MAPPED: usize = 60;
 
 /// What a diagnosis shows a person.
 pub struct DiagnosisReport<'a> {
@@ -13,7 +16,10 @@ pub struct DiagnosisReport<'a> {
 
 impl DiagnosisReport<'_> {
     /// The page.
-    pub fn html(&self) -> String {
+    ///
+    /// # Errors
+    /// When a picture cannot be drawn.
+    pub fn html(&self) -> Result<String, DrawingError> {
         let diagnosis = &self.outcome.diagnosis;
         let lead = match diagnosis.verdict {
             Verdict::Consistent => "The model explains the data to their noise.",
@@ -25,24 +31,137 @@ impl DiagnosisReport<'_> {
             "Before any extension chi-square per degree of freedom is {:.2}; {} hypotheses were tried.",
             diagnosis.baseline.chi2_per_dof, self.outcome.places
         ));
+        page.list(&self.outcome.sentences());
         if !diagnosis.findings.is_empty() {
             page.heading("Findings");
             page.table(&self.findings());
-        }
-        page.heading("Residuals, case by mark");
-        for (title, svg) in [("before", self.map(false)), ("after", self.map(true))] {
-            page.figure(
-                &svg,
-                &format!("Largest coordinate of prediction minus reading {title} the extension, in sigmas."),
+            page.note(
+                "Held-out rms: marks of cases that no fit saw, without and with the finding. Numbers under \"or\" do as well within 6 \
+                 units of the criterion.",
             );
+            page.heading("Stiffnesses, corrected");
+            page.table(&self.stiffnesses());
+        }
+        page.heading("Residuals");
+        page.figure(
+            &self.by_case().svg()?,
+            "Rms of prediction minus reading in each case, in standard deviations of the readings; one is noise.",
+        );
+        if let Some(chart) = self.force() {
+            page.figure(
+                &chart.svg()?,
+                "The residual that follows a force most closely, before and after.",
+            );
+        }
+        if self.outcome.baseline.states.len() <= MAPPED && self.marks() > 0 {
+            for (title, svg) in [("before", self.map(false)), ("after", self.map(true))] {
+                page.figure(
+                    &svg,
+                    &format!("Largest coordinate of prediction minus reading {title} the extension, in sigmas: case by mark."),
+                );
+            }
         }
         page.heading("Tests of structure");
         page.table(&self.structure());
+        page.note(
+            "Chi-square of what the fit leaves along the named directions, with the covariance that the fit leaves it; the worst of many \
+             is corrected for their number.",
+        );
         if !self.diff.is_empty() {
             page.heading("The extension");
             page.verbatim(self.diff);
         }
-        page.finish("admire diagnose")
+        Ok(page.finish("admire diagnose"))
+    }
+
+    fn marks(&self) -> usize {
+        let measurement = self.outcome.subject.problem.measurement;
+        measurement.parts.iter().map(|part| part.marks.len()).sum()
+    }
+
+    fn stiffnesses(&self) -> Table {
+        let mut table = Table::new(&[
+            ("number", Align::Left),
+            ("as the model was", Align::Right),
+            ("as it is extended", Align::Right),
+            ("bias", Align::Right),
+        ]);
+        for stiffness in &self.outcome.stiffnesses {
+            let (before, after) = (stiffness.before, stiffness.after);
+            let shown = |(value, error): (f64, f64)| {
+                format!("{} +- {}", number(value, Some(error)), number(error, None))
+            };
+            table.row([
+                stiffness.address.clone(),
+                shown(before),
+                shown(after),
+                format!("{:+.1} %", 100.0 * stiffness.bias()),
+            ]);
+            if (before.0 - after.0).abs() > 2.0 * before.1.hypot(after.1) {
+                table.mark(3, "bad");
+            }
+        }
+        table
+    }
+
+    /// Rms of each case before and after.
+    fn by_case(&self) -> Chart {
+        let rows = &self.outcome.subject.rows;
+        let series = |name: &str, fit: &Fitted| {
+            let mut sums = vec![(0.0, 0.0); fit.states.len()];
+            for (k, row) in rows.iter().enumerate() {
+                let sum = &mut sums[row.case()];
+                sum.0 += fit.minimum.evaluation.residual[k].powi(2);
+                sum.1 += 1.0;
+            }
+            let points = sums.iter().enumerate().filter(|(_, sum)| sum.1 > 0.0);
+            Series {
+                name: name.to_string(),
+                points: points
+                    .map(|(k, sum)| ((k + 1) as f64, (sum.0 / sum.1).sqrt()))
+                    .collect(),
+                mark: if fit.states.len() > MAPPED {
+                    Mark::Points
+                } else {
+                    Mark::LinePoints
+                },
+            }
+        };
+        Chart {
+            title: "Residuals by case".to_string(),
+            x: "case, in the order of application".to_string(),
+            y: "rms residual, sigmas".to_string(),
+            series: vec![
+                series("as the model was", &self.outcome.baseline),
+                series("as it is extended", &self.outcome.extended),
+            ],
+            log_y: false,
+            level: Some(1.0),
+        }
+    }
+
+    /// Force against residual.
+    fn force(&self) -> Option<Chart> {
+        let trend = self.outcome.trend()?;
+        let series = |name: &str, points: Vec<(f64, f64)>| Series {
+            name: name.to_string(),
+            points,
+            mark: Mark::Points,
+        };
+        Some(Chart {
+            title: format!(
+                "Residual of {} against the force in {}",
+                trend.what, trend.element
+            ),
+            x: format!("force in {}", trend.element),
+            y: format!("mean residual, {}", trend.what),
+            series: vec![
+                series("as the model was", trend.before),
+                series("as it is extended", trend.after),
+            ],
+            log_y: false,
+            level: Some(0.0),
+        })
     }
 
     fn findings(&self) -> Table {
@@ -86,16 +205,24 @@ impl DiagnosisReport<'_> {
     fn structure(&self) -> Table {
         let mut table = Table::new(&[
             ("where", Align::Left),
+            ("chi-square before", Align::Right),
+            ("dof", Align::Right),
             ("p before", Align::Right),
+            ("chi-square after", Align::Right),
             ("p after", Align::Right),
         ]);
         let [before, after] = &self.outcome.structure;
-        for test in before.iter().take(12) {
+        for test in before.iter().take(16) {
+            // The worst of many may be another one afterwards.
             let later = after.iter().find(|other| other.what == test.what);
+            let shown = |f: fn(&StructureTest) -> String| later.map_or_else(String::new, f);
             table.row([
                 test.what.clone(),
+                format!("{:.1}", test.value),
+                test.dof.to_string(),
                 format!("{:.1e}", test.p_value),
-                later.map_or_else(String::new, |later| format!("{:.1e}", later.p_value)),
+                shown(|test| format!("{:.1}", test.value)),
+                shown(|test| format!("{:.1e}", test.p_value)),
             ]);
         }
         table

@@ -1,4 +1,6 @@
 //! Hidden effects: each is planted on an axle, the diagnosis sees only the study folder, then the truth is opened.
 
+mod causes;
+mod extension;
 mod found;
 mod plant;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use admire::backend::{Backend, LoadProgramme, NativeBackend, SweepRequest};
 use admire::identify::LoadedStudy;
-use admire::mechanics::Pose;
+use admire::mechanics::{Pose, Vec3};
 use admire::model::Model;
 use admire::syntax::Dataset;
 use admire::text::Source;
@@ -24,12 +24,26 @@ pub struct Plant {
     pub loads: fn(&mut [f64]),
     /// Changes a reading: case, part, mark, place.
     pub reading: fn(usize, usize, usize, &mut [f64; 3]),
-    /// An element's text with `ANCHOR` in it: force of slipping, stiffness, I, J, axis.
+    /// A contact that remembers.
     pub friction: Option<Friction>,
+    /// Markers that turn about an axis of their own, degrees.
+    pub turned: Vec<(u32, usize, f64)>,
+    /// A string pot between two markers: its name, I, J, and what the reading makes of the true distance.
+    pub channel: Option<(&'static str, u32, u32, fn(f64) -> f64)>,
 }
 
-/// Elasto-slip along an axis of J.
+/// How the force of a contact follows its displacement.
+#[derive(Clone, Copy, PartialEq)]
+pub enum FrictionLaw {
+    /// A spring in series with a slider.
+    ElastoSlip,
+    /// Dahl 1968 with exponent one: `dF/du = k (1 - F sign(du) / F_slip)`.
+    Dahl,
+}
+
+/// Friction along an axis of J.
 pub struct Friction {
+    pub law: FrictionLaw,
     pub force: f64,
     pub stiffness: f64,
     pub i: u32,
@@ -47,6 +61,8 @@ impl Plant {
             loads: |_| {},
             reading: |_, _, _, _| {},
             friction: None,
+            turned: Vec::new(),
+            channel: None,
         }
     }
 }
@@ -87,6 +103,9 @@ pub fn study(
     }
     let end = text.rfind("END").unwrap();
     text.insert_str(end, &plant.added);
+    for (marker, axis, degrees) in &plant.turned {
+        text = turned(&text, *marker, *axis, *degrees);
+    }
     // The labels of the cases have to exist in the readings before they are simulated.
     let cases = std::fs::read_to_string(path("load_cases.csv")).unwrap();
     let mut marks = String::from("case,part,mark,x,y,z\n");
@@ -100,6 +119,18 @@ pub fn study(
         }
     }
     std::fs::write(path("marks_measured.csv"), marks).unwrap();
+    if let Some((name, i, j, _)) = plant.channel {
+        let toml = std::fs::read_to_string(path("study.toml")).unwrap();
+        let channel = format!(
+            "[readings]\nfile = \"readings.csv\"\n[readings.channels]\n{name} = {{ function = \"DM({i},{j})\", sigma = {sigma} }}\n"
+        );
+        std::fs::write(path("study.toml"), toml + &channel).unwrap();
+        let mut readings = format!("case,{name}\n");
+        for case in cases.lines().skip(1) {
+            writeln!(readings, "{},0", case.split(',').next().unwrap()).unwrap();
+        }
+        std::fs::write(path("readings.csv"), readings).unwrap();
+    }
     let loaded = LoadedStudy::read(folder.path()).value.unwrap();
     let mut programme = loaded.programme.clone();
     for case in &mut programme.cases {
@@ -132,7 +163,43 @@ pub fn study(
         }
     }
     std::fs::write(path("marks_measured.csv"), marks).unwrap();
+    if let Some((name, i, j, read)) = plant.channel {
+        let (_, model) = deck(&text);
+        let mut readings = format!("case,{name}\n");
+        for (case, poses) in poses.iter().enumerate() {
+            let distance = (place(&model, poses, i).p - place(&model, poses, j).p).norm();
+            let value = read(distance) + noise.sample(&mut random);
+            let label = &loaded.measurement.cases[case].label;
+            writeln!(readings, "{label},{value:.9}").unwrap();
+        }
+        std::fs::write(path("readings.csv"), readings).unwrap();
+    }
     folder
+}
+
+/// Where a marker is.
+fn place(model: &Model, poses: &[Pose], id: u32) -> Pose {
+    let marker = &model.markers[model.marker(id).unwrap().0];
+    poses[marker.part.0].compose(&Pose {
+        p: marker.qp,
+        R: marker.R,
+    })
+}
+
+/// The deck with a marker turned on its part.
+fn turned(text: &str, id: u32, axis: usize, degrees: f64) -> String {
+    let (dataset, model) = deck(text);
+    let marker = &model.markers[model.marker(id).unwrap().0];
+    let rotation = marker.R * admire::mechanics::exp(&Vec3::ith(axis, degrees.to_radians()));
+    let angles = admire::mechanics::psi_theta_phi(&rotation);
+    let mut dataset = dataset;
+    for (k, angle) in angles.into_iter().enumerate() {
+        let address = format!("MARKER/{id}.REULER.{}", k + 1);
+        let address = admire::syntax::Address::parse(&address, &dataset).unwrap();
+        let edits = dataset.set(&address, angle).unwrap();
+        dataset = dataset.edited(&edits).unwrap().value;
+    }
+    String::from_utf8(dataset.bytes().to_vec()).unwrap()
 }
 
 fn deck(text: &str) -> (Dataset, Model) {
@@ -160,9 +227,10 @@ fn sweep(text: &str, programme: &LoadProgramme) -> Vec<Vec<Pose>> {
         .collect()
 }
 
-/// Case by case; each leaves its anchor to the next.
+/// Case by case; each leaves its anchor, or its force, to the next.
 fn slipping(text: &str, programme: &LoadProgramme, friction: &Friction) -> Vec<Vec<Pose>> {
     let Friction {
+        law,
         force,
         stiffness,
         i,
@@ -170,15 +238,26 @@ fn slipping(text: &str, programme: &LoadProgramme, friction: &Friction) -> Vec<V
         part_of_j,
         axis,
     } = friction;
-    let (mut anchor, mut out) = (0.0, Vec::new());
+    // Elasto-slip remembers where its spring is unstretched; Dahl where it was and with what force.
+    let (mut anchor, mut held, mut out) = (0.0, 0.0, Vec::new());
     let end = text.rfind("END").unwrap();
     let measure = ["DX", "DY", "DZ"][*axis];
+    let u = format!("({measure}({i},{j},{j})-({anchor:.1}))");
     for case in &programme.cases {
-        let law = format!(
-            "-MAX(-{force},MIN({force},{stiffness}*({measure}({i},{j},{j})-({anchor:.12}))))"
-        );
+        let u = u.replace("(0.0)", &format!("({anchor:.12})"));
+        let text_of_law = match law {
+            FrictionLaw::ElastoSlip => {
+                format!("-MAX(-{force:.6},MIN({force:.6},{stiffness:.6}*{u}))")
+            }
+            FrictionLaw::Dahl => {
+                let (up, down) = (held - force, held + force);
+                format!(
+                    "-IF({u}:({down:.12})*EXP({stiffness:.6}*{u}/{force:.6})-{force:.6},{held:.12},{force:.6}+({up:.12})*EXP(-{stiffness:.6}*{u}/{force:.6}))"
+                )
+            }
+        };
         let mut components = ["0.0"; 6].map(str::to_string);
-        components[*axis] = law;
+        components[*axis] = text_of_law;
         let names = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
         let listed: Vec<String> = names
             .iter()
@@ -197,17 +276,20 @@ fn slipping(text: &str, programme: &LoadProgramme, friction: &Friction) -> Vec<V
         };
         let poses = sweep(&deck_text, &one).remove(0);
         let (_, model) = deck(&deck_text);
-        let place = |id: u32| {
-            let marker = &model.markers[model.marker(id).unwrap().0];
-            poses[marker.part.0].compose(&Pose {
-                p: marker.qp,
-                R: marker.R,
-            })
-        };
-        let (a, b) = (place(*i), place(*j));
+        let (a, b) = (place(&model, &poses, *i), place(&model, &poses, *j));
         let u = (b.R.transpose() * (a.p - b.p))[*axis];
-        let slip = force / stiffness;
-        anchor = u - (u - anchor).clamp(-slip, slip);
+        match law {
+            FrictionLaw::ElastoSlip => {
+                let slip = force / stiffness;
+                anchor = u - (u - anchor).clamp(-slip, slip);
+            }
+            FrictionLaw::Dahl => {
+                let (du, rate) = (u - anchor, stiffness / force);
+                let sign = du.signum();
+                held = force * sign - (force * sign - held) * (-rate * du.abs()).exp();
+                anchor = u;
+            }
+        }
         out.push(poses);
     }
     out

@@ -3,7 +3,7 @@
 use super::super::cause::Cause;
 use super::super::survey::Survey;
 
-use super::{Column, Hypothesis, Number, SIX, number};
+use super::{Column, Hypothesis, Number, SIX, Unknown, number};
 
 /// Millimetres and degrees a bushing may well be off.
 const SD: (f64, f64) = (0.5, 0.5);
@@ -11,25 +11,33 @@ const SD: (f64, f64) = (0.5, 0.5);
 /// Bushings whose offset is no unknown of the fit already; the others' are judged by their own estimate.
 pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for (k, bushing) in survey.model.bushings.iter().enumerate() {
-        if !bushing.header.active || survey.offset_is_unknown(k) {
-            continue;
+        if bushing.header.active && !survey.offset_is_unknown(k) {
+            out.push(of_bushing(survey, k));
         }
-        let id = bushing.header.id;
-        let numbers = (0..6).filter_map(|axis| {
-            let (words, stiffness, sd) = if axis < 3 {
-                ("FORCE", bushing.k[axis], SD.0 * survey.millimetre())
-            } else {
-                ("TORQUE", bushing.kt[axis - 3], SD.1.to_radians())
-            };
-            let slot = number("BUSHING", id, words, Some(axis % 3 + 1));
-            (stiffness > 0.0)
-                .then(|| Number::linear(SIX[axis], sd, Column::Always(vec![(slot, stiffness)])))
-        });
-        out.push(Hypothesis::plain(
-            Cause::AssemblyOffset,
-            format!("BUSHING/{id}"),
-            "",
-            numbers.collect(),
-        ));
     }
+}
+
+/// The offset of one bushing, along every component that has a stiffness.
+pub fn of_bushing(survey: &Survey<'_>, bushing: usize) -> Hypothesis {
+    let id = survey.model.bushings[bushing].header.id;
+    let stiffnesses = survey.stiffnesses(bushing);
+    let numbers = (0..6).filter_map(|axis| {
+        let (words, sd) = if axis < 3 {
+            (["K", "FORCE"], SD.0 * survey.millimetre())
+        } else {
+            (["KT", "TORQUE"], SD.1.to_radians())
+        };
+        let [stiffness, preload] =
+            words.map(|word| number("BUSHING", id, word, Some(axis % 3 + 1)));
+        (stiffnesses[axis] > 0.0).then(|| Number {
+            column: Column::Always(vec![(preload.clone(), stiffnesses[axis])]),
+            ..Number::new(SIX[axis], sd, Unknown::Offset { stiffness, preload })
+        })
+    });
+    Hypothesis::plain(
+        Cause::AssemblyOffset,
+        format!("BUSHING/{id}"),
+        "",
+        numbers.collect(),
+    )
 }

@@ -45,13 +45,16 @@ pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             address,
             form: "",
             numbers: vec![Number {
-                name: "compliance".to_string(),
-                sd: SD * survey.millimetre() / survey.newton(),
                 column: Column::PerCase(column),
-                unknown: Unknown::Compliance(stiffnesses.collect()),
+                ..Number::new(
+                    "compliance",
+                    SD * survey.millimetre() / survey.newton(),
+                    Unknown::Compliance(stiffnesses.collect()),
+                )
             }],
             one_sided: true,
             changes,
+            memory: None,
         });
     };
     for joint in model.joints.iter().filter(|j| j.header.active) {

@@ -79,13 +79,16 @@ pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 address: format!("BUSHING/{id}"),
                 form,
                 numbers: vec![Number {
-                    name: form.to_string(),
-                    sd: 0.3 * size,
                     column: Column::Wrench((bushing.i, bushing.j), wrench),
-                    unknown: Unknown::Extended(vec![entry(a, b), entry(b, a)]),
+                    ..Number::new(
+                        form,
+                        0.3 * size,
+                        Unknown::Extended(vec![entry(a, b), entry(b, a)]),
+                    )
                 }],
                 one_sided: false,
                 changes: vec![Change::Add(statement)],
+                memory: None,
             });
         }
     }

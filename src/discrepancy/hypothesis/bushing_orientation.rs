@@ -45,13 +45,15 @@ pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 format!("BUSHING/{}", bushing.header.id),
                 SIX[axis],
                 vec![Number {
-                    name: format!("angle_{}", SIX[axis]),
-                    sd: SD,
                     column: Column::Wrench((bushing.i, bushing.j), wrench),
-                    unknown: Unknown::Turn(Turn {
-                        markers: [with_id(bushing.i), with_id(bushing.j)],
-                        axis,
-                    }),
+                    ..Number::new(
+                        format!("angle_{}", SIX[axis]),
+                        SD,
+                        Unknown::Turn(Turn {
+                            markers: [with_id(bushing.i), with_id(bushing.j)],
+                            axis,
+                        }),
+                    )
                 }],
             ));
         }

@@ -1,57 +1,42 @@
 //! `dry-friction`: rate-independent hysteresis, so that the answer depends on the order of the loads.
 //!
-//! Elasto-slip: a spring of length `F / k` slips when it is stretched further. The state before the first case is unknown.
+//! Elasto-slip: a spring in series with a slider, which moves when the spring is stretched further than its length `F / k`. Where the
+//! slider stands before the first case is unknown; from then on each case leaves it to the next.
 
 use crate::model::{JointKind, MarkerIx};
 
 use super::super::cause::Cause;
 use super::super::survey::Survey;
 
-use super::{Change, Column, Hypothesis, Number, Unknown, number};
+use super::super::survey::statement;
+use super::{Change, Column, Hypothesis, MemoryPlan, Number, Unknown, number};
 
 /// Newtons of friction that are nothing unusual.
 const SD: f64 = 300.0;
-/// Slip lengths, in units of the range of the displacement, and the state before the first case as a part of the force.
+/// The usual slip length as a part of the range of the displacement, and how far off that may be by the logarithm.
+const LENGTH: (f64, f64) = (0.06, 1.5);
+/// Where the search begins: slip lengths as parts of the range, and the force in the first case as a part of the limit.
 const FORMS: [(f64, f64, &str); 9] = [
-    (0.01, 0.0, "short, from rest"),
-    (0.01, 1.0, "short, from above"),
-    (0.01, -1.0, "short, from below"),
-    (0.08, 0.0, "middle, from rest"),
-    (0.08, 1.0, "middle, from above"),
-    (0.08, -1.0, "middle, from below"),
-    (0.3, 0.0, "long, from rest"),
-    (0.3, 1.0, "long, from above"),
-    (0.3, -1.0, "long, from below"),
+    (0.01, 0.0, "short, free at first"),
+    (0.01, 1.0, "short, pushed at first"),
+    (0.01, -1.0, "short, pulled at first"),
+    (0.08, 0.0, "middle, free at first"),
+    (0.08, 1.0, "middle, pushed at first"),
+    (0.08, -1.0, "middle, pulled at first"),
+    (0.3, 0.0, "long, free at first"),
+    (0.3, 1.0, "long, pushed at first"),
+    (0.3, -1.0, "long, pulled at first"),
 ];
 
-/// A contact that slips along one component of a pair of markers.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Slip {
-    /// I and J.
-    pub pair: (MarkerIx, MarkerIx),
-    /// 0 to 5, axes of J.
-    pub axis: usize,
-    /// Displacement from rest to slip.
-    pub length: f64,
-    /// Force before the first case as a part of the force of slipping.
-    pub start: f64,
-    /// The number that carries the force in each case; it acts on I along the axis, times this factor.
-    pub force: (crate::syntax::Address, f64),
-}
-
-impl Slip {
-    /// The force of each case as a part of the force of slipping, against the displacement.
-    pub fn pattern(&self, u: &[f64]) -> Vec<f64> {
-        let mut anchor: Option<f64> = None;
-        u.iter()
-            .map(|&u| {
-                let at = anchor.unwrap_or(-self.start * self.length);
-                let stretch = ((u - at) / self.length).clamp(-1.0, 1.0);
-                anchor = Some(u - stretch * self.length);
-                -stretch
-            })
-            .collect()
-    }
+/// The force of each case as a part of the limit, if the displacements were these: the spring of length `length` starts at `anchor`.
+fn pattern(u: &[f64], length: f64, mut anchor: f64) -> Vec<f64> {
+    u.iter()
+        .map(|&u| {
+            let slip = crate::element::Slip::at(u, &[1.0 / length, 1.0, anchor]);
+            anchor = slip.anchor_after;
+            -slip.force
+        })
+        .collect()
 }
 
 /// Every component of every bushing, and the free motions of joints.
@@ -63,20 +48,8 @@ pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
         let deflections = survey.bushing_deflections(k);
         for axis in 0..6 {
             let u: Vec<f64> = deflections.iter().map(|d| d[axis]).collect();
-            let word = if axis < 3 { "FORCE" } else { "TORQUE" };
-            let id = bushing.header.id;
-            let slot = number("BUSHING", id, word, Some(axis % 3 + 1));
-            let address = format!("BUSHING/{id}.{}", super::component(axis));
-            // A bushing's preload acts against the I marker: F = -K u + FORCE.
-            put(
-                survey,
-                address,
-                ((bushing.i, bushing.j), axis),
-                &u,
-                (slot, 1.0),
-                &[],
-                out,
-            );
+            let address = format!("BUSHING/{}.{}", bushing.header.id, super::component(axis));
+            put(survey, &address, ((bushing.i, bushing.j), axis), &u, out);
         }
     }
     for joint in survey.model.joints.iter().filter(|j| j.header.active) {
@@ -98,37 +71,27 @@ pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                     }
                 })
                 .collect();
-            let (id, added) = survey.vector_force((joint.i, joint.j), axis, "0.0");
-            let slot = number("GFORCE", id, super::FORCES[axis], Some(1));
-            let changes: Vec<Change> = added.into_iter().map(Change::Add).collect();
             let address = format!("JOINT/{}", joint.header.id);
-            put(
-                survey,
-                address,
-                ((joint.i, joint.j), axis),
-                &u,
-                (slot, 1.0),
-                &changes,
-                out,
-            );
+            put(survey, &address, ((joint.i, joint.j), axis), &u, out);
         }
     }
 }
 
+/// A GFORCE `F max(-1, min(1, (anchor - u) / L))`; its anchor is a VARIABLE that each case leaves to the next.
 fn put(
     survey: &Survey<'_>,
-    address: String,
+    address: &str,
     (pair, axis): ((MarkerIx, MarkerIx), usize),
     u: &[f64],
-    force: (crate::syntax::Address, f64),
-    changes: &[Change],
     out: &mut Vec<Hypothesis>,
 ) {
-    let (low, high) = u.iter().fold((0.0_f64, 0.0_f64), |(low, high), u| {
-        (low.min(*u), high.max(*u))
-    });
+    let (low, high) = u
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), u| {
+            (low.min(*u), high.max(*u))
+        });
     let range = high - low;
-    if range < 1e-9 {
+    if !range.is_finite() || range < 1e-9 {
         return;
     }
     let lever = if axis < 3 {
@@ -136,31 +99,69 @@ fn put(
     } else {
         100.0 * survey.millimetre()
     };
-    for (share, start, form) in FORMS {
-        let slip = Slip {
-            pair,
-            axis,
-            length: share * range,
-            start,
-            force: force.clone(),
-        };
-        let wrench = slip
-            .pattern(u)
+    let measure = survey.deflection_function(pair, axis);
+    let anchor = survey.free_id("VARIABLE");
+    let law = format!("0.0*MAX(-1.0,MIN(1.0,(VARVAL({anchor})-{measure})/1.0))");
+    let (force, added) = survey.vector_force(pair, axis, &law);
+    let variable = statement("VARIABLE", anchor, &[("FUNCTION", "0.0".to_string())]);
+    let changes: Vec<Change> = std::iter::once(variable)
+        .chain(added)
+        .map(Change::Add)
+        .collect();
+    let literal = |k: usize| number("GFORCE", force, super::FORCES[axis], Some(k));
+    // Ids of markers are literals too; the length is the last of all.
+    let last = crate::syntax::Expression::parse_str(&law).map_or(0, |law| law.literals.len());
+    let at_start = number("VARIABLE", anchor, "FUNCTION", Some(1));
+    for (share, first, form) in FORMS {
+        let length = share * range;
+        // The force on I is against the stretch.
+        let start = u[0] - first * length;
+        let wrench = pattern(u, length, start)
             .into_iter()
             .map(|p| crate::mechanics::Vec6::ith(axis, p))
             .collect();
+        let unfelt = Column::Rows(Vec::new());
         out.push(Hypothesis {
             cause: Cause::DryFriction,
-            address: address.clone(),
+            address: address.to_string(),
             form,
-            numbers: vec![Number {
-                name: "force".to_string(),
-                sd: SD * survey.newton() * lever,
-                column: Column::Wrench(pair, wrench),
-                unknown: Unknown::Slip(slip),
-            }],
+            numbers: vec![
+                Number {
+                    column: Column::Wrench(pair, wrench),
+                    ..Number::new(
+                        "force",
+                        SD * survey.newton() * lever,
+                        Unknown::Extended(vec![(literal(1), 1.0)]),
+                    )
+                },
+                Number {
+                    column: unfelt.clone(),
+                    ..Number::new(
+                        "stiffness",
+                        LENGTH.1,
+                        Unknown::SlipLength {
+                            address: literal(last),
+                            start: length,
+                            usual: LENGTH.0 * range,
+                        },
+                    )
+                },
+                Number {
+                    mean: start,
+                    ..Number::new(
+                        "anchor",
+                        range,
+                        Unknown::Extended(vec![(at_start.clone(), 1.0)]),
+                    )
+                },
+            ],
             one_sided: true,
-            changes: changes.to_vec(),
+            changes: changes.clone(),
+            memory: Some(MemoryPlan {
+                anchor: at_start.clone(),
+                length: literal(last),
+                measure: measure.clone(),
+            }),
         });
     }
 }

@@ -48,13 +48,16 @@ pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 address: format!("PART/{}", body.header.id),
                 form,
                 numbers: vec![Number {
-                    name: "compliance".to_string(),
-                    sd: SD * survey.millimetre() / survey.newton(),
                     column: Column::PerCase(column),
-                    unknown: Unknown::Compliance(vec![number("BUSHING", bushing, "K", Some(3))]),
+                    ..Number::new(
+                        "compliance",
+                        SD * survey.millimetre() / survey.newton(),
+                        Unknown::Compliance(vec![number("BUSHING", bushing, "K", Some(3))]),
+                    )
                 }],
                 one_sided: true,
                 changes,
+                memory: None,
             });
         }
     }

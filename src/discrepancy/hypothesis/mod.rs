@@ -25,8 +25,8 @@ use crate::mechanics::Vec6;
 use crate::model::MarkerIx;
 use crate::syntax::{Address, NewStatement};
 
+pub use assembly_offset::of_bushing as assembly_offset;
 pub use bushing_orientation::SD as TURN_SD;
-pub use dry_friction::Slip;
 pub use link_compliance::RIGID;
 
 /// The effect of one number of a hypothesis to first order, per unit of the number.
@@ -51,10 +51,25 @@ pub enum Unknown {
     Extended(Vec<(Address, f64)>),
     /// The number is a compliance: its inverse is each of these stiffnesses of the extended deck.
     Compliance(Vec<Address>),
+    /// A displacement of the two sides of a bushing along one of its components: the preload follows the stiffness.
+    Offset {
+        /// K or KT.
+        stiffness: Address,
+        /// FORCE or TORQUE.
+        preload: Address,
+    },
     /// Markers turn together about this axis of the J marker.
     Turn(Turn),
-    /// The force at which a contact slips, with its memory.
-    Slip(Slip),
+    /// The logarithm of the length a friction spring stretches before it slips, with its first guess and its usual size; the first
+    /// number of the hypothesis over this length is what is reported, as a stiffness.
+    SlipLength {
+        /// Where the length stands.
+        address: Address,
+        /// First guess.
+        start: f64,
+        /// Median of its prior.
+        usual: f64,
+    },
 }
 
 /// Markers that turn on their parts about an axis given in their own axes.
@@ -71,6 +86,8 @@ pub struct Turn {
 pub struct Number {
     /// Its name in `diagnosis.json`.
     pub name: String,
+    /// Prior mean, where the fit starts; zero for everything that is not there in a sound model.
+    pub mean: f64,
     /// Prior standard deviation: the size such an effect may well have.
     pub sd: f64,
     /// First-order effect.
@@ -103,6 +120,19 @@ pub struct Hypothesis {
     pub one_sided: bool,
     /// What it adds to the deck before its numbers exist; they are zero there in effect.
     pub changes: Vec<Change>,
+    /// What it carries from case to case.
+    pub memory: Option<MemoryPlan>,
+}
+
+/// A slider: its anchor before the first case, the length of its spring, and the function that measures its displacement.
+#[derive(Clone, PartialEq, Debug)]
+pub struct MemoryPlan {
+    /// A number of the extended deck.
+    pub anchor: Address,
+    /// A number of the extended deck.
+    pub length: Address,
+    /// A function of the extended deck.
+    pub measure: String,
 }
 
 impl Hypothesis {
@@ -115,12 +145,27 @@ impl Hypothesis {
             numbers,
             one_sided: false,
             changes: Vec::new(),
+            memory: None,
         }
     }
 
     /// True if both say the same of the same place, in whatever form.
     pub fn same_place(&self, other: &Self) -> bool {
         self.cause == other.cause && self.address == other.address
+    }
+
+    /// The case in which alone it acts, if it is a fault of readings of one case.
+    pub fn only_case(&self, rows: &[crate::identify::global::Row]) -> Option<usize> {
+        let mut cases = self
+            .numbers
+            .iter()
+            .flat_map(|number| match &number.column {
+                Column::Rows(column) if self.cause.of_the_measurement() => column.as_slice(),
+                _ => &[],
+            })
+            .map(|(row, _)| rows[*row].case());
+        let first = cases.next()?;
+        cases.all(|case| case == first).then_some(first)
     }
 
     /// True if both are the same in the same form.
@@ -133,10 +178,19 @@ impl Number {
     /// A number whose column holds for any size.
     fn linear(name: impl Into<String>, sd: f64, column: Column) -> Self {
         Self {
-            name: name.into(),
-            sd,
             column,
-            unknown: Unknown::Linear,
+            ..Self::new(name, sd, Unknown::Linear)
+        }
+    }
+
+    /// A number without any first-order effect of its own, which is found by fitting alone.
+    fn new(name: impl Into<String>, sd: f64, unknown: Unknown) -> Self {
+        Self {
+            name: name.into(),
+            mean: 0.0,
+            sd,
+            column: Column::Rows(Vec::new()),
+            unknown,
         }
     }
 }

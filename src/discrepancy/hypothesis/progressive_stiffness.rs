@@ -7,7 +7,14 @@ use super::super::survey::Survey;
 
 use super::{Change, Column, Hypothesis, Number, Unknown, number};
 
-/// Every component of every bushing: a cubic and a quadratic term beside its stiffness.
+/// Powers of the deflection beside the linear one; the force is odd.
+const FORMS: [(&str, &[i32]); 3] = [
+    ("cubic", &[3]),
+    ("quadratic", &[2]),
+    ("cubic and quintic", &[3, 5]),
+];
+
+/// Every component of every bushing.
 pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for (k, bushing) in survey.model.bushings.iter().enumerate() {
         if !bushing.header.active {
@@ -23,27 +30,45 @@ pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 continue;
             }
             let measure = survey.deflection_function((bushing.i, bushing.j), axis);
-            for form in ["cubic", "quadratic"] {
-                let (text, power): (String, fn(f64) -> f64) = if form == "cubic" {
-                    (format!("0.0*{measure}**3"), |u| u * u * u)
-                } else {
-                    (format!("0.0*{measure}*ABS({measure})"), |u| u * u.abs())
-                };
-                let wrench = u.iter().map(|u| Vec6::ith(axis, -power(*u))).collect();
+            for (form, powers) in FORMS {
+                let terms: Vec<String> = powers
+                    .iter()
+                    .map(|power| match power {
+                        2 => format!("-0.0*{measure}*ABS({measure})"),
+                        _ => format!("-0.0*{measure}**{power}"),
+                    })
+                    .collect();
+                let text = terms.concat();
                 let (gforce, changes) = survey.vector_force((bushing.i, bushing.j), axis, &text);
-                let address = number("GFORCE", gforce, super::FORCES[axis], Some(1));
+                // Literals of the function: those of a term are its factor, its markers, its power.
+                let each = crate::syntax::Expression::parse_str(&text)
+                    .map_or(0, |text| text.literals.len())
+                    / powers.len();
+                let numbers = powers.iter().enumerate().map(|(k, &power)| {
+                    let rise = |u: f64| match power {
+                        2 => u * u.abs(),
+                        _ => u.powi(power),
+                    };
+                    let wrench = u.iter().map(|u| Vec6::ith(axis, -rise(*u))).collect();
+                    let literal = Some(1 + each * k);
+                    let address = number("GFORCE", gforce, super::FORCES[axis], literal);
+                    Number {
+                        column: Column::Wrench((bushing.i, bushing.j), wrench),
+                        ..Number::new(
+                            ["", "", "quadratic", "cubic", "", "quintic"][power as usize],
+                            3.0 * stiffness[axis] * largest / rise(largest),
+                            Unknown::Extended(vec![(address, 1.0)]),
+                        )
+                    }
+                });
                 out.push(Hypothesis {
                     cause: Cause::ProgressiveStiffness,
                     address: format!("BUSHING/{id}.{}", super::component(axis)),
                     form,
-                    numbers: vec![Number {
-                        name: form.to_string(),
-                        sd: 3.0 * stiffness[axis] * largest / power(largest),
-                        column: Column::Wrench((bushing.i, bushing.j), wrench),
-                        unknown: Unknown::Extended(vec![(address, -1.0)]),
-                    }],
-                    one_sided: true,
+                    numbers: numbers.collect(),
+                    one_sided: powers.len() == 1,
                     changes: changes.into_iter().map(Change::Add).collect(),
+                    memory: None,
                 });
             }
         }

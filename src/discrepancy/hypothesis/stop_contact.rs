@@ -17,6 +17,9 @@ const GRID: [(f64, &str, &str); 4] = [
     (0.85, "above 0.85", "below 0.85"),
 ];
 
+/// Newtons per millimetre of a buffer that is nothing unusual.
+const SD: f64 = 2000.0;
+
 /// Joints that slide, and springs along their length, at both ends of their travel.
 pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for joint in survey.model.joints.iter().filter(|j| j.header.active) {
@@ -42,6 +45,7 @@ pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             (&u, &directions),
             &measure,
             &text,
+            survey.newton() / survey.millimetre(),
             out,
         );
     }
@@ -88,6 +92,7 @@ pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             (&u, &directions),
             &measure,
             &text,
+            survey.newton() / survey.millimetre(),
             out,
         );
     }
@@ -101,6 +106,7 @@ fn stops(
     (u, directions): (&[f64], &[Vec6]),
     measure: &str,
     statements: &dyn Fn(&str) -> (u32, Vec<NewStatement>),
+    per_length: f64,
     out: &mut Vec<Hypothesis>,
 ) {
     let (low, high) = u
@@ -126,11 +132,11 @@ fn stops(
                     (clearance - u).max(0.0)
                 }
             };
-            let wrench = u
-                .iter()
-                .zip(directions)
-                .map(|(u, d)| d * past(*u))
-                .collect();
+            let wrench = |power: i32| {
+                let along =
+                    |(u, d): (&f64, &Vec6)| d * past(*u).signum() * past(*u).abs().powi(power);
+                Column::Wrench(pair, u.iter().zip(directions).map(along).collect())
+            };
             // A literal has no sign of its own, so a negative clearance is added instead.
             let (sign, size) = if clearance < 0.0 {
                 ('+', -clearance)
@@ -138,41 +144,55 @@ fn stops(
                 ('-', clearance)
             };
             let past_it = format!("{measure}{sign}{size:.6}");
-            let body = if up {
-                format!("0.0*MAX(0.0,{past_it})")
+            let linear = if up {
+                format!("-0.0*MAX(0.0,{past_it})")
             } else {
-                format!("0.0*MAX(0.0,-({past_it}))")
+                format!("+0.0*MAX(0.0,-({past_it}))")
             };
+            // A buffer hardens.
+            let body = format!("{}{linear}**3", linear.trim_start_matches('+'));
             let toward = if clearance < 0.0 { -1.0 } else { 1.0 };
             let (id, added) = statements(&body);
-            let literals = crate::syntax::Expression::parse_str(&body)
+            let literals = crate::syntax::Expression::parse_str(linear.trim_start_matches('+'))
                 .map(|expression| expression.literals)
                 .unwrap_or_default();
             let at = literals
                 .iter()
                 .rposition(|literal| (literal.value - size).abs() < 1e-5)
                 .map_or(3, |k| k + 1);
-            let slot = |k: usize, factor: f64| vec![(number(kind, id, argument, Some(k)), factor)];
+            let second = literals.len();
+            let slot = |k: usize| number(kind, id, argument, Some(k));
+            let clearances = vec![(slot(at), toward), (slot(second + at), toward)];
             out.push(Hypothesis {
                 cause: Cause::StopContact,
                 address: address.to_string(),
                 form: if up { above } else { below },
                 numbers: vec![
                     Number {
-                        name: "stiffness".to_string(),
-                        sd: 2000.0,
-                        column: Column::Wrench(pair, wrench),
-                        unknown: Unknown::Extended(slot(1, if up { -1.0 } else { 1.0 })),
+                        column: wrench(1),
+                        ..Number::new(
+                            "stiffness",
+                            SD * per_length,
+                            Unknown::Extended(vec![(slot(1), 1.0)]),
+                        )
                     },
                     Number {
-                        name: "clearance_shift".to_string(),
-                        sd: 0.2 * range,
-                        column: Column::Rows(Vec::new()),
-                        unknown: Unknown::Extended(slot(at, toward)),
+                        column: wrench(3),
+                        ..Number::new(
+                            "hardening",
+                            SD * per_length / (0.3 * range).powi(2),
+                            Unknown::Extended(vec![(slot(second + 1), 1.0)]),
+                        )
                     },
+                    Number::new(
+                        "clearance_shift",
+                        0.2 * range,
+                        Unknown::Extended(clearances),
+                    ),
                 ],
                 one_sided: true,
                 changes: added.into_iter().map(Change::Add).collect(),
+                memory: None,
             });
         }
     }

@@ -8,25 +8,31 @@ use crate::system::{NoValue, Parameters, Scratch, State, System};
 
 use super::unknown::Direction;
 
-/// The model with one more REQUEST per channel, which compiles and differentiates its function like any of the deck's own.
+/// The model with one more REQUEST per channel, which compiles and differentiates its function like any of the deck's own; after
+/// the channels of the measurement come `further` functions that nobody measured.
 ///
 /// # Errors
 /// A channel's function that does not follow the grammar of expressions.
 pub fn with_channels(
     model: &Model,
     measurement: &Measurement,
+    further: &[String],
 ) -> Result<(Model, Channels), Diagnostic> {
     let mut model = model.clone();
     let first = model.requests.len();
-    for channel in &measurement.channels {
+    let measured = measurement
+        .channels
+        .iter()
+        .map(|channel| (&channel.name, &channel.function));
+    let unnamed = String::new();
+    let further = further.iter().map(|function| (&unnamed, function));
+    for (name, function) in measured.chain(further) {
         let mut functions: [Option<Function>; 8] = Default::default();
-        functions[1] = Some(Function::Expression(Expression::parse_str(
-            &channel.function,
-        )?));
+        functions[1] = Some(Function::Expression(Expression::parse_str(function)?));
         model.requests.push(Request {
             header: Header {
                 id: 0,
-                name: channel.name.clone(),
+                name: name.clone(),
                 origin: usize::MAX,
                 active: true,
             },
@@ -39,7 +45,7 @@ pub fn with_channels(
     }
     let channels = Channels {
         first,
-        count: measurement.channels.len(),
+        count: model.requests.len() - first,
     };
     Ok((model, channels))
 }

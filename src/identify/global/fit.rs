@@ -405,7 +405,15 @@ impl Prepared {
     /// # Errors
     /// What the built-in solver cannot solve, or a channel whose function cannot be read.
     pub fn new(problem: &Problem<'_>) -> Result<Self, IdentifyError> {
-        let (model, channels) = with_channels(problem.model, problem.measurement)
+        Self::with(problem, &[])
+    }
+
+    /// The same with channels for `further` functions after those of the measurement.
+    ///
+    /// # Errors
+    /// See [`Self::new`].
+    pub fn with(problem: &Problem<'_>, further: &[String]) -> Result<Self, IdentifyError> {
+        let (model, channels) = with_channels(problem.model, problem.measurement, further)
             .map_err(|diagnostic| BackendError::NotSolvable(vec![diagnostic]))?;
         let system = compile(&model)?;
         Ok(Self {

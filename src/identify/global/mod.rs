@@ -8,6 +8,7 @@ pub mod confidence;
 mod differences;
 mod fit;
 pub mod gauss_newton;
+mod memory;
 mod native;
 mod observation;
 mod predictor;
@@ -20,6 +21,7 @@ pub use fit::{
     GlobalFit, Options, Prepared, UNIDENTIFIABLE, effective_dof, fit_study, fit_unknowns,
     global_problem, identify,
 };
+pub use memory::Memory;
 pub use native::{Loads, NativePredictor};
 pub use observation::{Evaluation, NuisanceLayout, Observations, Row};
 pub use predictor::{CaseChange, CasePrediction, Observed, Prediction, Predictor};

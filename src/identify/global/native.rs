@@ -1,6 +1,7 @@
 //! The built-in solver as a predictor: each case starts from its own last answer, moved along the tangent.
 
 use super::channel::Channels;
+use super::memory::{Carried, Memory};
 use super::predictor::{CaseChange, CasePrediction, Observed, Prediction, Predictor};
 use super::unknown::{Direction, Numbers};
 use crate::statics::{Settings, Solver};
@@ -35,6 +36,7 @@ pub struct NativePredictor<'a> {
     solver: Solver,
     scratch: Scratch,
     answers: Vec<Option<Answer>>,
+    memories: Vec<Memory>,
     sweeps: usize,
     runs: usize,
 }
@@ -47,6 +49,7 @@ impl<'a> NativePredictor<'a> {
             scratch: Scratch::new(system),
             answers: vec![None; loads.cases.len()],
             settings: Settings::tight(),
+            memories: Vec::new(),
             system,
             loads,
             observed,
@@ -54,6 +57,30 @@ impl<'a> NativePredictor<'a> {
             sweeps: 0,
             runs: 0,
         }
+    }
+
+    /// With contacts that remember; their channels are among those of [`Self::new`].
+    #[must_use]
+    pub fn remembering(mut self, memories: Vec<Memory>) -> Self {
+        self.memories = memories;
+        self
+    }
+
+    /// With other values of the loads.
+    #[must_use]
+    pub fn with_cases(mut self, cases: Vec<Vec<f64>>) -> Self {
+        self.answers = vec![None; cases.len()];
+        self.loads.cases = cases;
+        self
+    }
+
+    /// Lets the first solve of a case start from this state of the same system.
+    pub fn start_from(&mut self, case: usize, state: State, theta: Parameters) {
+        self.answers[case] = Some(Answer {
+            state,
+            theta,
+            response: Vec::new(),
+        });
     }
 
     /// The last answer of a case with the numbers it was solved at.
@@ -148,6 +175,8 @@ impl Predictor for NativePredictor<'_> {
     fn predict(&mut self, numbers: &Numbers, directions: Option<&[Direction]>) -> Prediction {
         self.sweeps += 1;
         let mut theta = numbers.theta.clone();
+        let memories = std::mem::take(&mut self.memories);
+        let mut carried = Carried::new(&memories, &theta, directions);
         let mut out = Vec::with_capacity(self.loads.cases.len());
         for case in 0..self.loads.cases.len() {
             for (slot, _) in &numbers.per_case {
@@ -159,6 +188,7 @@ impl Predictor for NativePredictor<'_> {
             for (slot, values) in &numbers.per_case {
                 theta.set(*slot, theta.get(*slot) + values[case]);
             }
+            carried.apply(&mut theta);
             let Some(state) = self.solve(case, &theta) else {
                 out.push(None);
                 continue;
@@ -175,6 +205,8 @@ impl Predictor for NativePredictor<'_> {
             };
             let mut response = Vec::new();
             if let Some(directions) = directions {
+                let here = carried.directions(directions, case);
+                let directions: &[Direction] = &here;
                 let Some(responses) = self.responses(case, &theta, &state, directions) else {
                     out.push(None);
                     continue;
@@ -190,6 +222,7 @@ impl Predictor for NativePredictor<'_> {
                     out.push(None);
                     continue;
                 };
+                carried.advance(&theta, &prediction.channels, (directions, &changes));
                 prediction.by_unknown = responses
                     .iter()
                     .zip(changes)
@@ -202,6 +235,8 @@ impl Predictor for NativePredictor<'_> {
                     .map(|d| d.in_case(case).collect())
                     .zip(responses)
                     .collect();
+            } else {
+                carried.advance(&theta, &prediction.channels, (&[], &[]));
             }
             self.answers[case] = Some(Answer {
                 state,
@@ -210,6 +245,7 @@ impl Predictor for NativePredictor<'_> {
             });
             out.push(Some(prediction));
         }
+        self.memories = memories;
         out
     }
 

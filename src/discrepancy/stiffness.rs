@@ -1,0 +1,41 @@
+use super::extended::Fitted;
+use crate::identify::Problem;
+
+/// A stiffness as the wrong model had it and as the extended model has it.
+#[derive(Clone, PartialEq, Debug)]
+pub struct CorrectedStiffness {
+    /// Which.
+    pub address: String,
+    /// Estimate and standard error of the model as it was.
+    pub before: (f64, f64),
+    /// The same of the extended model.
+    pub after: (f64, f64),
+}
+
+impl CorrectedStiffness {
+    /// By how much the wrong model had biased it, as a part of the corrected value.
+    pub fn bias(&self) -> f64 {
+        self.before.0 / self.after.0 - 1.0
+    }
+}
+
+/// All stiffnesses of a study, before and after.
+pub fn corrected(
+    problem: &Problem<'_>,
+    before: &Fitted,
+    after: &Fitted,
+) -> Vec<CorrectedStiffness> {
+    let covariances = [before, after].map(Fitted::covariance);
+    let estimate = |k: usize, fit: &Fitted, covariance: &nalgebra::DMatrix<f64>| {
+        let value = fit.minimum.x[k].exp();
+        (value, value * covariance[(k, k)].max(0.0).sqrt())
+    };
+    let unknowns = problem.unknowns.iter().enumerate();
+    unknowns
+        .map(|(k, unknown)| CorrectedStiffness {
+            address: unknown.address.to_string(),
+            before: estimate(k, before, &covariances[0]),
+            after: estimate(k, after, &covariances[1]),
+        })
+        .collect()
+}

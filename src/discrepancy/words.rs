@@ -1,0 +1,283 @@
+//! What a diagnosis means, in sentences.
+
+use super::diagnose::Outcome;
+use super::extended::Fitted;
+use crate::identify::global::Row;
+
+/// A bias is worth a sentence from so many of its standard errors on.
+const NOTABLE: f64 = 2.0;
+
+impl Outcome<'_> {
+    /// The answer in sentences: what the model misses and where, what of it sits in which cause, what is gained on cases no fit saw,
+    /// what the wrong model did to the stiffnesses, what remains.
+    pub fn sentences(&self) -> Vec<String> {
+        let mut out = Vec::new();
+        out.extend(self.worst_mark());
+        out.extend(self.worst_angle());
+        out.extend(self.worst_channel());
+        out.extend(self.turned_part());
+        out.extend(self.shares());
+        out.extend(self.gained());
+        out.extend(self.biases());
+        if let Some(next) = &self.diagnosis.next_measurement {
+            let loads = next
+                .case
+                .iter()
+                .map(|(name, value)| (name.as_str(), *value));
+            out.push(format!(
+                "To measure next: {}; it {}.",
+                loads_text(loads),
+                next.why
+            ));
+        }
+        for place in &self.diagnosis.unexplained.places {
+            out.push(format!("What remains without a cause: {place}."));
+        }
+        out
+    }
+
+    /// `vertical = 4500, longitudinal = -4000`; loads of zero are left out.
+    fn case_text(&self, case: usize) -> String {
+        let programme = self.subject.problem.programme;
+        let of = &programme.cases[case];
+        let loads = programme.loads.iter().map(|load| load.name.as_str());
+        let loads = loads_text(loads.zip(of.values.iter().copied()));
+        format!("case {} ({loads})", of.label)
+    }
+
+    fn findings_matter(&self) -> bool {
+        let diagnosis = &self.diagnosis;
+        diagnosis.unexplained.structured || diagnosis.findings.iter().any(|f| !f.minor)
+    }
+
+    /// Rms of what is left of the marks, and the worst of them.
+    fn worst_mark(&self) -> Option<String> {
+        let measurement = self.subject.problem.measurement;
+        let residual = &self.baseline.minimum.evaluation.residual;
+        let (mut sum, mut count, mut worst) = (0.0, 0.0, (0.0, 0));
+        for (k, row) in self.subject.rows.iter().enumerate() {
+            let Row::Mark { axis, .. } = *row else {
+                continue;
+            };
+            sum += residual[k].powi(2);
+            count += 1.0;
+            let size = residual.rows(k, 3 - axis).norm();
+            if axis == 0 && size > worst.0 {
+                worst = (size, k);
+            }
+        }
+        if count == 0.0 {
+            return None;
+        }
+        let sigma = self.subject.sigma;
+        let rms = (sum / count).sqrt() * sigma;
+        let mut text = format!(
+            "After its best fit the model misses the marks by {rms:.3} rms per coordinate, where their noise is {sigma:.3}"
+        );
+        if let (true, Row::Mark { case, reading, .. }) =
+            (self.findings_matter(), self.subject.rows[worst.1])
+        {
+            let read = measurement.cases[case].marks[reading];
+            let part = &measurement.parts[read.part];
+            text += &format!(
+                "; the worst is {} {} in {}, by {:.3}",
+                part.name,
+                part.marks[read.mark].label,
+                self.case_text(case),
+                worst.0 * sigma
+            );
+        }
+        Some(text + ".")
+    }
+
+    /// The worst angle of the wheel, as far as it is beyond its noise.
+    fn worst_angle(&self) -> Vec<String> {
+        let measurement = self.subject.problem.measurement;
+        let Some(wheel) = &measurement.wheel else {
+            return Vec::new();
+        };
+        let mut out = Vec::new();
+        for (component, turn, more, less) in [
+            (4, "turns the wheel", "too much", "too little"),
+            (3, "leans the wheel", "too much", "too little"),
+        ] {
+            let rows = self.subject.rows.iter().enumerate();
+            let worst = rows
+                .filter(
+                    |(_, row)| matches!(row, Row::Wheel { component: of, .. } if *of == component),
+                )
+                .map(|(k, row)| (self.baseline.minimum.evaluation.residual[k], row.case()))
+                .max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
+            let Some((residual, case)) = worst.filter(|(r, _)| r.abs() > 3.0) else {
+                continue;
+            };
+            let Some(reading) = measurement.cases[case].wheel else {
+                continue;
+            };
+            let read = [reading.camber_deg, reading.steer_deg][component - 3];
+            let off = residual * wheel.sigma_angle_deg;
+            let word = if off * read > 0.0 { more } else { less };
+            out.push(format!(
+                "The model {turn} {:.3} deg {word} in {}.",
+                off.abs(),
+                self.case_text(case)
+            ));
+        }
+        out
+    }
+
+    fn worst_channel(&self) -> Vec<String> {
+        let measurement = self.subject.problem.measurement;
+        let mut out = Vec::new();
+        for (channel, info) in measurement.channels.iter().enumerate() {
+            let rows = self.subject.rows.iter().enumerate().filter(
+                |(_, row)| matches!(row, Row::Channel { channel: of, .. } if *of == channel),
+            );
+            let of = |fitted: &Fitted| {
+                let squares = rows
+                    .clone()
+                    .map(|(k, _)| fitted.minimum.evaluation.residual[k].powi(2));
+                (squares.sum::<f64>() / rows.clone().count().max(1) as f64).sqrt() * info.sigma
+            };
+            if rows.clone().next().is_some() {
+                out.push(format!(
+                    "Channel {} is missed by {:.3} rms as the model was and by {:.3} as it is extended, where its noise is {:.3}.",
+                    info.name,
+                    of(&self.baseline),
+                    of(&self.extended),
+                    info.sigma
+                ));
+            }
+        }
+        out
+    }
+
+    /// The part that the extended model turns most otherwise.
+    fn turned_part(&self) -> Option<String> {
+        if !self.findings_matter() || self.subject.problem.measurement.wheel.is_some() {
+            return None;
+        }
+        let mut worst = (0.0, 0, 0);
+        for (case, (before, after)) in self
+            .baseline
+            .states
+            .iter()
+            .zip(&self.extended.states)
+            .enumerate()
+        {
+            for part in &self.subject.problem.measurement.parts {
+                let k = part.part.0;
+                let turn = after.poses[k].R * before.poses[k].R.transpose();
+                let angle = crate::mechanics::log(&turn).norm().to_degrees();
+                if angle > worst.0 {
+                    worst = (angle, case, k);
+                }
+            }
+        }
+        let (angle, case, part) = worst;
+        (angle > 1e-3).then(|| {
+            let header = &self.subject.problem.model.parts[part].header;
+            let name = if header.name.is_empty() {
+                format!("PART/{}", header.id)
+            } else {
+                header.name.clone()
+            };
+            format!(
+                "The model turns {name} {angle:.3} deg otherwise than the extended model does in {}.",
+                self.case_text(case)
+            )
+        })
+    }
+
+    /// What part of the misfit sits in which cause.
+    fn shares(&self) -> Vec<String> {
+        let findings = &self.diagnosis.findings;
+        let fallen = self.baseline.chi_square() - self.extended.chi_square();
+        let sum: f64 = findings.iter().map(|f| f.evidence.value).sum();
+        let all = fallen.max(sum);
+        if all <= 0.0 {
+            return Vec::new();
+        }
+        findings
+            .iter()
+            .map(|f| {
+                let minor = if f.minor {
+                    ", which does not matter"
+                } else {
+                    ""
+                };
+                format!(
+                    "{:.0} percent of what can be explained sits in {} ({}){minor}.",
+                    100.0 * f.evidence.value / all,
+                    f.address,
+                    f.cause
+                )
+            })
+            .collect()
+    }
+
+    fn gained(&self) -> Option<String> {
+        if self.diagnosis.findings.is_empty() {
+            return None;
+        }
+        let [before, after] = self.held_out?;
+        let mut parts = Vec::new();
+        if let (Some(a), Some(b)) = (before.marks_rms, after.marks_rms) {
+            let by = self.marks_gain.map_or_else(String::new, |(gain, error)| {
+                format!(" (by {gain:.4} +- {error:.4})")
+            });
+            parts.push(format!(
+                "the rms of the marks goes from {a:.4} to {b:.4}{by}"
+            ));
+        }
+        if let (Some(a), Some(b)) = (before.wheel_deg_rms, after.wheel_deg_rms) {
+            parts.push(format!(
+                "camber from {:.4} to {:.4} deg, steer from {:.4} to {:.4} deg",
+                a[0], b[0], a[1], b[1]
+            ));
+        }
+        parts.push(format!(
+            "chi-square per reading from {:.2} to {:.2} (p = {:.2})",
+            before.chi_square / before.dof as f64,
+            after.chi_square / after.dof as f64,
+            after.p_value
+        ));
+        Some(format!("On cases no fit saw {}.", parts.join(", ")))
+    }
+
+    /// Stiffnesses that the wrong model had wrong beyond doubt, the worst first.
+    fn biases(&self) -> Option<String> {
+        let mut biased: Vec<_> = self
+            .stiffnesses
+            .iter()
+            .filter(|s| (s.before.0 - s.after.0).abs() > NOTABLE * s.before.1.hypot(s.after.1))
+            .collect();
+        biased.sort_by(|a, b| b.bias().abs().total_cmp(&a.bias().abs()));
+        let listed: Vec<String> = biased
+            .iter()
+            .take(3)
+            .map(|s| {
+                let word = if s.bias() > 0.0 { "stiff" } else { "soft" };
+                format!(
+                    "{} {:.0} percent too {word}",
+                    s.address,
+                    100.0 * s.bias().abs()
+                )
+            })
+            .collect();
+        (!listed.is_empty()).then(|| format!("The wrong model had {}.", listed.join(", ")))
+    }
+}
+
+/// Loads as a person would say them.
+fn loads_text<'a>(loads: impl Iterator<Item = (&'a str, f64)>) -> String {
+    let listed: Vec<String> = loads
+        .filter(|(_, value)| *value != 0.0)
+        .map(|(name, value)| format!("{name} = {value}"))
+        .collect();
+    if listed.is_empty() {
+        "no load".to_string()
+    } else {
+        listed.join(", ")
+    }
+}
