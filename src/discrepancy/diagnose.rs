@@ -1,14 +1,16 @@
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::background::Background;
 use super::cause::Cause;
 use super::diagnosis::{
     BaselineFit, Diagnosis, Evidence, Finding, Gain, Indistinguishable, Unexplained, Verdict,
 };
 use super::extended::{Effort, Fitted, Warm, fit};
 use super::held_out::{HeldOutTest, held_out_test, marks_gain, moved};
-use super::hypothesis::{Hypothesis, assembly_offset};
+use super::hypothesis::{BACKGROUND, Hypothesis, assembly_offset};
 use super::next_measurement::next_measurement;
 use super::screening::penalty;
 use super::selection::{Selected, select};
@@ -25,6 +27,8 @@ use crate::rig::{Measurement, Study};
 const MATTERS_MARKS: f64 = 0.2;
 /// or the wheel by so many degrees.
 const MATTERS_WHEEL_DEG: f64 = 0.01;
+/// Errors of so many of their usual sizes are small.
+const SMALL: f64 = 4.0;
 /// Structure is there when the hardest of all tests, corrected for their number, has a p-value below this.
 const STRUCTURED: f64 = 0.005;
 
@@ -78,9 +82,32 @@ pub fn diagnose<'a>(
         held_out_rms: before.and_then(|test| test.marks_rms),
     };
     // The structure is found on the fitted cases, then looked at again with all of them.
-    let selected = select(&subject, seen.clone(), Data::Fitted, &any, false);
-    let again = refit(&subject, &selected.fitted, Data::All).ok_or_else(no_cases)?;
-    let selected = select(&subject, again, Data::All, &any, false);
+    let search = |subject: &Subject<'_>, seen: Fitted| {
+        let selected = select(subject, (seen, Vec::new()), Data::Fitted, &any, false);
+        let again = refit(subject, &selected.fitted, Data::All)?;
+        let start = (again, selected.gained);
+        Some(select(subject, start, Data::All, &any, false))
+    };
+    let mut selected = search(&subject, seen.clone()).ok_or_else(no_cases)?;
+    let mut seen = seen;
+    if is_background(&subject, &selected) {
+        let errors = |data| Arc::new(Background::new(&subject, &seen, data));
+        let backgrounds = [errors(Data::Fitted), errors(Data::All)];
+        let mut wiser = subject.clone();
+        wiser.backgrounds = Some(backgrounds);
+        let start = fit(
+            &wiser,
+            &[],
+            Some(Warm::at(&seen)),
+            Data::Fitted,
+            Effort::FULL,
+        );
+        if let Some(start) = start
+            && let Some(found) = search(&wiser, start.clone())
+        {
+            (subject, selected, seen) = (wiser, found, start);
+        }
+    }
     let in_question = significant_offsets(&subject, &selected);
     let start = if in_question.is_empty() {
         selected.fitted
@@ -107,6 +134,7 @@ pub fn diagnose<'a>(
             None => selected.fitted,
         }
     };
+    let start = (start, selected.gained);
     let selected = select(&subject, start, Data::All, &any, true);
     let baseline = fit(
         &subject,
@@ -183,6 +211,30 @@ pub fn diagnose<'a>(
     })
 }
 
+/// Whether what was found looks like the small errors that every deck and rig has, several of them at once: then they are part of the
+/// noise, and the search begins again.
+fn is_background(subject: &Subject<'_>, selected: &Selected) -> bool {
+    let fitted = &selected.fitted;
+    let covariance = fitted.covariance();
+    let (length, gain) = BACKGROUND;
+    let length = length * 1e-3 / subject.problem.model.units.length.si;
+    let small = (0..fitted.chosen.len()).filter(|k| {
+        let numbers = fitted.estimates(*k, &covariance);
+        let size = numbers
+            .iter()
+            .map(|n| n.value * n.value)
+            .sum::<f64>()
+            .sqrt();
+        match fitted.chosen[*k].cause {
+            Cause::HardpointError => size < SMALL * length,
+            Cause::LoadGain => size < SMALL * gain,
+            _ => false,
+        }
+    });
+    let small = small.count() + usize::from(!significant_offsets(subject, selected).is_empty());
+    small > 0 && fitted.chosen.len() + small > 2
+}
+
 /// The same model on other data.
 fn refit(subject: &Subject<'_>, fitted: &Fitted, data: Data) -> Option<Fitted> {
     let chosen = unguessed(fitted);
@@ -241,33 +293,61 @@ fn findings(
     let fitted = &selected.fitted;
     let covariance = fitted.covariance();
     let after = blind.and_then(|blind| held_out_test(subject, blind));
-    let of = |k: usize| {
+    // Several forms of one cause at one place are one finding: two sliders of one contact, two axes of one bushing.
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for (k, hypothesis) in fitted.chosen.iter().enumerate() {
+        match groups
+            .iter_mut()
+            .find(|group| fitted.chosen[group[0]].same_place(hypothesis))
+        {
+            Some(group) => group.push(k),
+            None => groups.push(vec![k]),
+        }
+    }
+    let of = |group: &[usize]| {
+        let k = group[0];
         let hypothesis = &fitted.chosen[k];
         let rest = |from: &Fitted, data| {
             let mut chosen = unguessed(from);
-            chosen.remove(k);
+            for k in group.iter().rev() {
+                chosen.remove(*k);
+            }
             fit(subject, &chosen, Some(Warm::at(from)), data, Effort::FULL)
         };
         let without = blind.and_then(|blind| rest(blind, Data::Fitted));
         let before = without.as_ref().and_then(|w| held_out_test(subject, w));
         let everywhere = hypothesis.cause.of_the_measurement();
+        let without_in_all = (everywhere || group.len() > 1)
+            .then(|| rest(fitted, Data::All))
+            .flatten();
         let (marks, wheel) = match (blind, &without) {
-            _ if everywhere => rest(fitted, Data::All)
-                .map_or((1.0, 0.0), |without| moved(subject, fitted, &without, true)),
+            _ if everywhere => without_in_all
+                .as_ref()
+                .map_or((1.0, 0.0), |without| moved(subject, fitted, without, true)),
             (Some(with), Some(without)) => moved(subject, with, without, false),
             _ => (1.0, 0.0),
         };
-        let gain = selected.gains[k];
-        let count = hypothesis.numbers.len();
+        let gain = match &without_in_all {
+            Some(without) if group.len() > 1 => without.chi_square() - fitted.chi_square(),
+            _ => selected.gains[k],
+        };
         let rows: f64 = fitted.weights.iter().sum();
         let dof = fitted.dof(&covariance);
-        let estimates = fitted.estimates(k, &covariance);
-        let name = |e: &super::extended::Estimate| e.name.clone();
+        let mut numbers: Vec<(String, f64, f64)> = Vec::new();
+        for (nth, k) in group.iter().enumerate() {
+            for mut number in fitted.estimates(*k, &covariance) {
+                if numbers.iter().any(|(name, ..)| *name == number.name) {
+                    number.name = format!("{}_{}", number.name, nth + 1);
+                }
+                numbers.push((number.name, number.value, number.std_error));
+            }
+        }
+        let count = numbers.len();
         Finding {
             cause: hypothesis.cause,
             address: hypothesis.address.clone(),
-            parameters: estimates.iter().map(|e| (name(e), e.value)).collect(),
-            std_error: estimates.iter().map(|e| (name(e), e.std_error)).collect(),
+            parameters: numbers.iter().map(|n| (n.0.clone(), n.1)).collect(),
+            std_error: numbers.iter().map(|n| (n.0.clone(), n.2)).collect(),
             minor: marks < MATTERS_MARKS && wheel < MATTERS_WHEEL_DEG,
             evidence: Evidence {
                 statistic: "likelihood ratio",
@@ -292,15 +372,14 @@ fn findings(
             },
         }
     };
-    let mut out: Vec<(Finding, usize)> = (0..fitted.chosen.len())
-        .into_par_iter()
-        .map(|k| (of(k), k))
+    let mut out: Vec<(Finding, usize)> = groups
+        .par_iter()
+        .map(|group| (of(group), group[0]))
         .collect();
-    // The most important first; faults of single readings after what is wrong with the model.
+    // The most important first.
     out.sort_by(|(a, _), (b, _)| {
-        let key = |f: &Finding| (f.minor, f.cause == Cause::MarkOutlier);
-        key(a)
-            .cmp(&key(b))
+        a.minor
+            .cmp(&b.minor)
             .then(b.evidence.value.total_cmp(&a.evidence.value))
     });
     out.into_iter().unzip()

@@ -3,6 +3,7 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::background::Background;
 use super::hypothesis::{Change, Column, Hypothesis, Turn, Unknown};
 use super::subject::{Data, Subject};
 use crate::identify::Problem;
@@ -40,8 +41,12 @@ pub struct Fitted {
     pub unknowns: FitUnknowns,
     /// Unknowns of the measurement.
     pub layout: NuisanceLayout,
-    /// The minimum; residuals and Jacobian are those of all rows.
+    /// The minimum; residuals and Jacobian are those of all rows, whitened by the background.
     pub minimum: Minimum,
+    /// Prediction minus reading of all rows in units of their noise.
+    pub misfit: DVector<f64>,
+    /// What whitened the rows.
+    pub background: Option<Arc<Background>>,
     /// Weight of each row.
     pub weights: DVector<f64>,
     /// Numbers of each case.
@@ -215,7 +220,6 @@ pub fn fit(
     data: Data,
     effort: Effort,
 ) -> Option<Fitted> {
-    let started = std::time::Instant::now();
     let changes = || chosen.iter().flat_map(|(h, _)| &h.changes);
     let plans = || chosen.iter().filter_map(|(h, _)| h.memory.as_ref());
     let same = warm.map(|warm| warm.fitted).filter(|fitted| {
@@ -255,6 +259,8 @@ pub fn fit(
         observations,
         predictor,
         weights: weights.clone(),
+        background: subject.background(data),
+        misfit: DVector::zeros(0),
         last: Vec::new(),
         effort,
         objective: f64::INFINITY,
@@ -288,21 +294,7 @@ pub fn fit(
         thetas.push(theta.clone());
     }
     let sweeps = least_squares.predictor.sweeps();
-    if std::env::var_os("ADMIRE_TRACE").is_some() {
-        eprintln!(
-            "FIT {:?} it {} sweeps {} runs {} {:.3}s chi2 {:.2} {:?}",
-            chosen
-                .iter()
-                .map(|(h, _)| format!("{} {} {}", h.cause, h.address, h.form))
-                .collect::<Vec<_>>(),
-            minimum.iterations,
-            sweeps,
-            least_squares.predictor.solver_runs(),
-            started.elapsed().as_secs_f64(),
-            2.0 * minimum.objective,
-            minimum.ending
-        );
-    }
+    let (misfit, background) = (least_squares.misfit, least_squares.background);
     Some(Fitted {
         chosen: chosen.iter().map(|(h, _)| h.clone()).collect(),
         unknowns: setup.unknowns,
@@ -311,6 +303,8 @@ pub fn fit(
         priors: setup.priors,
         memories: setup.memories,
         minimum,
+        misfit,
+        background,
         weights,
         thetas,
         states,
@@ -610,6 +604,9 @@ struct FitProblem<'a> {
     observations: Observations<'a>,
     predictor: NativePredictor<'a>,
     weights: DVector<f64>,
+    background: Option<Arc<Background>>,
+    /// Residuals of the last evaluation before they were whitened.
+    misfit: DVector<f64>,
     /// The unknowns the predictor was asked for last.
     last: Vec<f64>,
     effort: Effort,
@@ -692,6 +689,11 @@ impl LeastSquares for FitProblem<'_> {
                     out.jacobian[(*row, inner + k)] = *value;
                 }
             }
+        }
+        self.misfit.clone_from(&out.residual);
+        if let Some(background) = &self.background {
+            background.whiten(&mut out.residual);
+            background.whiten_columns(&mut out.jacobian);
         }
         Some(out)
     }

@@ -3,7 +3,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::extended::Fitted;
-use super::subject::Subject;
+use super::subject::{Data, Subject};
 use crate::identify::global::Row;
 use crate::rig::orientation::chi_square_p_value;
 
@@ -32,9 +32,13 @@ pub fn held_out_test(subject: &Subject<'_>, fitted: &Fitted) -> Option<HeldOutTe
         return None;
     }
     let evaluation = &fitted.minimum.evaluation;
-    let r = DVector::from_iterator(rows.len(), rows.iter().map(|k| evaluation.residual[*k]));
+    let r = DVector::from_iterator(rows.len(), rows.iter().map(|k| fitted.misfit[*k]));
     let J = evaluation.jacobian.select_rows(&rows);
-    let S = &J * fitted.covariance() * J.transpose() + DMatrix::identity(rows.len(), rows.len());
+    let mut S =
+        &J * fitted.covariance() * J.transpose() + DMatrix::identity(rows.len(), rows.len());
+    if let Some(background) = subject.background(Data::All) {
+        S += background.covariance(&rows);
+    }
     let chi_square = r.dot(&Cholesky::new(S)?.solve(&r));
     Some(HeldOutTest {
         marks_rms: marks_rms(subject, fitted, &rows),
@@ -63,7 +67,7 @@ fn marks_rms(subject: &Subject<'_>, fitted: &Fitted, rows: &[usize]) -> Option<f
     let squares: Vec<f64> = rows
         .iter()
         .filter(|k| matches!(subject.rows[**k], Row::Mark { .. }))
-        .map(|k| fitted.minimum.evaluation.residual[*k].powi(2))
+        .map(|k| fitted.misfit[*k].powi(2))
         .collect();
     let mean = squares.iter().sum::<f64>() / squares.len().max(1) as f64;
     (!squares.is_empty()).then(|| mean.sqrt() * subject.sigma)
@@ -77,7 +81,7 @@ fn wheel_rms(subject: &Subject<'_>, fitted: &Fitted, rows: &[usize]) -> Option<[
             .filter(|k| {
                 matches!(subject.rows[**k], Row::Wheel { component: of, .. } if of == component)
             })
-            .map(|k| (fitted.minimum.evaluation.residual[*k] * sigma).powi(2))
+            .map(|k| (fitted.misfit[*k] * sigma).powi(2))
             .collect();
         (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
     };
@@ -97,8 +101,8 @@ pub fn marks_gain(subject: &Subject<'_>, before: &Fitted, after: &Fitted) -> Opt
             continue;
         }
         let sums = by_case.entry(case).or_insert([0.0; 3]);
-        sums[0] += before.minimum.evaluation.residual[k].powi(2);
-        sums[1] += after.minimum.evaluation.residual[k].powi(2);
+        sums[0] += before.misfit[k].powi(2);
+        sums[1] += after.misfit[k].powi(2);
         sums[2] += 1.0;
     }
     let gain = |without: Option<usize>| {
@@ -134,10 +138,7 @@ pub fn moved(subject: &Subject<'_>, with: &Fitted, without: &Fitted, all: bool) 
         .wheel
         .as_ref()
         .map_or(0.0, |w| w.sigma_angle_deg);
-    let (a, b) = (
-        &with.minimum.evaluation.residual,
-        &without.minimum.evaluation.residual,
-    );
+    let (a, b) = (&with.misfit, &without.misfit);
     for (k, row) in subject.rows.iter().enumerate() {
         if !all && subject.holds_out() && !subject.is_held_out(row.case()) {
             continue;

@@ -3,6 +3,7 @@
 //! Knows no files: a study's problem comes in, a diagnosis and the fits behind it go out. The laws by which effects are planted on
 //! the virtual rig are not known here.
 
+mod background;
 mod cause;
 mod diagnose;
 mod diagnosis;

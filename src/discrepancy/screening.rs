@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
+use super::background::Background;
 use super::extended::Fitted;
 use super::hypothesis::{self, Hypothesis};
 use super::subject::Subject;
@@ -46,6 +47,8 @@ struct Against<'a> {
     columns: &'a Columns,
     /// `own^T solved`.
     cross: &'a DMatrix<f64>,
+    /// All of these whitened once more, for columns of a few rows that are not whitened yet.
+    twice: Option<(&'a Background, DMatrix<f64>, DVector<f64>, DMatrix<f64>)>,
 }
 
 impl Against<'_> {
@@ -66,13 +69,13 @@ impl Against<'_> {
                     with_residual[c] = self.columns.solved.column(*at).dot(self.residual);
                 }
                 ColumnOf::Rows(rows) => {
+                    let (own, residual) = match &self.twice {
+                        Some((_, own, residual, _)) => (own, residual),
+                        None => (self.own, self.residual),
+                    };
                     for (row, value) in rows {
-                        with_residual[c] += value * self.residual[*row];
-                        for (sum, own) in cross
-                            .column_mut(c)
-                            .iter_mut()
-                            .zip(self.own.row(*row).iter())
-                        {
+                        with_residual[c] += value * residual[*row];
+                        for (sum, own) in cross.column_mut(c).iter_mut().zip(own.row(*row).iter()) {
                             *sum += value * own;
                         }
                     }
@@ -88,20 +91,21 @@ impl Against<'_> {
 
     fn dot(&self, a: &ColumnOf, b: &ColumnOf) -> f64 {
         let solved = &self.columns.solved;
+        let twice = self.twice.as_ref();
         match (a, b) {
             (ColumnOf::Solved(a), ColumnOf::Solved(b)) => solved.column(*a).dot(&solved.column(*b)),
             (ColumnOf::Solved(a), ColumnOf::Rows(rows))
             | (ColumnOf::Rows(rows), ColumnOf::Solved(a)) => {
+                let solved = twice.map_or(solved, |(.., solved)| solved);
                 rows.iter().map(|(row, v)| v * solved[(*row, *a)]).sum()
             }
             (ColumnOf::Rows(a), ColumnOf::Rows(b)) => {
                 let of = |row: &usize| {
-                    b.iter()
-                        .filter(|(other, _)| other == row)
-                        .map(|(_, v)| v)
-                        .sum::<f64>()
+                    let same = b.iter().filter(|(other, _)| other == row);
+                    same.map(|(_, v)| v).sum::<f64>()
                 };
-                a.iter().map(|(row, v)| v * of(row)).sum()
+                let plain: f64 = a.iter().map(|(row, v)| v * of(row)).sum();
+                plain - twice.map_or(0.0, |(background, ..)| background.dot(a, b))
             }
         }
     }
@@ -136,7 +140,16 @@ fn score(
     }
     let rest = -(&covariance * &gradient);
     let count: f64 = fitted.weights.iter().sum();
+    let twice = fitted.background.as_deref().map(|background| {
+        let (mut own, mut residual) = (own.clone(), residual.clone());
+        let mut solved = columns.solved.clone();
+        background.whiten_columns(&mut own);
+        background.whiten_columns(&mut solved);
+        background.whiten(&mut residual);
+        (background, own, residual, solved)
+    });
     let against = Against {
+        twice,
         cross: &own.tr_mul(&columns.solved),
         own: &own,
         residual: &residual,

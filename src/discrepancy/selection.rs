@@ -10,6 +10,7 @@ use super::hypothesis::Hypothesis;
 use super::influence::Influence;
 use super::screening::{Score, penalty, screen};
 use super::subject::{Data, Subject};
+use crate::identify::global::gauss_newton::Ending;
 
 /// Rivals whose criterion is within so much of the best one's cannot be told apart.
 pub const RIVAL: f64 = 6.0;
@@ -54,7 +55,12 @@ pub struct Selected {
     pub gains: Vec<f64>,
     /// Rivals of each chosen hypothesis.
     pub rivals: Vec<Vec<Rival>>,
+    /// What each cause gained when it came in.
+    pub gained: Gained,
 }
+
+/// What causes gained when they came into a model.
+pub type Gained = Vec<(Hypothesis, f64)>;
 
 /// Chi-square plus the penalties of what is in a fit.
 pub fn criterion(fitted: &Fitted, places: usize) -> f64 {
@@ -144,7 +150,21 @@ fn refits(
             .par_iter()
             .map(|score| with((subject, data), base, score, Effort::candidate(reached))),
     );
-    out
+    // Where the first steps were hard the order may still change.
+    let objectives = out.iter().flatten().map(|found| found.minimum.objective);
+    let best = objectives.fold(f64::INFINITY, f64::min);
+    out.into_par_iter()
+        .map(|found| {
+            let found = found?;
+            let close = found.minimum.objective < 3.0 * best;
+            let unfinished = found.minimum.ending == Ending::MaxIterations;
+            Some(if close && unfinished {
+                polished(subject, found, data)
+            } else {
+                found
+            })
+        })
+        .collect()
 }
 
 /// The same model, fitted as well as it can be.
@@ -188,7 +208,7 @@ fn floor(gained: &[(Hypothesis, f64)], hypothesis: &Hypothesis) -> f64 {
 /// each one held against its rivals, which takes most of the time.
 pub fn select(
     subject: &Subject<'_>,
-    start: Fitted,
+    (start, mut gained): (Fitted, Gained),
     data: Data,
     accept: &dyn Fn(&Hypothesis) -> bool,
     compare: bool,
@@ -198,8 +218,6 @@ pub fn select(
     let mut current = start;
     let mut best = criterion(&current, places);
     let mut scores = first;
-    // What each one gained when it came in.
-    let mut gained: Vec<(Hypothesis, f64)> = Vec::new();
     while current.chosen.len() < MOST {
         let promise = scores.first().map_or(0.0, |score| HOPELESS * score.net);
         // A score may promise too little, but not by much.
@@ -246,9 +264,12 @@ pub fn select(
             places,
             gains: vec![0.0; count],
             rivals: vec![Vec::new(); count],
+            gained,
         };
     }
-    finish(subject, current, (best, places), data, accept)
+    let mut selected = finish(subject, current, (best, places), data, accept);
+    selected.gained = gained;
+    selected
 }
 
 /// How badly each case is predicted by all others: cross-validation over load cases.
@@ -348,5 +369,6 @@ fn finish(
         places,
         gains,
         rivals,
+        gained: Vec::new(),
     }
 }

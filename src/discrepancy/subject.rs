@@ -1,5 +1,8 @@
+use std::sync::Arc;
+
 use nalgebra::DVector;
 
+use super::background::Background;
 use crate::identify::Problem;
 use crate::identify::global::{Observations, Row};
 
@@ -14,6 +17,8 @@ pub struct Subject<'a> {
     pub sigma: f64,
     /// Ids of bushings whose assembly offset is no nuisance but a hypothesis like any other.
     pub offsets_in_question: Vec<u32>,
+    /// Errors of hardpoints and loads that are part of the noise: of the fitted cases, and of all.
+    pub backgrounds: Option<[Arc<Background>; 2]>,
     held_out: Vec<bool>,
 }
 
@@ -27,6 +32,7 @@ impl<'a> Subject<'a> {
             sigma: observations.sigma,
             rows: observations.rows,
             offsets_in_question: Vec::new(),
+            backgrounds: None,
             held_out,
         }
     }
@@ -39,6 +45,15 @@ impl<'a> Subject<'a> {
     /// True if some case is held out.
     pub fn holds_out(&self) -> bool {
         self.held_out.iter().any(|held| *held)
+    }
+
+    /// What whitens the rows of a fit of this data.
+    pub fn background(&self, data: Data) -> Option<Arc<Background>> {
+        let [fitted, all] = self.backgrounds.as_ref()?;
+        Some(Arc::clone(match data {
+            Data::Fitted => fitted,
+            Data::All => all,
+        }))
     }
 
     /// Weight of each row in a fit.

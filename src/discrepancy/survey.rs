@@ -108,6 +108,11 @@ impl<'a> Survey<'a> {
         &self.subject.rows
     }
 
+    /// Prediction minus reading of a row, in units of its noise.
+    pub fn misfit(&self, row: usize) -> f64 {
+        self.fitted.misfit[row]
+    }
+
     /// Sd of a mark coordinate.
     pub fn sigma(&self) -> f64 {
         self.subject.sigma
@@ -445,6 +450,9 @@ impl<'a> Survey<'a> {
         };
         for (mut column, &of) in solved.column_iter_mut().zip(&asked) {
             column *= numbers[of].sd;
+        }
+        if let Some(background) = &self.fitted.background {
+            background.whiten_columns(&mut solved);
         }
         let mut next = 0;
         let of = |number: &&super::hypothesis::Number| match &number.column {

@@ -31,7 +31,7 @@ impl Outcome<'_> {
         let forces = Survey::new(subject, &self.baseline).forces();
         let groups = self.groups();
         let means = |fit: &super::extended::Fitted, group: &Group| -> Vec<Option<f64>> {
-            let residual = &fit.minimum.evaluation.residual;
+            let residual = &fit.misfit;
             group
                 .rows
                 .iter()

@@ -53,7 +53,7 @@ impl Outcome<'_> {
     /// Rms of what is left of the marks, and the worst of them.
     fn worst_mark(&self) -> Option<String> {
         let measurement = self.subject.problem.measurement;
-        let residual = &self.baseline.minimum.evaluation.residual;
+        let residual = &self.baseline.misfit;
         let (mut sum, mut count, mut worst) = (0.0, 0.0, (0.0, 0));
         for (k, row) in self.subject.rows.iter().enumerate() {
             let Row::Mark { axis, .. } = *row else {
@@ -106,7 +106,7 @@ impl Outcome<'_> {
                 .filter(
                     |(_, row)| matches!(row, Row::Wheel { component: of, .. } if *of == component),
                 )
-                .map(|(k, row)| (self.baseline.minimum.evaluation.residual[k], row.case()))
+                .map(|(k, row)| (self.baseline.misfit[k], row.case()))
                 .max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
             let Some((residual, case)) = worst.filter(|(r, _)| r.abs() > 3.0) else {
                 continue;
@@ -134,9 +134,7 @@ impl Outcome<'_> {
                 |(_, row)| matches!(row, Row::Channel { channel: of, .. } if *of == channel),
             );
             let of = |fitted: &Fitted| {
-                let squares = rows
-                    .clone()
-                    .map(|(k, _)| fitted.minimum.evaluation.residual[k].powi(2));
+                let squares = rows.clone().map(|(k, _)| fitted.misfit[k].powi(2));
                 (squares.sum::<f64>() / rows.clone().count().max(1) as f64).sqrt() * info.sigma
             };
             if rows.clone().next().is_some() {

@@ -111,7 +111,7 @@ impl DiagnosisReport<'_> {
             let mut sums = vec![(0.0, 0.0); fit.states.len()];
             for (k, row) in rows.iter().enumerate() {
                 let sum = &mut sums[row.case()];
-                sum.0 += fit.minimum.evaluation.residual[k].powi(2);
+                sum.0 += fit.misfit[k].powi(2);
                 sum.1 += 1.0;
             }
             let points = sums.iter().enumerate().filter(|(_, sum)| sum.1 > 0.0);
@@ -253,7 +253,7 @@ impl DiagnosisReport<'_> {
                 continue;
             };
             let read = measurement.cases[case].marks[reading];
-            let value = fitted.minimum.evaluation.residual[k];
+            let value = fitted.misfit[k];
             let cell: &mut Option<f64> = &mut values[case][first[read.part] + read.mark];
             if cell.is_none_or(|old| old.abs() < value.abs()) {
                 *cell = Some(value);

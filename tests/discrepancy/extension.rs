@@ -32,7 +32,7 @@ pub fn reproduces(outcome: &Outcome<'_>) {
     assert!(places.iter().flatten().count() >= parts.len() - 1);
     let (mut case, mut values) = (0, Vec::new());
     while let Some(step) = reader.next_step().unwrap() {
-        if !matches!(step.kind, StepKind::Static | StepKind::Equilibrium) {
+        if step.kind == StepKind::Input {
             continue;
         }
         step.values(&mut values).unwrap();

@@ -34,8 +34,11 @@ pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 vec![Number::linear(name, sd, Column::Rows(rows))],
             ));
         };
-        // The reading is (1 + gain) times the truth plus a zero: the residual falls by what is read too much.
-        let gain = read.iter().map(|(at, _, value)| (*at, -value / info.sigma));
+        // The reading is (1 + gain) times the truth plus a zero. The truth is what the fit predicts: a factor on the reading itself
+        // would explain anything by making it nothing.
+        let gain = read
+            .iter()
+            .map(|(at, _, value)| (*at, value / info.sigma + survey.misfit(*at)));
         put("gain", "gain", 0.1, gain.collect());
         let zero = read.iter().map(|(at, _, _)| (*at, -1.0 / info.sigma));
         put("zero", "zero", size, zero.collect());

@@ -149,6 +149,11 @@ impl Hypothesis {
         }
     }
 
+    /// Numbers that are looked at together only for what they do to the readings.
+    pub fn of_numbers(numbers: Vec<Number>) -> Self {
+        Self::plain(Cause::HardpointError, String::new(), "", numbers)
+    }
+
     /// True if both say the same of the same place, in whatever form.
     pub fn same_place(&self, other: &Self) -> bool {
         self.cause == other.cause && self.address == other.address
@@ -216,6 +221,23 @@ pub fn all(survey: &Survey<'_>) -> Vec<Hypothesis> {
     channel_fault::hypotheses(survey, &mut out);
     out
 }
+
+/// Errors that every deck and rig has, with their usual sizes: hardpoints by a tenth of a millimetre, loads by a third of a percent.
+pub fn background(survey: &Survey<'_>) -> Vec<Number> {
+    let (mut points, mut gains) = (Vec::new(), Vec::new());
+    hardpoint_error::hypotheses(survey, &mut points);
+    load_gain::hypotheses(survey, &mut gains);
+    let of = |hypotheses: Vec<Hypothesis>, sd: f64| {
+        let numbers = hypotheses.into_iter().flat_map(|h| h.numbers);
+        numbers.map(move |number| Number { sd, ..number })
+    };
+    of(points, BACKGROUND.0 * survey.millimetre())
+        .chain(of(gains, BACKGROUND.1))
+        .collect()
+}
+
+/// Millimetres and parts of a load.
+pub const BACKGROUND: (f64, f64) = (0.1, 0.003);
 
 /// The address of one number.
 pub fn number(kind: &str, id: u32, argument: &str, index: Option<usize>) -> Address {
