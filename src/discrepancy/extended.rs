@@ -227,12 +227,11 @@ pub fn fit(
         changes().eq(theirs.clone().flat_map(|h| &h.changes))
             && plans().eq(theirs.filter_map(|h| h.memory.as_ref()))
     });
-    let deck = match same {
-        Some(fitted) => Arc::clone(&fitted.deck),
-        None => {
-            let measures: Vec<String> = plans().map(|plan| plan.measure.clone()).collect();
-            Arc::new(extend(&subject.problem, changes(), &measures)?)
-        }
+    let deck = if let Some(fitted) = same {
+        Arc::clone(&fitted.deck)
+    } else {
+        let measures: Vec<String> = plans().map(|plan| plan.measure.clone()).collect();
+        Arc::new(extend(&subject.problem, changes(), &measures)?)
     };
     let problem = Problem {
         dataset: &deck.dataset,

@@ -455,14 +455,13 @@ impl<'a> Survey<'a> {
             background.whiten_columns(&mut solved);
         }
         let mut next = 0;
-        let of = |number: &&super::hypothesis::Number| match &number.column {
-            Column::Rows(rows) => {
-                ColumnOf::Rows(rows.iter().map(|(row, v)| (*row, v * number.sd)).collect())
+        let of = |number: &&super::hypothesis::Number| {
+            if let Column::Rows(rows) = &number.column {
+                let scaled = rows.iter().map(|(row, v)| (*row, v * number.sd));
+                return ColumnOf::Rows(scaled.collect());
             }
-            _ => {
-                next += 1;
-                ColumnOf::Solved(next - 1)
-            }
+            next += 1;
+            ColumnOf::Solved(next - 1)
         };
         Columns {
             of: numbers.iter().map(of).collect(),

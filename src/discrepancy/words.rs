@@ -7,6 +7,9 @@ use crate::identify::global::Row;
 /// A bias is worth a sentence from so many of its standard errors on.
 const NOTABLE: f64 = 2.0;
 
+/// So many failing tests are listed.
+const LISTED: usize = 6;
+
 impl Outcome<'_> {
     /// The answer in sentences: what the model misses and where, what of it sits in which cause, what is gained on cases no fit saw,
     /// what the wrong model did to the stiffnesses, what remains.
@@ -30,8 +33,13 @@ impl Outcome<'_> {
                 next.why
             ));
         }
-        for place in &self.diagnosis.unexplained.places {
+        let places = &self.diagnosis.unexplained.places;
+        for place in places.iter().take(LISTED) {
             out.push(format!("What remains without a cause: {place}."));
+        }
+        if places.len() > LISTED {
+            let more = places.len() - LISTED;
+            out.push(format!("{more} more tests of structure fail."));
         }
         out
     }
@@ -228,10 +236,11 @@ impl Outcome<'_> {
                 "the rms of the marks goes from {a:.4} to {b:.4}{by}"
             ));
         }
-        if let (Some(a), Some(b)) = (before.wheel_deg_rms, after.wheel_deg_rms) {
+        if let (Some([camber, steer]), Some([camber_after, steer_after])) =
+            (before.wheel_deg_rms, after.wheel_deg_rms)
+        {
             parts.push(format!(
-                "camber from {:.4} to {:.4} deg, steer from {:.4} to {:.4} deg",
-                a[0], b[0], a[1], b[1]
+                "camber from {camber:.4} to {camber_after:.4} deg, steer from {steer:.4} to {steer_after:.4} deg"
             ));
         }
         parts.push(format!(

@@ -22,6 +22,7 @@ const SD: f64 = 2000.0;
 
 /// Joints that slide, and springs along their length, at both ends of their travel.
 pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+    let per_length = survey.newton() / survey.millimetre();
     for joint in survey.model.joints.iter().filter(|j| j.header.active) {
         if !matches!(
             joint.kind,
@@ -44,8 +45,7 @@ pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             (joint.i, joint.j),
             (&u, &directions),
             &measure,
-            &text,
-            survey.newton() / survey.millimetre(),
+            (&text, per_length),
             out,
         );
     }
@@ -91,8 +91,7 @@ pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             pair,
             (&u, &directions),
             &measure,
-            &text,
-            survey.newton() / survey.millimetre(),
+            (&text, per_length),
             out,
         );
     }
@@ -105,8 +104,7 @@ fn stops(
     pair: (crate::model::MarkerIx, crate::model::MarkerIx),
     (u, directions): (&[f64], &[Vec6]),
     measure: &str,
-    statements: &dyn Fn(&str) -> (u32, Vec<NewStatement>),
-    per_length: f64,
+    (statements, per_length): (&dyn Fn(&str) -> (u32, Vec<NewStatement>), f64),
     out: &mut Vec<Hypothesis>,
 ) {
     let (low, high) = u
