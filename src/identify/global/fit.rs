@@ -428,7 +428,7 @@ impl Prepared {
     /// # Errors
     /// A channel whose function cannot be read.
     pub fn external(problem: &Problem<'_>) -> Result<Self, IdentifyError> {
-        let (model, channels) = with_channels(problem.model, problem.measurement)
+        let (model, channels) = with_channels(problem.model, problem.measurement, &[])
             .map_err(|diagnostic| BackendError::NotSolvable(vec![diagnostic]))?;
         let system = System::compile(&model).value;
         Ok(Self {
