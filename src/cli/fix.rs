@@ -1,13 +1,16 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use similar::TextDiff;
 
-use crate::diagnostic::Applicability;
+use crate::diagnostic::{Applicability, Code, Diagnostic};
+use crate::model::replace_user_forces;
 use crate::syntax::Dataset;
+use crate::syntax::files::references;
 use crate::syntax::lint::{self, Options};
 use crate::text::{Edit, Source, Span, apply_edits};
 
 use super::Outcome;
+use super::get;
 use super::shell::{Exit, Shell};
 
 /// Apply fixes that keep the meaning of a dataset.
@@ -21,6 +24,15 @@ pub(super) struct Arguments {
     /// Make the change, after it was shown.
     #[arg(long)]
     write: bool,
+    /// Also replace forces of USER subroutines that only read an Adams/Car bushing, spring or bump-stop file by its curves.
+    #[arg(long)]
+    replace_user: bool,
+    /// With --replace-user: where to look for property files, by their name, besides the folder of the deck.
+    #[arg(long, value_name = "FOLDER", requires = "replace_user")]
+    files: Vec<PathBuf>,
+    /// With --replace-user: the free length of a spring, or the distance at which a stop begins to touch: `SFORCE/3=210`.
+    #[arg(long, value_name = "FORCE=LENGTH", requires = "replace_user")]
+    length: Vec<String>,
 }
 
 /// Shows and makes the changes.
@@ -31,7 +43,11 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             exit = Exit::Findings;
             continue;
         };
-        let fixed = fixed(&source);
+        let mut fixed = fixed(&source);
+        if arguments.replace_user {
+            let safe = Source::new(source.name(), fixed);
+            fixed = without_user_forces(&safe, arguments, shell)?;
+        }
         if fixed == source.bytes() {
             continue;
         }
@@ -61,6 +77,68 @@ fn fixed(source: &Source) -> Vec<u8> {
     }
     // Edits that still conflict leave the file as it is.
     apply_edits(source.bytes(), &edits).unwrap_or_else(|_| source.bytes().to_vec())
+}
+
+/// The file with the curves of property files in place of the subroutines that read them.
+fn without_user_forces(
+    source: &Source,
+    arguments: &Arguments,
+    shell: &mut Shell,
+) -> Result<Vec<u8>, Exit> {
+    let dataset = Dataset::parse(source.clone()).value;
+    let mut lengths = Vec::new();
+    for text in &arguments.length {
+        let (word, value) = text.split_once('=').unwrap_or((text, ""));
+        let address = get::parse(word, &dataset, shell)?;
+        let Ok(value) = value.trim().parse::<f64>() else {
+            let message = format!("`{text}` is not FORCE=LENGTH");
+            return Err(shell.usage(Diagnostic::error(Code::BadNumber, message)));
+        };
+        lengths.push((address, value));
+    }
+    let mut files = shell.read_files(&dataset).value;
+    for reference in references(&dataset) {
+        if files.get(&reference.name).is_none() {
+            let found = arguments
+                .files
+                .iter()
+                .find_map(|f| below(f, &reference.name));
+            if let Some(found) = found {
+                files.add(reference.name, shell.read(&found)?);
+            }
+        }
+    }
+    let replacement = replace_user_forces(&dataset, &files, &lengths);
+    shell.complain(&replacement.diagnostics);
+    Ok(apply_edits(source.bytes(), &replacement.edits).unwrap_or_else(|_| source.bytes().to_vec()))
+}
+
+/// The file of a name of the Adams/Car database (`mdids://acar/bushings.tbl/a.bus`) below a folder: by its last part, whatever
+/// the case of its letters.
+fn below(folder: &Path, name: &str) -> Option<PathBuf> {
+    let last = name.rsplit(['/', '\\']).next()?;
+    let mut open = vec![folder.to_path_buf()];
+    while let Some(folder) = open.pop() {
+        let mut entries: Vec<PathBuf> = std::fs::read_dir(folder)
+            .into_iter()
+            .flatten()
+            .flatten()
+            .map(|entry| entry.path())
+            .collect();
+        entries.sort();
+        for path in entries {
+            let own = path.file_name().map(|n| n.to_string_lossy().into_owned());
+            if path.is_symlink() {
+                continue;
+            }
+            if path.is_dir() {
+                open.push(path);
+            } else if own.is_some_and(|own| own.eq_ignore_ascii_case(last)) {
+                return Some(path);
+            }
+        }
+    }
+    None
 }
 
 /// The change as a unified diff.

@@ -44,9 +44,11 @@ struct Column {
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let source = shell.read(&arguments.deck)?;
     let parsed = Dataset::parse(source);
-    let lowered = Model::lower(&parsed.value);
+    let files = shell.read_files(&parsed.value);
+    let lowered = Model::lower_with(&parsed.value, &files.value);
     let compiled = System::compile(&lowered.value);
     let mut complaints = parsed.diagnostics;
+    complaints.extend(files.diagnostics);
     complaints.extend(lowered.diagnostics);
     complaints.extend(compiled.diagnostics);
     shell.complain(&complaints);

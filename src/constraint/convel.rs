@@ -8,7 +8,7 @@ use crate::mechanics::{Mat3, RelativeMotion, Vec6};
 ///
 /// d = 0, and for co-directed z axes `xi.yj - yi.xj = 0`, for opposed z axes (both pointing away from the joint)
 /// `xi.yj + yi.xj = 0`. With the wrong sign the last equation holds for every twist and constrains nothing, so the sense is
-/// fixed once from the design by [`Convel::for_design`]. Undefined when the shafts fold to 90 degrees. Source: ADAMS-FORMATS 2.4.
+/// fixed once from the design by [`Convel::for_design`]. Undefined when the shafts fold to 90 degrees. Source: Adams Solver help, `state_joint`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Convel {
     /// zi.zj > 0 in the design.

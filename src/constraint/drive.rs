@@ -5,7 +5,8 @@ use crate::mechanics::{RelativeMotion, Vec6};
 
 /// MOTION, displacement form: `measure - value = 0`, the value of the FUNCTION being the only parameter.
 ///
-/// The reaction `-multiplier * row` is the force or torque that drives I. Source: ADAMS-FORMATS 2.6.
+/// The reaction `-multiplier * row` is the force or torque that drives I, along or about an axis of J. Valid wherever the measure is.
+/// Source: Adams Solver help, `state_motion`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Drive {
     /// What is prescribed.

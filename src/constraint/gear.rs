@@ -27,7 +27,7 @@ pub enum GearedJoint {
 /// carrier the speed of the part carrying I is `(zj x r) . z_cv` per radian and `zj . z_cv` per length, which are constant: the
 /// equality of the two parts' speeds integrates to `sum a q (first) - sum a q (second) = const`, the constant being its value
 /// in the design. Returned are the terms of one joint with `factor` (+1 for the first joint, -1 for the second); a CYLINDRICAL
-/// joint gives two. Source: derived from the common-velocity wording of ADAMS-FORMATS 2.6.
+/// joint gives two. Source: derived from the common-velocity wording of Adams Solver help, `state_gear`.
 pub fn gear_terms(kind: GearedJoint, j: &Pose, cv: &Pose, factor: f64) -> [Option<Term>; 2] {
     let zj: Vec3 = j.R.column(2).into_owned();
     let along: Vec3 = cv.R.column(2).into_owned();

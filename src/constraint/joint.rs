@@ -1,4 +1,4 @@
-//! The lower-pair joints of JOINT (ADAMS-FORMATS 2.4) as locked distances and scalar products.
+//! The lower-pair joints of JOINT (Adams Solver help, `state_joint`) as locked distances and scalar products.
 //!
 //! Frames: d = origin I - origin J; xi, yi, zi the axes of I, xj, yj, zj of J. Knows no pitch, no drive, no friction.
 

@@ -8,7 +8,8 @@ use crate::mechanics::{Mat3, RelativeMotion, Vec6};
 /// With d = `p_ij_j`, v = an axis of I in J axes and e = an axis of J:
 /// `d . e = 0`, row `(e, 0)`; `v . e = 0`, row `(0, v x e)`, whose derivative along `dtheta` is
 /// `(dtheta x v) x e = (v e' - (v . e) 1) dtheta`. Valid for any motion; a product `v . e = 0` with `z_i` also holds when the
-/// axis has turned over.
+/// axis has turned over. Source: Adams Solver help, `state_joint`,
+/// `state_jprim`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Locks {
     /// Axes of J along which the origins may not part.

@@ -5,7 +5,8 @@ use crate::mechanics::{Mat3, RelativeMotion, Vec3, Vec6, unwrap_near};
 
 /// A scalar displacement between two markers: what a MOTION prescribes and a COUPLER or GEAR combines.
 ///
-/// Frames: I relative to J, right-handed, radians. Sources: ADAMS-FORMATS 2.4 (displacement of a joint), 2.6 (MOTION), 4.3.
+/// Frames: I relative to J, right-handed, radians. Sources: Adams Solver help, `state_joint`
+/// (displacement of a joint), `state_motion`, `cfunc_az`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Measure {
     /// Component of `p_ij_j` along an axis of J: 0, 1, 2.

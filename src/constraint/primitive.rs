@@ -1,4 +1,4 @@
-//! The joint primitives of JPRIM (ADAMS-FORMATS 2.5) as locked distances and scalar products.
+//! The joint primitives of JPRIM (Adams Solver help, `state_jprim`) as locked distances and scalar products.
 //!
 //! Frames as in the joints. Knows nothing of the statement it came from.
 

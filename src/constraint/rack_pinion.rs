@@ -12,7 +12,7 @@ const SENSE: f64 = 1.0;
 /// Equation: `-d.zj - SENSE PD / 2 phi = 0`: the rack (J, whose displacement relative to I is `-d`) advances by the pitch radius
 /// times the rotation phi of I about zi, measured from where xi points along zj. Turns are counted by taking phi nearest to
 /// what the rack's place asks for. One equation; other joints hold the axes perpendicular. Parameter: PD, the pitch diameter,
-/// signed. Source: ADAMS-FORMATS 2.4 (form certain, sign not).
+/// signed. Valid as long as xi does not lie along the pinion axis. Source: Adams Solver help, `state_joint` (form certain, sign not).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct RackPinion;
 

@@ -32,7 +32,7 @@ const fn primitive(kind: &'static str, locks: Locks) -> ConstraintEntry {
         kind,
         constraint: PairConstraint::Locks(locks),
         parameter: None,
-        source: "ADAMS-FORMATS 2.5",
+        source: "adams_solver/state_jprim.html",
     }
 }
 
@@ -46,7 +46,7 @@ const fn joint(
         kind,
         constraint,
         parameter,
-        source: "ADAMS-FORMATS 2.4",
+        source: "adams_solver/state_joint.html",
     }
 }
 
@@ -56,7 +56,7 @@ const fn drive(kind: &'static str, measure: Measure, dimension: Dimension) -> Co
         kind,
         constraint: PairConstraint::Drive(Drive { measure }),
         parameter: Some(("FUNCTION", dimension)),
-        source: "ADAMS-FORMATS 2.6",
+        source: "adams_solver/state_motion.html",
     }
 }
 
@@ -137,7 +137,7 @@ mod tests {
 
     #[test]
     fn the_number_of_equations_is_the_manuals() {
-        // Freedoms removed, ADAMS-FORMATS 2.4 to 2.6, in the order of the registry.
+        // Freedoms removed, by the help pages of JOINT, JPRIM and MOTION, in the order of the registry.
         let removed = [
             3, 5, 5, 4, 3, 6, 4, 4, 4, 4, 1, 1, 3, 2, 1, 3, 2, 1, 1, 1, 1, 1, 1, 1, 1,
         ];

@@ -6,7 +6,7 @@ use crate::mechanics::{RelativeMotion, Vec6};
 /// SCREW: `d.zj - PITCH / (2 pi) AZ = 0`, AZ the rotation of I about zj counting turns; right-handed.
 ///
 /// One equation: ADAMS decks use it together with a CYLINDRICAL joint. Parameter: PITCH, translation per turn.
-/// Source: ADAMS-FORMATS 2.4.
+/// Valid for any number of turns, undefined where xi lies along zj. Source: Adams Solver help, `state_joint`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Screw;
 

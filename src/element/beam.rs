@@ -14,7 +14,7 @@ use crate::model::BeamFormulation;
 /// `K33 = 12 E Iyy / (L^3 (1 + Pz))`, `K35 = 6 E Iyy / (L^2 (1 + Pz))`, `K55 = (4 + Pz) E Iyy / (L (1 + Pz))`, `K44 = G Ixx / L`.
 /// Shear is left out where its ratio is zero. J feels `-F` and `-T - d x F` at its own origin.
 /// Parameters, in the order of the model: LENGTH, AREA, IXX, IYY, IZZ, EMODULUS, GMODULUS, ASY, ASZ.
-/// Validity: small relative deflections. Source: ADAMS-FORMATS 2.9.
+/// Validity: small relative deflections. Source: Adams Solver help, `state_beam`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Beam;
 

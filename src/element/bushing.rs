@@ -11,7 +11,7 @@ use crate::mechanics::{Mat6, RelativeMotion, Vec6};
 /// J feels `-F` and `-T - d x F` at its own origin, so that swapping I and J is another element.
 /// Parameters: K.1..3, KT.1..3 (per radian), FORCE.1..3, TORQUE.1..3.
 /// Validity: ADAMS asks two of the three angles to stay under 10 degrees, only c may be large. The torque has no potential for
-/// finite angles. Source: ADAMS-FORMATS 2.7.
+/// finite angles. Source: Adams Solver help, `state_bushing`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Bushing;
 

@@ -5,7 +5,7 @@ use crate::mechanics::{Mat3, RelativeMotion, Vec3, Vec6};
 
 /// The six deflections (x, y, z, AX, AY, AZ) of a bushing-like element and what their angles change with.
 ///
-/// x, y, z = `p_ij_j`; the angles are those of ADAMS-FORMATS 2.7 and 4.3 and count turns. Their row about axis n of J, with v
+/// x, y, z = `p_ij_j`; the angles are those of the functions AX, AY, AZ (`cfunc_ax`) and count turns. Their row about axis n of J, with v
 /// the turning I axis and w = v without its n component, is `e_n - v_n w / (w . w)`. Small-angle meaning is lost beyond about
 /// 10 degrees of the other two angles; at 90 degrees an angle is undefined.
 pub(super) struct Deflection {

@@ -9,7 +9,7 @@ use crate::mechanics::{Mat6, RelativeMotion, Vec6};
 /// Law, in J axes, on I at the I origin, with q = (x, y, z, AX, AY, AZ): `(F, T) = -K (q - LENGTH) + FORCE`; J feels `-F` and
 /// `-T - d x F` at its own origin. K need not be symmetric.
 /// Parameters: KMATRIX.1..36 column by column (as written in the dataset), LENGTH.1..6, FORCE.1..6.
-/// Validity: angles as for BUSHING. Source: ADAMS-FORMATS 2.8.
+/// Validity: angles as for BUSHING. Source: Adams Solver help, `state_field`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Field;
 

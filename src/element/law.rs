@@ -5,7 +5,7 @@ use crate::mechanics::{Mat6, RelativeMotion, Vec6};
 
 /// The wrench on marker I at the I origin, in J axes, and its derivatives.
 ///
-/// J feels the opposite force at the I origin, that is `-F` and `-T - d x F` at the J origin (ADAMS-FORMATS 2.7).
+/// J feels the opposite force at the I origin, that is `-F` and `-T - d x F` at the J origin (`state_bushing`).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Wrench {
     /// (force, torque).

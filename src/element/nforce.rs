@@ -9,8 +9,7 @@ use crate::mechanics::{Mat6, RelativeMotion, Vec6};
 /// Law, in J axes, with q the stacked (x, y, z, AX, AY, AZ) of each I marker relative to J: the stacked wrenches on the I
 /// markers, each at its own origin, are `-K (q - LENGTH) + FORCE`. J feels the opposite of each at that marker's origin.
 /// Parameters: KMATRIX.1..(6n)^2 column by column, LENGTH.1..6n, FORCE.1..6n.
-/// Validity: angles as for BUSHING. Source: the FIELD law of ADAMS-FORMATS 2.8 for several markers, as the product describes
-/// NFORCE ("multi-point stiffness", 2.12).
+/// Validity: angles as for BUSHING. Source: the law of FIELD for several markers, as Adams Solver help, `state_nforce` describes it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct MultiPoint {
     /// How many I markers.

@@ -7,11 +7,13 @@ use crate::mechanics::{Mat6, RelativeMotion, Vec6};
 /// SFORCE: a force or torque of given magnitude. The magnitude is the only parameter; the caller fills it from the FUNCTION and
 /// adds `by_parameter` times the function's own gradient.
 ///
-/// Laws, on I, with e the magnitude (ADAMS-FORMATS 2.11):
+/// Laws, on I, with e the magnitude:
 /// * `Line` (TRANSLATIONAL): `F = e n`, n the direction from J to I; positive pushes apart; the turning of the line is in
 ///   `by_motion`. Undefined where the origins coincide.
 /// * `AlongZj` (TRANSLATIONAL, ACTIONONLY): `F = e zj` at I; J feels nothing, which is the caller's part.
 /// * `AboutZj` (ROTATIONAL, with or without ACTIONONLY): `T = e zj`. zi is expected parallel to zj and co-directed.
+///
+/// Source: Adams Solver help, `state_sforce`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ScalarForce {
     /// Along the line of the origins.

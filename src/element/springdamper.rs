@@ -8,7 +8,7 @@ use crate::mechanics::{Mat6, RelativeMotion, Vec6};
 ///
 /// Law, with r = |d|, n = d / r: `F = f n` on I at the I origin, `f = -K (r - LENGTH) + FORCE`; positive f repels. The
 /// derivative holds the turning of the line, `dF/dd = -K n n' + f / r (1 - n n')`. No torque on either marker.
-/// Parameters: K, LENGTH, FORCE. Validity: r > 0; at r = 0 ADAMS stops and so does this. Source: ADAMS-FORMATS 2.10.
+/// Parameters: K, LENGTH, FORCE. Validity: r > 0; at r = 0 ADAMS stops and so does this. Source: Adams Solver help, `state_springdamper`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct TranslationalSpring;
 
@@ -48,7 +48,7 @@ impl Law for TranslationalSpring {
 ///
 /// Law: `T = (-KT (theta - ANGLE) + TORQUE) zj` on I, theta the rotation of xi about zj (AZ, counting turns).
 /// Parameters: KT (per radian), ANGLE, TORQUE. Validity: zi parallel to zj, which ADAMS demands and does not enforce; the angle
-/// is undefined where xi lies along zj. Source: ADAMS-FORMATS 2.10.
+/// is undefined where xi lies along zj. Source: Adams Solver help, `state_springdamper`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct RotationalSpring;
 

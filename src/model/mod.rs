@@ -12,6 +12,7 @@ mod lower;
 mod object;
 mod settings;
 pub mod summary;
+mod user_force;
 
 pub use constraint::{
     Coupler, CouplerKind, Gcon, Gear, Joint, JointKind, Motion, MotionAxis, MotionOrder, Primitive,
@@ -28,6 +29,7 @@ pub use force::{
 pub use frame::{Marker, MarkerIx, Orientation, Part, PartIx, PartKind};
 pub use lower::lower;
 pub use settings::{EquilibriumSettings, OutputSettings, ResultsSettings, StaticMethod};
+pub use user_force::{Replacement, replace_user_forces};
 
 use crate::mechanics::Vec3;
 use crate::units::Units;

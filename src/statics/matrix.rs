@@ -52,11 +52,7 @@ impl Matrix {
             debug_assert_eq!(self.next, self.slots.len(), "same order every time");
             return;
         }
-        let mut order: Vec<u32> = (0..self.first.len() as u32).collect();
-        order.sort_unstable_by_key(|&k| {
-            let (column, row, _) = self.first[k as usize];
-            (column, row)
-        });
+        let order = self.by_columns();
         self.slots = vec![0; self.first.len()];
         for k in order {
             let (column, row, value) = self.first[k as usize];
@@ -71,6 +67,29 @@ impl Matrix {
         self.first = Vec::new();
         self.known = true;
         self.next = self.slots.len();
+    }
+
+    /// The additions in order of columns, then rows: counted into columns, which are short.
+    fn by_columns(&self) -> Vec<u32> {
+        let mut ends = vec![0_u32; self.n + 1];
+        for (column, _, _) in &self.first {
+            ends[*column as usize + 1] += 1;
+        }
+        for k in 0..self.n {
+            ends[k + 1] += ends[k];
+        }
+        let mut next = ends.clone();
+        let mut order = vec![0; self.first.len()];
+        for (k, (column, _, _)) in self.first.iter().enumerate() {
+            let at = &mut next[*column as usize];
+            order[*at as usize] = k as u32;
+            *at += 1;
+        }
+        for pair in ends.windows(2) {
+            let column = &mut order[pair[0] as usize..pair[1] as usize];
+            column.sort_unstable_by_key(|&k| (self.first[k as usize].1, k));
+        }
+        order
     }
 
     /// Adds to an entry that is in the pattern, after the assembly.

@@ -6,6 +6,7 @@ mod balance;
 mod closed_forms;
 #[path = "../common/mod.rs"]
 mod common;
+mod coverage;
 mod data;
 mod deck;
 mod derivatives;
@@ -19,3 +20,4 @@ mod reference;
 mod robust;
 mod sensitivity;
 mod speed;
+mod user_force;

@@ -21,6 +21,12 @@ use crate::mechanics::{Mat3, Pose, Vec3};
 use crate::model::{ArrayKind, Function, Header, Model, Orientation, PartKind};
 use crate::units::Dimension;
 
+/// What helps where a subroutine is called: in general, and for a force.
+const USER_HELP: [&str; 2] = [
+    "the command backend runs it with real ADAMS",
+    "the command backend runs it with real ADAMS; if it only reads an Adams/Car property file, `admire fix --replace-user` puts its curves in its place",
+];
+
 const ACCELERATION: Dimension = Dimension::new(0, 0, 1, -2, 0);
 
 impl System {
@@ -298,7 +304,7 @@ impl<'a> Compiler<'a> {
                 )
                 .help("the equilibrium found is the one without friction; with it every position in a band around is one"),
                 _ => Diagnostic::error(code, format!("{owner} is not solved: {}", u.why))
-                    .help("the command backend runs it with real ADAMS"),
+                    .help(USER_HELP[usize::from(u.kind == "GFORCE")]),
             });
         }
         let mut users: Vec<&str> = Vec::new();

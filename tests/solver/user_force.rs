@@ -1,0 +1,187 @@
+//! USER forces that only read a property file, replaced by its curves: the deck then solves, to closed forms.
+
+use admire::model::{Model, replace_user_forces};
+use admire::statics::{Settings, Solver};
+use admire::syntax::files::Files;
+use admire::syntax::{Address, Dataset};
+use admire::system::System;
+use admire::text::{Source, apply_edits};
+
+const UNITS: &str =
+    "[UNITS]\nLENGTH='mm'\nFORCE='newton'\nANGLE='degrees'\nMASS='kg'\nTIME='second'\n";
+
+/// 100, 200, 400 N/mm and 50 N.m per 5 degrees about z, straight; damping of 0.5.
+fn bushing() -> String {
+    let mut out = format!("[MDI_HEADER]\nFILE_TYPE='bus'\nFILE_VERSION=4.0\n{UNITS}");
+    out += "[DAMPING]\nFX_DAMPING=0.5\nFY_DAMPING=0.5\nFZ_DAMPING=0.5\nTX_DAMPING=0\nTY_DAMPING=0\nTZ_DAMPING=0\n";
+    for (block, slope) in [
+        ("FX_CURVE", 100.0),
+        ("FY_CURVE", 200.0),
+        ("FZ_CURVE", 400.0),
+        ("TX_CURVE", 1e4),
+        ("TY_CURVE", 1e4),
+        ("TZ_CURVE", 1e4),
+    ] {
+        out += &format!("[{block}]\n{{x y}}\n");
+        for x in [-5.0, -2.0, 0.0, 1.0, 5.0] {
+            out += &format!("{x} {}\n", slope * x);
+        }
+    }
+    out
+}
+
+fn stiffening(kind: &str, extra: &str) -> String {
+    let mut out = format!(
+        "[MDI_HEADER]\nFILE_TYPE='{kind}'\nFILE_VERSION=4.0\n{UNITS}{extra}[CURVE]\n{{disp force}}\n"
+    );
+    for x in [-50.0, 0.0, 50.0, 100.0] {
+        out += &format!("{x} {}\n", 20.0 * x);
+    }
+    out
+}
+
+const DECK: &str = "user forces\r\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\r\nPART/1, GROUND\r\nMARKER/1, PART=1\r\n\
+    PART/2, MASS=1, CM=20, IP=100,100,100\r\nMARKER/20, PART=2\r\nMARKER/9, PART=1, FLOATING\r\n\
+    ! the bushing of the arm\r\n\
+    GFORCE/1\r\n, I = 20\r\n, JFLOAT = 9\r\n, RM = 1\r\n, FUNCTION = USER(900, 31, 7, 0)\\\r\n, ROUTINE = abgVDM::bushing\r\n\
+    STRING/31, STRING = mdids://acar_shared/bushings.tbl/arm.bus\r\nSTRING/32, STRING = coil.spr\r\nSTRING/33, STRING = stop.bum\r\n\
+    STRING/34, STRING = stop.reb\r\nSPLINE/40, X=0,1,2,3, Y=0,1,2,3\r\n";
+
+fn files() -> Files {
+    let mut files = Files::default();
+    let spring = "[SPRING_DATA]\nFREE_LENGTH = 120\n";
+    for (name, text) in [
+        ("mdids://acar_shared/bushings.tbl/arm.bus", bushing()),
+        ("coil.spr", stiffening("spr", spring)),
+        ("stop.bum", stiffening("bum", "")),
+        ("stop.reb", stiffening("bum", "")),
+    ] {
+        files.add(name, Source::new(name, text.into_bytes()));
+    }
+    files
+}
+
+/// The deck with these statements, replaced; the complaints.
+fn replaced(more: &str, lengths: &[(Address, f64)]) -> (String, Vec<String>) {
+    let text = format!("{DECK}{more}END\r\n");
+    let dataset = Dataset::parse(Source::new("user.adm", text.into_bytes())).value;
+    let out = replace_user_forces(&dataset, &files(), lengths);
+    let bytes = apply_edits(dataset.source().bytes(), &out.edits).unwrap();
+    let told = out.diagnostics.iter().map(|d| d.message.clone()).collect();
+    (String::from_utf8(bytes).unwrap(), told)
+}
+
+/// Where the part stands.
+fn place(text: &str) -> admire::mechanics::Pose {
+    let model: Model = crate::deck::read(text);
+    let system = System::compile(&model);
+    assert!(!system.has_errors(), "{:?}", system.diagnostics);
+    let system = system.value;
+    let mut state = system.state();
+    Solver::new(&system)
+        .solve(
+            &system,
+            &system.parameters(),
+            &mut state,
+            &Settings::tight(),
+        )
+        .unwrap();
+    state.poses[1]
+}
+
+const PULL: &str =
+    "MARKER/8, PART=1, FLOATING\r\nGFORCE/2, I=20, JFLOAT=8, RM=1, FX=50\\, FZ=-100\\, TZ=2E4\r\n";
+
+#[test]
+fn a_bushing_file_becomes_splines() {
+    let (text, told) = replaced(PULL, &[]);
+    assert!(told.is_empty(), "{told:?}");
+    assert!(text.contains("! the bushing of the arm\r\nGFORCE/1\r\n, I = 20\r\n"));
+    assert!(text.contains(", FX = -AKISPL(DX(20,1,1), 0, 41)-0.5*VX(20,1,1,1)\\\r\n"));
+    assert!(!text.contains("USER") && !text.contains("ROUTINE"));
+    let pose = place(&text);
+    assert!((pose.p.x - 0.5).abs() < 1e-9 && (pose.p.z + 0.25).abs() < 1e-9);
+    // 2e4 N.mm at 1e4 N.mm per degree.
+    let turn = admire::mechanics::log(&pose.R).z.to_degrees();
+    assert!((turn - 2.0).abs() < 1e-9, "{turn}");
+}
+
+const GUIDE: &str = "MARKER/21, PART=2\r\nMARKER/3, PART=1, QP=0,0,0\r\nJOINT/1, TRANSLATIONAL, I=21, J=3\r\nMARKER/4, PART=1, QP=0,0,-100\r\n\
+    MARKER/7, PART=1, REULER=0D,180D,0D\r\nSFORCE/9, I=20, J=7, TRANSLATIONAL, ACTIONONLY, FUNCTION=600\r\n";
+
+/// Without the bushing: only the guide, the load of 600 N downwards and one more force.
+fn guided(force: &str, lengths: &[(Address, f64)]) -> (String, Vec<String>) {
+    let (text, told) = replaced(&format!("{GUIDE}{force}\r\n"), lengths);
+    let begin = text.find("! the bushing of the arm").unwrap();
+    let end = text.find("STRING/31").unwrap();
+    (format!("{}{}", &text[..begin], &text[end..]), told)
+}
+
+fn force(id: u32) -> Address {
+    crate::reference::address("SFORCE", id)
+}
+
+#[test]
+fn a_spring_file_acts_from_its_free_length() {
+    let spring =
+        "SFORCE/5, I=20, J=4, TRANSLATIONAL, FUNCTION=USER(32,1)\\, ROUTINE=abgVDM::spring";
+    let (text, told) = guided(spring, &[]);
+    assert!(told.is_empty(), "{told:?}");
+    assert!(
+        text.contains(", FUNCTION = AKISPL(120-DM(20,4), 0, "),
+        "{text}"
+    );
+    // 20 (120 - r) = 600: r = 90, so the part stands at -10.
+    assert!((place(&text).p.z + 10.0).abs() < 1e-8);
+    // The installed length of the deck overrides that of the file.
+    let (text, _) = guided(spring, &[(force(5), 110.0)]);
+    assert!((place(&text).p.z + 20.0).abs() < 1e-8);
+}
+
+#[test]
+fn a_stop_acts_only_beyond_its_clearance() {
+    let stop = "SFORCE/6, I=20, J=4, TRANSLATIONAL, FUNCTION=USER(33)";
+    let (text, told) = guided(stop, &[]);
+    assert!(text.contains("USER(33)"));
+    assert_eq!(
+        told,
+        [
+            "SFORCE/6 keeps its subroutine: the length at which `stop.bum` begins to act stands in its parameters"
+        ]
+    );
+    let (text, told) = guided(stop, &[(force(6), 85.0)]);
+    assert!(told.is_empty(), "{told:?}");
+    // Free until r = 85, then 20 (85 - r) = 600: r = 55.
+    assert!(
+        text.contains("IF(85-DM(20,4): 0, 0, AKISPL(85-DM(20,4), 0, "),
+        "{text}"
+    );
+    let from_below = text.replace("PART/2, MASS", "PART/2, QG=0,0,-40, MASS");
+    assert!((place(&from_below).p.z + 45.0).abs() < 1e-8);
+    // A rebound stop pulls: hung from above, with its other end 100 higher and the load downwards.
+    let rebound =
+        "MARKER/5, PART=1, QP=0,0,100\r\nSFORCE/7, I=20, J=5, TRANSLATIONAL, FUNCTION=USER(34)";
+    let (text, _) = guided(rebound, &[(force(7), 95.0)]);
+    // 20 (r - 95) = 600: r = 125.
+    assert!((place(&text).p.z + 25.0).abs() < 1e-8);
+}
+
+#[test]
+fn other_subroutines_stay() {
+    let (text, told) = replaced(
+        "SFORCE/6, I=20, J=1, TRANSLATIONAL, FUNCTION=USER(1,2,3)\r\nSFORCE/7, I=20, J=1, TRANSLATIONAL, FUNCTION=USER(31)\r\n\
+         SFORCE/8, I=20, J=1, TRANSLATIONAL, FUNCTION=USER(32,33)\r\n",
+        &[],
+    );
+    assert!(
+        text.contains("USER(1,2,3)") && text.contains("USER(31)") && text.contains("USER(32,33)")
+    );
+    assert_eq!(
+        told,
+        [
+            "SFORCE/6 keeps its subroutine: its parameters lead to no property file that was read",
+            "SFORCE/7 keeps its subroutine: `mdids://acar_shared/bushings.tbl/arm.bus` does not describe a SFORCE",
+            "SFORCE/8 keeps its subroutine: it reads `coil.spr` and `stop.bum`",
+        ]
+    );
+}
