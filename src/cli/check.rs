@@ -4,18 +4,19 @@ use std::path::{Path, PathBuf};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::{self, Model};
 use crate::syntax::lint::Options;
+use crate::syntax::property::PropertyFile;
 use crate::syntax::{self, CommandFile, Dataset};
 use crate::text::Source;
 
 use super::Outcome;
 use super::shell::{Exit, Shell, exit_of};
 
-/// Check datasets and command files.
+/// Check datasets, command files and property files.
 ///
 /// Prints what is wrong with them, each complaint at its place. Exit code 1 if there is an error among the complaints.
 #[derive(clap::Args, Debug)]
 pub(super) struct Arguments {
-    /// Datasets (.adm) and command files (.acf).
+    /// Datasets (.adm), command files (.acf) and property files of Adams/Car (.bus, .spr, ...).
     #[arg(required = true)]
     files: Vec<PathBuf>,
     /// The decks are for the FORTRAN solver: also report lines it would cut off.
@@ -34,6 +35,8 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         };
         if is_command_file(path) {
             found.extend(CommandFile::parse(source).diagnostics);
+        } else if PropertyFile::is_one(source.bytes()) {
+            found.extend(PropertyFile::parse(source).diagnostics);
         } else {
             found.extend(of_dataset(source, arguments.fortran, shell));
         }

@@ -2,23 +2,24 @@ use std::path::{Path, PathBuf};
 
 use similar::TextDiff;
 
-use crate::diagnostic::{Applicability, Code, Diagnostic};
+use crate::diagnostic::{Code, Diagnostic};
 use crate::model::replace_user_forces;
-use crate::syntax::Dataset;
 use crate::syntax::files::references;
 use crate::syntax::lint::{self, Options};
-use crate::text::{Edit, Source, Span, apply_edits};
+use crate::syntax::{CommandFile, Dataset, safe_fixes};
+use crate::text::{Source, Span, apply_edits};
 
 use super::Outcome;
+use super::check::is_command_file;
 use super::get;
 use super::shell::{Exit, Shell};
 
-/// Apply fixes that keep the meaning of a dataset.
+/// Apply fixes that keep the meaning of a dataset or a command file.
 ///
 /// Shows the change; with --write it is made, too.
 #[derive(clap::Args, Debug)]
 pub(super) struct Arguments {
-    /// Datasets (.adm).
+    /// Datasets (.adm) and command files (.acf).
     #[arg(required = true)]
     decks: Vec<PathBuf>,
     /// Make the change, after it was shown.
@@ -43,8 +44,8 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             exit = Exit::Findings;
             continue;
         };
-        let mut fixed = fixed(&source);
-        if arguments.replace_user {
+        let mut fixed = fixed(&source, is_command_file(path));
+        if arguments.replace_user && !is_command_file(path) {
             let safe = Source::new(source.name(), fixed);
             fixed = without_user_forces(&safe, arguments, shell)?;
         }
@@ -60,21 +61,16 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
 }
 
 /// The file with every safe fix made that does not touch another one.
-fn fixed(source: &Source) -> Vec<u8> {
-    let parsed = Dataset::parse(source.clone());
-    let mut found = parsed.diagnostics;
-    found.extend(lint::check(&parsed.value, &Options::default()));
-    let mut edits: Vec<Edit> = Vec::new();
-    for fix in found.into_iter().filter_map(|diagnostic| diagnostic.fix) {
-        let apart = |edit: &Edit| {
-            edits
-                .iter()
-                .all(|made| edit.span.end <= made.span.start || made.span.end <= edit.span.start)
-        };
-        if fix.applicability == Applicability::Safe && fix.edits.iter().all(apart) {
-            edits.extend(fix.edits);
-        }
-    }
+fn fixed(source: &Source, is_command_file: bool) -> Vec<u8> {
+    let found = if is_command_file {
+        CommandFile::parse(source.clone()).diagnostics
+    } else {
+        let parsed = Dataset::parse(source.clone());
+        let mut found = parsed.diagnostics;
+        found.extend(lint::check(&parsed.value, &Options::default()));
+        found
+    };
+    let edits = safe_fixes(&found, source.name());
     // Edits that still conflict leave the file as it is.
     apply_edits(source.bytes(), &edits).unwrap_or_else(|_| source.bytes().to_vec())
 }

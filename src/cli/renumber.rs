@@ -104,9 +104,11 @@ fn ids(text: &str, dataset: &Dataset, shell: &Shell) -> Result<Renumbering, Exit
             .ok_or_else(|| wrong(format!("`{word}` is not a whole number above zero")))
     };
     let (first, step) = (number(first)?, number(step)?);
-    let kind = find_statement(what.trim().as_bytes(), Role::Dataset);
-    if let Lookup::Found(def) = kind
+    let what = what.trim();
+    // `MARKER_3` is a name, not a longer spelling of the keyword.
+    if let Lookup::Found(def) = find_statement(what.as_bytes(), Role::Dataset)
         && def.id.is_some()
+        && what.len() <= def.name.len()
     {
         let found = in_order(dataset, def.name, first, step);
         let too_many = found.len() as u64 * u64::from(step) + u64::from(first);

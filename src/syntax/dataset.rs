@@ -8,7 +8,7 @@ use super::lexer::{Lexer, is_blank};
 use super::lines::{LogicalLine, logical_lines, physical_line};
 use super::parser::StatementParser;
 use super::{Statement, Token, TokenKind};
-use crate::diagnostic::{Checked, Code, Diagnostic};
+use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
 use crate::grammar::Role;
 use crate::text::{Edit, EditConflict, Source, Span, apply_edits};
 
@@ -218,6 +218,9 @@ pub(super) fn starts_line(bytes: &[u8], offset: usize) -> bool {
         .is_none_or(|byte| matches!(byte, b'\n' | b'\r'))
 }
 
+/// More complaints about one file than anybody reads are counted, not kept.
+const MOST_COMPLAINTS: usize = 10_000;
+
 /// Reads logical lines, those of long files on all processors.
 pub(super) fn parse_lines(
     source: &Source,
@@ -231,17 +234,35 @@ pub(super) fn parse_lines(
         for line in chunk {
             parser.line(*line, &mut statements);
         }
-        (statements, parser.diagnostics)
+        (statements, parser.diagnostics, parser.dropped)
     };
-    if lines.len() <= CHUNK {
-        return read(lines);
-    }
-    let chunks: Vec<_> = lines.par_chunks(CHUNK).map(read).collect();
+    let chunks: Vec<_> = if lines.len() <= CHUNK {
+        vec![read(lines)]
+    } else {
+        lines.par_chunks(CHUNK).map(read).collect()
+    };
     let mut statements = Vec::with_capacity(lines.len());
     let mut diagnostics = Vec::new();
-    for (some, complaints) in chunks {
+    let (mut dropped, mut worst) = (0, Severity::Note);
+    for (some, complaints, (count, severity)) in chunks {
         statements.extend(some);
-        diagnostics.extend(complaints);
+        let room = MOST_COMPLAINTS.saturating_sub(diagnostics.len());
+        for late in complaints.iter().skip(room) {
+            dropped += 1;
+            worst = worst.max(late.severity);
+        }
+        diagnostics.extend(complaints.into_iter().take(room));
+        dropped += count;
+        worst = worst.max(severity);
+    }
+    if dropped > 0 {
+        let mut more = Diagnostic::note(
+            Code::LimitExceeded,
+            format!("{dropped} more complaints are not listed"),
+        )
+        .label(source.name(), Span::at(source.bytes().len()), "");
+        more.severity = worst;
+        diagnostics.push(more);
     }
     (statements, diagnostics)
 }

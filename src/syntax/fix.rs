@@ -1,31 +1,33 @@
+use std::collections::BTreeMap;
+
 use crate::diagnostic::{Applicability, Diagnostic};
-use crate::text::Edit;
+use crate::text::{Edit, Span};
 
 /// The edits of all fixes that keep the meaning of a file, for `file` as named by its source. Of fixes that meet at one place
 /// the first one is taken; the others can be had when the file is read again.
 pub fn safe_fixes(diagnostics: &[Diagnostic], file: &str) -> Vec<Edit> {
-    let mut taken: Vec<Edit> = Vec::new();
+    let mut taken: BTreeMap<Span, Edit> = BTreeMap::new();
     for diagnostic in diagnostics {
         let (Some(fix), Some(label)) = (&diagnostic.fix, diagnostic.labels.first()) else {
             continue;
         };
-        let apart = |edit: &Edit| {
-            taken.iter().all(|other| {
-                edit.span.end < other.span.start
-                    || other.span.end < edit.span.start
-                    || (edit.span.end == other.span.start && !edit.span.is_empty())
-                    || (other.span.end == edit.span.start && !other.span.is_empty())
-            })
-        };
         if fix.applicability == Applicability::Safe
             && &*label.file == file
-            && fix.edits.iter().all(apart)
+            && fix.edits.iter().all(|edit| fits(&taken, edit.span))
         {
-            taken.extend(fix.edits.iter().cloned());
+            taken.extend(fix.edits.iter().map(|edit| (edit.span, edit.clone())));
         }
     }
-    taken.sort_by_key(|edit| edit.span);
-    taken
+    taken.into_values().collect()
+}
+
+/// True if a span meets none that is taken: only its neighbours can be in its way.
+fn fits(taken: &BTreeMap<Span, Edit>, span: Span) -> bool {
+    let apart = |a: Span, b: Span| a.end < b.start || (a.end == b.start && !a.is_empty());
+    let before = taken.range(..=span).next_back();
+    let after = taken.range(span..).next();
+    before.is_none_or(|(other, _)| apart(*other, span))
+        && after.is_none_or(|(other, _)| apart(span, *other))
 }
 
 #[cfg(test)]

@@ -1,4 +1,5 @@
 use super::hash::QuickMap;
+use crate::diagnostic::Severity;
 use crate::grammar::{
     ArgumentDef, Lookup, Role, STATEMENTS, StatementDef, find_argument, find_statement, nearest,
 };
@@ -10,6 +11,16 @@ pub(super) enum Missed {
     Ambiguous(Vec<&'static str>),
     /// None does; the nearest one.
     Unknown(Option<&'static str>),
+}
+
+impl Missed {
+    /// How bad it is: what is ambiguous may have been meant.
+    pub fn severity(&self) -> Severity {
+        match self {
+            Self::Ambiguous(_) => Severity::Error,
+            Self::Unknown(_) => Severity::Warning,
+        }
+    }
 }
 
 type Found<T> = Result<&'static T, Missed>;

@@ -2,18 +2,23 @@ use super::keywords::{Keywords, Missed};
 use super::lexer::Lexer;
 use super::lines::LogicalLine;
 use super::{Argument, Number, Statement, Token, TokenKind};
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::grammar::{ArgumentDef, Role, StatementDef};
 use crate::text::{Source, Span};
 
 /// A statement full of nonsense is reported with so many complaints, not with one for each of its words.
 const MOST_COMPLAINTS: usize = 50;
 
+/// So many complaints are kept of the few thousand lines one parser reads: a file of nonsense shall not fill the memory.
+const MOST_OF_A_PARSER: usize = 500;
+
 /// Reads logical lines into statements. Knows the grammar tables; values are read in `value.rs`.
 pub(super) struct StatementParser<'a> {
     pub(super) source: &'a Source,
     pub(super) keywords: Keywords,
     pub(super) diagnostics: Vec<Diagnostic>,
+    /// Complaints that were not kept: how many, and the worst of them.
+    pub(super) dropped: (usize, Severity),
     role: Role,
     complaints: usize,
     /// Memory of the line before.
@@ -30,6 +35,7 @@ impl<'a> StatementParser<'a> {
             source,
             keywords: Keywords::new(role),
             diagnostics: Vec::new(),
+            dropped: (0, Severity::Note),
             role,
             complaints: 0,
             tokens: Vec::new(),
@@ -129,6 +135,7 @@ impl<'a> StatementParser<'a> {
         match self.keywords.statement(typed) {
             Ok(def) => Some(def),
             Err(_) if self.role == Role::Dataset && typed.eq_ignore_ascii_case(b"END") => None,
+            Err(missed) if self.is_full(missed.severity()) => None,
             Err(Missed::Ambiguous(names)) => {
                 let diagnostic = Diagnostic::error(
                     Code::AmbiguousKeyword,
@@ -246,6 +253,7 @@ impl<'a> StatementParser<'a> {
         let typed = self.source.slice(span);
         let (diagnostic, help) = match self.keywords.argument(statement, typed) {
             Ok(def) => return Some(def),
+            Err(missed) if self.is_full(missed.severity()) => return None,
             Err(Missed::Ambiguous(names)) => (
                 Diagnostic::error(
                     Code::AmbiguousKeyword,
@@ -277,10 +285,19 @@ impl<'a> StatementParser<'a> {
         None
     }
 
+    /// True, and counted, if a complaint of this severity is not kept any more.
+    fn is_full(&mut self, severity: Severity) -> bool {
+        let full = self.diagnostics.len() >= MOST_OF_A_PARSER;
+        if full {
+            self.dropped = (self.dropped.0 + 1, self.dropped.1.max(severity));
+        }
+        full
+    }
+
     /// Adds a complaint with its place.
     pub(super) fn complain(&mut self, diagnostic: Diagnostic, span: Span, label: &str) {
         self.complaints += 1;
-        if self.complaints <= MOST_COMPLAINTS {
+        if self.complaints <= MOST_COMPLAINTS && !self.is_full(diagnostic.severity) {
             self.diagnostics
                 .push(diagnostic.label(self.source.name(), span, label));
         }

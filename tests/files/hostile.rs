@@ -178,3 +178,18 @@ fn time_grows_with_the_file_and_not_faster() {
         assert!(linear, "{lead:?} {unit:?}: {seen:?}");
     }
 }
+
+/// A file of nonsense is not answered with more complaints than anybody reads, and none is taken for good.
+#[test]
+fn complaints_are_counted_not_kept_without_end() {
+    for line in ["A\n", "XYZ/1\n", "PART/1\n", "VARIABLE/1, FUNCTION=SIN(\n"] {
+        let text = format!("t\n{}END\n", line.repeat(60_000));
+        let read = Dataset::parse(Source::new("a.adm", text.as_bytes()));
+        let found = admire::syntax::lint::check(&read.value, &Default::default());
+        assert!(read.diagnostics.len() <= 10_001, "{line}");
+        let all: Vec<_> = read.diagnostics.iter().chain(&found).collect();
+        assert!(all.len() < 60_000, "{line}");
+        let told = all.iter().any(|d| d.message.ends_with("are not listed"));
+        assert!(told, "{line}");
+    }
+}

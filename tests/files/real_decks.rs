@@ -375,3 +375,82 @@ fn a_spline_of_a_property_file_is_the_spline_of_the_deck() {
         "{refused:?}"
     );
 }
+
+/// Kinds, single objects and named ones get new ids; the command file beside the deck follows.
+#[test]
+fn renumber_follows_references_into_functions_and_commands() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let deck = "t\nPART/1, GROUND\nMARKER/1, PART=1\nPART/2, MASS=2, CM=20, IP=1,1,1\nMARKER/20, PART=2\n! adams_view_name='front'\nBUSHING/12, I=20, J=1, K=1,1,1\nSFORCE/3, TRANSLATIONAL, ACTIONONLY, I=20, J=1, FUNCTION=2*DZ(20,1)\nEND\n";
+    let commands =
+        "\nfile/model=d\nSFORCE/3, FUNCTION=3*DZ(20,1,1)\nDEACTIVATE/BUSHING, ID=12\nsim/stat\n";
+    std::fs::write(at("d.adm"), deck).expect("writable");
+    std::fs::write(at("d.acf"), commands).expect("writable");
+    let (adm, acf, out) = (at("d.adm"), at("d.acf"), at("new"));
+    std::fs::create_dir(&out).expect("a folder");
+    let words = [
+        "renumber",
+        &adm,
+        "PART=10",
+        "MARKER/20=99",
+        "front=7",
+        "--commands",
+        &acf,
+        "-o",
+        &out,
+    ];
+    let done = admire(&words);
+    assert_eq!(code(&done), 0, "{done:?}");
+    let read = |name: &str| std::fs::read_to_string(at(name)).expect("readable");
+    let moved = deck
+        .replace("PART/1,", "PART/10,")
+        .replace("PART=1\n", "PART=10\n")
+        .replace("PART/2,", "PART/11,")
+        .replace("PART=2\n", "PART=11\n")
+        .replace("20", "99")
+        .replace("BUSHING/12", "BUSHING/7");
+    assert_eq!(read("new/d.adm"), moved);
+    let followed = commands.replace("20", "99").replace("ID=12", "ID=7");
+    assert_eq!(read("new/d.acf"), followed);
+    assert_eq!(read("d.adm"), deck, "the original stays");
+    let clash = admire(&["renumber", &adm, "MARKER/20=1", "--in-place"]);
+    assert_eq!(code(&clash), 1);
+    assert_eq!(read("d.adm"), deck);
+    assert_eq!(code(&admire(&["renumber", &adm, "MARKER"])), 2);
+}
+
+/// Degrees of freedom by count and by rank: a four-bar linkage of revolute joints counts -2 and has one.
+#[test]
+fn a_planar_linkage_is_overconstrained_and_moves() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("linkage.adm");
+    let mut deck =
+        String::from("linkage\nPART/1, GROUND\nMARKER/1, PART=1\nMARKER/4, PART=1, QP=40,0,0\n");
+    let ends = [[0, 0, 0, 10], [0, 10, 40, 20], [40, 20, 40, 0]];
+    for (k, [ax, ay, bx, by]) in ends.iter().enumerate() {
+        let (part, cm, a, b) = (k + 2, 100 + k, 10 * k + 11, 10 * k + 12);
+        deck += &format!(
+            "PART/{part}, MASS=1, CM={cm}, IP=1,1,1\nMARKER/{cm}, PART={part}\nMARKER/{a}, PART={part}, QP={ax},{ay},0\nMARKER/{b}, PART={part}, QP={bx},{by},0\n"
+        );
+    }
+    for (k, (i, j)) in [(11, 1), (21, 12), (31, 22), (32, 4)].iter().enumerate() {
+        deck += &format!("JOINT/{}, REVOLUTE, I={i}, J={j}\n", k + 1);
+    }
+    deck += "END\n";
+    std::fs::write(&path, deck).expect("writable");
+    let summary = admire(&[
+        "summary",
+        path.to_str().expect("a name"),
+        "--format",
+        "json",
+    ]);
+    let summary: serde_json::Value = serde_json::from_str(&text(&summary)).expect("JSON");
+    let found = &summary["degrees_of_freedom"];
+    assert_eq!(
+        (found["gruebler"].as_i64(), found["actual"].as_i64()),
+        (Some(-2), Some(1))
+    );
+    assert_eq!(found["redundant"].as_array().map(Vec::len), Some(3));
+    assert_eq!(summary["mass"], 3.0);
+    assert_eq!(summary["unused_markers"].as_array().map(Vec::len), Some(0));
+}

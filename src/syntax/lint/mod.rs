@@ -71,12 +71,35 @@ const fn rule(code: Code, check: fn(&Context<'_>, &mut Vec<Diagnostic>)) -> Rule
     Rule { code, check }
 }
 
+/// More complaints of one rule than anybody reads are counted, not kept.
+const MOST_OF_A_RULE: usize = 10_000;
+
+/// The first complaints of a rule, the last one saying how many more there are and as bad as the worst of them.
+fn shortened(mut own: Vec<Diagnostic>, code: Code) -> Vec<Diagnostic> {
+    let rest = own.split_off(MOST_OF_A_RULE);
+    let worst = rest.iter().map(|d| d.severity).max();
+    if let Some(last) = own.last_mut() {
+        last.message = format!(
+            "{} more complaints of {code} are not listed",
+            rest.len() + 1
+        );
+        last.severity = last.severity.max(worst.unwrap_or(last.severity));
+        last.fix = None;
+    }
+    own
+}
+
 /// Runs every rule over a dataset. Complaints are in the order of their places in the file.
 pub fn check(dataset: &Dataset, options: &Options) -> Vec<Diagnostic> {
     let context = Context::new(dataset, options);
     let mut found = Vec::new();
     for rule in RULES {
-        (rule.check)(&context, &mut found);
+        let mut own = Vec::new();
+        (rule.check)(&context, &mut own);
+        if own.len() > MOST_OF_A_RULE {
+            own = shortened(own, rule.code);
+        }
+        found.extend(own);
     }
     found.sort_by_key(|diagnostic| {
         let place = diagnostic.labels.first().map(|label| label.span);
