@@ -12,7 +12,7 @@ use std::time::Instant;
 use admire::model::Model;
 use admire::syntax::{CommandFile, Dataset};
 use admire::text::Source;
-use process::{peak, rate};
+use process::{peak, rate, seconds};
 
 fn main() {
     let megabytes = std::env::args()
@@ -65,24 +65,24 @@ fn main() {
         let once = time(piece, 10 << 20);
         let twice = time(piece, 20 << 20);
         println!(
-            "hostile, {what:<22} 10 MB: {once:>6.2} s, 20 MB: {twice:>6.2} s, ratio {:.1}",
+            "hostile, {what:<22} 10 MB: {once:>6.2} s of processor, 20 MB: {twice:>6.2} s, ratio {:.1}",
             twice / once
         );
     }
 }
 
-/// Seconds to read so many bytes of a pattern as a dataset and as a command file.
+/// Processor seconds to read so many bytes of a pattern as a dataset and as a command file.
 fn time(piece: &[u8], size: usize) -> f64 {
     let mut bytes = b"title\n".to_vec();
     while bytes.len() < size {
         bytes.extend_from_slice(piece);
     }
     let source = Source::new("hostile", bytes);
-    let start = Instant::now();
-    let dataset = Dataset::parse(source.clone());
-    let commands = CommandFile::parse(source.clone());
-    assert_eq!(dataset.value.bytes(), commands.value.bytes());
-    start.elapsed().as_secs_f64()
+    seconds(|| {
+        let dataset = Dataset::parse(source.clone());
+        let commands = CommandFile::parse(source.clone());
+        assert_eq!(dataset.value.bytes(), commands.value.bytes());
+    })
 }
 
 /// Parts with markers, bushings and forces in the way ADAMS/View writes them.

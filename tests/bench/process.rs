@@ -1,4 +1,5 @@
 //! What the system tells of this process: processor time and memory.
+#![allow(dead_code)] // Each bench uses its own part.
 
 use std::time::Instant;
 
@@ -21,6 +22,16 @@ pub fn rate<T>(what: &str, bytes: impl FnOnce() -> usize, work: impl FnOnce() ->
     }
     println!();
     result
+}
+
+/// Processor seconds of all threads that the work took; seconds by the clock where the system does not tell.
+pub fn seconds(work: impl FnOnce()) -> f64 {
+    let (start, busy) = (Instant::now(), processor_seconds());
+    work();
+    match (busy, processor_seconds()) {
+        (Some(before), Some(after)) => after - before,
+        _ => start.elapsed().as_secs_f64(),
+    }
 }
 
 /// Of all threads, in hundredths of seconds.
