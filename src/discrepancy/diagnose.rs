@@ -8,7 +8,8 @@ use super::cause::Cause;
 use super::diagnosis::{
     BaselineFit, Diagnosis, Evidence, Finding, Gain, Indistinguishable, Unexplained, Verdict,
 };
-use super::extended::{Effort, Fitted, Warm, fit};
+use super::effort::Effort;
+use super::extended::{Fitted, Warm, fit};
 use super::held_out::{HeldOutTest, held_out_test, marks_gain, moved};
 use super::hypothesis::{BACKGROUND, Hypothesis, assembly_offset};
 use super::next_measurement::next_measurement;
@@ -49,6 +50,8 @@ pub struct Outcome<'a> {
     pub held_out: Option<[HeldOutTest; 2]>,
     /// By how much the rms of marks held out falls, and its standard error.
     pub marks_gain: Option<(f64, f64)>,
+    /// The model as it was and as it is extended, both fitted without the cases held out.
+    pub unseen: Option<[Fitted; 2]>,
     /// Stiffnesses before and after.
     pub stiffnesses: Vec<CorrectedStiffness>,
     /// How many hypotheses were tried.
@@ -186,6 +189,7 @@ pub fn diagnose<'a>(
     };
     let tests = [unaware.as_ref(), blind.as_ref()]
         .map(|fitted| fitted.and_then(|fitted| held_out_test(&subject, fitted)));
+    let unseen = unaware.zip(blind).map(|(before, after)| [before, after]);
     let stiffnesses = corrected(problem, &baseline, &selected.fitted);
     Ok(Outcome {
         diagnosis: Diagnosis {
@@ -200,9 +204,10 @@ pub fn diagnose<'a>(
             [Some(before), Some(after)] => Some([before, after]),
             _ => None,
         },
-        marks_gain: unaware
-            .zip(blind)
-            .and_then(|(before, after)| marks_gain(&subject, &before, &after)),
+        marks_gain: unseen
+            .as_ref()
+            .and_then(|[before, after]| marks_gain(&subject, before, after)),
+        unseen,
         stiffnesses,
         subject,
         baseline,

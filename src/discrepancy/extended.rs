@@ -1,23 +1,23 @@
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
 use super::background::Background;
-use super::hypothesis::{Change, Column, Hypothesis, Turn, Unknown};
+use super::effort::Effort;
+use super::fit_problem::FitProblem;
+use super::hypothesis::{Change, Hypothesis, Unknown};
+use super::setup::Setup;
 use super::subject::{Data, Subject};
 use crate::identify::Problem;
 use crate::identify::global::gauss_newton::{
     Ending, LeastSquares, Minimum, Prior, Tolerances, minimise,
 };
 use crate::identify::global::{
-    Component, Direction, Evaluation, FitUnknown, FitUnknowns, Meaning, Memory, NativePredictor,
-    NuisanceLayout, Observations, Predictor, Prepared, fit_unknowns,
+    FitUnknowns, Memory, NuisanceLayout, Observations, Predictor, Prepared,
 };
-use crate::mechanics::{Mat3, Vec3, exp, psi_theta_phi};
 use crate::model::Model;
-use crate::syntax::{Address, Dataset};
-use crate::system::{Parameters, Slot, State};
+use crate::syntax::Dataset;
+use crate::system::{Parameters, State};
 
 /// A deck extended by some hypotheses, compiled.
 #[derive(Debug)]
@@ -163,51 +163,13 @@ impl<'a> Warm<'a> {
     }
 
     /// Its unknowns, moved.
-    fn x(&self) -> Vec<f64> {
+    pub(super) fn x(&self) -> Vec<f64> {
         let mut x = self.fitted.minimum.x.clone();
         for ((x, step), prior) in x.iter_mut().zip(self.step).zip(&self.fitted.priors) {
             let most = prior.sd.min(1.0);
             *x += step.clamp(-most, most);
         }
         x
-    }
-}
-
-/// Turns below this, in units of their prior, count as this.
-const LEAST_TURN: f64 = 1e-7;
-/// How much a fit may cost.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Effort {
-    /// Steps tried at most.
-    pub steps: usize,
-    /// A step that gains less than this part of chi-square was the last one.
-    pub relative: f64,
-    /// An objective that is known to be reached otherwise: a fit that stays far above it and no longer comes down fast is given up.
-    pub reached: f64,
-}
-
-impl Effort {
-    /// For a model that is to be kept.
-    pub const FULL: Self = Self {
-        steps: 30,
-        relative: 1e-7,
-        reached: f64::INFINITY,
-    };
-
-    /// For one of many candidates, of which most are dropped.
-    pub const fn candidate(reached: f64) -> Self {
-        Self {
-            steps: 14,
-            relative: 1e-4,
-            reached,
-        }
-    }
-
-    /// Whether a fit that has come down from one objective to another may stop.
-    fn is_enough(self, step: usize, (before, after): (f64, f64)) -> bool {
-        let gained = before - after;
-        let hopeless = after > 2.0 * self.reached + 100.0 && gained < 0.3 * (after - self.reached);
-        gained < self.relative * after || (step >= 4 && hopeless)
     }
 }
 
@@ -365,344 +327,4 @@ fn like(deck: &ExtendedDeck, state: &State, theirs: &ExtendedDeck) -> State {
     new.multipliers.clone_from(&state.multipliers);
     new.redundant.clone_from(&state.redundant);
     new
-}
-
-/// Columns that act on rows directly.
-type RowColumn = Vec<(usize, f64)>;
-
-/// Unknowns of an extended fit: those of the deck, of the measurement, and those that only act on rows.
-struct Setup {
-    deck: Parameters,
-    unknowns: FitUnknowns,
-    layout: NuisanceLayout,
-    rows: Vec<RowColumn>,
-    turns: Vec<(usize, Turn, [[Slot; 3]; 2])>,
-    memories: Vec<Memory>,
-    places: Vec<Vec<usize>>,
-    start: Vec<f64>,
-    priors: Vec<Prior>,
-    scale: Vec<f64>,
-}
-
-impl Setup {
-    fn new(
-        (subject, problem): (&Subject<'_>, &Problem<'_>),
-        prepared: &Prepared,
-        chosen: &[(Hypothesis, Vec<f64>)],
-        warm: Option<Warm<'_>>,
-    ) -> Option<Self> {
-        let at_warm = warm.map(|warm| warm.x());
-        let warm = warm.map(|warm| warm.fitted);
-        let system = &prepared.system;
-        let mut list = fit_unknowns(problem, system, None).list().to_vec();
-        list.retain(|unknown| match unknown.meaning {
-            Meaning::Offset(component) => {
-                let id = system.catalogue().info(component.stiffness).address.id;
-                !subject.offsets_in_question.iter().any(|of| Some(*of) == id)
-            }
-            _ => true,
-        });
-        // What another fit says of the same unknown, whatever else was in it.
-        let same = |a: &FitUnknown, b: &FitUnknown| {
-            a.addresses == b.addresses
-                && std::mem::discriminant(&a.meaning) == std::mem::discriminant(&b.meaning)
-        };
-        let of_warm = |unknown: &FitUnknown| {
-            let (warm, x) = warm.zip(at_warm.as_ref())?;
-            let list = warm.unknowns.list();
-            let at = list.iter().position(|other| same(other, unknown))?;
-            Some(x[at])
-        };
-        let mut start: Vec<f64> = list
-            .iter()
-            .map(|unknown| of_warm(unknown).unwrap_or(unknown.start))
-            .collect();
-        let slot = |address: &Address| system.catalogue().slot(address);
-        let (mut rows, mut turns, mut memories) = (Vec::new(), Vec::new(), Vec::new());
-        let (mut row_starts, mut places) = (Vec::new(), Vec::new());
-        for (hypothesis, guesses) in chosen {
-            let known = warm.zip(at_warm.as_ref()).and_then(|(warm, x)| {
-                let at = warm.chosen.iter().position(|h| h.same(hypothesis))?;
-                Some(warm.places[at].iter().map(|k| x[*k]).collect::<Vec<_>>())
-            });
-            if let Some(plan) = &hypothesis.memory {
-                memories.push(Memory {
-                    anchor: slot(&plan.anchor)?,
-                    length: slot(&plan.length)?,
-                    channel: problem.measurement.channels.len() + memories.len(),
-                });
-            }
-            let mut place = Vec::new();
-            for (k, number) in hypothesis.numbers.iter().enumerate() {
-                let (mut mean, mut sd) = (number.mean / number.sd, 1.0);
-                let mut guess = known.as_ref().map_or(guesses[k] + mean, |known| known[k]);
-                let scaled = |pairs: &[(Address, f64)]| {
-                    let scale = |(address, factor): &(Address, f64)| {
-                        Some((slot(address)?, factor * number.sd))
-                    };
-                    pairs.iter().map(scale).collect::<Option<Vec<_>>>()
-                };
-                let meaning = match (&number.unknown, &number.column) {
-                    (Unknown::Linear, Column::Rows(column)) => {
-                        let column = column.iter().map(|(at, v)| (*at, v * number.sd));
-                        place.push(usize::MAX - rows.len());
-                        rows.push(column.collect::<RowColumn>());
-                        row_starts.push(guess);
-                        continue;
-                    }
-                    (Unknown::Linear, Column::Always(pairs)) | (Unknown::Extended(pairs), _) => {
-                        let scaled = scaled(pairs)?;
-                        // What the study drives is set anew in every case; the error comes on top each time.
-                        let driven = |address: &Address| {
-                            let loads = &problem.programme.loads;
-                            loads.iter().any(|load| load.target == *address)
-                        };
-                        if pairs.iter().any(|(address, _)| driven(address)) {
-                            let cases = problem.programme.cases.len();
-                            let every = |(slot, factor)| (slot, vec![factor; cases]);
-                            Meaning::PerCase(scaled.into_iter().map(every).collect())
-                        } else {
-                            Meaning::Number(scaled)
-                        }
-                    }
-                    (Unknown::Linear, Column::PerCase(pairs)) => {
-                        let mut factors = Vec::new();
-                        for (address, values) in pairs {
-                            let values = values.iter().map(|v| v * number.sd).collect();
-                            factors.push((slot(address)?, values));
-                        }
-                        Meaning::PerCase(factors)
-                    }
-                    // A wrench is no number of a deck.
-                    (Unknown::Linear, Column::Wrench(..)) => return None,
-                    (Unknown::Compliance(addresses), _) => {
-                        let components = addresses
-                            .iter()
-                            .map(|address| {
-                                Some(Component {
-                                    stiffness: slot(address)?,
-                                    preload: None,
-                                })
-                            })
-                            .collect::<Option<Vec<_>>>()?;
-                        if known.is_none() {
-                            guess = -(guess.max(1e-3) * number.sd).ln();
-                        }
-                        (mean, sd) = (-number.sd.ln(), 2.0);
-                        Meaning::Stiffness(components)
-                    }
-                    (Unknown::Turn(turn), _) => {
-                        let of = |k: usize| {
-                            let word = |i| {
-                                super::hypothesis::number(
-                                    "MARKER",
-                                    turn.markers[k].1,
-                                    "REULER",
-                                    Some(i),
-                                )
-                            };
-                            Some([slot(&word(1))?, slot(&word(2))?, slot(&word(3))?])
-                        };
-                        turns.push((list.len(), turn.clone(), [of(0)?, of(1)?]));
-                        Meaning::Number(Vec::new())
-                    }
-                    (Unknown::Offset { stiffness, preload }, _) => {
-                        let meaning = Meaning::Offset(Component {
-                            stiffness: slot(stiffness)?,
-                            preload: Some(slot(preload)?),
-                        });
-                        // It may have been a nuisance so far.
-                        let unknown = FitUnknown {
-                            addresses: vec![stiffness.clone()],
-                            meaning,
-                            start: 0.0,
-                            mean: 0.0,
-                            sd: number.sd,
-                        };
-                        place.push(list.len());
-                        start.push(of_warm(&unknown).unwrap_or(guess * number.sd));
-                        list.push(unknown);
-                        continue;
-                    }
-                    (
-                        Unknown::SlipLength {
-                            address,
-                            start,
-                            usual,
-                        },
-                        _,
-                    ) => {
-                        if known.is_none() {
-                            guess = start.ln();
-                        }
-                        (mean, sd) = (usual.ln(), number.sd);
-                        Meaning::Stiffness(vec![Component {
-                            stiffness: slot(address)?,
-                            preload: None,
-                        }])
-                    }
-                };
-                place.push(list.len());
-                start.push(guess);
-                list.push(FitUnknown {
-                    addresses: Vec::new(),
-                    meaning,
-                    start: guess,
-                    mean,
-                    sd,
-                });
-            }
-            places.push(place);
-        }
-        let unknowns = FitUnknowns::new(list);
-        let frame = problem.settings.frame_sd;
-        let frame = (frame.length, frame.angle_deg.to_radians());
-        let layout = NuisanceLayout::new(problem.measurement, unknowns.len(), frame);
-        match warm.zip(at_warm.as_ref()) {
-            Some((warm, x)) => {
-                let first = warm.unknowns.len();
-                start.extend_from_slice(&x[first..first + layout.sd.len()]);
-            }
-            None => start.resize(unknowns.len() + layout.sd.len(), 0.0),
-        }
-        let first_row = start.len();
-        for at in places
-            .iter_mut()
-            .flatten()
-            .filter(|at| **at > usize::MAX / 2)
-        {
-            *at = first_row + (usize::MAX - *at);
-        }
-        start.extend(row_starts);
-        let prior = |mean, sd| Prior { mean, sd };
-        let mut priors: Vec<Prior> = unknowns
-            .list()
-            .iter()
-            .map(|u| prior(u.mean, u.sd))
-            .collect();
-        priors.extend(layout.sd.iter().map(|sd| prior(0.0, *sd)));
-        priors.extend(rows.iter().map(|_| prior(0.0, 1.0)));
-        let scale = priors.iter().map(|p| p.sd.min(1.0)).collect();
-        Some(Self {
-            deck: system.parameters(),
-            unknowns,
-            layout,
-            rows,
-            turns,
-            memories,
-            places,
-            start,
-            priors,
-            scale,
-        })
-    }
-}
-
-struct FitProblem<'a> {
-    setup: &'a Setup,
-    observations: Observations<'a>,
-    predictor: NativePredictor<'a>,
-    weights: DVector<f64>,
-    background: Option<Arc<Background>>,
-    /// Residuals of the last evaluation before they were whitened.
-    misfit: DVector<f64>,
-    /// The unknowns the predictor was asked for last.
-    last: Vec<f64>,
-    effort: Effort,
-    /// After the last accepted step.
-    objective: f64,
-}
-
-impl FitProblem<'_> {
-    /// Euler angles of the markers that turn, and how fast they do.
-    fn turn(&self, theta: &mut Parameters, x: &[f64]) -> BTreeMap<usize, Vec<(Slot, f64)>> {
-        let mut rates = BTreeMap::new();
-        for (at, turn, slots) in &self.setup.turns {
-            let mut rate = Vec::new();
-            for ((marker, _), slots) in turn.markers.iter().zip(slots) {
-                let sd = super::hypothesis::TURN_SD;
-                let axis = Vec3::ith(turn.axis, 1.0);
-                // Where the tilt vanishes psi and phi are one; a turn of nearly nothing tells them apart.
-                let angle = if x[*at].abs() < LEAST_TURN {
-                    LEAST_TURN
-                } else {
-                    x[*at]
-                } * sd;
-                let R: Mat3 = theta.marker(*marker).R * exp(&(axis * angle));
-                let angles = psi_theta_phi(&R);
-                if turn.axis == 2 {
-                    // The last of the three angles is about the marker's own z.
-                    theta.set(slots[2], theta.get(slots[2]) + angle);
-                    rate.push((slots[2], sd));
-                    continue;
-                }
-                for (slot, angle) in slots.iter().zip(angles) {
-                    theta.set(*slot, angle);
-                }
-                let (psi, tilt) = (angles[0], angles[1]);
-                let axes = Mat3::from_columns(&[
-                    Vec3::z(),
-                    Vec3::new(psi.cos(), psi.sin(), 0.0),
-                    Vec3::new(psi.sin() * tilt.sin(), -psi.cos() * tilt.sin(), tilt.cos()),
-                ]);
-                if let Some(inverse) = axes.try_inverse() {
-                    let by_angle = inverse * (R * axis) * sd;
-                    rate.extend(slots.iter().copied().zip(by_angle.iter().copied()));
-                }
-            }
-            rates.insert(*at, rate);
-        }
-        rates
-    }
-}
-
-impl LeastSquares for FitProblem<'_> {
-    fn evaluate(&mut self, x: &[f64], with_jacobian: bool) -> Option<Evaluation> {
-        let setup = self.setup;
-        let count = setup.unknowns.len();
-        let mut numbers = setup.unknowns.numbers(&setup.deck, &x[..count]);
-        let rates = self.turn(&mut numbers.theta, x);
-        let mut directions: Option<Vec<Direction>> =
-            with_jacobian.then(|| setup.unknowns.directions(&numbers.theta, &x[..count]));
-        if let Some(directions) = &mut directions {
-            for (at, rate) in rates {
-                directions[at].always = rate;
-            }
-        }
-        self.last = x.to_vec();
-        let prediction = self.predictor.predict(&numbers, directions.as_deref());
-        let inner = count + setup.layout.sd.len();
-        let mut out =
-            self.observations
-                .evaluate(&prediction, &setup.layout, &x[..inner], with_jacobian)?;
-        let columns = out.jacobian.ncols();
-        if with_jacobian {
-            out.jacobian = out
-                .jacobian
-                .resize_horizontally(columns + setup.rows.len(), 0.0);
-        }
-        for (k, column) in setup.rows.iter().enumerate() {
-            for (row, value) in column {
-                out.residual[*row] += value * x[inner + k];
-                if with_jacobian {
-                    out.jacobian[(*row, inner + k)] = *value;
-                }
-            }
-        }
-        self.misfit.clone_from(&out.residual);
-        if let Some(background) = &self.background {
-            background.whiten(&mut out.residual);
-            background.whiten_columns(&mut out.jacobian);
-        }
-        Some(out)
-    }
-
-    fn weights(&self, _residual: &DVector<f64>) -> DVector<f64> {
-        self.weights.clone()
-    }
-
-    fn progress(&mut self, iteration: usize, _x: &[f64], objective: f64) -> bool {
-        let before = std::mem::replace(&mut self.objective, objective);
-        !self.effort.is_enough(iteration, (before, objective))
-    }
 }

@@ -5,21 +5,26 @@
 
 mod background;
 mod cause;
+mod columns;
 mod diagnose;
 mod diagnosis;
+mod effort;
 mod extended;
 mod extension;
+mod fit_problem;
 mod held_out;
 mod hypothesis;
 mod influence;
 mod next_measurement;
 mod screening;
 mod selection;
+mod setup;
 mod stiffness;
 mod structure;
 mod subject;
 mod survey;
 mod trend;
+mod wheel_run;
 mod words;
 
 pub use cause::Cause;
@@ -35,3 +40,4 @@ pub use stiffness::CorrectedStiffness;
 pub use structure::StructureTest;
 pub use subject::{Data, Subject};
 pub use trend::Trend;
+pub use wheel_run::WheelRun;

@@ -14,6 +14,8 @@ use crate::identify::global::{
 };
 use crate::mechanics::Vec3;
 
+/// What separates less than this does not.
+const SEPARATED: f64 = 6.0;
 /// Load cases that are looked at, at most.
 const CANDIDATES: usize = 81;
 
@@ -69,11 +71,20 @@ pub fn next_measurement(
         }
     }
     let (separated, k, mark) = found?;
+    let why = if separated > SEPARATED {
+        format!(
+            "separates {a} from {b} by a chi-square of about {separated:.1}, most at mark {mark}"
+        )
+    } else {
+        format!(
+            "separates {a} from {b} best of all loads in the range applied, but by a chi-square of {separated:.1} only: marks on both \
+             sides of {} would tell",
+            rival.address
+        )
+    };
     Some(NextMeasurement {
         case: case_of(&candidates[k]),
-        why: format!(
-            "separates {a} from {b} by a chi-square of about {separated:.1}, most at mark {mark}"
-        ),
+        why,
     })
 }
 

@@ -4,10 +4,11 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::background::Background;
+use super::columns::{ColumnOf, Columns};
 use super::extended::Fitted;
 use super::hypothesis::{self, Hypothesis};
 use super::subject::Subject;
-use super::survey::{ColumnOf, Columns, Survey};
+use super::survey::Survey;
 
 /// What a hypothesis promises at a fit.
 #[derive(Clone, Debug)]

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::cause::Cause;
-use super::extended::{Effort, Fitted, Warm, fit};
+use super::effort::Effort;
+use super::extended::{Fitted, Warm, fit};
 use super::hypothesis::Hypothesis;
 use super::influence::Influence;
 use super::screening::{Score, penalty, screen};

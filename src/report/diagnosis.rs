@@ -1,4 +1,4 @@
-use crate::discrepancy::{Fitted, Outcome, StructureTest, Verdict};
+use crate::discrepancy::{Fitted, Outcome, StructureTest, Verdict, WheelRun};
 use crate::identify::global::Row;
 
 use super::{Align, Chart, DrawingError, HeatMap, Mark, Page, Series, Table, number};
@@ -12,6 +12,27 @@ pub struct DiagnosisReport<'a> {
     pub outcome: &'a Outcome<'a>,
     /// What changed in the deck.
     pub diff: &'a str,
+}
+
+/// Steer against a load: as read, before and after.
+fn steer(run: WheelRun) -> Chart {
+    let series = |name: &str, points: Vec<(f64, f64)>, mark| Series {
+        name: name.to_string(),
+        points,
+        mark,
+    };
+    Chart {
+        title: format!("Steer of the wheel against {}", run.load),
+        x: run.load,
+        y: "steer, deg".to_string(),
+        series: vec![
+            series("as read", run.read, Mark::Points),
+            series("as the model was", run.before, Mark::Dashed),
+            series("as it is extended", run.after, Mark::Line),
+        ],
+        log_y: false,
+        level: None,
+    }
 }
 
 impl DiagnosisReport<'_> {
@@ -47,6 +68,14 @@ impl DiagnosisReport<'_> {
             &self.by_case().svg()?,
             "Rms of prediction minus reading in each case, in standard deviations of the readings; one is noise.",
         );
+        for run in self.outcome.wheel_runs() {
+            let seen = if run.unseen {
+                "Neither fit has seen these cases."
+            } else {
+                "The fits have seen these cases."
+            };
+            page.figure(&steer(run).svg()?, seen);
+        }
         if let Some(chart) = self.force() {
             page.figure(
                 &chart.svg()?,

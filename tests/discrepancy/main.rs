@@ -3,4 +3,5 @@
 mod causes;
 mod extension;
 mod found;
+mod kc_experiment;
 mod plant;
