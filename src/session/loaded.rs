@@ -1,8 +1,9 @@
 use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
 use crate::model::Model;
 use crate::statics::Solver;
-use crate::syntax::{Dataset, Statement};
-use crate::system::{Parameters, State, System};
+use crate::syntax::expression::Node;
+use crate::syntax::{Address, Argument, Dataset, Statement, Value};
+use crate::system::{Parameters, Slot, State, System};
 use crate::text::Source;
 
 use super::files::{folder_of, read_files};
@@ -107,8 +108,18 @@ impl Loaded {
 
     /// Redefines a statement by a command. Gives the complaints; nothing is changed if one is an error.
     pub fn redefine(&mut self, command: &Statement, source: &Source) -> Vec<Diagnostic> {
+        let constants = self.constants(command);
         let poses: Vec<_> = self.model.parts.iter().map(|part| part.pose).collect();
         let complaints = self.model.redefine(command, source);
+        if let (Some(constants), Some(compiled), true) =
+            (constants, &mut self.compiled, complaints.is_empty())
+        {
+            for (slot, value) in constants {
+                compiled.parameters.set(slot, value);
+            }
+            self.outputs.last = None;
+            return complaints;
+        }
         self.changed();
         // A part that is placed anew goes there; the others stay where they are.
         if let Some(state) = &mut self.before {
@@ -121,6 +132,39 @@ impl Loaded {
             }
         }
         complaints
+    }
+
+    /// What a command such as `SFORCE/3, FUNCTION=1200` sets, if it does nothing but give constants to loads of the compiled model:
+    /// the usual load programme needs no new equations for every case.
+    fn constants(&self, command: &Statement) -> Option<Vec<(Slot, f64)>> {
+        const LOADS: [&str; 5] = ["SFORCE", "GFORCE", "VFORCE", "VTORQUE", "MOTION"];
+        let compiled = self.compiled.as_ref()?;
+        let kind = command.kind().filter(|kind| LOADS.contains(kind))?;
+        let constant = |argument: &Argument| {
+            let name = argument.def?.name;
+            let Value::Function(function) = &argument.value else {
+                return None;
+            };
+            let value = match &function.root {
+                Node::Literal(k) => function.literals.get(*k)?.value,
+                Node::Negate(inner) => match **inner {
+                    Node::Literal(k) => -function.literals.get(k)?.value,
+                    _ => return None,
+                },
+                _ => return None,
+            };
+            // The whole function of an SFORCE or MOTION is the object itself.
+            let argument = (name != "FUNCTION").then(|| name.to_string());
+            let address = Address {
+                kind: kind.to_string(),
+                id: command.number(),
+                argument,
+                index: None,
+            };
+            let slot = compiled.system.catalogue().slot(&address)?;
+            value.is_finite().then_some((slot, value))
+        };
+        command.arguments.iter().map(constant).collect()
     }
 
     /// Goes back to a saved state.

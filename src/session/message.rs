@@ -7,6 +7,7 @@ use crate::diagnostic::{Diagnostic, Severity};
 use crate::results::Timestamp;
 
 use super::located::{Sources, located};
+use super::outputs::emptied;
 
 /// What a run says, on standard output and in the `.msg` file alike.
 ///
@@ -40,7 +41,7 @@ impl<'a> Messages<'a> {
         if self.path.as_deref() == Some(path) {
             return Ok(());
         }
-        let mut file = BufWriter::new(File::create(path)?);
+        let mut file = BufWriter::new(emptied(path)?);
         file.write_all(&self.pending)?;
         self.pending.clear();
         if let Some(mut before) = self.file.replace(file) {

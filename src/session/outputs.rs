@@ -1,5 +1,5 @@
 use std::fs::File;
-use std::io::{self, BufWriter};
+use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use crate::diagnostic::{Code, Diagnostic};
@@ -27,6 +27,8 @@ const KEPT: usize = 1 << 17;
 /// previous answer behind. Files are then written in place, flushed step by step.
 pub(super) struct Outputs {
     prefix: PathBuf,
+    /// Files of an earlier run that nothing was written to yet.
+    unused: Vec<PathBuf>,
     begun: bool,
     results: Option<(XrfWriter<BufWriter<File>>, Columns)>,
     requests: Option<RequestWriter<BufWriter<File>>>,
@@ -54,16 +56,19 @@ impl Outputs {
     /// # Errors
     /// When a file lies outside of the allowed folders or cannot be written.
     pub fn prepare(prefix: PathBuf, policy: &FilePolicy) -> Result<Self, Diagnostic> {
+        let mut unused = Vec::new();
         for extension in EXTENSIONS {
             let path = with_extension(&prefix, extension);
             policy.check(&path)?;
             if path.exists() {
-                File::create(&path).map_err(|error| cannot_write(&path, &error))?;
+                emptied(&path).map_err(|error| cannot_write(&path, &error))?;
+                unused.push(path);
             }
         }
         policy.check(&with_extension(&prefix, "msg"))?;
         Ok(Self {
             prefix,
+            unused,
             begun: false,
             results: None,
             requests: None,
@@ -120,12 +125,13 @@ impl Outputs {
     }
 
     fn create<T>(
-        &self,
+        &mut self,
         extension: &str,
         begin: impl FnOnce(BufWriter<File>) -> io::Result<T>,
     ) -> Result<T, Diagnostic> {
         let path = with_extension(&self.prefix, extension);
-        File::create(&path)
+        self.unused.retain(|unused| *unused != path);
+        emptied(&path)
             .and_then(|file| begin(BufWriter::new(file)))
             .map_err(|error| cannot_write(&path, &error))
     }
@@ -147,10 +153,10 @@ impl Outputs {
             ..Style::default()
         };
         columns.input(initial, &mut self.values);
-        let values = &self.values;
+        let values = std::mem::take(&mut self.values);
         let writer = self.create("res", |file| {
             let mut writer = XrfWriter::create(file, &header, &columns.catalogue, style)?;
-            writer.step(StepKind::Input, values)?;
+            writer.step(StepKind::Input, &values)?;
             Ok(writer)
         })?;
         self.results = Some((writer, columns));
@@ -279,6 +285,15 @@ impl Outputs {
     }
 }
 
+impl Drop for Outputs {
+    fn drop(&mut self) {
+        for path in &self.unused {
+            // It holds a line end; that it keeps it is no harm.
+            let _ = File::create(path);
+        }
+    }
+}
+
 impl Tables {
     fn write(&mut self) -> io::Result<()> {
         let when = Timestamp::now();
@@ -327,6 +342,24 @@ fn tabular(request: &Request, ypr: bool) -> TabularRequest {
                 .map_or_else(|| usual[k].to_string(), Clone::clone)
         }),
     }
+}
+
+/// Opens a file to write it from its beginning; what it held is gone.
+///
+/// One line end stays until the first write goes over it: some file systems take a file that was cut to nothing for one that is
+/// replaced, write it to the disk as soon as it is closed, and let the next run wait for the disk (ext4, `auto_da_alloc`).
+pub(super) fn emptied(path: &Path) -> io::Result<File> {
+    let mut file = File::options()
+        .write(true)
+        .create(true)
+        .truncate(false)
+        .open(path)?;
+    if file.metadata()?.len() > 0 {
+        file.write_all(b"\n")?;
+        file.set_len(1)?;
+        file.rewind()?;
+    }
+    Ok(file)
 }
 
 /// The prefix with a dot and an extension behind it: a prefix may hold dots of its own.

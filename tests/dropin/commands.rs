@@ -478,3 +478,58 @@ fn a_killed_run_leaves_every_step_it_had_written() {
             > times.len()
     );
 }
+
+#[test]
+fn loads_given_as_constants_and_as_functions_take_turns() {
+    // A constant changes a number of the equations, a function changes the equations: the model must not notice.
+    let (folder, ran) = run(
+        "SIM/STAT\nSFORCE/1, FUNCTION=5\nSIM/STAT\nSFORCE/1, FUNC=-2.5\nSIM/STAT\nSFORCE/1, FUNCTION=5+5\nSIM/STAT\n\
+        SFORCE/1, FUNCTION=3\nSPRINGDAMPER/1, K=30\nSIM/STAT\nSPRINGDAMPER/1, K=10\nSIM/STAT\nSFORCE/1, FUNCTION=4+2*TIME\nSIM/STAT, END=1, STEPS=1\n\
+        SFORCE/1, FUNCTION=7\nSIM/STAT\nSFORCE/1, FUNCTION=90D\nSIM/STAT\nDEACTIVATE/SFORCE, ID=1\nSIM/STAT\nSFORCE/1, FUNCTION=8\nSIM/STAT\nACTIVATE/SFORCE, ID=1\nSIM/STAT",
+    );
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    let quarter = std::f64::consts::FRAC_PI_2;
+    near(
+        &Results::read(folder.path(), "slider.res").column("block_XFORM", "Z"),
+        &[
+            0.0,
+            0.5,
+            -0.25,
+            1.0,
+            0.1,
+            0.3,
+            0.4,
+            0.6,
+            0.7,
+            quarter / 10.0,
+            0.0,
+            0.0,
+            0.8,
+        ],
+    );
+    // The same for the components of a vector force, one at a time.
+    let deck = SLIDER.replacen(
+        "REQUEST/1",
+        "MARKER/32, PART=1, FLOATING\nGFORCE/1, I=20, JFLOAT=32, FX=0\\FZ=2*TIME\nREQUEST/1",
+        1,
+    );
+    let acf = "\nfile/model=slider\nSFORCE/1, FUNCTION=0\nSIM/STAT\nGFORCE/1, FZ=5\nSIM/STAT\nGFORCE/1, FX=3\\FZ=6\nSIM/STAT\nGFORCE/1, FY=1\nSIM/STAT\nGFORCE/1, FZ=1+DZ(20,1)\nSIM/STAT\n";
+    let folder = folder_of(&[("slider.adm", &deck), ("run.acf", acf)]);
+    let ran = mdi(folder.path(), &["ru-s", "run"]);
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    let results = Results::read(folder.path(), "slider.res");
+    near(
+        &results.column("block_XFORM", "Z"),
+        &[0.0, 0.5, 0.6, 0.6, 1.0 / 9.0],
+    );
+    // The guide answers with what it holds back.
+    near(
+        &results.column("guide", "FX"),
+        &[0.0, 0.0, -3.0, -3.0, -3.0],
+    );
+    near(&results.column("guide", "FY"), &[0.0, 0.0, 0.0, -1.0, -1.0]);
+}
+
+fn folder_of(files: &[(&str, &str)]) -> tempfile::TempDir {
+    folder(files)
+}

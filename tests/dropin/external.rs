@@ -542,7 +542,7 @@ fn files_that_a_deck_names_come_along() {
     std::fs::write(place.path().join("secret.spr"), curve(1.0)).unwrap();
     let text = DECK.replacen(
         "EQUILIBRIUM",
-        "SPLINE/1, FILE=curves/a.spr\nSPLINE/2, FILE=../secret.spr\n\
+        "SPLINE/1, FILE=curves/a.spr\nSTRING/2, STRING=../secret.spr\n\
         SFORCE/3, TRANSLATIONAL, ACTIONONLY, I=20, J=3\n, FUNCTION = AKISPL(DZ(20,3),0,1)\nEQUILIBRIUM",
         1,
     );
