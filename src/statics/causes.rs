@@ -4,6 +4,7 @@ use super::Settings;
 use super::lu::Lu;
 use super::rank::free_motion;
 use super::report::FreeMotion;
+use crate::function::Program;
 use crate::system::{Parameters, Scratch, State, System};
 
 /// A joint whose markers are further apart than this part of the model's length is open.
@@ -119,7 +120,7 @@ impl Ended<'_> {
             .order
             .iter()
             .map(|&f| &self.system.functions[f])
-            .filter(|f| f.program.as_ref().is_some_and(|p| p.has_branches()))
+            .filter(|f| f.program.as_ref().is_some_and(Program::has_branches))
             .map(|f| {
                 format!(
                     "the function of {} has an IF: where it jumps no tangent leads across",

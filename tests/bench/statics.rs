@@ -1,11 +1,13 @@
 //! Timings of the built-in solver, as JSON on standard output.
 //!
-//! `cargo bench --bench statics` solves the two axles of the corpus in the load cases of their studies. With a file behind `--` it
+//! `cargo bench --bench statics` solves the two axles of the corpus in the load cases of their studies; with `-- chains` chains of
+//! 1,000 to 100,000 bodies, whose cost per body and iteration should stay alike. With a file behind `--` it
 //! solves what that says (`tests/bench/peers` writes one): a list of
 //! `{ "name", "deck", "loads": ["SFORCE/1"], "cases": [[0.0]], "repeats", "error", "imbalance", "last_part_only" }`.
 //! Set-up (reading, compiling, the first rank analysis) is timed apart from the sweeps; each sweep starts at the design position
 //! and goes from case to case.
 
+use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 use std::time::Instant;
@@ -20,7 +22,9 @@ use admire::text::Source;
 
 fn main() {
     let job = std::env::args().skip(1).find(|word| !word.starts_with('-'));
+    let folder = tempfile::tempdir().expect("a folder for the decks of the chains");
     let jobs = match job {
+        Some(word) if word == "chains" => chains(folder.path()),
         Some(path) => {
             let text = fs::read_to_string(&path).expect("a readable job file");
             serde_json::from_str(&text).expect("a job file in JSON")
@@ -66,6 +70,55 @@ fn axles() -> Value {
         })
     };
     json!([axle("pseudo-mcpherson"), axle("multilink")])
+}
+
+/// Chains of bodies joined by bushings, clamped at one end, a small force across the other; it shrinks with the length so that
+/// every chain needs the same few iterations.
+fn chains(folder: &Path) -> Value {
+    let jobs: Vec<Value> = [1_000, 10_000, 100_000]
+        .into_iter()
+        .map(|bodies| {
+            let deck = folder.join(format!("chain-{bodies}.adm"));
+            fs::write(&deck, chain(bodies)).expect("a writable folder");
+            json!({
+                "name": format!("chain of {bodies}"),
+                "deck": deck,
+                "loads": ["SFORCE/1"],
+                "cases": [[2e3 / (f64::from(bodies) * f64::from(bodies))]],
+                "repeats": 5,
+                // Stiffness times the round-off of positions grows with the length.
+                "imbalance": 1e-6 * f64::from(bodies),
+                "error": 1e-8,
+                "last_part_only": true,
+                "bodies": bodies,
+            })
+        })
+        .collect();
+    Value::from(jobs)
+}
+
+/// A dataset of n bodies of 100 mm.
+fn chain(n: u32) -> String {
+    let mut text = String::from(
+        "chain\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\nPART/1, GROUND\nMARKER/1, PART=1\n",
+    );
+    for k in 0..n {
+        let (id, x) = (k + 2, 100 * k);
+        let (cm, i, j) = (10 * id, 10 * id + 1, 10 * id + 2);
+        let before = if k == 0 { 1 } else { 10 * (id - 1) + 2 };
+        _ = writeln!(
+            text,
+            "PART/{id}, QG={x},0,0, MASS=1, CM={cm}, IP=100,100,100\nMARKER/{cm}, PART={id}, QP=50,0,0\n\
+             MARKER/{i}, PART={id}\nMARKER/{j}, PART={id}, QP=100,0,0\n\
+             BUSHING/{id}, I={i}, J={before}, K=1e4,1e4,1e4, KT=1e8,1e8,1e8"
+        );
+    }
+    _ = writeln!(
+        text,
+        "SFORCE/1, I={}, J=1, TRANSLATIONAL, ACTIONONLY, FUNCTION=0\nEND",
+        10 * (n + 1) + 2
+    );
+    text
 }
 
 fn address(text: &str) -> Address {
@@ -120,7 +173,8 @@ fn solve(job: &Value) -> Value {
     let last_only = job["last_part_only"].as_bool().unwrap_or(false);
     let mut sweep = |start: &State, keep: bool| {
         let mut state = start.clone();
-        let (mut iterations, mut poses, mut seconds) = (Vec::new(), Vec::new(), 0.0);
+        let (mut iterations, mut factored) = (Vec::new(), 0);
+        let (mut poses, mut seconds) = (Vec::new(), 0.0);
         for case in &cases {
             for (slot, value) in slots.iter().zip(case) {
                 parameters.set(*slot, *value);
@@ -131,27 +185,35 @@ fn solve(job: &Value) -> Value {
                 .unwrap_or_else(|error| panic!("{deck}: {error}"));
             seconds += begin.elapsed().as_secs_f64();
             iterations.push(report.iterations);
+            factored += report.factorisations;
             if keep {
                 poses.push(shown(&lowered.value, &state, last_only));
             }
         }
-        (seconds, iterations, poses, state)
+        (seconds, (iterations, factored), poses, state)
     };
     // The first sweep finds redundant equations; later ones start at the design position knowing them.
-    let (first, iterations, poses, end) = sweep(&system.state(), true);
+    let (first, (iterations, factored), poses, end) = sweep(&system.state(), true);
     let mut start = system.state();
     start.redundant = end.redundant;
     let repeats = job["repeats"].as_u64().unwrap_or(9);
     let mut sweeps: Vec<f64> = (0..repeats).map(|_| sweep(&start, false).0).collect();
     sweeps.sort_by(f64::total_cmp);
+    let best = sweeps.first().copied().unwrap_or(first);
+    let total: usize = iterations.iter().sum();
+    let per_body = job["bodies"]
+        .as_f64()
+        .map(|bodies| best * 1e6 / (bodies * total.max(1) as f64));
     json!({
+        "us_per_body_and_iteration": per_body,
+        "factored": factored,
         "name": job["name"],
         "unknowns": system.unknowns(),
         "cases": cases.len(),
         "setup_s": setup,
         "first_sweep_s": first,
         "sweep_s": sweeps.get(sweeps.len() / 2).copied().unwrap_or(first),
-        "best_s": sweeps.first().copied().unwrap_or(first),
+        "best_s": best,
         "repeats": repeats,
         "iterations": iterations,
         "parts": poses,

@@ -25,6 +25,10 @@ fn dataset(bytes: &[u8]) -> Dataset {
 
 /// The deck of a statement, and the same without the statement.
 fn decks(def: &StatementDef) -> Option<(Dataset, Dataset)> {
+    // The first line is a title whatever it holds: no statement to take away.
+    if def.name == "TITLE" {
+        return None;
+    }
     let name = def.name.to_ascii_lowercase();
     let path = root().join(format!("corpus/statements/{name}.adm"));
     let with = dataset(&fs::read(path).ok()?);
@@ -60,7 +64,7 @@ const ACTING: [&str; 15] = [
 /// Data: solved if they are unknowns.
 const UNKNOWN: [&str; 4] = ["VARIABLE", "DIFF", "LSE", "TFSISO"];
 /// Only about assembly, kinematics or the file itself, or numbers that others take (MATRIX, by LSE and NFORCE).
-const BESIDE: [&str; 5] = ["END", "TITLE", "IC", "KINEMATICS", "MATRIX"];
+const BESIDE: [&str; 3] = ["END", "IC", "MATRIX"];
 
 fn acts(system: &System, kind: &str) -> bool {
     let (parameters, mut state) = (system.parameters(), system.state());

@@ -19,5 +19,4 @@ mod real_decks;
 mod reference;
 mod robust;
 mod sensitivity;
-mod speed;
 mod user_force;

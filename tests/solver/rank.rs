@@ -119,3 +119,26 @@ fn no_equilibrium() {
         "PART/2 is held by nothing along y, and something drives it"
     );
 }
+
+/// What stands in the way is told as far as it is there: an open joint, a function that jumps, every iteration.
+#[test]
+fn causes_that_are_present() {
+    let (_, _, result) = solve(
+        "PART/2, MASS=2, CM=20, IP=100,100,100\nMARKER/20, PART=2\nMARKER/21, PART=2, REULER=0D,90D,0D, QP=3,0,0\n\
+         MARKER/2, PART=1, REULER=0D,90D,0D\nJOINT/1, TRANSLATIONAL, I=21, J=2\n\
+         SFORCE/1, I=21, J=2, TRANSLATIONAL, ACTIONONLY, FUNCTION=IF(DY(21,2)+50: 15, 15, 25)",
+    );
+    let Err(SolveError::NotConverged {
+        causes, history, ..
+    }) = result
+    else {
+        panic!("{result:?}");
+    };
+    println!("{causes:#?}");
+    let has = |words: &str| causes.iter().any(|c| c.contains(words));
+    assert!(has("D.Xj in JOINT/1 is open by 3.000 at the start"));
+    assert!(has("the function of SFORCE/1 has an IF"));
+    assert!(history.len() > 5);
+    let table = admire::statics::history_table(&history);
+    assert!(table.len() <= 14 && table[1].trim_start().starts_with('1'));
+}

@@ -289,10 +289,9 @@ impl<'a> Compiler<'a> {
                 Code::NotSolvedNatively
             };
             self.diagnostics.push(match u.kind {
-                "MREQUEST" | "FEMDATA" | "CURVE" | "SURFACE" | "CLEARANCE" | "FE_NODE"
-                | "SECTION" | "LINEAR" | "CONTROL" => continue,
                 // Bodies are refused where they are compiled.
-                "FLEX_BODY" | "FE_PART" => continue,
+                "MREQUEST" | "FEMDATA" | "CURVE" | "SURFACE" | "CLEARANCE" | "FE_NODE"
+                | "SECTION" | "LINEAR" | "CONTROL" | "FLEX_BODY" | "FE_PART" => continue,
                 "CONTACT" => Diagnostic::warning(
                     Code::InactiveInStatics,
                     format!("{owner} is inactive: {}", u.why),
