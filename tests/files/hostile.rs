@@ -185,7 +185,8 @@ fn complaints_are_counted_not_kept_without_end() {
     for line in ["A\n", "XYZ/1\n", "PART/1\n", "VARIABLE/1, FUNCTION=SIN(\n"] {
         let text = format!("t\n{}END\n", line.repeat(60_000));
         let read = Dataset::parse(Source::new("a.adm", text.as_bytes()));
-        let found = admire::syntax::lint::check(&read.value, &Default::default());
+        let found =
+            admire::syntax::lint::check(&read.value, &admire::syntax::lint::Options::default());
         assert!(read.diagnostics.len() <= 10_001, "{line}");
         let all: Vec<_> = read.diagnostics.iter().chain(&found).collect();
         assert!(all.len() < 60_000, "{line}");
