@@ -146,6 +146,7 @@ fn a_run_that_hangs_is_killed_with_all_it_started() {
         id.display()
     );
     let mut backend = CommandBackend::new(words(&["sh", "-c", &script]), Duration::from_secs(1));
+    backend.keep = Some(place.path().join("runs"));
     let start = Instant::now();
     let error = task.sweep(&mut backend).unwrap_err();
     assert!(start.elapsed() < Duration::from_secs(20));
@@ -199,6 +200,7 @@ fn the_frame_of_bushing_forces_is_found_and_named() {
         let file = place.path().join("tampered.res");
         rewrite_file(&good, &file, changes).unwrap();
         let mut backend = backend(words(&["cp", &file.display().to_string(), "run.res"]));
+        backend.keep = Some(place.path().join("runs"));
         (
             Task::new().sweep(&mut backend).map(|_| backend.remarks()),
             backend,

@@ -31,6 +31,8 @@ fn admire(folder: &Path, words: &[&str], path: &str) -> Output {
         .args(words)
         .env("NO_COLOR", "1")
         .env("PATH", path)
+        // Folders of failed runs are kept, here not longer than the study.
+        .env("TMPDIR", folder)
         .output()
         .unwrap()
 }
