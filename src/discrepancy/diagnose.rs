@@ -85,32 +85,24 @@ pub fn diagnose<'a>(
         held_out_rms: before.and_then(|test| test.marks_rms),
     };
     // The structure is found on the fitted cases, then looked at again with all of them.
-    let search = |subject: &Subject<'_>, seen: Fitted| {
-        let selected = select(subject, (seen, Vec::new()), Data::Fitted, &any, false);
-        let again = refit(subject, &selected.fitted, Data::All)?;
-        let start = (again, selected.gained);
-        Some(select(subject, start, Data::All, &any, false))
-    };
-    let mut selected = search(&subject, seen.clone()).ok_or_else(no_cases)?;
     let mut seen = seen;
+    let first = (seen.clone(), Vec::new());
+    let mut selected = select(&subject, first, Data::Fitted, &any, false);
     if is_background(&subject, &selected) {
         let errors = |data| Arc::new(Background::new(&subject, &seen, data));
         let backgrounds = [errors(Data::Fitted), errors(Data::All)];
         let mut wiser = subject.clone();
         wiser.backgrounds = Some(backgrounds);
-        let start = fit(
-            &wiser,
-            &[],
-            Some(Warm::at(&seen)),
-            Data::Fitted,
-            Effort::FULL,
-        );
-        if let Some(start) = start
-            && let Some(found) = search(&wiser, start.clone())
-        {
-            (subject, selected, seen) = (wiser, found, start);
+        let warm = Some(Warm::at(&seen));
+        if let Some(start) = fit(&wiser, &[], warm, Data::Fitted, Effort::FULL) {
+            let first = (start.clone(), Vec::new());
+            selected = select(&wiser, first, Data::Fitted, &any, false);
+            (subject, seen) = (wiser, start);
         }
     }
+    let again = refit(&subject, &selected.fitted, Data::All).ok_or_else(no_cases)?;
+    let again = (again, selected.gained);
+    let selected = select(&subject, again, Data::All, &any, false);
     let in_question = significant_offsets(&subject, &selected);
     let start = if in_question.is_empty() {
         selected.fitted
@@ -236,8 +228,7 @@ fn is_background(subject: &Subject<'_>, selected: &Selected) -> bool {
             _ => false,
         }
     });
-    let small = small.count() + usize::from(!significant_offsets(subject, selected).is_empty());
-    small > 0 && fitted.chosen.len() + small > 2
+    small.count() > 1 && fitted.chosen.len() > 2
 }
 
 /// The same model on other data.

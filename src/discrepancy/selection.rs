@@ -168,6 +168,23 @@ fn refits(
         .collect()
 }
 
+/// Fits a rival in the place of a chosen hypothesis, from where the chosen one has brought the other unknowns: what is the same thing in
+/// other words is there at once.
+fn in_place_of(
+    subject: &Subject<'_>,
+    (current, at): (&Fitted, usize),
+    score: &Score,
+    data: Data,
+) -> Option<Fitted> {
+    let mut all = chosen(current);
+    all.remove(at);
+    all.push((score.hypothesis.clone(), score.estimate.clone()));
+    let effort = Effort::candidate(current.minimum.objective);
+    let found = fit(subject, &all, Some(Warm::at(current)), data, effort)?;
+    let last = found.chosen.len() - 1;
+    (!found.has_wrong_sign(last)).then_some(found)
+}
+
 /// The same model, fitted as well as it can be.
 fn polished(subject: &Subject<'_>, found: Fitted, data: Data) -> Fitted {
     let again = fit(
@@ -326,7 +343,16 @@ fn finish(
         });
         let mut found_rivals = Vec::new();
         let mut better: Option<(Fitted, f64)> = None;
-        let found = refits(subject, &base, &promising, data, current.minimum.objective);
+        let reached = current.minimum.objective;
+        let found = refits(subject, &base, &promising, data, reached);
+        let instead: Vec<Option<Fitted>> = promising
+            .par_iter()
+            .map(|score| in_place_of(subject, (&current, at), score, data))
+            .collect();
+        let found = found.into_iter().zip(instead).map(|(a, b)| match (a, b) {
+            (Some(a), Some(b)) if b.minimum.objective < a.minimum.objective => Some(b),
+            (a, b) => a.or(b),
+        });
         for (score, found) in promising.iter().zip(found) {
             let Some(found) = found else {
                 continue;

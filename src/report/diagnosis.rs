@@ -118,7 +118,11 @@ impl DiagnosisReport<'_> {
         for stiffness in &self.outcome.stiffnesses {
             let (before, after) = (stiffness.before, stiffness.after);
             let shown = |(value, error): (f64, f64)| {
-                format!("{} +- {}", number(value, Some(error)), number(error, None))
+                format!(
+                    "{} +- {}",
+                    number(value, Some(error)),
+                    number(error, Some(error))
+                )
             };
             table.row([
                 stiffness.address.clone(),

@@ -227,6 +227,8 @@ pub fn background(survey: &Survey<'_>) -> Vec<Number> {
     let (mut points, mut gains) = (Vec::new(), Vec::new());
     hardpoint_error::hypotheses(survey, &mut points);
     load_gain::hypotheses(survey, &mut gains);
+    // The three directions hold the one along a line.
+    points.retain(|point: &Hypothesis| point.form.is_empty());
     let of = |hypotheses: Vec<Hypothesis>, sd: f64| {
         let numbers = hypotheses.into_iter().flat_map(|h| h.numbers);
         numbers.map(move |number| Number { sd, ..number })
