@@ -29,7 +29,15 @@ impl Outcome<'_> {
             let Some(slot) = catalogue.slot(&address) else {
                 continue;
             };
-            if !targets.iter().any(|(_, known)| *known == slot) {
+            // A redefinition replaces the whole list.
+            let same_list = |(known, at): &(Address, Slot)| {
+                let whole = |address: &Address| Address {
+                    index: None,
+                    ..address.clone()
+                };
+                *at == slot || (known.index.is_some() && whole(known) == whole(&address))
+            };
+            if !targets.iter().any(same_list) {
                 targets.push((address, slot));
             }
         }

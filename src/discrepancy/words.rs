@@ -243,6 +243,7 @@ impl Outcome<'_> {
                 "camber from {camber:.4} to {camber_after:.4} deg, steer from {steer:.4} to {steer_after:.4} deg"
             ));
         }
+        parts.extend(self.channels_gained());
         parts.push(format!(
             "chi-square per reading from {:.2} to {:.2} (p = {:.2})",
             before.chi_square / before.dof as f64,
@@ -250,6 +251,36 @@ impl Outcome<'_> {
             after.p_value
         ));
         Some(format!("On cases no fit saw {}.", parts.join(", ")))
+    }
+
+    /// Rms of each channel in the cases held out.
+    fn channels_gained(&self) -> Vec<String> {
+        let Some([before, after]) = &self.unseen else {
+            return Vec::new();
+        };
+        let channels = self.subject.problem.measurement.channels.iter();
+        channels
+            .enumerate()
+            .filter_map(|(channel, info)| {
+                let rows = self.subject.rows.iter().enumerate().filter(|(_, row)| {
+                    matches!(row, Row::Channel { channel: of, .. } if *of == channel)
+                        && self.subject.is_held_out(row.case())
+                });
+                let count = rows.clone().count();
+                let rms = |fitted: &Fitted| {
+                    let squares = rows.clone().map(|(k, _)| fitted.misfit[k].powi(2));
+                    (squares.sum::<f64>() / count as f64).sqrt() * info.sigma
+                };
+                (count > 0).then(|| {
+                    format!(
+                        "{} from {:.3} to {:.3} rms",
+                        info.name,
+                        rms(before),
+                        rms(after)
+                    )
+                })
+            })
+            .collect()
     }
 
     /// Stiffnesses that the wrong model had wrong beyond doubt, the worst first.
