@@ -1,7 +1,8 @@
 //! How well hidden effects are named: `cargo bench --bench discrepancy -- [singles] [clean]` prints the tables of the README.
 //!
 //! Seeds start where those of the tests end. `--show` prints a line for every study, `--from N` starts at another seed, `--axle
-//! pseudo-mcpherson` or `multilink` leaves the other axle out; with `--tests` the seeds are those of the tests.
+//! pseudo-mcpherson` or `multilink` leaves the other axle out, `--calm` studies with background errors, `--only single` (or `clean`,
+//! `pair`, `outside`) the other kinds; with `--tests` the seeds are those of the tests.
 
 #[path = "../discrepancy/blind/mod.rs"]
 mod blind;
@@ -19,11 +20,14 @@ const FIRST: u64 = 1000;
 fn main() {
     let mut numbers = Vec::new();
     let (mut show, mut first, mut axle, mut tests) = (false, FIRST, None, false);
+    let (mut calm, mut only) = (false, None);
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         match word.as_str() {
             "--show" => show = true,
             "--tests" => tests = true,
+            "--calm" => calm = true,
+            "--only" => only = words.next(),
             "--from" => first = words.next().and_then(|n| n.parse().ok()).unwrap_or(FIRST),
             "--axle" => axle = words.next(),
             other => numbers.extend(other.parse::<u64>()),
@@ -42,6 +46,11 @@ fn main() {
     for (kind, count) in kinds.into_iter().zip(counts) {
         plans.extend((first..first + count).map(|seed| plan(kind, seed)));
     }
+    plans.retain(|plan| !calm || !plan.background);
+    plans.retain(|plan| {
+        only.as_ref()
+            .is_none_or(|only| *only == format!("{:?}", plan.kind).to_lowercase())
+    });
     plans.retain(|plan| axle.as_ref().is_none_or(|axle| plan.axle.name() == axle));
     let started = std::time::Instant::now();
     let trials: Vec<Trial> = plans
@@ -213,15 +222,37 @@ fn limit(tally: &Tally) {
     println!();
 }
 
+/// Planted against named, for single causes that can be seen; `consistent` and `unexplained` are answers too.
 fn confusion(tally: &Tally) {
     println!("| planted | named (single causes that can be seen) |\n|---|---|");
-    let mut rows: BTreeMap<String, Vec<String>> = BTreeMap::new();
-    for ((planted, named), count) in tally.confusion() {
-        rows.entry(planted)
-            .or_default()
-            .push(format!("{named} {count}"));
+    let mut rows: BTreeMap<&str, BTreeMap<String, usize>> = BTreeMap::new();
+    for (trial, score) in &tally.trials {
+        let (Kind::Single, true, [planted]) =
+            (trial.plan.kind, score.detectable, &trial.planted[..])
+        else {
+            continue;
+        };
+        let cause = planted.plant.cause;
+        let named = if score.cause {
+            cause.to_string()
+        } else {
+            answer(trial)
+        };
+        *rows.entry(cause).or_default().entry(named).or_default() += 1;
     }
     for (planted, named) in rows {
-        println!("| {planted} | {} |", named.join(", "));
+        let words = named.iter().map(|(name, count)| format!("{name} {count}"));
+        println!("| {planted} | {} |", words.collect::<Vec<_>>().join(", "));
+    }
+}
+
+/// The first name of an answer, or its verdict.
+fn answer(trial: &Trial) -> String {
+    match &trial.diagnosis {
+        None => "none".to_string(),
+        Some(d) => match d.findings.first() {
+            Some(finding) => finding.cause.as_str().to_string(),
+            None => format!("{:?}", d.verdict).to_lowercase(),
+        },
     }
 }

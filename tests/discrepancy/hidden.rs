@@ -37,14 +37,47 @@ fn hidden_causes_are_named() {
     let tally = tally(Kind::Single, 48);
     for cause in CAUSES {
         let seen = |t: &Trial, s: &Score| t.planted[0].plant.cause == cause && s.detectable;
-        assert!(tally.count(seen, |_| true).1 > 0, "{cause} cannot be seen in any");
+        assert!(
+            tally.count(seen, |_| true).1 > 0,
+            "{cause} cannot be seen in any"
+        );
     }
     let of = |axle: Axle| move |t: &Trial, s: &Score| t.plan.axle == axle && s.detectable;
-    holds(&tally, of(Axle::McPherson), |s| s.cause, 95, "McPherson, cause");
-    holds(&tally, of(Axle::McPherson), |s| s.address, 90, "McPherson, place");
-    holds(&tally, of(Axle::Multilink), |s| s.cause, 80, "multilink, cause");
-    holds(&tally, of(Axle::Multilink), |s| s.address, 70, "multilink, place");
-    holds(&tally, |_, s| !s.detectable, |s| s.address, 80, "too small to be seen");
+    holds(
+        &tally,
+        of(Axle::McPherson),
+        |s| s.cause,
+        95,
+        "McPherson, cause",
+    );
+    holds(
+        &tally,
+        of(Axle::McPherson),
+        |s| s.address,
+        90,
+        "McPherson, place",
+    );
+    holds(
+        &tally,
+        of(Axle::Multilink),
+        |s| s.cause,
+        80,
+        "multilink, cause",
+    );
+    holds(
+        &tally,
+        of(Axle::Multilink),
+        |s| s.address,
+        70,
+        "multilink, place",
+    );
+    holds(
+        &tally,
+        |_, s| !s.detectable,
+        |s| s.address,
+        80,
+        "too small to be seen",
+    );
     holds(
         &tally,
         |_, s| s.detectable && s.held_out_p.is_some(),

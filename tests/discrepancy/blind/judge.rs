@@ -1,7 +1,5 @@
 //! Whether an answer is right, now that the truth is open.
 
-use std::collections::BTreeMap;
-
 use admire::discrepancy::{Diagnosis, Finding, Verdict};
 
 use super::draw::Kind;
@@ -151,42 +149,10 @@ impl Tally {
         (good, chosen.len())
     }
 
-    /// Planted against named, for single causes that can be seen; `consistent` and `unexplained` are answers too.
-    pub fn confusion(&self) -> BTreeMap<(String, String), usize> {
-        let mut table = BTreeMap::new();
-        for (trial, score) in &self.trials {
-            let (Kind::Single, true, [planted]) =
-                (trial.plan.kind, score.detectable, &trial.planted[..])
-            else {
-                continue;
-            };
-            let named = if score.cause {
-                planted.plant.cause.to_string()
-            } else {
-                answer(trial)
-            };
-            *table
-                .entry((planted.plant.cause.to_string(), named))
-                .or_default() += 1;
-        }
-        table
-    }
-
     /// One line per trial that is not right, for those who look into it.
     pub fn failures(&self) -> Vec<String> {
         let wrong = self.trials.iter().filter(|(_, score)| !score.address);
         wrong.map(|(trial, score)| line(trial, score)).collect()
-    }
-}
-
-/// The first name of an answer, or its verdict.
-fn answer(trial: &Trial) -> String {
-    match &trial.diagnosis {
-        None => "none".to_string(),
-        Some(d) => match d.findings.first() {
-            Some(finding) => finding.cause.as_str().to_string(),
-            None => format!("{:?}", d.verdict).to_lowercase(),
-        },
     }
 }
 
