@@ -25,13 +25,13 @@ pub struct Truth {
 /// What a rig reads besides marks.
 const WHEEL: [&str; 2] = [
     "\n[wheel]\nmarker = \"MARKER/20\"\naxis = \"y\"\nsigma = { position = 0.05, angle_deg = 0.01 }\n",
-    "\n[wheel]\nmarker = \"MARKER/18\"\naxis = \"y\"\nsigma = { position = 0.05, angle_deg = 0.01 }\n",
+    "\n[wheel]\nmarker = \"MARKER/30\"\naxis = \"y\"\nsigma = { position = 0.05, angle_deg = 0.01 }\n",
 ];
 const READINGS: [&str; 2] = [
     "\n[readings]\nfile = \"readings.csv\"\n[readings.channels]\nheight = { function = \"DZ(20,48)\", sigma = 0.05 }\n\
      travel = { function = \"DM(18,17)\", sigma = 0.05 }\n",
-    "\n[readings]\nfile = \"readings.csv\"\n[readings.channels]\nheight = { function = \"DZ(18,68)\", sigma = 0.05 }\n\
-     travel = { function = \"DM(5,15)\", sigma = 0.05 }\n",
+    "\n[readings]\nfile = \"readings.csv\"\n[readings.channels]\nheight = { function = \"DZ(30,68)\", sigma = 0.05 }\n\
+     travel = { function = \"DM(26,25)\", sigma = 0.05 }\n",
 ];
 
 /// Draws the true stiffnesses and writes the folder.

@@ -3,7 +3,7 @@
 use admire::identify::LoadedStudy;
 use admire::identify::global::gauss_newton::LeastSquares;
 use admire::identify::global::{
-    Meaning, Observations, Prepared, Row, fit_unknowns, global_problem,
+    Meaning, Observations, Options, Prepared, Row, fit_study, fit_unknowns, global_problem,
 };
 use admire::rig::Measurement;
 use nalgebra::{DMatrix, DVector};
@@ -103,4 +103,18 @@ impl Span {
             .sum();
         (shift.norm_squared() - inside).max(0.0)
     }
+}
+
+/// What a fit of stiffnesses and nuisances leaves of readings without noise, as a sum of squares over the noise they would have: an
+/// effect so large that stiffnesses follow it along a curve leaves less than the straight span says.
+pub fn left_by_a_fit(study: &LoadedStudy, values: &[f64]) -> Option<f64> {
+    let problem = study.problem();
+    let prepared = Prepared::new(&problem).ok()?;
+    let options = Options {
+        start: Some(values.to_vec()),
+        profile: false,
+        watch: None,
+    };
+    let fit = fit_study(&problem, &prepared, None, options).ok()?;
+    Some(2.0 * fit.minimum.objective)
 }
