@@ -9,7 +9,7 @@ use crate::syntax::{Address, Dataset};
 /// Standard deviations of small errors in many places at once.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Background {
-    /// Of each coordinate of each marker that connects two parts, in the deck's length unit.
+    /// Of each coordinate of each marker at which a joint or a spring holds a part, in the deck's length unit.
     pub hardpoints: f64,
     /// Of the gain of each load, relative.
     pub load_gain: f64,
@@ -92,15 +92,13 @@ fn refuse(item: &str) -> Diagnostic {
     .help("for example hardpoints=0.1,load_gain=0.003,marks_on_parts=0.02")
 }
 
-/// Markers that joints, bushings and springs connect, with their places.
+/// Markers of joints and springs with their places; for a bushing the same is an assembly offset.
 fn connections(model: &Model) -> Vec<(u32, crate::mechanics::Vec3)> {
     let joints = model.joints.iter().map(|o| [o.i, o.j]);
     let primitives = model.primitives.iter().map(|o| [o.i, o.j]);
-    let bushings = model.bushings.iter().map(|o| [o.i, o.j]);
     let springs = model.springdampers.iter().map(|o| [o.i, o.j]);
     let mut found: Vec<_> = joints
         .chain(primitives)
-        .chain(bushings)
         .chain(springs)
         .flatten()
         .map(|marker| {
