@@ -188,7 +188,7 @@ pub fn plan(kind: Kind, seed: u64) -> Plan {
         sigma: (random.random_range(0.02..0.05) * 1e4_f64).round() / 1e4,
         // Errors of hardpoints and gains are causes of the catalogue: a study that has them is not clean, and to name one where
         // something else is planted that has no name would not be false.
-        background: matches!(kind, Kind::Single | Kind::Pair) && seed % 3 == 2,
+        background: matches!(kind, Kind::Single | Kind::Pair) && (seed + seed / 6) % 3 == 2,
         instruments: (
             random.random_bool(0.5),
             random.random_bool(0.25) || channels,
