@@ -87,6 +87,20 @@ pub fn score(trial: &Trial) -> Score {
     }
 }
 
+/// Of the planted effects that can be seen: whether any finding names the cause.
+#[allow(dead_code, reason = "the bench counts whole studies")]
+pub fn named_of(trial: &Trial) -> Vec<bool> {
+    let Some(diagnosis) = &trial.diagnosis else {
+        return vec![false; trial.planted.len()];
+    };
+    let seen = trial.planted.iter().filter(|p| detectable(p, trial.places));
+    seen.map(|planted| {
+        let mut findings = diagnosis.findings.iter();
+        findings.any(|finding| names(finding, planted, false))
+    })
+    .collect()
+}
+
 /// True if a finding names what was planted, first or among few rivals that the data do not separate.
 fn names(finding: &Finding, planted: &Planted, place: bool) -> bool {
     let same = |cause: &str, address: &str| {
