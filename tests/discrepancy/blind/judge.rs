@@ -35,8 +35,8 @@ pub fn score(trial: &Trial) -> Score {
     let Some(diagnosis) = &trial.diagnosis else {
         return Score {
             detectable: true,
-            cause: false,
-            address: false,
+            cause: trial.spoilt,
+            address: trial.spoilt,
             confident: false,
             held_out_p: None,
         };

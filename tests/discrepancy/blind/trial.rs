@@ -14,7 +14,7 @@ use nalgebra::DVector;
 
 use super::axle::{Truth, truth};
 use super::detect::{Span, left_by_a_fit};
-use super::draw::{Plan, Plant, Ranges, plants};
+use super::draw::{Kind, Plan, Plant, Ranges, plants};
 
 /// So often a place is drawn.
 const ATTEMPTS: u64 = 6;
@@ -41,6 +41,8 @@ pub struct Trial {
     pub planted: Vec<Planted>,
     /// The answer; `None` if there was none.
     pub diagnosis: Option<Diagnosis>,
+    /// The readings were found to be no readings of rigid parts before anything was fitted.
+    pub spoilt: bool,
     /// How many hypotheses were tried.
     pub places: usize,
     /// Seconds the diagnosis took.
@@ -60,6 +62,7 @@ pub fn run(plan: Plan) -> Trial {
         plan,
         planted: Vec::new(),
         diagnosis: None,
+        spoilt: false,
         places: 0,
         seconds: 0.0,
     };
@@ -67,9 +70,17 @@ pub fn run(plan: Plan) -> Trial {
     let folder = tempfile::tempdir().expect("a folder for the study");
     hand_over(&trial, &truth, folder.path());
     let loaded = LoadedStudy::read(folder.path());
+    trial.spoilt = loaded
+        .diagnostics
+        .iter()
+        .any(|d| d.code.as_str() == "inconsistent-marks");
     let Some(loaded) = loaded.value else {
         return trial;
     };
+    // Where the check of the readings says which marks are not of their part, nobody asks what is wrong with the model.
+    if trial.spoilt && trial.plan.kind == Kind::Outside {
+        return trial;
+    }
     let problem = loaded.problem();
     let started = std::time::Instant::now();
     if let Ok(outcome) = diagnose(&problem, held_out(&loaded.study, &loaded.measurement)) {
