@@ -3,7 +3,7 @@
 //! `cargo bench --bench statics` solves the two axles of the corpus in the load cases of their studies; with `-- chains` chains of
 //! 1,000 to 100,000 bodies, whose cost per body and iteration should stay alike. With a file behind `--` it
 //! solves what that says (`tests/bench/peers` writes one): a list of
-//! `{ "name", "deck", "loads": ["SFORCE/1"], "cases": [[0.0]], "repeats", "error", "imbalance", "last_part_only" }`.
+//! `{ "name", "deck", "loads": ["SFORCE/1"], "cases": [[0.0]], "repeats", "error", "imbalance", "tlimit", "last_part_only" }`.
 //! Set-up (reading, compiling, the first rank analysis) is timed apart from the sweeps; each sweep starts at the design position
 //! and goes from case to case.
 
@@ -89,6 +89,8 @@ fn chains(folder: &Path) -> Value {
                 // Stiffness times the round-off of positions grows with the length.
                 "imbalance": 1e-6 * f64::from(bodies),
                 "error": 1e-8,
+                // The tip of the longest moves by metres.
+                "tlimit": 1e6,
                 "last_part_only": true,
                 "bodies": bodies,
             })
@@ -148,6 +150,7 @@ fn solve(job: &Value) -> Value {
     let settings = Settings {
         error: job["error"].as_f64().unwrap_or(tight.error),
         imbalance: job["imbalance"].as_f64().unwrap_or(tight.imbalance),
+        tlimit: job["tlimit"].as_f64().unwrap_or(tight.tlimit),
         ..tight
     };
     let slots: Vec<_> = job["loads"]
