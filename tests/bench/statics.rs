@@ -72,8 +72,8 @@ fn axles() -> Value {
     json!([axle("pseudo-mcpherson"), axle("multilink")])
 }
 
-/// Chains of bodies joined by bushings, clamped at one end, a small force across the other; it shrinks with the length so that
-/// every chain needs the same few iterations.
+/// Chains of bodies joined by bushings as `tests/bench/peers` has them: every tenth held to ground too, so that the equations stay well
+/// conditioned at any length; bent by gravity and a force at the end.
 fn chains(folder: &Path) -> Value {
     let jobs: Vec<Value> = [1_000, 10_000, 100_000]
         .into_iter()
@@ -84,13 +84,11 @@ fn chains(folder: &Path) -> Value {
                 "name": format!("chain of {bodies}"),
                 "deck": deck,
                 "loads": ["SFORCE/1"],
-                "cases": [[2e3 / (f64::from(bodies) * f64::from(bodies))]],
+                "cases": [[20.0]],
                 "repeats": 5,
                 // Stiffness times the round-off of positions grows with the length.
                 "imbalance": 1e-6 * f64::from(bodies),
-                "error": 1e-8,
-                // The tip of the longest moves by metres.
-                "tlimit": 1e6,
+                "error": 1e-4,
                 "last_part_only": true,
                 "bodies": bodies,
             })
@@ -102,7 +100,7 @@ fn chains(folder: &Path) -> Value {
 /// A dataset of n bodies of 100 mm.
 fn chain(n: u32) -> String {
     let mut text = String::from(
-        "chain\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\nPART/1, GROUND\nMARKER/1, PART=1\n",
+        "chain\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\nPART/1, GROUND\nMARKER/1, PART=1\nMARKER/2, PART=1, REULER=0D,-90D,0D\nACCGRAV/JGRAV=-9806.65\n",
     );
     for k in 0..n {
         let (id, x) = (k + 2, 100 * k);
@@ -112,12 +110,19 @@ fn chain(n: u32) -> String {
             text,
             "PART/{id}, QG={x},0,0, MASS=1, CM={cm}, IP=100,100,100\nMARKER/{cm}, PART={id}, QP=50,0,0\n\
              MARKER/{i}, PART={id}\nMARKER/{j}, PART={id}, QP=100,0,0\n\
-             BUSHING/{id}, I={i}, J={before}, K=1e4,1e4,1e4, KT=1e8,1e8,1e8"
+             BUSHING/{id}, I={i}, J={before}, K=1E4,1E4,1E4, KT=1E6,1E6,1E6"
         );
+        if k % 10 == 9 {
+            let (number, support, x) = (n + id, 10 * id + 3, x + 100);
+            _ = writeln!(
+                text,
+                "MARKER/{support}, PART=1, QP={x},0,0\nBUSHING/{number}, I={j}, J={support}, K=1E4,1E4,1E4, KT=1E6,1E6,1E6"
+            );
+        }
     }
     _ = writeln!(
         text,
-        "SFORCE/1, I={}, J=1, TRANSLATIONAL, ACTIONONLY, FUNCTION=0\nEND",
+        "SFORCE/1, I={}, J=2, TRANSLATIONAL, ACTIONONLY, FUNCTION=0\nEND",
         10 * (n + 1) + 2
     );
     text
