@@ -57,7 +57,7 @@ fn a_cantilever() {
 #[test]
 fn beams_bent_to_a_circle() {
     let (n, l) = (20, 10.0);
-    let curvature = std::f64::consts::FRAC_PI_2 / (n as f64 * l);
+    let curvature = std::f64::consts::FRAC_PI_2 / (f64::from(n) * l);
     let mut deck = String::new();
     for k in 1..=n {
         let id = k + 1;

@@ -160,7 +160,7 @@ fn call(def: &FunctionDef) -> String {
             _ => format!("{}", 0.5 * (k + 1) as f64),
         })
         .collect();
-    let count = arguments.len().max(usize::from(def.count.min));
+    let count = arguments.len().max(def.count.min);
     format!(
         "{}({})",
         def.name,
