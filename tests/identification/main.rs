@@ -3,6 +3,11 @@
 mod command;
 #[path = "../common/mod.rs"]
 mod common;
+#[allow(
+    dead_code,
+    non_snake_case,
+    reason = "the tests of the solver use the rest"
+)]
 #[path = "../solver/deck.rs"]
 mod deck;
 mod direct;
