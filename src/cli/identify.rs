@@ -6,7 +6,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::backend::Backend;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::identify::global::{Options, Prepared, fit_study};
+use crate::identify::global::{Options, Prepared, Start, fit_study};
 use crate::identify::{Fit, IdentifyError, LoadedStudy, direct, regression};
 use crate::report::{IdentificationReport, lead, number, status};
 use crate::rig::settings::{BackendChoice, Method};
@@ -144,7 +144,7 @@ pub(super) fn identified(
                 true
             };
             let options = Options {
-                start: None,
+                start: Start::Direct,
                 profile: true,
                 watch: Some(Box::new(watch)),
             };

@@ -20,6 +20,7 @@ mod permissions;
 mod record;
 mod render;
 mod renumber;
+mod reproduce;
 mod results;
 mod rig;
 mod sensitivity;
@@ -69,6 +70,7 @@ enum Command {
     Diagnose(diagnose::Arguments),
     Record(record::Arguments),
     Rig(rig::Arguments),
+    Reproduce(reproduce::Arguments),
     Results(results::Arguments),
     Compare(compare::Arguments),
     Explain(explain::Arguments),
@@ -97,6 +99,7 @@ pub fn main() -> ExitCode {
         Command::Diagnose(arguments) => diagnose::run(&arguments, &mut shell),
         Command::Record(arguments) => record::run(&arguments, &mut shell),
         Command::Rig(arguments) => rig::run(&arguments, &mut shell),
+        Command::Reproduce(arguments) => reproduce::run(&arguments, &mut shell),
         Command::Results(arguments) => results::run(&arguments, &mut shell),
         Command::Compare(arguments) => compare::run(&arguments, &mut shell),
         Command::Explain(arguments) => explain::run(&arguments, &mut shell),

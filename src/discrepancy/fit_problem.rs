@@ -119,6 +119,14 @@ impl LeastSquares for FitProblem<'_> {
         self.weights.clone()
     }
 
+    fn moved(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
+        self.setup.unknowns.moved(x, step)
+    }
+
+    fn limits(&self, scale: &[f64], reach: f64) -> (Vec<f64>, Vec<f64>) {
+        self.setup.unknowns.limits(scale, reach)
+    }
+
     fn progress(&mut self, iteration: usize, _x: &[f64], objective: f64) -> bool {
         let before = std::mem::replace(&mut self.objective, objective);
         !self.effort.is_enough(iteration, (before, objective))

@@ -4,6 +4,7 @@
 //! well a sweep explains the readings, and the result as `identification.json` and edits. Knows no effect a model may lack: that
 //! is diagnosis.
 
+mod bounded;
 pub mod direct;
 mod evaluation;
 mod fit;
@@ -11,6 +12,7 @@ pub mod global;
 mod loaded;
 mod problem;
 pub mod regression;
+pub mod reproduction;
 mod unknowns;
 
 pub use evaluation::{Discrepancy, compare};

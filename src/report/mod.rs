@@ -7,6 +7,7 @@ mod diagnosis;
 mod heat_map;
 mod identification;
 mod page;
+mod reproduction;
 mod table;
 
 pub use chart::{Chart, Mark, Series};
@@ -14,6 +15,7 @@ pub use diagnosis::DiagnosisReport;
 pub use heat_map::HeatMap;
 pub use identification::{IdentificationReport, lead, number, status};
 pub use page::{Page, escape};
+pub use reproduction::ReproductionReport;
 pub use table::{Align, Table};
 
 /// Why a picture could not be drawn.

@@ -9,7 +9,7 @@ use admire::identify::{Fit, Status};
 use admire::rig::deflection::DeflectionForm;
 use admire::rig::settings::{Slope, Weights};
 
-use crate::setup::{Loaded, exact_mcpherson, load};
+use crate::setup::{Loaded, exact_mcpherson, load, measure};
 
 fn run(loaded: &Loaded) -> Fit {
     let mut progress = |_: usize, _: &[f64], _: f64| ControlFlow::Continue(());
@@ -135,4 +135,41 @@ fn misread_equations_lose_stiffnesses() {
     });
     println!("torque at J loses {at_j:?}");
     assert!(at_j.len() >= 3, "{at_j:?}");
+}
+
+/// NOTES.md 7: with both corrections the noisy multilink (0.05 mm, epsilon 0.05) ends in about ten iterations, median log error
+/// 0.17. One realisation of the noise may leave a hardly known stiffness drifting just above epsilon (the shipped one does, for 75
+/// iterations), so the claim is about the middle of several.
+#[test]
+fn inverse_regression_removes_the_bias_of_the_noise() {
+    let mut loaded = load("multilink", |_| {});
+    loaded.study.regression.weights = Weights::Corrected;
+    let (mut iterations, mut printed, mut inverse) = (Vec::new(), Vec::new(), Vec::new());
+    for seed in 1..=5 {
+        measure(&mut loaded, 0.05, seed);
+        for (slope, medians) in [
+            (Slope::Printed, &mut printed),
+            (Slope::Inverse, &mut inverse),
+        ] {
+            loaded.study.regression.slope = slope;
+            loaded.study.regression.max_iterations = 40;
+            let fit = run(&loaded);
+            let of_found = fit.parameters.iter().zip(&loaded.reference);
+            let mut errors: Vec<f64> = of_found
+                .filter(|(p, _)| p.status == Status::Identified)
+                .map(|(p, truth)| (p.value / truth).ln().abs())
+                .collect();
+            errors.sort_by(f64::total_cmp);
+            medians.push(errors[errors.len() / 2]);
+            if slope == Slope::Inverse {
+                iterations.push(fit.iterations);
+            }
+        }
+    }
+    iterations.sort_unstable();
+    println!("{iterations:?} {printed:.3?} {inverse:.3?}");
+    assert!((3..=15).contains(&iterations[2]), "{iterations:?}");
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    assert!((0.10..0.20).contains(&mean(&inverse)), "{inverse:?}");
+    assert!(mean(&inverse) < 0.75 * mean(&printed), "{printed:?}");
 }

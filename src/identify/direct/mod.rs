@@ -6,7 +6,6 @@
 //! noise also sits in the deflections that multiply the stiffnesses, that solution is biased towards zero; moving the poses onto the equations within their
 //! covariance, again and again, removes most of it.
 
-mod bounded;
 mod equations;
 mod report;
 
@@ -18,7 +17,7 @@ use nalgebra::{DMatrix, DVector};
 
 use self::equations::{CaseState, Linearised};
 use super::unknowns::stiffness;
-use super::{IdentifyError, Problem, Progress};
+use super::{IdentifyError, Problem, Progress, bounded};
 use crate::backend::{compile, slot};
 use crate::rig::orientation::chi_square_p_value;
 use crate::rig::settings::Method;

@@ -1,6 +1,7 @@
 //! `method = "gauss-newton"` from a study's problem to its answer.
 
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 
 use nalgebra::DMatrix;
 
@@ -14,6 +15,7 @@ use super::predictor::{CasePrediction, Observed, Predictor};
 use super::problem::{GlobalProblem, Watch};
 use super::unknown::{Component, FitUnknown, FitUnknowns, Meaning};
 use crate::backend::{Backend, BackendError, CaseFailure, Sweep, compile, slot};
+use crate::identify::direct::{self, DirectSettings, DirectSolution};
 use crate::identify::evaluation::fill;
 use crate::identify::unknowns::{Place, bushing_number};
 use crate::identify::{
@@ -27,14 +29,36 @@ use crate::system::{Equilibrium, System};
 /// sd of ln K above which a number counts as unidentifiable (STUDY-FORMAT).
 pub const UNIDENTIFIABLE: f64 = 0.5;
 /// sd of ln K above which the normal interval is replaced by profile likelihood.
-const POOR_NORMAL: f64 = 0.3;
+pub const POOR_NORMAL: f64 = 0.3;
+/// Standard deviations between the direct solution and the fit that are worth a remark.
+const CONTRADICTION: f64 = 6.0;
 /// ln K may move so far from where it starts.
 const REACH: f64 = 14.0;
 
+/// Where a fit starts.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Start {
+    /// At the direct solution where there is one that settled; else at the study's initial values.
+    #[default]
+    Direct,
+    /// At the study's initial values.
+    Initial,
+}
+
+/// Numbers to start from.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct StartValues {
+    /// One per unknown of the problem.
+    pub values: Vec<f64>,
+    /// (bushing, axis, delta0) of assembly offsets; the others start at zero.
+    pub offsets: Vec<(usize, usize, f64)>,
+}
+
 /// What a fit may be told.
+#[derive(Default)]
 pub struct Options<'a> {
-    /// Start of the unknowns instead of the study's initial values; in the order of the problem's unknowns.
-    pub start: Option<Vec<f64>>,
+    /// Where it starts.
+    pub start: Start,
     /// Whether intervals may be refined by profile likelihood, which costs solver runs.
     pub profile: bool,
     /// Who watches.
@@ -54,7 +78,11 @@ pub struct GlobalFit<'a> {
 }
 
 /// The fit's unknowns of a study: ln K of each number sought, then the assembly offsets of their bushings.
-pub fn fit_unknowns(problem: &Problem<'_>, system: &System, start: Option<&[f64]>) -> FitUnknowns {
+pub fn fit_unknowns(
+    problem: &Problem<'_>,
+    system: &System,
+    start: Option<&StartValues>,
+) -> FitUnknowns {
     let slot = |address: &crate::syntax::Address| system.catalogue().slot(address);
     let settings = problem.settings;
     let (mut list, mut offsets) = (Vec::new(), Vec::new());
@@ -101,10 +129,17 @@ pub fn fit_unknowns(problem: &Problem<'_>, system: &System, start: Option<&[f64]
                 settings.offset_sd.length
             };
             if sd > 0.0 && component.preload.is_some() {
+                let known = start.into_iter().flat_map(|start| &start.offsets);
+                let found = known
+                    .filter(|(bushing, of, _)| {
+                        unknown.axes().contains(&(*bushing, *of)) && of == axis
+                    })
+                    .map(|(_, _, delta)| *delta)
+                    .next();
                 offsets.push(FitUnknown {
                     addresses: vec![unknown.address.clone()],
                     meaning: Meaning::Offset(*component),
-                    start: 0.0,
+                    start: found.unwrap_or(0.0),
                     mean: 0.0,
                     sd,
                 });
@@ -113,7 +148,7 @@ pub fn fit_unknowns(problem: &Problem<'_>, system: &System, start: Option<&[f64]
         list.push(FitUnknown {
             addresses,
             meaning: Meaning::Stiffness(components),
-            start: start.map_or(mean, |start| usable(start[k])),
+            start: start.map_or(mean, |start| usable(start.values[k])),
             mean,
             sd: settings.prior_log_sd,
         });
@@ -143,7 +178,10 @@ pub fn global_problem<'a>(
     }
 }
 
-/// Fits everything that was read in the cases that are not held out.
+/// Fits everything that was read in the cases that are not held out. `profile`: whether intervals may be refined by profile
+/// likelihood, which costs solver runs.
+///
+/// A fit that starts elsewhere and does not converge is tried again from the initial values.
 ///
 /// # Errors
 /// [`IdentifyError::NoUnknowns`], or [`IdentifyError::NoCases`] when the solver cannot reach a case where the fit starts.
@@ -151,7 +189,7 @@ pub fn identify<'a>(
     problem: &Problem<'a>,
     mut global: GlobalProblem<'a>,
     backend: &str,
-    options: Options<'a>,
+    profile: bool,
 ) -> Result<GlobalFit<'a>, IdentifyError> {
     if problem.unknowns.is_empty() {
         return Err(IdentifyError::NoUnknowns);
@@ -159,19 +197,27 @@ pub fn identify<'a>(
     if global.observations.rows.is_empty() {
         return Err(IdentifyError::NoCases(None));
     }
-    global.watch = options.watch;
     let (priors, scale, held) = (global.priors(), global.scale(), global.held());
-    let start = global.start();
-    global.history = vec![global.unknowns.start()];
-    let minimum = minimise(
-        &mut global,
-        &start,
-        &priors,
-        &scale,
-        &held,
-        Tolerances::default(),
-    )
-    .ok_or(IdentifyError::NoCases(None))?;
+    let initial: Vec<f64> = priors.iter().map(|prior| prior.mean).collect();
+    let mut best: Option<Minimum> = None;
+    for start in [global.start(), initial.clone()] {
+        let done = best
+            .as_ref()
+            .is_some_and(|found| matches!(found.ending, Ending::Converged | Ending::Stopped));
+        if done {
+            break;
+        }
+        let history = vec![start[..global.unknowns.len()].to_vec()];
+        let before = std::mem::replace(&mut global.history, history);
+        let tolerances = Tolerances::default();
+        let found = minimise(&mut global, &start, &priors, &scale, &held, tolerances);
+        match (found, &best) {
+            (Some(found), Some(old)) if found.objective >= old.objective => global.history = before,
+            (Some(found), _) => best = Some(found),
+            (None, _) => global.history = before,
+        }
+    }
+    let minimum = best.ok_or(IdentifyError::NoCases(None))?;
     global.watch = None;
     let covariance = covariance(&minimum, &held);
     let history = std::mem::take(&mut global.history);
@@ -180,16 +226,17 @@ pub fn identify<'a>(
         &mut global,
         &minimum,
         &covariance,
-        (backend, options.profile),
+        (backend, profile),
     );
     let count = problem.unknowns.len();
-    fit.history = history
-        .iter()
+    fit.history = std::iter::once(&initial)
+        .chain(&history)
         .map(|x| x[..count].iter().map(|x| x.exp()).collect())
         .collect();
+    fit.history.dedup();
     // Wheel and held-out cases are compared with everything that was found, offsets included.
     let (marks, end) = (fit.marks, minimum.x.clone());
-    let [before, after] = [&start, &end].map(|x| swept(&mut global, x));
+    let [before, after] = [&initial, &end].map(|x| swept(&mut global, x));
     fill(&mut fit, problem, &before, &after, 0);
     fit.marks = marks;
     Ok(GlobalFit {
@@ -238,7 +285,7 @@ fn answer(
             Some((x + NORMAL_975 * sd).exp()),
         ];
         let interval95 = if profile && sd > POOR_NORMAL {
-            profile_interval(global, minimum, (k, sd), &priors, &scale, &held)
+            profile_interval(global, minimum, (k, covariance), &priors, &scale, &held)
                 .map(|side| side.map(f64::exp))
         } else {
             normal
@@ -487,23 +534,81 @@ pub fn fit_study<'a>(
     backend: Option<&'a mut dyn Backend>,
     options: Options<'a>,
 ) -> Result<GlobalFit<'a>, IdentifyError> {
+    let Options {
+        start,
+        profile,
+        mut watch,
+    } = options;
+    let direct = match start {
+        Start::Direct => direct_start(problem, watch.as_deref_mut()),
+        Start::Initial => None,
+    };
     let cases: Vec<usize> = problem.measurement.fitted_cases().collect();
     let observations = Observations::new(problem.measurement, problem.model, &cases);
-    let unknowns = fit_unknowns(problem, &prepared.system, options.start.as_deref());
+    let begin = direct.as_ref().map(|solution| StartValues {
+        values: solution.values.clone(),
+        offsets: solution.offsets.clone(),
+    });
+    let unknowns = fit_unknowns(problem, &prepared.system, begin.as_ref());
     let observed = observations.observed.clone();
-    let Some(backend) = backend else {
+    let mut found = if let Some(backend) = backend {
+        let name = backend.name();
+        let predictor = DifferencePredictor::new(problem, &prepared.system, backend, observed);
+        let failure = predictor.failure();
+        let mut global = global_problem(problem, observations, unknowns, Box::new(predictor));
+        global.watch = watch;
+        let outcome = identify(problem, global, name, profile);
+        match (outcome, failure.take()) {
+            (Err(IdentifyError::NoCases(None)), Some(error)) => return Err(error.into()),
+            (_, Some(error)) if error.is_lasting() => return Err(error.into()),
+            (outcome, _) => outcome?,
+        }
+    } else {
         let predictor = Box::new(prepared.native(problem, observed)?);
-        let global = global_problem(problem, observations, unknowns, predictor);
-        return identify(problem, global, "native", options);
+        let mut global = global_problem(problem, observations, unknowns, predictor);
+        global.watch = watch;
+        identify(problem, global, "native", profile)?
     };
-    let name = backend.name();
-    let predictor = DifferencePredictor::new(problem, &prepared.system, backend, observed);
-    let failure = predictor.failure();
-    let global = global_problem(problem, observations, unknowns, Box::new(predictor));
-    let outcome = identify(problem, global, name, options);
-    match (outcome, failure.take()) {
-        (Err(IdentifyError::NoCases(None)), Some(error)) => Err(error.into()),
-        (_, Some(error)) if error.is_lasting() => Err(error.into()),
-        (outcome, _) => outcome,
+    if let Some(solution) = direct {
+        sanity(problem, &mut found.fit, &solution);
+    }
+    Ok(found)
+}
+
+/// The direct solution of the problem, if there is one to start from.
+fn direct_start(problem: &Problem<'_>, watch: Option<&mut Watch<'_>>) -> Option<DirectSolution> {
+    let settings = DirectSettings {
+        show_bias: false,
+        ..DirectSettings::default()
+    };
+    let mut watch = watch;
+    let mut progress = |_: usize, _: &[f64], _: f64| {
+        let goes_on = watch
+            .as_mut()
+            .is_none_or(|watch| watch(0, 0, f64::INFINITY));
+        if goes_on {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
+        }
+    };
+    let solution = direct::solve(problem, &settings, &mut progress).ok()?;
+    solution.settled.then_some(solution)
+}
+
+/// Says where the direct solution, which knows no solver run, contradicts the fit by more than chance.
+fn sanity(problem: &Problem<'_>, fit: &mut Fit, solution: &DirectSolution) {
+    for (k, parameter) in fit.parameters.iter().enumerate() {
+        let sd = solution.covariance[(k, k)].max(0.0).sqrt();
+        let apart = (solution.values[k] / parameter.value).ln();
+        if sd < POOR_NORMAL && apart.abs() > CONTRADICTION * sd.max(1e-3) {
+            fit.remarks.push(format!(
+                "The direct solution of the measured poses puts {} at {:.2} of the value given here, {:.0} of its standard \
+                 deviations away: the model may lack something.",
+                problem.unknowns[k].address,
+                apart.exp(),
+                apart.abs() / sd
+            ));
+        }
     }
 }

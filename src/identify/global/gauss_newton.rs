@@ -1,10 +1,11 @@
-//! Gauss-Newton with a trust region (Levenberg-Marquardt) on whitened residuals with Gaussian priors.
+//! Gauss-Newton with a trust region on whitened residuals with Gaussian priors.
 //!
 //! Knows neither decks nor marks: only a function that gives residuals and their derivatives.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::observation::Evaluation;
+use crate::identify::bounded;
 
 /// A sum of squares to minimise: `1/2 |r(x)|^2 + 1/2 sum ((x - mean)/sd)^2`.
 pub trait LeastSquares {
@@ -14,6 +15,17 @@ pub trait LeastSquares {
     /// Weight of each residual at these residuals; 1 for a Gaussian likelihood.
     fn weights(&self, residual: &DVector<f64>) -> DVector<f64> {
         DVector::from_element(residual.len(), 1.0)
+    }
+
+    /// Where a step of the linear model leads.
+    fn moved(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
+        x.iter().zip(step.iter()).map(|(x, s)| x + s).collect()
+    }
+
+    /// Lower and upper bound of a step that moves no unknown by more than `reach` natural units.
+    fn limits(&self, scale: &[f64], reach: f64) -> (Vec<f64>, Vec<f64>) {
+        let upper: Vec<f64> = scale.iter().map(|scale| reach * scale).collect();
+        (upper.iter().map(|u| -u).collect(), upper)
     }
 
     /// Called after every accepted step with its number, x and the objective. `false` stops the fit there.
@@ -48,7 +60,8 @@ impl Prior {
         }
     }
 
-    fn cost(self, x: f64) -> f64 {
+    /// Its share of the objective.
+    pub fn cost(self, x: f64) -> f64 {
         0.5 * self.pull(x) * (x - self.mean)
     }
 }
@@ -67,7 +80,8 @@ pub struct Tolerances {
 impl Default for Tolerances {
     fn default() -> Self {
         Self {
-            decrement: 1e-7,
+            // The next step would move nothing by more than a hundredth of its standard deviation.
+            decrement: 1e-4,
             // Convergence is quadratic near the end: after a step of a millionth nothing worth a sweep is left.
             step: 1e-6,
             max_iterations: 100,
@@ -103,10 +117,50 @@ pub struct Minimum {
     pub weights: DVector<f64>,
     /// Information of the data plus that of the priors.
     pub information: DMatrix<f64>,
+    /// What the objective would still gain by one more step.
+    pub decrement: f64,
     /// Accepted steps.
     pub iterations: usize,
     /// Why it ended.
     pub ending: Ending,
+}
+
+/// A step moves no unknown by more natural units than this: one e-fold of a stiffness.
+const REACH: f64 = 1.0;
+/// The reach shrinks by this after steps that led nowhere.
+const SHRINK: f64 = 0.3;
+/// Steps shorter than this are lost in round-off.
+const LEAST_REACH: f64 = 1e-9;
+/// So often a step that led uphill is followed further before it is given up.
+const CHANCES: usize = 3;
+
+/// Where a fit stands.
+struct Point {
+    x: Vec<f64>,
+    evaluation: Evaluation,
+    weights: DVector<f64>,
+    value: f64,
+    information: DMatrix<f64>,
+    gradient: DVector<f64>,
+}
+
+impl Point {
+    /// The step of the linear model within limits, and what it would gain.
+    fn step(&self, (lower, upper): &(Vec<f64>, Vec<f64>), held: &[bool]) -> (DVector<f64>, f64) {
+        let mut information = self.information.clone();
+        let mut right = -&self.gradient;
+        for (k, held) in held.iter().enumerate() {
+            if *held {
+                information.fill_row(k, 0.0);
+                information.fill_column(k, 0.0);
+                information[(k, k)] = 1.0;
+                right[k] = 0.0;
+            }
+        }
+        let (step, _) = bounded::solve(&information, &right, lower, upper);
+        let gain = step.dot(&right) - 0.5 * step.dot(&(&information * &step));
+        (step, gain)
+    }
 }
 
 /// Objective of weighted residuals and priors.
@@ -148,8 +202,10 @@ fn normal_equations(
 
 /// Minimises from `start`. `scale` is the size of a natural step of each unknown; `held` unknowns stay where they are.
 ///
-/// The damping follows Nielsen (1999): it shrinks as far as the quadratic model predicted the gain well and grows geometrically
-/// after failures. `None` only if the model has no answer at the start.
+/// Each step minimises the linear model within a box of natural units, so that what little the data say of one unknown does not
+/// hold back the others. A step that leads uphill is followed a few times more before it is given up (the watchdog of Chamberlain,
+/// Powell and others, 1982): a long step along a narrow curved valley climbs its wall, the next one falls to its floor further
+/// on; a shorter first step would crawl. `None` only if the model has no answer at the start.
 pub fn minimise(
     problem: &mut dyn LeastSquares,
     start: &[f64],
@@ -158,117 +214,97 @@ pub fn minimise(
     held: &[bool],
     tolerances: Tolerances,
 ) -> Option<Minimum> {
-    let mut x = start.to_vec();
-    let mut evaluation = problem.evaluate(&x, true)?;
-    let mut weights = problem.weights(&evaluation.residual);
-    let mut value = objective(&evaluation, &weights, &x, priors);
-    let (mut damping, mut growth) = (1e-4, 2.0);
-    let (mut iterations, mut ending) = (0, Ending::MaxIterations);
-    for _ in 0..tolerances.max_iterations {
+    let point = |problem: &dyn LeastSquares, x: Vec<f64>, evaluation: Evaluation| {
+        let weights = problem.weights(&evaluation.residual);
+        let value = objective(&evaluation, &weights, &x, priors);
         let (information, gradient) = normal_equations(&evaluation, &weights, &x, priors);
-        let Some((step, decrement)) = trial_step(&information, &gradient, scale, held, damping)
-        else {
-            damping *= growth;
-            growth *= 2.0;
-            continue;
-        };
-        let longest = step
-            .iter()
-            .zip(scale)
-            .map(|(s, scale)| (s / scale).abs())
-            .fold(0.0, f64::max);
-        if decrement <= tolerances.decrement || longest <= tolerances.step {
-            ending = Ending::Converged;
+        Point {
+            x,
+            evaluation,
+            weights,
+            value,
+            information,
+            gradient,
+        }
+    };
+    let evaluation = problem.evaluate(start, true)?;
+    let mut best = point(problem, start.to_vec(), evaluation);
+    let mut reach = REACH;
+    let (mut iterations, mut tries, mut ending) = (0, 0, Ending::MaxIterations);
+    'steps: while tries < tolerances.max_iterations {
+        let mut uphill: Option<Point> = None;
+        let (mut first, mut promised) = (reach, 0.0);
+        for chance in 0..=CHANCES {
+            let at = uphill.as_ref().unwrap_or(&best);
+            let (step, gain) = at.step(&problem.limits(scale, reach), held);
+            let trial = problem.moved(&at.x, &step);
+            if chance == 0 {
+                (first, promised) = (longest(&at.x, &trial, scale), gain);
+                let free = first < 0.5 * reach;
+                if gain <= tolerances.decrement || (free && first <= tolerances.step) {
+                    ending = Ending::Converged;
+                    break 'steps;
+                }
+            }
+            tries += 1;
+            let Some(evaluation) = problem.evaluate(&trial, true) else {
+                break;
+            };
+            let next = point(problem, trial, evaluation);
+            let gained = best.value - next.value;
+            if !gained.is_finite() {
+                break;
+            }
+            if gained <= 0.0 {
+                uphill = Some(next);
+                continue;
+            }
+            let kept = gained / promised;
+            if chance == 0 && kept > 0.5 {
+                reach = reach.max(2.0 * first).min(REACH);
+            } else if kept < 0.1 {
+                reach = 0.5 * first;
+            }
+            best = next;
+            iterations += 1;
+            if !problem.progress(iterations, &best.x, best.value) {
+                ending = Ending::Stopped;
+                break 'steps;
+            }
+            continue 'steps;
+        }
+        reach = SHRINK * reach.min(first);
+        if reach < LEAST_REACH {
+            // Round-off hides any further gain: at a minimum this is convergence.
+            let (_, left) = best.step(&problem.limits(scale, REACH), held);
+            ending = if left <= 1e-3 {
+                Ending::Converged
+            } else {
+                Ending::Stalled
+            };
             break;
         }
-        // Two natural units at most, unknown by unknown, keep exponentials of ln K sane; what little the data say of one unknown must
-        // not hold back the others.
-        let step = step.zip_map(&DVector::from_column_slice(scale), |s, scale| {
-            s.clamp(-2.0 * scale, 2.0 * scale)
-        });
-        let trial: Vec<f64> = x.iter().zip(step.iter()).map(|(x, s)| x + s).collect();
-        let predicted = -gradient.dot(&step) - 0.5 * step.dot(&(&information * &step));
-        let outcome = problem.evaluate(&trial, true).map(|next| {
-            let gained = value - objective(&next, &weights, &trial, priors);
-            (next, gained)
-        });
-        match outcome {
-            Some((next, gained)) if gained > 0.0 && gained.is_finite() => {
-                let ratio = gained / predicted.max(f64::MIN_POSITIVE);
-                // Faster down than Nielsen's third: directions the data hardly know need damping far below their diagonal.
-                damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).clamp(0.01, 2.0);
-                damping = damping.max(1e-16);
-                growth = 2.0;
-                x = trial;
-                evaluation = next;
-                weights = problem.weights(&evaluation.residual);
-                value = objective(&evaluation, &weights, &x, priors);
-                iterations += 1;
-                if !problem.progress(iterations, &x, value) {
-                    ending = Ending::Stopped;
-                    break;
-                }
-            }
-            _ => {
-                damping *= growth;
-                growth *= 2.0;
-                if damping > 1e12 {
-                    // Round-off hides any further gain: at a minimum this is convergence.
-                    ending = if decrement <= 1e-3 {
-                        Ending::Converged
-                    } else {
-                        Ending::Stalled
-                    };
-                    break;
-                }
-            }
-        }
     }
-    let (information, _) = normal_equations(&evaluation, &weights, &x, priors);
+    let (_, decrement) = best.step(&problem.limits(scale, REACH), held);
     Some(Minimum {
-        x,
-        objective: value,
-        evaluation,
-        weights,
-        information,
+        x: best.x,
+        objective: best.value,
+        evaluation: best.evaluation,
+        weights: best.weights,
+        information: best.information,
+        decrement,
         iterations,
         ending,
     })
 }
 
-/// The damped step, and the decrement `-g.p / 2` of the undamped model along it.
-fn trial_step(
-    information: &DMatrix<f64>,
-    gradient: &DVector<f64>,
-    scale: &[f64],
-    held: &[bool],
-    damping: f64,
-) -> Option<(DVector<f64>, f64)> {
-    let mut damped = information.clone();
-    let mut right = -gradient;
-    for k in 0..scale.len() {
-        if held[k] {
-            damped.fill_row(k, 0.0);
-            damped.fill_column(k, 0.0);
-            damped[(k, k)] = 1.0;
-            right[k] = 0.0;
-        } else {
-            // Marquardt's scaling by the information itself, with the natural scale where the data say nothing.
-            let floor = 1e-9 / (scale[k] * scale[k]);
-            damped[(k, k)] += damping * information[(k, k)].max(floor);
-        }
-    }
-    let step = nalgebra::Cholesky::new(damped)?.solve(&right);
-    let decrement = -0.5
-        * step
-            .iter()
-            .zip(gradient.iter())
-            .zip(held)
-            .map(|((s, g), held)| if *held { 0.0 } else { s * g })
-            .sum::<f64>();
-    step.iter()
-        .all(|s| s.is_finite())
-        .then_some((step, decrement))
+/// The largest displacement between two places, in natural units.
+fn longest(from: &[f64], to: &[f64], scale: &[f64]) -> f64 {
+    from.iter()
+        .zip(to)
+        .zip(scale)
+        .map(|((from, to), scale)| ((to - from) / scale).abs())
+        .fold(0.0, f64::max)
 }
 
 #[cfg(test)]

@@ -111,6 +111,14 @@ impl LeastSquares for GlobalProblem<'_> {
         weights
     }
 
+    fn moved(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
+        self.unknowns.moved(x, step)
+    }
+
+    fn limits(&self, scale: &[f64], reach: f64) -> (Vec<f64>, Vec<f64>) {
+        self.unknowns.limits(scale, reach)
+    }
+
     fn progress(&mut self, iteration: usize, x: &[f64], objective: f64) -> bool {
         self.history.push(x[..self.unknowns.len()].to_vec());
         let sweeps = self.predictor.sweeps();

@@ -2,6 +2,8 @@
 //!
 //! Knows neither solvers nor measurements.
 
+use nalgebra::DVector;
+
 use crate::syntax::Address;
 use crate::system::{Parameters, Slot};
 
@@ -102,6 +104,38 @@ impl FitUnknowns {
     /// Where a fit starts.
     pub fn start(&self) -> Vec<f64> {
         self.list.iter().map(|unknown| unknown.start).collect()
+    }
+
+    fn is_stiffness(&self, k: usize) -> bool {
+        let unknown = self.list.get(k);
+        unknown.is_some_and(|unknown| matches!(unknown.meaning, Meaning::Stiffness(_)))
+    }
+
+    /// Where a step of a linear model leads; x may hold more than these unknowns.
+    ///
+    /// At given forces deflections are linear in compliances, so a step of ln K is made in 1/K: `ln K - ln(1 - step)`. From 1e4
+    /// everywhere that saves half of the sweeps and nearly all rejected steps.
+    pub fn moved(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
+        let to = |(k, (x, step)): (usize, (&f64, &f64))| {
+            if self.is_stiffness(k) {
+                x - (-step).ln_1p()
+            } else {
+                x + step
+            }
+        };
+        x.iter().zip(step.iter()).enumerate().map(to).collect()
+    }
+
+    /// Lower and upper bound of a step that moves no unknown by more than `reach` natural units.
+    pub fn limits(&self, scale: &[f64], reach: f64) -> (Vec<f64>, Vec<f64>) {
+        let of = |(k, scale): (usize, &f64)| {
+            if self.is_stiffness(k) {
+                (-reach.exp_m1(), -(-reach).exp_m1())
+            } else {
+                (-reach * scale, reach * scale)
+            }
+        };
+        scale.iter().enumerate().map(of).unzip()
     }
 
     /// The deck's numbers at these unknowns.

@@ -1,0 +1,111 @@
+use std::path::PathBuf;
+
+use comfy_table::{Table, presets};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::identify::reproduction::{Comparison, ReproductionError, Section, reproduce};
+use crate::report::ReproductionReport;
+
+use super::Outcome;
+use super::shell::{Exit, Format, Shell};
+
+/// Run the paper's three validations again and print its tables beside ours.
+///
+/// For `pseudo-mcpherson` (section 4.2), `multilink` (4.3) and `kc-experiment` (4.4) of a corpus: stiffnesses found over true ones,
+/// iterations, what stays unidentified, the order of the wheel curves; and what cannot be compared.
+#[derive(clap::Args, Debug)]
+pub(super) struct Arguments {
+    /// The folder that holds the three studies.
+    #[arg(default_value = "corpus")]
+    corpus: PathBuf,
+    /// Also write `report.html` with the curves into this folder.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// Reproduces and prints.
+pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    let bar = ProgressBar::new_spinner().with_style(
+        ProgressStyle::with_template("{spinner} {msg}").expect("the template is valid"),
+    );
+    if !shell.shows_progress() {
+        bar.set_draw_target(indicatif::ProgressDrawTarget::hidden());
+    }
+    let mut progress = |what: &str| {
+        bar.set_message(what.to_string());
+        bar.tick();
+    };
+    let made = reproduce(&arguments.corpus, &mut progress);
+    bar.finish_and_clear();
+    let sections = made.map_err(|error| {
+        if let ReproductionError::Study { diagnostics, .. } = &error {
+            shell.complain(diagnostics);
+        }
+        shell.fail(Diagnostic::error(Code::NoFit, error.to_string()));
+        match error {
+            ReproductionError::Identify(_) => Exit::NoAnswer,
+            ReproductionError::Study { .. } | ReproductionError::Lacks { .. } => Exit::Findings,
+        }
+    })?;
+    match shell.format {
+        Format::Json => {
+            let text = serde_json::to_string_pretty(&sections);
+            shell.print(&(text.expect("sections hold only names and numbers") + "\n"));
+        }
+        Format::Text | Format::Plain => {
+            let texts: Vec<String> = sections.iter().map(section).collect();
+            shell.print(&texts.join("\n"));
+        }
+    }
+    if let Some(out) = &arguments.out {
+        let html = ReproductionReport {
+            sections: &sections,
+        }
+        .html();
+        let html = html
+            .map_err(|error| shell.fail(Diagnostic::error(Code::CannotWrite, error.to_string())))?;
+        std::fs::create_dir_all(out).map_err(|error| {
+            let message = format!("{}: {error}", out.display());
+            shell.fail(Diagnostic::error(Code::CannotWrite, message))
+        })?;
+        let path = out.join("report.html");
+        shell.write(&path, html.as_bytes())?;
+        shell.say(&format!("report: {}\n", path.display()));
+    }
+    Ok(Exit::Fine)
+}
+
+fn section(section: &Section) -> String {
+    let mut text = format!("{}\n{}\n", section.title, "=".repeat(section.title.len()));
+    for comparison in &section.tables {
+        text.push_str(&format!("\n{}\n{}", comparison.title, table(comparison)));
+    }
+    for (head, lines) in [
+        ("What this says", &section.findings),
+        ("What cannot be compared", &section.limits),
+    ] {
+        if !lines.is_empty() {
+            text.push_str(&format!("\n{head}\n"));
+        }
+        for line in lines {
+            text.push_str(&format!("- {line}\n"));
+        }
+    }
+    text
+}
+
+fn table(comparison: &Comparison) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table.set_header(&comparison.head);
+    for row in &comparison.rows {
+        table.add_row(row);
+    }
+    let lines: Vec<String> = table
+        .to_string()
+        .lines()
+        .map(|line| line.trim_end().to_string())
+        .collect();
+    lines.join("\n") + "\n"
+}

@@ -1,0 +1,203 @@
+use std::ops::ControlFlow;
+
+use serde::Serialize;
+
+use super::ReproductionError;
+use crate::backend::SweepRequest;
+use crate::backend::{Backend, BackendError, LoadCase, LoadProgramme, NativeBackend, Sweep};
+use crate::identify::evaluation::marker_pose;
+use crate::identify::global::{GlobalFit, Options, Prepared, fit_study};
+use crate::identify::{Fit, IdentifyError, LoadedStudy, regression};
+use crate::mechanics::Pose;
+use crate::model::{MarkerIx, Model};
+use crate::rig::noise::Noise;
+use crate::rig::settings::SpinAxis;
+use crate::rig::wheel::SpinDirection;
+
+/// An angle over a load.
+#[derive(Clone, PartialEq, Debug, Default, Serialize)]
+pub struct Curve {
+    /// Whose.
+    pub name: String,
+    /// (load, angle in degrees), in the order of application.
+    pub points: Vec<(f64, f64)>,
+}
+
+impl Curve {
+    /// The same as a change from where `load` is zero, or from its first point.
+    pub(super) fn from_zero(mut self) -> Self {
+        let zero = self.points.iter().find(|(load, _)| *load == 0.0);
+        let zero = zero
+            .or(self.points.first())
+            .map_or(0.0, |(_, angle)| *angle);
+        for (_, angle) in &mut self.points {
+            *angle -= zero;
+        }
+        self
+    }
+
+    /// Rms difference of two curves over the same loads.
+    pub(super) fn distance(&self, other: &Self) -> f64 {
+        let squares: f64 = self
+            .points
+            .iter()
+            .zip(&other.points)
+            .map(|((_, a), (_, b))| (a - b).powi(2))
+            .sum();
+        (squares / self.points.len().min(other.points.len()).max(1) as f64).sqrt()
+    }
+}
+
+/// Replaces the readings of the marks by what the reference deck does, with normal noise.
+pub(super) fn read_reference(
+    study: &mut LoadedStudy,
+    sigma: f64,
+    seed: u64,
+) -> Result<(), ReproductionError> {
+    let sweep = {
+        let (model, dataset) = reference(study)?;
+        let request = SweepRequest {
+            dataset,
+            model: &model,
+            theta: &[],
+            programme: &study.programme,
+        };
+        NativeBackend::new()
+            .sweep(&request)
+            .map_err(IdentifyError::from)?
+    };
+    let mut noise = Noise::new(seed, "marks");
+    let measurement = &mut study.measurement;
+    for (at, case) in measurement.cases.iter_mut().enumerate() {
+        let Some(equilibrium) = sweep.equilibrium(at) else {
+            continue;
+        };
+        for reading in &mut case.marks {
+            let marked = &measurement.parts[reading.part];
+            let x = equilibrium.poses[marked.part.0].point(&marked.marks[reading.mark].p);
+            reading.x = x + noise.vector(sigma);
+        }
+    }
+    measurement.sigma = sigma;
+    Ok(())
+}
+
+/// The reference deck of a study, lowered.
+pub(super) fn reference(
+    study: &LoadedStudy,
+) -> Result<(Model, &crate::syntax::Dataset), ReproductionError> {
+    let dataset = study.reference.as_ref().ok_or(ReproductionError::Lacks {
+        folder: study.study.source.name().to_string(),
+        needs: "reference deck",
+    })?;
+    Ok((Model::lower(dataset).value, dataset))
+}
+
+/// The paper's loop with the study's settings.
+pub(super) fn by_loop(study: &LoadedStudy) -> Result<Fit, IdentifyError> {
+    let mut quiet = |_: usize, _: &[f64], _: f64| ControlFlow::Continue(());
+    regression::identify(&study.problem(), &mut NativeBackend::new(), &mut quiet)
+}
+
+/// The global fit with the study's settings.
+pub(super) fn by_fit(study: &LoadedStudy) -> Result<(Fit, usize), IdentifyError> {
+    let problem = study.problem();
+    let prepared = Prepared::new(&problem)?;
+    let GlobalFit { fit, problem, .. } = fit_study(&problem, &prepared, None, Options::default())?;
+    let sweeps = problem.predictor.sweeps();
+    Ok((fit, sweeps))
+}
+
+/// The wheel of a study: the one it names, else the marker WC with its y axis.
+pub(super) struct Wheel {
+    marker: MarkerIx,
+    spin: SpinDirection,
+}
+
+impl Wheel {
+    pub(super) fn of(study: &LoadedStudy) -> Result<Self, ReproductionError> {
+        if let Some(wheel) = &study.measurement.wheel {
+            return Ok(Self {
+                marker: wheel.marker,
+                spin: wheel.spin,
+            });
+        }
+        let model = &study.model;
+        let named = |header: &crate::model::Header| header.name.eq_ignore_ascii_case("WC");
+        let marker = model.markers.iter().position(|m| named(&m.header));
+        let marker = marker.map(MarkerIx).ok_or(ReproductionError::Lacks {
+            folder: study.study.source.name().to_string(),
+            needs: "[wheel] and no marker WC",
+        })?;
+        let design: Vec<Pose> = model.parts.iter().map(|part| part.pose).collect();
+        let y = SpinAxis {
+            axis: 1,
+            sign: None,
+        };
+        let spin = SpinDirection::at_design(&marker_pose(model, &design, marker), y);
+        Ok(Self { marker, spin })
+    }
+
+    /// Camber and steer in degrees.
+    fn angles(&self, model: &Model, poses: &[Pose]) -> [f64; 2] {
+        let reading = self.spin.reading(&marker_pose(model, poses, self.marker));
+        [reading.camber_deg, reading.steer_deg]
+    }
+}
+
+/// Camber and steer over one load of a programme, with the deck's numbers replaced by `values` of the unknowns.
+pub(super) fn wheel_curves(
+    (study, wheel): (&LoadedStudy, &Wheel),
+    values: &[f64],
+    (programme, load): (&LoadProgramme, usize),
+    name: &str,
+) -> Result<[Curve; 2], ReproductionError> {
+    let request = SweepRequest {
+        dataset: &study.dataset,
+        model: &study.model,
+        theta: &study.problem().theta(values),
+        programme,
+    };
+    let sweep: Result<Sweep, BackendError> = NativeBackend::new().sweep(&request);
+    let sweep = sweep.map_err(IdentifyError::from)?;
+    let mut curves = [0, 1].map(|_| Curve {
+        name: name.to_string(),
+        points: Vec::new(),
+    });
+    for (at, case) in programme.cases.iter().enumerate() {
+        let angles = sweep.equilibrium(at);
+        let angles = angles.map_or([f64::NAN; 2], |e| wheel.angles(&study.model, &e.poses));
+        for (curve, angle) in curves.iter_mut().zip(angles) {
+            curve.points.push((case.values[load], angle));
+        }
+    }
+    Ok(curves.map(Curve::from_zero))
+}
+
+/// The study's loads with only `name` varied over `values`, the vertical load at `vertical`.
+pub(super) fn ramp(
+    study: &LoadedStudy,
+    name: &'static str,
+    values: impl Iterator<Item = f64>,
+    vertical: f64,
+) -> Result<(LoadProgramme, usize), ReproductionError> {
+    let loads = study.programme.loads.clone();
+    let column = |name: &str| loads.iter().position(|load| load.name == name);
+    let (Some(varied), Some(up)) = (column(name), column("vertical")) else {
+        return Err(ReproductionError::Lacks {
+            folder: study.study.source.name().to_string(),
+            needs: "loads named vertical, lateral and longitudinal",
+        });
+    };
+    let case = |value: f64| {
+        let mut all = vec![0.0; loads.len()];
+        all[up] = vertical;
+        all[varied] = value;
+        LoadCase {
+            label: format!("{value}"),
+            values: all,
+        }
+    };
+    let cases = values.map(case).collect();
+    Ok((LoadProgramme { loads, cases }, varied))
+}
