@@ -12,6 +12,7 @@ use crate::report::{IdentificationReport, lead, number, status};
 use crate::rig::settings::{BackendChoice, Method};
 
 use super::Outcome;
+use super::interrupt;
 use super::shell::{Exit, Format, Shell};
 use super::solver;
 
@@ -103,6 +104,7 @@ pub(super) fn identified(
     shell: &Shell,
 ) -> Result<Fit, IdentifyError> {
     let problem = loaded.problem();
+    interrupt::listen();
     let bar = ProgressBar::new_spinner().with_style(
         ProgressStyle::with_template("{spinner} {msg}").expect("the template is valid"),
     );
@@ -117,7 +119,7 @@ pub(super) fn identified(
                     100.0 * moves
                 ));
                 bar.tick();
-                ControlFlow::Continue(())
+                goes_on()
             };
             regression::identify(&problem, backend, &mut watch)?
         }
@@ -125,7 +127,7 @@ pub(super) fn identified(
             let mut watch = |round: usize, _: &[f64], moves: f64| {
                 bar.set_message(format!("round {round}: largest change of ln K {moves:.1e}"));
                 bar.tick();
-                ControlFlow::Continue(())
+                goes_on()
             };
             direct::identify(&problem, backend, &mut watch)?
         }
@@ -137,11 +139,13 @@ pub(super) fn identified(
                 Prepared::new(&problem)?
             };
             let watch = |iteration: usize, sweeps: usize, objective: f64| {
-                bar.set_message(format!(
-                    "step {iteration}: {sweeps} sweeps, half chi-square {objective:.4e}"
-                ));
+                bar.set_message(if sweeps == 0 {
+                    "a start from the direct solution".to_string()
+                } else {
+                    format!("step {iteration}: {sweeps} sweeps, half chi-square {objective:.4e}")
+                });
                 bar.tick();
-                true
+                !interrupt::asked()
             };
             let options = Options {
                 start: Start::Direct,
@@ -160,6 +164,15 @@ pub(super) fn identified(
     bar.finish_and_clear();
     fit.inputs_sha256 = loaded.study.inputs_sha256();
     Ok(fit)
+}
+
+/// Breaks a run that was asked to stop.
+fn goes_on() -> ControlFlow<()> {
+    if interrupt::asked() {
+        ControlFlow::Break(())
+    } else {
+        ControlFlow::Continue(())
+    }
 }
 
 fn write(loaded: &LoadedStudy, fit: &Fit, out: &Path, shell: &mut Shell) -> Result<(), Exit> {

@@ -16,6 +16,7 @@ mod get;
 mod identify;
 mod import;
 mod install_shims;
+mod interrupt;
 mod permissions;
 mod record;
 mod render;

@@ -96,3 +96,40 @@ fn nothing_of_a_bad_run_is_taken_for_an_answer() {
         assert!(after("kill -9 $$").contains("crash"));
     }
 }
+
+/// Ctrl-C: the run ends after its step, keeps what it has, says so, and exits with 3.
+#[test]
+#[cfg(unix)]
+fn an_interrupted_run_keeps_what_it_found() {
+    let shipped = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/pseudo-mcpherson");
+    let folder = tempfile::tempdir().unwrap();
+    for entry in std::fs::read_dir(&shipped).unwrap() {
+        let path = entry.unwrap().path();
+        std::fs::copy(&path, folder.path().join(path.file_name().unwrap())).unwrap();
+    }
+    // A step test that is never met: it would go on for hours.
+    let settings = folder.path().join("study.toml");
+    let text = std::fs::read_to_string(&settings).unwrap()
+        + "\n[regression]\nepsilon = 1e-12\nmax_iterations = 1000000\n";
+    std::fs::write(&settings, text).unwrap();
+    let out = folder.path().join("out");
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_admire"))
+        .args(["identify", "--method", "regression", "--out"])
+        .args([&out, folder.path()])
+        .stdout(std::process::Stdio::null())
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(Duration::from_secs(2));
+    assert!(child.try_wait().unwrap().is_none(), "it still runs");
+    let interrupt = std::process::Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(interrupt.unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(3));
+    let json = std::fs::read_to_string(out.join("identification.json")).unwrap();
+    assert!(json.contains("\"converged\": false"), "{json}");
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(page.contains("stopped before the step test was met"));
+    assert!(out.join("identified.adm").exists());
+}

@@ -218,9 +218,9 @@ pub fn identify<'a>(
         }
     }
     let minimum = best.ok_or(IdentifyError::NoCases(None))?;
-    global.watch = None;
     let covariance = covariance(&minimum, &held);
     let history = std::mem::take(&mut global.history);
+    let profile = profile && minimum.ending != Ending::Stopped;
     let mut fit = answer(
         problem,
         &mut global,
@@ -228,6 +228,7 @@ pub fn identify<'a>(
         &covariance,
         (backend, profile),
     );
+    global.watch = None;
     let count = problem.unknowns.len();
     fit.history = std::iter::once(&initial)
         .chain(&history)
@@ -284,7 +285,8 @@ fn answer(
             Some((x - NORMAL_975 * sd).exp()),
             Some((x + NORMAL_975 * sd).exp()),
         ];
-        let interval95 = if profile && sd > POOR_NORMAL {
+        let refine = profile && sd > POOR_NORMAL && global.goes_on(minimum);
+        let interval95 = if refine {
             profile_interval(global, minimum, (k, covariance), &priors, &scale, &held)
                 .map(|side| side.map(f64::exp))
         } else {

@@ -2,7 +2,7 @@
 
 use nalgebra::DVector;
 
-use super::gauss_newton::{LeastSquares, Prior};
+use super::gauss_newton::{LeastSquares, Minimum, Prior};
 use super::observation::{Evaluation, NuisanceLayout, Observations, Row};
 use super::predictor::Predictor;
 use super::unknown::FitUnknowns;
@@ -73,6 +73,14 @@ impl GlobalProblem<'_> {
             }
         };
         self.priors().into_iter().map(natural).collect()
+    }
+
+    /// Asks whoever watches whether more work on a finished fit is welcome.
+    pub fn goes_on(&mut self, minimum: &Minimum) -> bool {
+        let sweeps = self.predictor.sweeps();
+        self.watch
+            .as_mut()
+            .is_none_or(|watch| watch(minimum.iterations, sweeps, minimum.objective))
     }
 
     /// FitUnknowns without any freedom: a prior of no width.

@@ -3,7 +3,8 @@
 use admire::identify::LoadedStudy;
 use admire::identify::global::gauss_newton::LeastSquares;
 use admire::identify::global::{
-    Meaning, Observations, Options, Prepared, Row, fit_study, fit_unknowns, global_problem,
+    Meaning, Observations, Options, Prepared, Row, StartValues, fit_study, fit_unknowns,
+    global_problem,
 };
 use admire::rig::Measurement;
 use nalgebra::{DMatrix, DVector};
@@ -25,7 +26,11 @@ impl Span {
         let cases: Vec<usize> = (0..study.measurement.cases.len()).collect();
         let observations = Observations::new(problem.measurement, problem.model, &cases);
         let rows = observations.rows.clone();
-        let unknowns = fit_unknowns(&problem, &prepared.system, Some(values));
+        let start = StartValues {
+            values: values.to_vec(),
+            offsets: Vec::new(),
+        };
+        let unknowns = fit_unknowns(&problem, &prepared.system, Some(&start));
         let catalogue = prepared.system.catalogue();
         let mut offset_of: Vec<Option<u32>> = unknowns
             .list()
