@@ -148,7 +148,7 @@ pub(super) fn identified(
                 !interrupt::asked()
             };
             let options = Options {
-                start: Start::Direct,
+                start: Start::Auto,
                 profile: true,
                 watch: Some(Box::new(watch)),
             };

@@ -38,8 +38,12 @@ const REACH: f64 = 14.0;
 /// Where a fit starts.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Start {
-    /// At the direct solution where there is one that settled; else at the study's initial values.
+    /// At the direct solution where that helps. With another program as the solver every sweep is dear, and the direct solution
+    /// saves most of them. With the built-in solver a fit from the initial values takes a tenth of the direct solution's time,
+    /// which then only is the second try of a fit that got nowhere.
     #[default]
+    Auto,
+    /// At the direct solution where there is one that settled; else at the study's initial values.
     Direct,
     /// At the study's initial values.
     Initial,
@@ -75,6 +79,37 @@ pub struct GlobalFit<'a> {
     pub minimum: Minimum,
     /// Posterior covariance of all unknowns.
     pub covariance: DMatrix<f64>,
+}
+
+/// A fit without the problem it solved.
+pub struct Found {
+    /// The answer as `identification.json` shows it.
+    pub fit: Fit,
+    /// The minimum.
+    pub minimum: Minimum,
+    /// Posterior covariance of all unknowns.
+    pub covariance: DMatrix<f64>,
+}
+
+impl Found {
+    /// With its problem, and what the direct solution says of it.
+    fn with<'a>(
+        mut self,
+        problem: &Problem<'_>,
+        mut global: GlobalProblem<'a>,
+        direct: Option<&DirectSolution>,
+    ) -> GlobalFit<'a> {
+        global.watch = None;
+        if let Some(solution) = direct {
+            sanity(problem, &mut self.fit, solution);
+        }
+        GlobalFit {
+            fit: self.fit,
+            problem: global,
+            minimum: self.minimum,
+            covariance: self.covariance,
+        }
+    }
 }
 
 /// The fit's unknowns of a study: ln K of each number sought, then the assembly offsets of their bushings.
@@ -185,12 +220,12 @@ pub fn global_problem<'a>(
 ///
 /// # Errors
 /// [`IdentifyError::NoUnknowns`], or [`IdentifyError::NoCases`] when the solver cannot reach a case where the fit starts.
-pub fn identify<'a>(
-    problem: &Problem<'a>,
-    mut global: GlobalProblem<'a>,
+pub fn identify(
+    problem: &Problem<'_>,
+    global: &mut GlobalProblem<'_>,
     backend: &str,
     profile: bool,
-) -> Result<GlobalFit<'a>, IdentifyError> {
+) -> Result<Found, IdentifyError> {
     if problem.unknowns.is_empty() {
         return Err(IdentifyError::NoUnknowns);
     }
@@ -210,7 +245,7 @@ pub fn identify<'a>(
         let history = vec![start[..global.unknowns.len()].to_vec()];
         let before = std::mem::replace(&mut global.history, history);
         let tolerances = Tolerances::default();
-        let found = minimise(&mut global, &start, &priors, &scale, &held, tolerances);
+        let found = minimise(global, &start, &priors, &scale, &held, tolerances);
         match (found, &best) {
             (Some(found), Some(old)) if found.objective >= old.objective => global.history = before,
             (Some(found), _) => best = Some(found),
@@ -221,14 +256,7 @@ pub fn identify<'a>(
     let covariance = covariance(&minimum, &held);
     let history = std::mem::take(&mut global.history);
     let profile = profile && minimum.ending != Ending::Stopped;
-    let mut fit = answer(
-        problem,
-        &mut global,
-        &minimum,
-        &covariance,
-        (backend, profile),
-    );
-    global.watch = None;
+    let mut fit = answer(problem, global, &minimum, &covariance, (backend, profile));
     let count = problem.unknowns.len();
     fit.history = std::iter::once(&initial)
         .chain(&history)
@@ -237,12 +265,11 @@ pub fn identify<'a>(
     fit.history.dedup();
     // Wheel and held-out cases are compared with everything that was found, offsets included.
     let (marks, end) = (fit.marks, minimum.x.clone());
-    let [before, after] = [&initial, &end].map(|x| swept(&mut global, x));
+    let [before, after] = [&initial, &end].map(|x| swept(global, x));
     fill(&mut fit, problem, &before, &after, 0);
     fit.marks = marks;
-    Ok(GlobalFit {
+    Ok(Found {
         fit,
-        problem: global,
         minimum,
         covariance,
     })
@@ -543,38 +570,60 @@ pub fn fit_study<'a>(
     } = options;
     let direct = match start {
         Start::Direct => direct_start(problem, watch.as_deref_mut()),
-        Start::Initial => None,
+        Start::Auto if backend.is_some() => direct_start(problem, watch.as_deref_mut()),
+        Start::Auto | Start::Initial => None,
     };
     let cases: Vec<usize> = problem.measurement.fitted_cases().collect();
     let observations = Observations::new(problem.measurement, problem.model, &cases);
-    let begin = direct.as_ref().map(|solution| StartValues {
-        values: solution.values.clone(),
-        offsets: solution.offsets.clone(),
-    });
+    let begin = direct.as_ref().map(start_at);
     let unknowns = fit_unknowns(problem, &prepared.system, begin.as_ref());
     let observed = observations.observed.clone();
-    let mut found = if let Some(backend) = backend {
-        let name = backend.name();
-        let predictor = DifferencePredictor::new(problem, &prepared.system, backend, observed);
-        let failure = predictor.failure();
-        let mut global = global_problem(problem, observations, unknowns, Box::new(predictor));
-        global.watch = watch;
-        let outcome = identify(problem, global, name, profile);
-        match (outcome, failure.take()) {
-            (Err(IdentifyError::NoCases(None)), Some(error)) => return Err(error.into()),
-            (_, Some(error)) if error.is_lasting() => return Err(error.into()),
-            (outcome, _) => outcome?,
-        }
-    } else {
+    let Some(backend) = backend else {
         let predictor = Box::new(prepared.native(problem, observed)?);
         let mut global = global_problem(problem, observations, unknowns, predictor);
         global.watch = watch;
-        identify(problem, global, "native", profile)?
+        let outcome = identify(problem, &mut global, "native", profile);
+        let lost = match &outcome {
+            Ok(found) => !found.fit.converged && found.minimum.ending != Ending::Stopped,
+            Err(_) => true,
+        };
+        if start != Start::Auto || !lost {
+            return outcome.map(|found| found.with(problem, global, direct.as_ref()));
+        }
+        let Some(solution) = direct_start(problem, global.watch.as_deref_mut()) else {
+            return outcome.map(|found| found.with(problem, global, None));
+        };
+        let begin = start_at(&solution);
+        global.unknowns = fit_unknowns(problem, &prepared.system, Some(&begin));
+        let again = identify(problem, &mut global, "native", profile);
+        let better = match (outcome, again) {
+            (Ok(first), Ok(second)) if first.minimum.objective < second.minimum.objective => {
+                Ok(first)
+            }
+            (Ok(first), Err(_)) => Ok(first),
+            (_, second) => second,
+        };
+        return better.map(|found| found.with(problem, global, Some(&solution)));
     };
-    if let Some(solution) = direct {
-        sanity(problem, &mut found.fit, &solution);
+    let name = backend.name();
+    let predictor = DifferencePredictor::new(problem, &prepared.system, backend, observed);
+    let failure = predictor.failure();
+    let mut global = global_problem(problem, observations, unknowns, Box::new(predictor));
+    global.watch = watch;
+    let outcome = identify(problem, &mut global, name, profile);
+    match (outcome, failure.take()) {
+        (Err(IdentifyError::NoCases(None)), Some(error)) => Err(error.into()),
+        (_, Some(error)) if error.is_lasting() => Err(error.into()),
+        (outcome, _) => outcome.map(|found| found.with(problem, global, direct.as_ref())),
     }
-    Ok(found)
+}
+
+/// A start at the direct solution.
+fn start_at(solution: &DirectSolution) -> StartValues {
+    StartValues {
+        values: solution.values.clone(),
+        offsets: solution.offsets.clone(),
+    }
 }
 
 /// The direct solution of the problem, if there is one to start from.

@@ -18,8 +18,8 @@ mod unknown;
 pub use channel::{Channels, with_channels};
 pub use differences::DifferencePredictor;
 pub use fit::{
-    GlobalFit, Options, POOR_NORMAL, Prepared, Start, StartValues, UNIDENTIFIABLE, effective_dof,
-    fit_study, fit_unknowns, global_problem, identify,
+    Found, GlobalFit, Options, POOR_NORMAL, Prepared, Start, StartValues, UNIDENTIFIABLE,
+    effective_dof, fit_study, fit_unknowns, global_problem, identify,
 };
 pub use memory::Memory;
 pub use native::{Loads, NativePredictor};
