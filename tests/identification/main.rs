@@ -1,5 +1,6 @@
 //! Identification on the two reference axles: the paper's loop and the direct solution.
 
+mod bad_data;
 mod command;
 #[path = "../common/mod.rs"]
 mod common;
@@ -13,6 +14,8 @@ mod deck;
 mod direct;
 mod global;
 mod kc_experiment;
+mod options;
 mod regression;
+mod reproduce;
 mod setup;
 mod virtual_rig;

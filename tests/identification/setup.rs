@@ -34,7 +34,7 @@ impl Loaded {
     }
 }
 
-fn copy(name: &str) -> (tempfile::TempDir, PathBuf) {
+pub fn copy(name: &str) -> (tempfile::TempDir, PathBuf) {
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("corpus")
         .join(name);

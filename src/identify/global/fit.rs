@@ -1,28 +1,22 @@
 //! `method = "gauss-newton"` from a study's problem to its answer.
 
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
 
 use nalgebra::DMatrix;
 
-use super::channel::{Channels, with_channels};
 use super::confidence::{NORMAL_975, covariance, open_directions, profile_interval};
-use super::differences::DifferencePredictor;
 use super::gauss_newton::{Ending, Minimum, Tolerances, minimise};
-use super::native::{Loads, NativePredictor};
 use super::observation::{NuisanceLayout, Observations, Row};
-use super::predictor::{CasePrediction, Observed, Predictor};
-use super::problem::{GlobalProblem, Watch};
+use super::predictor::{CasePrediction, Predictor};
+use super::problem::GlobalProblem;
 use super::unknown::{Component, FitUnknown, FitUnknowns, Meaning};
-use crate::backend::{Backend, BackendError, CaseFailure, Sweep, compile, slot};
-use crate::identify::direct::{self, DirectSettings, DirectSolution};
+use crate::backend::{CaseFailure, Sweep};
 use crate::identify::evaluation::fill;
 use crate::identify::unknowns::{Place, bushing_number};
 use crate::identify::{
     Fit, HeldOut, IdentifyError, Marks, OffsetFit, ParameterFit, Problem, Status,
     UnidentifiableDirection,
 };
-use crate::model::Model;
 use crate::rig::settings::Method;
 use crate::system::{Equilibrium, System};
 
@@ -30,24 +24,8 @@ use crate::system::{Equilibrium, System};
 pub const UNIDENTIFIABLE: f64 = 0.5;
 /// sd of ln K above which the normal interval is replaced by profile likelihood.
 pub const POOR_NORMAL: f64 = 0.3;
-/// Standard deviations between the direct solution and the fit that are worth a remark.
-const CONTRADICTION: f64 = 6.0;
 /// ln K may move so far from where it starts.
 const REACH: f64 = 14.0;
-
-/// Where a fit starts.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub enum Start {
-    /// At the direct solution where that helps. With another program as the solver every sweep is dear, and the direct solution
-    /// saves most of them. With the built-in solver a fit from the initial values takes a tenth of the direct solution's time,
-    /// which then only is the second try of a fit that got nowhere.
-    #[default]
-    Auto,
-    /// At the direct solution where there is one that settled; else at the study's initial values.
-    Direct,
-    /// At the study's initial values.
-    Initial,
-}
 
 /// Numbers to start from.
 #[derive(Clone, PartialEq, Debug, Default)]
@@ -56,17 +34,6 @@ pub struct StartValues {
     pub values: Vec<f64>,
     /// (bushing, axis, delta0) of assembly offsets; the others start at zero.
     pub offsets: Vec<(usize, usize, f64)>,
-}
-
-/// What a fit may be told.
-#[derive(Default)]
-pub struct Options<'a> {
-    /// Where it starts.
-    pub start: Start,
-    /// Whether intervals may be refined by profile likelihood, which costs solver runs.
-    pub profile: bool,
-    /// Who watches.
-    pub watch: Option<Box<Watch<'a>>>,
 }
 
 /// A fit with what later steps build on.
@@ -89,27 +56,6 @@ pub struct Found {
     pub minimum: Minimum,
     /// Posterior covariance of all unknowns.
     pub covariance: DMatrix<f64>,
-}
-
-impl Found {
-    /// With its problem, and what the direct solution says of it.
-    fn with<'a>(
-        mut self,
-        problem: &Problem<'_>,
-        mut global: GlobalProblem<'a>,
-        direct: Option<&DirectSolution>,
-    ) -> GlobalFit<'a> {
-        global.watch = None;
-        if let Some(solution) = direct {
-            sanity(problem, &mut self.fit, solution);
-        }
-        GlobalFit {
-            fit: self.fit,
-            problem: global,
-            minimum: self.minimum,
-            covariance: self.covariance,
-        }
-    }
 }
 
 /// The fit's unknowns of a study: ln K of each number sought, then the assembly offsets of their bushings.
@@ -216,13 +162,14 @@ pub fn global_problem<'a>(
 /// Fits everything that was read in the cases that are not held out. `profile`: whether intervals may be refined by profile
 /// likelihood, which costs solver runs.
 ///
-/// A fit that starts elsewhere and does not converge is tried again from the initial values.
+/// A fit that starts elsewhere and does not converge is tried again from the initial values. Cases without an equilibrium where the
+/// fit starts are left out, unless the stiffnesses found bring them within reach, and named.
 ///
 /// # Errors
 /// [`IdentifyError::NoUnknowns`], or [`IdentifyError::NoCases`] when the solver cannot reach a case where the fit starts.
-pub fn identify(
-    problem: &Problem<'_>,
-    global: &mut GlobalProblem<'_>,
+pub fn identify<'a>(
+    problem: &Problem<'a>,
+    global: &mut GlobalProblem<'a>,
     backend: &str,
     profile: bool,
 ) -> Result<Found, IdentifyError> {
@@ -232,24 +179,38 @@ pub fn identify(
     if global.observations.rows.is_empty() {
         return Err(IdentifyError::NoCases(None));
     }
-    let (priors, scale, held) = (global.priors(), global.scale(), global.held());
+    let (priors, held) = (global.priors(), global.held());
     let initial: Vec<f64> = priors.iter().map(|prior| prior.mean).collect();
-    let mut best: Option<Minimum> = None;
-    for start in [global.start(), initial.clone()] {
-        let done = best
-            .as_ref()
-            .is_some_and(|found| matches!(found.ending, Ending::Converged | Ending::Stopped));
-        if done {
-            break;
-        }
-        let history = vec![start[..global.unknowns.len()].to_vec()];
-        let before = std::mem::replace(&mut global.history, history);
-        let tolerances = Tolerances::default();
-        let found = minimise(global, &start, &priors, &scale, &held, tolerances);
-        match (found, &best) {
-            (Some(found), Some(old)) if found.objective >= old.objective => global.history = before,
-            (Some(found), _) => best = Some(found),
-            (None, _) => global.history = before,
+    let starts = [global.start(), initial.clone()];
+    let mut left_out = Vec::new();
+    let mut best = attempt(global, &starts);
+    if best.is_none() {
+        let all: Vec<usize> = problem.measurement.fitted_cases().collect();
+        left_out = unreached(global, &initial, &all);
+        let kept = |left_out: &[usize]| -> Vec<usize> {
+            let all = all.iter().copied();
+            all.filter(|case| !left_out.contains(case)).collect()
+        };
+        if !left_out.is_empty() && left_out.len() < all.len() {
+            let see =
+                |cases: &[usize]| Observations::new(problem.measurement, problem.model, cases);
+            global.observations = see(&kept(&left_out));
+            best = attempt(global, &starts);
+            // With the stiffnesses found more cases may be within reach.
+            if let Some(found) = best.take() {
+                let still = unreached(global, &found.x, &left_out);
+                let more = still.len() < left_out.len();
+                if more {
+                    global.observations = see(&kept(&still));
+                    best = attempt(global, std::slice::from_ref(&found.x));
+                }
+                if best.is_some() {
+                    left_out = still;
+                } else {
+                    global.observations = see(&kept(&left_out));
+                    best = Some(found);
+                }
+            }
         }
     }
     let minimum = best.ok_or(IdentifyError::NoCases(None))?;
@@ -268,11 +229,49 @@ pub fn identify(
     let [before, after] = [&initial, &end].map(|x| swept(global, x));
     fill(&mut fit, problem, &before, &after, 0);
     fit.marks = marks;
+    fit.remarks.extend(left_out.iter().map(|case| {
+        let label = &problem.measurement.cases[*case].label;
+        format!("Load case {label} is left out: the solver finds no equilibrium for it.")
+    }));
     Ok(Found {
         fit,
         minimum,
         covariance,
     })
+}
+
+/// Fits from the first start; from the next where that does not converge. The best minimum of them.
+fn attempt(global: &mut GlobalProblem<'_>, starts: &[Vec<f64>]) -> Option<Minimum> {
+    let (priors, scale, held) = (global.priors(), global.scale(), global.held());
+    let mut best: Option<Minimum> = None;
+    for (at, start) in starts.iter().enumerate() {
+        let done = best
+            .as_ref()
+            .is_some_and(|found| matches!(found.ending, Ending::Converged | Ending::Stopped));
+        if done || starts[..at].contains(start) {
+            break;
+        }
+        let history = vec![start[..global.unknowns.len()].to_vec()];
+        let before = std::mem::replace(&mut global.history, history);
+        let tolerances = Tolerances::default();
+        let found = minimise(global, start, &priors, &scale, &held, tolerances);
+        match (found, &best) {
+            (Some(found), Some(old)) if found.objective >= old.objective => {
+                global.history = before;
+            }
+            (Some(found), _) => best = Some(found),
+            (None, _) => global.history = before,
+        }
+    }
+    best
+}
+
+/// Which of these cases have no equilibrium at x.
+fn unreached(global: &mut GlobalProblem<'_>, x: &[f64], cases: &[usize]) -> Vec<usize> {
+    let numbers = global.unknowns.numbers(&global.deck, x);
+    let prediction = global.predictor.predict(&numbers, None);
+    let cases = cases.iter().copied();
+    cases.filter(|case| prediction[*case].is_none()).collect()
 }
 
 /// All load cases at these unknowns.
@@ -462,204 +461,4 @@ pub fn effective_dof(global: &GlobalProblem<'_>, minimum: &Minimum) -> f64 {
         .sum();
     let free = global.held().iter().filter(|held| !**held).count() as f64;
     (rows - (free - prior)).max(1.0)
-}
-
-/// A study's deck with its channels, compiled.
-#[derive(Debug)]
-pub struct Prepared {
-    /// The deck's model with one REQUEST per channel.
-    pub model: Model,
-    /// Where they stand.
-    pub channels: Channels,
-    /// The compiled model.
-    pub system: System,
-}
-
-impl Prepared {
-    /// Compiles the deck of a study.
-    ///
-    /// # Errors
-    /// What the built-in solver cannot solve, or a channel whose function cannot be read.
-    pub fn new(problem: &Problem<'_>) -> Result<Self, IdentifyError> {
-        Self::with(problem, &[])
-    }
-
-    /// The same with channels for `further` functions after those of the measurement.
-    ///
-    /// # Errors
-    /// See [`Self::new`].
-    pub fn with(problem: &Problem<'_>, further: &[String]) -> Result<Self, IdentifyError> {
-        let (model, channels) = with_channels(problem.model, problem.measurement, further)
-            .map_err(|diagnostic| BackendError::NotSolvable(vec![diagnostic]))?;
-        let system = compile(&model)?;
-        Ok(Self {
-            model,
-            channels,
-            system,
-        })
-    }
-
-    /// The same for a deck that another program solves: what the built-in solver cannot solve is left to it.
-    ///
-    /// # Errors
-    /// A channel whose function cannot be read.
-    pub fn external(problem: &Problem<'_>) -> Result<Self, IdentifyError> {
-        let (model, channels) = with_channels(problem.model, problem.measurement, &[])
-            .map_err(|diagnostic| BackendError::NotSolvable(vec![diagnostic]))?;
-        let system = System::compile(&model).value;
-        Ok(Self {
-            model,
-            channels,
-            system,
-        })
-    }
-
-    /// The loads of a study as slots.
-    ///
-    /// # Errors
-    /// A load that drives nothing the solver can change.
-    pub fn loads(&self, problem: &Problem<'_>) -> Result<Loads, IdentifyError> {
-        let loads = &problem.programme.loads;
-        let slots = loads
-            .iter()
-            .map(|load| slot(&self.system, &load.target))
-            .collect::<Result<_, _>>()?;
-        Ok(Loads {
-            slots,
-            cases: problem
-                .programme
-                .cases
-                .iter()
-                .map(|case| case.values.clone())
-                .collect(),
-        })
-    }
-
-    /// The built-in solver as the predictor of a study.
-    ///
-    /// # Errors
-    /// A load that drives nothing the solver can change.
-    pub fn native(
-        &self,
-        problem: &Problem<'_>,
-        observed: Observed,
-    ) -> Result<NativePredictor<'_>, IdentifyError> {
-        Ok(NativePredictor::new(
-            &self.system,
-            self.loads(problem)?,
-            observed,
-            self.channels,
-        ))
-    }
-}
-
-/// Fits a study with the built-in solver, or with another backend by differences.
-///
-/// # Errors
-/// See [`identify`] and [`Prepared::new`].
-pub fn fit_study<'a>(
-    problem: &'a Problem<'a>,
-    prepared: &'a Prepared,
-    backend: Option<&'a mut dyn Backend>,
-    options: Options<'a>,
-) -> Result<GlobalFit<'a>, IdentifyError> {
-    let Options {
-        start,
-        profile,
-        mut watch,
-    } = options;
-    let direct = match start {
-        Start::Direct => direct_start(problem, watch.as_deref_mut()),
-        Start::Auto if backend.is_some() => direct_start(problem, watch.as_deref_mut()),
-        Start::Auto | Start::Initial => None,
-    };
-    let cases: Vec<usize> = problem.measurement.fitted_cases().collect();
-    let observations = Observations::new(problem.measurement, problem.model, &cases);
-    let begin = direct.as_ref().map(start_at);
-    let unknowns = fit_unknowns(problem, &prepared.system, begin.as_ref());
-    let observed = observations.observed.clone();
-    let Some(backend) = backend else {
-        let predictor = Box::new(prepared.native(problem, observed)?);
-        let mut global = global_problem(problem, observations, unknowns, predictor);
-        global.watch = watch;
-        let outcome = identify(problem, &mut global, "native", profile);
-        let lost = match &outcome {
-            Ok(found) => !found.fit.converged && found.minimum.ending != Ending::Stopped,
-            Err(_) => true,
-        };
-        if start != Start::Auto || !lost {
-            return outcome.map(|found| found.with(problem, global, direct.as_ref()));
-        }
-        let Some(solution) = direct_start(problem, global.watch.as_deref_mut()) else {
-            return outcome.map(|found| found.with(problem, global, None));
-        };
-        let begin = start_at(&solution);
-        global.unknowns = fit_unknowns(problem, &prepared.system, Some(&begin));
-        let again = identify(problem, &mut global, "native", profile);
-        let better = match (outcome, again) {
-            (Ok(first), Ok(second)) if first.minimum.objective < second.minimum.objective => {
-                Ok(first)
-            }
-            (Ok(first), Err(_)) => Ok(first),
-            (_, second) => second,
-        };
-        return better.map(|found| found.with(problem, global, Some(&solution)));
-    };
-    let name = backend.name();
-    let predictor = DifferencePredictor::new(problem, &prepared.system, backend, observed);
-    let failure = predictor.failure();
-    let mut global = global_problem(problem, observations, unknowns, Box::new(predictor));
-    global.watch = watch;
-    let outcome = identify(problem, &mut global, name, profile);
-    match (outcome, failure.take()) {
-        (Err(IdentifyError::NoCases(None)), Some(error)) => Err(error.into()),
-        (_, Some(error)) if error.is_lasting() => Err(error.into()),
-        (outcome, _) => outcome.map(|found| found.with(problem, global, direct.as_ref())),
-    }
-}
-
-/// A start at the direct solution.
-fn start_at(solution: &DirectSolution) -> StartValues {
-    StartValues {
-        values: solution.values.clone(),
-        offsets: solution.offsets.clone(),
-    }
-}
-
-/// The direct solution of the problem, if there is one to start from.
-fn direct_start(problem: &Problem<'_>, watch: Option<&mut Watch<'_>>) -> Option<DirectSolution> {
-    let settings = DirectSettings {
-        show_bias: false,
-        ..DirectSettings::default()
-    };
-    let mut watch = watch;
-    let mut progress = |_: usize, _: &[f64], _: f64| {
-        let goes_on = watch
-            .as_mut()
-            .is_none_or(|watch| watch(0, 0, f64::INFINITY));
-        if goes_on {
-            ControlFlow::Continue(())
-        } else {
-            ControlFlow::Break(())
-        }
-    };
-    let solution = direct::solve(problem, &settings, &mut progress).ok()?;
-    solution.settled.then_some(solution)
-}
-
-/// Says where the direct solution, which knows no solver run, contradicts the fit by more than chance.
-fn sanity(problem: &Problem<'_>, fit: &mut Fit, solution: &DirectSolution) {
-    for (k, parameter) in fit.parameters.iter().enumerate() {
-        let sd = solution.covariance[(k, k)].max(0.0).sqrt();
-        let apart = (solution.values[k] / parameter.value).ln();
-        if sd < POOR_NORMAL && apart.abs() > CONTRADICTION * sd.max(1e-3) {
-            fit.remarks.push(format!(
-                "The direct solution of the measured poses puts {} at {:.2} of the value given here, {:.0} of its standard \
-                 deviations away: the model may lack something.",
-                problem.unknowns[k].address,
-                apart.exp(),
-                apart.abs() / sd
-            ));
-        }
-    }
 }

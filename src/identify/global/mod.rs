@@ -12,18 +12,22 @@ mod memory;
 mod native;
 mod observation;
 mod predictor;
+mod prepared;
 mod problem;
+mod study;
 mod unknown;
 
 pub use channel::{Channels, with_channels};
 pub use differences::DifferencePredictor;
 pub use fit::{
-    Found, GlobalFit, Options, POOR_NORMAL, Prepared, Start, StartValues, UNIDENTIFIABLE,
-    effective_dof, fit_study, fit_unknowns, global_problem, identify,
+    Found, GlobalFit, POOR_NORMAL, StartValues, UNIDENTIFIABLE, effective_dof, fit_unknowns,
+    global_problem, identify,
 };
 pub use memory::Memory;
 pub use native::{Loads, NativePredictor};
 pub use observation::{Evaluation, NuisanceLayout, Observations, Row};
 pub use predictor::{CaseChange, CasePrediction, Observed, Prediction, Predictor};
+pub use prepared::Prepared;
 pub use problem::{GlobalProblem, Watch};
+pub use study::{Options, Start, fit_study};
 pub use unknown::{Component, Direction, FitUnknown, FitUnknowns, Meaning, Numbers};

@@ -25,7 +25,7 @@ pub struct Curve {
 
 impl Curve {
     /// The same as a change from where `load` is zero, or from its first point.
-    pub(super) fn from_zero(mut self) -> Self {
+    pub(super) fn since_zero(mut self) -> Self {
         let zero = self.points.iter().find(|(load, _)| *load == 0.0);
         let zero = zero
             .or(self.points.first())
@@ -171,7 +171,7 @@ pub(super) fn wheel_curves(
             curve.points.push((case.values[load], angle));
         }
     }
-    Ok(curves.map(Curve::from_zero))
+    Ok(curves.map(Curve::since_zero))
 }
 
 /// The study's loads with only `name` varied over `values`, the vertical load at `vertical`.

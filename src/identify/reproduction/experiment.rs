@@ -91,7 +91,7 @@ pub(super) fn section(
             ));
             continue;
         };
-        let mut curves = vec![measured.from_zero()];
+        let mut curves = vec![measured.since_zero()];
         for (who, values) in [
             ("nominal", nominal.clone()),
             ("loop", paper.values()),

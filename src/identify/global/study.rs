@@ -1,0 +1,173 @@
+//! A study fitted with whoever solves it, from wherever that is best begun.
+
+use std::ops::ControlFlow;
+
+use super::differences::DifferencePredictor;
+use super::fit::{
+    Found, GlobalFit, POOR_NORMAL, StartValues, fit_unknowns, global_problem, identify,
+};
+use super::gauss_newton::Ending;
+use super::observation::Observations;
+use super::prepared::Prepared;
+use super::problem::{GlobalProblem, Watch};
+use crate::backend::Backend;
+use crate::identify::direct::{self, DirectSettings, DirectSolution};
+use crate::identify::{Fit, IdentifyError, Problem};
+
+/// Standard deviations between the direct solution and the fit that are worth a remark.
+const CONTRADICTION: f64 = 6.0;
+
+/// Where a fit starts.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Start {
+    /// At the direct solution where that helps. With another program as the solver every sweep is dear, and the direct solution
+    /// saves most of them. With the built-in solver a fit from the initial values takes a tenth of the direct solution's time,
+    /// which then only is the second try of a fit that got nowhere.
+    #[default]
+    Auto,
+    /// At the direct solution where there is one that settled; else at the study's initial values.
+    Direct,
+    /// At the study's initial values.
+    Initial,
+}
+
+/// What a fit may be told.
+#[derive(Default)]
+pub struct Options<'a> {
+    /// Where it starts.
+    pub start: Start,
+    /// Whether intervals may be refined by profile likelihood, which costs solver runs.
+    pub profile: bool,
+    /// Who watches.
+    pub watch: Option<Box<Watch<'a>>>,
+}
+
+/// A fit with its problem, and what the direct solution says of it.
+fn together<'a>(
+    mut found: Found,
+    problem: &Problem<'_>,
+    mut global: GlobalProblem<'a>,
+    direct: Option<&DirectSolution>,
+) -> GlobalFit<'a> {
+    global.watch = None;
+    if let Some(solution) = direct {
+        sanity(problem, &mut found.fit, solution);
+    }
+    GlobalFit {
+        fit: found.fit,
+        problem: global,
+        minimum: found.minimum,
+        covariance: found.covariance,
+    }
+}
+
+/// Fits a study with the built-in solver, or with another backend by differences.
+///
+/// # Errors
+/// See [`identify`] and [`Prepared::new`].
+pub fn fit_study<'a>(
+    problem: &'a Problem<'a>,
+    prepared: &'a Prepared,
+    backend: Option<&'a mut dyn Backend>,
+    options: Options<'a>,
+) -> Result<GlobalFit<'a>, IdentifyError> {
+    let Options {
+        start,
+        profile,
+        mut watch,
+    } = options;
+    let direct = match start {
+        Start::Direct => direct_start(problem, watch.as_deref_mut()),
+        Start::Auto if backend.is_some() => direct_start(problem, watch.as_deref_mut()),
+        Start::Auto | Start::Initial => None,
+    };
+    let cases: Vec<usize> = problem.measurement.fitted_cases().collect();
+    let observations = Observations::new(problem.measurement, problem.model, &cases);
+    let begin = direct.as_ref().map(start_at);
+    let unknowns = fit_unknowns(problem, &prepared.system, begin.as_ref());
+    let observed = observations.observed.clone();
+    let Some(backend) = backend else {
+        let predictor = Box::new(prepared.native(problem, observed)?);
+        let mut global = global_problem(problem, observations, unknowns, predictor);
+        global.watch = watch;
+        let outcome = identify(problem, &mut global, "native", profile);
+        let lost = match &outcome {
+            Ok(found) => !found.fit.converged && found.minimum.ending != Ending::Stopped,
+            Err(_) => true,
+        };
+        if start != Start::Auto || !lost {
+            return outcome.map(|found| together(found, problem, global, direct.as_ref()));
+        }
+        let Some(solution) = direct_start(problem, global.watch.as_deref_mut()) else {
+            return outcome.map(|found| together(found, problem, global, None));
+        };
+        let begin = start_at(&solution);
+        global.unknowns = fit_unknowns(problem, &prepared.system, Some(&begin));
+        let again = identify(problem, &mut global, "native", profile);
+        let better = match (outcome, again) {
+            (Ok(first), Ok(second)) if first.minimum.objective < second.minimum.objective => {
+                Ok(first)
+            }
+            (Ok(first), Err(_)) => Ok(first),
+            (_, second) => second,
+        };
+        return better.map(|found| together(found, problem, global, Some(&solution)));
+    };
+    let name = backend.name();
+    let predictor = DifferencePredictor::new(problem, &prepared.system, backend, observed);
+    let failure = predictor.failure();
+    let mut global = global_problem(problem, observations, unknowns, Box::new(predictor));
+    global.watch = watch;
+    let outcome = identify(problem, &mut global, name, profile);
+    match (outcome, failure.take()) {
+        (Err(IdentifyError::NoCases(None)), Some(error)) => Err(error.into()),
+        (_, Some(error)) if error.is_lasting() => Err(error.into()),
+        (outcome, _) => outcome.map(|found| together(found, problem, global, direct.as_ref())),
+    }
+}
+
+/// A start at the direct solution.
+fn start_at(solution: &DirectSolution) -> StartValues {
+    StartValues {
+        values: solution.values.clone(),
+        offsets: solution.offsets.clone(),
+    }
+}
+
+/// The direct solution of the problem, if there is one to start from.
+fn direct_start(problem: &Problem<'_>, watch: Option<&mut Watch<'_>>) -> Option<DirectSolution> {
+    let settings = DirectSettings {
+        show_bias: false,
+        ..DirectSettings::default()
+    };
+    let mut watch = watch;
+    let mut progress = |_: usize, _: &[f64], _: f64| {
+        let goes_on = watch
+            .as_mut()
+            .is_none_or(|watch| watch(0, 0, f64::INFINITY));
+        if goes_on {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
+        }
+    };
+    let solution = direct::solve(problem, &settings, &mut progress).ok()?;
+    solution.settled.then_some(solution)
+}
+
+/// Says where the direct solution, which knows no solver run, contradicts the fit by more than chance.
+fn sanity(problem: &Problem<'_>, fit: &mut Fit, solution: &DirectSolution) {
+    for (k, parameter) in fit.parameters.iter().enumerate() {
+        let sd = solution.covariance[(k, k)].max(0.0).sqrt();
+        let apart = (solution.values[k] / parameter.value).ln();
+        if sd < POOR_NORMAL && apart.abs() > CONTRADICTION * sd.max(1e-3) {
+            fit.remarks.push(format!(
+                "The direct solution of the measured poses puts {} at {:.2} of the value given here, {:.0} of its standard \
+                 deviations away: the model may lack something.",
+                problem.unknowns[k].address,
+                apart.exp(),
+                apart.abs() / sd
+            ));
+        }
+    }
+}

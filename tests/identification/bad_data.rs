@@ -1,0 +1,147 @@
+//! Bad data as a user meets them: `admire identify` names each before any fit, and says what it does about it.
+
+use std::path::Path;
+use std::process::Command;
+
+use crate::setup::copy;
+
+/// What `admire identify` says on standard error about a study whose file was changed, and its exit code.
+fn said(file: &str, change: impl Fn(&str) -> String) -> (String, i32) {
+    let (_folder, path) = copy("pseudo-mcpherson");
+    let target = path.join(file);
+    let text = std::fs::read_to_string(&target).unwrap();
+    let changed = change(&text);
+    assert_ne!(text, changed);
+    std::fs::write(&target, changed).unwrap();
+    identify(&path)
+}
+
+fn identify(folder: &Path) -> (String, i32) {
+    let out = Command::new(env!("CARGO_BIN_EXE_admire"))
+        .args([
+            "--format", "plain", "identify", "--method", "direct", "--out",
+        ])
+        .args([&folder.join("out"), folder])
+        .output()
+        .unwrap();
+    let text = String::from_utf8(out.stderr).unwrap();
+    let place = folder.display().to_string();
+    (
+        text.replace(&format!("{place}/"), ""),
+        out.status.code().unwrap(),
+    )
+}
+
+fn columns_scaled(text: &str, factor: f64) -> String {
+    let line = |(k, line): (usize, &str)| {
+        if k == 0 {
+            return line.to_string();
+        }
+        let cells: Vec<&str> = line.split(',').collect();
+        let (labels, numbers) = cells.split_at(cells.len() - 3);
+        let numbers = numbers
+            .iter()
+            .map(|x| format!("{}", x.parse::<f64>().unwrap() * factor));
+        let labels = labels.iter().map(ToString::to_string);
+        labels.chain(numbers).collect::<Vec<_>>().join(",")
+    };
+    text.lines()
+        .enumerate()
+        .map(line)
+        .collect::<Vec<_>>()
+        .join("\n")
+}
+
+#[test]
+fn each_fault_is_named_before_any_fit() {
+    let marks = "marks_measured.csv";
+    let mut all = String::new();
+    let mut add = |what: &str, (said, code): (String, i32)| {
+        all.push_str(&format!("{what}: exit {code}\n{said}\n"));
+    };
+    add(
+        "missing marks",
+        said(marks, |text| {
+            let kept = text
+                .lines()
+                .filter(|l| !l.starts_with("3,TIE_ROD,2") && !l.starts_with("3,TIE_ROD,3"));
+            kept.collect::<Vec<_>>().join("\n")
+        }),
+    );
+    add(
+        "swapped marks",
+        said(marks, |text| {
+            text.replace("\n7,KNUCKLE,1,", "\nswap")
+                .replace("\n7,KNUCKLE,2,", "\n7,KNUCKLE,1,")
+                .replace("\nswap", "\n7,KNUCKLE,2,")
+        }),
+    );
+    add(
+        "duplicated cases",
+        said("load_cases.csv", |text| {
+            text.to_string() + "13,4500,0,4000\n"
+        }),
+    );
+    add(
+        "contradicting cases",
+        said("load_cases.csv", |text| {
+            text.to_string() + "13,4500,0,1000\n"
+        }),
+    );
+    add("metres", said(marks, |text| columns_scaled(text, 1e-3)));
+    add(
+        "collinear marks",
+        said("marks_on_parts.csv", |text| {
+            let line = |line: &str| match line.strip_prefix("TIE_ROD,") {
+                Some(rest) => {
+                    let mark: f64 = rest.split(',').next().unwrap().parse().unwrap();
+                    format!("TIE_ROD,{mark},{},5,5", 50.0 * mark)
+                }
+                None => line.to_string(),
+            };
+            text.lines().map(line).collect::<Vec<_>>().join("\n")
+        }),
+    );
+    add(
+        "NaN",
+        said(marks, |text| {
+            let at = text.find("\n2,TIE_ROD,4,").unwrap() + "\n2,TIE_ROD,4,".len();
+            let end = at + text[at..].find(',').unwrap();
+            format!("{}NaN{}", &text[..at], &text[end..])
+        }),
+    );
+    add(
+        "unknown part",
+        said(marks, |text| text.replace("KNUCKLE", "KNUCKEL")),
+    );
+    add(
+        "unknown bushing",
+        said("study.toml", |text| text.replace("BUSHING/2", "BUSHING/22")),
+    );
+    insta::assert_snapshot!(all);
+}
+
+/// A load no spring of the deck can carry: the case is named, and the exit code is that of an equilibrium that is not there.
+#[test]
+fn a_case_the_solver_cannot_reach_is_named() {
+    let (_folder, path) = copy("pseudo-mcpherson");
+    let target = path.join("load_cases.csv");
+    let text = std::fs::read_to_string(&target).unwrap();
+    std::fs::write(&target, text.replace("\n13,4500,0,4000", "\n13,4500,0,4e9")).unwrap();
+    for method in ["gauss-newton", "regression"] {
+        let out = Command::new(env!("CARGO_BIN_EXE_admire"))
+            .args(["--format", "plain", "identify", "--method", method, "--out"])
+            .args([&path.join("out"), &path])
+            .output()
+            .unwrap();
+        let (code, said) = (
+            out.status.code(),
+            String::from_utf8(out.stderr).unwrap() + &String::from_utf8(out.stdout).unwrap(),
+        );
+        let page = std::fs::read_to_string(path.join("out/report.html")).unwrap_or_default();
+        assert!(
+            said.contains("case 13") || page.contains("load case 13"),
+            "{method} {code:?}: {said}"
+        );
+    }
+}

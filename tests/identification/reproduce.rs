@@ -1,0 +1,46 @@
+//! `admire reproduce`: what the paper printed beside what the same methods give on our axles.
+
+use admire::identify::reproduction::{Section, reproduce};
+
+fn cell<'a>(section: &'a Section, table: &str, row: &str, column: &str) -> &'a str {
+    let table = section
+        .tables
+        .iter()
+        .find(|t| t.title.contains(table))
+        .unwrap_or_else(|| panic!("{table}"));
+    let at = table.head.iter().position(|head| head == column).unwrap();
+    let row = table.rows.iter().find(|of| of[0].contains(row));
+    &row.unwrap_or_else(|| panic!("{row:?}"))[at]
+}
+
+#[test]
+#[ignore = "twenty seconds of solving; the command is run by hand and by the bench"]
+fn the_papers_tables_stand_beside_ours() {
+    let corpus = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus");
+    let sections = reproduce(&corpus, &mut |_| {}).unwrap();
+    let [mcpherson, multilink, experiment] = &sections[..] else {
+        panic!("three sections")
+    };
+    // Figure 7 and its text.
+    assert_eq!(
+        cell(mcpherson, "convergence", "iterations", "the paper"),
+        "24"
+    );
+    assert_eq!(
+        cell(mcpherson, "convergence", "iterations", "our loop"),
+        "40"
+    );
+    assert_eq!(cell(mcpherson, "figure 7", "A, our loop", "Ktx"), "1.00");
+    assert_eq!(cell(mcpherson, "figure 7", "B, our fit", "Krx"), "1.00");
+    assert_eq!(
+        cell(multilink, "all stiffnesses", "the paper", "unidentifiable"),
+        "17 of 48"
+    );
+    assert_eq!(multilink.figures.len(), 2);
+    assert_eq!(multilink.figures[0].curves.len(), 6);
+    assert_eq!(
+        cell(experiment, "bushing A", "nominal, the paper", "Ktx"),
+        "13000"
+    );
+    assert_eq!(experiment.figures.len(), 2);
+}
