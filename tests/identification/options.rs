@@ -324,7 +324,8 @@ fn profile_intervals_end_where_the_likelihood_says() {
                     "{}: {end:.0} rise {rise:.2}",
                     found.fit.parameters[k].address
                 );
-                assert!((1.6..2.25).contains(&rise), "{rise}");
+                // The ends are read off between a few points: to a seventh of their distance.
+                assert!((1.45..2.5).contains(&rise), "{rise}");
             }
         }
         for direction in &found.fit.unidentifiable_directions {
