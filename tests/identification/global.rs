@@ -38,7 +38,7 @@ fn exact(loaded: &Loaded, start: Start) -> (f64, usize) {
 fn noise_free_mcpherson_is_exact_from_the_papers_start() {
     let loaded = exact_mcpherson(|_| {});
     for (start, most) in [(Start::Initial, 15), (Start::Direct, 4)] {
-        let (worst, sweeps) = exact(&loaded, start);
+        let (worst, sweeps) = exact(&loaded, start.clone());
         println!("{start:?}: {sweeps} sweeps, worst {worst:.1e}");
         assert!(worst < 1e-4, "{worst}");
         assert!(sweeps <= most, "{sweeps}");
@@ -50,7 +50,7 @@ fn noise_free_multilink_is_exact_from_the_papers_start() {
     let mut loaded = load("multilink", |_| {});
     measure(&mut loaded, 0.0, 0);
     for (start, most) in [(Start::Initial, 60), (Start::Direct, 4)] {
-        let (worst, sweeps) = exact(&loaded, start);
+        let (worst, sweeps) = exact(&loaded, start.clone());
         println!("{start:?}: {sweeps} sweeps, worst {worst:.1e}");
         assert!(worst < 1e-4, "{worst}");
         assert!(sweeps <= most, "{sweeps}");

@@ -18,7 +18,7 @@ use crate::identify::{Fit, IdentifyError, Problem};
 const CONTRADICTION: f64 = 6.0;
 
 /// Where a fit starts.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+#[derive(Clone, PartialEq, Debug, Default)]
 pub enum Start {
     /// At the direct solution where that helps. With another program as the solver every sweep is dear, and the direct solution
     /// saves most of them. With the built-in solver a fit from the initial values takes a tenth of the direct solution's time,
@@ -29,6 +29,8 @@ pub enum Start {
     Direct,
     /// At the study's initial values.
     Initial,
+    /// At these numbers.
+    At(StartValues),
 }
 
 /// What a fit may be told.
@@ -76,14 +78,17 @@ pub fn fit_study<'a>(
         profile,
         mut watch,
     } = options;
-    let direct = match start {
+    let direct = match &start {
         Start::Direct => direct_start(problem, watch.as_deref_mut()),
         Start::Auto if backend.is_some() => direct_start(problem, watch.as_deref_mut()),
-        Start::Auto | Start::Initial => None,
+        Start::Auto | Start::Initial | Start::At(_) => None,
     };
     let cases: Vec<usize> = problem.measurement.fitted_cases().collect();
     let observations = Observations::new(problem.measurement, problem.model, &cases);
-    let begin = direct.as_ref().map(start_at);
+    let begin = match &start {
+        Start::At(values) => Some(values.clone()),
+        _ => direct.as_ref().map(start_at),
+    };
     let unknowns = fit_unknowns(problem, &prepared.system, begin.as_ref());
     let observed = observations.observed.clone();
     let Some(backend) = backend else {

@@ -3,7 +3,7 @@
 use admire::identify::LoadedStudy;
 use admire::identify::global::gauss_newton::LeastSquares;
 use admire::identify::global::{
-    Meaning, Observations, Options, Prepared, Row, StartValues, fit_study, fit_unknowns,
+    Meaning, Observations, Options, Prepared, Row, Start, StartValues, fit_study, fit_unknowns,
     global_problem,
 };
 use admire::rig::Measurement;
@@ -116,7 +116,10 @@ pub fn left_by_a_fit(study: &LoadedStudy, values: &[f64]) -> Option<f64> {
     let problem = study.problem();
     let prepared = Prepared::new(&problem).ok()?;
     let options = Options {
-        start: Some(values.to_vec()),
+        start: Start::At(StartValues {
+            values: values.to_vec(),
+            offsets: Vec::new(),
+        }),
         profile: false,
         watch: None,
     };
