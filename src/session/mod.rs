@@ -15,6 +15,7 @@ mod outputs;
 mod paths;
 mod run;
 mod saved;
+mod saving;
 mod sensing;
 mod simulate;
 mod simulation;

@@ -4,8 +4,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::syntax::{Dataset, Statement};
 
 /// Options of OUTPUT, and what ADAMS would do.
-const OUTPUT: [(&str, &str); 15] = [
-    ("GR5", "a graphics file of an old kind"),
+const OUTPUT: [(&str, &str); 14] = [
     ("GR521SAV", "a graphics file of an old kind"),
     ("MATSAVE", "a file for MATLAB"),
     ("DACSAVE", "a DAC file"),

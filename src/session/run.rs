@@ -1,4 +1,3 @@
-use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -11,7 +10,7 @@ use super::located::Sources;
 use super::message::Messages;
 use super::outputs::Outputs;
 use super::paths::{FilePolicy, find_file, native_spelling};
-use super::saved::Saved;
+use super::saving::Kept;
 
 /// Command files that read command files, one inside of the other.
 const DEEPEST: usize = 16;
@@ -67,12 +66,12 @@ impl Ending {
 pub struct Session<'a> {
     pub(super) messages: Messages<'a>,
     sources: Sources,
-    directory: PathBuf,
+    pub(super) directory: PathBuf,
     /// Folders to look files up in: the working directory, then those of the command files.
     folders: Vec<PathBuf>,
-    policy: FilePolicy,
+    pub(super) policy: FilePolicy,
     pub(super) loaded: Option<Loaded>,
-    saved: BTreeMap<PathBuf, Saved>,
+    pub(super) kept: Kept,
     stop_on_failure: bool,
     ending: Ending,
 }
@@ -90,7 +89,7 @@ impl<'a> Session<'a> {
             folders: vec![directory.to_path_buf()],
             policy: FilePolicy::new(directory),
             loaded: None,
-            saved: BTreeMap::new(),
+            kept: Kept::default(),
             stop_on_failure: false,
             ending: Ending {
                 stop: Stop::Finished,
@@ -399,47 +398,7 @@ impl<'a> Session<'a> {
         Ok(())
     }
 
-    fn save(&mut self, command: &Statement, source: &Source, place: Option<Place<'_>>) -> Flow {
-        let Some(loaded) = &self.loaded else {
-            return self.no_model(command, source);
-        };
-        let Some(name) = command.text("FILE", source) else {
-            let nameless = Diagnostic::error(Code::MissingArgument, "SAVE names no file");
-            return self.misunderstood(nameless, place);
-        };
-        let path = self.directory.join(native_spelling(&name));
-        let saved = Saved::of(&loaded.model, loaded.state());
-        let written = self.policy.check(&path).and_then(|()| saved.write(&path));
-        self.saved.insert(path, saved);
-        match written {
-            Ok(()) => Ok(()),
-            Err(diagnostic) => self.refused(diagnostic, place),
-        }
-    }
-
-    fn reload(&mut self, command: &Statement, source: &Source, place: Option<Place<'_>>) -> Flow {
-        let Some(loaded) = &mut self.loaded else {
-            return self.no_model(command, source);
-        };
-        let Some(name) = command.text("FILE", source) else {
-            let nameless = Diagnostic::error(Code::MissingArgument, "RELOAD names no file");
-            return self.misunderstood(nameless, place);
-        };
-        let path = self.directory.join(native_spelling(&name));
-        let restored = match self.saved.get(&path) {
-            Some(saved) => Ok(saved.clone()),
-            None => self
-                .policy
-                .check_read(&path)
-                .and_then(|()| Saved::read(&path, &loaded.model)),
-        };
-        match restored.and_then(|saved| loaded.restore(saved)) {
-            Ok(()) => Ok(()),
-            Err(diagnostic) => self.misunderstood(diagnostic, place),
-        }
-    }
-
-    fn no_model(&mut self, command: &Statement, source: &Source) -> Flow {
+    pub(super) fn no_model(&mut self, command: &Statement, source: &Source) -> Flow {
         let place = Some(Place {
             source,
             span: command.keyword,

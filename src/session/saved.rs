@@ -43,6 +43,14 @@ impl Saved {
         }
     }
 
+    /// Where the model stands, without the model.
+    pub fn states(self) -> Self {
+        Self {
+            model: None,
+            ..self
+        }
+    }
+
     /// Writes the state. A file that is there already is replaced only if SAVE wrote it.
     ///
     /// # Errors

@@ -136,7 +136,7 @@ impl StatementParser<'_> {
         })
     }
 
-    /// Words joined by colons.
+    /// Words joined by colons; the page of FRICTION shows them in parentheses.
     fn choice(
         &mut self,
         def: &'static ArgumentDef,
@@ -144,6 +144,7 @@ impl StatementParser<'_> {
         cursor: &mut Cursor,
     ) -> Value {
         cursor.skip_continuation();
+        let bracketed = cursor.take_mark(b'(');
         let mut words = Vec::new();
         loop {
             let Some(word) = choice_word(cursor) else {
@@ -162,6 +163,11 @@ impl StatementParser<'_> {
                 break;
             }
             cursor.skip_continuation();
+        }
+        if bracketed && !cursor.take_mark(b')') {
+            let span = cursor.skip_value();
+            self.complain_choice(def, choices, span);
+            return Value::Malformed(span);
         }
         Value::Words(words)
     }

@@ -128,6 +128,29 @@ fn what_is_switched_off_exerts_nothing() {
     assert!(ran.stdout.contains("[undefined-id]"), "{}", ran.stdout);
 }
 
+/// A buffer holds states alone and ends with the run (`com_reload`): the model stays as it was redefined in between.
+#[test]
+fn buffers_hold_states_without_the_model() {
+    let (folder, ran) = run(
+        "SIM/STAT, END=1, STEPS=1\nSAVE/STATES, BUFFER=early\nSFORCE/1, FUNCTION=5\nSIM/STAT, END=2, STEPS=1\n\
+         RELOAD/STATES, BUFFER=early\nSIM/STAT",
+    );
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    let results = Results::read(folder.path(), "slider.res");
+    near(&results.column("time", "TIME"), &[0.0, 1.0, 2.0, 1.0]);
+    let z = results.column("block_XFORM", "Z");
+    near(&z[3..], &z[2..3]);
+    let (_folder, ran) = run("SIM/STAT\nRELOAD/STATES, BUFFER=never");
+    assert!(ran.stdout.contains("buffer `never`"), "{}", ran.stdout);
+    let (_folder, ran) =
+        run("SAVE/FILE=here.sav\nRELOAD/SYSTEM, FILE=here.sav, OUTPUT_PREFIX=second\nSIM/STAT");
+    assert!(
+        ran.stdout.contains("RELOAD/OUTPUT_PREFIX is not followed"),
+        "{}",
+        ran.stdout
+    );
+}
+
 #[test]
 fn saved_states_come_back() {
     let (folder, ran) = run(

@@ -97,7 +97,10 @@ pub(super) fn sforce(reader: &mut Reader, old: Option<&Sforce>) -> Option<Sforce
         i: reader.marker("I", old.map(|old| old.i))?,
         j: reader.marker("J", old.map(|old| old.j))?,
         kind,
-        action_only: reader.flag("ACTIONONLY", old.is_some_and(|old| old.action_only)),
+        action_only: reader.flag(
+            "ACTIONONLY",
+            old.is_some_and(|old| old.action_only) && !reader.flag("REACTION", false),
+        ),
         function: reader.function("FUNCTION", old.map(|old| &old.function))?,
     })
 }

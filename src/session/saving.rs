@@ -1,0 +1,103 @@
+//! SAVE and RELOAD.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::syntax::Statement;
+use crate::text::Source;
+
+use super::paths::native_spelling;
+use super::run::{Flow, Place, Session};
+use super::saved::Saved;
+
+/// What the SAVE commands of one run kept.
+#[derive(Default)]
+pub(super) struct Kept {
+    /// With the model, by file.
+    files: BTreeMap<PathBuf, Saved>,
+    /// States alone, by the name of their buffer; they end with the run (`com_reload`).
+    buffers: BTreeMap<String, Saved>,
+}
+
+impl Session<'_> {
+    pub(super) fn save(
+        &mut self,
+        command: &Statement,
+        source: &Source,
+        place: Option<Place<'_>>,
+    ) -> Flow {
+        let Some(loaded) = &self.loaded else {
+            return self.no_model(command, source);
+        };
+        let saved = Saved::of(&loaded.model, loaded.state());
+        if let Some(name) = command.text("BUFFER", source) {
+            self.kept.buffers.insert(name.into_owned(), saved.states());
+            return Ok(());
+        }
+        let Some(name) = command.text("FILE", source) else {
+            let nameless =
+                Diagnostic::error(Code::MissingArgument, "SAVE names no FILE and no BUFFER");
+            return self.misunderstood(nameless, place);
+        };
+        let path = self.directory.join(native_spelling(&name));
+        let written = self.policy.check(&path).and_then(|()| saved.write(&path));
+        self.kept.files.insert(path, saved);
+        match written {
+            Ok(()) => Ok(()),
+            Err(diagnostic) => self.refused(diagnostic, place),
+        }
+    }
+
+    pub(super) fn reload(
+        &mut self,
+        command: &Statement,
+        source: &Source,
+        place: Option<Place<'_>>,
+    ) -> Flow {
+        let Some(loaded) = &mut self.loaded else {
+            return self.no_model(command, source);
+        };
+        let restored = if let Some(name) = command.text("BUFFER", source) {
+            self.kept.buffers.get(&*name).cloned().ok_or_else(|| {
+                Diagnostic::error(
+                    Code::CannotRead,
+                    format!("no SAVE of this run filled the buffer `{name}`"),
+                )
+            })
+        } else if let Some(name) = command.text("FILE", source) {
+            let path = self.directory.join(native_spelling(&name));
+            match self.kept.files.get(&path) {
+                Some(saved) => Ok(saved.clone()),
+                None => self
+                    .policy
+                    .check_read(&path)
+                    .and_then(|()| Saved::read(&path, &loaded.model)),
+            }
+        } else {
+            Err(Diagnostic::error(
+                Code::MissingArgument,
+                "RELOAD names no FILE and no BUFFER",
+            ))
+        };
+        let restored = restored.and_then(|saved| {
+            // STATES leaves the model as it is now.
+            let states = command.has("STATES");
+            loaded.restore(if states { saved.states() } else { saved })
+        });
+        if let Err(diagnostic) = restored {
+            return self.misunderstood(diagnostic, place);
+        }
+        for name in ["OUTPUT_PREFIX", "TITLE"] {
+            if let Some(argument) = command.argument(name) {
+                let warning = Diagnostic::warning(
+                    Code::OutputNotWritten,
+                    format!("RELOAD/{name} is not followed; output goes on in the files of the model under its title"),
+                )
+                .label(source.name(), argument.span, "");
+                self.complain(&warning);
+            }
+        }
+        Ok(())
+    }
+}
