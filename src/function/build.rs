@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use super::call::refusal;
+use super::call::{refusal, vector_refusal};
 use super::compiler::Compiler;
 use super::interpolant::Interpolant;
 use super::program::{Kind, Program, Step};
@@ -75,6 +75,7 @@ impl<'a> Build<'a> {
                 let inner = self.node(inner)?;
                 Ok(self.step(Kind::Negate, &[inner]))
             }
+            Node::Vector(_) => Err(vector_refusal()),
             Node::Binary(operator, left, right) => {
                 let operands = [self.node(left)?, self.node(right)?];
                 let kind = match operator {
@@ -83,6 +84,7 @@ impl<'a> Build<'a> {
                     BinaryOperator::Multiply => Kind::Multiply,
                     BinaryOperator::Divide => Kind::Divide,
                     BinaryOperator::Power => Kind::Power,
+                    BinaryOperator::Cross => return Err(vector_refusal()),
                 };
                 Ok(self.step(kind, &operands))
             }

@@ -477,6 +477,15 @@ fn wrong(function: &FunctionDef, what: impl std::fmt::Display) -> Diagnostic {
 }
 
 /// Why a function is not evaluated here.
+/// Vectors are read, not evaluated.
+pub(super) fn vector_refusal() -> Diagnostic {
+    Diagnostic::error(
+        Code::NotSolvedNatively,
+        "vector expressions are not evaluated by the built-in solver",
+    )
+    .help("give the components FX, FY, FZ, or use a command backend that runs ADAMS")
+}
+
 pub(super) fn refusal(function: &FunctionDef) -> Diagnostic {
     if function.name == "USER" {
         return Diagnostic::error(

@@ -135,8 +135,8 @@ pub enum ElementIx {
 /// A component of a force.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub enum ForceMeasure {
-    /// FX to TM: the force on I, or torque about the I origin, by all elements that act directly between I and J; with J absent, by
-    /// those that act on I alone.
+    /// FX to TM: the force on I, or torque about the I origin, by all elements and constraints that act directly between I and J;
+    /// with J absent, by all that act at I (C++ solver, `cfunc_fx`; the FORTRAN solver counts action-only forces there, `func_fx`).
     Between {
         /// Which component.
         component: ForceComponent,

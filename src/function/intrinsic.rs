@@ -111,8 +111,13 @@ impl Binary {
             Self::Atan2 => {
                 let square = a * a + b * b;
                 if square == 0.0 {
-                    // No angle at the origin.
-                    return (f64::NAN, [0.0, 0.0]);
+                    // Zero at the origin, as the C++ solver since 2016 (cfunc_atan2); too small to be squared is no origin.
+                    let value = if a == 0.0 && b == 0.0 {
+                        0.0
+                    } else {
+                        a.atan2(b)
+                    };
+                    return (value, [0.0, 0.0]);
                 }
                 (a.atan2(b), [b / square, -a / square])
             }

@@ -383,8 +383,8 @@ impl<'t> Cursor<'t> {
         let mut depth = 0usize;
         while let Some(token) = self.peek() {
             match token.kind {
-                TokenKind::Punctuation(b'(') => depth += 1,
-                TokenKind::Punctuation(b')') => depth = depth.saturating_sub(1),
+                TokenKind::Punctuation(b'(' | b'[') => depth += 1,
+                TokenKind::Punctuation(b')' | b']') => depth = depth.saturating_sub(1),
                 TokenKind::Continuation | TokenKind::Punctuation(b',' | b'\\') if depth == 0 => {
                     break;
                 }

@@ -201,8 +201,8 @@ impl StatementParser<'_> {
         let mut depth = 0usize;
         while let Some(token) = cursor.peek() {
             match token.kind {
-                TokenKind::Punctuation(b'(') => depth += 1,
-                TokenKind::Punctuation(b')') => depth = depth.saturating_sub(1),
+                TokenKind::Punctuation(b'(' | b'[') => depth += 1,
+                TokenKind::Punctuation(b')' | b']') => depth = depth.saturating_sub(1),
                 TokenKind::Punctuation(b'\\') => break,
                 TokenKind::Punctuation(b',') if depth == 0 => break,
                 TokenKind::Continuation

@@ -128,6 +128,42 @@ fn a_prescribed_speed_is_held() {
     close(value(&held, "DZ(21,1)"), -5.0);
 }
 
+/// Without j the C++ solver sums all that acts at a marker (`cfunc_fx`): on a body that is held at one marker only, its weight. The
+/// direction marker of an action-only force feels nothing.
+#[test]
+fn forces_at_one_marker() {
+    let head = "PART/2, MASS=2, CM=20, IP=10,10,10\nMARKER/20, PART=2\nMARKER/21, PART=2\n\
+                MARKER/11, PART=1\nMARKER/12, PART=1\nACCGRAV/KGRAV=-9806.65\n\
+                SFORCE/1, I=21, J=1, TRANSLATIONAL, ACTIONONLY, FUNCTION=30\n\
+                BUSHING/2, I=12, J=21, K=500,500,500, KT=1E5,1E5,1E5\n";
+    let bushing = "BUSHING/1, I=21, J=11, K=1000,1000,1000, KT=1E5,1E5,1E5";
+    // The same as a linear force of one pair of markers.
+    let diagonal = [1e3, 1e3, 1e3, 1e5, 1e5, 1e5];
+    let full: Vec<String> = (0..36)
+        .map(|k| if k % 7 == 0 { diagonal[k / 7] } else { 0.0 }.to_string())
+        .collect();
+    let multi = format!(
+        "MATRIX/1, FULL=CORDER, ROWS=6, COLUMNS=6, VALUES={}\n\
+         MATRIX/2, FULL=CORDER, ROWS=6, COLUMNS=1, VALUES=0,0,0,0,0,0\n\
+         NFORCE/1, I=21, J=11, KMATRIX=1, LENGTH=2, FORCE=2",
+        full.join("\n,")
+    );
+    let (weight, z) = (2.0 * 9.80665, (30.0 - 2.0 * 9.80665) / 1500.0);
+    for held in [bushing.to_string(), multi] {
+        let deck = format!("{head}{held}");
+        close(value(&deck, "FZ(21)"), weight);
+        close(value(&deck, "FZ(21,0,11)"), weight);
+        close(value(&deck, "FM(21)"), weight);
+        close(value(&deck, "FZ(21,11)"), -1000.0 * z);
+        close(value(&deck, "FZ(11,21)"), 1000.0 * z);
+        close(value(&deck, "FZ(21,12)"), -500.0 * z);
+        close(value(&deck, "FZ(12)"), 500.0 * z);
+        close(value(&deck, "FZ(11)"), 1000.0 * z);
+        close(value(&deck, "FZ(21,1)"), 30.0);
+        close(value(&deck, "FZ(1)"), 0.0);
+    }
+}
+
 /// Friction is off, and the warning says what that means; one that is off in statics anyway is not worth a word.
 #[test]
 fn friction_is_inactive() {

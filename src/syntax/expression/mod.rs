@@ -36,6 +36,8 @@ pub enum BinaryOperator {
     Multiply,
     Divide,
     Power,
+    /// `%`, the cross product of two vectors.
+    Cross,
 }
 
 /// A constant by name.
@@ -62,6 +64,8 @@ pub enum Node {
     Binary(BinaryOperator, Box<Node>, Box<Node>),
     /// IF(test: negative, zero, positive).
     If(Box<[Node; 4]>),
+    /// `[x, y, z]`, a vector of three expressions.
+    Vector(Box<[Node; 3]>),
     /// A function call, with the place of the whole call.
     Call {
         /// Which function.

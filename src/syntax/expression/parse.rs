@@ -146,13 +146,14 @@ impl Parser<'_> {
         }
     }
 
-    /// `factor { (*|/) factor }`
+    /// `factor { (*|/|%) factor }`
     fn product(&mut self) -> Parsed<Grown> {
         let mut left = self.factor()?;
         loop {
             let operator = match self.punctuation() {
                 Some(b'*') => BinaryOperator::Multiply,
                 Some(b'/') => BinaryOperator::Divide,
+                Some(b'%') => BinaryOperator::Cross,
                 _ => return Ok(left),
             };
             self.at += 1;
@@ -215,8 +216,22 @@ impl Parser<'_> {
                 self.expect(b')', token.span)?;
                 Ok(inner)
             }
+            TokenKind::Punctuation(b'[') => self.nested(|parser| parser.vector(token.span)),
             _ => Err(self.unexpected(token)),
         }
+    }
+
+    /// `[x, y, z]` of the C++ solver (`operators.html`).
+    fn vector(&mut self, opened: Span) -> Parsed<Grown> {
+        self.at += 1;
+        let (x, a) = self.sum()?;
+        self.expect(b',', opened)?;
+        let (y, b) = self.sum()?;
+        self.expect(b',', opened)?;
+        let (z, c) = self.sum()?;
+        self.expect(b']', opened)?;
+        let height = self.height(a.max(b).max(c))?;
+        Ok((Node::Vector(Box::new([x, y, z])), height))
     }
 
     /// The place of `-1.5` if that and a closing parenthesis come next: a literal of its own, so that a number of a function can be
@@ -430,7 +445,7 @@ impl Parser<'_> {
         let after_number = self.at > 0 && self.tokens[self.at - 1].kind == TokenKind::Number;
         error.help = match token.kind {
             TokenKind::Punctuation(b'^') => Some("write ** for a power".to_string()),
-            TokenKind::Punctuation(b'[' | b'{') => Some("use round parentheses".to_string()),
+            TokenKind::Punctuation(b'{') => Some("use round parentheses".to_string()),
             TokenKind::Word
                 if after_number && self.source.slice(token.span).eq_ignore_ascii_case(b"D") =>
             {

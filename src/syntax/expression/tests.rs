@@ -24,6 +24,10 @@ fn show(whole: &Expression, node: &Node) -> String {
             let parts: Vec<_> = parts.iter().map(|part| show(whole, part)).collect();
             format!("If({})", parts.join("; "))
         }
+        Node::Vector(parts) => {
+            let parts: Vec<_> = parts.iter().map(|part| show(whole, part)).collect();
+            format!("[{}]", parts.join(", "))
+        }
         Node::Call {
             function,
             arguments,
@@ -36,12 +40,27 @@ fn show(whole: &Expression, node: &Node) -> String {
 }
 
 #[test]
+fn vectors_are_read() {
+    // operators.html: vectors from scalars, cross product as tight as *, from left to right.
+    assert_eq!(
+        tree("MAG(DXYZ(4,5)%FXYZ(4))+[1,2,3]*UV([0,1,0])"),
+        "Add(MAG(Cross(DXYZ(4, 5), FXYZ(4))), Multiply([1, 2, 3], UV([0, 1, 0])))"
+    );
+    assert_eq!(tree("-2**-3**-2"), "-(Power(2, -(Power(3, -(2)))))");
+    for wrong in ["[1,2]", "[1,2,3,4]", "[1,2,3", "1%"] {
+        let error = Expression::parse_str(wrong).unwrap_err();
+        assert_eq!(error.code, Code::BadExpression, "{wrong}");
+    }
+}
+
+#[test]
 fn powers_bind_tighter_than_signs_and_to_the_right() {
     // ADAMS-FORMATS 3.1: FORTRAN semantics.
     assert_eq!(tree("-2**2"), "-(Power(2, 2))");
     assert_eq!(tree("2**3**2"), "Power(2, Power(3, 2))");
     assert_eq!(tree("2**-1"), "Power(2, -(1))");
-    assert_eq!(tree("2 * * (-1.)"), "Power(2, -(1))");
+    // A number with its sign in parentheses is one literal.
+    assert_eq!(tree("2 * * (-1.)"), "Power(2, -1)");
     assert_eq!(tree("8/4/2"), "Divide(Divide(8, 4), 2)");
     assert_eq!(tree("1-2-3*4"), "Subtract(Subtract(1, 2), Multiply(3, 4))");
     assert_eq!(tree("2*-3"), "Multiply(2, -(3))");

@@ -96,6 +96,7 @@ fn children(node: &Node) -> Vec<&Node> {
         Node::Negate(inner) => vec![inner],
         Node::Binary(_, left, right) => vec![left, right],
         Node::If(parts) => parts.iter().collect(),
+        Node::Vector(parts) => parts.iter().collect(),
         Node::Call { arguments, .. } => arguments.iter().collect(),
     }
 }

@@ -88,6 +88,7 @@ fn calls(root: &Node) -> Vec<(&'static FunctionDef, Span)> {
             Node::Negate(inner) => open.push(inner),
             Node::Binary(_, left, right) => open.extend([&**left, &**right]),
             Node::If(parts) => open.extend(parts.iter()),
+            Node::Vector(parts) => open.extend(parts.iter()),
             Node::Call {
                 function,
                 arguments,

@@ -7,7 +7,7 @@ use crate::model::{ArrayKind, MarkerIx, RequestKind};
 use crate::system::catalogue::{Quantity, Role};
 use crate::system::force_measure::{Exerted, Force};
 use crate::system::function::{CompiledFunction, Source};
-use crate::system::structure::{Action, Drive, LinearRow, Rate};
+use crate::system::structure::{Action, Drive, Element, LinearRow, Rate};
 use crate::units::Dimension;
 
 impl Compiler<'_> {
@@ -168,8 +168,12 @@ impl Compiler<'_> {
                 for marker in [Some(i), j, k].into_iter().flatten() {
                     self.used[marker.0] = true;
                 }
+                let by = match j {
+                    Some(_) => self.between(i, j),
+                    None => self.acting_at(i),
+                };
                 Source::Force(Box::new(Force {
-                    by: self.between(i, j),
+                    by,
                     component,
                     axes: k.map(|m| m.0),
                 }))
@@ -192,32 +196,57 @@ impl Compiler<'_> {
         }
     }
 
-    /// Elements and constraints that act directly between two markers, and whether `i` is their J.
+    /// Elements and constraints that act directly between two markers, and whether `i` is their J; with no J those that act on `i`
+    /// alone, as FORCE of REQUEST and INFO mean it.
     fn between(&self, i: MarkerIx, j: Option<MarkerIx>) -> Vec<(Exerted, bool)> {
-        let mut out = Vec::new();
-        for (k, e) in self.elements.iter().enumerate() {
-            match j {
-                None if e.i == i.0 && e.reaction.is_none() => {
-                    out.push((Exerted::Element(k), false));
-                }
-                Some(j) if e.i == i.0 && e.j == j.0 => out.push((Exerted::Element(k), false)),
-                Some(j) if e.i == j.0 && e.j == i.0 => out.push((Exerted::Element(k), true)),
-                _ => {}
-            }
-        }
-        for (k, joint) in self.joints.iter().enumerate() {
-            let [term] = joint.terms.as_slice() else {
-                continue;
-            };
-            if let Some(j) = j {
-                if term.i == i.0 && term.j == j.0 {
-                    out.push((Exerted::Joint(k), false));
-                } else if term.i == j.0 && term.j == i.0 {
-                    out.push((Exerted::Joint(k), true));
-                }
-            }
-        }
-        out
+        let Some(j) = j else {
+            let alone = |e: &Element| e.i == i.0 && e.reaction.is_none();
+            let elements = self.elements.iter().enumerate();
+            return elements
+                .filter(|(_, e)| alone(e))
+                .map(|(k, _)| (Exerted::Element(k), false))
+                .collect();
+        };
+        let ends = self.ends();
+        ends.filter_map(|(who, ends)| match ends {
+            (a, Some(b)) if a == i.0 && b == j.0 => Some((who, false)),
+            (a, Some(b)) if a == j.0 && b == i.0 => Some((who, true)),
+            // An action-only force knows its J as a direction.
+            _ => None,
+        })
+        .chain(self.elements.iter().enumerate().filter_map(|(k, e)| {
+            let alone = e.reaction.is_none() && e.i == i.0 && e.j == j.0;
+            alone.then_some((Exerted::Element(k), false))
+        }))
+        .collect()
+    }
+
+    /// All that exerts a force at a marker, and whether the marker is its J: FX(i) of the C++ solver (`cfunc_fx`).
+    fn acting_at(&self, i: MarkerIx) -> Vec<(Exerted, bool)> {
+        self.ends()
+            .filter_map(|(who, ends)| match ends {
+                (a, _) if a == i.0 => Some((who, false)),
+                (_, Some(b)) if b == i.0 => Some((who, true)),
+                _ => None,
+            })
+            .collect()
+    }
+
+    /// Everything that exerts forces at markers: the marker of the action and, unless it is action-only, of the reaction.
+    fn ends(&self) -> impl Iterator<Item = (Exerted, (usize, Option<usize>))> {
+        let elements = self.elements.iter().enumerate();
+        let elements = elements.map(|(k, e)| (Exerted::Element(k), (e.i, e.reaction.map(|_| e.j))));
+        let joints = self.joints.iter().enumerate();
+        let joints = joints.filter_map(|(k, joint)| match joint.terms.as_slice() {
+            [term] => Some((Exerted::Joint(k), (term.i, Some(term.j)))),
+            _ => None,
+        });
+        let multis = self.multis.iter().enumerate().flat_map(|(k, multi)| {
+            let j = Some(multi.j);
+            let markers = multi.i.iter().enumerate();
+            markers.map(move |(at, i)| (Exerted::Multi(k, at), (*i, j)))
+        });
+        elements.chain(joints).chain(multis)
     }
 
     fn exerted_by(&self, element: ElementIx) -> Exerted {
