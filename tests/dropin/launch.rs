@@ -155,12 +155,18 @@ fn the_name_it_is_started_under_does_not_matter() {
         std::fs::copy(env!("CARGO_BIN_EXE_mdi"), &program).unwrap();
         let folder = folder(&[("slider.adm", SLIDER), ("run.acf", RUN)]);
         for words in [&["ru-standard", "run"][..], &["run"]] {
-            let status = std::process::Command::new(&program)
-                .args(words)
-                .current_dir(folder.path())
-                .stdout(std::process::Stdio::null())
-                .status()
-                .unwrap();
+            let mut command = std::process::Command::new(&program);
+            command.args(words).current_dir(folder.path());
+            command.stdout(std::process::Stdio::null());
+            // A process that another test starts meanwhile may still hold the copy open for writing.
+            let status = loop {
+                match command.status() {
+                    Err(error) if error.kind() == std::io::ErrorKind::ExecutableFileBusy => {
+                        std::thread::sleep(std::time::Duration::from_millis(10));
+                    }
+                    status => break status.unwrap(),
+                }
+            };
             assert!(status.success(), "{name}");
             assert_eq!(
                 Results::read(folder.path(), "slider.res").steps.len(),
