@@ -199,25 +199,15 @@ fn write(loaded: &LoadedStudy, fit: &Fit, out: &Path, shell: &mut Shell) -> Resu
     shell.write(&out.join("report.html"), html.as_bytes())
 }
 
-/// The lines that differ, as a diff without context.
+/// The lines that differ, with the three lines before and behind them that tell whose they are.
 pub(super) fn changed_lines(before: &[u8], after: &[u8]) -> String {
     let (before, after) = (
         String::from_utf8_lossy(before),
         String::from_utf8_lossy(after),
     );
     let diff = similar::TextDiff::from_lines(before.as_ref(), after.as_ref());
-    let mut out = String::new();
-    for change in diff.iter_all_changes() {
-        let sign = match change.tag() {
-            similar::ChangeTag::Delete => '-',
-            similar::ChangeTag::Insert => '+',
-            similar::ChangeTag::Equal => continue,
-        };
-        out.push(sign);
-        out.push_str(change.value().trim_end());
-        out.push('\n');
-    }
-    out
+    let text = diff.unified_diff().context_radius(3).to_string();
+    text.replace('\r', "")
 }
 
 /// Initial, identified and reference values.

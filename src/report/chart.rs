@@ -63,7 +63,7 @@ pub struct Chart {
 }
 
 impl Chart {
-    /// The picture as an `<svg>` element, 880 by 420.
+    /// The picture as an `<svg>` element, 880 by 420 and the names of its series beside it.
     ///
     /// # Errors
     /// When the drawing library cannot draw it.
@@ -87,7 +87,14 @@ impl Chart {
         let heights = extent(&mut all().map(|p| p.1).chain(level));
         let mut out = String::new();
         {
-            let root = SVGBackend::with_string(&mut out, (880, 420)).into_drawing_area();
+            let beside = Legend::of(&self.series);
+            let canvas = SVGBackend::with_string(&mut out, (PLOT_WIDTH + beside.width, 420));
+            let canvas = canvas.into_drawing_area();
+            canvas.fill(&WHITE).map_err(|error| DrawingError {
+                title: self.title.clone(),
+                reason: error.to_string(),
+            })?;
+            let (root, margin) = canvas.split_horizontally(PLOT_WIDTH);
             let drawn = if self.log_y {
                 let (low, high) = if heights.0.is_finite() {
                     heights
@@ -105,6 +112,7 @@ impl Chart {
                 let (y0, y1) = padded(heights, 0.06);
                 self.draw(&root, x0..x1, y0..y1, &series, level)
             };
+            let drawn = drawn.and_then(|()| beside.draw(&margin, &self.series));
             drawn.map_err(|reason| DrawingError {
                 title: self.title.clone(),
                 reason,
@@ -126,7 +134,6 @@ impl Chart {
         Y::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
     {
         let text = |error: &dyn std::fmt::Display| error.to_string();
-        root.fill(&WHITE).map_err(|e| text(&e))?;
         let mut chart = ChartBuilder::on(root)
             .caption(&self.title, ("sans-serif", 17))
             .margin(12)
@@ -168,32 +175,78 @@ impl Chart {
                     chart.draw_series(points.iter().map(|p| Circle::new(*p, 3, colour.filled())))
                 }
             };
-            let dots = series.mark == Mark::Points;
-            drawn
-                .map_err(|e| text(&e))?
-                .label(&series.name)
-                .legend(move |(x, y)| {
-                    let from = if dots { x + 7 } else { x };
-                    PathElement::new(
-                        vec![(from, y), (x + 16, y)],
-                        ShapeStyle::from(&colour).stroke_width(3),
-                    )
-                });
+            drawn.map_err(|e| text(&e))?;
             if series.mark == Mark::LinePoints {
                 let dots = points.iter().map(|p| Circle::new(*p, 3, colour.filled()));
                 chart.draw_series(dots).map_err(|e| text(&e))?;
             }
         }
-        if series.len() > 1 {
-            chart
-                .configure_series_labels()
-                .background_style(WHITE.mix(0.85))
-                .border_style(RGBColor(200, 200, 200))
-                .label_font(("sans-serif", 12))
-                .draw()
-                .map_err(|e| text(&e))?;
-        }
         root.present().map_err(|e| text(&e))
+    }
+}
+
+/// Width of a chart without its legend, in pixels.
+const PLOT_WIDTH: u32 = 880;
+
+/// The names of the series, beside the plot so that they hide nothing.
+struct Legend {
+    /// Width in pixels; zero where one series needs no name.
+    width: u32,
+    columns: u32,
+    column_width: u32,
+}
+
+impl Legend {
+    const ROWS: usize = 24;
+    const ROW_HEIGHT: i32 = 16;
+
+    fn of(series: &[Series]) -> Self {
+        if series.len() < 2 {
+            return Self {
+                width: 0,
+                columns: 1,
+                column_width: 0,
+            };
+        }
+        let longest = series.iter().map(|s| s.name.chars().count()).max();
+        // Seven pixels a letter hold the widest of a sans-serif font of this size on average.
+        let column_width = 34 + 7 * longest.unwrap_or(0) as u32;
+        let columns = series.len().div_ceil(Self::ROWS) as u32;
+        Self {
+            width: columns * column_width,
+            columns,
+            column_width,
+        }
+    }
+
+    fn draw(
+        &self,
+        area: &DrawingArea<SVGBackend<'_>, plotters::coord::Shift>,
+        series: &[Series],
+    ) -> Result<(), String> {
+        if self.width == 0 {
+            return Ok(());
+        }
+        let rows = series.len().div_ceil(self.columns as usize);
+        for (k, series) in series.iter().enumerate() {
+            let x = (k / rows) as i32 * self.column_width as i32;
+            let y = 20 + (k % rows) as i32 * Self::ROW_HEIGHT;
+            let style = ShapeStyle::from(&COLOURS[k % COLOURS.len()]).stroke_width(3);
+            let from = if series.mark == Mark::Points {
+                x + 7
+            } else {
+                x
+            };
+            area.draw(&PathElement::new(vec![(from, y), (x + 16, y)], style))
+                .map_err(|error| error.to_string())?;
+            let name = plotters::element::Text::new(
+                series.name.clone(),
+                (x + 22, y - 7),
+                ("sans-serif", 12),
+            );
+            area.draw(&name).map_err(|error| error.to_string())?;
+        }
+        Ok(())
     }
 }
 

@@ -14,7 +14,6 @@ fn cell<'a>(section: &'a Section, table: &str, row: &str, column: &str) -> &'a s
 }
 
 #[test]
-#[ignore = "twenty seconds of solving; the command is run by hand and by the bench"]
 fn the_papers_tables_stand_beside_ours() {
     let corpus = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus");
     let sections = reproduce(&corpus, &mut |_| {}).unwrap();
