@@ -5,6 +5,7 @@ use crate::discrepancy::{Finding, Outcome as Diagnosed, Verdict, diagnose, held_
 use crate::identify::LoadedStudy;
 use crate::report::{DiagnosisReport, number};
 use crate::rig::settings::BackendChoice;
+use crate::rig::{ForeignMarks, foreign_marks};
 
 use super::Outcome;
 use super::identify::changed_lines;
@@ -36,6 +37,12 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if loaded.study.solver.backend != BackendChoice::Native {
         shell.say("the diagnosis solves with the built-in solver; the program of study.toml is not started\n");
     }
+    let foreign = foreign(&loaded);
+    if !foreign.is_empty() {
+        // Nobody asks what is wrong with a model when the readings are not of its parts.
+        shell.complain(&foreign);
+        return Err(Exit::Findings);
+    }
     let problem = loaded.problem();
     let held_out = held_out(&loaded.study, &loaded.measurement);
     let outcome = diagnose(&problem, held_out).map_err(|error| {
@@ -55,6 +62,37 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         }
     }
     Ok(Exit::Fine)
+}
+
+/// Marks that belong to other parts, with the cases where they do.
+fn foreign(loaded: &LoadedStudy) -> Vec<Diagnostic> {
+    let measurement = &loaded.measurement;
+    let Some(marks) = &loaded.study.marks else {
+        return Vec::new();
+    };
+    let of = |foreign: ForeignMarks| {
+        let name = &measurement.parts[foreign.part].name;
+        let labels: Vec<&str> = foreign
+            .cases
+            .iter()
+            .map(|&case| measurement.cases[case].label.as_str())
+            .collect();
+        let first = &measurement.cases[foreign.cases[0]].marks;
+        let place = first.iter().find(|read| read.part == foreign.part);
+        let mut diagnostic = Diagnostic::error(
+            Code::InconsistentMarks,
+            format!(
+                "the marks of {name} in cases {} are not of one part: {:.3} rms are left by the best rigid motion, and no part bends so much",
+                labels.join(", "),
+                foreign.rms
+            ),
+        );
+        if let Some(read) = place {
+            diagnostic = diagnostic.label(marks.measured.source.name(), read.place, "");
+        }
+        diagnostic.help("put the readings right, or leave these cases out; then diagnose again")
+    };
+    foreign_marks(measurement).into_iter().map(of).collect()
 }
 
 fn write(

@@ -14,6 +14,7 @@ pub mod noise;
 pub mod orientation;
 mod readings;
 mod resolve;
+mod rigidity;
 mod section;
 /// Sections of `study.toml` with their defaults.
 pub mod settings;
@@ -30,6 +31,7 @@ pub use load::programme;
 pub use load_table::LoadTable;
 pub use measurement::{Case, Channel, MarkReading, MarkedPart, Measurement, PartMark, Wheel};
 pub use resolve::part;
+pub use rigidity::{ForeignMarks, foreign_marks};
 pub use section::Spelled;
 pub use study::{MarkFiles, Study};
 pub use table::{Cell, Table};

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Measurement, Study};
+use super::{Measurement, Study, foreign_marks};
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::mechanics::{Mat3, Pose, Vec3};
 use crate::model::{Header, Marker, Model, Orientation, Part, PartIx, PartKind};
@@ -186,6 +186,40 @@ fn swapped_marks_are_put_right() {
             .1
             .contains("in every case")
     );
+}
+
+/// From case 8 on the readings of two parts change places: no single case is to blame, and both parts are named.
+#[test]
+fn marks_of_another_part_are_told_from_a_wrong_reading() {
+    let exchange = |text: &str| {
+        let lines = text.lines().map(|line| {
+            let case = line.split(',').next().and_then(|case| case.parse().ok());
+            let later = case.is_some_and(|case: u32| case >= 8);
+            match line.split(',').nth(1) {
+                Some("KNUCKLE") if later => line.replace("KNUCKLE", "ROD"),
+                Some("ROD") if later => line.replace("ROD", "KNUCKLE"),
+                _ => line.to_string(),
+            }
+        });
+        lines.map(|line| line + "\n").collect()
+    };
+    let (measured, _) = study("marks_measured.csv", exchange);
+    let foreign = foreign_marks(&measured);
+    let names: Vec<&str> = foreign
+        .iter()
+        .map(|foreign| measured.parts[foreign.part].name.as_str())
+        .collect();
+    assert_eq!(names, ["KNUCKLE", "ROD"]);
+    for foreign in &foreign {
+        assert_eq!(foreign.cases, (7..measured.cases.len()).collect::<Vec<_>>());
+        assert!(foreign.rms > 10.0, "{foreign:?}");
+    }
+    assert_eq!(foreign_marks(&as_shipped()), []);
+    let (wrong, _) = study("marks_measured.csv", |text| {
+        let at = text.find("\n9,REAR_ARM,3,").unwrap() + "\n9,REAR_ARM,3,".len();
+        format!("{}9{}", &text[..at], &text[at..])
+    });
+    assert_eq!(foreign_marks(&wrong), []);
 }
 
 #[test]
