@@ -58,6 +58,17 @@ impl Background {
         Self { V, B, C }
     }
 
+    /// What the errors cost as part of the noise: `ln det S`, the unknowns of a fit without them integrated out. With the fall of
+    /// chi-square it is twice the logarithm of how much likelier the readings are without them.
+    pub fn cost(&self, fitted: &Fitted) -> f64 {
+        let cross = self.V.tr_mul(&fitted.minimum.evaluation.jacobian);
+        let n = self.V.ncols();
+        let left = DMatrix::identity(n, n) + self.V.tr_mul(&self.V)
+            - &cross * fitted.covariance() * cross.transpose();
+        let eigenvalues = left.symmetric_eigenvalues();
+        eigenvalues.iter().map(|l| l.max(1.0).ln()).sum()
+    }
+
     /// Replaces residuals by whitened ones.
     pub fn whiten(&self, rows: &mut DVector<f64>) {
         *rows -= &self.B * self.B.tr_mul(rows);

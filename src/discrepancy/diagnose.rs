@@ -10,11 +10,11 @@ use super::diagnosis::{
 };
 use super::effort::Effort;
 use super::extended::{Fitted, Warm, fit};
-use super::held_out::{HeldOutTest, held_out_test, marks_gain, moved};
+use super::held_out::{HeldOutTest, held_out_test, marks_gain, moved, worst_case};
 use super::hypothesis::{BACKGROUND, Hypothesis, assembly_offset};
 use super::next_measurement::next_measurement;
 use super::screening::penalty;
-use super::selection::{Selected, select};
+use super::selection::{Selected, criterion, select};
 use super::stiffness::{CorrectedStiffness, corrected};
 use super::structure::{StructureTest, structure};
 use super::subject::{Data, Subject};
@@ -32,6 +32,8 @@ const MATTERS_WHEEL_DEG: f64 = 0.01;
 const SMALL: f64 = 4.0;
 /// Structure is there when the hardest of all tests, corrected for their number, has a p-value below this.
 const STRUCTURED: f64 = 0.005;
+/// Held-out readings less probable than this under the extended model speak against its causes.
+const SURPRISED: f64 = 0.05;
 
 /// A diagnosis with the fits behind it.
 #[derive(Debug)]
@@ -56,6 +58,8 @@ pub struct Outcome<'a> {
     pub stiffnesses: Vec<CorrectedStiffness>,
     /// How many hypotheses were tried.
     pub places: usize,
+    /// The search had spent its budget before it came to its end.
+    pub cut_short: bool,
 }
 
 /// The cases no fit sees: those the study names, else every fourth.
@@ -92,12 +96,21 @@ pub fn diagnose<'a>(
         let errors = |data| Arc::new(Background::new(&subject, &seen, data));
         let backgrounds = [errors(Data::Fitted), errors(Data::All)];
         let mut wiser = subject.clone();
-        wiser.backgrounds = Some(backgrounds);
+        wiser.backgrounds = Some(backgrounds.clone());
         let warm = Some(Warm::at(&seen));
         if let Some(start) = fit(&wiser, &[], warm, Data::Fitted, Effort::FULL) {
             let first = (start.clone(), Vec::new());
-            selected = select(&wiser, first, Data::Fitted, &any, false);
-            (subject, seen) = (wiser, start);
+            let among = select(&wiser, first, Data::Fitted, &any, false);
+            // A few plain errors explain more than many small ones, or less.
+            let cost = backgrounds[0].cost(&seen);
+            let (plain, with) = (
+                criterion(&selected.fitted, selected.places),
+                criterion(&among.fitted, among.places) + cost,
+            );
+            if with < plain {
+                selected = among;
+                (subject, seen) = (wiser, start);
+            }
         }
     }
     let again = refit(&subject, &selected.fitted, Data::All).ok_or_else(no_cases)?;
@@ -131,6 +144,7 @@ pub fn diagnose<'a>(
     };
     let start = (start, selected.gained);
     let selected = select(&subject, start, Data::All, &any, true);
+    let cut_short = subject.budget.is_spent();
     let baseline = fit(
         &subject,
         &[],
@@ -156,7 +170,7 @@ pub fn diagnose<'a>(
         .first()
         .map_or(1.0, |test| test.p_value * after.len() as f64)
         .min(1.0);
-    let unexplained = Unexplained {
+    let mut unexplained = Unexplained {
         structured: worst < STRUCTURED,
         p_value: worst,
         places: after
@@ -165,9 +179,14 @@ pub fn diagnose<'a>(
             .map(|test| format!("{} (p = {:.1e})", test.what, test.p_value))
             .collect(),
     };
+    let matters = findings.iter().any(|finding| !finding.minor);
+    if let Some(blind) = blind.as_ref().filter(|_| matters) {
+        surprised(&subject, blind, &mut unexplained);
+    }
+    stacked(&findings, &mut unexplained);
     let verdict = if unexplained.structured {
         Verdict::Unexplained
-    } else if findings.iter().any(|finding| !finding.minor) {
+    } else if matters {
         Verdict::Discrepancy
     } else {
         Verdict::Consistent
@@ -204,8 +223,46 @@ pub fn diagnose<'a>(
         subject,
         baseline,
         places: selected.places,
+        cut_short,
         extended: selected.fitted,
     })
+}
+
+/// A name that does not predict the cases held out is not to be trusted: what they show beyond it remains unexplained.
+fn surprised(subject: &Subject<'_>, blind: &Fitted, unexplained: &mut Unexplained) {
+    let test = held_out_test(subject, blind).filter(|test| test.p_value < SURPRISED);
+    let Some(test) = test else { return };
+    unexplained.structured = true;
+    unexplained.p_value = unexplained.p_value.min(test.p_value);
+    let place = worst_case(subject, blind).map_or_else(String::new, |(case, _)| {
+        let label = &subject.problem.measurement.cases[case].label;
+        format!(", case {label} most")
+    });
+    unexplained.places.push(format!(
+        "the cases held out, which the extended model does not predict to their noise (p = {:.1e}){place}",
+        test.p_value
+    ));
+}
+
+/// Two laws at once in one component: their sum follows the readings, but neither is what that component does.
+fn stacked(findings: &[Finding], unexplained: &mut Unexplained) {
+    for (k, finding) in findings.iter().enumerate() {
+        let of_the_model = |f: &&Finding| !f.minor && !f.cause.of_the_measurement();
+        let other = findings[..k]
+            .iter()
+            .filter(of_the_model)
+            .find(|other| other.address == finding.address);
+        let Some(other) = other.filter(|_| of_the_model(&finding)) else {
+            continue;
+        };
+        if finding.cause.has_rough_law() || other.cause.has_rough_law() {
+            unexplained.structured = true;
+            unexplained.places.push(format!(
+                "{}, where it takes {} and {} together to follow the readings: its law is another one",
+                finding.address, other.cause, finding.cause
+            ));
+        }
+    }
 }
 
 /// Whether what was found looks like the small errors that every deck and rig has, several of them at once: then they are part of the

@@ -1,3 +1,32 @@
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// How often all load cases may be solved in one search. It is looked at between rounds only, so that what is found does not depend
+/// on the machine.
+const SWEEPS: usize = 6000;
+
+/// What a whole search has cost.
+#[derive(Debug, Default)]
+pub struct Budget {
+    sweeps: AtomicUsize,
+}
+
+impl Budget {
+    /// Takes note of a fit that solved all cases so often.
+    pub fn spend(&self, sweeps: usize) {
+        self.sweeps.fetch_add(sweeps, Ordering::Relaxed);
+    }
+
+    /// Sweeps so far.
+    pub fn sweeps(&self) -> usize {
+        self.sweeps.load(Ordering::Relaxed)
+    }
+
+    /// True if no further round begins.
+    pub fn is_spent(&self) -> bool {
+        self.sweeps() >= SWEEPS
+    }
+}
+
 /// How much a fit may cost.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Effort {

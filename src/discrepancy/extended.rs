@@ -239,7 +239,9 @@ pub fn fit(
         &setup.scale,
         &held,
         tolerances,
-    )?;
+    );
+    subject.budget.spend(least_squares.predictor.sweeps());
+    let minimum = minimum?;
     if minimum.ending == Ending::NoAnswer {
         return None;
     }

@@ -24,22 +24,8 @@ pub struct HeldOutTest {
 
 /// Tests the held-out rows; `None` where there are none. Rows that a found fault of the measurement touches are left out.
 pub fn held_out_test(subject: &Subject<'_>, fitted: &Fitted) -> Option<HeldOutTest> {
-    let touched = touched_rows(fitted);
-    let rows: Vec<usize> = (0..subject.rows.len())
-        .filter(|k| subject.is_held_out(subject.rows[*k].case()) && !touched.contains(k))
-        .collect();
-    if rows.is_empty() {
-        return None;
-    }
-    let evaluation = &fitted.minimum.evaluation;
-    let r = DVector::from_iterator(rows.len(), rows.iter().map(|k| fitted.misfit[*k]));
-    let J = evaluation.jacobian.select_rows(&rows);
-    let mut S =
-        &J * fitted.covariance() * J.transpose() + DMatrix::identity(rows.len(), rows.len());
-    if let Some(background) = subject.background(Data::All) {
-        S += background.covariance(&rows);
-    }
-    let chi_square = r.dot(&Cholesky::new(S)?.solve(&r));
+    let rows = unseen_rows(subject, fitted);
+    let chi_square = chi_square(subject, fitted, &rows)?;
     Some(HeldOutTest {
         marks_rms: marks_rms(subject, fitted, &rows),
         wheel_deg_rms: wheel_rms(subject, fitted, &rows),
@@ -47,6 +33,47 @@ pub fn held_out_test(subject: &Subject<'_>, fitted: &Fitted) -> Option<HeldOutTe
         dof: rows.len(),
         p_value: chi_square_p_value(chi_square, rows.len()),
     })
+}
+
+/// The held-out case that agrees least with the prediction, and the p-value of its readings, corrected for the number of cases.
+pub fn worst_case(subject: &Subject<'_>, fitted: &Fitted) -> Option<(usize, f64)> {
+    let mut by_case = std::collections::BTreeMap::<usize, Vec<usize>>::new();
+    for k in unseen_rows(subject, fitted) {
+        by_case.entry(subject.rows[k].case()).or_default().push(k);
+    }
+    let count = by_case.len() as f64;
+    by_case
+        .into_iter()
+        .filter_map(|(case, rows)| {
+            let chi_square = chi_square(subject, fitted, &rows)?;
+            let p = chi_square_p_value(chi_square, rows.len()) * count;
+            Some((case, p.min(1.0)))
+        })
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// Rows of held-out cases that no found fault of the measurement touches.
+fn unseen_rows(subject: &Subject<'_>, fitted: &Fitted) -> Vec<usize> {
+    let touched = touched_rows(fitted);
+    (0..subject.rows.len())
+        .filter(|k| subject.is_held_out(subject.rows[*k].case()) && !touched.contains(k))
+        .collect()
+}
+
+/// Chi-square of rows a fit has not seen, with the covariance of their prediction; `None` of no rows.
+fn chi_square(subject: &Subject<'_>, fitted: &Fitted, rows: &[usize]) -> Option<f64> {
+    if rows.is_empty() {
+        return None;
+    }
+    let evaluation = &fitted.minimum.evaluation;
+    let r = DVector::from_iterator(rows.len(), rows.iter().map(|k| fitted.misfit[*k]));
+    let J = evaluation.jacobian.select_rows(rows);
+    let mut S =
+        &J * fitted.covariance() * J.transpose() + DMatrix::identity(rows.len(), rows.len());
+    if let Some(background) = subject.background(Data::All) {
+        S += background.covariance(rows);
+    }
+    Some(r.dot(&Cholesky::new(S)?.solve(&r)))
 }
 
 /// Rows on which a chosen hypothesis acts directly.

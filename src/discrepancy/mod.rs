@@ -9,6 +9,7 @@ mod columns;
 mod diagnose;
 mod diagnosis;
 mod effort;
+mod exchange;
 mod extended;
 mod extension;
 mod fit_problem;

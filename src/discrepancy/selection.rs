@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::cause::Cause;
 use super::effort::Effort;
+use super::exchange::exchanged;
 use super::extended::{Fitted, Warm, fit};
 use super::hypothesis::Hypothesis;
 use super::influence::Influence;
@@ -22,15 +23,19 @@ const FREE_FORM: f64 = 6.0;
 /// The law of friction, of a stop, of a rubber's progression is known to about a tenth; the square of that is left in chi-square.
 const ROUGH: f64 = 0.01;
 /// What promises less than this part of the best is not refitted.
-const HOPELESS: f64 = 0.2;
+pub(super) const HOPELESS: f64 = 0.2;
 /// What gains more than this needs no cross-validation: a single case may be all that shows it, as a stop that is met once.
 const SURE: f64 = 60.0;
 /// Places that are refitted in each step.
 const SURVIVORS: usize = 8;
-/// Rivals may take another's place so often.
+/// Rivals may take another's place so often,
 const SWAPS: usize = 4;
+/// where they do better by so much: two names of the same thing would take turns.
+pub(super) const BETTER: f64 = 0.1;
+/// A hypothesis makes way for another and a companion so often.
+const EXCHANGES: usize = 2;
 /// Causes at most.
-const MOST: usize = 4;
+pub(super) const MOST: usize = 4;
 
 /// A rival of a finding.
 #[derive(Clone, Debug)]
@@ -94,7 +99,11 @@ fn chosen(fitted: &Fitted) -> Vec<(Hypothesis, Vec<f64>)> {
 }
 
 /// One form per place, best first, at least promising `least`.
-fn survivors(scores: Vec<Score>, least: f64, accept: &dyn Fn(&Hypothesis) -> bool) -> Vec<Score> {
+pub(super) fn survivors(
+    scores: Vec<Score>,
+    least: f64,
+    accept: &dyn Fn(&Hypothesis) -> bool,
+) -> Vec<Score> {
     let mut out: Vec<Score> = Vec::new();
     for score in scores {
         let double = out
@@ -111,7 +120,7 @@ fn survivors(scores: Vec<Score>, least: f64, accept: &dyn Fn(&Hypothesis) -> boo
 }
 
 /// Fits `fitted` with one more hypothesis.
-fn with(
+pub(super) fn with(
     (subject, data): (&Subject<'_>, Data),
     fitted: &Fitted,
     score: &Score,
@@ -186,7 +195,7 @@ fn in_place_of(
 }
 
 /// The same model, fitted as well as it can be.
-fn polished(subject: &Subject<'_>, found: Fitted, data: Data) -> Fitted {
+pub(super) fn polished(subject: &Subject<'_>, found: Fitted, data: Data) -> Fitted {
     let again = fit(
         subject,
         &chosen(&found),
@@ -198,7 +207,7 @@ fn polished(subject: &Subject<'_>, found: Fitted, data: Data) -> Fitted {
 }
 
 /// Fits `fitted` without one of its hypotheses.
-fn without(
+pub(super) fn without(
     subject: &Subject<'_>,
     fitted: &Fitted,
     at: usize,
@@ -211,7 +220,7 @@ fn without(
 }
 
 /// What a further cause has to gain beside those whose law is only roughly known: so much of chi-square may be the law's own error.
-fn floor(gained: &[(Hypothesis, f64)], hypothesis: &Hypothesis) -> f64 {
+pub(super) fn floor(gained: &[(Hypothesis, f64)], hypothesis: &Hypothesis) -> f64 {
     if hypothesis.cause == Cause::MarkOutlier {
         return 0.0;
     }
@@ -236,7 +245,7 @@ pub fn select(
     let mut current = start;
     let mut best = criterion(&current, places);
     let mut scores = first;
-    while current.chosen.len() < MOST {
+    while current.chosen.len() < MOST && !subject.budget.is_spent() {
         let promise = scores.first().map_or(0.0, |score| HOPELESS * score.net);
         // A score may promise too little, but not by much.
         let tried = survivors(scores, promise.max(0.0), &|h| accept(h))
@@ -260,20 +269,26 @@ pub fn select(
         current = polished(subject, found, data);
         best = value.min(criterion(&current, places));
         // A mimic goes again when the true cause is in.
-        let mut at = 0;
-        while current.chosen.len() > 1 && at + 1 < current.chosen.len() {
-            let effort = Effort::candidate(current.minimum.objective);
-            if let Some(found) = without(subject, &current, at, data, effort) {
-                let value = criterion(&found, places);
-                if value < best {
-                    current = polished(subject, found, data);
-                    best = value.min(criterion(&current, places));
-                    continue;
+        (current, best) = pruned(subject, (current, best), places, data);
+        scores = screen(subject, &current);
+    }
+    for _ in 0..EXCHANGES {
+        let Some(found) = exchanged(subject, (&current, best), places, (data, &gained), accept)
+        else {
+            break;
+        };
+        (current, best) = pruned(subject, found, places, data);
+        // What the causes gained when they came in was said of others.
+        gained.retain(|(h, _)| current.chosen.iter().any(|chosen| chosen.same(h)));
+        let all = current.chosen.clone();
+        for (at, hypothesis) in all.iter().enumerate() {
+            if hypothesis.cause.has_rough_law() && !gained.iter().any(|(h, _)| h.same(hypothesis)) {
+                let effort = Effort::candidate(current.minimum.objective);
+                if let Some(base) = without(subject, &current, at, data, effort) {
+                    gained.push((hypothesis.clone(), criterion(&base, places) - best));
                 }
             }
-            at += 1;
         }
-        scores = screen(subject, &current);
     }
     if !compare {
         let count = current.chosen.len();
@@ -288,6 +303,29 @@ pub fn select(
     let mut selected = finish(subject, current, (best, places), data, accept);
     selected.gained = gained;
     selected
+}
+
+/// Drops what the other hypotheses of a fit make needless; the last one in stays.
+fn pruned(
+    subject: &Subject<'_>,
+    (mut current, mut best): (Fitted, f64),
+    places: usize,
+    data: Data,
+) -> (Fitted, f64) {
+    let mut at = 0;
+    while current.chosen.len() > 1 && at + 1 < current.chosen.len() {
+        let effort = Effort::candidate(current.minimum.objective);
+        if let Some(found) = without(subject, &current, at, data, effort) {
+            let value = criterion(&found, places);
+            if value < best {
+                current = polished(subject, found, data);
+                best = value.min(criterion(&current, places));
+                continue;
+            }
+        }
+        at += 1;
+    }
+    (current, best)
 }
 
 /// How badly each case is predicted by all others: cross-validation over load cases.
@@ -334,7 +372,8 @@ fn finish(
         let own = current.chosen[at].clone();
         let gain = base.chi_square() - current.chi_square();
         let promising = survivors(screen(subject, &base), 0.3 * gain - 40.0, &|h| {
-            accept(h)
+            !subject.budget.is_spent()
+                && accept(h)
                 && !h.same(&own)
                 && !current
                     .chosen
@@ -363,18 +402,19 @@ fn finish(
                 found = polished(subject, found, data);
                 value = criterion(&found, places);
             }
-            if value < better.as_ref().map_or(best, |(_, v)| *v) {
+            let may_swap = swaps < SWAPS && !subject.budget.is_spent();
+            if may_swap && value < better.as_ref().map_or(best - BETTER, |(_, v)| *v) {
                 better = Some((found, value));
             } else if value - best <= RIVAL && !score.hypothesis.same_place(&own) {
                 found_rivals.push(Rival {
                     cause: score.hypothesis.cause,
                     address: score.hypothesis.address.clone(),
-                    behind: value - best,
+                    behind: (value - best).max(0.0),
                     instead: Some((Arc::new(found), score.hypothesis.clone())),
                 });
             }
         }
-        if let Some((found, value)) = better.filter(|_| swaps < SWAPS) {
+        if let Some((found, value)) = better {
             // The order of the findings changes: begin again.
             (current, best) = (found, value);
             swaps += 1;

@@ -3,6 +3,7 @@ use std::sync::Arc;
 use nalgebra::DVector;
 
 use super::background::Background;
+use super::effort::Budget;
 use crate::identify::Problem;
 use crate::identify::global::{Observations, Row};
 
@@ -19,6 +20,8 @@ pub struct Subject<'a> {
     pub offsets_in_question: Vec<u32>,
     /// Errors of hardpoints and loads that are part of the noise: of the fitted cases, and of all.
     pub backgrounds: Option<[Arc<Background>; 2]>,
+    /// What the whole search may cost.
+    pub budget: Arc<Budget>,
     held_out: Vec<bool>,
 }
 
@@ -33,6 +36,7 @@ impl<'a> Subject<'a> {
             rows: observations.rows,
             offsets_in_question: Vec::new(),
             backgrounds: None,
+            budget: Arc::new(Budget::default()),
             held_out,
         }
     }

@@ -41,6 +41,12 @@ impl Outcome<'_> {
             let more = places.len() - LISTED;
             out.push(format!("{more} more tests of structure fail."));
         }
+        if self.cut_short {
+            let sweeps = self.subject.budget.sweeps();
+            out.push(format!(
+                "The search was ended by its budget: all load cases had been solved {sweeps} times. Further causes, and rivals of those found, were not looked for."
+            ));
+        }
         out
     }
 

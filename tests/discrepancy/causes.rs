@@ -45,6 +45,30 @@ fn a_spring_that_is_stiffer() {
     );
 }
 
+/// A preload and a free length shift the spring's force by the same constant: neither may be named without the other.
+#[test]
+fn a_preload_and_a_free_length_are_rivals() {
+    let of_the_spring = |outcome: &admire::discrepancy::Outcome<'_>| {
+        let first = &outcome.diagnosis.findings[0];
+        let rivals = first.indistinguishable_from.iter();
+        let names: Vec<&str> = std::iter::once(first.address.as_str())
+            .chain(rivals.map(|rival| rival.address.as_str()))
+            .collect();
+        for number in ["SPRINGDAMPER/1.FORCE", "SPRINGDAMPER/1.LENGTH"] {
+            assert!(names.contains(&number), "{names:?}");
+        }
+        for rival in &first.indistinguishable_from {
+            assert!(rival.bic_behind >= 0.0, "{rival:?}");
+        }
+    };
+    let plant = Plant {
+        truth: ("element-parameter", "SPRINGDAMPER/1.FORCE"),
+        edits: vec![("FORCE = 4700.0", "FORCE = 4900.0".to_string())],
+        ..nothing()
+    };
+    named("pseudo-mcpherson", &plant, 40, None, of_the_spring);
+}
+
 #[test]
 fn a_load_cell_that_reads_too_little() {
     found(

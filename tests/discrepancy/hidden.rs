@@ -98,8 +98,8 @@ fn a_clean_study_is_consistent() {
     assert!(all - quiet <= 1, "{} false alarms", all - quiet);
 }
 
-/// The aim is both causes in 80 percent of the pairs. It is not reached; what holds is that one of the two is named in most, and
-/// half of all that can be seen.
+/// The aim is both causes in 80 percent of the pairs. Four of six were reached when this was written, 11 of 13 causes in all; what is
+/// held to leaves two causes more for the luck of the noise.
 #[test]
 fn causes_of_a_pair_are_named() {
     let tally = tally(Kind::Pair, 8);
@@ -113,11 +113,11 @@ fn causes_of_a_pair_are_named() {
     }
     println!("pairs: {named} of {seen} causes, none in {none}");
     assert!(seen >= 12, "{seen}");
-    assert!(100 * named >= 45 * seen, "{named} of {seen}");
+    assert!(100 * named >= 69 * seen, "{named} of {seen}");
     assert!(none <= 2, "{none} pairs without any right name");
 }
 
-/// None of six is the aim. Free play in one direction of a bushing is still taken for a progressive stiffness in another.
+/// None of six is the aim, and was reached when this was written; one is left for the luck of the noise.
 #[test]
 fn a_cause_outside_the_catalogue_gets_no_false_name() {
     let tally = tally(Kind::Outside, 6);
