@@ -94,12 +94,12 @@ pub fn open_directions(covariance: &DMatrix<f64>, count: usize, limit: f64) -> V
 /// How near to the 95 percent point a rise of the objective must be for the interval to be read off from it.
 const NEAR: f64 = 0.15;
 /// Points of a profile on one side.
-const POINTS: usize = 6;
+const POINTS: usize = 10;
 
 /// 95 percent interval of unknown `k` by profile likelihood: where the objective, minimised over all others, has risen by 1.92.
 ///
-/// The prior of `k` itself is left out, so that a side the data do not bound is `None`. Each point starts where the others are
-/// expected to be by the covariance, and the last gain of its fit is predicted, not made: most cost one or two evaluations.
+/// The prior of `k` itself is left out, so that a side the data do not bound is `None`. Each point starts from the farthest one that
+/// lies inside, moved as the covariance expects; the last gain of its fit is predicted, not made: most cost one or two evaluations.
 /// Between points the square root of the rise is taken as linear.
 pub fn profile_interval(
     problem: &mut dyn LeastSquares,
@@ -124,11 +124,12 @@ pub fn profile_interval(
     let tolerances = Tolerances {
         decrement: 0.05,
         step: 1e-4,
-        max_iterations: 8,
+        max_iterations: 25,
     };
     let mut side = |direction: f64| {
         // Distance and square root of the rise: the last point inside, the first outside.
         let (mut inner, mut outer) = ((0.0, 0.0), None);
+        let mut from = minimum.x.clone();
         let mut reach = (NORMAL_975 * variance.sqrt()).min(2.5);
         let target = HALF_CHI2_95.sqrt();
         let between = |inner: (f64, f64), outer: (f64, f64)| {
@@ -136,17 +137,24 @@ pub fn profile_interval(
             inner.0 + share * (outer.0 - inner.0)
         };
         for _ in 0..POINTS {
-            let moved = direction * reach;
-            let start: Vec<f64> = minimum
-                .x
+            let step = direction * (reach - inner.0);
+            let start: Vec<f64> = from
                 .iter()
                 .zip(&along)
                 .zip(scale)
-                .map(|((x, slope), scale)| x + (slope * moved).clamp(-3.0 * scale, 3.0 * scale))
+                .map(|((x, slope), scale)| x + (slope * step).clamp(-3.0 * scale, 3.0 * scale))
                 .enumerate()
-                .map(|(j, x)| if j == k { minimum.x[k] + moved } else { x })
+                .map(|(j, x)| {
+                    if j == k {
+                        minimum.x[k] + direction * reach
+                    } else {
+                        x
+                    }
+                })
                 .collect();
-            let rise = minimise(problem, &start, &priors, scale, &held, tolerances)
+            let found = minimise(problem, &start, &priors, scale, &held, tolerances);
+            let rise = found
+                .as_ref()
                 .map(|found| found.objective - found.decrement)
                 .inspect(|value| base = base.min(*value))
                 .map(|value| (value - base).max(0.0).sqrt());
@@ -156,6 +164,7 @@ pub fn profile_interval(
                         return None;
                     }
                     inner = (reach, rise);
+                    from = found.map_or(from, |found| found.x);
                 }
                 Some(rise) => outer = Some((reach, rise)),
                 // Where the model has no answer the interval has surely ended.
@@ -169,7 +178,8 @@ pub fn profile_interval(
                     if near || outer.0 - inner.0 < 0.2 * outer.0 {
                         return Some(minimum.x[k] + direction * next);
                     }
-                    next
+                    // A wall outside draws the straight line to the inner point: the bracket shrinks by a quarter at least.
+                    next.max(inner.0 + 0.25 * (outer.0 - inner.0))
                 }
             };
             if near {
