@@ -9,6 +9,7 @@ use crate::rig::{ForeignMarks, foreign_marks};
 
 use super::Outcome;
 use super::identify::changed_lines;
+use super::input::study;
 use super::shell::{Exit, Format, Shell};
 
 /// Say what a model still gets wrong after its best fit, name the cause, and extend the model by it.
@@ -25,15 +26,7 @@ pub(super) struct Arguments {
 
 /// Diagnoses, writes and prints.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
-    let checked = LoadedStudy::read(&arguments.study);
-    if let Some(loaded) = &checked.value {
-        shell.sources.add(loaded.study.source.clone());
-        shell.sources.add(loaded.study.deck.clone());
-    }
-    shell.complain(&checked.diagnostics);
-    let Some(loaded) = checked.value else {
-        return Err(Exit::Findings);
-    };
+    let loaded = study(&arguments.study, shell)?;
     if loaded.study.solver.backend != BackendChoice::Native {
         shell.say("the diagnosis solves with the built-in solver; the program of study.toml is not started\n");
     }

@@ -12,7 +12,9 @@ use crate::report::{IdentificationReport, lead, number, status};
 use crate::rig::settings::{BackendChoice, Method};
 
 use super::Outcome;
+use super::input::study;
 use super::interrupt;
+use super::render::table_text;
 use super::shell::{Exit, Format, Shell};
 use super::solver;
 
@@ -55,15 +57,7 @@ impl From<MethodChoice> for Method {
 
 /// Identifies, writes and prints.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
-    let checked = LoadedStudy::read(&arguments.study);
-    if let Some(loaded) = &checked.value {
-        shell.sources.add(loaded.study.source.clone());
-        shell.sources.add(loaded.study.deck.clone());
-    }
-    shell.complain(&checked.diagnostics);
-    let Some(mut loaded) = checked.value else {
-        return Err(Exit::Findings);
-    };
+    let mut loaded = study(&arguments.study, shell)?;
     if let Some(method) = arguments.method {
         loaded.study.identify.method = method.into();
     }
@@ -246,10 +240,5 @@ fn table(loaded: &LoadedStudy, fit: &Fit) -> String {
     for column in table.column_iter_mut().skip(1).take(5) {
         column.set_cell_alignment(CellAlignment::Right);
     }
-    let lines: Vec<String> = table
-        .to_string()
-        .lines()
-        .map(|line| line.trim_end().to_string())
-        .collect();
-    lines.join("\n") + "\n"
+    table_text(&table)
 }

@@ -15,6 +15,7 @@ mod fix;
 mod get;
 mod identify;
 mod import;
+mod input;
 mod install_shims;
 mod interrupt;
 mod permissions;

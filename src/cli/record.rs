@@ -2,11 +2,11 @@ use std::path::PathBuf;
 
 use crate::backend::Recording;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::identify::LoadedStudy;
 use crate::rig::settings::BackendChoice;
 
 use super::Outcome;
 use super::identify::{MethodChoice, identified};
+use super::input::study;
 use super::shell::{Exit, Shell};
 use super::solver;
 
@@ -28,15 +28,7 @@ pub(super) struct Arguments {
 
 /// Runs the study and keeps its runs.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
-    let checked = LoadedStudy::read(&arguments.study);
-    if let Some(loaded) = &checked.value {
-        shell.sources.add(loaded.study.source.clone());
-        shell.sources.add(loaded.study.deck.clone());
-    }
-    shell.complain(&checked.diagnostics);
-    let Some(mut loaded) = checked.value else {
-        return Err(Exit::Findings);
-    };
+    let mut loaded = study(&arguments.study, shell)?;
     if let Some(method) = arguments.method {
         loaded.study.identify.method = method.into();
     }

@@ -340,6 +340,16 @@ impl SourceCode for Decoded {
     }
 }
 
+/// The text of a table, without blanks at the ends of its lines.
+pub(super) fn table_text(table: &comfy_table::Table) -> String {
+    let mut out = String::new();
+    for line in table.to_string().lines() {
+        out.push_str(line.trim_end());
+        out.push('\n');
+    }
+    out
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

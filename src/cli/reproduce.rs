@@ -8,6 +8,7 @@ use crate::identify::reproduction::{Comparison, ReproductionError, Section, repr
 use crate::report::ReproductionReport;
 
 use super::Outcome;
+use super::render::table_text;
 use super::shell::{Exit, Format, Shell};
 
 /// Run the paper's three validations again and print its tables beside ours.
@@ -102,10 +103,5 @@ fn table(comparison: &Comparison) -> String {
     for row in &comparison.rows {
         table.add_row(row);
     }
-    let lines: Vec<String> = table
-        .to_string()
-        .lines()
-        .map(|line| line.trim_end().to_string())
-        .collect();
-    lines.join("\n") + "\n"
+    table_text(&table)
 }

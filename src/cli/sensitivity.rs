@@ -4,7 +4,7 @@ use clap_complete::ArgValueCompleter;
 use comfy_table::{CellAlignment, Table, presets};
 use serde_json::json;
 
-use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::diagnostic::{Code, Diagnostic};
 use crate::model::{Model, PartIx};
 use crate::statics::{Sensitivity, Settings, solve};
 use crate::syntax::Dataset;
@@ -13,6 +13,8 @@ use crate::system::{Quantity, Slot, System};
 use super::Outcome;
 use super::addresses::complete;
 use super::get;
+use super::input::{Solvable, solvable};
+use super::render::table_text;
 use super::shell::{Exit, Format, Shell};
 
 /// Show how the equilibrium changes with the numbers of a dataset.
@@ -42,20 +44,11 @@ struct Column {
 
 /// Solves, differentiates and prints.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
-    let source = shell.read(&arguments.deck)?;
-    let parsed = Dataset::parse(source);
-    let files = shell.read_files(&parsed.value);
-    let lowered = Model::lower_with(&parsed.value, &files.value);
-    let compiled = System::compile(&lowered.value);
-    let mut complaints = parsed.diagnostics;
-    complaints.extend(files.diagnostics);
-    complaints.extend(lowered.diagnostics);
-    complaints.extend(compiled.diagnostics);
-    shell.complain(&complaints);
-    if complaints.iter().any(|d| d.severity == Severity::Error) {
-        return Err(Exit::Findings);
-    }
-    let (dataset, model, system) = (parsed.value, lowered.value, compiled.value);
+    let Solvable {
+        dataset,
+        model,
+        system,
+    } = solvable(&arguments.deck, shell)?;
     let mut columns = Vec::new();
     for text in &arguments.of {
         columns.extend(quantities(text, (&dataset, &model, &system), shell)?);
@@ -216,10 +209,5 @@ fn text(columns: &[Column], rows: &[(String, f64, Vec<f64>)]) -> String {
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }
-    let lines: Vec<String> = table
-        .to_string()
-        .lines()
-        .map(|line| line.trim_end().to_string())
-        .collect();
-    lines.join("\n") + "\n"
+    table_text(&table)
 }

@@ -5,19 +5,20 @@ use std::path::{Path, PathBuf};
 use comfy_table::{CellAlignment, Table, presets};
 use serde_json::{Value, json};
 
-use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::diagnostic::{Code, Diagnostic};
 use crate::mechanics::psi_theta_phi;
 use crate::model::{Model, PartIx, PartKind};
 use crate::session::Session;
 use crate::statics::{
     Continuation, Report, Settings, SolveError, history_table, smallest_eigenvalue, solve,
 };
-use crate::syntax::Dataset;
 use crate::system::{Scratch, State, System};
 use crate::units::Dimension;
 
 use super::Outcome;
 use super::check::is_command_file;
+use super::input::{Solvable, solvable};
+use super::render::table_text;
 use super::shell::{Exit, Format, Shell};
 
 /// Find the static equilibrium of a dataset, or execute a command file.
@@ -47,20 +48,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         let ending = session.run_file(&arguments.file.to_string_lossy());
         return Ok(Exit::of_code(ending.exit_code(true)));
     }
-    let source = shell.read(&arguments.file)?;
-    let parsed = Dataset::parse(source);
-    let files = shell.read_files(&parsed.value);
-    let lowered = Model::lower_with(&parsed.value, &files.value);
-    let compiled = System::compile(&lowered.value);
-    let mut complaints = parsed.diagnostics;
-    complaints.extend(files.diagnostics);
-    complaints.extend(lowered.diagnostics);
-    complaints.extend(compiled.diagnostics);
-    shell.complain(&complaints);
-    if complaints.iter().any(|d| d.severity == Severity::Error) {
-        return Err(Exit::Findings);
-    }
-    let (model, system) = (lowered.value, compiled.value);
+    let Solvable { model, system, .. } = solvable(&arguments.file, shell)?;
     let mut bodies = Vec::new();
     for text in &arguments.free_body {
         bodies.push(part(text, &model, shell)?);
@@ -328,10 +316,5 @@ fn table<const N: usize>(first: &str, names: &[&str; N], rows: &[(&str, [f64; N]
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }
-    let lines: Vec<String> = table
-        .to_string()
-        .lines()
-        .map(|line| line.trim_end().to_string())
-        .collect();
-    lines.join("\n") + "\n"
+    table_text(&table)
 }

@@ -74,14 +74,14 @@ fn hidden_causes_are_named() {
         &tally,
         of(Axle::Multilink),
         |s| s.cause,
-        50,
+        70,
         "multilink, cause",
     );
     holds(
         &tally,
         of(Axle::Multilink),
         |s| s.address,
-        50,
+        70,
         "multilink, place",
     );
     holds(

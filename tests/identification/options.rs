@@ -325,7 +325,7 @@ fn profile_intervals_end_where_the_likelihood_says() {
                     found.fit.parameters[k].address
                 );
                 // The ends are read off between a few points: to a seventh of their distance.
-                assert!((1.45..2.5).contains(&rise), "{rise}");
+                assert!((1.6..2.25).contains(&rise), "{rise}");
             }
         }
         for direction in &found.fit.unidentifiable_directions {

@@ -100,6 +100,7 @@ const POINTS: usize = 10;
 ///
 /// The prior of `k` itself is left out, so that a side the data do not bound is `None`. Each point starts from the farthest one that
 /// lies inside, moved as the covariance expects; the last gain of its fit is predicted, not made: most cost one or two evaluations.
+/// Near the end it is made from the estimate itself, too, and the lower of both counts: there may be several ways to give way.
 /// Between points the square root of the rise is taken as linear.
 pub fn profile_interval(
     problem: &mut dyn LeastSquares,
@@ -152,7 +153,24 @@ pub fn profile_interval(
                     }
                 })
                 .collect();
-            let found = minimise(problem, &start, &priors, scale, &held, tolerances);
+            let mut found = minimise(problem, &start, &priors, scale, &held, tolerances);
+            if found
+                .as_ref()
+                .is_none_or(|found| found.objective - found.decrement - base > HALF_CHI2_95 - NEAR)
+            {
+                // The others may do better from where they are at the estimate than from where the path has led them.
+                let mut start = minimum.x.clone();
+                start[k] += direction * reach;
+                let other = minimise(problem, &start, &priors, scale, &held, tolerances);
+                let lower = |found: &Option<Minimum>| {
+                    found
+                        .as_ref()
+                        .map_or(f64::INFINITY, |found| found.objective)
+                };
+                if lower(&other) < lower(&found) {
+                    found = other;
+                }
+            }
             let rise = found
                 .as_ref()
                 .map(|found| found.objective - found.decrement)
@@ -172,19 +190,18 @@ pub fn profile_interval(
             }
             let near = rise.is_some_and(|rise| (rise * rise - HALF_CHI2_95).abs() < NEAR);
             reach = match outer {
+                // From a point this near the line through the minimum leads to the end.
+                None if near => return Some(minimum.x[k] + direction * reach * target / inner.1),
                 None => (reach * (target / inner.1.max(0.1)).clamp(1.15, 3.0)).min(UNBOUNDED),
                 Some(outer) => {
                     let next = between(inner, outer);
-                    if near || outer.0 - inner.0 < 0.2 * outer.0 {
+                    if near || outer.0 - inner.0 < 0.05 * outer.0 {
                         return Some(minimum.x[k] + direction * next);
                     }
                     // A wall outside draws the straight line to the inner point: the bracket shrinks by a quarter at least.
                     next.max(inner.0 + 0.25 * (outer.0 - inner.0))
                 }
             };
-            if near {
-                break;
-            }
         }
         Some(minimum.x[k] + direction * reach)
     };

@@ -1,0 +1,49 @@
+use std::path::Path;
+
+use crate::diagnostic::Severity;
+use crate::identify::LoadedStudy;
+use crate::model::Model;
+use crate::syntax::Dataset;
+use crate::system::System;
+
+use super::shell::{Exit, Shell};
+
+/// A dataset, its model, and the equations of that.
+pub(super) struct Solvable {
+    pub(super) dataset: Dataset,
+    pub(super) model: Model,
+    pub(super) system: System,
+}
+
+/// Reads a dataset with the files it names and compiles it; complaints are printed, and errors among them end the command.
+pub(super) fn solvable(path: &Path, shell: &mut Shell) -> Result<Solvable, Exit> {
+    let source = shell.read(path)?;
+    let parsed = Dataset::parse(source);
+    let files = shell.read_files(&parsed.value);
+    let lowered = Model::lower_with(&parsed.value, &files.value);
+    let compiled = System::compile(&lowered.value);
+    let mut complaints = parsed.diagnostics;
+    complaints.extend(files.diagnostics);
+    complaints.extend(lowered.diagnostics);
+    complaints.extend(compiled.diagnostics);
+    shell.complain(&complaints);
+    if complaints.iter().any(|d| d.severity == Severity::Error) {
+        return Err(Exit::Findings);
+    }
+    Ok(Solvable {
+        dataset: parsed.value,
+        model: lowered.value,
+        system: compiled.value,
+    })
+}
+
+/// Reads a study's folder; complaints are printed, and a study that cannot be used ends the command.
+pub(super) fn study(folder: &Path, shell: &mut Shell) -> Result<LoadedStudy, Exit> {
+    let checked = LoadedStudy::read(folder);
+    if let Some(loaded) = &checked.value {
+        shell.sources.add(loaded.study.source.clone());
+        shell.sources.add(loaded.study.deck.clone());
+    }
+    shell.complain(&checked.diagnostics);
+    checked.value.ok_or(Exit::Findings)
+}
