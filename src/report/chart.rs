@@ -112,7 +112,10 @@ impl Chart {
                 let (y0, y1) = padded(heights, 0.06);
                 self.draw(&root, x0..x1, y0..y1, &series, level)
             };
-            let drawn = drawn.and_then(|()| beside.draw(&margin, &self.series));
+            // Presenting ends the picture: what is drawn afterwards would stand outside of it.
+            let drawn = drawn
+                .and_then(|()| beside.draw(&margin, &self.series))
+                .and_then(|()| canvas.present().map_err(|error| error.to_string()));
             drawn.map_err(|reason| DrawingError {
                 title: self.title.clone(),
                 reason,
@@ -181,7 +184,7 @@ impl Chart {
                 chart.draw_series(dots).map_err(|e| text(&e))?;
             }
         }
-        root.present().map_err(|e| text(&e))
+        Ok(())
     }
 }
 
@@ -266,7 +269,8 @@ fn padded((low, high): (f64, f64), share: f64) -> (f64, f64) {
 
 /// A tick label without needless digits.
 fn short(value: f64) -> String {
-    if value == 0.0 {
+    // Ticks are sums of steps: what should be zero may be left with their round-off.
+    if value.abs() < 1e-12 {
         return "0".to_string();
     }
     let size = value.abs();
@@ -316,6 +320,12 @@ mod tests {
         assert!(svg.starts_with("<svg"));
         assert!(svg.contains("a &lt;b&gt; &amp; c") && svg.contains("Kx &lt;1&gt;"));
         assert_eq!(svg.matches("<circle").count(), 2, "the NaN is left out");
+        let end = svg.find("</svg>").unwrap();
+        assert!(
+            svg[end..].trim_end() == "</svg>",
+            "nothing stands outside of the picture"
+        );
+        assert!(svg.rfind("Kx &lt;1&gt;").unwrap() < end);
     }
 
     #[test]

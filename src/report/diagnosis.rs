@@ -119,7 +119,7 @@ impl DiagnosisReport<'_> {
             let (before, after) = (stiffness.before, stiffness.after);
             let shown = |(value, error): (f64, f64)| {
                 format!(
-                    "{} +- {}",
+                    "{} ± {}",
                     number(value, Some(error)),
                     number(error, Some(error))
                 )

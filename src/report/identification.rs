@@ -196,46 +196,35 @@ impl IdentificationReport<'_> {
 
     fn quality(&self, page: &mut Page) {
         page.heading("How well the measurement is explained");
-        let mut table = Table::new(&[
-            ("", Align::Left),
-            ("before", Align::Right),
-            ("after", Align::Right),
-        ]);
         let show = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:.4}"));
+        let mut rows: Vec<(String, Option<f64>, Option<f64>)> = Vec::new();
         if let Some(marks) = &self.fit.marks {
-            table.row([
-                "marks, rms of one coordinate".to_string(),
-                String::new(),
-                show(marks.rms),
-            ]);
-            table.row([
-                "marks, chi-square per degree of freedom".to_string(),
-                String::new(),
-                show(marks.chi2_per_dof),
-            ]);
+            rows.push(("marks, rms of one coordinate".into(), None, marks.rms));
+            let name = "marks, chi-square per degree of freedom".into();
+            rows.push((name, None, marks.chi2_per_dof));
         }
-        if !self.fit.held_out.cases.is_empty() {
-            let held = &self.fit.held_out;
-            table.row([
-                format!("marks of the held-out cases {}", held.cases.join(", ")),
-                show(held.marks_rms_before),
-                show(held.marks_rms_after),
-            ]);
+        let held = &self.fit.held_out;
+        if !held.cases.is_empty() {
+            let name = format!("marks of the held-out cases {}", held.cases.join(", "));
+            rows.push((name, held.marks_rms_before, held.marks_rms_after));
         }
         if let Some(wheel) = &self.fit.wheel {
-            let row = |name: &str, before: f64, after: f64| {
-                [name.to_string(), show(Some(before)), show(Some(after))]
-            };
-            table.row(row(
-                "camber, rms, deg",
-                wheel.camber_deg_rms_before,
-                wheel.camber_deg_rms_after,
-            ));
-            table.row(row(
-                "steer, rms, deg",
-                wheel.steer_deg_rms_before,
-                wheel.steer_deg_rms_after,
-            ));
+            let (before, after) = (wheel.camber_deg_rms_before, wheel.camber_deg_rms_after);
+            rows.push(("camber, rms, deg".into(), Some(before), Some(after)));
+            let (before, after) = (wheel.steer_deg_rms_before, wheel.steer_deg_rms_after);
+            rows.push(("steer, rms, deg".into(), Some(before), Some(after)));
+        }
+        // A column for the model as it was only where something is known of it.
+        let compared = rows.iter().any(|(_, before, _)| before.is_some());
+        let mut columns = vec![("", Align::Left)];
+        if compared {
+            columns.push(("before", Align::Right));
+        }
+        columns.push(("after", Align::Right));
+        let mut table = Table::new(&columns);
+        for (name, before, after) in rows {
+            let values = [show(before), show(after)];
+            table.row(std::iter::once(name).chain(values.into_iter().skip(usize::from(!compared))));
         }
         page.table(&table);
     }

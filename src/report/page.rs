@@ -34,7 +34,8 @@ body{font:16px/1.5 system-ui,sans-serif;color:var(--ink);background:var(--paper)
 h1{font-size:1.6rem;margin:0 0 .2rem}h2{font-size:1.15rem;margin:2.2rem 0 .6rem;border-bottom:1px solid var(--line);padding-bottom:.2rem}
 p.lead{font-size:1.15rem;max-width:60rem}p.note,figcaption{color:var(--soft);font-size:.9rem;max-width:60rem}
 table{border-collapse:collapse;font-variant-numeric:tabular-nums;font-size:.92rem}.wide{overflow-x:auto}
-th,td{padding:.22rem .7rem;border-bottom:1px solid var(--line);text-align:left;vertical-align:baseline;white-space:nowrap}
+th,td{padding:.22rem .7rem;border-bottom:1px solid var(--line);text-align:left;vertical-align:baseline}
+td.right{white-space:nowrap}
 td.wrap{white-space:normal;min-width:14rem}th{color:var(--soft);font-weight:600}td.right,th.right{text-align:right}tbody tr:hover{background:var(--band)}
 .good{color:var(--good)}.bad{color:var(--bad)}.soft{color:var(--soft)}
 figure{margin:1rem 0}figure svg{max-width:100%;height:auto;background:#fff;border:1px solid var(--line);border-radius:4px}
