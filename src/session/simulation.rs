@@ -1,4 +1,5 @@
 use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::model::Model;
 use crate::results::StepKind;
 use crate::statics::{Report, Settings, SolveError};
 use crate::syntax::Statement;
@@ -8,6 +9,7 @@ use std::fmt::Write as _;
 use super::loaded::{Compiled, Loaded};
 use super::measures::Measures;
 use super::message::exponent;
+use super::outputs::Outputs;
 use super::run::{Flow, Place, Session, Stop};
 use super::sensing::Sensed;
 use super::simulate::{Analysis, OutputTimes};
@@ -331,38 +333,26 @@ impl Loaded {
 
     /// Writes the heads of the output files, which are there even if no equilibrium is found.
     fn begin_outputs(&mut self) -> Result<(), Diagnostic> {
-        self.compiled();
-        let Self {
-            model,
-            outputs,
-            compiled: Some(compiled),
-            ..
-        } = self
-        else {
-            return Ok(());
-        };
-        outputs.begin(model, &compiled.system.state())
+        match self.writing() {
+            Some((model, outputs, compiled)) => outputs.begin(model, &compiled.system.state()),
+            None => Ok(()),
+        }
     }
 
     /// Writes the state to the output files.
     fn write(&mut self, kind: StepKind) -> Result<(), Diagnostic> {
-        self.compiled();
-        let Self {
-            model,
-            outputs,
-            compiled: Some(compiled),
-            ..
-        } = self
-        else {
+        let Some((model, outputs, compiled)) = self.writing() else {
             return Ok(());
         };
-        let Compiled {
-            system,
-            parameters,
-            state,
-            ..
-        } = compiled;
+        let (system, parameters, state) =
+            (&compiled.system, &compiled.parameters, &compiled.state);
         outputs.step(kind, model, &mut Measures::new(system, parameters, state))
+    }
+
+    /// What is written, where to, and the compiled model it is computed with.
+    fn writing(&mut self) -> Option<(&Model, &mut Outputs, &mut Compiled)> {
+        self.compiled();
+        Some((&self.model, &mut self.outputs, self.compiled.as_mut()?))
     }
 }
 

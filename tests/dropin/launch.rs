@@ -124,21 +124,8 @@ fn other_products_are_refused_by_name_and_are_file_names_after_the_word() {
 #[test]
 fn unknown_words_are_skipped_with_a_warning() {
     let folder = folder(&[("slider.adm", SLIDER), ("run.acf", RUN)]);
-    let ran = mdi(
-        folder.path(),
-        &[
-            "-t",
-            "4",
-            "-c",
-            "ru-standard",
-            "n",
-            "16mb",
-            "i",
-            "run.acf",
-            "more",
-            "exit",
-        ],
-    );
+    let line = "-t 4 -c ru-standard n 16mb i run.acf more exit";
+    let ran = mdi(folder.path(), &line.split(' ').collect::<Vec<_>>());
     assert_eq!(ran.code, 0, "{}", ran.stdout);
     for word in ["`-t 4`", "`n`", "`16mb`", "`more`"] {
         let said = format!("the word {word} of the command line is not known here and is skipped");

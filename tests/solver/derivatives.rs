@@ -3,7 +3,8 @@
 use admire::statics::{Settings, Solver, Tangent};
 use admire::system::{Parameters, Scratch, Slot, State, System};
 
-use crate::reference::load;
+use crate::differences::{richardson, step};
+use crate::reference::{AXLES, load};
 
 fn random(n: usize, seed: u64) -> Vec<f64> {
     let mut x = seed;
@@ -60,11 +61,7 @@ pub fn check_tangent(system: &System, parameters: &Parameters, state: &State, to
                 .collect()
         };
         let (coarse, fine) = (difference(2e-3), difference(1e-3));
-        let mut dg: Vec<f64> = coarse
-            .iter()
-            .zip(&fine)
-            .map(|(c, f)| (4.0 * f - c) / 3.0)
-            .collect();
+        let mut dg = richardson(&coarse, &fine);
         tangent.respond(&mut dg);
         for k in 0..n {
             let error = (dg[k] + dx[k]).abs() / scales[k];
@@ -75,10 +72,7 @@ pub fn check_tangent(system: &System, parameters: &Parameters, state: &State, to
 
 #[test]
 fn tangent_is_the_derivative_of_the_residual() {
-    for stem in [
-        "reference/pseudo-mcpherson/mcph_ref",
-        "reference/multilink/ocp_ref",
-    ] {
+    for stem in AXLES {
         let Some((model, _)) = load(stem) else { return };
         let system = System::compile(&model).value;
         let (parameters, mut state) = (system.parameters(), system.state());
@@ -107,13 +101,7 @@ pub fn check_slot(
     tangent: &mut Tangent,
 ) -> f64 {
     let here = parameters.get(slot);
-    let dimension = system.catalogue().info(slot).dimension;
-    let floor = if dimension.angle != 0 && dimension.force == 0 {
-        0.1
-    } else {
-        10.0
-    };
-    let h = 1e-3 * here.abs().max(floor);
+    let h = step(system, slot, here);
     let mut difference = |h: f64| -> Vec<f64> {
         let mut ends = [h, -h].map(|h| {
             let mut parameters = parameters.clone();
@@ -152,11 +140,10 @@ pub fn check_slot(
         }
     }
     let norm = exact.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let error = coarse
+    let error = richardson(&coarse, &fine)
         .iter()
-        .zip(&fine)
         .zip(&exact)
-        .map(|((c, f), e)| ((4.0 * f - c) / 3.0 - e).powi(2))
+        .map(|(difference, exact)| (difference - exact).powi(2))
         .sum::<f64>()
         .sqrt();
     // What the solver's own tolerance leaves of a difference.
@@ -166,10 +153,7 @@ pub fn check_slot(
 
 #[test]
 fn every_number_of_theta() {
-    for stem in [
-        "reference/pseudo-mcpherson/mcph_ref",
-        "reference/multilink/ocp_ref",
-    ] {
+    for stem in AXLES {
         let Some((model, _)) = load(stem) else { return };
         let system = System::compile(&model).value;
         let (mut parameters, mut state) = (system.parameters(), system.state());

@@ -10,6 +10,7 @@ mod coverage;
 mod data;
 mod deck;
 mod derivatives;
+mod differences;
 mod double_wishbone;
 mod elements;
 mod energy;

@@ -9,6 +9,12 @@ use admire::system::{Scratch, System};
 use crate::common::shared;
 use crate::deck;
 
+/// Where the two axles are.
+pub const AXLES: [&str; 2] = [
+    "reference/pseudo-mcpherson/mcph_ref",
+    "reference/multilink/ocp_ref",
+];
+
 pub fn load(stem: &str) -> Option<(Model, serde_json::Value)> {
     let text = std::fs::read_to_string(shared(&format!("{stem}.adm"))?).ok()?;
     let expected = std::fs::read_to_string(shared(&format!("{stem}.expected.json"))?).ok()?;

@@ -5,7 +5,8 @@ use admire::statics::{Sensitivity, Settings, Solver};
 use admire::system::{Parameters, Quantity, Scratch, Slot, State, System};
 
 use crate::deck;
-use crate::reference::load;
+use crate::differences::{richardson, step};
+use crate::reference::{AXLES, load};
 
 /// Forces of all elements, reactions of all joints; with a weight that makes torques comparable to forces.
 fn forces(system: &System) -> Vec<(Quantity, f64)> {
@@ -48,17 +49,6 @@ fn values(
 
 fn norm(v: impl Iterator<Item = f64>) -> f64 {
     v.map(|x| x * x).sum::<f64>().sqrt()
-}
-
-/// The step of a difference by a number.
-fn step(system: &System, slot: Slot, here: f64) -> f64 {
-    let dimension = system.catalogue().info(slot).dimension;
-    let floor = if dimension.angle != 0 && dimension.force == 0 {
-        0.1
-    } else {
-        10.0
-    };
-    1e-3 * here.abs().max(floor)
 }
 
 /// Checks all numbers; gives how the error of plain central differences falls when the step is halved.
@@ -116,14 +106,9 @@ fn check(
                     .map(|(difference, exact)| difference - exact),
             )
         };
-        let richardson: Vec<f64> = coarse
-            .iter()
-            .zip(&fine)
-            .map(|(c, f)| (4.0 * f - c) / 3.0)
-            .collect();
         // Forces carry stiffness times the round-off of positions: 1e4 N/mm times 1e-12 mm.
         let noise = 3e-8 / h;
-        let relative = error(&richardson) / (size + 1e5 * noise);
+        let relative = error(&richardson(&coarse, &fine)) / (size + 1e5 * noise);
         if relative > worst.0 {
             worst = (relative, address.clone());
         }
@@ -142,10 +127,7 @@ fn check(
 
 #[test]
 fn forces_of_the_axles() {
-    for stem in [
-        "reference/pseudo-mcpherson/mcph_ref",
-        "reference/multilink/ocp_ref",
-    ] {
+    for stem in AXLES {
         let Some((model, _)) = load(stem) else { return };
         let system = System::compile(&model).value;
         let (mut parameters, mut state) = (system.parameters(), system.state());

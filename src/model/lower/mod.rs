@@ -163,16 +163,8 @@ impl Lowering<'_> {
         if !(is_body || def.name == "MARKER" || def.name == "JOINT") || statement.id.is_none() {
             return;
         }
-        let mut reader = Reader {
-            source: self.dataset.source(),
-            statement,
-            def,
-            ids: &self.ids,
-            joints: &[],
-            diagnostics: &mut self.diagnostics,
-            origin: at,
-            name: self.dataset.name(statement).into_owned(),
-        };
+        let (ids, diagnostics) = (&self.ids, &mut self.diagnostics);
+        let mut reader = Reader::of_dataset(self.dataset, at, def, ids, &[], diagnostics);
         if is_body {
             let part = frame::part(&mut reader, None);
             if let Some(im) = reader.marker("IM", None) {
@@ -264,16 +256,8 @@ impl Lowering<'_> {
             if !first {
                 continue;
             }
-            let mut reader = Reader {
-                source: self.dataset.source(),
-                statement,
-                def,
-                ids: &self.ids,
-                joints: &[],
-                diagnostics: &mut self.diagnostics,
-                origin: at,
-                name: self.dataset.name(statement).into_owned(),
-            };
+            let (ids, diagnostics) = (&self.ids, &mut self.diagnostics);
+            let mut reader = Reader::of_dataset(self.dataset, at, def, ids, &[], diagnostics);
             let spline = data::spline_of_file(&mut reader, self.files, &self.model.units);
             self.model.splines.extend(spline);
         }
@@ -323,16 +307,8 @@ impl Lowering<'_> {
             }
         }
         let known = self.diagnostics.len();
-        let mut reader = Reader {
-            source,
-            statement,
-            def,
-            ids: &self.ids,
-            joints,
-            diagnostics: &mut self.diagnostics,
-            origin: at,
-            name: self.dataset.name(statement).into_owned(),
-        };
+        let (ids, diagnostics) = (&self.ids, &mut self.diagnostics);
+        let mut reader = Reader::of_dataset(self.dataset, at, def, ids, joints, diagnostics);
         macro_rules! push {
             ($list:ident, $read:path, ) => {
                 self.model.$list.extend($read(&mut reader, None))
@@ -440,7 +416,7 @@ impl Model {
             joints: &self.joints,
             diagnostics,
             origin: 0,
-            name: String::new(),
+            dataset: None,
         };
         let Some(id) = command.number() else {
             let mut settings = Settings::of(self);

@@ -3,7 +3,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::grammar::StatementDef;
 use crate::mechanics::Vec3;
 use crate::model::{Function, Header, Joint, MarkerIx, PartIx};
-use crate::syntax::{Argument, Statement, Value};
+use crate::syntax::{Argument, Dataset, Statement, Value};
 use crate::text::{Source, Span};
 
 /// One statement as typed values. Every method takes the object's old value, if there is one: a statement of a dataset starts
@@ -18,8 +18,31 @@ pub(super) struct Reader<'a> {
     pub diagnostics: &'a mut Vec<Diagnostic>,
     /// Index of the statement in its dataset.
     pub origin: usize,
-    /// The name it has there.
-    pub name: String,
+    /// The dataset, which gives new objects their names; a command makes none.
+    pub dataset: Option<&'a Dataset>,
+}
+
+impl<'a> Reader<'a> {
+    /// Reads the statement of a dataset that stands at `origin` among its statements.
+    pub fn of_dataset(
+        dataset: &'a Dataset,
+        origin: usize,
+        def: &'static StatementDef,
+        ids: &'a Ids<'a>,
+        joints: &'a [Joint],
+        diagnostics: &'a mut Vec<Diagnostic>,
+    ) -> Self {
+        Self {
+            source: dataset.source(),
+            statement: &dataset.statements()[origin],
+            def,
+            ids,
+            joints,
+            diagnostics,
+            origin,
+            dataset: Some(dataset),
+        }
+    }
 }
 
 impl Reader<'_> {
@@ -27,7 +50,10 @@ impl Reader<'_> {
     pub fn header(&self, old: Option<&Header>) -> Header {
         old.cloned().unwrap_or_else(|| Header {
             id: self.statement.number().unwrap_or(0),
-            name: self.name.clone(),
+            name: self
+                .dataset
+                .map(|dataset| dataset.name(self.statement).into_owned())
+                .unwrap_or_default(),
             origin: self.origin,
             active: true,
         })
