@@ -3,7 +3,9 @@
 mod common;
 mod files {
     pub mod comparing;
+    pub mod completion;
     pub mod editing;
+    pub mod functions;
     pub mod hostile;
     pub mod lint;
     pub mod lossless;

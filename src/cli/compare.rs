@@ -80,8 +80,11 @@ fn table(comparison: &Comparison, all: bool) -> String {
         (&comparison.only_in_a, "first"),
         (&comparison.only_in_b, "second"),
     ] {
-        for name in names {
-            _ = writeln!(out, "{name:48} only in the {place} file");
+        for (entity, count) in by_entity(names) {
+            _ = match count {
+                1 => writeln!(out, "{entity:48} only in the {place} file"),
+                _ => writeln!(out, "{entity:48} {count} columns only in the {place} file"),
+            };
         }
     }
     for column in &comparison.units_differ {
@@ -131,4 +134,31 @@ fn table(comparison: &Comparison, all: bool) -> String {
         said.join(", ")
     );
     out
+}
+
+/// The columns of one entity in one line: its name and how many they are; a single column by its own name.
+fn by_entity(paths: &[String]) -> Vec<(&str, usize)> {
+    let mut found: Vec<(&str, &str, usize)> = Vec::new();
+    for path in paths {
+        let entity = path
+            .rsplit_once('.')
+            .map_or(path.as_str(), |(entity, _)| entity);
+        match found.last_mut() {
+            Some((last, _, count)) if *last == entity => *count += 1,
+            _ => found.push((entity, path, 1)),
+        }
+    }
+    let shown = |(entity, path, count)| (if count == 1 { path } else { entity }, count);
+    found.into_iter().map(shown).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_of_one_entity_are_one_line() {
+        let paths = ["a.b.X", "a.b.Y", "c.FX", "TIME"].map(String::from);
+        assert_eq!(by_entity(&paths), [("a.b", 2), ("c.FX", 1), ("TIME", 1)]);
+    }
 }

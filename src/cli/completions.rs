@@ -1,12 +1,13 @@
 use clap_complete::Shell as Kind;
+use clap_complete::env::Shells;
 
 use super::Outcome;
 use super::shell::Exit;
 
-/// Print a completion script for a shell.
+/// Print a completion script for a shell: commands, options, files, and the addresses inside of a deck (`BUSHING/1.K.2`).
 ///
-/// For completion of addresses inside of a deck (`BUSHING/1.K.2`) load the dynamic one instead, for example
-/// `source <(COMPLETE=bash admire)`.
+/// In bash `source <(admire completions bash)`; in zsh the same with zsh; in fish `admire completions fish | source`. The script asks
+/// `admire` itself what may follow, so that it never grows old.
 #[derive(clap::Args, Debug)]
 pub(super) struct Arguments {
     /// Which shell.
@@ -16,10 +17,18 @@ pub(super) struct Arguments {
 
 /// Prints the script.
 #[allow(clippy::unnecessary_wraps)] // Every subcommand has an outcome.
-pub(super) fn run(arguments: &Arguments, command: &mut clap::Command) -> Outcome {
-    let mut script = Vec::new();
-    clap_complete::generate(arguments.shell, command, "admire", &mut script);
+pub(super) fn run(arguments: &Arguments) -> Outcome {
+    let shells = Shells::builtins();
+    let completer = shells
+        .completer(&arguments.shell.to_string())
+        .expect("every shell of the list has a completer");
     // Nobody may be listening.
-    let _ = std::io::Write::write_all(&mut std::io::stdout(), &script);
+    let _ = completer.write_registration(
+        "COMPLETE",
+        "admire",
+        "admire",
+        "admire",
+        &mut std::io::stdout(),
+    );
     Ok(Exit::Fine)
 }

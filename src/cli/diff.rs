@@ -52,7 +52,10 @@ fn line(difference: &Difference) -> String {
     match &difference.change {
         Change::Added => format!("+ {address}\n"),
         Change::Removed => format!("- {address}\n"),
-        Change::Number { before, after } => format!("{address}: {before} -> {after}\n"),
+        Change::Number {
+            written: [before, after],
+            ..
+        } => format!("{address}: {before} -> {after}\n"),
         Change::Text { before, after } => match (before.as_deref(), after.as_deref()) {
             (Some(before), Some(after)) => format!("{address}: {before} -> {after}\n"),
             (Some(before), None) => format!("- {address} {before}").trim_end().to_string() + "\n",

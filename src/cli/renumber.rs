@@ -28,8 +28,8 @@ pub(super) struct Arguments {
     /// Command files (.acf) that go with the dataset; their references follow too.
     #[arg(long, short, value_name = "FILE")]
     commands: Vec<PathBuf>,
-    /// Folder for the changed files, under their own names.
-    #[arg(long, short, value_name = "FOLDER", conflicts_with = "in_place")]
+    /// Where to write: a file for the deck alone; with command files, or if it is there, a folder for all under their own names.
+    #[arg(long, short, value_name = "FILE|FOLDER", conflicts_with = "in_place")]
     out: Option<PathBuf>,
     /// Replace the files themselves.
     #[arg(long)]
@@ -74,9 +74,17 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         }
         return Ok(Exit::Fine);
     }
+    let several = changed.len() > 1;
     for (path, _, bytes) in &changed {
         let target = match (&arguments.out, path.file_name()) {
-            (Some(folder), Some(name)) => folder.join(name),
+            (Some(out), Some(name)) if several || out.is_dir() => {
+                std::fs::create_dir_all(out).map_err(|error| {
+                    let said = format!("`{}` cannot be made: {error}", out.display());
+                    shell.fail(Diagnostic::error(Code::CannotWrite, said))
+                })?;
+                out.join(name)
+            }
+            (Some(out), _) => out.clone(),
             _ => (*path).clone(),
         };
         shell.write(&target, bytes)?;

@@ -97,14 +97,14 @@ fn list(reader: &mut AnyResults, shell: &Shell) -> Result<String, ResultsError> 
         }
     }
     let header = reader.header();
-    let mut out = format!(
-        "{}\n{}, {}\n",
-        header.title,
-        header.solver.trim(),
-        header.execution_date
-    );
+    let made: Vec<&str> = [header.solver.trim(), header.execution_date.trim()]
+        .into_iter()
+        .filter(|said| !said.is_empty())
+        .collect();
+    let mut out = format!("{}\n{}\n", header.title.trim_end(), made.join(", "));
     for (block, count) in steps {
-        _ = writeln!(out, "{block}: {count} steps");
+        let what = if count == 1 { "step" } else { "steps" };
+        _ = writeln!(out, "{block}: {count} {what}");
     }
     for column in &selection.columns {
         let unit = column.units.as_deref().unwrap_or("");

@@ -37,7 +37,7 @@ const AKIMA_Y: [f64; 11] = [
 /// Markers 1 to 5, variables 1 to 3, an array, a bushing and splines.
 fn model() -> Model {
     let count: Vec<f64> = (0..11).map(f64::from).collect();
-    let function = crate::model::Function::Expression(Expression::constant(0.0));
+    let function = crate::model::Function::Expression(Expression::constant(0.0).into());
     Model {
         markers: (1..=5)
             .map(|id| Marker {

@@ -1,3 +1,5 @@
+use std::sync::OnceLock;
+
 use super::{ArgumentDef, Choice, FUNCTIONS, FunctionDef, Role, STATEMENTS, StatementDef};
 
 /// What a typed keyword stands for.
@@ -115,9 +117,15 @@ pub fn find_choice(choices: &'static [Choice], typed: &[u8]) -> Lookup<&'static 
 
 /// A function by its whole name.
 pub fn find_function(typed: &[u8]) -> Option<&'static FunctionDef> {
-    FUNCTIONS
-        .iter()
-        .find(|def| def.name.as_bytes().eq_ignore_ascii_case(typed))
+    static BY_NAME: OnceLock<Vec<&'static FunctionDef>> = OnceLock::new();
+    let by_name = BY_NAME.get_or_init(|| {
+        let mut all: Vec<&'static FunctionDef> = FUNCTIONS.iter().collect();
+        all.sort_unstable_by_key(|def| def.name);
+        all
+    });
+    let upper = || typed.iter().map(u8::to_ascii_uppercase);
+    let found = by_name.binary_search_by(|def| def.name.bytes().cmp(upper()));
+    found.ok().map(|at| by_name[at])
 }
 
 /// The name nearest to what was typed by edit distance, if any is near enough to be what was meant.

@@ -50,8 +50,8 @@ pub struct Header {
 /// A FUNCTION of the model: its text as written (continuation removed) and the parsed expression.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Function {
-    /// An expression.
-    Expression(crate::syntax::Expression),
+    /// An expression, the one the dataset holds.
+    Expression(std::sync::Arc<crate::syntax::Expression>),
     /// `USER(...)`: a subroutine only real ADAMS can run. The text as written.
     User(String),
 }

@@ -89,7 +89,11 @@ impl Selection {
             Some(units) => format!("{} [{units}]", column.path),
             None => column.path.clone(),
         });
-        let io = std::io::Error::from;
+        // A reader that goes away is told from a file that cannot be written.
+        let io = |error: csv::Error| match error.into_kind() {
+            csv::ErrorKind::Io(error) => error,
+            other => std::io::Error::other(format!("{other:?}")),
+        };
         csv.write_record(std::iter::once("step".to_string()).chain(names))
             .map_err(io)?;
         let ids = self.ids();

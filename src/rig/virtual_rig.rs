@@ -239,9 +239,8 @@ fn displacement(model: &Model, poses: &[Pose], memory: &Memory) -> f64 {
 fn with_requests(mut model: Model, measured: &Measurement) -> Result<Model, Diagnostic> {
     for channel in &measured.channels {
         let mut functions: [Option<Function>; 8] = Default::default();
-        functions[1] = Some(Function::Expression(Expression::parse_str(
-            &channel.function,
-        )?));
+        let function = Expression::parse_str(&channel.function)?;
+        functions[1] = Some(Function::Expression(function.into()));
         model.requests.push(Request {
             header: Header {
                 id: 0,

@@ -344,8 +344,7 @@ impl Loaded {
         let Some((model, outputs, compiled)) = self.writing() else {
             return Ok(());
         };
-        let (system, parameters, state) =
-            (&compiled.system, &compiled.parameters, &compiled.state);
+        let (system, parameters, state) = (&compiled.system, &compiled.parameters, &compiled.state);
         outputs.step(kind, model, &mut Measures::new(system, parameters, state))
     }
 

@@ -42,6 +42,8 @@ pub enum Change {
         before: f64,
         /// In the second dataset.
         after: f64,
+        /// As both are written; a default that is not written as its value.
+        written: [String; 2],
     },
     /// A text, a function, a word, or how many values there are; absent where it is not written.
     Text {
@@ -184,10 +186,11 @@ impl Pair<'_> {
         ) && (old.len() == new.len())
         {
             for (k, (old, new)) in old.iter().zip(&new).enumerate() {
-                if !self.tolerance.same(*old, *new) {
+                if !self.tolerance.same(old.value, new.value) {
                     let change = Change::Number {
-                        before: *old,
-                        after: *new,
+                        before: old.value,
+                        after: new.value,
+                        written: [written(self.before.0, old), written(self.after.0, new)],
                     };
                     self.push(found, &format!(".{name}.{}", k + 1), change);
                 }
@@ -215,15 +218,20 @@ impl Pair<'_> {
     }
 
     /// The values of an argument; its defaults if it is not written and has some.
-    fn numbers(statement: &Statement, name: &str, default: &[f64]) -> Option<Vec<f64>> {
+    fn numbers(statement: &Statement, name: &str, default: &[f64]) -> Option<Vec<Number>> {
         let mut arguments = statement.all(name).peekable();
         if arguments.peek().is_none() {
-            return (!default.is_empty()).then(|| default.to_vec());
+            let unwritten = |value: &f64| Number {
+                value: *value,
+                degrees: false,
+                span: Span::default(),
+            };
+            return (!default.is_empty()).then(|| default.iter().map(unwritten).collect());
         }
         let mut values = Vec::new();
         for argument in arguments {
             match &argument.value {
-                Value::Numbers(numbers) => values.extend(numbers.iter().map(|n: &Number| n.value)),
+                Value::Numbers(numbers) => values.extend_from_slice(numbers),
                 _ => return None,
             }
         }
@@ -247,6 +255,14 @@ impl Pair<'_> {
             change,
         });
     }
+}
+
+/// A number as it is written.
+fn written(dataset: &Dataset, number: &Number) -> String {
+    if number.span.is_empty() {
+        return number.value.to_string();
+    }
+    dataset.source().text(number.span).into_owned()
 }
 
 /// A function's text without blanks, in capitals, with a mark for each number.

@@ -29,8 +29,30 @@ type Found<T> = Result<&'static T, Missed>;
 #[derive(Debug)]
 pub(super) struct Keywords {
     role: Role,
+    /// The arguments that were found, each at a place that follows from statement and spelling: the latest one stays.
+    recent: Vec<Recent>,
     statements: QuickMap<Vec<u8>, Found<StatementDef>>,
     arguments: QuickMap<&'static str, QuickMap<Vec<u8>, Found<ArgumentDef>>>,
+}
+
+/// An argument that was found: its statement, how it was spelled, what it is.
+type Recent = Option<(&'static StatementDef, u128, &'static ArgumentDef)>;
+
+/// How many places there are for those; a power of two.
+const PLACES: usize = 256;
+
+/// A word of up to 16 letters, digits and underscores as one number, the same in capitals and small letters.
+fn packed(word: &[u8]) -> Option<u128> {
+    const CAPITALS: u128 = u128::from_le_bytes([0xdf; 16]);
+    let mut bytes = [0; 16];
+    bytes.get_mut(..word.len())?.copy_from_slice(word);
+    Some(u128::from_le_bytes(bytes) & CAPITALS)
+}
+
+/// Where a spelling has its place among those of a statement.
+fn place(statement: &'static StatementDef, spelling: u128) -> usize {
+    let mixed = (spelling ^ (spelling >> 64)) as u64 ^ std::ptr::from_ref(statement).addr() as u64;
+    (mixed.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 56) as usize % PLACES
 }
 
 /// Longer words are never keywords worth remembering, or worth a suggestion.
@@ -42,6 +64,7 @@ impl Keywords {
     pub fn new(role: Role) -> Self {
         Self {
             role,
+            recent: vec![None; PLACES],
             statements: QuickMap::default(),
             arguments: QuickMap::default(),
         }
@@ -67,12 +90,22 @@ impl Keywords {
         statement: &'static StatementDef,
         typed: &[u8],
     ) -> Found<ArgumentDef> {
-        // Most decks write whole keywords, and those win whatever else begins like them.
-        if let Some(exact) = statement.arguments.iter().find(|def| {
-            def.name.len() == typed.len() && def.name.as_bytes().eq_ignore_ascii_case(typed)
-        }) {
-            return Ok(exact);
+        let spelling = packed(typed).map(|spelling| (place(statement, spelling), spelling));
+        if let Some((place, spelling)) = spelling
+            && let Some((owner, known, def)) = self.recent[place]
+            && std::ptr::eq(owner, statement)
+            && known == spelling
+        {
+            return Ok(def);
         }
+        let found = self.looked_up(statement, typed);
+        if let (Some((place, spelling)), Ok(def)) = (spelling, &found) {
+            self.recent[place] = Some((statement, spelling, def));
+        }
+        found
+    }
+
+    fn looked_up(&mut self, statement: &'static StatementDef, typed: &[u8]) -> Found<ArgumentDef> {
         let known = self.arguments.entry(statement.name).or_default();
         if let Some(found) = known.get(typed) {
             return found.clone();

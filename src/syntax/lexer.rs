@@ -1,4 +1,5 @@
-use nom::bytes::complete::{take, take_till, take_while};
+use nom::bytes::complete::{tag, take, take_till, take_while};
+use nom::combinator::{opt, recognize};
 use nom::{IResult, Parser};
 
 use super::number::number_length;
@@ -29,6 +30,33 @@ impl<'a> Lexer<'a> {
     }
 }
 
+impl Lexer<'_> {
+    /// Reads all tokens but blanks to the end of a list.
+    pub fn read_into(mut self, tokens: &mut Vec<Token>) {
+        while self.at < self.end {
+            let start = self.at;
+            let kind = self.advance();
+            if kind != TokenKind::Blank {
+                let span = Span::new(start, self.at);
+                tokens.push(Token { kind, span });
+            }
+        }
+    }
+
+    /// Passes one token; there is one.
+    #[inline]
+    fn advance(&mut self) -> TokenKind {
+        let (length, kind) = token(&self.bytes[self.at..self.end], self.line_start);
+        self.at += length;
+        match kind {
+            TokenKind::LineEnd => self.line_start = true,
+            TokenKind::Blank => {}
+            _ => self.line_start = false,
+        }
+        kind
+    }
+}
+
 impl Iterator for Lexer<'_> {
     type Item = Token;
 
@@ -36,16 +64,9 @@ impl Iterator for Lexer<'_> {
         if self.at >= self.end {
             return None;
         }
-        let rest = &self.bytes[self.at..self.end];
-        let (after, kind) =
-            token(rest, self.line_start).unwrap_or((&rest[1..], TokenKind::Punctuation(rest[0])));
-        let span = Span::new(self.at, self.end - after.len());
-        self.at = span.end;
-        match kind {
-            TokenKind::LineEnd => self.line_start = true,
-            TokenKind::Blank => {}
-            _ => self.line_start = false,
-        }
+        let start = self.at;
+        let kind = self.advance();
+        let span = Span::new(start, self.at);
         Some(Token { kind, span })
     }
 }
@@ -63,47 +84,50 @@ const fn is_word(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || byte == b'_'
 }
 
-/// One token from the front of bytes that are not empty.
-fn token(input: &[u8], line_start: bool) -> IResult<&[u8], TokenKind, ()> {
+/// One token from the front of bytes that are not empty: how many of them, at least one, and what they are.
+#[inline]
+fn token(input: &[u8], line_start: bool) -> (usize, TokenKind) {
     match input[0] {
-        b'A'..=b'Z' | b'a'..=b'z' | b'_' => {
-            take_while(is_word).map(|_| TokenKind::Word).parse(input)
-        }
+        b'A'..=b'Z' | b'a'..=b'z' | b'_' => (length(take_while(is_word), input), TokenKind::Word),
         b'0'..=b'9' | b'.' => match number_length(input) {
             0 => punctuation(input),
-            length => take(length).map(|_| TokenKind::Number).parse(input),
+            length => (length, TokenKind::Number),
         },
-        b'\n' => take(1usize).map(|_| TokenKind::LineEnd).parse(input),
-        b'\r' => take(1 + usize::from(input.get(1) == Some(&b'\n')))
-            .map(|_| TokenKind::LineEnd)
-            .parse(input),
-        b'!' => take_till(is_line_end)
-            .map(|_| TokenKind::Comment)
-            .parse(input),
-        b'"' => quoted(input),
-        b',' if line_start => take(1usize).map(|_| TokenKind::Continuation).parse(input),
-        b'&' if ends_line(&input[1..]) => {
-            take(1usize).map(|_| TokenKind::Continuation).parse(input)
-        }
-        byte if is_blank(byte) => take_while(is_blank).map(|_| TokenKind::Blank).parse(input),
+        b'\n' => (1, TokenKind::LineEnd),
+        b'\r' => (
+            1 + usize::from(input.get(1) == Some(&b'\n')),
+            TokenKind::LineEnd,
+        ),
+        b'!' => (length(take_till(is_line_end), input), TokenKind::Comment),
+        b'"' => (length(quoted, input), TokenKind::Quoted),
+        b',' if line_start => (1, TokenKind::Continuation),
+        b'&' if ends_line(&input[1..]) => (1, TokenKind::Continuation),
+        byte if is_blank(byte) => (length(take_while(is_blank), input), TokenKind::Blank),
         _ => punctuation(input),
     }
 }
 
-fn punctuation(input: &[u8]) -> IResult<&[u8], TokenKind, ()> {
-    take(1usize)
-        .map(|mark: &[u8]| TokenKind::Punctuation(mark[0]))
-        .parse(input)
+const fn punctuation(input: &[u8]) -> (usize, TokenKind) {
+    (1, TokenKind::Punctuation(input[0]))
+}
+
+/// How many bytes a rule takes from the front; one if it takes none.
+#[inline]
+fn length<'a, R>(mut rule: R, input: &'a [u8]) -> usize
+where
+    R: Parser<&'a [u8], Output = &'a [u8], Error = ()>,
+{
+    rule.parse(input).map_or(1, |(_, taken)| taken.len().max(1))
 }
 
 /// From a quote to the next one, or to the end of the line.
-fn quoted(input: &[u8]) -> IResult<&[u8], TokenKind, ()> {
-    let (after, inside) =
-        take_till::<_, _, ()>(|byte| byte == b'"' || is_line_end(byte)).parse(&input[1..])?;
-    let closed = usize::from(after.first() == Some(&b'"'));
-    take(1 + inside.len() + closed)
-        .map(|_| TokenKind::Quoted)
-        .parse(input)
+fn quoted(input: &[u8]) -> IResult<&[u8], &[u8], ()> {
+    recognize((
+        take(1usize),
+        take_till(|byte| byte == b'"' || is_line_end(byte)),
+        opt(tag(&b"\""[..])),
+    ))
+    .parse(input)
 }
 
 /// True if nothing but blanks and a comment stands before the line end.

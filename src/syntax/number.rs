@@ -25,31 +25,63 @@ pub fn parse_number(text: &[u8]) -> Option<(f64, bool)> {
     value.is_finite().then_some((value, degrees))
 }
 
-/// A number without exponent of at most 15 digits: a whole number below 2^53 over a power of ten that is exact too, so that one
-/// division rounds correctly (Clinger 1990).
+/// An unsigned number whose digits make a whole number up to 2^53, times or over a power of ten that is exact too, so that one
+/// operation rounds correctly (Clinger 1990).
 fn plain(text: &[u8]) -> Option<f64> {
-    const POWERS: [f64; 16] = [
-        1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
+    const POWERS: [f64; 23] = [
+        1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
+        1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
     ];
-    if text.is_empty() || text.len() > 16 {
+    // 18 digits and a point, `E+005`: more does not fit the numbers below.
+    if text.len() > 24 {
         return None;
     }
     let (mut whole, mut digits, mut point) = (0u64, 0usize, None);
-    for byte in text {
+    let mut at = 0;
+    while let Some(byte) = text.get(at) {
         match byte {
-            b'0'..=b'9' => {
+            b'0'..=b'9' if digits < 18 => {
                 whole = whole * 10 + u64::from(byte - b'0');
                 digits += 1;
             }
             b'.' if point.is_none() => point = Some(digits),
+            b'E' | b'e' => break,
             _ => return None,
         }
+        at += 1;
     }
-    if digits == 0 || digits > 15 {
+    if digits == 0 || whole > 1 << 53 {
         return None;
     }
-    let fraction = point.map_or(0, |before| digits - before);
-    Some(whole as f64 / POWERS[fraction])
+    let fraction = point.map_or(0, |before| digits - before) as i32;
+    let power = exponent(&text[at..])? - fraction;
+    let scale = POWERS.get(power.unsigned_abs() as usize)?;
+    let whole = whole as f64;
+    Some(if power < 0 {
+        whole / scale
+    } else {
+        whole * scale
+    })
+}
+
+/// The value of `E+05`; zero of nothing.
+fn exponent(text: &[u8]) -> Option<i32> {
+    let Some((_, rest)) = text.split_first() else {
+        return Some(0);
+    };
+    let (negative, digits) = match rest {
+        [b'-', digits @ ..] => (true, digits),
+        [b'+', digits @ ..] => (false, digits),
+        digits => (false, digits),
+    };
+    if digits.is_empty() || digits.len() > 3 {
+        return None;
+    }
+    let mut value = 0;
+    for byte in digits {
+        value = value * 10 + i32::from(byte.is_ascii_digit().then_some(byte - b'0')?);
+    }
+    Some(if negative { -value } else { value })
 }
 
 /// Length of the unsigned number at the start of `text`, degree suffix included; 0 if none stands there.
@@ -131,6 +163,9 @@ mod tests {
             let text = format!("{:015}", (state >> 8) % 1_000_000_000_000_000);
             let mut text = text[..digits.min(15)].to_string();
             text.insert((state >> 40) as usize % (text.len() + 1), '.');
+            if state & 1 == 0 {
+                text += &format!("E{:+03}", (state >> 20) as i32 % 30);
+            }
             let (value, _) = parse_number(text.as_bytes()).unwrap();
             assert_eq!(
                 value.to_bits(),

@@ -48,7 +48,15 @@ impl<'a> StatementParser<'a> {
     pub fn line(&mut self, line: LogicalLine, statements: &mut Vec<Statement>) {
         let mut tokens = std::mem::take(&mut self.tokens);
         tokens.clear();
-        tokens.extend(Lexer::new(self.source.bytes(), line.span, true));
+        // What blanks separate is told by the places of the tokens.
+        Lexer::new(self.source.bytes(), line.span, true).read_into(&mut tokens);
+        if memchr::memchr(b';', self.source.slice(line.span)).is_none() {
+            if let Some(start) = tokens.iter().position(|token| !token.kind.is_trivia()) {
+                statements.push(self.statement(&tokens[start..], line.view_name));
+            }
+            self.tokens = tokens;
+            return;
+        }
         let first = statements.len();
         let mut view_name = line.view_name;
         for piece in tokens.split_inclusive(|token| token.kind == TokenKind::Punctuation(b';')) {

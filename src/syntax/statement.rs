@@ -1,6 +1,7 @@
 use std::borrow::Cow;
+use std::sync::Arc;
 
-use super::{Expression, Number};
+use super::{Expression, Number, Numbers};
 use crate::grammar::{ArgumentDef, Choice, StatementDef, ValueKind, find_choice};
 use crate::text::{Source, Span};
 
@@ -40,13 +41,13 @@ pub enum Value {
     /// Nothing: a flag.
     Flag,
     /// Numbers, integers or ids.
-    Numbers(Vec<Number>),
+    Numbers(Numbers),
     /// Words: one or several choices, with their spans.
     Words(Vec<Span>),
     /// One or several texts (quotes not included in the spans).
     Texts(Vec<Span>),
     /// A FUNCTION expression.
-    Function(Box<Expression>),
+    Function(Arc<Expression>),
     /// `USER(...)`: the span of the whole call.
     User(Span),
     /// Something that does not fit the grammar; a diagnostic says why.

@@ -1,6 +1,8 @@
+use std::sync::Arc;
+
 use super::number::parse_number;
 use super::parser::{Cursor, StatementParser};
-use super::{Number, Token, TokenKind, Value, expression};
+use super::{Number, Numbers, Token, TokenKind, Value, expression};
 use crate::diagnostic::{Applicability, Code, Diagnostic};
 use crate::grammar::{ArgumentDef, Choice, Lookup, StatementDef, ValueKind, find_choice, nearest};
 use crate::text::{Edit, Span};
@@ -80,7 +82,7 @@ impl StatementParser<'_> {
     }
 
     /// Numbers between commas, up to a separator that no number follows. On an error the cursor stands where it was found.
-    fn numbers(&mut self, cursor: &mut Cursor) -> Result<Vec<Number>, NotNumbers> {
+    fn numbers(&mut self, cursor: &mut Cursor) -> Result<Numbers, NotNumbers> {
         self.list.clear();
         loop {
             let number = self.number(cursor).ok_or(NotNumbers)?;
@@ -91,11 +93,11 @@ impl StatementParser<'_> {
                 Some(TokenKind::Number | TokenKind::Punctuation(b'+' | b'-')) if separated => {}
                 None | Some(TokenKind::Punctuation(b'\\')) => {
                     cursor.go_back(end);
-                    return Ok(self.list.clone());
+                    return Ok(self.list.as_slice().into());
                 }
                 Some(_) if separated => {
                     cursor.go_back(end);
-                    return Ok(self.list.clone());
+                    return Ok(self.list.as_slice().into());
                 }
                 Some(_) => return Err(NotNumbers),
             }
@@ -254,7 +256,7 @@ impl StatementParser<'_> {
         let parsed = expression::parse(self.source, tokens, span);
         self.diagnostics.extend(parsed.diagnostics);
         match parsed.value {
-            Some(expression) => Value::Function(Box::new(expression)),
+            Some(expression) => Value::Function(Arc::new(expression)),
             None => Value::Malformed(span),
         }
     }

@@ -23,7 +23,7 @@ fn changes(before: &str, after: &str) -> Vec<String> {
         let change = match &difference.change {
             Change::Added => "added".to_string(),
             Change::Removed => "removed".to_string(),
-            Change::Number { before, after } => format!("{before} -> {after}"),
+            Change::Number { before, after, .. } => format!("{before} -> {after}"),
             Change::Text { before, after } => format!(
                 "{} -> {}",
                 before.as_deref().unwrap_or("(none)"),

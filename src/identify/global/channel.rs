@@ -28,7 +28,9 @@ pub fn with_channels(
     let further = further.iter().map(|function| (&unnamed, function));
     for (name, function) in measured.chain(further) {
         let mut functions: [Option<Function>; 8] = Default::default();
-        functions[1] = Some(Function::Expression(Expression::parse_str(function)?));
+        functions[1] = Some(Function::Expression(
+            Expression::parse_str(function)?.into(),
+        ));
         model.requests.push(Request {
             header: Header {
                 id: 0,

@@ -1,3 +1,5 @@
+use std::sync::Arc;
+
 use super::ids::Ids;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::grammar::StatementDef;
@@ -206,7 +208,7 @@ impl Reader<'_> {
             return old.cloned();
         };
         match &argument.value {
-            Value::Function(expression) => Some(Function::Expression((**expression).clone())),
+            Value::Function(expression) => Some(Function::Expression(Arc::clone(expression))),
             Value::User(_) => Some(Function::User(
                 argument.text(self.source).unwrap_or_default().into_owned(),
             )),

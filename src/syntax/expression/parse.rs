@@ -1,3 +1,5 @@
+use std::borrow::Cow;
+
 use super::super::{Number, Token, TokenKind, number::parse_number};
 use super::tokens::tokens_of;
 use super::{BinaryOperator, Constant, Expression, Node};
@@ -17,18 +19,23 @@ const LONGEST_NAME: usize = 24;
 ///
 /// The grammar is that of ADAMS-FORMATS 3.1. The first error ends the reading; the value is `None` then.
 pub fn parse(source: &Source, tokens: &[Token], span: Span) -> Checked<Option<Expression>> {
-    let tokens: Vec<Token> = tokens
+    let belongs = |token: &Token| is_significant(token) && span.contains(token.span);
+    let tokens = if tokens.iter().all(belongs) {
+        Cow::Borrowed(tokens)
+    } else {
+        Cow::Owned(tokens.iter().copied().filter(belongs).collect())
+    };
+    let numbers = tokens
         .iter()
-        .copied()
-        .filter(|token| span.contains(token.span))
-        .collect();
+        .filter(|token| token.kind == TokenKind::Number)
+        .count();
     let mut parser = Parser {
         source,
-        tokens: tokens.iter().copied().filter(is_significant).collect(),
+        tokens: &tokens,
         at: 0,
         span,
         nesting: 0,
-        literals: Vec::new(),
+        literals: Vec::with_capacity(numbers),
     };
     match parser.whole() {
         Ok(root) => Checked::clean(Some(Expression {
@@ -88,22 +95,21 @@ fn is_significant(token: &Token) -> bool {
     )
 }
 
-/// The text with every run of blanks, comments and continuation marks as one blank.
+/// The text with every run of blanks, comments and continuation marks between two tokens as one blank.
 fn text_of(source: &Source, tokens: &[Token]) -> String {
-    let mut text = String::new();
-    let mut pending = false;
+    let long = tokens.iter().map(|token| token.span.len() + 1).sum();
+    let mut text = Vec::with_capacity(long);
+    let mut end = None;
     for token in tokens {
-        if is_significant(token) {
-            if pending && !text.is_empty() {
-                text.push(' ');
-            }
-            pending = false;
-            text.push_str(&source.text(token.span));
-        } else {
-            pending = true;
+        if end.is_some_and(|end| end != token.span.start) {
+            text.push(b' ');
         }
+        text.extend_from_slice(source.slice(token.span));
+        end = Some(token.span.end);
     }
-    text
+    // What is an expression is ASCII.
+    String::from_utf8(text)
+        .unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into_owned())
 }
 
 /// A node and how many levels it has.
@@ -112,7 +118,7 @@ type Parsed<T> = Result<T, Box<Diagnostic>>;
 
 struct Parser<'a> {
     source: &'a Source,
-    tokens: Vec<Token>,
+    tokens: &'a [Token],
     at: usize,
     span: Span,
     nesting: usize,
@@ -261,22 +267,24 @@ impl Parser<'_> {
 
     /// A constant, a name without arguments, IF, or a call.
     fn name(&mut self, span: Span) -> Parsed<Grown> {
-        let name = self.source.slice(span).to_ascii_uppercase();
+        let source = self.source;
+        let name = source.slice(span);
+        let is = |word: &[u8]| name.eq_ignore_ascii_case(word);
         let call = self.punctuation() == Some(b'(');
-        let constant = match name.as_slice() {
-            b"PI" => Some(Constant::Pi),
-            b"RTOD" => Some(Constant::Rtod),
-            b"DTOR" => Some(Constant::Dtor),
+        let constant = match name.len() {
+            2 if is(b"PI") => Some(Constant::Pi),
+            4 if is(b"RTOD") => Some(Constant::Rtod),
+            4 if is(b"DTOR") => Some(Constant::Dtor),
             _ => None,
         };
         if let (Some(constant), false) = (constant, call) {
             return Ok((Node::Constant(constant), 1));
         }
-        if name == b"IF" && call {
+        if call && is(b"IF") {
             return self.nested(|parser| parser.choice(span));
         }
-        let Some(function) = find_function(&name) else {
-            return Err(self.unknown(span, &name));
+        let Some(function) = find_function(name) else {
+            return Err(self.unknown(span, name));
         };
         if call {
             self.nested(|parser| parser.call(function, span))
@@ -320,7 +328,7 @@ impl Parser<'_> {
     /// The arguments of a function; the name is read already.
     fn call(&mut self, function: &'static FunctionDef, name: Span) -> Parsed<Grown> {
         self.at += 1;
-        let mut arguments = Vec::new();
+        let mut arguments = Vec::with_capacity(function.count.min.max(2));
         let mut deepest = 0;
         if self.punctuation() != Some(b')') {
             loop {

@@ -1,8 +1,8 @@
 //! Adams/Car property files (`.bus`, `.spr`, `.bum`, `.reb`, `.dpr`) in their TeimOrbit form, as typed curves.
 //!
 //! The form is that of the page `adams_tire/about.html`: blocks in `[]`, their parts in `()`, tables under `{}`, parameters
-//! `NAME = value`, comments from `$` or `!` to the end of the line. Which block holds which curve is what Adams/Car writes:
-//! `FX_CURVE` to `TZ_CURVE` and `DAMPING` in a bushing file, `CURVE` in the others. Knows no elements: what a force law makes of
+//! `NAME = value`, comments from `$` or `!` to the end of the line. Which block holds which curve is what readers in the wild look for
+//! (`grammar/NOTES.md`): `FX_CURVE` to `TZ_CURVE` and `DAMPING` in a bushing file, `CURVE` in the others. Knows no elements: what a force law makes of
 //! a curve is said where the law is. The newer `.xml` property files are refused by name.
 
 mod block;
