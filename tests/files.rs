@@ -10,6 +10,7 @@ mod files {
     pub mod lint;
     pub mod lossless;
     pub mod lowering;
+    pub mod property;
     pub mod real_decks;
     pub mod results;
     pub mod statements;

@@ -64,6 +64,25 @@ fn differences_are_told_per_object() {
     );
 }
 
+/// A person compares what stands in the files: degrees stay degrees, and small numbers short.
+#[test]
+fn numbers_are_shown_as_they_are_written() {
+    let a = dataset("t\nMARKER/5, PART=1, REULER=90D,0,0\nEND\n").value;
+    let b = dataset("t\nMARKER/5, PART=1, QP=1.0E-14,0,0, REULER=45.0D,0,0\nEND\n").value;
+    let found = diff(&a, &b, Tolerance::default());
+    let shown: Vec<_> = found
+        .iter()
+        .map(|difference| match &difference.change {
+            Change::Number { written, after, .. } => {
+                (written.each_ref().map(String::as_str), *after)
+            }
+            other => panic!("{other:?}"),
+        })
+        .collect();
+    let half = std::f64::consts::FRAC_PI_4;
+    assert_eq!(shown, [(["90D", "45.0D"], half), (["0", "1.0E-14"], 1e-14)]);
+}
+
 #[test]
 fn every_reference_follows_a_new_id() {
     let text = "t\nPART/01, GROUND\nMARKER/07, PART=01\nMARKER/9, PART=1\nJOINT/3, FIXED, I=07, J=9\nJOINT/4, FIXED, I=7, J=9\nJOINT/9, FIXED, I=7, J=9\nSFORCE/1, I=7, J=9, ROT, FUNCTION=7*DX(7,9)+JOINT(3,0,2,9)\nVARIABLE/1, FUNCTION=USER(7)\nEND\n";

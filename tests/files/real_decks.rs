@@ -142,11 +142,18 @@ fn every_command_works_on_every_real_deck() {
             &at(""),
         ]);
         assert_eq!(code(&moved), 0, "{deck}: {moved:?}");
-        assert!(
-            Path::new(&at(""))
-                .join(path.file_name().expect("a name"))
-                .exists()
-        );
+        let moved = Path::new(&at("")).join(path.file_name().expect("a name"));
+        let moved = std::fs::read(moved).expect("in the folder");
+        let one = admire(&[
+            "renumber",
+            deck,
+            "MARKER=500001",
+            "PART=90001,3",
+            "-o",
+            &at("one.adm"),
+        ]);
+        assert_eq!(code(&one), 0, "{deck}: {one:?}");
+        assert!(std::fs::read(at("one.adm")).is_ok_and(|bytes| bytes == moved));
 
         assert_eq!(
             code(&admire(&["export", deck, "--json", "-o", &at("deck.json")])),
