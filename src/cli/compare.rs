@@ -1,3 +1,4 @@
+use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
@@ -139,13 +140,15 @@ fn table(comparison: &Comparison, all: bool) -> String {
 /// The columns of one entity in one line: its name and how many they are; a single column by its own name.
 fn by_entity(paths: &[String]) -> Vec<(&str, usize)> {
     let mut found: Vec<(&str, &str, usize)> = Vec::new();
+    let mut places: HashMap<&str, usize> = HashMap::new();
     for path in paths {
         let entity = path
             .rsplit_once('.')
             .map_or(path.as_str(), |(entity, _)| entity);
-        match found.last_mut() {
-            Some((last, _, count)) if *last == entity => *count += 1,
-            _ => found.push((entity, path, 1)),
+        let place = *places.entry(entity).or_insert(found.len());
+        match found.get_mut(place) {
+            Some((_, _, count)) => *count += 1,
+            None => found.push((entity, path, 1)),
         }
     }
     let shown = |(entity, path, count)| (if count == 1 { path } else { entity }, count);
@@ -158,7 +161,7 @@ mod tests {
 
     #[test]
     fn columns_of_one_entity_are_one_line() {
-        let paths = ["a.b.X", "a.b.Y", "c.FX", "TIME"].map(String::from);
+        let paths = ["a.b.X", "c.FX", "a.b.Y", "TIME"].map(String::from);
         assert_eq!(by_entity(&paths), [("a.b", 2), ("c.FX", 1), ("TIME", 1)]);
     }
 }

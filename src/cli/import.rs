@@ -6,6 +6,7 @@ use crate::text::apply_edits;
 
 use super::Outcome;
 use super::shell::{Exit, Shell};
+use super::target::Target;
 
 /// Bring changes of an exported JSON back into the dataset it came from.
 ///
@@ -16,12 +17,8 @@ pub(super) struct Arguments {
     deck: PathBuf,
     /// The JSON, as `admire export` wrote it, with changes; `-` is standard input.
     json: PathBuf,
-    /// Where to write the new deck.
-    #[arg(long, short, conflicts_with = "in_place")]
-    out: Option<PathBuf>,
-    /// Replace the deck itself.
-    #[arg(long)]
-    in_place: bool,
+    #[command(flatten)]
+    target: Target,
 }
 
 /// Writes the changed deck.
@@ -42,11 +39,6 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let bytes = apply_edits(dataset.bytes(), &edits).map_err(|conflict| {
         shell.fail(Diagnostic::error(Code::CannotWrite, conflict.to_string()))
     })?;
-    let target = if arguments.in_place {
-        Some(&arguments.deck)
-    } else {
-        arguments.out.as_ref()
-    };
-    shell.deliver(target, &bytes)?;
+    arguments.target.deliver(&arguments.deck, &bytes, shell)?;
     Ok(Exit::Fine)
 }

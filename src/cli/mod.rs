@@ -31,6 +31,7 @@ mod shell;
 mod solve;
 mod solver;
 mod summary;
+mod target;
 
 use std::process::ExitCode;
 

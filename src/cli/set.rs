@@ -9,6 +9,7 @@ use super::Outcome;
 use super::addresses::complete;
 use super::get::parse;
 use super::shell::{Exit, Shell};
+use super::target::Target;
 
 /// Change values of a dataset; only their own bytes change.
 ///
@@ -22,12 +23,8 @@ pub(super) struct Arguments {
     /// `BUSHING/12.K.2=15000`, `front_arm_bushing.K=1,2,3`, ...
     #[arg(value_name = "ADDRESS=VALUE", add = ArgValueCompleter::new(complete))]
     assignments: Vec<String>,
-    /// Where to write the new deck.
-    #[arg(long, short, conflicts_with = "in_place")]
-    out: Option<PathBuf>,
-    /// Replace the deck itself.
-    #[arg(long)]
-    in_place: bool,
+    #[command(flatten)]
+    target: Target,
 }
 
 /// Writes the changed deck.
@@ -58,11 +55,8 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             })?
             .value;
     }
-    let target = if arguments.in_place {
-        Some(&arguments.deck)
-    } else {
-        arguments.out.as_ref()
-    };
-    shell.deliver(target, dataset.bytes())?;
+    arguments
+        .target
+        .deliver(&arguments.deck, dataset.bytes(), shell)?;
     Ok(Exit::Fine)
 }

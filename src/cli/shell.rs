@@ -1,5 +1,5 @@
 use std::io::{IsTerminal, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
 use crate::session::{FilePolicy, Sources, folder_of, read_files};
@@ -174,7 +174,7 @@ impl Shell {
     }
 
     /// Writes bytes to a file, or to standard output if there is none.
-    pub(super) fn deliver(&self, target: Option<&PathBuf>, bytes: &[u8]) -> Result<(), Exit> {
+    pub(super) fn deliver(&self, target: Option<&Path>, bytes: &[u8]) -> Result<(), Exit> {
         if let Some(path) = target {
             return self.write(path, bytes);
         }

@@ -1,4 +1,6 @@
 use super::{Function, Header, MarkerIx};
+use crate::diagnostic::Diagnostic;
+use crate::syntax::Expression;
 
 /// VARIABLE: v = e, possibly implicit.
 #[derive(Clone, PartialEq, Debug)]
@@ -209,4 +211,29 @@ pub struct Request {
     pub component_units: Vec<String>,
     /// RESULTS_NAME.
     pub results_name: Option<String>,
+}
+
+impl Request {
+    /// A request that no deck has: its component 2 evaluates the text of a function.
+    ///
+    /// # Errors
+    /// When the text is no expression.
+    pub fn of_function(name: &str, function: &str) -> Result<Self, Diagnostic> {
+        let mut functions: [Option<Function>; 8] = Default::default();
+        let expression = Expression::parse_str(function)?;
+        functions[1] = Some(Function::Expression(expression.into()));
+        Ok(Self {
+            header: Header {
+                id: 0,
+                name: name.to_string(),
+                origin: usize::MAX,
+                active: true,
+            },
+            kind: RequestKind::Functions(Box::new(functions)),
+            comment: String::new(),
+            component_names: None,
+            component_units: Vec::new(),
+            results_name: None,
+        })
+    }
 }

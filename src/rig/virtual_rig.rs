@@ -15,9 +15,9 @@ use super::table::Table;
 use crate::backend::{compile, slot, tight_settings};
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::mechanics::{Pose, RelativeMotion, Vec3};
-use crate::model::{Function, Header, MarkerIx, Model, Request, RequestKind};
+use crate::model::{MarkerIx, Model, Request};
 use crate::statics::Solver;
-use crate::syntax::{Address, Dataset, Expression};
+use crate::syntax::{Address, Dataset};
 use crate::system::{Parameters, Scratch, State, System};
 use crate::text::Source;
 
@@ -238,22 +238,8 @@ fn displacement(model: &Model, poses: &[Pose], memory: &Memory) -> f64 {
 /// One more REQUEST per channel, which evaluates its function.
 fn with_requests(mut model: Model, measured: &Measurement) -> Result<Model, Diagnostic> {
     for channel in &measured.channels {
-        let mut functions: [Option<Function>; 8] = Default::default();
-        let function = Expression::parse_str(&channel.function)?;
-        functions[1] = Some(Function::Expression(function.into()));
-        model.requests.push(Request {
-            header: Header {
-                id: 0,
-                name: channel.name.clone(),
-                origin: usize::MAX,
-                active: true,
-            },
-            kind: RequestKind::Functions(Box::new(functions)),
-            comment: String::new(),
-            component_names: None,
-            component_units: Vec::new(),
-            results_name: None,
-        });
+        let request = Request::of_function(&channel.name, &channel.function)?;
+        model.requests.push(request);
     }
     Ok(model)
 }

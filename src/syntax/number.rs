@@ -71,8 +71,7 @@ fn exponent(text: &[u8]) -> Option<i32> {
     };
     let (negative, digits) = match rest {
         [b'-', digits @ ..] => (true, digits),
-        [b'+', digits @ ..] => (false, digits),
-        digits => (false, digits),
+        [b'+', digits @ ..] | digits => (false, digits),
     };
     if digits.is_empty() || digits.len() > 3 {
         return None;

@@ -1,9 +1,8 @@
 //! Scalar sensors of a study as functions of its deck.
 
 use crate::diagnostic::Diagnostic;
-use crate::model::{Function, Header, Model, Request, RequestKind};
+use crate::model::{Model, Request};
 use crate::rig::Measurement;
-use crate::syntax::Expression;
 use crate::system::{NoValue, Parameters, Scratch, State, System};
 
 use super::unknown::Direction;
@@ -27,23 +26,7 @@ pub fn with_channels(
     let unnamed = String::new();
     let further = further.iter().map(|function| (&unnamed, function));
     for (name, function) in measured.chain(further) {
-        let mut functions: [Option<Function>; 8] = Default::default();
-        functions[1] = Some(Function::Expression(
-            Expression::parse_str(function)?.into(),
-        ));
-        model.requests.push(Request {
-            header: Header {
-                id: 0,
-                name: name.clone(),
-                origin: usize::MAX,
-                active: true,
-            },
-            kind: RequestKind::Functions(Box::new(functions)),
-            comment: String::new(),
-            component_names: None,
-            component_units: Vec::new(),
-            results_name: None,
-        });
+        model.requests.push(Request::of_function(name, function)?);
     }
     let channels = Channels {
         first,
