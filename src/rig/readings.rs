@@ -5,7 +5,7 @@ use super::measurement::{MarkedPart, Measurement};
 use super::noise::Noise;
 use super::virtual_rig::{Rest, place};
 use super::wheel::WheelReading;
-use crate::mechanics::{Pose, Vec3};
+use crate::mechanics::Vec3;
 use crate::model::Model;
 
 /// What is read in every case: marks by part and mark, the wheel, the channels; and the marks as the first session lists them.
@@ -49,17 +49,22 @@ impl Readings {
         let model = reality.model();
         let (mut marks, mut wheel, mut channels) = (Vec::new(), Vec::new(), Vec::new());
         for (case, at) in rest.iter().enumerate() {
-            let mut frame = Pose::identity();
+            let mut seen = true_marks(reality, &model, measured, at);
             for fault in &reality.faults {
-                if let ReadingFault::Frame { case: of, pose } = fault
+                if let ReadingFault::Frame {
+                    case: of,
+                    pose,
+                    creep,
+                } = fault
                     && *of == case
                 {
-                    frame = pose.compose(&frame);
+                    let last = (seen.iter().flatten().count() - 1).max(1) as f64;
+                    for (k, x) in seen.iter_mut().flatten().enumerate() {
+                        // Marks are read in the order of their list.
+                        let share = 1.0 + creep * (k as f64 / last - 0.5);
+                        *x += (pose.point(x) - *x) * share;
+                    }
                 }
-            }
-            let mut seen = true_marks(reality, &model, measured, at);
-            for x in seen.iter_mut().flatten() {
-                *x = frame.point(x);
             }
             for fault in &reality.faults {
                 if let ReadingFault::Growth { growth } = fault {

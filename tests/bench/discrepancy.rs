@@ -1,26 +1,40 @@
-//! How well hidden effects are named: `cargo bench --bench discrepancy -- [singles] [clean]` prints the tables of the README.
+//! How well hidden effects are named: `cargo bench --bench discrepancy` prints the tables of the README over 500 studies.
 //!
-//! Seeds start where those of the tests end. `--show` prints a line for every study, `--from N` starts at another seed, `--axle
-//! pseudo-mcpherson` or `multilink` leaves the other axle out, `--calm` studies with background errors, `--only single` (or `clean`,
-//! `pair`, `outside`) the other kinds; with `--tests` the seeds are those of the tests.
+//! `-- SINGLES CLEAN PAIRS OUTSIDE` are other numbers of studies, of which `--multilinks N` at most are multilinks (20). Seeds start
+//! where those of the tests end; `--from N` starts at another one, `--tests` runs the studies of the test command. `--show` prints a
+//! line for every study, `--axle pseudo-mcpherson` or `multilink` leaves the other axle out, `--calm` studies with background errors,
+//! `--only single` (or `clean`, `pair`, `outside`) the other kinds.
 
 #[path = "../discrepancy/blind/mod.rs"]
 mod blind;
+#[path = "../common/proportion.rs"]
+mod proportion;
 
 use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
 
-use blind::draw::{CAUSES, Kind, Plan, plan};
+use admire::discrepancy::{diagnose, held_out};
+use admire::identify::LoadedStudy;
+use blind::draw::{CAUSES, Kind, OF_TESTS, Plan, plans};
 use blind::judge::line;
 use blind::{Axle, Score, Tally, Trial, run};
+use proportion::interval95;
 use rayon::prelude::*;
 
 /// Seeds of the tests are smaller.
 const FIRST: u64 = 1000;
+/// Studies of each kind, in the order of the tests: 500 in all, 200 of them clean.
+const COUNTS: [usize; 4] = [210, 200, 50, 40];
+/// Multilinks among them.
+const MULTILINKS: usize = 20;
 
 fn main() {
     let mut numbers = Vec::new();
     let (mut show, mut first, mut axle, mut tests) = (false, FIRST, None, false);
-    let (mut calm, mut only) = (false, None);
+    let (mut calm, mut only, mut multilinks) = (false, None, MULTILINKS);
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         match word.as_str() {
@@ -30,48 +44,92 @@ fn main() {
             "--only" => only = words.next(),
             "--from" => first = words.next().and_then(|n| n.parse().ok()).unwrap_or(FIRST),
             "--axle" => axle = words.next(),
-            other => numbers.extend(other.parse::<u64>()),
+            "--multilinks" => {
+                multilinks = words
+                    .next()
+                    .and_then(|n| n.parse().ok())
+                    .unwrap_or(MULTILINKS);
+            }
+            other => numbers.extend(other.parse::<usize>()),
         }
     }
-    let singles = numbers.first().copied().unwrap_or(500);
-    let clean = numbers.get(1).copied().unwrap_or(singles * 2 / 5);
-    let counts = if tests {
-        first = 0;
-        [48, 12, 8, 6]
-    } else {
-        [singles, clean, singles / 6, singles / 8]
-    };
-    let kinds = [Kind::Single, Kind::Clean, Kind::Pair, Kind::Outside];
-    let mut plans: Vec<Plan> = Vec::new();
-    for (kind, count) in kinds.into_iter().zip(counts) {
-        plans.extend((first..first + count).map(|seed| plan(kind, seed)));
+    if numbers.is_empty() && only.is_none() {
+        of_the_corpus();
     }
-    plans.retain(|plan| !calm || !plan.background);
-    plans.retain(|plan| {
+    let mut chosen: Vec<Plan> = Vec::new();
+    for (k, (kind, count, most)) in OF_TESTS.into_iter().enumerate() {
+        if tests {
+            chosen.extend(plans(kind, 0, count, most));
+            continue;
+        }
+        let count =
+            numbers
+                .get(k)
+                .copied()
+                .unwrap_or(if numbers.is_empty() { COUNTS[k] } else { 0 });
+        // Two of three multilinks carry a single cause, the others none.
+        let most = match kind {
+            Kind::Single => multilinks - multilinks / 3,
+            Kind::Clean => multilinks / 3,
+            Kind::Pair | Kind::Outside => 0,
+        };
+        chosen.extend(plans(kind, first, count, most));
+    }
+    chosen.retain(|plan| !calm || !plan.background);
+    chosen.retain(|plan| {
         only.as_ref()
             .is_none_or(|only| *only == format!("{:?}", plan.kind).to_lowercase())
     });
-    plans.retain(|plan| axle.as_ref().is_none_or(|axle| plan.axle.name() == axle));
-    let started = std::time::Instant::now();
-    let trials: Vec<Trial> = plans
+    chosen.retain(|plan| axle.as_ref().is_none_or(|axle| plan.axle.name() == axle));
+    // What takes longest comes first, so that no core is left alone with it.
+    chosen.sort_by_key(|plan| (plan.axle == Axle::McPherson, !plan.background));
+    let started = Instant::now();
+    let (all, done) = (chosen.len(), AtomicUsize::new(0));
+    let trials: Vec<Option<Trial>> = chosen
         .into_par_iter()
+        .with_max_len(1)
         .map(|plan| {
-            let trial = run(plan);
-            if show {
-                println!("{}", line(&trial, &blind::judge::score(&trial)));
+            let name = format!("{:?} {} {}", plan.kind, plan.seed, plan.axle.name());
+            // One study that cannot be run must not cost the others.
+            let trial = catch_unwind(AssertUnwindSafe(|| run(plan)));
+            let count = done.fetch_add(1, Ordering::Relaxed) + 1;
+            if count.is_multiple_of(25) {
+                let minutes = started.elapsed().as_secs_f64() / 60.0;
+                eprintln!("{count} of {all} studies, {minutes:.1} min");
             }
-            trial
+            match trial {
+                Ok(trial) => {
+                    if show {
+                        println!("{}", line(&trial, &blind::judge::score(&trial)));
+                    }
+                    Some(trial)
+                }
+                Err(_) => {
+                    println!("{name} could not be run");
+                    None
+                }
+            }
         })
         .collect();
-    let tally = Tally::new(trials);
+    let tally = Tally::new(trials.into_iter().flatten().collect());
+    let arguments: Vec<String> = std::env::args()
+        .skip(1)
+        .filter(|word| word != "--bench")
+        .collect();
+    let more = if arguments.is_empty() {
+        String::new()
+    } else {
+        format!(" -- {}", arguments.join(" "))
+    };
     println!(
-        "\n{} studies in {:.0} s\n",
+        "\n`cargo bench --bench discrepancy{more}`: {} studies in {:.1} min\n",
         tally.trials.len(),
-        started.elapsed().as_secs_f64()
+        started.elapsed().as_secs_f64() / 60.0
     );
     rates(&tally);
     by_cause(&tally);
     limit(&tally);
+    against_bound(&tally);
     confusion(&tally);
     if !show {
         println!("\nNot right:\n");
@@ -81,17 +139,41 @@ fn main() {
     }
 }
 
+/// How long a full diagnosis of the shipped studies takes while nothing else runs.
+fn of_the_corpus() {
+    println!("| full diagnosis of | hypotheses | seconds | aim |\n|---|---|---|---|");
+    for (name, aim) in [("pseudo-mcpherson", 2), ("multilink", 20)] {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("corpus")
+            .join(name);
+        let started = Instant::now();
+        let Some(loaded) = LoadedStudy::read(&folder).value else {
+            println!("| {name} | - | - | {aim} |");
+            continue;
+        };
+        let held = held_out(&loaded.study, &loaded.measurement);
+        let places = diagnose(&loaded.problem(), held).map_or(0, |outcome| outcome.places);
+        let seconds = started.elapsed().as_secs_f64();
+        println!("| `corpus/{name}` | {places} | {seconds:.1} | {aim} |");
+    }
+    println!();
+}
+
 fn percent((good, all): (usize, usize)) -> String {
     if all == 0 {
         return "-".to_string();
     }
+    let (low, high) = interval95(good, all);
     format!(
-        "{:.0} % ({good} of {all})",
-        100.0 * good as f64 / all as f64
+        "{:.0} % ({good} of {all}; {:.0} to {:.0} %)",
+        100.0 * good as f64 / all as f64,
+        100.0 * low,
+        100.0 * high
     )
 }
 
 fn rates(tally: &Tally) {
+    println!("With 95 percent binomial intervals:\n");
     println!("| | pseudo-mcpherson | multilink |\n|---|---|---|");
     let axles = [Axle::McPherson, Axle::Multilink];
     let row = |name: &str, kind: Kind, right: fn(&Score) -> bool, seen: bool| {
@@ -128,7 +210,12 @@ fn rates(tally: &Tally) {
         cause,
         true,
     );
-    row("nothing found in a clean study", Kind::Clean, cause, false);
+    row(
+        "false alarms: something found in a clean study",
+        Kind::Clean,
+        |s| !s.cause,
+        false,
+    );
     row(
         "no false name for an outside cause",
         Kind::Outside,
@@ -222,25 +309,74 @@ fn limit(tally: &Tally) {
     println!();
 }
 
+/// The same against what could be seen at all: 40 + 2 ln(hypotheses).
+fn against_bound(tally: &Tally) {
+    println!(
+        "| chi-square outside of what a fit can follow, over the bound | studies | something found | cause named | with place |"
+    );
+    println!("|---|---|---|---|---|");
+    let edges = [
+        0.0,
+        0.25,
+        0.5,
+        0.75,
+        1.0,
+        1.5,
+        2.0,
+        4.0,
+        10.0,
+        f64::INFINITY,
+    ];
+    for pair in edges.windows(2) {
+        let of = |t: &Trial, _: &Score| {
+            let bound = 40.0 + 2.0 * (t.places.max(1) as f64).ln();
+            t.plan.kind == Kind::Single && (pair[0]..pair[1]).contains(&(t.planted[0].seen / bound))
+        };
+        // Here silence is no answer.
+        let spoke = |t: &Trial| t.diagnosis.as_ref().is_some_and(|d| !d.findings.is_empty());
+        let (_, all) = tally.count(of, |_| true);
+        if all == 0 {
+            continue;
+        }
+        let (_, found) = tally.count(|t, s| of(t, s) && spoke(t), |_| true);
+        let (named, _) = tally.count(|t, s| of(t, s) && spoke(t), |s| s.cause);
+        let (placed, _) = tally.count(|t, s| of(t, s) && spoke(t), |s| s.address);
+        println!(
+            "| {} to {} | {all} | {found} | {named} | {placed} |",
+            pair[0], pair[1]
+        );
+    }
+    println!();
+}
+
 /// Planted against named, for single causes that can be seen; `consistent` and `unexplained` are answers too.
 fn confusion(tally: &Tally) {
-    println!("| planted | named (single causes that can be seen) |\n|---|---|");
-    let mut rows: BTreeMap<&str, BTreeMap<String, usize>> = BTreeMap::new();
+    println!(
+        "| planted | named (single causes that can be seen; outside causes; nothing) |\n|---|---|"
+    );
+    let mut rows: BTreeMap<(usize, &str), BTreeMap<String, usize>> = BTreeMap::new();
     for (trial, score) in &tally.trials {
-        let (Kind::Single, true, [planted]) =
-            (trial.plan.kind, score.detectable, &trial.planted[..])
-        else {
-            continue;
+        let kind = trial.plan.kind;
+        let planted = trial.planted.first().map_or("nothing", |p| p.plant.cause);
+        let skipped = match kind {
+            Kind::Single => !score.detectable,
+            Kind::Pair => true,
+            Kind::Clean | Kind::Outside => false,
         };
-        let cause = planted.plant.cause;
-        let named = if score.cause {
-            cause.to_string()
+        if skipped {
+            continue;
+        }
+        let named = if kind == Kind::Single && score.cause {
+            planted.to_string()
+        } else if kind == Kind::Outside && !score.confident {
+            "no confident name".to_string()
         } else {
             answer(trial)
         };
-        *rows.entry(cause).or_default().entry(named).or_default() += 1;
+        let row = rows.entry((kind as usize, planted)).or_default();
+        *row.entry(named).or_default() += 1;
     }
-    for (planted, named) in rows {
+    for ((_, planted), named) in rows {
         let words = named.iter().map(|(name, count)| format!("{name} {count}"));
         println!("| {planted} | {} |", words.collect::<Vec<_>>().join(", "));
     }

@@ -7,3 +7,5 @@ mod found;
 mod hidden;
 mod kc_experiment;
 mod plant;
+#[path = "../common/proportion.rs"]
+mod proportion;

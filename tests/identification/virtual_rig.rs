@@ -136,21 +136,28 @@ fn every_cause_can_be_planted() {
         "dry-friction@JOINT/3:force=100,stiffness=500",
         "link-compliance@PART/6:stiffness=8000",
         "link-compliance@PART/6:stiffness=8000,ends=both",
+        "link-compliance@PART/6:stiffness=8000,rated=4000",
         "body-compliance@JOINT/5:stiffness=5000",
         "body-compliance@BUSHING/3:stiffness=5000",
+        "body-compliance@JOINT/5:stiffness=5000,x=0.5,z=2,rated=3000",
         "assembly-offset@BUSHING/1:x=0.3,az_deg=0.2",
         "hardpoint-error@MARKER/7:y=1.0",
         "bushing-orientation@BUSHING/2:az_deg=20",
         "bushing-coupling@BUSHING/2:xy=400",
+        "bushing-coupling@BUSHING/2:xy=400,reach=0.5",
         "element-parameter@SPRINGDAMPER/1.FORCE:factor=1.05",
         "element-parameter@BUSHING/3.K.1:value=2000",
         "stop-contact@JOINT/3:clearance=-5,stiffness=200",
         "stop-contact@SPRINGDAMPER/1:clearance=10,stiffness=50,law=quadratic",
         "load-gain@SFORCE/3:gain=1.05",
         "load-gain@lateral:gain=1.05",
+        "load-gain@lateral:gain=1.05,law=growing",
         "load-crosstalk@SFORCE/2<-SFORCE/3:fraction=0.03",
+        "load-crosstalk@SFORCE/2<-SFORCE/3:fraction=0.03,law=growing",
         "load-point-error@MARKER/19:x=5",
+        "load-point-error@MARKER/19:x=5,law=growing",
         "frame-drift@case 7:x=0.2,az_deg=0.01",
+        "frame-drift@case 7:x=0.2,creep=1",
         "mark-outlier@case 7 KNUCKLE 3:x=0.5",
     ];
     for text in specs {
@@ -179,6 +186,67 @@ fn every_cause_can_be_planted() {
     );
     assert!((faulty[0] - (1.1 * good[0] + 2.0)).abs() < 1e-6 * good[0].abs());
     assert_eq!(faulty[1], good[1]);
+}
+
+/// Laws that no hypothesis uses meet the assumed ones in a limit, and differ from them elsewhere.
+#[test]
+fn other_laws_meet_the_assumed_ones_in_a_limit() {
+    let marks = |spec: &str| numbers(&file(&rig(&[spec], 0.0, 1), "marks_measured.csv"), 3);
+    let pairs = [
+        (
+            "link-compliance@PART/6:stiffness=8000",
+            [",rated=1e9", ",rated=1000"],
+        ),
+        (
+            "body-compliance@JOINT/5:stiffness=5000",
+            [",x=1,y=1,z=1,rated=1e9", ",y=0.5"],
+        ),
+        (
+            "bushing-coupling@BUSHING/2:xy=400",
+            [",reach=1e6", ",reach=0.5"],
+        ),
+        ("frame-drift@case 7:x=0.2", [",creep=0", ",creep=1"]),
+    ];
+    for (assumed, [limit, other]) in pairs {
+        let plain = marks(assumed);
+        let apart = |more: &str| rms_difference(&plain, &marks(&format!("{assumed}{more}")));
+        assert!(apart(limit) < 1e-6, "{assumed}{limit}: {}", apart(limit));
+        assert!(apart(other) > 1e-3, "{assumed}{other}: {}", apart(other));
+    }
+    // An error that grows with a load is whole at the largest one and nothing where there is none to be wrong; cases 6 and 9 carry
+    // 4000 N of lateral force either way, cases 1 to 5 none.
+    let nothing = numbers(&file(&rig(&[], 0.0, 1), "marks_measured.csv"), 3);
+    let per_case = nothing.len() / 13;
+    for assumed in [
+        "load-gain@lateral:gain=1.05",
+        "load-crosstalk@SFORCE/3<-lateral:fraction=0.05",
+    ] {
+        let (whole, grown) = (marks(assumed), marks(&format!("{assumed},law=growing")));
+        let apart = |a: &[f64], b: &[f64], case: usize| {
+            let of = (case - 1) * per_case..case * per_case;
+            rms_difference(&a[of.clone()], &b[of])
+        };
+        for case in [6, 9] {
+            assert!(
+                apart(&whole, &grown, case) < 1e-6,
+                "{assumed} in case {case}"
+            );
+            assert!(apart(&nothing, &grown, case) > 1e-3);
+        }
+        assert!(apart(&nothing, &grown, 1) < 1e-6, "{assumed} in case 1");
+    }
+    // Half of the contact point's shift moves the wheel about half as far.
+    let (whole, half) = (
+        marks("load-point-error@MARKER/19:x=2"),
+        marks("load-point-error@MARKER/19:x=1"),
+    );
+    let grown = marks("load-point-error@MARKER/19:x=2,law=growing");
+    let between = |k: usize| {
+        let (low, high) = (half[k].min(whole[k]) - 1e-4, half[k].max(whole[k]) + 1e-4);
+        (low..=high).contains(&grown[k])
+    };
+    assert!((0..grown.len()).all(between));
+    assert!(rms_difference(&grown, &half) > 1e-3 && rms_difference(&grown, &whole) > 1e-3);
 }
 
 #[test]

@@ -7,8 +7,10 @@ use super::super::survey::Survey;
 
 use super::{Column, Hypothesis, Number, number};
 
-/// A stiffness taken as known may well be wrong by this part of itself.
+/// A steel spring taken as known may well be wrong by this part of itself,
 const RELATIVE: f64 = 0.2;
+/// and rubber by this one: data sheets often give its dynamic stiffness, which is half as large again.
+const RUBBER: f64 = 0.4;
 
 /// Rates, preloads and lengths of springs, and stiffnesses of bushings that are not identified.
 pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
@@ -49,11 +51,11 @@ pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             let id = bushing.header.id;
             put(
                 number("BUSHING", id, "K", Some(axis + 1)),
-                RELATIVE * bushing.k[axis],
+                RUBBER * bushing.k[axis],
             );
             put(
                 number("BUSHING", id, "KT", Some(axis + 1)),
-                RELATIVE * bushing.kt[axis],
+                RUBBER * bushing.kt[axis],
             );
         }
     }

@@ -1,11 +1,12 @@
 //! The ground-side attachment of a joint or spring yields: it sits on a small part of its own that ground holds by a spring, alike
-//! in all directions and without rotation.
+//! in all directions and without rotation. Brackets are stiffer one way than another: `x`, `y`, `z` are factors of the stiffness
+//! along the axes of ground. With `rated` the spring stiffens as with `link-compliance`.
 
 use super::{EffectSpec, Reality};
 use crate::diagnostic::Diagnostic;
 use crate::mechanics::{Mat3, Pose, Vec3};
 
-/// `stiffness=...`.
+/// `stiffness=...`, `x=1,y=1,z=1`, `rated=...`.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
     let kinds = ["JOINT", "SPRINGDAMPER", "BUSHING", "JPRIM"];
     let object = reality.object(spec, &kinds)?;
@@ -33,7 +34,8 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diag
         p: place,
         R: Mat3::identity(),
     };
-    let markers = [block, ground].map(|part| reality.add_marker(part, &frame).to_string());
+    let ids = [block, ground].map(|part| reality.add_marker(part, &frame));
+    let markers = ids.map(|id| id.to_string());
     let pair = [
         ("I", Some(markers[0].clone())),
         ("J", Some(markers[1].clone())),
@@ -41,12 +43,25 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diag
     let mut hold = vec![("ORIENTATION", None)];
     hold.extend(pair.clone());
     reality.add("JPRIM", &hold);
+    let mut along = [stiffness; 3];
+    for (k, name) in along.iter_mut().zip(["x", "y", "z"]) {
+        let factor = spec.optional(name)?.unwrap_or(1.0);
+        if !(factor > 0.0) {
+            return Err(spec.refuse(format!("{name} must be above zero")));
+        }
+        *k *= factor;
+    }
     let mut spring = pair.to_vec();
     spring.push((
         "K",
-        Some(format!("{stiffness:e}, {stiffness:e}, {stiffness:e}")),
+        Some(format!("{:e}, {:e}, {:e}", along[0], along[1], along[2])),
     ));
     spring.push(("KT", Some("0.0, 0.0, 0.0".to_string())));
     reality.add("BUSHING", &spring);
+    if let Some(rated) = spec.optional("rated")? {
+        for (axis, k) in along.into_iter().enumerate() {
+            reality.stiffen(spec, ids, k, (axis, rated))?;
+        }
+    }
     Ok(())
 }

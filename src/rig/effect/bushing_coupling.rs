@@ -1,21 +1,32 @@
-//! Off-diagonal stiffness of a bushing: `F_a = -k u_b`, `F_b = -k u_a`.
+//! Off-diagonal stiffness of a bushing: `F_a = -k u_b`, `F_b = -k u_a`. A cone of rubber couples the more the further it is pressed:
+//! with `reach` r the energy is `k u_a u_b (1 + (u_b / r)^2)`, so that `F_a = -k u_b (1 + (u_b / r)^2)` and
+//! `F_b = -k u_a (1 + 3 (u_b / r)^2)`.
 
 use super::reality::displacement;
 use super::{EffectSpec, Reality};
 use crate::diagnostic::Diagnostic;
 
-/// One or more of `xy, xz, yz, xax, xay, ... , axay, axaz, ayaz`.
+/// One or more of `xy, xz, yz, xax, xay, ... , axay, axaz, ayaz`; `reach=...`, a deflection of the second one of each pair.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
     let bushing = reality.object(spec, &["BUSHING"])?;
     let pair = reality.pair(spec, &bushing)?;
     let names = ["x", "y", "z", "ax", "ay", "az"];
+    let reach = match spec.optional("reach")? {
+        Some(_) => Some(spec.positive("reach")?),
+        None => None,
+    };
     let mut forces = Vec::new();
     for b in 0..6 {
         for a in 0..b {
             if let Some(k) = spec.optional(&format!("{}{}", names[a], names[b]))? {
                 // Each is the next term of a sum.
-                forces.push((a, format!("-({k:e})*{}", displacement(pair, b))));
-                forces.push((b, format!("-({k:e})*{}", displacement(pair, a))));
+                let [u, v] = [a, b].map(|axis| displacement(pair, axis));
+                let more = |times: f64| match reach {
+                    Some(r) => format!("*(1.0+{:e}*({v})**2)", times / (r * r)),
+                    None => String::new(),
+                };
+                forces.push((a, format!("-({k:e})*{v}{}", more(1.0))));
+                forces.push((b, format!("-({k:e})*{u}{}", more(3.0))));
             }
         }
     }

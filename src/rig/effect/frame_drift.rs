@@ -5,6 +5,7 @@ use crate::diagnostic::Diagnostic;
 use crate::mechanics::Pose;
 
 /// `x, y, z, ax_deg, ay_deg, az_deg`: all coordinates of the case are read so much further along, turned about the origin.
+/// `creep=1`: it goes on moving while the marks are read one by one, here as far as it had gone half way.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
     let Some(label) = spec.address.strip_prefix("case ") else {
         return Err(spec.refuse("sits at a load case, for example `case 7`"));
@@ -12,6 +13,9 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diag
     let case = reality.case(spec, label.trim())?;
     let (p, R) = spec.motion()?;
     let pose = Pose { p, R };
-    reality.faults.push(ReadingFault::Frame { case, pose });
+    let creep = spec.optional("creep")?.unwrap_or(0.0);
+    reality
+        .faults
+        .push(ReadingFault::Frame { case, pose, creep });
     Ok(())
 }

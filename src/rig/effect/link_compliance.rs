@@ -1,7 +1,8 @@
 //! A part that deforms along the line of its two joints.
 //!
 //! The far end becomes a part of its own that slides along the line on the rest, held by a spring: at one end with the given
-//! stiffness, or at both ends with twice of it each.
+//! stiffness, or at both ends with twice of it each. With `rated` the spring stiffens, as rubber in the eye of a link does:
+//! `F = k u (1 + (k u / rated)^2)`.
 
 use super::{EffectSpec, Reality};
 use crate::diagnostic::Diagnostic;
@@ -9,7 +10,7 @@ use crate::mechanics::{Mat3, Pose, Vec3};
 use crate::model::Model;
 use crate::syntax::Address;
 
-/// `stiffness=...` and `ends=one` or `both`.
+/// `stiffness=...`, `ends=one` or `both`, `rated=...`: the force at which a linear spring's deflection takes twice that force.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
     let part = reality.object(spec, &["PART"])?.id.unwrap_or(0);
     let stiffness = spec.positive("stiffness")?;
@@ -24,9 +25,14 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diag
         return Err(spec.refuse(format!("both joints of PART/{part} are at one point")));
     }
     let each = if both { 2.0 * stiffness } else { stiffness };
-    cut(spec, reality, part, far, &line, each)?;
+    let mut springs = vec![cut(spec, reality, part, far, &line, each)?];
     if both {
-        cut(spec, reality, part, near, &-line, each)?;
+        springs.push(cut(spec, reality, part, near, &-line, each)?);
+    }
+    if let Some(rated) = spec.optional("rated")? {
+        for pair in springs {
+            reality.stiffen(spec, pair, each, (2, rated))?;
+        }
     }
     Ok(())
 }
@@ -68,7 +74,7 @@ fn cut(
     end: &End,
     line: &Vec3,
     stiffness: f64,
-) -> Result<(), Diagnostic> {
+) -> Result<[u32; 2], Diagnostic> {
     let new = reality.twin(part);
     let still = (&Vec3::zeros(), &Mat3::identity());
     reality.rehang(spec, (&end.0, end.1), Some(new), still)?;
@@ -76,7 +82,8 @@ fn cut(
         p: end.2,
         R: super::reality::along(&line.normalize()),
     };
-    let markers = [new, part].map(|part| reality.add_marker(part, &frame).to_string());
+    let ids = [new, part].map(|part| reality.add_marker(part, &frame));
+    let markers = ids.map(|id| id.to_string());
     let pair = [
         ("I", Some(markers[0].clone())),
         ("J", Some(markers[1].clone())),
@@ -88,5 +95,5 @@ fn cut(
     spring.push(("K", Some(format!("0.0, 0.0, {stiffness:e}"))));
     spring.push(("KT", Some("0.0, 0.0, 0.0".to_string())));
     reality.add("BUSHING", &spring);
-    Ok(())
+    Ok(ids)
 }

@@ -3,15 +3,17 @@
 use super::{EffectSpec, Reality};
 use crate::diagnostic::Diagnostic;
 
-/// `fraction=0.02` of the load on the right acts along the one on the left besides.
+/// `fraction=0.02` of the load on the right acts along the one on the left besides. With `law=growing` a rig that leans the more
+/// the more it is loaded: the fraction is half as large where there is no load.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
     let Some((to, from)) = spec.address.split_once("<-") else {
         return Err(spec.refuse("sits at two loads, for example SFORCE/2<-SFORCE/3"));
     };
     let (to, from) = (reality.load(spec, to)?, reality.load(spec, from)?);
     let fraction = spec.number("fraction")?;
-    for case in &mut reality.programme.cases {
-        case.values[to] += fraction * case.values[from];
+    let course = reality.course(spec, from)?;
+    for (case, share) in reality.programme.cases.iter_mut().zip(course) {
+        case.values[to] += fraction * share * case.values[from];
     }
     Ok(())
 }

@@ -1,36 +1,66 @@
 //! The load acts elsewhere than at its marker.
 
 use super::{EffectSpec, Reality};
+use crate::backend::Load;
 use crate::diagnostic::Diagnostic;
+use crate::mechanics::Mat3;
+use crate::syntax::Address;
 
-/// `x, y, z` in the axes of the marker's part. Only loads move; what else sits at the marker stays.
+/// `x, y, z` in the axes of the marker's part. Only loads move; what else sits at the marker stays. With `law=growing` a contact
+/// patch that wanders: half as far off where the largest load at the marker is zero.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
     let marker = reality.object(spec, &["MARKER"])?;
     let shift = spec.shift()?;
     let (_, _, frame) = reality.marker(spec, marker.id.unwrap_or(0))?;
     // Rehanging shifts in the marker's own axes.
     let own = frame.R.transpose() * shift;
-    let mut found = false;
-    for load in reality.programme.loads.clone() {
-        let at_marker = reality
-            .dataset
-            .find(&load.target)
+    let at_marker = |load: &Load, reality: &Reality| {
+        let statement = reality.dataset.find(&load.target);
+        statement
             .and_then(|statement| statement.first("I"))
-            .is_some_and(|i| Some(i as u32) == marker.id);
-        if at_marker {
-            found = true;
-            let object = crate::syntax::Address {
-                argument: None,
-                index: None,
-                ..load.target
+            .is_some_and(|i| Some(i as u32) == marker.id)
+    };
+    let loads = reality.programme.loads.clone();
+    let size = |k: usize| {
+        let cases = reality.programme.cases.iter();
+        cases.map(|case| case.values[k].abs()).fold(0.0, f64::max)
+    };
+    let largest = (0..loads.len())
+        .filter(|k| at_marker(&loads[*k], reality))
+        .max_by(|a, b| size(*a).total_cmp(&size(*b)));
+    let Some(largest) = largest else {
+        return Err(spec.refuse("no load of the study acts at that marker"));
+    };
+    let course = reality.course(spec, largest)?;
+    for load in loads {
+        if !at_marker(&load, reality) {
+            continue;
+        }
+        let object = Address {
+            argument: None,
+            index: None,
+            ..load.target
+        };
+        let still = Mat3::identity();
+        let new = reality.rehang(spec, (&object, "I"), None, (&own, &still))?;
+        if course.iter().all(|share| *share == 1.0) {
+            continue;
+        }
+        for k in 0..3 {
+            let target = Address {
+                kind: "MARKER".to_string(),
+                id: Some(new),
+                argument: Some("QP".to_string()),
+                index: Some(k + 1),
             };
-            let still = crate::mechanics::Mat3::identity();
-            reality.rehang(spec, (&object, "I"), None, (&own, &still))?;
+            reality.programme.loads.push(Load {
+                name: target.to_string(),
+                target,
+            });
+            for (case, share) in reality.programme.cases.iter_mut().zip(&course) {
+                case.values.push(frame.p[k] + share * shift[k]);
+            }
         }
     }
-    if found {
-        Ok(())
-    } else {
-        Err(spec.refuse("no load of the study acts at that marker"))
-    }
+    Ok(())
 }

@@ -15,6 +15,8 @@ pub enum ReadingFault {
         case: usize,
         /// Where the frame went.
         pose: Pose,
+        /// How far it went on while the marks were read one by one: relative, from the first mark to the last.
+        creep: f64,
     },
     /// One mark is read wrongly.
     Mark {
@@ -385,6 +387,36 @@ impl Reality {
         }
         self.add("GFORCE", &arguments);
         Ok(())
+    }
+
+    /// Lets a linear spring along one axis of J stiffen: `F = k u (1 + (k u / rated)^2)`.
+    pub(super) fn stiffen(
+        &mut self,
+        spec: &EffectSpec,
+        pair: [u32; 2],
+        stiffness: f64,
+        (axis, rated): (usize, f64),
+    ) -> Result<(), Diagnostic> {
+        if !(rated > 0.0) {
+            return Err(spec.refuse("rated must be above zero"));
+        }
+        // The linear part is the spring's own.
+        let cubic = stiffness.powi(3) / (rated * rated);
+        let force = format!("-{cubic:e}*({})**3", displacement(pair, axis));
+        self.add_component_force(spec, pair, &[(axis, force)])
+    }
+
+    /// How an error that follows a load goes with it, case by case: alike in all cases, or from one half of itself without load to
+    /// all of itself at the largest.
+    pub(super) fn course(&self, spec: &EffectSpec, load: usize) -> Result<Vec<f64>, Diagnostic> {
+        let law = spec.word("law", &["constant", "growing"])?;
+        let sizes = self.programme.cases.iter().map(|c| c.values[load].abs());
+        let most = sizes.clone().fold(f64::MIN_POSITIVE, f64::max);
+        let share = |size: f64| match law {
+            "constant" => 1.0,
+            _ => 0.5 + 0.5 * size / most,
+        };
+        Ok(sizes.map(share).collect())
     }
 
     /// Index of the case with this label.

@@ -141,6 +141,23 @@ pub const CAUSES: [&str; 16] = [
     "channel-fault",
 ];
 
+/// Causes that differ from what their hypothesis assumes where they really occur: forces that grow otherwise, ends that both yield,
+/// brackets stiffer one way, errors that grow with the load or with time. A shifted point or one wrong reading cannot.
+const OTHERWISE: [&str; 12] = [
+    "progressive-stiffness",
+    "dry-friction",
+    "link-compliance",
+    "body-compliance",
+    "bushing-orientation",
+    "bushing-coupling",
+    "stop-contact",
+    "load-gain",
+    "load-crosstalk",
+    "load-point-error",
+    "frame-drift",
+    "channel-fault",
+];
+
 /// What no hypothesis of the catalogue is.
 pub const OUTSIDE: [&str; 6] = [
     "creep",
@@ -196,6 +213,27 @@ pub fn plan(kind: Kind, seed: u64) -> Plan {
         plants: Vec::new(),
     }
 }
+
+/// `count` studies of a kind, of seeds from `first` on; of multilinks, which take longest, at most so many, and further seeds of the
+/// other axle instead.
+pub fn plans(kind: Kind, first: u64, count: usize, multilinks: usize) -> Vec<Plan> {
+    let mut taken = 0;
+    let fits = |plan: &Plan| {
+        taken += usize::from(plan.axle == Axle::Multilink);
+        plan.axle == Axle::McPherson || taken <= multilinks
+    };
+    let seeds = (first..).map(|seed| plan(kind, seed));
+    seeds.filter(fits).take(count).collect()
+}
+
+/// The kinds of studies with how many of each the test command has, and of these multilinks at most: one takes as long as ten of the
+/// other axle.
+pub const OF_TESTS: [(Kind, usize, usize); 4] = [
+    (Kind::Single, 48, 2),
+    (Kind::Clean, 12, 2),
+    (Kind::Pair, 8, 0),
+    (Kind::Outside, 6, 0),
+];
 
 fn stream(seed: u64, kind: Kind, purpose: u64) -> Pcg64 {
     Pcg64::seed_from_u64(seed.wrapping_mul(1000) + 100 * kind as u64 + purpose)
@@ -262,7 +300,14 @@ fn drawn(
     random: &mut Pcg64,
 ) -> Plant {
     let model = ranges.model;
-    let foreign_law = random.random_bool(0.5);
+    // Of the causes that can, three of four seeds are foreign: more than half of all.
+    let drawn = random.random_bool(0.5);
+    let foreign = OTHERWISE.contains(&cause)
+        && if plan.kind == Kind::Single {
+            !(plan.seed + plan.seed / 16).is_multiple_of(4)
+        } else {
+            drawn
+        };
     // From below what can be seen to three times the noise.
     let wanted = random.random_range(0.2_f64.ln()..3.0_f64.ln()).exp();
     let bushings: Vec<usize> = (0..model.bushings.len()).collect();
@@ -294,12 +339,11 @@ fn drawn(
         .filter(|j| matches!(j.kind, JointKind::Cylindrical | JointKind::Translational))
         .collect();
     let loads = ["SFORCE/1", "SFORCE/2", "SFORCE/3"];
-    let mut foreign = false;
+    let growing = if foreign { ",law=growing" } else { "" };
     let (address, pieces, most): (String, Vec<Piece>, f64) = match cause {
         "progressive-stiffness" => {
             let (address, (low, high), k) = component(random, 6);
             let far = high.abs().max(low.abs());
-            foreign = foreign_law;
             let pieces = if foreign {
                 vec![text("law=exponential,rate="), Piece::Grows(0.5 / far)]
             } else {
@@ -308,7 +352,6 @@ fn drawn(
             (address, pieces, 6.0)
         }
         "dry-friction" => {
-            foreign = foreign_law;
             let law = if foreign { ",law=dahl" } else { "" };
             let slip = random.random_range(0.01_f64.ln()..0.3_f64.ln()).exp();
             if !slides.is_empty() && random.random_bool(0.3) {
@@ -338,7 +381,6 @@ fn drawn(
             }
         }
         "link-compliance" => {
-            foreign = foreign_law;
             let two: Vec<u32> = model
                 .parts
                 .iter()
@@ -351,7 +393,11 @@ fn drawn(
                 })
                 .map(|(_, part)| part.header.id)
                 .collect();
-            let ends = if foreign { ",ends=both" } else { "" };
+            let ends = match (foreign, random.random_bool(0.5)) {
+                (true, true) => ",ends=both",
+                (true, false) => ",ends=both,rated=4000",
+                _ => "",
+            };
             let pieces = vec![text("stiffness="), Piece::Shrinks(2e4), text(ends)];
             (format!("PART/{}", pick(&two, random)), pieces, 40.0)
         }
@@ -369,7 +415,13 @@ fn drawn(
                 .filter(|o| on(o.i) != on(o.j))
                 .map(|o| format!("SPRINGDAMPER/{}", o.header.id));
             let places: Vec<String> = joints.chain(springs).collect();
-            let pieces = vec![text("stiffness="), Piece::Shrinks(2e4)];
+            let mut pieces = vec![text("stiffness="), Piece::Shrinks(2e4)];
+            if foreign {
+                // A bracket is stiffer one way, and stiffens a little.
+                let axis = pick(&["x", "y", "z"], random);
+                let factor = random.random_range(0.4..2.5);
+                pieces.push(text(format!(",{axis}={factor:.3},rated=8000")));
+            }
             (pick(&places, random).clone(), pieces, 40.0)
         }
         "assembly-offset" => {
@@ -385,8 +437,19 @@ fn drawn(
         }
         "bushing-orientation" => {
             let id = model.bushings[*pick(&bushings, random)].header.id;
-            let axis = pick(&["ax_deg=", "ay_deg=", "az_deg="], random);
-            let pieces = vec![text(*axis), Piece::Grows(5.0 * sign(random))];
+            let names = ["ax_deg=", "ay_deg=", "az_deg="];
+            let axis = random.random_range(0..3);
+            let angle = 5.0 * sign(random);
+            let mut pieces = vec![text(names[axis]), Piece::Grows(angle)];
+            if foreign {
+                // Askew about a second axis as well.
+                let other = (axis + random.random_range(1..3)) % 3;
+                let share = random.random_range(-0.5..0.5);
+                pieces.extend([
+                    text(format!(",{}", names[other])),
+                    Piece::Grows(share * angle),
+                ]);
+            }
             (format!("BUSHING/{id}"), pieces, 6.0)
         }
         "bushing-coupling" => {
@@ -394,7 +457,14 @@ fn drawn(
             let (a, b) = *pick(&[(0, 1), (0, 2), (1, 2)], random);
             let name = ["x", "y", "z"][a].to_string() + ["x", "y", "z"][b];
             let k = (law.k[a] * law.k[b]).sqrt();
-            let pieces = vec![text(name + "="), Piece::Grows(0.1 * k * sign(random))];
+            let mut pieces = vec![text(name + "="), Piece::Grows(0.1 * k * sign(random))];
+            if foreign {
+                // As thick as rubber that is pressed by two thirds of itself, the same in all directions.
+                let far = (0..3).map(|axis| (ranges.of)((law.i, law.j), axis));
+                let far = far.map(|(low, high)| high.abs().max(low.abs()));
+                let reach = 1.5 * far.fold(0.2, f64::max);
+                pieces.push(text(format!(",reach={reach:.4}")));
+            }
             (format!("BUSHING/{}", law.header.id), pieces, 6.0)
         }
         "element-parameter" => {
@@ -419,7 +489,6 @@ fn drawn(
             (pick(&places, random).clone(), pieces, 12.0)
         }
         "stop-contact" => {
-            foreign = foreign_law;
             let law = if foreign { ",law=quadratic" } else { "" };
             let share = random.random_range(0.3..0.8);
             let far_side = random.random_bool(0.5);
@@ -463,23 +532,31 @@ fn drawn(
             (address, pieces, 50.0)
         }
         "load-gain" => {
-            let pieces = vec![text("gain="), Piece::Factor(0.02 * sign(random))];
+            let gain = Piece::Factor(0.02 * sign(random));
+            let pieces = vec![text("gain="), gain, text(growing)];
             ((*pick(&loads, random)).to_string(), pieces, 8.0)
         }
         "load-crosstalk" => {
             let to = random.random_range(0..3);
             let from = (to + random.random_range(1..3)) % 3;
-            let pieces = vec![text("fraction="), Piece::Grows(0.01 * sign(random))];
+            let fraction = Piece::Grows(0.01 * sign(random));
+            let pieces = vec![text("fraction="), fraction, text(growing)];
             (format!("{}<-{}", loads[to], loads[from]), pieces, 8.0)
         }
         "load-point-error" => {
             let target = &model.sforces[0];
             let id = model.markers[target.i.0].header.id;
-            (format!("MARKER/{id}"), shift(direction(random), 3.0), 8.0)
+            let mut pieces = shift(direction(random), 3.0);
+            pieces.push(text(growing));
+            (format!("MARKER/{id}"), pieces, 8.0)
         }
         "frame-drift" => {
             let case = pick(cases, random);
-            (format!("case {case}"), shift(direction(random), 0.1), 30.0)
+            let mut pieces = shift(direction(random), 0.1);
+            if foreign {
+                pieces.push(text(",creep=1"));
+            }
+            (format!("case {case}"), pieces, 30.0)
         }
         "mark-outlier" => {
             let case = pick(cases, random);
@@ -490,7 +567,15 @@ fn drawn(
         }
         "channel-fault" => {
             let name = pick(&["height", "travel"], random);
-            let pieces = if random.random_bool(0.5) {
+            let pieces = if foreign {
+                // Gain and zero are both off.
+                vec![
+                    text("gain="),
+                    Piece::Factor(0.002 * sign(random)),
+                    text(",offset="),
+                    Piece::Grows(0.1 * sign(random)),
+                ]
+            } else if random.random_bool(0.5) {
                 vec![text("gain="), Piece::Factor(0.002 * sign(random))]
             } else {
                 let case = pick(cases, random);
