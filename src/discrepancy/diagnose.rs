@@ -13,6 +13,7 @@ use super::extended::{Fitted, Warm, fit};
 use super::held_out::{HeldOutTest, held_out_test, marks_gain, moved, worst_case};
 use super::hypothesis::{BACKGROUND, Hypothesis, assembly_offset};
 use super::next_measurement::next_measurement;
+use super::outside::doubted;
 use super::screening::penalty;
 use super::selection::{Selected, criterion, select};
 use super::stiffness::{CorrectedStiffness, corrected};
@@ -32,6 +33,8 @@ const MATTERS_WHEEL_DEG: f64 = 0.01;
 const SMALL: f64 = 4.0;
 /// Structure is there when the hardest of all tests, corrected for their number, has a p-value below this.
 const STRUCTURED: f64 = 0.005;
+/// A fit follows its readings when their chi-square has at least this p-value.
+const FOLLOWS: f64 = 0.05;
 /// Held-out readings less probable than this under the extended model speak against its causes.
 const SURPRISED: f64 = 0.05;
 
@@ -81,7 +84,7 @@ pub fn diagnose<'a>(
     let mut subject = Subject::new(problem, held_out);
     let no_cases = || IdentifyError::NoCases(None);
     let any = |_: &Hypothesis| true;
-    let seen = fit(&subject, &[], None, Data::Fitted, Effort::FULL).ok_or_else(no_cases)?;
+    let seen = as_it_is(&subject).ok_or_else(no_cases)?;
     let before = held_out_test(&subject, &seen);
     let baseline_dof = seen.dof(&seen.covariance());
     let baseline_fit = BaselineFit {
@@ -184,6 +187,7 @@ pub fn diagnose<'a>(
         surprised(&subject, blind, &mut unexplained);
     }
     stacked(&findings, &mut unexplained);
+    doubted(&subject, &selected, (&findings, &order), &mut unexplained);
     let verdict = if unexplained.structured {
         Verdict::Unexplained
     } else if matters {
@@ -226,6 +230,28 @@ pub fn diagnose<'a>(
         cut_short,
         extended: selected.fitted,
     })
+}
+
+/// The model as it is, fitted to the cases that are not held out. Where that does not follow the readings the fit may have ended in
+/// a side valley, to which all cases together show another way.
+fn as_it_is(subject: &Subject<'_>) -> Option<Fitted> {
+    let first = fit(subject, &[], None, Data::Fitted, Effort::FULL);
+    let follows = |fitted: &Fitted| {
+        let dof = fitted.dof(&fitted.covariance()).round() as usize;
+        chi_square_p_value(fitted.chi_square(), dof) > FOLLOWS
+    };
+    if first.as_ref().is_some_and(follows) || !subject.holds_out() {
+        return first;
+    }
+    let all = fit(subject, &[], None, Data::All, Effort::FULL);
+    let second = all.and_then(|all| {
+        let warm = Some(Warm::at(&all));
+        fit(subject, &[], warm, Data::Fitted, Effort::FULL)
+    });
+    match (first, second) {
+        (Some(a), Some(b)) if b.minimum.objective < a.minimum.objective => Some(b),
+        (a, b) => a.or(b),
+    }
 }
 
 /// A name that does not predict the cases held out is not to be trusted: what they show beyond it remains unexplained.

@@ -17,6 +17,7 @@ mod held_out;
 mod hypothesis;
 mod influence;
 mod next_measurement;
+mod outside;
 mod screening;
 mod selection;
 mod setup;

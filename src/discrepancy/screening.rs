@@ -39,6 +39,20 @@ pub fn screen(subject: &Subject<'_>, fitted: &Fitted) -> Vec<Score> {
     score(fitted, hypotheses, columns, places)
 }
 
+/// What each of these promises at a fit, as one of as many as there are of them; in their order.
+pub fn promises(
+    fitted: &Fitted,
+    survey: &Survey<'_>,
+    hypotheses: &[Hypothesis],
+) -> Vec<Option<Score>> {
+    let of = |hypothesis: &Hypothesis| {
+        let one = vec![hypothesis.clone()];
+        let columns = survey.columns(&one);
+        score(fitted, one, columns, hypotheses.len()).pop()
+    };
+    hypotheses.iter().map(of).collect()
+}
+
 /// A hypothesis' own columns against the fit: what of them the fit's unknowns cannot do.
 struct Against<'a> {
     /// Jacobian of the fit, rows that it has not seen zero.

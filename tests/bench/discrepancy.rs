@@ -97,17 +97,14 @@ fn main() {
                 let minutes = started.elapsed().as_secs_f64() / 60.0;
                 eprintln!("{count} of {all} studies, {minutes:.1} min");
             }
-            match trial {
-                Ok(trial) => {
-                    if show {
-                        println!("{}", line(&trial, &blind::judge::score(&trial)));
-                    }
-                    Some(trial)
+            if let Ok(trial) = trial {
+                if show {
+                    println!("{}", line(&trial, &blind::judge::score(&trial)));
                 }
-                Err(_) => {
-                    println!("{name} could not be run");
-                    None
-                }
+                Some(trial)
+            } else {
+                println!("{name} could not be run");
+                None
             }
         })
         .collect();

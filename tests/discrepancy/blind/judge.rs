@@ -209,7 +209,9 @@ pub fn line(trial: &Trial, score: &Score) -> String {
                 )
             })
             .collect();
-        format!("{:?}: {}", d.verdict, findings.join("; "))
+        let left = &d.unexplained.places;
+        let left = left.first().map_or(String::new(), |l| format!(" [{l}]"));
+        format!("{:?}: {}{left}", d.verdict, findings.join("; "))
     });
     format!(
         "{:?} {} {} {:?} sigma {:.4}{}{} | {} | {} | cause {} address {} p {:.2e} {:.1} s",

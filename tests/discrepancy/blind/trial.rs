@@ -49,7 +49,8 @@ pub struct Trial {
     pub seconds: f64,
 }
 
-/// Draws, measures and diagnoses the study of a plan.
+/// Draws, measures and diagnoses the study of a plan. The folder it hands over is kept below `KEEP_STUDIES` if that is set, for those
+/// who want to look into one.
 pub fn run(plan: Plan) -> Trial {
     let truth = truth(
         plan.axle,
@@ -69,6 +70,12 @@ pub fn run(plan: Plan) -> Trial {
     plant(&mut trial, &truth);
     let folder = tempfile::tempdir().expect("a folder for the study");
     hand_over(&trial, &truth, folder.path());
+    if let Some(kept) = std::env::var_os("KEEP_STUDIES") {
+        let name = format!("{:?}-{}", trial.plan.kind, trial.plan.seed).to_lowercase();
+        let kept = Path::new(&kept).join(name);
+        std::fs::create_dir_all(&kept).expect("a folder to keep the study in");
+        hand_over(&trial, &truth, &kept);
+    }
     let loaded = LoadedStudy::read(folder.path());
     trial.spoilt = loaded
         .diagnostics
