@@ -5,6 +5,8 @@ use admire::rig::LoadTable;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
+use super::sized::{Form, Piece, Plant, shift, text};
+
 /// Which axle.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Axle {
@@ -43,61 +45,6 @@ pub enum Kind {
     Pair,
     /// A cause outside the catalogue.
     Outside,
-}
-
-/// Something to plant; its size is still open.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Plant {
-    /// Cause and address as `diagnosis.json` names them.
-    pub cause: &'static str,
-    /// See `cause`.
-    pub address: String,
-    /// True if no hypothesis uses its law.
-    pub foreign: bool,
-    /// The effect as a text for a size of one; `{}` stand for numbers proportional to the size.
-    form: Form,
-    /// Rms shift wanted, in units of the noise.
-    pub wanted: f64,
-}
-
-#[derive(Clone, PartialEq, Debug)]
-struct Form {
-    /// Pieces of the specification: fixed text, and numbers that follow the size.
-    pieces: Vec<Piece>,
-    /// The size never exceeds this.
-    most: f64,
-}
-
-#[derive(Clone, PartialEq, Debug)]
-enum Piece {
-    Text(String),
-    /// `base * size`
-    Grows(f64),
-    /// `base / size`
-    Shrinks(f64),
-    /// `1 + base * size`
-    Factor(f64),
-}
-
-impl Plant {
-    /// The effect for `admire rig`, at a size.
-    pub fn spec(&self, size: f64) -> String {
-        let mut text = format!("{}@{}:", self.cause, self.address);
-        for piece in &self.form.pieces {
-            match piece {
-                Piece::Text(piece) => text += piece,
-                Piece::Grows(base) => text += &format!("{:.9e}", base * size),
-                Piece::Shrinks(base) => text += &format!("{:.9e}", base / size),
-                Piece::Factor(base) => text += &format!("{:.12}", 1.0 + base * size),
-            }
-        }
-        text
-    }
-
-    /// The size that is never exceeded.
-    pub const fn most(&self) -> f64 {
-        self.form.most
-    }
 }
 
 /// A study before it is measured.
@@ -277,19 +224,6 @@ fn direction(random: &mut impl Rng) -> [f64; 3] {
             return v.map(|x| x / norm);
         }
     }
-}
-
-fn text(piece: impl Into<String>) -> Piece {
-    Piece::Text(piece.into())
-}
-
-fn shift(v: [f64; 3], scale: f64) -> Vec<Piece> {
-    let names = ["x=", ",y=", ",z="];
-    names
-        .iter()
-        .zip(v)
-        .flat_map(|(name, x)| [text(*name), Piece::Grows(x * scale)])
-        .collect()
 }
 
 fn drawn(

@@ -8,6 +8,7 @@ pub mod axle;
 pub mod detect;
 pub mod draw;
 pub mod judge;
+pub mod sized;
 pub mod trial;
 
 pub use draw::Axle;

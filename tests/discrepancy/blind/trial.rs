@@ -14,7 +14,8 @@ use nalgebra::DVector;
 
 use super::axle::{Truth, truth};
 use super::detect::{Span, left_by_a_fit};
-use super::draw::{Kind, Plan, Plant, Ranges, plants};
+use super::draw::{Kind, Plan, Ranges, plants};
+use super::sized::Plant;
 
 /// So often a place is drawn.
 const ATTEMPTS: u64 = 6;
