@@ -32,8 +32,9 @@ fn holds(
     assert!(100 * good >= percent * all, "{what}: {good} of {all}");
 }
 
-/// Aims: cause 95 and place 90 percent on the McPherson, 80 and 70 on the multilink. What is held to leaves two studies more for the
-/// luck of the noise than were wrong when this was written.
+/// Aims: cause 95 and place 90 percent on the McPherson, 80 and 70 on the multilink. When this was written 38 and
+/// 37 of 41 were right on the McPherson, more than half of them by a law no hypothesis uses; what is held to leaves one or two more for
+/// the luck of the noise.
 #[test]
 fn hidden_causes_are_named() {
     let tally = tally(Kind::Single);
@@ -103,8 +104,8 @@ fn a_clean_study_is_consistent() {
     assert!(all - quiet <= 1, "{} false alarms", all - quiet);
 }
 
-/// The aim is both causes in 80 percent of the pairs. Four of six were reached when this was written, 11 of 13 causes in all; what is
-/// held to leaves two causes more for the luck of the noise.
+/// The aim is both causes in 80 percent of the pairs. Six of seven were reached when this was written, 14 of 15 causes in all; what
+/// is held to leaves two causes more for the luck of the noise.
 #[test]
 fn causes_of_a_pair_are_named() {
     let tally = tally(Kind::Pair);
@@ -118,7 +119,7 @@ fn causes_of_a_pair_are_named() {
     }
     println!("pairs: {named} of {seen} causes, none in {none}");
     assert!(seen >= 12, "{seen}");
-    assert!(100 * named >= 69 * seen, "{named} of {seen}");
+    assert!(100 * named >= 80 * seen, "{named} of {seen}");
     assert!(none <= 2, "{none} pairs without any right name");
 }
 
