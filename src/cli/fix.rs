@@ -34,6 +34,9 @@ pub(super) struct Arguments {
     /// With --replace-user: the free length of a spring, or the distance at which a stop begins to touch: `SFORCE/3=210`.
     #[arg(long, value_name = "FORCE=LENGTH", requires = "replace_user")]
     length: Vec<String>,
+    /// With --replace-user: this force only reads its file, and the other numbers of its subroutine do nothing: `GFORCE/3`.
+    #[arg(long, value_name = "FORCE", requires = "replace_user")]
+    plain: Vec<String>,
 }
 
 /// Shows and makes the changes.
@@ -92,6 +95,10 @@ fn without_user_forces(
         };
         lengths.push((address, value));
     }
+    let mut plain = Vec::new();
+    for text in &arguments.plain {
+        plain.push(get::parse(text, &dataset, shell)?);
+    }
     let mut files = shell.read_files(&dataset).value;
     for reference in references(&dataset) {
         if files.get(&reference.name).is_none() {
@@ -104,7 +111,7 @@ fn without_user_forces(
             }
         }
     }
-    let replacement = replace_user_forces(&dataset, &files, &lengths);
+    let replacement = replace_user_forces(&dataset, &files, &lengths, &plain);
     shell.complain(&replacement.diagnostics);
     Ok(apply_edits(source.bytes(), &replacement.edits).unwrap_or_else(|_| source.bytes().to_vec()))
 }

@@ -1,7 +1,8 @@
 //! USER forces that only read an Adams/Car property file, rewritten as functions of its curves.
 //!
 //! Knows which numbers of the parameter list may be the id of a STRING with the name of such a file, and nothing of what else the
-//! list tells its subroutine: preloads, offsets and scales of the instance stay with the user, who is told so.
+//! list tells its subroutine: preloads, offsets, scales of the instance. A force with such numbers keeps its subroutine unless the
+//! user says that they do nothing.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -34,10 +35,14 @@ const AKIMA: usize = 4;
 /// bushing `F = -c(d)`, `T = -c(a)` on I; spring `F = c(L - DM)`, L its free length; bump stop `F = c(L - DM)` where that is
 /// positive, rebound stop `F = -c(DM - L)`, L the distance at which it begins to touch. `lengths` gives L; for springs the
 /// FREE_LENGTH of the file holds where it is not given. Damping is added to bushings at their rates: nothing in statics.
+///
+/// A parameter list may begin with a number that chooses the subroutine and must hold the id of the STRING; whatever else in it is not
+/// zero may change the force. Such a force stays, with these numbers named, unless it is among `plain`.
 pub fn replace_user_forces(
     dataset: &Dataset,
     files: &Files,
     lengths: &[(Address, f64)],
+    plain: &[Address],
 ) -> Replacement {
     let units = Model::lower(dataset).value.units;
     let mut work = Work {
@@ -45,6 +50,7 @@ pub fn replace_user_forces(
         files,
         units,
         lengths,
+        plain,
         splines: ids(dataset, "SPLINE").last().copied().unwrap_or(0),
         out: Replacement::default(),
     };
@@ -83,6 +89,7 @@ struct Work<'a> {
     files: &'a Files,
     units: Units,
     lengths: &'a [(Address, f64)],
+    plain: &'a [Address],
     /// The highest id of a SPLINE so far.
     splines: u32,
     out: Replacement,
@@ -102,6 +109,17 @@ impl Work<'_> {
             )
         };
         let (name, file) = self.property_file(user).map_err(stays)?;
+        let others = self.others(user, &name);
+        if !others.is_empty() && !self.plain.contains(address) {
+            let message = format!(
+                "its parameters hold {} besides the id of `{name}`, which may be a preload, an offset or a scale",
+                others.join(", ")
+            );
+            let help = format!(
+                "if they do not change the force, say so: --plain {address}; else add them to the function that replaces it"
+            );
+            return Err(stays(message).help(help));
+        }
         match (statement.kind(), &file.kind) {
             (Some("GFORCE"), PropertyKind::Bushing) => {
                 self.bushing(statement, &file, &name).map_err(stays)
@@ -127,11 +145,22 @@ impl Work<'_> {
         }
     }
 
+    /// Numbers of the list that are not zero, after the one that chooses the subroutine and without the id of the file's STRING.
+    fn others(&self, user: &str, name: &str) -> Vec<String> {
+        let is_file = |number: f64| {
+            let id = (number >= 1.0 && number.fract() == 0.0).then_some(number as u32);
+            let string = id.and_then(|id| self.dataset.statement("STRING", Some(id)));
+            let text = string.and_then(|s| s.text("STRING", self.dataset.source()));
+            text.is_some_and(|text| text.trim() == name)
+        };
+        let numbers = numbers(user).enumerate();
+        let others = numbers.filter(|(k, n)| *n != 0.0 && !is_file(*n) && *k > 0);
+        others.map(|(_, number)| format!("{number}")).collect()
+    }
+
     /// The one property file that the parameters of a call lead to.
     fn property_file(&self, user: &str) -> Result<(String, PropertyFile), String> {
-        let inside = user.split_once('(').map_or("", |(_, inside)| inside);
-        let words = inside.trim_end().trim_end_matches(')').split(',');
-        let numbers = words.filter_map(|w| w.trim().trim_start_matches(',').parse::<f64>().ok());
+        let numbers = numbers(user);
         let mut found: Option<(String, PropertyFile)> = None;
         let mut seen = BTreeSet::new();
         for number in numbers.filter(|n| *n >= 1.0 && n.fract() == 0.0) {
@@ -302,6 +331,13 @@ impl Work<'_> {
             .edits
             .push(Edit::new(statement.span, lines.join(newline)));
     }
+}
+
+/// The parameters of a call.
+fn numbers(user: &str) -> impl Iterator<Item = f64> + '_ {
+    let inside = user.split_once('(').map_or("", |(_, inside)| inside);
+    let words = inside.trim_end().trim_end_matches(')').split(',');
+    words.filter_map(|w| w.trim().trim_start_matches(',').parse::<f64>().ok())
 }
 
 /// Name of the k-th curve of a bushing file.

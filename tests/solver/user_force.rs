@@ -43,7 +43,7 @@ fn stiffening(kind: &str, extra: &str) -> String {
 const DECK: &str = "user forces\r\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\r\nPART/1, GROUND\r\nMARKER/1, PART=1\r\n\
     PART/2, MASS=1, CM=20, IP=100,100,100\r\nMARKER/20, PART=2\r\nMARKER/9, PART=1, FLOATING\r\n\
     ! the bushing of the arm\r\n\
-    GFORCE/1\r\n, I = 20\r\n, JFLOAT = 9\r\n, RM = 1\r\n, FUNCTION = USER(900, 31, 7, 0)\\\r\n, ROUTINE = abgVDM::bushing\r\n\
+    GFORCE/1\r\n, I = 20\r\n, JFLOAT = 9\r\n, RM = 1\r\n, FUNCTION = USER(900, 31, 0, 0)\\\r\n, ROUTINE = abgVDM::bushing\r\n\
     STRING/31, STRING = mdids://acar_shared/bushings.tbl/arm.bus\r\nSTRING/32, STRING = coil.spr\r\nSTRING/33, STRING = stop.bum\r\n\
     STRING/34, STRING = stop.reb\r\nSPLINE/40, X=0,1,2,3, Y=0,1,2,3\r\n";
 
@@ -63,9 +63,12 @@ fn files() -> Files {
 
 /// The deck with these statements, replaced; the complaints.
 fn replaced(more: &str, lengths: &[(Address, f64)]) -> (String, Vec<String>) {
-    let text = format!("{DECK}{more}END\r\n");
-    let dataset = Dataset::parse(Source::new("user.adm", text.into_bytes())).value;
-    let out = replace_user_forces(&dataset, &files(), lengths);
+    replaced_in(&format!("{DECK}{more}END\r\n"), lengths, &[])
+}
+
+fn replaced_in(text: &str, lengths: &[(Address, f64)], plain: &[Address]) -> (String, Vec<String>) {
+    let dataset = Dataset::parse(Source::new("user.adm", text.as_bytes().to_vec())).value;
+    let out = replace_user_forces(&dataset, &files(), lengths, plain);
     let bytes = apply_edits(dataset.source().bytes(), &out.edits).unwrap();
     let told = out.diagnostics.iter().map(|d| d.message.clone()).collect();
     (String::from_utf8(bytes).unwrap(), told)
@@ -124,7 +127,7 @@ fn force(id: u32) -> Address {
 #[test]
 fn a_spring_file_acts_from_its_free_length() {
     let spring =
-        "SFORCE/5, I=20, J=4, TRANSLATIONAL, FUNCTION=USER(32,1)\\, ROUTINE=abgVDM::spring";
+        "SFORCE/5, I=20, J=4, TRANSLATIONAL, FUNCTION=USER(32,0)\\, ROUTINE=abgVDM::spring";
     let (text, told) = guided(spring, &[]);
     assert!(told.is_empty(), "{told:?}");
     assert!(
@@ -164,6 +167,26 @@ fn a_stop_acts_only_beyond_its_clearance() {
     let (text, _) = guided(rebound, &[(force(7), 95.0)]);
     // 20 (r - 95) = 600: r = 125.
     assert!((place(&text).p.z + 25.0).abs() < 1e-8);
+}
+
+/// What else the list tells the subroutine is not known: the force stays until the user says that it does nothing.
+#[test]
+fn other_parameters_keep_the_subroutine() {
+    let deck = DECK.replace("USER(900, 31, 0, 0)", "USER(900, 31, 7, 0, 1.5)");
+    let text = format!("{deck}{PULL}END\r\n");
+    let (same, told) = replaced_in(&text, &[], &[]);
+    assert_eq!(same, text);
+    let name = "mdids://acar_shared/bushings.tbl/arm.bus";
+    assert_eq!(
+        told,
+        [format!(
+            "GFORCE/1 keeps its subroutine: its parameters hold 7, 1.5 besides the id of `{name}`, which may be a preload, an offset or a scale"
+        )]
+    );
+    let plain = [crate::reference::address("GFORCE", 1)];
+    let (text, told) = replaced_in(&text, &[], &plain);
+    assert!(told.is_empty(), "{told:?}");
+    assert!((place(&text).p.x - 0.5).abs() < 1e-9);
 }
 
 #[test]
