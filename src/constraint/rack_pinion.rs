@@ -3,8 +3,8 @@
 use super::{Constraint, Equations, Measure};
 use crate::mechanics::{RelativeMotion, Vec6};
 
-/// The rack moves along +zj when the pinion turns positively about zi and PD is positive. No public source settles the sign;
-/// this is its only place.
+/// The rack moves along +zj when the pinion turns positively about zi and PD is positive: it rolls without slip on the side of -yi.
+/// No page of the help states it; the one public deck that uses the joint draws its rack there (grammar/NOTES.md).
 const SENSE: f64 = 1.0;
 
 /// RACKPIN: I on the pinion, turning about zi, J on the rack, sliding along zj; xi along zj at rest.
@@ -12,7 +12,8 @@ const SENSE: f64 = 1.0;
 /// Equation: `-d.zj - SENSE PD / 2 phi = 0`: the rack (J, whose displacement relative to I is `-d`) advances by the pitch radius
 /// times the rotation phi of I about zi, measured from where xi points along zj. Turns are counted by taking phi nearest to
 /// what the rack's place asks for. One equation; other joints hold the axes perpendicular. Parameter: PD, the pitch diameter,
-/// signed. Valid as long as xi does not lie along the pinion axis. Source: Adams Solver help, `state_joint` (form certain, sign not).
+/// signed. Valid as long as xi does not lie along the pinion axis. Source: Adams Solver help, `state_joint`,
+/// `constraint_mod_joi_rac`; the sign as [`SENSE`] says.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct RackPinion;
 
@@ -54,6 +55,26 @@ impl Constraint for RackPinion {
 mod tests {
     use super::*;
     use crate::mechanics::{Mat3, Vec3, exp};
+
+    /// xi along zj, the rack on the side of -yi: it moves as the point of the pinion that touches it, omega x r.
+    #[test]
+    fn the_rack_rolls_without_slip() {
+        let (radius, turn) = (10.0, 1e-3);
+        // Columns xi, yi, zi in axes of J: xi = zj, yi = xj, zi = yj.
+        let rest = Mat3::new(0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0);
+        let touching = rest * Vec3::new(0.0, -radius, 0.0);
+        let moved = turn * (rest * Vec3::z()).cross(&touching);
+        assert!(moved.z > 0.0 && moved.x == 0.0 && moved.y == 0.0);
+        let motion = RelativeMotion {
+            // I from J: the rack has gone on.
+            p_ij_j: -touching - moved,
+            R_ji: rest * exp(&Vec3::new(0.0, 0.0, turn)),
+            angles: Vec3::zeros(),
+        };
+        let mut out = Equations::default();
+        RackPinion.evaluate(&motion, &[2.0 * radius], &[1.0], &mut out);
+        assert!(out.residual[0].abs() < 1e-12, "{}", out.residual[0]);
+    }
 
     /// A pinion of pitch diameter 20 that turns 7.5 rad moves the rack by 75, more than a turn away.
     #[test]
