@@ -9,6 +9,7 @@ use crate::model::{
 };
 use crate::syntax::Expression;
 
+mod derivatives;
 mod splines;
 
 fn header(id: u32) -> Header {
@@ -406,126 +407,6 @@ fn ids_are_no_parameters() {
         .map(|&k| case.literals[k])
         .collect();
     assert_eq!(values, [2.5, 0.0]);
-}
-
-/// A small linear congruential generator: the points of a test are the same everywhere.
-struct Points(u64);
-
-impl Points {
-    fn next(&mut self, low: f64, high: f64) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
-        low + (high - low) * ((self.0 >> 11) as f64 / (1u64 << 53) as f64)
-    }
-}
-
-/// Derivatives by inputs and literals against central differences at random points.
-fn check_derivatives(text: &str) {
-    let case = compile(text);
-    let program = &case.program;
-    let mut points = Points(text.len() as u64 + 17);
-    let mut scratch = Scratch::default();
-    let (n, m) = (program.inputs.len(), case.literals.len());
-    for _ in 0..25 {
-        let inputs: Vec<f64> = (0..n).map(|_| points.next(0.2, 1.8)).collect();
-        let literals: Vec<f64> = case
-            .literals
-            .iter()
-            .enumerate()
-            .map(|(k, &v)| {
-                if program.parameters.contains(&k) {
-                    v * points.next(0.98, 1.02)
-                } else {
-                    v
-                }
-            })
-            .collect();
-        let (mut by_input, mut by_literal) = (vec![0.0; n], vec![0.0; m]);
-        let value = program
-            .eval_with_derivatives(
-                &inputs,
-                &literals,
-                &mut scratch,
-                &mut by_input,
-                &mut by_literal,
-            )
-            .unwrap();
-        assert_eq!(Ok(value), program.eval(&inputs, &literals, &mut scratch));
-        let mut compare = |all: Vec<f64>, k: usize, exact: f64| {
-            let at = |h: f64, scratch: &mut Scratch| {
-                let mut moved = all.clone();
-                moved[k] += h;
-                program.eval(&moved[..n], &moved[n..], scratch).unwrap()
-            };
-            let h = 1e-5;
-            let difference = (at(h, &mut scratch) - at(-h, &mut scratch)) / (2.0 * h);
-            // Half of the step shows whether a kink lies within reach of the difference.
-            let finer = (at(h / 2.0, &mut scratch) - at(-h / 2.0, &mut scratch)) / h;
-            let scale = 1.0 + exact.abs() + value.abs();
-            if (difference - finer).abs() < 1e-6 * scale {
-                assert!(
-                    (difference - exact).abs() < 1e-5 * scale,
-                    "{text}: by {k} {exact}, by differences {difference}"
-                );
-            }
-        };
-        let all: Vec<f64> = inputs.iter().chain(&literals).copied().collect();
-        for k in 0..n {
-            compare(all.clone(), k, by_input[k]);
-        }
-        for &k in &program.parameters {
-            compare(all.clone(), n + k, by_literal[k]);
-        }
-    }
-}
-
-#[test]
-fn derivatives_are_those_of_central_differences() {
-    for text in [
-        "VARVAL(1)*VARVAL(2)/VARVAL(3)-VARVAL(1)**VARVAL(2)",
-        "VARVAL(1)**2+VARVAL(2)**3-2**VARVAL(3)+(-VARVAL(1))**INT(2.5)",
-        "ABS(VARVAL(1)-1)+AINT(VARVAL(2)*3)+SIGN(VARVAL(1),VARVAL(2)-1)",
-        "ACOS(VARVAL(1)/2)+ASIN(VARVAL(2)/2)+ATAN(VARVAL(3))",
-        "ATAN2(VARVAL(1),VARVAL(2)-1)+DIM(VARVAL(1),VARVAL(2))+MOD(VARVAL(3)*5,VARVAL(1))",
-        "COS(VARVAL(1))*COSH(VARVAL(2))+SIN(VARVAL(1))*SINH(VARVAL(2))+TAN(VARVAL(3)/2)+TANH(VARVAL(3))",
-        "EXP(VARVAL(1))*LOG(VARVAL(2))+LOG10(VARVAL(3))-SQRT(VARVAL(1))",
-        "MAX(VARVAL(1),VARVAL(2),VARVAL(3))*MIN(VARVAL(1),VARVAL(2))",
-        "STEP(VARVAL(1),0.3,VARVAL(2),1.5,VARVAL(3))+STEP(VARVAL(2),1.5,1,0.2,7)",
-        "STEP5(VARVAL(1),VARVAL(2)*0.1,1,1+VARVAL(3),5)",
-        "HAVSIN(VARVAL(1),VARVAL(2)*0.1,1,1+VARVAL(3),5)",
-        "IMPACT(VARVAL(1),VARVAL(2)-1,1.2,50,1.7,3,0.4)",
-        "BISTOP(VARVAL(1),VARVAL(2)-1,0.7,1.2,50,1.7,3,0.4)",
-        "POLY(VARVAL(1),0.3,1,VARVAL(2),3,4)",
-        "CHEBY(VARVAL(1),0.3,1,VARVAL(2),3,4,5)",
-        "SHF(VARVAL(1),0.3,VARVAL(2),3,40D,5)+SHF(VARVAL(3),0.1,2,3,4)",
-        "FORCOS(VARVAL(1),0.3,VARVAL(2),1,2,3)",
-        "FORSIN(VARVAL(1),0.3,VARVAL(2),1,2,3)",
-        "SWEEP(VARVAL(1),VARVAL(2),0.4,0.5,1.3,1.1,0.5)",
-        "AKISPL(VARVAL(1)*5,0,1)+CUBSPL(VARVAL(2)*5,0,1)+INTERP(VARVAL(3)*5,1,1)",
-        "AKISPL(VARVAL(1)*5,0,1,1)+CUBSPL(VARVAL(2)*6,0,4,1)+CUBSPL(VARVAL(2)*6,0,4,2)",
-        "AKISPL(VARVAL(1)*2.5-0.3,VARVAL(2)*2-2,2)+CUBSPL(VARVAL(3)*2.5-0.3,VARVAL(2),2)",
-        "IF(VARVAL(1)-1:VARVAL(2)**2,0,IF(VARVAL(3)-1:SIN(VARVAL(1)),1,VARVAL(2)*VARVAL(1)))*VARVAL(1)",
-        "VARVAL(1)*(VARVAL(2)+VARVAL(1)*(VARVAL(3)-VARVAL(1)))",
-    ] {
-        check_derivatives(text);
-    }
-}
-
-#[test]
-fn infinite_slopes_are_taken_as_zero() {
-    let case = compile("SQRT(VARVAL(1)**2+VARVAL(2)**2)");
-    let mut by = [1.0; 2];
-    let mut by_literal = [0.0; 2 * 3];
-    let value = case.program.eval_with_derivatives(
-        &[0.0, 0.0],
-        &case.literals,
-        &mut Scratch::default(),
-        &mut by,
-        &mut by_literal[..case.literals.len()],
-    );
-    assert_eq!((value, by), (Ok(0.0), [0.0, 0.0]));
 }
 
 #[test]

@@ -7,6 +7,9 @@ use super::{Parameters, Scratch, State, System};
 use crate::function::ForceComponent;
 use crate::mechanics::{Mat3, Mat6, Vec3, Vec6, skew};
 
+/// Magnitudes below this beside their terms are round-off.
+const NO_DIRECTION: f64 = 1e-13;
+
 /// What exerts a force.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Exerted {
@@ -57,7 +60,10 @@ impl System {
             .axes
             .map_or_else(Mat3::identity, |m| scratch.markers[m].R);
         let e: Vec3 = if magnitude {
-            half.try_normalize(0.0).unwrap_or_else(Vec3::zeros)
+            // What is round-off beside the forces has no direction, and its magnitude no slope.
+            let size = w.fixed_rows::<3>(0).norm() * if torque { self.length } else { 1.0 };
+            half.try_normalize(NO_DIRECTION * size)
+                .unwrap_or_else(Vec3::zeros)
         } else {
             R.column(index % 4 - 1).into_owned()
         };

@@ -201,6 +201,32 @@ fn initial_displacements_of_joints_are_told() {
     );
 }
 
+/// A force that reads itself has no value to begin with: refused with the way out, and with that way taken it is solved.
+#[test]
+fn a_force_that_reads_itself() {
+    use admire::model::Model;
+    use admire::syntax::Dataset;
+    use admire::system::System;
+    use admire::text::Source;
+    let spring =
+        "SPRINGDAMPER/1, I=21, J=1, TRANSLATIONAL, K=10, LENGTH=25\nMARKER/9, PART=1, FLOATING\n";
+    let force =
+        |read: &str| format!("{RAIL}{spring}GFORCE/1, I=21, JFLOAT=9, RM=1, FZ=20+0.5*{read}\n");
+    let text = format!("{}{}END\n", crate::deck::HEAD, force("GFORCE(1,0,4,0)"));
+    let dataset = Dataset::parse(Source::new("circle.adm", text.into_bytes()));
+    let compiled = System::compile(&Model::lower(&dataset.value).value);
+    let said = compiled.diagnostics.last().unwrap();
+    assert!(compiled.has_errors());
+    assert_eq!(said.message, "the function of GFORCE/1 reads its own force");
+    assert_eq!(
+        said.help.as_deref(),
+        Some("let a VARIABLE carry the force: it is solved for")
+    );
+    // F = 20 + F / 2: 40 N on a spring of 10 N/mm that is 25 long.
+    let carried = format!("{}VARIABLE/1, FUNCTION=GFORCE(1,0,4,0)", force("VARVAL(1)"));
+    close(value(&carried, "DZ(21,1)"), 29.0);
+}
+
 /// How many statements need user subroutines and which, in one line; none of them is taken for zero.
 #[test]
 fn user_subroutines_are_refused_by_name() {

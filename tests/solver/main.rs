@@ -14,6 +14,7 @@ mod differences;
 mod double_wishbone;
 mod elements;
 mod energy;
+mod functions;
 mod invariance;
 mod rank;
 mod real_decks;
