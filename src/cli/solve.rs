@@ -10,7 +10,7 @@ use crate::mechanics::psi_theta_phi;
 use crate::model::{Model, PartIx, PartKind};
 use crate::session::Session;
 use crate::statics::{
-    Continuation, Report, Settings, SolveError, history_table, smallest_eigenvalue, solve,
+    Continuation, Report, Settings, SolveError, history_table, solve, stiffness_range,
 };
 use crate::system::{Scratch, State, System};
 use crate::units::Dimension;
@@ -63,9 +63,15 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
                 system: &system,
                 state: &state,
                 report: &report,
-                stiffness: smallest_eigenvalue(&system, &system.parameters(), &state)
+                stiffness: stiffness_range(&system, &system.parameters(), &state)
                     .ok()
-                    .flatten(),
+                    .flatten()
+                    .map(|(smallest, bound)| {
+                        // A free motion has no stiffness, whatever round-off makes of it.
+                        let noise = 1e-12 * bound;
+                        let free = !report.free_motions.is_empty() && smallest.abs() < noise;
+                        if free { 0.0 } else { smallest }
+                    }),
                 bodies: &bodies,
             };
             shell.print(&match shell.format {
@@ -196,10 +202,10 @@ impl Answer<'_> {
     fn stability(&self) -> Option<String> {
         let units = &self.model.units;
         let stiffness = self.stiffness?;
-        let word = if stiffness < 0.0 {
-            "unstable"
-        } else {
-            "stable"
+        let word = match stiffness {
+            s if s < 0.0 => "unstable",
+            s if s > 0.0 => "stable",
+            _ => "neutral",
         };
         Some(format!(
             "{word}: smallest stiffness {stiffness:.4e} {}/{}",
@@ -257,10 +263,10 @@ impl Answer<'_> {
             _ = write!(out, "\n{line}");
         }
         for redundant in &self.report.redundant {
-            _ = write!(out, "\nredundant: {redundant}");
+            _ = write!(out, "\nredundant (removed): {redundant}");
         }
         for free in &self.report.free_motions {
-            _ = write!(out, "\nnothing resists: {free}");
+            _ = write!(out, "\n{free}: harmless, nothing drives it");
         }
         out.trim_end().to_string() + "\n"
     }

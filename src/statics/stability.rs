@@ -1,17 +1,19 @@
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::SolveError;
+use super::krylov::ShiftInvert;
 use super::matrix::Matrix;
 use crate::system::{Parameters, Scratch, State, System};
 
-/// Freedoms above which eigenvalues are not worked out: the work grows with the third power.
-const LARGE: usize = 600;
+/// Freedoms up to which all eigenvalues are worked out: that work grows with the third power.
+const DENSE: usize = 150;
 
 /// The smallest eigenvalue (real part) of the tangent stiffness over the motions the constraints allow, rotations taken times
-/// the model's length: force per length. Negative where the equilibrium is unstable. `None` for large systems or if nothing can
-/// move.
+/// the model's length: force per length. Negative where the equilibrium is unstable. `None` if nothing can move.
 ///
-/// With Z a basis of the motions that no constraint resists, the eigenvalues of `Z' K Z`, K unsymmetric in general.
+/// With Z an orthonormal basis of the motions that no constraint resists and S the stiffness left when VARIABLEs and states follow,
+/// the eigenvalues of `Z' S Z`, S unsymmetric in general. Small systems: all of them. Large ones: those next to a series of shifts, by
+/// Arnoldi's method with the factors of the shifted equations (Golub and Van Loan, Matrix Computations, 10.5).
 ///
 /// # Errors
 /// [`SolveError::NoValue`] if an element has no value there.
@@ -20,33 +22,96 @@ pub fn smallest_eigenvalue(
     parameters: &Parameters,
     state: &State,
 ) -> Result<Option<f64>, SolveError> {
+    let range = stiffness_range(system, parameters, state)?;
+    Ok(range.map(|(smallest, _)| smallest))
+}
+
+/// The smallest eigenvalue as [`smallest_eigenvalue`], and a bound that no eigenvalue exceeds in size: what is 1e-12 of it is round-off.
+///
+/// # Errors
+/// [`SolveError::NoValue`] if an element has no value there.
+pub fn stiffness_range(
+    system: &System,
+    parameters: &Parameters,
+    state: &State,
+) -> Result<Option<(f64, f64)>, SolveError> {
     let n = system.first_equation;
-    if n == 0 || n > LARGE {
+    if n == 0 {
         return Ok(None);
     }
+    let tangent = assembled(system, parameters, state)?;
+    let lengths = lengths(system);
+    let bound = bound(system, &tangent, &lengths);
+    let smallest = if n <= DENSE {
+        dense(system, &tangent, &lengths)
+    } else {
+        ShiftInvert::new(system, parameters, state, lengths).smallest(bound)?
+    };
+    Ok(smallest.map(|smallest| (smallest, bound)))
+}
+
+fn assembled(
+    system: &System,
+    parameters: &Parameters,
+    state: &State,
+) -> Result<Matrix, SolveError> {
     let mut matrix = Matrix::new(system.unknowns());
     let mut g = vec![0.0; system.unknowns()];
     let mut scratch = Scratch::new(system);
     system.assemble(parameters, state, &mut scratch, &mut g, &mut matrix)?;
     matrix.finish();
-    let mut lengths = vec![1.0; n];
+    Ok(matrix)
+}
+
+/// What one unit of each freedom of a body moves: 1 for translations, the length of the model for rotations.
+fn lengths(system: &System) -> Vec<f64> {
+    let mut out = vec![1.0; system.first_equation];
     for body in &system.bodies {
         for k in 3..body.freedoms.max(3) {
-            lengths[body.first + k] = system.length;
+            out[body.first + k] = system.length;
         }
     }
-    let mut K: DMatrix<f64> = DMatrix::zeros(n, n);
-    let mut G: DMatrix<f64> = DMatrix::zeros(system.equations, n);
-    for (row, column, value) in matrix.entries() {
-        if column >= n {
-            continue;
-        }
-        if row < n {
-            K[(row, column)] -= value / (lengths[row] * lengths[column]);
-        } else if row < system.first_variable {
-            G[(row - n, column)] += value / lengths[column];
+    out
+}
+
+/// No eigenvalue is larger: the largest sum of a row of the stiffness, and what variables add.
+fn bound(system: &System, tangent: &Matrix, lengths: &[f64]) -> f64 {
+    let n = system.first_equation;
+    let mut rows = vec![0.0_f64; system.unknowns()];
+    let mut by_variables = vec![0.0_f64; n];
+    for (row, column, value) in tangent.entries() {
+        let left = lengths.get(row).copied().unwrap_or(1.0);
+        if column < n {
+            rows[row] += (value / (left * lengths[column])).abs();
+        } else if row < n && column >= system.first_variable {
+            by_variables[row] += (value / left).abs();
         }
     }
+    let largest = |values: &[f64]| values.iter().fold(0.0_f64, |a, b| a.max(*b));
+    let variables = largest(&by_variables) * largest(&rows[system.first_variable..]);
+    largest(&rows[..n]) + variables
+}
+
+fn dense(system: &System, tangent: &Matrix, lengths: &[f64]) -> Option<f64> {
+    let n = system.first_equation;
+    let (m, v) = (system.equations, system.unknowns() - system.first_variable);
+    let scale = |k: usize| lengths.get(k).copied().unwrap_or(1.0);
+    let mut J: DMatrix<f64> = DMatrix::zeros(n + m + v, n + m + v);
+    for (row, column, value) in tangent.entries() {
+        J[(row, column)] += value / (scale(row) * scale(column));
+    }
+    // Variables and states follow the motion.
+    if v > 0 {
+        let own = J.view((n + m, n + m), (v, v)).clone_owned();
+        let by_others = J.view((n + m, 0), (v, n + m)).clone_owned();
+        if let Some(followed) = own.lu().solve(&by_others) {
+            let effect = J.view((0, n + m), (n + m, v)) * followed;
+            let mut bodies = J.view_mut((0, 0), (n + m, n + m));
+            bodies -= effect;
+        }
+    }
+    let K = -J.view((0, 0), (n, n));
+    let mut G = J.view((n, 0), (m, n)).clone_owned();
     // Every constraint counts alike, whatever its unit.
     for mut row in G.row_iter_mut() {
         let length = row.norm();
@@ -57,14 +122,102 @@ pub fn smallest_eigenvalue(
     let eigen = SymmetricEigen::new(G.transpose() * G);
     let free: Vec<usize> = (0..n).filter(|&k| eigen.eigenvalues[k] < 1e-12).collect();
     if free.is_empty() {
-        return Ok(None);
+        return None;
     }
     let Z: DMatrix<f64> = eigen.eigenvectors.select_columns(&free);
     let reduced = Z.transpose() * K * Z;
-    let smallest = reduced
-        .complex_eigenvalues()
-        .iter()
-        .map(|e| e.re)
-        .fold(f64::INFINITY, f64::min);
-    Ok(Some(smallest))
+    let real = reduced.complex_eigenvalues().iter().map(|e| e.re).collect();
+    Some(least(real))
+}
+
+fn least(values: Vec<f64>) -> f64 {
+    values.into_iter().fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fmt::Write;
+
+    use super::*;
+    use crate::model::Model;
+    use crate::statics::{Settings, solve};
+    use crate::syntax::Dataset;
+    use crate::text::Source;
+
+    /// A chain of links on bushings, hinged here and there, with a force that follows a VARIABLE and pushes with `push` per length.
+    fn chain(links: u32, push: f64) -> (System, State) {
+        let mut deck = String::from(
+            "chain\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\nPART/1, GROUND\n\
+             MARKER/1, PART=1\nMARKER/11, PART=1\n",
+        );
+        for id in 2..links + 2 {
+            let x = 50 * (id - 2);
+            writeln!(
+                deck,
+                "PART/{id}, QG={x},0,0, MASS=1, CM={id}0, IP=9,9,9\nMARKER/{id}0, PART={id}\n\
+                 MARKER/{id}1, PART={id}, QP=50,0,0\nBUSHING/{id}, I={id}0, J={}1, K=3E3,2E3,1E3, KT=1E6,2E6,3E6",
+                id - 1
+            )
+            .unwrap();
+            if id % 7 == 0 {
+                writeln!(deck, "JOINT/{id}, REVOLUTE, I={id}0, J={}1", id - 1).unwrap();
+            }
+        }
+        let last = links + 1;
+        writeln!(
+            deck,
+            "VARIABLE/1, FUNCTION={push}*DX({last}0,1)\nMARKER/5, PART=1, REULER=90D,90D,0D\n\
+             SFORCE/1, I={last}0, J=5, TRANSLATIONAL, ACTIONONLY, FUNCTION=VARVAL(1)-{}\nEND",
+            push * f64::from(50 * (links - 1))
+        )
+        .unwrap();
+        solved(deck)
+    }
+
+    fn solved(deck: String) -> (System, State) {
+        let dataset = Dataset::parse(Source::new("chain.adm", deck.into_bytes())).value;
+        let system = System::compile(&Model::lower(&dataset).value);
+        assert!(!system.has_errors(), "{:?}", system.diagnostics);
+        let system = system.value;
+        let mut state = system.state();
+        let parameters = system.parameters();
+        solve(&system, &parameters, &mut state, &Settings::tight()).unwrap();
+        (system, state)
+    }
+
+    /// Both ways give the same, for stable and for unstable chains: the one unstable motion hides among many that are softer.
+    #[test]
+    fn both_ways_agree() {
+        for push in [0.0, 1.0, 50.0, 1e4, 1e7] {
+            let (system, state) = chain(20, push);
+            let parameters = system.parameters();
+            let tangent = assembled(&system, &parameters, &state).unwrap();
+            let lengths = lengths(&system);
+            let bound = bound(&system, &tangent, &lengths);
+            let all = dense(&system, &tangent, &lengths).unwrap();
+            let near = ShiftInvert::new(&system, &parameters, &state, lengths)
+                .smallest(bound)
+                .unwrap()
+                .unwrap();
+            println!("push {push}: {all} {near}, bound {bound}");
+            assert!(
+                (near - all).abs() < 1e-6 * all.abs(),
+                "{push}: {all} {near}"
+            );
+            assert_eq!(all < 0.0, push > 1e2);
+        }
+    }
+
+    #[test]
+    fn what_cannot_move_has_no_stiffness_to_tell() {
+        let (system, state) = solved(
+            "held\nPART/1, GROUND\nMARKER/1, PART=1\nPART/2, MASS=1, CM=20, IP=1,1,1\nMARKER/20, PART=2\n\
+             JOINT/1, FIXED, I=20, J=1\nSPRINGDAMPER/1, ROTATIONAL, I=20, J=1, KT=100\nEND\n"
+                .to_string(),
+        );
+        let parameters = system.parameters();
+        assert_eq!(smallest_eigenvalue(&system, &parameters, &state), Ok(None));
+        let near = ShiftInvert::new(&system, &parameters, &state, lengths(&system)).smallest(100.0);
+        assert_eq!(near, Ok(None));
+    }
 }

@@ -55,6 +55,47 @@ fn pendulum() {
     assert!(stiffness.unwrap() < 0.0);
 }
 
+/// 300 masses in a row on bushings, the first to ground: the softest motion has 2 k (1 - cos(pi / (2 n + 1))). A force on the last that
+/// grows by c per length pushes it away: with r = k / (c + k) per mass the motion dies out, at k - c - k r.
+#[test]
+fn stiffness_of_many_masses() {
+    let (n, k) = (300_u32, 50.0);
+    let row = |c: f64| {
+        let mut deck = String::new();
+        for id in 2..n + 2 {
+            let x = 10 * (id - 2);
+            let before = if id == 2 { 1 } else { 10 * (id - 1) };
+            deck += &format!(
+                "POINT_MASS/{id}, MASS=1, CM={id}0, QG={x},0,0\nMARKER/{id}0, POINT_MASS={id}\n\
+                 BUSHING/{id}, I={id}0, J={before}, K={k},{},{}, FORCE={},0,0\n",
+                2.0 * k,
+                3.0 * k,
+                if id == 2 { 0.0 } else { 10.0 * k },
+            );
+        }
+        let last = n + 1;
+        deck + &format!(
+            "MARKER/2, PART=1, REULER=90D,90D,0D\n\
+             SFORCE/1, I={last}0, J=2, TRANSLATIONAL, ACTIONONLY, FUNCTION={c}*(DX({last}0,1)-{})",
+            10 * (n - 1)
+        )
+    };
+    let stiffness = |c: f64| {
+        let (system, state, result) = solve(&row(c));
+        result.unwrap();
+        let all = smallest_eigenvalue(&system, &system.parameters(), &state);
+        all.unwrap().unwrap()
+    };
+    let softest = 2.0 * k * (1.0 - (std::f64::consts::PI / f64::from(2 * n + 1)).cos());
+    let found = stiffness(0.0);
+    assert!((found / softest - 1.0).abs() < 1e-6, "{found} {softest}");
+    for c in [10.0 * k, 1e5 * k] {
+        let pushed = k - c - k * k / (c + k);
+        let found = stiffness(c);
+        assert!((found / pushed - 1.0).abs() < 1e-6, "{found} {pushed}");
+    }
+}
+
 /// Two revolutes on one axis: five of the ten equations say nothing new, and the part turns freely.
 #[test]
 fn redundant_hinges() {
@@ -116,7 +157,7 @@ fn no_equilibrium() {
     assert_eq!(worst, "PART/2 force along y");
     assert_eq!(
         causes[0],
-        "PART/2 is held by nothing along y, and something drives it"
+        "PART/2 is held by nothing along y, and the weight of PART/2 drives it"
     );
 }
 

@@ -1,0 +1,182 @@
+//! Eigenvalues of the reduced tangent stiffness next to a shift, from the factors of the shifted equations.
+
+use nalgebra::DMatrix;
+
+use super::lu::Lu;
+use super::matrix::Matrix;
+use crate::system::{NoValue, Parameters, Scratch, Sink, State, System};
+
+/// Dimension of the Krylov space. Two shifts lie a factor [`CLOSER`] apart, so that an eigenvalue between them stands out by that much
+/// in the inverse and is found.
+const DIMENSION: usize = 30;
+/// Every shift is closer to zero by this.
+const CLOSER: f64 = 1e-2;
+/// So many shifts: down to the round-off of the largest stiffness.
+const SHIFTS: i32 = 7;
+/// Inverse eigenvalues smaller than this beside the largest are not settled yet.
+const SETTLED: f64 = 1e-3;
+
+/// `[S - shift W, G'; G, 0]`, factored: W the squares of the lengths, G the constraints, S the stiffness.
+pub(super) struct ShiftInvert<'a> {
+    system: &'a System,
+    parameters: &'a Parameters,
+    state: &'a State,
+    lengths: Vec<f64>,
+    matrix: Matrix,
+    factors: Lu,
+    scratch: Scratch,
+    g: Vec<f64>,
+}
+
+impl<'a> ShiftInvert<'a> {
+    pub fn new(
+        system: &'a System,
+        parameters: &'a Parameters,
+        state: &'a State,
+        lengths: Vec<f64>,
+    ) -> Self {
+        let n = system.unknowns();
+        Self {
+            system,
+            parameters,
+            state,
+            lengths,
+            matrix: Matrix::new(n),
+            factors: Lu::new(n),
+            scratch: Scratch::new(system),
+            g: vec![0.0; n],
+        }
+    }
+
+    /// The smallest eigenvalue; no eigenvalue is larger than the bound. `None` if nothing can move.
+    ///
+    /// Shifts go from the bound towards zero below everything that is not negative. A negative eigenvalue that one has passed is told
+    /// by a negative inverse.
+    pub fn smallest(mut self, bound: f64) -> Result<Option<f64>, NoValue> {
+        let bound = if bound > 0.0 { bound } else { 1.0 };
+        let mut estimate = f64::INFINITY;
+        for k in 0..SHIFTS {
+            let shift = -1.1 * bound * CLOSER.powi(k);
+            let Some(least) = self.least_beside(shift, bound)? else {
+                return Ok(None);
+            };
+            let steady = (least - estimate).abs() < 1e-2 * least;
+            estimate = least;
+            if least < 0.0 || (steady && -shift < least) {
+                break;
+            }
+        }
+        for _ in 0..8 {
+            let shift = estimate - 0.1 * estimate.abs();
+            if shift.abs() < f64::EPSILON * bound {
+                break;
+            }
+            let Some(least) = self.least_beside(shift, bound)? else {
+                break;
+            };
+            let change = (least - estimate).abs();
+            estimate = least;
+            if change < 1e-9 * estimate.abs() {
+                break;
+            }
+        }
+        Ok(Some(estimate))
+    }
+
+    /// The smallest of the eigenvalues that stand out beside the shift. `None` if nothing can move.
+    fn least_beside(&mut self, shift: f64, bound: f64) -> Result<Option<f64>, NoValue> {
+        self.factor(shift)?;
+        let mut vector: Vec<f64> = start(self.lengths.len());
+        let before = norm(&vector);
+        self.apply(&mut vector);
+        // Any motion at all makes this at least 1 / 2 bound times its share of the start.
+        let after = norm(&vector);
+        let moves = after * bound > 1e-9 * before;
+        if !moves {
+            return Ok(None);
+        }
+        let inverse = self.arnoldi(vector, after).complex_eigenvalues();
+        let largest = inverse.iter().fold(0.0_f64, |a, b| a.max(b.norm()));
+        let values = inverse
+            .iter()
+            .filter(|value| value.norm() > SETTLED * largest)
+            .map(|value| shift + value.re / value.norm_sqr());
+        Ok(Some(values.fold(f64::INFINITY, f64::min)))
+    }
+
+    fn factor(&mut self, shift: f64) -> Result<(), NoValue> {
+        self.matrix.clear();
+        let (scratch, g, matrix) = (&mut self.scratch, &mut self.g, &mut self.matrix);
+        self.system
+            .assemble(self.parameters, self.state, scratch, g, matrix)?;
+        // The Jacobian of the forces is the stiffness with the other sign.
+        for (k, length) in self.lengths.iter().enumerate() {
+            matrix.add(k, k, shift * length * length);
+        }
+        matrix.finish();
+        self.factors.factor(matrix);
+        Ok(())
+    }
+
+    /// The motion under the forces W times a motion; motions are taken times their lengths.
+    fn apply(&mut self, vector: &mut [f64]) {
+        self.g.fill(0.0);
+        for ((g, x), length) in self.g.iter_mut().zip(vector.iter()).zip(&self.lengths) {
+            *g = -x * length;
+        }
+        self.factors.solve(&mut self.g);
+        for ((x, g), length) in vector.iter_mut().zip(&self.g).zip(&self.lengths) {
+            *x = g * length;
+        }
+    }
+
+    /// The operator on the Krylov space of a vector of this length, as an upper Hessenberg matrix.
+    fn arnoldi(&mut self, mut vector: Vec<f64>, mut length: f64) -> DMatrix<f64> {
+        let size = DIMENSION.min(self.lengths.len());
+        let mut H = DMatrix::zeros(size, size);
+        let mut basis: Vec<Vec<f64>> = Vec::with_capacity(size);
+        for j in 0..size {
+            for x in &mut vector {
+                *x /= length;
+            }
+            basis.push(vector.clone());
+            self.apply(&mut vector);
+            let whole = norm(&vector);
+            // Twice is enough (Kahan).
+            for _ in 0..2 {
+                for (i, b) in basis.iter().enumerate() {
+                    let share: f64 = vector.iter().zip(b).map(|(x, y)| x * y).sum();
+                    H[(i, j)] += share;
+                    for (x, y) in vector.iter_mut().zip(b) {
+                        *x -= share * y;
+                    }
+                }
+            }
+            length = norm(&vector);
+            if length <= 1e-12 * whole {
+                // The space is complete.
+                return H.view((0, 0), (j + 1, j + 1)).clone_owned();
+            }
+            if j + 1 < size {
+                H[(j + 1, j)] = length;
+            }
+        }
+        H
+    }
+}
+
+/// A vector with a share of everything, the same every time.
+fn start(n: usize) -> Vec<f64> {
+    let mut seed = 0x9E37_79B9_7F4A_7C15_u64;
+    let mut next = || {
+        seed = seed
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    };
+    (0..n).map(|_| next()).collect()
+}
+
+fn norm(v: &[f64]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
