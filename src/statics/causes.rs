@@ -1,11 +1,13 @@
 //! The usual reasons why an iteration finds nothing, as far as they are present in this model. Knows no iteration.
 
+use std::collections::BTreeMap;
+
 use super::Settings;
 use super::lu::Lu;
-use super::rank::free_motion;
+use super::rank::{free_motion, motion_of};
 use super::report::FreeMotion;
 use crate::function::Program;
-use crate::system::{Parameters, Scratch, State, System};
+use crate::system::{Load, Parameters, Scratch, State, System};
 
 /// A joint whose markers are further apart than this part of the model's length is open.
 const OPEN: f64 = 1e-3;
@@ -28,11 +30,20 @@ pub(super) struct Ended<'a> {
     pub settings: &'a Settings,
 }
 
+/// What was seen.
+#[derive(Default)]
+pub(super) struct Causes {
+    /// In words.
+    pub told: Vec<String>,
+    /// Where something drives a free motion: the equation of the largest driving force, and that force.
+    pub driven: Option<(usize, f64)>,
+}
+
 impl Ended<'_> {
     /// A massless free motion, which by itself explains the failure; else all causes that are seen.
-    pub fn causes(&self, scratch: &mut Scratch) -> Result<Vec<String>, FreeMotion> {
+    pub fn causes(&self, scratch: &mut Scratch) -> Result<Causes, FreeMotion> {
         let mut out = Vec::new();
-        self.free_motions(&mut out)?;
+        let driven = self.free_motions(scratch, &mut out)?;
         self.open_joints(scratch, &mut out);
         if self.limited > 0 {
             out.push(format!(
@@ -44,11 +55,15 @@ impl Ended<'_> {
         }
         self.large_angles(scratch, &mut out);
         self.kinks(&mut out);
-        Ok(out)
+        Ok(Causes { told: out, driven })
     }
 
-    fn free_motions(&self, out: &mut Vec<String>) -> Result<(), FreeMotion> {
-        let mut told = Vec::new();
+    fn free_motions(
+        &self,
+        scratch: &mut Scratch,
+        out: &mut Vec<String>,
+    ) -> Result<Option<(usize, f64)>, FreeMotion> {
+        let (mut told, mut driven) = (Vec::new(), None);
         for m in 0..self.factors.deficiency() {
             let z = self.factors.null_vector(m);
             let Some(motion) = free_motion(self.system, self.parameters, self.end, &z) else {
@@ -57,18 +72,71 @@ impl Ended<'_> {
             if !motion.has_mass {
                 return Err(motion);
             }
-            let bodies = 0..self.system.first_equation;
+            // The tangent is all but symmetric: what a free motion does not move on its own must be balanced along it. A joint that is
+            // open because of it counts with its multiplier.
             let (mut work, mut size) = (0.0, 0.0);
-            for k in bodies {
+            for k in 0..self.system.first_variable {
                 work += self.g[k] * z[k];
                 size += (self.g[k] * z[k]).abs();
             }
             if f64::abs(work) > DRIVEN * size {
-                told.push(format!("{motion}, and something drives it"));
+                let (by, row) = self.drivers(&z, scratch);
+                told.push(format!("{motion}, and {by}"));
+                driven = driven.or(row);
             }
         }
         some(told, out);
-        Ok(())
+        Ok(driven)
+    }
+
+    /// What does work along a motion, in words; the equation of the largest force among it, and that force.
+    fn drivers(&self, z: &[f64], scratch: &mut Scratch) -> (String, Option<(usize, f64)>) {
+        let unknown = || ("something drives it".to_string(), None);
+        let (system, parameters, state) = (self.system, self.parameters, self.end);
+        let looked = system.look(parameters, state, scratch);
+        let Ok(loads) = looked.and_then(|()| system.loads(parameters, state, scratch)) else {
+            return unknown();
+        };
+        let by = |load: &Load| match &load.by {
+            Some(name) => name.to_string(),
+            None => format!("the weight of {}", system.bodies[load.part.0].name),
+        };
+        let speed = |load: &Load| {
+            let (v, w) = motion_of(system, load.part.0, z);
+            (v + w.cross(&(load.point - state.poses[load.part.0].p)), w)
+        };
+        let mut powers: BTreeMap<String, f64> = BTreeMap::new();
+        for load in &loads {
+            let (v, w) = speed(load);
+            *powers.entry(by(load)).or_default() += load.force.dot(&v) + load.torque.dot(&w);
+        }
+        // What only passes forces on does no work on the whole.
+        let most = powers.values().fold(0.0_f64, |a, p| a.max(p.abs()));
+        powers.retain(|_, power| power.abs() > 1e-6 * most);
+        let names: Vec<&str> = powers.keys().map(String::as_str).collect();
+        let mut largest: Option<(usize, f64, f64)> = None;
+        for load in loads.iter().filter(|l| powers.contains_key(&by(l))) {
+            let body = &system.bodies[load.part.0];
+            let (v, _) = speed(load);
+            for k in 0..body.freedoms.min(3) {
+                let share = (load.force[k] * v[k]).abs();
+                if share > largest.map_or(0.0, |l| l.2) {
+                    largest = Some((body.first + k, load.force[k], share));
+                }
+            }
+        }
+        let row = largest.map(|l| (l.0, l.1));
+        match names.as_slice() {
+            [] => unknown(),
+            [one] => (format!("{one} drives it"), row),
+            [all @ .., last] if all.len() < TOLD => {
+                (format!("{} and {last} drive it", all.join(", ")), row)
+            }
+            [first, ..] => (
+                format!("{first} and {} others drive it", names.len() - 1),
+                row,
+            ),
+        }
     }
 
     fn open_joints(&self, scratch: &mut Scratch, out: &mut Vec<String>) {

@@ -1,10 +1,17 @@
 //! Sparse LU factors with an elimination order that is found once.
 //!
-//! The first factorisation chooses pivots by sparsity (Markowitz) among those large enough for stability, and writes down every
+//! The first factorisation takes the columns in faer's approximate minimum degree order, or searches them by sparsity in small systems
+//! (Markowitz), chooses the shortest row among those large enough for stability, and writes down every
 //! operation. Later ones with the same pattern only run through the operations. A pivot that has shrunk makes it choose anew. Columns without
 //! any pivot (motions nothing resists) are put aside and their unknowns held at zero.
+//!
+//! Why not all of faer's sparse LU: it has neither a repetition with the pivots frozen nor a word about columns without one. On chains of
+//! 100, 1,000 and 10,000 links (670 to 67,140 unknowns) a repeated factorisation takes it 8, 40 and 4 times as long; its first one is
+//! 2 to 3 times faster. Measured on a busy machine, unoptimised beside optimised dependencies: `cargo test --release --lib
+//! compared_with_faer -- --ignored --nocapture`.
 
 use super::matrix::Matrix;
+use super::ordering::columns_of;
 use super::pivoting::Elimination;
 
 /// A pivot may shrink by this against the one it was when the order was chosen.
@@ -63,7 +70,7 @@ impl Lu {
         if self.orders > 0 && self.free.is_empty() && self.repeat(matrix) {
             return;
         }
-        Elimination::run(matrix, self);
+        Elimination::run(matrix, self, columns_of(matrix));
         self.orders += 1;
         self.work.resize(self.n, 0.0);
     }

@@ -5,10 +5,14 @@
 mod causes;
 mod continuation;
 mod freedoms;
+mod krylov;
 mod lu;
 mod matrix;
 mod measures;
 mod newton;
+mod ordering;
+#[cfg(test)]
+mod orders;
 mod path;
 mod pivoting;
 mod rank;
@@ -23,5 +27,5 @@ pub use newton::{Solver, solve};
 pub use report::{Continuation, FreeMotion, Iteration, Report, SolveError, history_table};
 pub use sensitivity::Sensitivity;
 pub use settings::Settings;
-pub use stability::smallest_eigenvalue;
+pub use stability::{smallest_eigenvalue, stiffness_range};
 pub use tangent::{Tangent, point_change};

@@ -18,10 +18,12 @@ pub(super) struct Elimination<'a> {
     values: Vec<f64>,
     /// (column, value index) of the entries of each active row.
     rows: Vec<Vec<(u32, u32)>>,
-    /// Active rows with an entry in each column.
-    columns: Vec<Vec<u32>>,
+    /// (row, value index) of the entries of each column in active rows.
+    columns: Vec<Vec<(u32, u32)>>,
     /// Columns by number of entries; an entry may be out of date.
     buckets: Vec<Vec<u32>>,
+    /// The columns in the order they are taken in, the next one last; empty if they are searched for.
+    given: Vec<u32>,
     /// Columns that are done with or put aside.
     closed: Vec<bool>,
     place: Vec<u32>,
@@ -35,21 +37,23 @@ pub(super) struct Elimination<'a> {
 }
 
 impl Elimination<'_> {
-    /// Factors the matrix into `lu`.
-    pub fn run(matrix: &Matrix, lu: &mut Lu) {
+    /// Factors the matrix into `lu`, its columns in the order given; where none is, they are searched for.
+    pub fn run(matrix: &Matrix, lu: &mut Lu, mut given: Vec<u32>) {
         let n = matrix.size();
+        given.reverse();
         scale(matrix, &mut lu.row_scale, &mut lu.column_scale);
         let mut rows = vec![Vec::new(); n];
         let mut columns = vec![Vec::new(); n];
         for (k, (row, column, _)) in matrix.entries().enumerate() {
             rows[row].push((column as u32, k as u32));
-            columns[column].push(row as u32);
+            columns[column].push((row as u32, k as u32));
         }
         let mut work = Elimination {
             values: matrix.values().to_vec(),
             rows,
             columns,
             buckets: vec![Vec::new(); n + 1],
+            given,
             closed: vec![false; n],
             place: vec![NOWHERE; n],
             row_scale: &lu.row_scale,
@@ -109,16 +113,15 @@ impl Elimination<'_> {
             * self.column_scale[column as usize]
     }
 
-    fn find(&self, row: u32, column: u32) -> u32 {
-        self.rows[row as usize]
-            .iter()
-            .find(|entry| entry.0 == column)
-            .expect("rows and columns list the same entries")
-            .1
-    }
-
     /// The pivot of the next step: few entries in its row and column, and large enough.
     fn choose(&mut self) -> Option<(u32, u32)> {
+        while let Some(column) = self.given.pop() {
+            self.closed[column as usize] = true;
+            match self.best_row(column) {
+                Some(row) => return Some((row, column)),
+                None => self.free.push(column),
+            }
+        }
         let mut best: Option<(usize, u32, u32)> = None;
         let mut looked = 0;
         let mut count = 0;
@@ -168,16 +171,16 @@ impl Elimination<'_> {
     /// The shortest row whose entry in the column is large enough.
     fn best_row(&self, column: u32) -> Option<u32> {
         let mut largest = 0.0_f64;
-        for &row in &self.columns[column as usize] {
-            largest = largest.max(self.size(row, column, self.find(row, column)));
+        for &(row, value) in &self.columns[column as usize] {
+            largest = largest.max(self.size(row, column, value));
         }
         let enough = largest >= RANK_TOLERANCE;
         if !enough {
             return None;
         }
         let mut best: Option<(usize, f64, u32)> = None;
-        for &row in &self.columns[column as usize] {
-            let size = self.size(row, column, self.find(row, column));
+        for &(row, value) in &self.columns[column as usize] {
+            let size = self.size(row, column, value);
             if size < THRESHOLD * largest {
                 continue;
             }
@@ -197,7 +200,7 @@ impl Elimination<'_> {
             .expect("the pivot is in its row");
         let pivot = upper.swap_remove(at).1;
         let mut lower = std::mem::take(&mut self.columns[column as usize]);
-        lower.retain(|other| *other != row);
+        lower.retain(|other| other.0 != row);
         self.closed[column as usize] = true;
         let size = self.values[pivot as usize];
         self.steps.push(Step {
@@ -214,16 +217,16 @@ impl Elimination<'_> {
             let rows = &mut self.columns[other as usize];
             let at = rows
                 .iter()
-                .position(|r| *r == row)
+                .position(|entry| entry.0 == row)
                 .expect("columns list the rows of their entries");
             rows.swap_remove(at);
         }
-        for &other in &lower {
+        for &(other, value) in &lower {
             let at = self.rows[other as usize]
                 .iter()
                 .position(|entry| entry.0 == column)
                 .expect("columns list the rows of their entries");
-            let value = self.rows[other as usize].swap_remove(at).1;
+            self.rows[other as usize].swap_remove(at);
             self.order.push((value, other));
             let multiplier = self.values[value as usize] / size;
             self.values[value as usize] = multiplier;
@@ -237,7 +240,7 @@ impl Elimination<'_> {
                     target = self.values.len() as u32;
                     self.values.push(-product);
                     self.rows[other as usize].push((c, target));
-                    self.columns[c as usize].push(other);
+                    self.columns[c as usize].push((other, target));
                     self.place[c as usize] = target;
                 } else {
                     self.values[target as usize] -= product;

@@ -142,7 +142,8 @@ pub(super) fn free_motion(
     })
 }
 
-fn motion_of(system: &System, part: usize, z: &[f64]) -> (Vec3, Vec3) {
+/// Velocity of the origin and angular velocity of a part in a motion, ground axes.
+pub(super) fn motion_of(system: &System, part: usize, z: &[f64]) -> (Vec3, Vec3) {
     let body = &system.bodies[part];
     let d = &z[body.first..body.first + body.freedoms];
     match body.freedoms {

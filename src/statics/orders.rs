@@ -1,0 +1,119 @@
+//! Our elimination beside faer's sparse LU (COLAMD, AMD) on the Jacobian of long chains: what it costs to find the order, and what each
+//! factorisation costs after that. `cargo test --release --lib compared_with_faer -- --ignored --nocapture`
+
+use std::fmt::Write;
+use std::time::Instant;
+
+use faer::sparse::linalg::solvers::{Lu as FaerLu, SymbolicLu};
+use faer::sparse::{SparseColMat, Triplet};
+
+use super::lu::Lu;
+use super::matrix::Matrix;
+use super::ordering::minimum_degree;
+use super::pivoting::Elimination;
+use crate::model::Model;
+use crate::syntax::Dataset;
+use crate::system::{Scratch, System};
+use crate::text::Source;
+
+/// Links on bushings, every tenth also on a bushing to ground, every seventh on a hinge instead.
+fn chain(links: u32) -> Matrix {
+    let mut deck = String::from("chain\nPART/1, GROUND\nMARKER/1, PART=1\nMARKER/12, PART=1\n");
+    for id in 2..links + 2 {
+        let x = 100 * (id - 2);
+        writeln!(
+            deck,
+            "PART/{id}, QG={x},0,0, MASS=1, CM={id}1, IP=9,9,9\nMARKER/{id}1, PART={id}\nMARKER/{id}2, PART={id}, QP=100,0,0"
+        )
+        .unwrap();
+        let before = id - 1;
+        if id % 7 == 0 {
+            writeln!(deck, "JOINT/{id}, REVOLUTE, I={id}1, J={before}2").unwrap();
+        } else {
+            writeln!(
+                deck,
+                "BUSHING/{id}, I={id}1, J={before}2, K=1E4,1E4,1E4, KT=1E6,1E6,1E6"
+            )
+            .unwrap();
+        }
+        if id % 10 == 0 {
+            writeln!(
+                deck,
+                "MARKER/{id}3, PART=1, QP={},0,0\nBUSHING/{}, I={id}2, J={id}3, K=1E4,1E4,1E4, KT=1E6,1E6,1E6",
+                x + 100,
+                links + id
+            )
+            .unwrap();
+        }
+    }
+    deck += "END\n";
+    let dataset = Dataset::parse(Source::new("chain.adm", deck.into_bytes())).value;
+    let system = System::compile(&Model::lower(&dataset).value).value;
+    let mut matrix = Matrix::new(system.unknowns());
+    let mut g = vec![0.0; system.unknowns()];
+    let (mut scratch, state) = (Scratch::new(&system), system.state());
+    system
+        .assemble(
+            &system.parameters(),
+            &state,
+            &mut scratch,
+            &mut g,
+            &mut matrix,
+        )
+        .unwrap();
+    matrix.finish();
+    matrix
+}
+
+fn seconds<T>(work: impl FnOnce() -> T) -> (f64, T) {
+    let start = Instant::now();
+    let done = work();
+    (start.elapsed().as_secs_f64(), done)
+}
+
+#[test]
+#[ignore = "a measurement, not a check"]
+fn compared_with_faer() {
+    for links in [10, 100, 1_000, 10_000, 100_000] {
+        let matrix = chain(links);
+        let n = matrix.size();
+        let mut lu = Lu::new(n);
+        let (first, ()) = seconds(|| lu.factor(&matrix));
+        let (again, ()) = seconds(|| lu.factor(&matrix));
+        let b: Vec<f64> = (0..n).map(|k| (k as f64).sin()).collect();
+        let mut x = b.clone();
+        let (solve, ()) = seconds(|| lu.solve(&mut x));
+        println!(
+            "{links} links, {n} unknowns, {} entries\n  ours:  first {first:.4} s, again {again:.5} s, solve {solve:.5} s, {} in the factors",
+            matrix.values().len(),
+            lu.index.len()
+        );
+        let mut searched = Lu::new(n);
+        let (first, ()) = seconds(|| Elimination::run(&matrix, &mut searched, Vec::new()));
+        searched.orders = 1;
+        let (again, ()) = seconds(|| searched.factor(&matrix));
+        println!(
+            "  ours, pivots searched for: first {first:.4} s, again {again:.5} s, {} in the factors",
+            searched.index.len()
+        );
+        let (order, _) = seconds(|| minimum_degree(&matrix));
+        println!("  faer's minimum degree alone: {order:.4} s");
+        let entries = matrix.entries();
+        let triplets: Vec<Triplet<usize, usize, f64>> = entries
+            .map(|(row, column, value)| Triplet::new(row, column, value))
+            .collect();
+        let theirs = SparseColMat::try_new_from_triplets(n, n, &triplets).unwrap();
+        let (order, symbolic) = seconds(|| SymbolicLu::try_new(theirs.symbolic()).unwrap());
+        let numeric = || FaerLu::try_new_with_symbolic(symbolic.clone(), theirs.as_ref()).unwrap();
+        let (first, _) = seconds(numeric);
+        let (again, factors) = seconds(numeric);
+        let right = faer::Col::from_fn(n, |k| b[k]);
+        let (solve, y) = seconds(|| faer::prelude::Solve::solve(&factors, &right));
+        let apart = (0..n).map(|k| (x[k] - y[k]).abs()).fold(0.0, f64::max);
+        let size = x.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+        println!(
+            "  faer:  order {order:.4} s, first {first:.4} s, again {again:.5} s, solve {solve:.5} s; answers {:.0e} apart",
+            apart / size
+        );
+    }
+}
