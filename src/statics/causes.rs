@@ -13,6 +13,8 @@ use crate::system::{Load, Parameters, Scratch, State, System};
 const OPEN: f64 = 1e-3;
 /// Share of the imbalance along a free motion from which it counts as driven.
 const DRIVEN: f64 = 1e-9;
+/// A joint whose markers are closer than this part of the model's length is closed.
+const CLOSED: f64 = 1e-6;
 /// So many causes of a kind are told, the others counted.
 const TOLD: usize = 3;
 
@@ -30,20 +32,11 @@ pub(super) struct Ended<'a> {
     pub settings: &'a Settings,
 }
 
-/// What was seen.
-#[derive(Default)]
-pub(super) struct Causes {
-    /// In words.
-    pub told: Vec<String>,
-    /// Where something drives a free motion: the equation of the largest driving force, and that force.
-    pub driven: Option<(usize, f64)>,
-}
-
 impl Ended<'_> {
     /// A massless free motion, which by itself explains the failure; else all causes that are seen.
-    pub fn causes(&self, scratch: &mut Scratch) -> Result<Causes, FreeMotion> {
+    pub fn causes(&self, scratch: &mut Scratch) -> Result<Vec<String>, FreeMotion> {
         let mut out = Vec::new();
-        let driven = self.free_motions(scratch, &mut out)?;
+        self.free_motions(scratch, &mut out)?;
         self.open_joints(scratch, &mut out);
         if self.limited > 0 {
             out.push(format!(
@@ -55,15 +48,16 @@ impl Ended<'_> {
         }
         self.large_angles(scratch, &mut out);
         self.kinks(&mut out);
-        Ok(Causes { told: out, driven })
+        Ok(out)
     }
 
-    fn free_motions(
-        &self,
-        scratch: &mut Scratch,
-        out: &mut Vec<String>,
-    ) -> Result<Option<(usize, f64)>, FreeMotion> {
-        let (mut told, mut driven) = (Vec::new(), None);
+    fn free_motions(&self, scratch: &mut Scratch, out: &mut Vec<String>) -> Result<(), FreeMotion> {
+        let mut told = Vec::new();
+        // Where joints stand open the motion is not one the parts could make.
+        let equations = &self.g[self.system.first_equation..self.system.first_variable];
+        let closed = equations
+            .iter()
+            .all(|gap| gap.abs() < CLOSED * self.system.length);
         for m in 0..self.factors.deficiency() {
             let z = self.factors.null_vector(m);
             let Some(motion) = free_motion(self.system, self.parameters, self.end, &z) else {
@@ -80,23 +74,24 @@ impl Ended<'_> {
                 size += (self.g[k] * z[k]).abs();
             }
             if f64::abs(work) > DRIVEN * size {
-                let (by, row) = self.drivers(&z, scratch);
+                let drivers = if closed {
+                    self.drivers(&z, scratch)
+                } else {
+                    None
+                };
+                let by = drivers.unwrap_or_else(|| "something drives it".to_string());
                 told.push(format!("{motion}, and {by}"));
-                driven = driven.or(row);
             }
         }
         some(told, out);
-        Ok(driven)
+        Ok(())
     }
 
-    /// What does work along a motion, in words; the equation of the largest force among it, and that force.
-    fn drivers(&self, z: &[f64], scratch: &mut Scratch) -> (String, Option<(usize, f64)>) {
-        let unknown = || ("something drives it".to_string(), None);
+    /// What does work along a motion, in words.
+    fn drivers(&self, z: &[f64], scratch: &mut Scratch) -> Option<String> {
         let (system, parameters, state) = (self.system, self.parameters, self.end);
-        let looked = system.look(parameters, state, scratch);
-        let Ok(loads) = looked.and_then(|()| system.loads(parameters, state, scratch)) else {
-            return unknown();
-        };
+        system.look(parameters, state, scratch).ok()?;
+        let loads = system.loads(parameters, state, scratch).ok()?;
         let by = |load: &Load| match &load.by {
             Some(name) => name.to_string(),
             None => format!("the weight of {}", system.bodies[load.part.0].name),
@@ -114,29 +109,14 @@ impl Ended<'_> {
         let most = powers.values().fold(0.0_f64, |a, p| a.max(p.abs()));
         powers.retain(|_, power| power.abs() > 1e-6 * most);
         let names: Vec<&str> = powers.keys().map(String::as_str).collect();
-        let mut largest: Option<(usize, f64, f64)> = None;
-        for load in loads.iter().filter(|l| powers.contains_key(&by(l))) {
-            let body = &system.bodies[load.part.0];
-            let (v, _) = speed(load);
-            for k in 0..body.freedoms.min(3) {
-                let share = (load.force[k] * v[k]).abs();
-                if share > largest.map_or(0.0, |l| l.2) {
-                    largest = Some((body.first + k, load.force[k], share));
-                }
-            }
-        }
-        let row = largest.map(|l| (l.0, l.1));
-        match names.as_slice() {
-            [] => unknown(),
-            [one] => (format!("{one} drives it"), row),
+        Some(match names.as_slice() {
+            [] => return None,
+            [one] => format!("{one} drives it"),
             [all @ .., last] if all.len() < TOLD => {
-                (format!("{} and {last} drive it", all.join(", ")), row)
+                format!("{} and {last} drive it", all.join(", "))
             }
-            [first, ..] => (
-                format!("{first} and {} others drive it", names.len() - 1),
-                row,
-            ),
-        }
+            [first, ..] => format!("{first} and {} others drive it", names.len() - 1),
+        })
     }
 
     fn open_joints(&self, scratch: &mut Scratch, out: &mut Vec<String>) {

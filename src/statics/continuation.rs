@@ -112,20 +112,11 @@ impl Solver {
             .enumerate()
             .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
             .map_or(0, |(k, _)| k);
-        let mut imbalance = self.g.get(worst).copied().unwrap_or(0.0);
-        // A free motion that is driven opens joints if these happen to be the equations that are given up: the drive is what is meant.
-        let worst = match causes.driven {
-            Some((row, force)) if worst >= system.first_equation => {
-                imbalance = force;
-                row
-            }
-            _ => worst,
-        };
         SolveError::NotConverged {
             worst: system.equation_name(worst),
-            imbalance,
+            imbalance: self.g.get(worst).copied().unwrap_or(0.0),
             history: self.history.clone(),
-            causes: causes.told,
+            causes,
         }
     }
 }

@@ -264,7 +264,7 @@ fn every_function_has_the_derivative_of_its_differences() {
             worst = (relative, change.call.clone());
         }
         let name = change.call.split(['(', '+']).next().unwrap_or_default();
-        if !change.flat && change.by_differences.abs() > 1e-4 {
+        if !change.flat && change.by_differences.abs() > 1e-6 {
             followed.insert(name.to_string());
         } else {
             still.insert(name.to_string());
