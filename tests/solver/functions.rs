@@ -85,7 +85,8 @@ fn follows(value: f64, k: usize) -> String {
 /// Values of real arguments that are in every function's domain and away from its kinks.
 fn value(name: &str, k: usize) -> f64 {
     match name {
-        "x" | "y" => 0.6 + 0.07 * k as f64,
+        "x" => 0.6 + 0.07 * k as f64,
+        "y" => 0.35,
         "xdot" => 0.2,
         "x0" => 0.1,
         "x1" => 1.4,
