@@ -57,12 +57,15 @@ fn of_dataset(source: Source, fortran: bool, shell: &mut Shell) -> Vec<Diagnosti
     let mut found = read.diagnostics;
     found.extend(files.diagnostics);
     found.extend(syntax::lint::check(dataset, &Options { fortran }));
-    let mut seen: BTreeSet<_> = found.iter().map(place).collect();
+    let seen: BTreeSet<_> = found.iter().map(place).collect();
+    let mut own = BTreeSet::new();
     // The reader of the model meets some faults of statements again.
     for diagnostic in resolved.diagnostics {
         let no_ground =
             diagnostic.code == Code::NoGround && found.iter().any(|f| f.code == Code::NoGround);
-        if seen.insert(place(&diagnostic)) && !no_ground {
+        let whole = diagnostic.labels.first().map(|label| label.span);
+        let new = !seen.contains(&place(&diagnostic)) && own.insert((diagnostic.code, whole));
+        if new && !no_ground {
             found.push(diagnostic);
         }
     }
@@ -71,9 +74,10 @@ fn of_dataset(source: Source, fortran: bool, shell: &mut Shell) -> Vec<Diagnosti
     found
 }
 
-fn place(diagnostic: &Diagnostic) -> (Code, Option<(usize, usize)>) {
-    let span = diagnostic.labels.first().map(|label| label.span);
-    (diagnostic.code, span.map(|span| (span.start, span.end)))
+/// What is said and where that begins: one points at the keyword, the other at keyword and id.
+fn place(diagnostic: &Diagnostic) -> (Code, Option<usize>) {
+    let label = diagnostic.labels.first();
+    (diagnostic.code, label.map(|label| label.span.start))
 }
 
 /// True for `.acf` files, in any case of letters.

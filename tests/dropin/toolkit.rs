@@ -57,6 +57,16 @@ fn values_are_read_and_set_without_touching_anything_else() {
         said(&changed),
         "SPRINGDAMPER/1.K.1: 10 -> 12.5\nSFORCE/1.FUNCTION: 10*TIME -> 20*TIME\n"
     );
+    for (assignment, code) in [
+        ("SPRINGDAMPER/1.K=stiff", "wrong-type"),
+        ("SFORCE/1.FUNCTION=STPE(TIME,0,0,1,1)", "bad-expression"),
+    ] {
+        let refused = run(&["set", "slider.adm", assignment, "-o", "bad.adm"]);
+        assert_eq!(refused.status.code(), Some(1), "{refused:?}");
+        let why = String::from_utf8_lossy(&refused.stderr);
+        assert!(why.contains(code), "{why}");
+        assert!(!folder.path().join("bad.adm").exists());
+    }
     let wrong = run(&["set", "slider.adm", "SPRINGDAMPER/2.K=1", "--in-place"]);
     assert_eq!(wrong.status.code(), Some(1));
     assert_eq!(text(folder.path(), "slider.adm"), SLIDER);
@@ -72,6 +82,16 @@ fn exit_codes_tell_what_happened() {
         ("free.adm", &free),
     ]);
     let code = |words: &[&str]| admire(folder.path(), words).status.code();
+    std::fs::write(
+        folder.path().join("bare.adm"),
+        "t\nPART/1, GROUND\nSFORCE/1\nEND\n",
+    )
+    .unwrap();
+    let bare = said(&admire(
+        folder.path(),
+        &["check", "--format", "plain", "bare.adm"],
+    ));
+    assert_eq!(bare.matches("needs I").count(), 1, "{bare}");
     assert_eq!(code(&["check", "slider.adm"]), Some(0));
     assert_eq!(code(&["check", "broken.adm"]), Some(1));
     assert_eq!(code(&["check", "missing.adm"]), Some(1));
