@@ -25,16 +25,17 @@ fn chain(links: u32) -> Matrix {
             deck,
             "PART/{id}, QG={x},0,0, MASS=1, CM={id}1, IP=9,9,9\nMARKER/{id}1, PART={id}\nMARKER/{id}2, PART={id}, QP=100,0,0"
         )
-        .unwrap();
+        .expect("text is written");
         let before = id - 1;
         if id % 7 == 0 {
-            writeln!(deck, "JOINT/{id}, REVOLUTE, I={id}1, J={before}2").unwrap();
+            writeln!(deck, "JOINT/{id}, REVOLUTE, I={id}1, J={before}2")
+                .expect("a matrix that has factors");
         } else {
             writeln!(
                 deck,
                 "BUSHING/{id}, I={id}1, J={before}2, K=1E4,1E4,1E4, KT=1E6,1E6,1E6"
             )
-            .unwrap();
+            .expect("text is written");
         }
         if id % 10 == 0 {
             writeln!(
@@ -43,7 +44,7 @@ fn chain(links: u32) -> Matrix {
                 x + 100,
                 links + id
             )
-            .unwrap();
+            .expect("text is written");
         }
     }
     deck += "END\n";
@@ -60,7 +61,7 @@ fn chain(links: u32) -> Matrix {
             &mut g,
             &mut matrix,
         )
-        .unwrap();
+        .expect("text is written");
     matrix.finish();
     matrix
 }
@@ -102,9 +103,14 @@ fn compared_with_faer() {
         let triplets: Vec<Triplet<usize, usize, f64>> = entries
             .map(|(row, column, value)| Triplet::new(row, column, value))
             .collect();
-        let theirs = SparseColMat::try_new_from_triplets(n, n, &triplets).unwrap();
-        let (order, symbolic) = seconds(|| SymbolicLu::try_new(theirs.symbolic()).unwrap());
-        let numeric = || FaerLu::try_new_with_symbolic(symbolic.clone(), theirs.as_ref()).unwrap();
+        let theirs = SparseColMat::try_new_from_triplets(n, n, &triplets)
+            .expect("a matrix that has factors");
+        let (order, symbolic) =
+            seconds(|| SymbolicLu::try_new(theirs.symbolic()).expect("a matrix that has factors"));
+        let numeric = || {
+            FaerLu::try_new_with_symbolic(symbolic.clone(), theirs.as_ref())
+                .expect("a matrix that has factors")
+        };
         let (first, _) = seconds(numeric);
         let (again, factors) = seconds(numeric);
         let right = faer::Col::from_fn(n, |k| b[k]);

@@ -45,13 +45,15 @@ fn check_derivatives(text: &str) {
                 &mut by_input,
                 &mut by_literal,
             )
-            .unwrap();
+            .expect("it has a value here");
         assert_eq!(Ok(value), program.eval(&inputs, &literals, &mut scratch));
         let mut compare = |all: Vec<f64>, k: usize, exact: f64| {
             let at = |h: f64, scratch: &mut Scratch| {
                 let mut moved = all.clone();
                 moved[k] += h;
-                program.eval(&moved[..n], &moved[n..], scratch).unwrap()
+                program
+                    .eval(&moved[..n], &moved[n..], scratch)
+                    .expect("it has a value here")
             };
             let h = 1e-5;
             let difference = (at(h, &mut scratch) - at(-h, &mut scratch)) / (2.0 * h);
@@ -176,7 +178,7 @@ fn derivatives_at_edges_are_those_of_a_side() {
             &mut by,
             &mut by_literal,
         );
-        let (value, exact) = (value.unwrap(), by.iter().sum::<f64>());
+        let (value, exact) = (value.expect("it has a value here"), by.iter().sum::<f64>());
         assert!(
             exact.is_finite() && by_literal.iter().all(|d| d.is_finite()),
             "{text}"
