@@ -4,8 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 /// The minimum of `x^T A x / 2 - b^T x` with `lower <= x <= upper`, and which unknowns are at a bound.
 ///
-/// `a` is symmetric and positive semidefinite. Active-set method of Lawson and Hanson, with upper bounds. Directions nothing
-/// determines stay at the least norm in the scale of the diagonal of `a`.
+/// `a` is symmetric and positive semidefinite. Bounds are exchanged by blocks (Portugal, Judice and Vicente 1994); where that does
+/// not end, an active-set method descends. Directions nothing determines stay at the least norm in the scale of the diagonal of `a`.
 pub(super) fn solve(
     a: &DMatrix<f64>,
     b: &DVector<f64>,
@@ -16,39 +16,156 @@ pub(super) fn solve(
     let scale: Vec<f64> = (0..count)
         .map(|k| a[(k, k)].max(f64::MIN_POSITIVE).sqrt())
         .collect();
-    let mut fixed: Vec<Option<f64>> = vec![None; count];
-    let mut x = DVector::zeros(count);
-    // Each round fixes or releases at least one unknown; twice the count is more than cycling-free problems need.
-    for _ in 0..2 * count + 10 {
-        x = free_solution(a, b, &fixed, &scale);
-        let beyond = (0..count)
-            .filter(|&k| fixed[k].is_none())
-            .map(|k| (k, (lower[k] - x[k]).max(x[k] - upper[k]) * scale[k]))
-            .filter(|(_, by)| *by > 1e-9)
-            .max_by(|a, b| a.1.total_cmp(&b.1));
-        if let Some((worst, _)) = beyond {
-            fixed[worst] = Some(x[worst].clamp(lower[worst], upper[worst]));
-            continue;
+    let size = (0..count)
+        .map(|k| (b[k] / scale[k]).abs())
+        .fold(0.0, f64::max);
+    let problem = Problem {
+        a,
+        b,
+        bounds: (lower, upper),
+        tolerance: (1e-10 * size).max(1e-12),
+        scale,
+    };
+    let (x, fixed) = problem.exchanged().unwrap_or_else(|| problem.descended());
+    let inside = DVector::from_fn(count, |k, _| x[k].clamp(lower[k], upper[k]));
+    (inside, fixed.iter().map(Option::is_some).collect())
+}
+
+/// Rounds in which bounds are exchanged, and in which an active set descends.
+const ROUNDS: (usize, usize) = (12, 400);
+
+struct Problem<'a> {
+    a: &'a DMatrix<f64>,
+    b: &'a DVector<f64>,
+    bounds: (&'a [f64], &'a [f64]),
+    tolerance: f64,
+    scale: Vec<f64>,
+}
+
+impl Problem<'_> {
+    /// Exchanges all bounds that are wrong at once, until none is. Nearly always that takes a few rounds; it may also go round in
+    /// circles for ever: then `None`.
+    fn exchanged(&self) -> Option<(DVector<f64>, Vec<Option<f64>>)> {
+        let (lower, upper) = self.bounds;
+        let mut fixed: Vec<Option<f64>> = vec![None; self.b.len()];
+        for _ in 0..ROUNDS.0 {
+            let x = free_solution(self.a, self.b, &fixed, &self.scale);
+            let gradient = self.a * &x - self.b;
+            let mut done = true;
+            for k in 0..fixed.len() {
+                let next = match fixed[k] {
+                    None => {
+                        let beyond = (lower[k] - x[k]).max(x[k] - upper[k]);
+                        (beyond * self.scale[k] > self.tolerance)
+                            .then(|| x[k].clamp(lower[k], upper[k]))
+                    }
+                    Some(at) => (!self.pulls_inside(k, at, gradient[k])).then_some(at),
+                };
+                done &= next.is_some() == fixed[k].is_some();
+                fixed[k] = next;
+            }
+            if done {
+                return Some((x, fixed));
+            }
         }
-        // A bound holds only while the gradient pushes against it.
-        let gradient = a * &x - b;
-        let release = (0..count)
-            .filter_map(|k| {
-                let at = fixed[k]?;
-                let push = if at <= lower[k] {
-                    -gradient[k]
-                } else {
-                    gradient[k]
-                } / scale[k];
-                (push > 1e-9).then_some((k, push))
-            })
-            .max_by(|a, b| a.1.total_cmp(&b.1));
-        match release {
-            Some((k, _)) => fixed[k] = None,
-            None => break,
-        }
+        None
     }
-    (x, fixed.iter().map(Option::is_some).collect())
+
+    /// A bound holds only while the gradient pushes against it.
+    fn pulls_inside(&self, k: usize, at: f64, gradient: f64) -> bool {
+        let outward = if at <= self.bounds.0[k] {
+            gradient
+        } else {
+            -gradient
+        };
+        outward / self.scale[k] < -self.tolerance
+    }
+
+    /// Newton steps on the face of the bounds that hold, each lowering the objective: projected on the bounds where that does,
+    /// else as far as the first bound. A face left without a step is left by the bound that is wrong most.
+    fn descended(&self) -> (DVector<f64>, Vec<Option<f64>>) {
+        let (lower, upper) = self.bounds;
+        let count = self.b.len();
+        let project =
+            |x: &DVector<f64>| DVector::from_fn(count, |k, _| x[k].clamp(lower[k], upper[k]));
+        let value = |x: &DVector<f64>| 0.5 * x.dot(&(self.a * x)) - x.dot(self.b);
+        let mut x = project(&DVector::zeros(count));
+        let mut best = value(&x);
+        let mut fixed = vec![None; count];
+        let mut one_at_a_time = false;
+        for _ in 0..ROUNDS.1 {
+            let gradient = self.a * &x - self.b;
+            let wrong: Vec<usize> = (0..count)
+                .filter(|&k| x[k] <= lower[k] || x[k] >= upper[k])
+                .filter(|&k| self.pulls_inside(k, x[k], gradient[k]))
+                .collect();
+            let pull = |k: &usize| (gradient[*k] / self.scale[*k]).abs();
+            let worst = wrong
+                .iter()
+                .copied()
+                .max_by(|a, b| pull(a).total_cmp(&pull(b)));
+            for (k, fixed) in fixed.iter_mut().enumerate() {
+                let at_bound = x[k] <= lower[k] || x[k] >= upper[k];
+                let released = if one_at_a_time {
+                    worst == Some(k)
+                } else {
+                    wrong.contains(&k)
+                };
+                *fixed = (at_bound && !released).then_some(x[k]);
+            }
+            // A free unknown at its bound that the step would lead out stays there after all.
+            let step = loop {
+                let step = free_solution(self.a, self.b, &fixed, &self.scale) - &x;
+                let leaves = |k: usize| {
+                    (x[k] <= lower[k] && step[k] < 0.0) || (x[k] >= upper[k] && step[k] > 0.0)
+                };
+                let mut kept = false;
+                for k in 0..count {
+                    if fixed[k].is_none() && leaves(k) {
+                        fixed[k] = Some(x[k]);
+                        kept = true;
+                    }
+                }
+                if !kept {
+                    break step;
+                }
+            };
+            // How far the step stays inside, and where it first leaves.
+            let room = |k: usize| {
+                let bound = if step[k] < 0.0 { lower[k] } else { upper[k] };
+                if step[k] == 0.0 {
+                    f64::INFINITY
+                } else {
+                    (bound - x[k]) / step[k]
+                }
+            };
+            let first = (0..count)
+                .filter(|&k| fixed[k].is_none())
+                .map(room)
+                .fold(1.0, f64::min);
+            let along = DVector::from_fn(count, |k, _| {
+                if room(k) <= first {
+                    if step[k] < 0.0 { lower[k] } else { upper[k] }
+                } else {
+                    x[k] + first * step[k]
+                }
+            });
+            let next = [project(&(&x + &step)), project(&along)]
+                .into_iter()
+                .map(|next| (value(&next), next))
+                .filter(|(value, _)| *value < best - 1e-12 * best.abs())
+                .min_by(|a, b| a.0.total_cmp(&b.0));
+            match next {
+                Some((lower, next)) => {
+                    (best, x) = (lower, next);
+                    one_at_a_time = false;
+                }
+                None if one_at_a_time || worst.is_none() => break,
+                None => one_at_a_time = true,
+            }
+        }
+        (x, fixed)
+    }
 }
 
 fn free_solution(
@@ -91,6 +208,7 @@ fn pseudo_solve(a: DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rig::noise::Noise;
 
     #[test]
     fn a_bound_that_binds_and_one_that_does_not() {
@@ -103,5 +221,35 @@ mod tests {
         let (x, fixed) = solve(&a, &b, &[-10.0, -10.0], &[10.0, 10.0]);
         assert!((a * x - b).norm() < 1e-12);
         assert_eq!(fixed, [false, false]);
+    }
+
+    /// Ill-conditioned problems of which exchanging all bounds at once goes round in circles, too: the answer obeys the conditions
+    /// of Karush, Kuhn and Tucker, which only the minimum does.
+    #[test]
+    fn ill_conditioned_problems_end_at_their_minimum() {
+        let mut noise = Noise::new(7, "bounded");
+        for trial in 0..60 {
+            let count = 5 + trial % 30;
+            let rows = DMatrix::from_fn(count + 3, count, |_, column| {
+                noise.normal() * 10f64.powi((column % 4) as i32)
+            });
+            let nearly = rows.column(0) + rows.column(1) * 1e-4;
+            let mut rows = rows.clone();
+            rows.set_column(count - 1, &nearly);
+            let a = rows.tr_mul(&rows);
+            let b = rows.tr_mul(&DVector::from_fn(count + 3, |_, _| 1e3 * noise.normal()));
+            let (lower, upper) = (vec![-0.7; count], vec![0.4; count]);
+            let (x, _) = solve(&a, &b, &lower, &upper);
+            let gradient = &a * &x - &b;
+            for k in 0..count {
+                let force = gradient[k] / a[(k, k)].sqrt();
+                assert!(x[k] >= lower[k] && x[k] <= upper[k]);
+                let small = 1e-6 * b.amax() / a[(k, k)].sqrt();
+                assert!(x[k] > lower[k] || force > -small, "{trial} {k}: {force}");
+                assert!(x[k] < upper[k] || force < small, "{trial} {k}: {force}");
+                let inside = x[k] > lower[k] && x[k] < upper[k];
+                assert!(!inside || force.abs() < small, "{trial} {k}: {force}");
+            }
+        }
     }
 }

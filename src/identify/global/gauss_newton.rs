@@ -125,14 +125,48 @@ pub struct Minimum {
     pub ending: Ending,
 }
 
-/// A step moves no unknown by more natural units than this: one e-fold of a stiffness.
-const REACH: f64 = 1.0;
+/// A step moves no unknown by more natural units than this: one and a half e-folds of a stiffness.
+const REACH: f64 = 1.5;
 /// The reach shrinks by this after steps that led nowhere.
 const SHRINK: f64 = 0.3;
 /// Steps shorter than this are lost in round-off.
 const LEAST_REACH: f64 = 1e-9;
 /// So often a step that led uphill is followed further before it is given up.
 const CHANCES: usize = 3;
+
+/// A step that promises less than this is near the end: the objective is half a chi-square, so all its unknowns together move by
+/// two standard deviations.
+const LATE: f64 = 2.0;
+/// So often a late step is tried again with what the last one taught before the reach is shortened.
+const RETRIES: usize = 6;
+
+/// Curvature of the residuals themselves, which the linear model leaves out.
+///
+/// Times the noise it is as large as the information along directions that the data hardly determine: there the linear model's
+/// steps overshoot, and go on overshooting from one side to the other. What a step really did along itself tells how much is
+/// missing; it is blamed on the unknowns that moved most in natural units. (The secants of Dennis, Gay and Welsch's NL2SOL, 1981,
+/// reduced to what keeps the model positive.)
+struct Missing(DMatrix<f64>);
+
+/// What a step did over what the model said of its curvature: beyond these more is missing, or less.
+const MISJUDGED: (f64, f64) = (0.7, 1.1);
+
+impl Missing {
+    /// After a step with this slope and curvature in the model, and the rise it really made.
+    fn learn(&mut self, step: &DVector<f64>, scale: &[f64], (slope, bend): (f64, f64), rise: f64) {
+        let seen = 2.0 * (rise - slope);
+        if !(seen / bend).is_finite() {
+            return;
+        }
+        if seen > MISJUDGED.1 * bend {
+            let blame = DVector::from_fn(step.len(), |k, _| step[k] / (scale[k] * scale[k]));
+            let size = blame.dot(step);
+            self.0 += &blame * blame.transpose() * ((seen - bend) / (size * size));
+        } else if seen < MISJUDGED.0 * bend {
+            self.0 *= 0.5;
+        }
+    }
+}
 
 /// Where a fit stands.
 struct Point {
@@ -146,8 +180,16 @@ struct Point {
 
 impl Point {
     /// The step of the linear model within limits, and what it would gain.
-    fn step(&self, (lower, upper): &(Vec<f64>, Vec<f64>), held: &[bool]) -> (DVector<f64>, f64) {
-        let mut information = self.information.clone();
+    fn step(
+        &self,
+        missing: Option<&Missing>,
+        (lower, upper): &(Vec<f64>, Vec<f64>),
+        held: &[bool],
+    ) -> (DVector<f64>, f64) {
+        let mut information = match missing {
+            Some(missing) => &self.information + &missing.0,
+            None => self.information.clone(),
+        };
         let mut right = -&self.gradient;
         for (k, held) in held.iter().enumerate() {
             if *held {
@@ -203,7 +245,7 @@ fn normal_equations(
 /// Minimises from `start`. `scale` is the size of a natural step of each unknown; `held` unknowns stay where they are.
 ///
 /// Each step minimises the linear model within a box of natural units, so that what little the data say of one unknown does not
-/// hold back the others. A step that leads uphill is followed a few times more before it is given up (the watchdog of Chamberlain,
+/// hold back the others. Near the end the curvature of the residuals is learnt from the steps, see `Missing`. A step that leads uphill is followed a few times more before it is given up (the watchdog of Chamberlain,
 /// Powell and others, 1982): a long step along a narrow curved valley climbs its wall, the next one falls to its floor further
 /// on; a shorter first step would crawl. `None` only if the model has no answer at the start.
 pub fn minimise(
@@ -230,13 +272,16 @@ pub fn minimise(
     let evaluation = problem.evaluate(start, true)?;
     let mut best = point(problem, start.to_vec(), evaluation);
     let mut reach = REACH;
+    let mut missing = Missing(DMatrix::zeros(start.len(), start.len()));
+    let mut retries = 0;
     let (mut iterations, mut tries, mut ending) = (0, 0, Ending::MaxIterations);
     'steps: while tries < tolerances.max_iterations {
         let mut uphill: Option<Point> = None;
         let (mut first, mut promised) = (reach, 0.0);
         for chance in 0..=CHANCES {
             let at = uphill.as_ref().unwrap_or(&best);
-            let (step, gain) = at.step(&problem.limits(scale, reach), held);
+            let learnt = (chance == 0).then_some(&missing);
+            let (step, gain) = at.step(learnt, &problem.limits(scale, reach), held);
             let trial = problem.moved(&at.x, &step);
             if chance == 0 {
                 (first, promised) = (longest(&at.x, &trial, scale), gain);
@@ -255,6 +300,18 @@ pub fn minimise(
             if !gained.is_finite() {
                 break;
             }
+            let late = chance == 0 && promised < LATE;
+            if late {
+                let slope = best.gradient.dot(&step);
+                let model = (slope, -2.0 * (promised + slope));
+                missing.learn(&step, scale, model, -gained);
+            } else if chance == 0 {
+                missing.0.fill(0.0);
+            }
+            if late && gained <= 0.0 && retries < RETRIES {
+                retries += 1;
+                continue 'steps;
+            }
             if gained <= 0.0 {
                 uphill = Some(next);
                 continue;
@@ -266,6 +323,7 @@ pub fn minimise(
                 reach = 0.5 * first;
             }
             best = next;
+            retries = 0;
             iterations += 1;
             if !problem.progress(iterations, &best.x, best.value) {
                 ending = Ending::Stopped;
@@ -276,7 +334,7 @@ pub fn minimise(
         reach = SHRINK * reach.min(first);
         if reach < LEAST_REACH {
             // Round-off hides any further gain: at a minimum this is convergence.
-            let (_, left) = best.step(&problem.limits(scale, REACH), held);
+            let (_, left) = best.step(Some(&missing), &problem.limits(scale, REACH), held);
             ending = if left <= 1e-3 {
                 Ending::Converged
             } else {
@@ -285,7 +343,7 @@ pub fn minimise(
             break;
         }
     }
-    let (_, decrement) = best.step(&problem.limits(scale, REACH), held);
+    let (_, decrement) = best.step(Some(&missing), &problem.limits(scale, REACH), held);
     Some(Minimum {
         x: best.x,
         objective: best.value,

@@ -3,7 +3,7 @@
 use super::channel::Channels;
 use super::memory::{Carried, Memory};
 use super::predictor::{CaseChange, CasePrediction, Observed, Prediction, Predictor};
-use super::unknown::{Direction, Numbers};
+use super::unknown::{Component, Direction, Numbers};
 use crate::statics::{Settings, Solver};
 use crate::system::{Parameters, Scratch, Slot, State, System};
 
@@ -247,6 +247,30 @@ impl Predictor for NativePredictor<'_> {
         }
         self.memories = memories;
         out
+    }
+
+    /// A unit force within the spring deflects it by c = e^T T^-1 e, the tangent T holding the spring itself: its share is K c. Taken
+    /// in the first case that has an answer; shares hardly depend on the load.
+    fn shares(&mut self, springs: &[Component]) -> Option<Vec<f64>> {
+        let answer = self.answers.iter().flatten().next()?;
+        let (theta, state) = (&answer.theta, &answer.state);
+        let mut tangent = self.solver.tangent(self.system, theta, state).ok()?;
+        let mut by_slot = vec![0.0; self.system.unknowns()];
+        let mut out = Vec::with_capacity(springs.len());
+        for spring in springs {
+            let Some(preload) = spring.preload else {
+                out.push(1.0);
+                continue;
+            };
+            self.system
+                .residual_by_slot(theta, state, &mut self.scratch, preload, &mut by_slot)
+                .ok()?;
+            let mut response = by_slot.clone();
+            tangent.respond(&mut response);
+            let deflection: f64 = by_slot.iter().zip(&response).map(|(e, x)| e * x).sum();
+            out.push((theta.get(spring.stiffness) * deflection).abs());
+        }
+        Some(out)
     }
 
     fn sweeps(&self) -> usize {

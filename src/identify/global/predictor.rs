@@ -2,7 +2,7 @@
 //!
 //! Knows neither measurements nor fits.
 
-use super::unknown::{Direction, Numbers};
+use super::unknown::{Component, Direction, Numbers};
 use crate::mechanics::Pose;
 use crate::model::PartIx;
 use crate::system::System;
@@ -45,6 +45,12 @@ pub trait Predictor {
 
     /// Solves every load case at these numbers; with changes along `directions` when given.
     fn predict(&mut self, numbers: &Numbers, directions: Option<&[Direction]>) -> Prediction;
+
+    /// For each spring which share of a force along it it carries itself, at the last answers: 1 in series, where its deflection
+    /// goes with 1/K, nearly 0 where other elements impose its deflection. `None` if the backend does not know.
+    fn shares(&mut self, _springs: &[Component]) -> Option<Vec<f64>> {
+        None
+    }
 
     /// How often all load cases were solved so far.
     fn sweeps(&self) -> usize;

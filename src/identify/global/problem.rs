@@ -97,6 +97,10 @@ impl LeastSquares for GlobalProblem<'_> {
         let numbers = self.unknowns.numbers(&self.deck, x);
         let directions = with_jacobian.then(|| self.unknowns.directions(&numbers.theta, x));
         let prediction = self.predictor.predict(&numbers, directions.as_deref());
+        if with_jacobian {
+            let shares = self.predictor.shares(&self.unknowns.springs());
+            self.unknowns.set_shares(&shares.unwrap_or_default());
+        }
         self.observations
             .evaluate(&prediction, &self.layout, x, with_jacobian)
     }

@@ -78,12 +78,20 @@ pub struct Numbers {
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct FitUnknowns {
     list: Vec<FitUnknown>,
+    /// Load share of each stiffness where it was asked for; springs in series else.
+    shares: Vec<f64>,
 }
+
+/// Shares below this are round-off.
+const LEAST_SHARE: f64 = 1e-4;
 
 impl FitUnknowns {
     /// A list of unknowns.
     pub fn new(list: Vec<FitUnknown>) -> Self {
-        Self { list }
+        Self {
+            list,
+            shares: Vec::new(),
+        }
     }
 
     /// All of them, in order.
@@ -106,34 +114,67 @@ impl FitUnknowns {
         self.list.iter().map(|unknown| unknown.start).collect()
     }
 
-    fn is_stiffness(&self, k: usize) -> bool {
-        let unknown = self.list.get(k);
-        unknown.is_some_and(|unknown| matches!(unknown.meaning, Meaning::Stiffness(_)))
+    /// The springs of all stiffnesses, in order.
+    pub fn springs(&self) -> Vec<Component> {
+        let of = |unknown: &FitUnknown| match &unknown.meaning {
+            Meaning::Stiffness(components) => components.clone(),
+            _ => Vec::new(),
+        };
+        self.list.iter().flat_map(of).collect()
+    }
+
+    /// Takes the load share of each of [`Self::springs`]; several springs of one unknown count by their mean. None at all where the
+    /// backend knows none: then all count as springs in series.
+    pub fn set_shares(&mut self, shares: &[f64]) {
+        if shares.is_empty() {
+            self.shares.clear();
+            return;
+        }
+        let mut left = shares.iter().map(|share| {
+            if share.is_finite() {
+                share.clamp(LEAST_SHARE, 1.0)
+            } else {
+                1.0
+            }
+        });
+        let of = |unknown: &FitUnknown| match &unknown.meaning {
+            Meaning::Stiffness(components) if !components.is_empty() => {
+                left.by_ref().take(components.len()).sum::<f64>() / components.len() as f64
+            }
+            _ => 1.0,
+        };
+        self.shares = self.list.iter().map(of).collect();
+    }
+
+    /// The load share of unknown `k`; `None` if it is no stiffness.
+    fn share(&self, k: usize) -> Option<f64> {
+        let unknown = self.list.get(k)?;
+        let stiffness = matches!(unknown.meaning, Meaning::Stiffness(_));
+        stiffness.then(|| self.shares.get(k).copied().unwrap_or(1.0))
     }
 
     /// Where a step of a linear model leads; x may hold more than these unknowns.
     ///
-    /// At given forces deflections are linear in compliances, so a step of ln K is made in 1/K: `ln K - ln(1 - step)`. From 1e4
-    /// everywhere that saves half of the sweeps and nearly all rejected steps.
+    /// A spring beside which the rest of the model resists with K_s deflects by 1/(K + K_s) under a given force. A step of ln K is
+    /// made in that, with the share s = K/(K + K_s): `K_+ + K_s = (K + K_s)/(1 - s step)`. In series, s = 1, that is linear in 1/K;
+    /// for springs that others hold, s near 0, in K. It makes the linear model good far away: half of the sweeps are saved.
     pub fn moved(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
-        let to = |(k, (x, step)): (usize, (&f64, &f64))| {
-            if self.is_stiffness(k) {
-                x - (-step).ln_1p()
-            } else {
-                x + step
-            }
+        let to = |(k, (x, step)): (usize, (&f64, &f64))| match self.share(k) {
+            Some(s) => x + (step / (1.0 - s * step)).ln_1p(),
+            None => x + step,
         };
         x.iter().zip(step.iter()).enumerate().map(to).collect()
     }
 
     /// Lower and upper bound of a step that moves no unknown by more than `reach` natural units.
     pub fn limits(&self, scale: &[f64], reach: f64) -> (Vec<f64>, Vec<f64>) {
-        let of = |(k, scale): (usize, &f64)| {
-            if self.is_stiffness(k) {
-                (-reach.exp_m1(), -(-reach).exp_m1())
-            } else {
-                (-reach * scale, reach * scale)
+        let of = |(k, scale): (usize, &f64)| match self.share(k) {
+            Some(s) => {
+                // The step that changes ln K by `to`.
+                let step = |to: f64| to.exp_m1() / (1.0 + s * to.exp_m1());
+                (step(-reach), step(reach))
             }
+            None => (-reach * scale, reach * scale),
         };
         scale.iter().enumerate().map(of).unzip()
     }
