@@ -61,12 +61,15 @@ fn noise_free_multilink_is_exact_from_the_papers_start() {
 /// probability of 0.3 percent. The marks are those shipped, made by an independent implementation.
 #[test]
 fn noisy_axles_are_found_within_their_claimed_uncertainty() {
-    for name in ["pseudo-mcpherson", "multilink"] {
+    for (name, most) in [("pseudo-mcpherson", 15), ("multilink", 60)] {
         let loaded = load(name, |_| {});
         let problem = loaded.problem();
         let prepared = Prepared::new(&problem).unwrap();
         let found = fit_study(&problem, &prepared, None, options()).unwrap();
-        println!("{name}: {} sweeps", found.problem.predictor.sweeps() - 2);
+        let sweeps = found.problem.predictor.sweeps() - 2;
+        println!("{name}: {sweeps} sweeps");
+        // From 1e4 everywhere, with offsets and noise: no more than without either.
+        assert!(sweeps <= most, "{name}: {sweeps}");
         assert!(found.fit.converged);
         let chi2 = found.fit.marks.unwrap().chi2_per_dof.unwrap();
         // 780 and 1,092 coordinates: the sd of chi-square per degree of freedom is 0.05.
