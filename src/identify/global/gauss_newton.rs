@@ -137,6 +137,8 @@ const CHANCES: usize = 3;
 /// A step that promises less than this is near the end: the objective is half a chi-square, so all its unknowns together move by
 /// two standard deviations.
 const LATE: f64 = 2.0;
+/// ... and only if it leaves most of the objective: residuals that vanish take their curvature with them.
+const REMAINS: f64 = 0.9;
 /// So often a late step is tried again with what the last one taught before the reach is shortened.
 const RETRIES: usize = 6;
 
@@ -300,7 +302,8 @@ pub fn minimise(
             if !gained.is_finite() {
                 break;
             }
-            let late = chance == 0 && promised < LATE;
+            let remains = best.value - promised > REMAINS * best.value;
+            let late = chance == 0 && promised < LATE && remains;
             if late {
                 let slope = best.gradient.dot(&step);
                 let model = (slope, -2.0 * (promised + slope));
