@@ -338,7 +338,7 @@ fn rows(setting: Setting, seeds: u64) -> [String; 3] {
         (true, true) => seeds.min(10),
         _ => seeds,
     };
-    let beside = |seed: u64| setting.axle != "multilink" || seed % LOOP_EVERY == 0;
+    let beside = |seed: u64| setting.axle != "multilink" || seed.is_multiple_of(LOOP_EVERY);
     let trials: Vec<Trial> = (0..count)
         .into_par_iter()
         .filter_map(|seed| trial(setting, seed, &bounds, Start::Auto, beside(seed)))
