@@ -40,6 +40,14 @@ fn friction_and_a_soft_tie_rod_are_found_and_the_loops_no_fit_saw_are_reproduced
         outcome.sentences().join("\n"),
         diagnosis.to_json()
     );
+    // Hypotheses are tried side by side; how many at a time changes not one digit.
+    let others = rayon::ThreadPoolBuilder::new().num_threads(rayon::current_num_threads() + 1);
+    let again = others.build().unwrap().install(|| {
+        let held_out = held_out(&loaded.study, &loaded.measurement);
+        let outcome = diagnose(&loaded.problem(), held_out).unwrap();
+        outcome.diagnosis.to_json()
+    });
+    assert!(again == diagnosis.to_json(), "{again}");
     assert_eq!(diagnosis.verdict, Verdict::Discrepancy);
     assert_eq!(diagnosis.findings.len(), 2, "nothing besides");
     let friction = finding(&outcome, "dry-friction", "BUSHING/2.K.1");
