@@ -6,9 +6,8 @@
 //! any pivot (motions nothing resists) are put aside and their unknowns held at zero.
 //!
 //! Why not all of faer's sparse LU: it has neither a repetition with the pivots frozen nor a word about columns without one. On chains of
-//! 100, 1,000 and 10,000 links (670 to 67,140 unknowns) a repeated factorisation takes it 8, 40 and 4 times as long; its first one is
-//! 2 to 3 times faster. Measured on a busy machine, unoptimised beside optimised dependencies: `cargo test --release --lib
-//! compared_with_faer -- --ignored --nocapture`.
+//! 100, 1,000 and 10,000 links (670 to 67,140 unknowns) a repeated factorisation takes it 20, 7 and 4 times as long; its first one, the
+//! order included, is up to twice as fast: `cargo test --lib compared_with_faer -- --nocapture`.
 
 use super::matrix::Matrix;
 use super::ordering::columns_of;

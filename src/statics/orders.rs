@@ -1,5 +1,6 @@
 //! Our elimination beside faer's sparse LU (COLAMD, AMD) on the Jacobian of long chains: what it costs to find the order, and what each
-//! factorisation costs after that. `cargo test --release --lib compared_with_faer -- --ignored --nocapture`
+//! factorisation costs after that. Both find the same answer;
+//! `cargo test --lib compared_with_faer -- --nocapture` shows the times.
 
 use std::fmt::Write;
 use std::time::Instant;
@@ -16,7 +17,7 @@ use crate::syntax::Dataset;
 use crate::system::{Scratch, System};
 use crate::text::Source;
 
-/// Links on bushings, every tenth also on a bushing to ground, every seventh on a hinge instead.
+/// Links on bushings, every tenth also on a bushing to ground, every seventh on a hinge instead (not the last: it would swing freely).
 fn chain(links: u32) -> Matrix {
     let mut deck = String::from("chain\nPART/1, GROUND\nMARKER/1, PART=1\nMARKER/12, PART=1\n");
     for id in 2..links + 2 {
@@ -27,7 +28,7 @@ fn chain(links: u32) -> Matrix {
         )
         .expect("text is written");
         let before = id - 1;
-        if id % 7 == 0 {
+        if id % 7 == 0 && id <= links {
             writeln!(deck, "JOINT/{id}, REVOLUTE, I={id}1, J={before}2")
                 .expect("a matrix that has factors");
         } else {
@@ -73,9 +74,8 @@ fn seconds<T>(work: impl FnOnce() -> T) -> (f64, T) {
 }
 
 #[test]
-#[ignore = "a measurement, not a check"]
 fn compared_with_faer() {
-    for links in [10, 100, 1_000, 10_000, 100_000] {
+    for links in [10, 100, 1_000, 10_000] {
         let matrix = chain(links);
         let n = matrix.size();
         let mut lu = Lu::new(n);
@@ -121,5 +121,10 @@ fn compared_with_faer() {
             "  faer:  order {order:.4} s, first {first:.4} s, again {again:.5} s, solve {solve:.5} s; answers {:.0e} apart",
             apart / size
         );
+        // A sum of differences, unlike the largest of them, does not pass over what is no number.
+        let sum: f64 = (0..n).map(|k| (x[k] - y[k]).abs()).sum();
+        assert!(sum.is_finite() && lu.deficiency() == 0, "{links} links");
+        // Round-off of two eliminations in different orders: the chain's condition grows with its length.
+        assert!(apart < 1e-8 * size, "{links} links: {apart:e} of {size:e}");
     }
 }

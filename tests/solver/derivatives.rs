@@ -1,9 +1,9 @@
 //! The tangent against differences: of the residual along random motions, of the equilibrium along every number of theta.
 
 use admire::statics::{Settings, Solver, Tangent};
-use admire::system::{Parameters, Scratch, Slot, State, System};
+use admire::system::{Parameters, Slot, State, System};
 
-use crate::differences::{richardson, step};
+use crate::differences::{along, richardson, step};
 use crate::reference::{AXLES, load};
 
 fn random(n: usize, seed: u64) -> Vec<f64> {
@@ -34,7 +34,6 @@ fn scales(system: &System) -> Vec<f64> {
 pub fn check_tangent(system: &System, parameters: &Parameters, state: &State, tolerance: f64) {
     let mut tangent = Tangent::new(system, parameters, state).unwrap();
     assert_eq!(tangent.deficiency(), 0);
-    let mut scratch = Scratch::new(system);
     let scales = scales(system);
     let n = system.unknowns();
     for seed in 1..6 {
@@ -43,24 +42,7 @@ pub fn check_tangent(system: &System, parameters: &Parameters, state: &State, to
             .zip(&scales)
             .map(|(r, s)| r * s)
             .collect();
-        let mut at = |h: f64| {
-            let mut moved = state.clone();
-            let step: Vec<f64> = dx.iter().map(|d| d * h).collect();
-            system.advance(&mut moved, &step);
-            let mut g = vec![0.0; n];
-            system
-                .residual(parameters, &moved, &mut scratch, &mut g)
-                .unwrap();
-            g
-        };
-        let mut difference = |h: f64| -> Vec<f64> {
-            let (plus, minus) = (at(h), at(-h));
-            plus.iter()
-                .zip(&minus)
-                .map(|(p, m)| (p - m) / (2.0 * h))
-                .collect()
-        };
-        let (coarse, fine) = (difference(2e-3), difference(1e-3));
+        let (coarse, fine) = along(system, parameters, state, &dx);
         let mut dg = richardson(&coarse, &fine);
         tangent.respond(&mut dg);
         for k in 0..n {

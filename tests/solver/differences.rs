@@ -1,6 +1,6 @@
-//! Central differences by the numbers of theta.
+//! Central differences by the numbers of theta, and of the residual along a motion.
 
-use admire::system::{Slot, System};
+use admire::system::{Parameters, Scratch, Slot, State, System};
 
 /// The step of a difference by a number whose value is `here`.
 pub fn step(system: &System, slot: Slot, here: f64) -> f64 {
@@ -13,4 +13,30 @@ pub fn step(system: &System, slot: Slot, here: f64) -> f64 {
 pub fn richardson(coarse: &[f64], fine: &[f64]) -> Vec<f64> {
     let pairs = coarse.iter().zip(fine);
     pairs.map(|(c, f)| (4.0 * f - c) / 3.0).collect()
+}
+
+/// Central differences of the residual along a motion of all unknowns: with steps of 2e-3 of it, and with half of that.
+pub fn along(
+    system: &System,
+    parameters: &Parameters,
+    state: &State,
+    dx: &[f64],
+) -> (Vec<f64>, Vec<f64>) {
+    let mut scratch = Scratch::new(system);
+    let mut at = |h: f64| {
+        let mut moved = state.clone();
+        let step: Vec<f64> = dx.iter().map(|d| d * h).collect();
+        system.advance(&mut moved, &step);
+        let mut g = vec![0.0; dx.len()];
+        system
+            .residual(parameters, &moved, &mut scratch, &mut g)
+            .unwrap();
+        g
+    };
+    let mut difference = |h: f64| -> Vec<f64> {
+        let (plus, minus) = (at(h), at(-h));
+        let both = plus.iter().zip(&minus);
+        both.map(|(p, m)| (p - m) / (2.0 * h)).collect()
+    };
+    (difference(2e-3), difference(1e-3))
 }

@@ -5,9 +5,10 @@ use std::fmt::Write;
 
 use admire::grammar::{FUNCTIONS, FunctionDef, Solved};
 use admire::statics::{Settings, Solver, Tangent};
-use admire::system::{Scratch, System};
+use admire::system::System;
 
 use crate::deck::{HEAD, read};
+use crate::differences::{along, richardson};
 
 /// Parts on bushings, and between them one element of every kind that a function can read.
 fn elements() -> String {
@@ -186,25 +187,8 @@ fn changes(calls: &[(String, bool)]) -> Vec<Change> {
         _ => 1.0,
     };
     let dx: Vec<f64> = (0..n).map(|k| spread(k) * scale(k)).collect();
-    let mut scratch = Scratch::new(&system);
-    let mut at = |h: f64| {
-        let mut moved = state.clone();
-        let step: Vec<f64> = dx.iter().map(|d| d * h).collect();
-        system.advance(&mut moved, &step);
-        let mut g = vec![0.0; n];
-        system
-            .residual(&parameters, &moved, &mut scratch, &mut g)
-            .unwrap();
-        g
-    };
-    let mut difference = |h: f64| -> Vec<f64> {
-        let (plus, minus) = (at(h), at(-h));
-        let both = plus.iter().zip(&minus);
-        both.map(|(p, m)| (p - m) / (2.0 * h)).collect()
-    };
-    let (coarse, fine) = (difference(2e-3), difference(1e-3));
-    let both = coarse.iter().zip(&fine);
-    let dg: Vec<f64> = both.map(|(c, f)| (4.0 * f - c) / 3.0).collect();
+    let (coarse, fine) = along(&system, &parameters, &state, &dx);
+    let dg = richardson(&coarse, &fine);
     // The tangent turns the change of the residual back into the motion; what a variable misses is the error of its row.
     let mut back = dg.clone();
     Tangent::new(&system, &parameters, &state)
