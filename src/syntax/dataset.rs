@@ -228,11 +228,16 @@ pub(super) fn parse_lines(
     role: Role,
 ) -> (Vec<Statement>, Vec<Diagnostic>) {
     const CHUNK: usize = 4096;
+    // What so many lines hold fits the cache.
+    const GROUP: usize = 256;
     let read = |chunk: &[LogicalLine]| {
         let mut parser = StatementParser::new(source, role);
         let mut statements = Vec::with_capacity(chunk.len());
-        for line in chunk {
-            parser.line(*line, &mut statements);
+        for group in chunk.chunks(GROUP) {
+            for line in group {
+                parser.line(*line, &mut statements);
+            }
+            parser.close();
         }
         (statements, parser.diagnostics, parser.dropped)
     };

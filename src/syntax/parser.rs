@@ -1,7 +1,8 @@
 use super::keywords::{Keywords, Missed};
 use super::lexer::Lexer;
 use super::lines::LogicalLine;
-use super::{Argument, Number, Statement, Token, TokenKind};
+use super::shared::Pool;
+use super::{Argument, Number, Shared, Statement, Token, TokenKind, Value};
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::grammar::{ArgumentDef, Role, StatementDef};
 use crate::text::{Source, Span};
@@ -27,6 +28,9 @@ pub(super) struct StatementParser<'a> {
     pub(super) list: Vec<Number>,
     /// Memory of the statement before.
     found: Vec<Argument>,
+    /// The numbers of all statements since the last [`close`](Self::close).
+    pub(super) all_numbers: Pool<Number>,
+    all_arguments: Pool<Argument>,
 }
 
 impl<'a> StatementParser<'a> {
@@ -41,7 +45,15 @@ impl<'a> StatementParser<'a> {
             tokens: Vec::new(),
             list: Vec::new(),
             found: Vec::new(),
+            all_numbers: Pool::new(),
+            all_arguments: Pool::new(),
         }
+    }
+
+    /// Ends a group of lines: statements read before this have no arguments until then.
+    pub fn close(&mut self) {
+        self.all_numbers.close();
+        self.all_arguments.close();
     }
 
     /// The statements of a logical line: one, or several between semicolons. A semicolon belongs to the statement before it.
@@ -74,7 +86,7 @@ impl<'a> StatementParser<'a> {
                         keyword: mark,
                         id: None,
                         span: mark,
-                        arguments: Vec::new(),
+                        arguments: Shared::default(),
                         view_name: None,
                     }),
                     (None, _) => {}
@@ -102,7 +114,7 @@ impl<'a> StatementParser<'a> {
             keyword: tokens[0].span,
             id: None,
             span: tokens[0].span.join(last),
-            arguments: Vec::new(),
+            arguments: Shared::default(),
             view_name,
         };
         if tokens[0].kind != TokenKind::Word {
@@ -213,8 +225,7 @@ impl<'a> StatementParser<'a> {
         loop {
             cursor.skip_separators();
             let Some(token) = cursor.peek() else {
-                // Exactly as long as it must be: a large deck has millions of these lists.
-                statement.arguments = self.found.drain(..).collect();
+                statement.arguments = self.all_arguments.share(self.found.drain(..));
                 return;
             };
             if token.kind == TokenKind::Word {
@@ -249,7 +260,12 @@ impl<'a> StatementParser<'a> {
             span: name,
             value,
         };
-        argument.span.end = argument.span.end.max(argument.value_span().end);
+        let end = match &argument.value {
+            // The pool still hides them; the list holds the same.
+            Value::Numbers(_) => self.list.last().map_or(0, |number| number.span.end),
+            _ => argument.value_span().end,
+        };
+        argument.span.end = argument.span.end.max(end);
         argument
     }
 

@@ -1,7 +1,7 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use super::{Expression, Number, Numbers};
+use super::{Expression, Number, Shared};
 use crate::grammar::{ArgumentDef, Choice, StatementDef, ValueKind, find_choice};
 use crate::text::{Source, Span};
 
@@ -17,7 +17,7 @@ pub struct Statement {
     /// From the keyword to the last byte that belongs to it; comments and line ends after it are not part of it.
     pub span: Span,
     /// Arguments in the order they are written.
-    pub arguments: Vec<Argument>,
+    pub arguments: Shared<Argument>,
     /// The name in the `adams_view_name` comment before it.
     pub view_name: Option<Span>,
 }
@@ -41,7 +41,7 @@ pub enum Value {
     /// Nothing: a flag.
     Flag,
     /// Numbers, integers or ids.
-    Numbers(Numbers),
+    Numbers(Shared<Number>),
     /// Words: one or several choices, with their spans.
     Words(Vec<Span>),
     /// One or several texts (quotes not included in the spans).

@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use super::number::parse_number;
 use super::parser::{Cursor, StatementParser};
-use super::{Number, Numbers, Token, TokenKind, Value, expression};
+use super::{Number, Shared, Token, TokenKind, Value, expression};
 use crate::diagnostic::{Applicability, Code, Diagnostic};
 use crate::grammar::{ArgumentDef, Choice, Lookup, StatementDef, ValueKind, find_choice, nearest};
 use crate::text::{Edit, Span};
@@ -82,7 +82,7 @@ impl StatementParser<'_> {
     }
 
     /// Numbers between commas, up to a separator that no number follows. On an error the cursor stands where it was found.
-    fn numbers(&mut self, cursor: &mut Cursor) -> Result<Numbers, NotNumbers> {
+    fn numbers(&mut self, cursor: &mut Cursor) -> Result<Shared<Number>, NotNumbers> {
         self.list.clear();
         loop {
             let number = self.number(cursor).ok_or(NotNumbers)?;
@@ -93,11 +93,11 @@ impl StatementParser<'_> {
                 Some(TokenKind::Number | TokenKind::Punctuation(b'+' | b'-')) if separated => {}
                 None | Some(TokenKind::Punctuation(b'\\')) => {
                     cursor.go_back(end);
-                    return Ok(self.list.as_slice().into());
+                    return Ok(self.all_numbers.share(self.list.iter().copied()));
                 }
                 Some(_) if separated => {
                     cursor.go_back(end);
-                    return Ok(self.list.as_slice().into());
+                    return Ok(self.all_numbers.share(self.list.iter().copied()));
                 }
                 Some(_) => return Err(NotNumbers),
             }

@@ -1,0 +1,120 @@
+use std::fmt;
+use std::ops::Deref;
+use std::sync::{Arc, OnceLock};
+
+/// Neighbours in a list that many owners share: a deck has millions of lists of two or three values, and memory asked for each of
+/// them alone costs more time than reading it.
+pub struct Shared<T> {
+    list: Option<Arc<OnceLock<Box<[T]>>>>,
+    start: u32,
+    length: u32,
+}
+
+impl<T> Deref for Shared<T> {
+    type Target = [T];
+
+    fn deref(&self) -> &[T] {
+        let all = self.list.as_ref().and_then(|list| list.get());
+        let start = self.start as usize;
+        all.map_or(&[], |all| &all[start..start + self.length as usize])
+    }
+}
+
+impl<T> Clone for Shared<T> {
+    fn clone(&self) -> Self {
+        Self {
+            list: self.list.clone(),
+            ..*self
+        }
+    }
+}
+
+impl<T> Default for Shared<T> {
+    fn default() -> Self {
+        Self {
+            list: None,
+            start: 0,
+            length: 0,
+        }
+    }
+}
+
+impl<T: PartialEq> PartialEq for Shared<T> {
+    fn eq(&self, other: &Self) -> bool {
+        **self == **other
+    }
+}
+
+impl<T: fmt::Debug> fmt::Debug for Shared<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self.iter()).finish()
+    }
+}
+
+impl<'a, T> IntoIterator for &'a Shared<T> {
+    type Item = &'a T;
+    type IntoIter = std::slice::Iter<'a, T>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
+
+/// A list that grows while its parts are handed out. They are empty until it is closed.
+pub(super) struct Pool<T> {
+    list: Arc<OnceLock<Box<[T]>>>,
+    open: Vec<T>,
+}
+
+impl<T> Pool<T> {
+    pub fn new() -> Self {
+        Self {
+            list: Arc::default(),
+            open: Vec::new(),
+        }
+    }
+
+    /// Adds values and hands out the part that holds them.
+    pub fn share(&mut self, values: impl IntoIterator<Item = T>) -> Shared<T> {
+        let start = self.open.len();
+        self.open.extend(values);
+        if self.open.len() == start {
+            return Shared::default();
+        }
+        // A pool holds what a few hundred lines hold; a file of more than 2^32 values does not fit the memory.
+        let small = |at: usize| u32::try_from(at).unwrap_or(u32::MAX);
+        Shared {
+            list: Some(Arc::clone(&self.list)),
+            start: small(start),
+            length: small(self.open.len() - start),
+        }
+    }
+
+    /// Lets the parts handed out so far see their values.
+    pub fn close(&mut self) {
+        let list = std::mem::take(&mut self.list);
+        // Just created or taken: nobody else can have set it.
+        let _ = list.set(self.open.drain(..).collect());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_see_their_values_once_the_pool_is_closed() {
+        let mut pool = Pool::new();
+        let first = pool.share([1, 2, 3]);
+        let none = pool.share([]);
+        let second = pool.share([4]);
+        assert!(first.is_empty());
+        pool.close();
+        let third = pool.share([5]);
+        pool.close();
+        assert_eq!((&*first, &*none), (&[1, 2, 3][..], &[][..]));
+        assert_eq!((&*second, &*third), (&[4][..], &[5][..]));
+        assert_eq!(second.clone(), second);
+        assert_eq!(format!("{first:?}"), "[1, 2, 3]");
+    }
+}
