@@ -129,8 +129,6 @@ pub struct Sensor {
     pub stops: bool,
     /// HALT: the whole command file ends.
     pub halts: bool,
-    /// ANGLE: the function is an angle, whole turns of which do not count.
-    pub angle: bool,
     /// DT: time between output steps once it fired.
     pub dt: Option<f64>,
 }
@@ -138,11 +136,7 @@ pub struct Sensor {
 impl Sensor {
     /// True if the event is there: the function equals VALUE within ERROR, or is beyond it (GE, LE).
     pub fn fires(&self, value: f64) -> bool {
-        let mut beyond = value - self.value;
-        if self.angle {
-            beyond = (beyond + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU)
-                - std::f64::consts::PI;
-        }
+        let beyond = value - self.value;
         match self.compare {
             SensorCompare::Eq => beyond.abs() <= self.error,
             SensorCompare::Ge => beyond >= -self.error,

@@ -68,7 +68,7 @@ pub struct OutputSettings {
     pub ypr: bool,
     /// FIXED: the tables hold numbers with a fixed point.
     pub fixed: bool,
-    /// TELETYPE: the tables are at most 80 columns wide.
+    /// TELETYPE: the tables are at most 72 columns wide.
     pub teletype: bool,
     /// DZERO, VZERO, AZERO, FZERO: what is smaller is written as zero in requests and tables.
     pub zero: [f64; 4],

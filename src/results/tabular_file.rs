@@ -19,7 +19,7 @@ pub struct TabularRequest {
 pub struct Tabular {
     /// Numbers have a fixed point where they fit.
     pub fixed: bool,
-    /// Lines have at most 80 columns: four values beside TIME, the other four below.
+    /// Lines have at most 72 columns: four values beside TIME, the other four below.
     pub narrow: bool,
 }
 

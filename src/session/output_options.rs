@@ -4,21 +4,18 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::syntax::{Dataset, Statement};
 
 /// Options of OUTPUT, and what ADAMS would do.
-const OUTPUT: [(&str, &str); 14] = [
+const OUTPUT: [(&str, &str); 11] = [
     ("GR521SAV", "a graphics file of an old kind"),
+    ("ICSAVE", "a file of the states at every output step"),
     ("MATSAVE", "a file for MATLAB"),
     ("DACSAVE", "a DAC file"),
     ("RPCSAVE", "an RPC III file"),
     ("CHART", "charts in the tabular output"),
-    ("DPRINT", "tables of part displacements"),
-    ("VPRINT", "tables of part velocities"),
-    ("APRINT", "tables of part accelerations"),
-    ("FPRINT", "tables of forces"),
-    ("OSFORMAT", "numbers as the system spells them"),
-    ("DSCALE", "scaled charts of displacements"),
-    ("VSCALE", "scaled charts of velocities"),
-    ("ASCALE", "scaled charts of accelerations"),
-    ("FSCALE", "scaled charts of forces"),
+    ("OSFORMAT", "a table after every output step"),
+    ("DSCALE", "scaled displacements"),
+    ("VSCALE", "scaled velocities"),
+    ("ASCALE", "scaled accelerations"),
+    ("FSCALE", "scaled forces"),
 ];
 
 /// A warning for each such option of a dataset.

@@ -213,7 +213,9 @@ impl Outputs {
                 .step(kind, &self.values)
                 .map_err(|error| failed("res", error))?;
         }
-        if let Some((writer, parts)) = &mut self.graphics {
+        if model.output.grsave
+            && let Some((writer, parts)) = &mut self.graphics
+        {
             let pose = |&part: &usize| {
                 let pose = &state.poses[part];
                 let angles = psi_theta_phi(&pose.R);
@@ -232,7 +234,9 @@ impl Outputs {
         let rows: Vec<[f64; 8]> = (0..model.requests.len())
             .map(|index| measures.request(model, index))
             .collect();
-        if let Some(writer) = &mut self.requests {
+        if model.output.reqsave
+            && let Some(writer) = &mut self.requests
+        {
             let six: Vec<[f64; 6]> = rows
                 .iter()
                 .map(|v| [v[1], v[2], v[3], v[5], v[6], v[7]])

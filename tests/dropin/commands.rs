@@ -201,6 +201,24 @@ fn kinematics_without_freedoms_and_nothing_else() {
 }
 
 #[test]
+fn requests_and_frames_stop_and_resume_on_command() {
+    let deck = SLIDER.replace("OUTPUT/REQSAVE", "OUTPUT/REQSAVE, GRSAVE");
+    let acf = "\nfile/model=slider\nSIM/STAT, END=1, STEPS=2\nOUTPUT/NOREQSAVE, NOGRSAVE\n\
+               SIM/STAT, END=2, STEPS=2\nOUTPUT/REQSAVE\nSIM/STAT, END=3, STEPS=1\nSTOP\n";
+    let folder = folder(&[("slider.adm", &deck), ("run.acf", acf)]);
+    let ran = mdi(folder.path(), &["ru-s", "run"]);
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    let source =
+        admire::text::Source::new("slider.req", text(folder.path(), "slider.req").into_bytes());
+    let requests = admire::results::RequestFile::parse(&source).value;
+    assert_eq!(requests.times.last(), Some(&3.0));
+    assert!(!requests.times.contains(&1.5), "{:?}", requests.times);
+    let frames = text(folder.path(), "slider.gra");
+    let after: Vec<&str> = frames.split("-9.99999E+05").collect();
+    assert_eq!(after[1].trim_start_matches('\n').lines().count(), 1 + 3 * 2,);
+}
+
+#[test]
 fn requests_and_frames_are_written_beside_the_results() {
     let deck = SLIDER.replace("OUTPUT/REQSAVE", "OUTPUT/REQSAVE, GRSAVE");
     let acf = "\nfile/model=slider\nSIM/STAT, END=1, STEPS=2\nSTOP\n";

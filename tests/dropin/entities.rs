@@ -303,7 +303,7 @@ fn options_of_output_shape_tables_and_requests() {
         .lines()
         .filter(|line| !line.contains("PAGE"))
         .collect();
-    assert!(tables.iter().all(|line| line.len() <= 80), "{narrow}");
+    assert!(tables.iter().all(|line| line.len() <= 72), "{narrow}");
     assert!(narrow.contains("THETA"));
     let (fixed, ..) = out(", FIXED");
     assert!(

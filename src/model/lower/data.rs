@@ -235,7 +235,6 @@ pub(super) fn sensor(reader: &mut Reader, old: Option<&Sensor>) -> Option<Sensor
         evaluate: reader.function("EVALUATE", old.and_then(|old| old.evaluate.as_ref())),
         stops: halts || reader.flag("RETURN", old.is_some_and(|old| old.stops)),
         halts,
-        angle: reader.flag("ANGLE", old.is_some_and(|old| old.angle)),
         dt: reader
             .given("DT")
             .and_then(|argument| Some(argument.numbers().first()?.value))

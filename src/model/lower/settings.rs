@@ -105,10 +105,11 @@ fn equilibrium(reader: &Reader, old: &EquilibriumSettings) -> EquilibriumSetting
 
 fn output(reader: &Reader, old: &OutputSettings) -> OutputSettings {
     OutputSettings {
-        reqsave: reader.flag("REQSAVE", old.reqsave),
-        grsave: reader.flag("GRSAVE", old.grsave),
+        reqsave: reader.flag("REQSAVE", old.reqsave) && !reader.flag("NOREQSAVE", false),
+        grsave: reader.flag("GRSAVE", old.grsave) && !reader.flag("NOGRSAVE", false),
         noprint: reader.flag("NOPRINT", old.noprint),
-        noseparator: reader.flag("NOSEPARATOR", old.noseparator),
+        noseparator: reader.flag("NOSEPARATOR", old.noseparator)
+            && !reader.flag("SEPARATOR", false),
         ypr: reader.flag("YPR", old.ypr),
         fixed: reader.flag("FIXED", old.fixed),
         teletype: reader.flag("TELETYPE", old.teletype),
