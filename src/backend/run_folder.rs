@@ -135,7 +135,7 @@ fn deck(request: &SweepRequest<'_>) -> Result<Dataset, Box<Diagnostic>> {
         (Some(true), _) => return Ok(deck),
         (Some(false), Some(results)) => {
             vec![crate::text::Edit::new(
-                crate::text::Span::at(results.span.end),
+                crate::text::Span::at(results.span.end()),
                 ", XRF",
             )]
         }

@@ -25,10 +25,10 @@ pub(super) fn complete(current: &OsStr) -> Vec<CompletionCandidate> {
             .is_some_and(|e| e.eq_ignore_ascii_case("adm"))
             && word.is_file()
     });
-    let Some(bytes) = deck.and_then(|deck| std::fs::read(deck).ok()) else {
+    let Some(source) = deck.and_then(|deck| Source::read(&deck).ok()) else {
         return Vec::new();
     };
-    let dataset = Dataset::parse(Source::new("deck", bytes)).value;
+    let dataset = Dataset::parse(source).value;
     candidates(&dataset, typed)
         .into_iter()
         .take(MOST)

@@ -70,14 +70,14 @@ fn of_dataset(source: Source, fortran: bool, shell: &mut Shell) -> Vec<Diagnosti
         }
     }
     found.extend(model::lint::check(dataset, &resolved.value));
-    found.sort_by_key(|diagnostic| diagnostic.labels.first().map(|label| label.span.start));
+    found.sort_by_key(|diagnostic| diagnostic.labels.first().map(|label| label.span.start()));
     found
 }
 
 /// What is said and where that begins: one points at the keyword, the other at keyword and id.
 fn place(diagnostic: &Diagnostic) -> (Code, Option<usize>) {
     let label = diagnostic.labels.first();
-    (diagnostic.code, label.map(|label| label.span.start))
+    (diagnostic.code, label.map(|label| label.span.start()))
 }
 
 /// True for `.acf` files, in any case of letters.

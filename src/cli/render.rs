@@ -62,14 +62,14 @@ fn as_json(diagnostic: &Diagnostic, sources: &Sources) -> Value {
         .map(|label| {
             let mut shown = json!({
                 "file": &*label.file,
-                "start": label.span.start,
-                "end": label.span.end,
+                "start": label.span.start(),
+                "end": label.span.end(),
                 "message": label.message,
             });
             if let Some(source) = sources.get(&label.file) {
                 let (from, to) = (
-                    source.line_column(label.span.start),
-                    source.line_column(label.span.end),
+                    source.line_column(label.span.start()),
+                    source.line_column(label.span.end()),
                 );
                 shown["line"] = json!(from.line);
                 shown["column"] = json!(from.column);
@@ -85,8 +85,8 @@ fn as_json(diagnostic: &Diagnostic, sources: &Sources) -> Value {
             .iter()
             .map(|edit| {
                 json!({
-                    "start": edit.span.start,
-                    "end": edit.span.end,
+                    "start": edit.span.start(),
+                    "end": edit.span.end(),
                     "replacement": latin1(&edit.replacement),
                 })
             })
@@ -280,7 +280,7 @@ impl Decoded {
     }
 
     fn span(&self, span: Span) -> miette::SourceSpan {
-        let (start, end) = (self.offset(span.start), self.offset(span.end));
+        let (start, end) = (self.offset(span.start()), self.offset(span.end()));
         (start, end.max(start) - start).into()
     }
 }

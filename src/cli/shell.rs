@@ -140,15 +140,16 @@ impl Shell {
 
     /// Reads a file and remembers it for showing places in it; `-` is standard input.
     pub(super) fn read(&mut self, path: &Path) -> Result<Source, Exit> {
-        let bytes = if path == Path::new("-") {
+        let source = if path == Path::new("-") {
             let mut bytes = Vec::new();
-            std::io::Read::read_to_end(&mut std::io::stdin(), &mut bytes).map(|_| bytes)
+            std::io::Read::read_to_end(&mut std::io::stdin(), &mut bytes)
+                .and_then(|size| Source::check_size(size as u64))
+                .map(|()| Source::new("-", bytes))
         } else {
-            std::fs::read(path)
+            Source::read(path)
         };
-        match bytes {
-            Ok(bytes) => {
-                let source = Source::new(path.display().to_string(), bytes);
+        match source {
+            Ok(source) => {
                 self.sources.add(source.clone());
                 Ok(source)
             }

@@ -311,8 +311,8 @@ impl Work<'_> {
         };
         let head_end = statement
             .id
-            .map_or(statement.keyword.end, |(_, span)| span.end);
-        let head = source.text(crate::text::Span::new(statement.keyword.start, head_end));
+            .map_or(statement.keyword.end(), |(_, span)| span.end());
+        let head = source.text(crate::text::Span::new(statement.keyword.start(), head_end));
         let mut lines = vec![head.into_owned()];
         for argument in &statement.arguments {
             if !matches!(argument.kind(), Some("FUNCTION" | "ROUTINE")) {

@@ -22,9 +22,11 @@ impl ResultsError {
         message: impl Into<String>,
     ) -> Self {
         let span = Span::new(from as usize, to.max(from) as usize);
-        Self::Refused(Box::new(
-            Diagnostic::error(code, message).label(file, span, ""),
-        ))
+        let mut diagnostic = Diagnostic::error(code, message);
+        if span.start() as u64 != from {
+            diagnostic.message += &format!(" (at byte {from})");
+        }
+        Self::Refused(Box::new(diagnostic.label(file, span, "")))
     }
 
     /// As a complaint, whichever it is.

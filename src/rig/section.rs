@@ -279,7 +279,7 @@ impl<'a> Section<'a> {
                 (spelled, (value.get_ref(), Span::from(value.span())))
             })
             .collect();
-        entries.sort_by_key(|(key, _)| key.span.start);
+        entries.sort_by_key(|(key, _)| key.span.start());
         entries
     }
 

@@ -107,8 +107,8 @@ fn read(folder: &Path, out: &mut Vec<Diagnostic>) -> Option<Study> {
         folder.to_path_buf()
     };
     let path = folder.join("study.toml");
-    let source = match std::fs::read(&path) {
-        Ok(bytes) => Source::new(path.display().to_string(), bytes),
+    let source = match Source::read(&path) {
+        Ok(source) => source,
         Err(error) => {
             let text = format!("{} cannot be read: {error}", path.display());
             out.push(
@@ -330,8 +330,8 @@ impl Files<'_> {
 
     fn open(&self, spelled: &Spelled, out: &mut Vec<Diagnostic>) -> Option<(Source, PathBuf)> {
         let path = self.path(spelled, out)?;
-        match std::fs::read(&path) {
-            Ok(bytes) => Some((Source::new(path.display().to_string(), bytes), path)),
+        match Source::read(&path) {
+            Ok(source) => Some((source, path)),
             Err(error) => {
                 let message = format!("`{}` cannot be read: {error}", spelled.text);
                 out.push(Diagnostic::error(Code::CannotRead, message).label(

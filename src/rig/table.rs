@@ -178,13 +178,14 @@ fn cells(bytes: &[u8], start: usize, end: usize, record: &csv::ByteRecord) -> Ve
             }
             at += 1;
         }
-        let mut span = Span::new(from.min(bytes.len()), at.min(bytes.len()));
-        while span.start < span.end && bytes[span.start].is_ascii_whitespace() {
-            span.start += 1;
+        let (mut start, mut end) = (from.min(bytes.len()), at.min(bytes.len()));
+        while start < end && bytes[start].is_ascii_whitespace() {
+            start += 1;
         }
-        while span.start < span.end && bytes[span.end - 1].is_ascii_whitespace() {
-            span.end -= 1;
+        while start < end && bytes[end - 1].is_ascii_whitespace() {
+            end -= 1;
         }
+        let span = Span::new(start, end);
         at += 1;
         cells.push(Cell {
             text: String::from_utf8_lossy(field).trim().to_string(),
@@ -218,7 +219,7 @@ mod tests {
         assert_eq!(diagnostics.len(), 1);
         let place = diagnostics[0].labels[0].span;
         assert_eq!(&text[place.range()], "nan");
-        assert_eq!(table.source.line_column(place.start).line, 6);
+        assert_eq!(table.source.line_column(place.start()).line, 6);
         assert!(table.columns(["part"], &mut diagnostics).is_none());
     }
 }

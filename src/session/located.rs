@@ -23,7 +23,7 @@ impl Sources {
     pub fn place(&self, label: &Label) -> String {
         match self.get(&label.file) {
             Some(source) => {
-                let at = source.line_column(label.span.start);
+                let at = source.line_column(label.span.start());
                 format!("{}:{}:{}", label.file, at.line, at.column)
             }
             None => label.file.to_string(),
@@ -56,7 +56,7 @@ pub fn located(diagnostic: &Diagnostic, sources: &Sources) -> String {
             ));
         }
         if let Some(source) = sources.get(&label.file) {
-            let line = source.line_column(label.span.start).line;
+            let line = source.line_column(label.span.start()).line;
             let (text, before, width) = excerpt(source, label.span);
             let margin = line.to_string().len();
             let said = if k == 0 { label.message.as_str() } else { "" };
@@ -77,13 +77,13 @@ pub fn located(diagnostic: &Diagnostic, sources: &Sources) -> String {
 fn excerpt(source: &Source, span: Span) -> (String, usize, usize) {
     const WINDOW: usize = 100;
     let bytes = source.bytes();
-    let start = span.start.min(bytes.len());
+    let start = span.start().min(bytes.len());
     let line_start = memchr::memrchr(b'\n', &bytes[..start]).map_or(0, |at| at + 1);
     let line_end =
         memchr::memchr2(b'\n', b'\r', &bytes[start..]).map_or(bytes.len(), |at| start + at);
     let from = line_start.max(start.saturating_sub(WINDOW));
     let to = line_end.min(start + WINDOW);
-    let end = span.end.clamp(start, to);
+    let end = span.end().clamp(start, to);
     let (before, inside, after) = (
         shown(&bytes[from..start]),
         shown(&bytes[start..end]),

@@ -251,7 +251,7 @@ impl<'a> Session<'a> {
             self.messages.command(&source.text(line.echo));
             let mut broken: Vec<usize> = Vec::new();
             while let Some(complaint) =
-                complaints.next_if(|complaint| place_in_file(complaint) <= line.echo.end)
+                complaints.next_if(|complaint| place_in_file(complaint) <= line.echo.end())
             {
                 let complaint = as_command_error(complaint);
                 self.complain(&complaint);
@@ -260,7 +260,8 @@ impl<'a> Session<'a> {
                 }
             }
             for command in &file.commands()[line.commands.clone()] {
-                let in_command = |at: &usize| (command.span.start..=command.span.end).contains(at);
+                let in_command =
+                    |at: &usize| (command.span.start()..=command.span.end()).contains(at);
                 if broken.iter().any(in_command) {
                     self.ending.misunderstood += 1;
                     continue;
@@ -490,7 +491,7 @@ fn place_in_file(diagnostic: &Diagnostic) -> usize {
     diagnostic
         .labels
         .first()
-        .map_or(0, |label| label.span.start)
+        .map_or(0, |label| label.span.start())
 }
 
 /// A word of a command file that is not understood is an error: what it should have changed would be missing in the answer.

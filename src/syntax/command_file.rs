@@ -46,15 +46,15 @@ impl CommandFile {
         let mut lines = Vec::new();
         let mut at = body;
         let mut done = 0;
-        let mut ends = logical.iter().map(|line| line.span.end).peekable();
+        let mut ends = logical.iter().map(|line| line.span.end()).peekable();
         while at < bytes.len() {
             let PhysicalLine { span, next } = physical_line(bytes, at);
             at = next;
             let mut complete = done;
-            if ends.next_if(|end| *end <= span.end).is_some() {
+            if ends.next_if(|end| *end <= span.end()).is_some() {
                 complete += commands[done..]
                     .iter()
-                    .take_while(|command| command.span.start < span.end)
+                    .take_while(|command| command.span.start() < span.end())
                     .count();
             }
             lines.push(CommandLine {
@@ -112,9 +112,9 @@ impl CommandFile {
             .flat_map(|head| [Some(head.model), head.prefix])
             .flatten()
         {
-            head.extend(Lexer::new(bytes, Span::new(at, text.start), true));
+            head.extend(Lexer::new(bytes, Span::new(at, text.start()), true));
             head.extend(one(TokenKind::Text, text));
-            at = text.end;
+            at = text.end();
         }
         one(TokenKind::Blank, Span::new(0, bom))
             .chain(head)
@@ -126,7 +126,7 @@ impl CommandFile {
         Lexer::new(
             self.bytes(),
             command.span,
-            starts_line(self.bytes(), command.span.start),
+            starts_line(self.bytes(), command.span.start()),
         )
     }
 }
@@ -169,11 +169,11 @@ fn begins_with_command(text: &[u8]) -> bool {
 fn trimmed(bytes: &[u8], span: Span) -> Span {
     let line = &bytes[span.range()];
     let Some(first) = line.iter().position(|byte| !is_blank(*byte)) else {
-        return Span::at(span.start);
+        return Span::at(span.start());
     };
     let last = line
         .iter()
         .rposition(|byte| !is_blank(*byte))
         .map_or(first, |at| at + 1);
-    Span::new(span.start + first, span.start + last)
+    Span::new(span.start() + first, span.start() + last)
 }

@@ -46,7 +46,7 @@ impl Dataset {
         let mut after_end = Span::at(bytes.len());
         if let Some(last) = statements.iter().position(is_end) {
             statements.truncate(last + 1);
-            let start = statements[last].span.end;
+            let start = statements[last].span.end();
             after_end = Span::new(start, bytes.len());
             // Statements behind an END on the same line were read and are not part of the dataset.
             if end.is_none_or(|end| end > start) {
@@ -54,7 +54,7 @@ impl Dataset {
                     diagnostic
                         .labels
                         .first()
-                        .is_none_or(|label| label.span.start < start)
+                        .is_none_or(|label| label.span.start() < start)
                 });
             }
         } else {
@@ -92,7 +92,7 @@ impl Dataset {
         let bom = if line.starts_with(BOM) { BOM.len() } else { 0 };
         let text = self
             .source
-            .text(Span::new(self.title.start + bom, self.title.end));
+            .text(Span::new(self.title.start() + bom, self.title.end()));
         match text {
             Cow::Borrowed(text) => Cow::Borrowed(text.trim()),
             Cow::Owned(text) => Cow::Owned(text.trim().to_string()),
@@ -111,7 +111,7 @@ impl Dataset {
 
     /// Every token, from the first byte to the last.
     pub fn tokens(&self) -> impl Iterator<Item = Token> + '_ {
-        let body = Span::new(self.title.end, self.after_end.start);
+        let body = Span::new(self.title.end(), self.after_end.start());
         one(TokenKind::Title, self.title)
             .chain(Lexer::new(self.bytes(), body, false))
             .chain(one(TokenKind::AfterEnd, self.after_end))
@@ -122,7 +122,7 @@ impl Dataset {
         Lexer::new(
             self.bytes(),
             statement.span,
-            starts_line(self.bytes(), statement.span.start),
+            starts_line(self.bytes(), statement.span.start()),
         )
     }
 

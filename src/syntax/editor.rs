@@ -189,8 +189,8 @@ impl Dataset {
             .iter()
             .rfind(|other| other.kind() == Some(statement.kind.as_str()));
         let (at, text) = match (same, self.end()) {
-            (Some(other), _) => self.after_line(other.span.end, &text, &style),
-            (None, Some(end)) => (self.line_start(end.span.start), text),
+            (Some(other), _) => self.after_line(other.span.end(), &text, &style),
+            (None, Some(end)) => (self.line_start(end.span.start()), text),
             (None, None) => self.after_line(self.bytes().len(), &text, &style),
         };
         vec![Edit::new(Span::at(at), text)]
@@ -202,10 +202,12 @@ impl Dataset {
     /// `undefined-id` if it is not there.
     pub fn remove(&self, address: &Address) -> Result<Vec<Edit>, Diagnostic> {
         let statement = self.find(address).ok_or_else(|| self.absent(address))?;
-        let start = self.line_start(statement.span.start);
-        let line_end = self.line_end(statement.span.end);
+        let start = self.line_start(statement.span.start());
+        let line_end = self.line_end(statement.span.end());
         let shared = self.statements().iter().any(|other| {
-            other.span != statement.span && other.span.start < line_end && other.span.end > start
+            other.span != statement.span
+                && other.span.start() < line_end
+                && other.span.end() > start
         });
         if shared {
             // Others stand on its line, between semicolons.
@@ -213,7 +215,7 @@ impl Dataset {
         }
         let mut from = start;
         if let Some(name) = statement.view_name {
-            let comment = self.line_start(name.start);
+            let comment = self.line_start(name.start());
             from = comment;
             // The bare comment line that ADAMS/View writes before each name goes with it.
             if comment > 0 {
@@ -274,7 +276,7 @@ impl Dataset {
             .collect();
         let text = values.join(", ");
         Ok(vec![match numbers.last() {
-            Some(last) => Edit::new(Span::at(last.span.end), format!(", {text}")),
+            Some(last) => Edit::new(Span::at(last.span.end()), format!(", {text}")),
             None => self.new_argument(statement, def.name, Some(&text)),
         }])
     }
@@ -290,7 +292,7 @@ impl Dataset {
         let last = statement.arguments.last();
         let mut at = last.map_or_else(
             || self.after_header(statement),
-            |argument| argument.span.end,
+            |argument| argument.span.end(),
         );
         let mut lead = String::new();
         let is_function = last.is_some_and(|argument| {
@@ -302,7 +304,7 @@ impl Dataset {
         });
         if is_function {
             // A function must end with a backslash before the next argument; it may have one already.
-            let rest = &self.bytes()[at..statement.span.end];
+            let rest = &self.bytes()[at..statement.span.end()];
             match rest.iter().position(|byte| !byte.is_ascii_whitespace()) {
                 Some(mark) if rest[mark] == b'\\' => at += mark + 1,
                 _ => lead.push('\\'),
@@ -317,12 +319,12 @@ impl Dataset {
     /// After `KEYWORD/id`.
     pub(super) fn after_header(&self, statement: &Statement) -> usize {
         if let Some((_, span)) = statement.id {
-            return span.end;
+            return span.end();
         }
-        let rest = &self.bytes()[statement.keyword.end..statement.span.end];
+        let rest = &self.bytes()[statement.keyword.end()..statement.span.end()];
         match rest.iter().position(|byte| !byte.is_ascii_whitespace()) {
-            Some(slash) if rest[slash] == b'/' => statement.keyword.end + slash + 1,
-            _ => statement.keyword.end,
+            Some(slash) if rest[slash] == b'/' => statement.keyword.end() + slash + 1,
+            _ => statement.keyword.end(),
         }
     }
 

@@ -23,7 +23,7 @@ pub fn safe_fixes(diagnostics: &[Diagnostic], file: &str) -> Vec<Edit> {
 
 /// True if a span meets none that is taken: only its neighbours can be in its way.
 fn fits(taken: &BTreeMap<Span, Edit>, span: Span) -> bool {
-    let apart = |a: Span, b: Span| a.end < b.start || (a.end == b.start && !a.is_empty());
+    let apart = |a: Span, b: Span| a.end() < b.start() || (a.end() == b.start() && !a.is_empty());
     let before = taken.range(..=span).next_back();
     let after = taken.range(span..).next();
     before.is_none_or(|(other, _)| apart(*other, span))

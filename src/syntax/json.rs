@@ -307,10 +307,10 @@ fn without(dataset: &Dataset, statement: &Statement, argument: &Argument) -> Edi
     let before = statement
         .arguments
         .iter()
-        .rfind(|other| other.span.end <= argument.span.start);
+        .rfind(|other| other.span.end() <= argument.span.start());
     let after_function =
         before.is_some_and(|before| matches!(before.value, Value::Function(_) | Value::User(_)));
-    let rest = &dataset.bytes()[argument.span.end..statement.span.end];
+    let rest = &dataset.bytes()[argument.span.end()..statement.span.end()];
     let backslash = rest
         .iter()
         .position(|byte| !byte.is_ascii_whitespace())
@@ -318,13 +318,15 @@ fn without(dataset: &Dataset, statement: &Statement, argument: &Argument) -> Edi
     match backslash {
         // A backslash ends functions only: it goes with the function unless another one stands before.
         Some(at) if !after_function => {
-            let start = argument.span.start;
-            Edit::new(Span::new(start, argument.span.end + at + 1), "")
+            let start = argument.span.start();
+            Edit::new(Span::new(start, argument.span.end() + at + 1), "")
         }
         _ => {
-            let start =
-                before.map_or_else(|| dataset.after_header(statement), |before| before.span.end);
-            Edit::new(Span::new(start, argument.span.end), "")
+            let start = before.map_or_else(
+                || dataset.after_header(statement),
+                |before| before.span.end(),
+            );
+            Edit::new(Span::new(start, argument.span.end()), "")
         }
     }
 }

@@ -23,8 +23,8 @@ impl<'a> Lexer<'a> {
     pub fn new(bytes: &'a [u8], span: Span, line_start: bool) -> Self {
         Self {
             bytes,
-            at: span.start,
-            end: span.end,
+            at: span.start(),
+            end: span.end(),
             line_start,
         }
     }
@@ -206,9 +206,9 @@ mod tests {
         ] {
             let mut at = 0;
             for token in Lexer::new(bytes, Span::new(0, bytes.len()), true) {
-                assert_eq!(token.span.start, at);
+                assert_eq!(token.span.start(), at);
                 assert!(!token.span.is_empty());
-                at = token.span.end;
+                at = token.span.end();
             }
             assert_eq!(at, bytes.len());
         }

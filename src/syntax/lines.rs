@@ -52,7 +52,7 @@ pub(super) fn logical_lines(
     while at < bytes.len() {
         let physical = physical_line(bytes, at);
         at = physical.next;
-        let Span { start, end } = physical.span;
+        let (start, end) = (physical.span.start(), physical.span.end());
         let Some(first) = bytes[start..end].iter().position(|byte| !is_blank(*byte)) else {
             continue;
         };
@@ -60,8 +60,8 @@ pub(super) fn logical_lines(
         if content[0] == b'!' {
             if let Some(name) = name_in_comment(content) {
                 view_name = Some(Span::new(
-                    start + first + name.start,
-                    start + first + name.end,
+                    start + first + name.start(),
+                    start + first + name.end(),
                 ));
             }
             continue;
@@ -72,7 +72,7 @@ pub(super) fn logical_lines(
             Open::Comma => content[0] == b',' || !begins_statement(content),
         };
         match lines.last_mut() {
-            Some(last) if continues => last.span.end = end,
+            Some(last) if continues => last.span = last.span.to(end),
             _ => lines.push(LogicalLine {
                 span: Span::new(start + first, end),
                 view_name,

@@ -80,7 +80,7 @@ impl<'a> StatementParser<'a> {
             };
             let Some(start) = piece.iter().position(|token| !token.kind.is_trivia()) else {
                 match (semicolon, statements[first..].last_mut()) {
-                    (Some(mark), Some(last)) => last.span.end = mark.end,
+                    (Some(mark), Some(last)) => last.span = last.span.to(mark.end()),
                     (Some(mark), None) => statements.push(Statement {
                         def: None,
                         keyword: mark,
@@ -95,7 +95,7 @@ impl<'a> StatementParser<'a> {
             };
             let mut statement = self.statement(&piece[start..], view_name.take());
             if let Some(mark) = semicolon {
-                statement.span.end = mark.end;
+                statement.span = statement.span.to(mark.end());
             }
             statements.push(statement);
         }
@@ -262,10 +262,10 @@ impl<'a> StatementParser<'a> {
         };
         let end = match &argument.value {
             // The pool still hides them; the list holds the same.
-            Value::Numbers(_) => self.list.last().map_or(0, |number| number.span.end),
-            _ => argument.value_span().end,
+            Value::Numbers(_) => self.list.last().map_or(0, |number| number.span.end()),
+            _ => argument.value_span().end(),
         };
-        argument.span.end = argument.span.end.max(end);
+        argument.span = name.to(name.end().max(end));
         argument
     }
 
@@ -425,7 +425,7 @@ impl<'t> Cursor<'t> {
         self.tokens[..position.min(self.tokens.len())]
             .iter()
             .rfind(|token| !token.kind.is_trivia())
-            .map_or(0, |token| token.span.end)
+            .map_or(0, |token| token.span.end())
     }
 
     /// Where the cursor stands, to come back.

@@ -122,7 +122,7 @@ fn references(
     for argument in &statement.arguments {
         match (&argument.value, argument.def.map(|def| def.kind)) {
             (Value::Numbers(numbers), Some(ValueKind::Reference(space))) => {
-                for number in numbers.iter() {
+                for number in numbers {
                     follow(space, number);
                 }
             }

@@ -119,13 +119,13 @@ impl Argument {
     pub fn value_span(&self) -> Span {
         let several = |spans: &[Span]| match (spans.first(), spans.last()) {
             (Some(first), Some(last)) => first.join(*last),
-            _ => Span::at(self.span.end),
+            _ => Span::at(self.span.end()),
         };
         match &self.value {
-            Value::Flag => Span::at(self.name.end),
+            Value::Flag => Span::at(self.name.end()),
             Value::Numbers(numbers) => match (numbers.first(), numbers.last()) {
                 (Some(first), Some(last)) => first.span.join(last.span),
-                _ => Span::at(self.span.end),
+                _ => Span::at(self.span.end()),
             },
             Value::Words(spans) | Value::Texts(spans) => several(spans),
             Value::Function(expression) => expression.span,

@@ -216,7 +216,7 @@ impl StatementParser<'_> {
                         .since(start)
                         .iter()
                         .rfind(|token| !token.kind.is_trivia())
-                        .map_or(token.span.start, |token| token.span.end);
+                        .map_or(token.span.start(), |token| token.span.end());
                     let diagnostic = Diagnostic::warning(
                         Code::SyntaxError,
                         format!(
@@ -332,7 +332,7 @@ impl StatementParser<'_> {
                 Some(token) if token.kind == TokenKind::Quoted => {
                     cursor.advance();
                     texts.push(self.unquoted(token.span));
-                    at = token.span.end;
+                    at = token.span.end();
                 }
                 Some(token) if token.kind == TokenKind::Continuation && texts.is_empty() => {
                     // The value is on the next line, unless that is the next argument: then the text is empty.
@@ -390,9 +390,9 @@ impl StatementParser<'_> {
                     break;
                 }
                 TokenKind::Punctuation(b':') if list && self.is_single_colon(token.span) => {
-                    texts.push(item.take().unwrap_or(Span::at(token.span.start)));
-                    end = Some(token.span.end);
-                    item = Some(Span::at(token.span.end));
+                    texts.push(item.take().unwrap_or(Span::at(token.span.start())));
+                    end = Some(token.span.end());
+                    item = Some(Span::at(token.span.end()));
                 }
                 TokenKind::Blank => {}
                 _ => {
@@ -400,7 +400,7 @@ impl StatementParser<'_> {
                         Some(span) if !span.is_empty() => span.join(token.span),
                         _ => token.span,
                     });
-                    end = Some(token.span.end);
+                    end = Some(token.span.end());
                 }
             }
             passed = index + 1;
@@ -414,13 +414,14 @@ impl StatementParser<'_> {
     /// A colon that separates: not one of the pair in `library::subroutine`.
     fn is_single_colon(&self, span: Span) -> bool {
         let bytes = self.source.bytes();
-        bytes.get(span.end) != Some(&b':') && (span.start == 0 || bytes[span.start - 1] != b':')
+        bytes.get(span.end()) != Some(&b':')
+            && (span.start() == 0 || bytes[span.start() - 1] != b':')
     }
 
     /// The place inside of the quotes.
     fn unquoted(&self, span: Span) -> Span {
-        let closed = span.len() > 1 && self.source.bytes()[span.end - 1] == b'"';
-        Span::new(span.start + 1, span.end - usize::from(closed))
+        let closed = span.len() > 1 && self.source.bytes()[span.end() - 1] == b'"';
+        Span::new(span.start() + 1, span.end() - usize::from(closed))
     }
 
     /// The value of an argument nobody knows: numbers if it looks like them, else a text to the next separator.
@@ -441,9 +442,9 @@ fn choice_word(cursor: &mut Cursor) -> Option<Span> {
     let mut span = cursor.peek().filter(is_piece)?.span;
     cursor.advance();
     while let Some(next) = cursor.peek().filter(is_piece)
-        && next.span.start == span.end
+        && next.span.start() == span.end()
     {
-        span.end = next.span.end;
+        span = span.to(next.span.end());
         cursor.advance();
     }
     Some(span)

@@ -23,10 +23,10 @@ impl Edit {
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum EditConflict {
     /// Two edits replace the same bytes.
-    #[error("two edits overlap at bytes {}..{} and {}..{}", .0.start, .0.end, .1.start, .1.end)]
+    #[error("two edits overlap at bytes {}..{} and {}..{}", .0.start(), .0.end(), .1.start(), .1.end())]
     Overlap(Span, Span),
     /// An edit reaches past the end of the bytes.
-    #[error("an edit reaches to byte {} of {}", .0.end, .1)]
+    #[error("an edit reaches to byte {} of {}", .0.end(), .1)]
     OutOfBounds(Span, usize),
 }
 
@@ -36,22 +36,22 @@ pub enum EditConflict {
 /// When two edits overlap or one lies outside of `bytes`; nothing is applied then.
 pub fn apply_edits(bytes: &[u8], edits: &[Edit]) -> Result<Vec<u8>, EditConflict> {
     let mut order: Vec<&Edit> = edits.iter().collect();
-    order.sort_by_key(|edit| (edit.span.start, edit.span.end));
+    order.sort_by_key(|edit| (edit.span.start(), edit.span.end()));
     let mut out =
         Vec::with_capacity(bytes.len() + edits.iter().map(|e| e.replacement.len()).sum::<usize>());
     let mut at = Span::at(0);
     for edit in order {
-        if edit.span.end > bytes.len() || edit.span.start > edit.span.end {
+        if edit.span.end() > bytes.len() || edit.span.start() > edit.span.end() {
             return Err(EditConflict::OutOfBounds(edit.span, bytes.len()));
         }
-        if edit.span.start < at.end {
+        if edit.span.start() < at.end() {
             return Err(EditConflict::Overlap(at, edit.span));
         }
-        out.extend_from_slice(&bytes[at.end..edit.span.start]);
+        out.extend_from_slice(&bytes[at.end()..edit.span.start()]);
         out.extend_from_slice(&edit.replacement);
         at = edit.span;
     }
-    out.extend_from_slice(&bytes[at.end..]);
+    out.extend_from_slice(&bytes[at.end()..]);
     Ok(out)
 }
 

@@ -1,6 +1,6 @@
 //! Bytes of a file, places in them, and edits of them.
 //!
-//! Knows nothing about encodings (real decks hold Latin-1 bytes), about ADAMS, or about where the bytes came from.
+//! Knows nothing about encodings (real decks hold Latin-1 bytes) or about ADAMS.
 
 mod edit;
 mod source;

@@ -1,4 +1,6 @@
 use std::borrow::Cow;
+use std::io::Read;
+use std::path::Path;
 use std::sync::Arc;
 
 use super::Span;
@@ -20,12 +22,46 @@ pub struct LineColumn {
 }
 
 impl Source {
+    /// More bytes are not read as a whole: their places would not fit a [`Span`].
+    pub const LARGEST: u64 = u32::MAX as u64;
+
     /// A source from a name to show and its bytes.
     pub fn new(name: impl Into<Arc<str>>, bytes: impl Into<Arc<[u8]>>) -> Self {
         Self {
             name: name.into(),
             bytes: bytes.into(),
         }
+    }
+
+    /// The bytes of a file.
+    ///
+    /// # Errors
+    /// When the file cannot be read, or is larger than [`LARGEST`](Self::LARGEST).
+    pub fn read(path: &Path) -> std::io::Result<Self> {
+        Self::check_size(std::fs::metadata(path)?.len())?;
+        let mut bytes = Vec::new();
+        // What has no size beforehand (a pipe, a device) is cut off.
+        let file = std::fs::File::open(path)?;
+        file.take(Self::LARGEST + 1).read_to_end(&mut bytes)?;
+        Self::check_size(bytes.len() as u64)?;
+        Ok(Self::new(path.display().to_string(), bytes))
+    }
+
+    /// An error if so many bytes are more than [`LARGEST`](Self::LARGEST).
+    ///
+    /// # Errors
+    /// In that case.
+    pub fn check_size(size: u64) -> std::io::Result<()> {
+        if size <= Self::LARGEST {
+            return Ok(());
+        }
+        Err(std::io::Error::new(
+            std::io::ErrorKind::FileTooLarge,
+            format!(
+                "its {size} bytes are more than the {} that are read",
+                Self::LARGEST
+            ),
+        ))
     }
 
     /// The name to show: usually a path.

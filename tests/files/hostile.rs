@@ -83,7 +83,7 @@ fn ten_thousand_mutations_of_real_files_are_read_without_loss() {
                 diagnostic
                     .labels
                     .iter()
-                    .all(|label| label.span.end <= bytes.len())
+                    .all(|label| label.span.end() <= bytes.len())
             );
         }
         Model::lower(&checked.value);

@@ -41,7 +41,7 @@ fn shown(dataset: &Dataset, diagnostic: &Diagnostic) -> String {
     };
     let mut out = format!("{severity}[{}] {}\n", diagnostic.code, diagnostic.message);
     for label in &diagnostic.labels {
-        let at = source.line_column(label.span.start);
+        let at = source.line_column(label.span.start());
         let text = source
             .text(label.span)
             .replace('\n', "\\n")

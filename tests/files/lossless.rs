@@ -31,9 +31,9 @@ pub fn assert_tiled(
 ) {
     let mut at = 0;
     for token in tokens {
-        assert_eq!(token.span.start, at, "a gap or overlap before {token:?}");
-        assert!(token.span.end > at, "an empty token at {at}");
-        at = token.span.end;
+        assert_eq!(token.span.start(), at, "a gap or overlap before {token:?}");
+        assert!(token.span.end() > at, "an empty token at {at}");
+        at = token.span.end();
     }
     assert_eq!(at, bytes.len());
     let owned: Vec<Token> = statements.iter().flat_map(own).collect();

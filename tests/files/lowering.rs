@@ -154,7 +154,7 @@ fn undefined_and_duplicate_ids_are_located() {
         .diagnostics
         .iter()
         .map(|d| {
-            let place = parsed.value.source().line_column(d.labels[0].span.start);
+            let place = parsed.value.source().line_column(d.labels[0].span.start());
             format!("{}:{} {} {:?}", place.line, place.column, d.message, d.help)
         })
         .collect();

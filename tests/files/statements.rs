@@ -84,12 +84,12 @@ fn assert_numbers_are_editable(
                 let edit = Edit::new(number.span, "8642");
                 let edited = apply_edits(source.bytes(), &[edit]).expect("one edit");
                 assert_eq!(
-                    edited[..number.span.start],
-                    source.bytes()[..number.span.start]
+                    edited[..number.span.start()],
+                    source.bytes()[..number.span.start()]
                 );
                 assert_eq!(
-                    edited[number.span.start + 4..],
-                    source.bytes()[number.span.end..]
+                    edited[number.span.start() + 4..],
+                    source.bytes()[number.span.end()..]
                 );
                 let again = reread(Source::new(source.name(), edited));
                 assert_eq!(again.len(), statements.len(), "{}", source.name());

@@ -16,7 +16,7 @@ pub fn check(dataset: &Dataset, model: &Model) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     bushing_angle::check(&design, &mut found);
     joint_aligned::check(&design, &mut found);
-    found.sort_by_key(|diagnostic| diagnostic.labels.first().map(|label| label.span.start));
+    found.sort_by_key(|diagnostic| diagnostic.labels.first().map(|label| label.span.start()));
     found
 }
 

@@ -77,7 +77,7 @@ fn references(
 ) {
     match (&argument.value, argument.def.map(|def| def.kind)) {
         (Value::Numbers(numbers), Some(ValueKind::Reference(space))) => {
-            for number in numbers.iter() {
+            for number in numbers {
                 reference(source, def, space, *number, ids, diagnostics);
             }
         }

@@ -101,11 +101,11 @@ fn text_of(source: &Source, tokens: &[Token]) -> String {
     let mut text = Vec::with_capacity(long);
     let mut end = None;
     for token in tokens {
-        if end.is_some_and(|end| end != token.span.start) {
+        if end.is_some_and(|end| end != token.span.start()) {
             text.push(b' ');
         }
         text.extend_from_slice(source.slice(token.span));
-        end = Some(token.span.end);
+        end = Some(token.span.end());
     }
     // What is an expression is ASCII.
     String::from_utf8(text)
@@ -199,7 +199,7 @@ impl Parser<'_> {
     fn primary(&mut self) -> Parsed<Grown> {
         let Some(token) = self.peek() else {
             return Err(self.error(
-                Span::at(self.span.end),
+                Span::at(self.span.end()),
                 "the expression ends where an operand is expected",
             ));
         };
@@ -249,8 +249,8 @@ impl Parser<'_> {
         (minus.kind == TokenKind::Punctuation(b'-')
             && number.kind == TokenKind::Number
             && close.kind == TokenKind::Punctuation(b')')
-            && minus.span.end == number.span.start)
-            .then(|| minus.span.join(number.span))
+            && minus.span.end() == number.span.start())
+        .then(|| minus.span.join(number.span))
     }
 
     fn literal(&mut self, span: Span) -> Parsed<Grown> {
@@ -308,7 +308,7 @@ impl Parser<'_> {
         if !matches!(self.punctuation(), Some(b':')) {
             let here = self
                 .peek()
-                .map_or(Span::at(self.span.end), |token| token.span);
+                .map_or(Span::at(self.span.end()), |token| token.span);
             return Err(self.error(
                 here,
                 "a colon is expected after the test of IF: IF(test: negative, zero, positive)",
@@ -420,7 +420,7 @@ impl Parser<'_> {
 
     fn here(&self) -> Span {
         self.peek()
-            .map_or(Span::at(self.span.end), |token| token.span)
+            .map_or(Span::at(self.span.end()), |token| token.span)
     }
 
     /// Reads one mark; `opened` is what it would close.
@@ -482,7 +482,10 @@ impl Parser<'_> {
 
     /// What stands at a span, cut to a length that fits a message.
     fn shown(&self, span: Span) -> String {
-        let short = Span::new(span.start, span.end.min(span.start + 2 * LONGEST_NAME));
+        let short = Span::new(
+            span.start(),
+            span.end().min(span.start() + 2 * LONGEST_NAME),
+        );
         let dots = if short == span { "" } else { "..." };
         format!("`{}{dots}`", self.source.text(short))
     }

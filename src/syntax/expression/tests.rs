@@ -148,7 +148,7 @@ fn any_text_is_read_or_complained_about() {
                     show(&expression, &expression.root)
                 );
             }
-            Err(error) => assert!(error.labels[0].span.end <= text.len(), "{text}"),
+            Err(error) => assert!(error.labels[0].span.end() <= text.len(), "{text}"),
         }
     }
     assert!(read > 500, "{read}");

@@ -90,7 +90,7 @@ impl<'a> Context<'a> {
         for argument in &statement.arguments {
             match (&argument.value, argument.def.map(|def| def.kind)) {
                 (Value::Numbers(numbers), Some(ValueKind::Reference(space))) => {
-                    for number in numbers.iter() {
+                    for number in numbers {
                         push(space, number);
                     }
                 }

@@ -60,7 +60,7 @@ fn first_bend(expression: &Expression) -> Option<(&'static str, Span)> {
             _ => None,
         };
         if let Some(hit) = hit
-            && found.is_none_or(|(_, span)| hit.1.start < span.start)
+            && found.is_none_or(|(_, span)| hit.1.start() < span.start())
         {
             found = Some(hit);
         }

@@ -103,7 +103,10 @@ pub fn check(dataset: &Dataset, options: &Options) -> Vec<Diagnostic> {
     }
     found.sort_by_key(|diagnostic| {
         let place = diagnostic.labels.first().map(|label| label.span);
-        (place.map(|span| (span.start, span.end)), diagnostic.code)
+        (
+            place.map(|span| (span.start(), span.end())),
+            diagnostic.code,
+        )
     });
     found
 }

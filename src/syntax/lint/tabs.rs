@@ -13,7 +13,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         }
         for (at, byte) in source.slice(token.span).iter().enumerate() {
             if *byte == b'\t' {
-                let place = token.span.start + at;
+                let place = token.span.start() + at;
                 edits.push(Edit::new(Span::new(place, place + 1), " "));
             }
         }

@@ -85,7 +85,7 @@ impl PropertyFile {
         for curve in file.curves() {
             curve.check(&file.source, &mut diagnostics);
         }
-        diagnostics.sort_by_key(|diagnostic| diagnostic.labels.first().map(|l| l.span.start));
+        diagnostics.sort_by_key(|diagnostic| diagnostic.labels.first().map(|l| l.span.start()));
         Checked {
             value: file,
             diagnostics,

@@ -70,7 +70,7 @@ impl Reader<'_> {
                 }
             }
             _ => match equals(line) {
-                Some(mark) => self.parameter(span, span.start + mark),
+                Some(mark) => self.parameter(span, span.start() + mark),
                 None => self.row(span),
             },
         }
@@ -100,8 +100,8 @@ impl Reader<'_> {
 
     fn parameter(&mut self, span: Span, equals: usize) {
         self.open_table = false;
-        let name = self.upper(trimmed(self.source, Span::new(span.start, equals)));
-        let value = trimmed(self.source, Span::new(equals + 1, span.end));
+        let name = self.upper(trimmed(self.source, Span::new(span.start(), equals)));
+        let value = trimmed(self.source, Span::new(equals + 1, span.end()));
         let value = cells(self.source, value)
             .first()
             .copied()
@@ -174,17 +174,17 @@ fn without_comment(bytes: &[u8], line: Span) -> Span {
     let text = &text[..end];
     let front = text.len() - text.trim_ascii_start().len();
     let length = text.trim_ascii().len();
-    Span::new(line.start + front, line.start + front + length)
+    Span::new(line.start() + front, line.start() + front + length)
 }
 
 const fn inside(span: Span) -> Span {
-    Span::new(span.start + 1, span.end - 1)
+    Span::new(span.start() + 1, span.end() - 1)
 }
 
 fn trimmed(source: &Source, span: Span) -> Span {
     let text = source.slice(span);
     let front = text.len() - text.trim_ascii_start().len();
-    let start = span.start + front;
+    let start = span.start() + front;
     Span::new(start, start + text.trim_ascii().len())
 }
 
@@ -199,9 +199,9 @@ fn equals(line: &[u8]) -> Option<usize> {
 
 /// Values between blanks, commas or tabs; texts in single quotes may hold blanks.
 fn cells(source: &Source, span: Span) -> Vec<Cell> {
-    let bytes = &source.bytes()[..span.end];
+    let bytes = &source.bytes()[..span.end()];
     let mut found = Vec::new();
-    let mut at = span.start;
+    let mut at = span.start();
     while at < bytes.len() {
         if bytes[at].is_ascii_whitespace() || bytes[at] == b',' {
             at += 1;
