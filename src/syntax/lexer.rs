@@ -114,7 +114,10 @@ static CLASSES: [u8; 256] = {
 #[inline]
 fn token(input: &[u8], line_start: bool) -> (usize, TokenKind) {
     match input[0] {
-        b'A'..=b'Z' | b'a'..=b'z' | b'_' => (length(take_while(is_word), input), TokenKind::Word),
+        b'A'..=b'Z' | b'a'..=b'z' | b'_' => {
+            let length = input.iter().position(|byte| !is_word(*byte));
+            (length.unwrap_or(input.len()), TokenKind::Word)
+        }
         b'0'..=b'9' | b'.' => match number_length(input) {
             0 => punctuation(input),
             length => (length, TokenKind::Number),

@@ -84,39 +84,37 @@ fn exponent(text: &[u8]) -> Option<i32> {
 }
 
 /// Length of the unsigned number at the start of `text`, degree suffix included; 0 if none stands there.
+#[inline]
 pub fn number_length(text: &[u8]) -> usize {
-    let digits = |from: usize| {
-        text[from..]
-            .iter()
-            .take_while(|byte| byte.is_ascii_digit())
-            .count()
-    };
-    let whole = digits(0);
-    let mut at = whole;
-    if text.get(at) == Some(&b'.') {
-        let fraction = digits(at + 1);
-        if whole + fraction == 0 {
-            return 0;
+    let after_digits = |mut at: usize| {
+        while text.get(at).is_some_and(u8::is_ascii_digit) {
+            at += 1;
         }
-        at += 1 + fraction;
-    } else if whole == 0 {
+        at
+    };
+    let mut at = after_digits(0);
+    let mut digits = at;
+    if text.get(at) == Some(&b'.') {
+        let end = after_digits(at + 1);
+        digits = end - 1;
+        at = end;
+    }
+    if digits == 0 {
         return 0;
     }
-    if matches!(text.get(at), Some(b'E' | b'e')) {
-        let sign = usize::from(matches!(text.get(at + 1), Some(b'+' | b'-')));
-        let exponent = if at + 1 + sign <= text.len() {
-            digits(at + 1 + sign)
-        } else {
-            0
-        };
-        if exponent > 0 {
-            at += 1 + sign + exponent;
+    match text.get(at) {
+        Some(b'E' | b'e') => {
+            let sign = usize::from(matches!(text.get(at + 1), Some(b'+' | b'-')));
+            let from = at + 1 + sign;
+            let end = after_digits(from);
+            if end > from {
+                at = end;
+            }
+            at + usize::from(matches!(text.get(at), Some(b'D' | b'd')))
         }
+        Some(b'D' | b'd') => at + 1,
+        _ => at,
     }
-    if matches!(text.get(at), Some(b'D' | b'd')) {
-        at += 1;
-    }
-    at
 }
 
 #[cfg(test)]
