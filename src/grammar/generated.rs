@@ -512,7 +512,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         presence: &[],
         solved: Solved::External("the control is in a user subroutine"),
         doc: "Runs a user-written control subroutine.",
-        source: "adams_solver/com_control.html",
+        source: "adams_solver/solver_about.01.09.html",
     },
     StatementDef {
         name: "STOP", minimum: 4, role: Role::Command, id: None,
@@ -521,7 +521,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         presence: &[],
         solved: Solved::Native("stop"),
         doc: "Ends the run.",
-        source: "adams_solver/com_stop.html",
+        source: "manual C++ Commands, list of commands",
     },
     StatementDef {
         name: "HELP", minimum: 3, role: Role::Command, id: None,
@@ -531,7 +531,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         presence: &[],
         solved: Solved::NoEffect("only prints"),
         doc: "Prints help.",
-        source: "adams_solver/com_help.html",
+        source: "manual C++ Commands, list of commands",
     },
     StatementDef {
         name: "INFO", minimum: 3, role: Role::Command, id: None,
@@ -558,7 +558,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         presence: &[],
         solved: Solved::NoEffect("for interactive use"),
         doc: "Menus of interactive use.",
-        source: "adams_solver/com_menu.html",
+        source: "manual C++ Commands, list of commands",
     },
     StatementDef {
         name: "SHOW", minimum: 4, role: Role::Command, id: None,
@@ -571,7 +571,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         presence: &[],
         solved: Solved::NoEffect("only prints"),
         doc: "Shows settings.",
-        source: "adams_solver/com_show.html",
+        source: "manual C++ Commands, list of commands",
     },
     StatementDef {
         name: "TIME", minimum: 4, role: Role::Command, id: None,
@@ -580,7 +580,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         presence: &[],
         solved: Solved::NoEffect("only prints"),
         doc: "Prints the simulation time.",
-        source: "adams_solver/com_time.html",
+        source: "manual C++ Commands, list of commands",
     },
     StatementDef {
         name: "JOINT", minimum: 1, role: Role::Both, id: Some("joint"),
@@ -1404,6 +1404,9 @@ pub static STATEMENTS: &[StatementDef] = &[
             ArgumentDef { name: "XRF", minimum: 3, kind: ValueKind::Flag, count: Count { min: 0, max: Some(0) }, default: &[], dimension: Dimension::NONE, lower: Bound::Open, upper: Bound::Open, required: false, doc: "as XML" },
             ArgumentDef { name: "COMMENT", minimum: 3, kind: ValueKind::Text, count: Count { min: 1, max: Some(1) }, default: &[], dimension: Dimension::NONE, lower: Bound::Open, upper: Bound::Open, required: false, doc: "comment in the results file" },
             ArgumentDef { name: "DECIMALPLACES", minimum: 7, kind: ValueKind::Integer, count: Count { min: 1, max: Some(1) }, default: &[17.0], dimension: Dimension::NONE, lower: Bound::Exclusive(0.0), upper: Bound::Open, required: false, doc: "digits" },
+            ArgumentDef { name: "ROUNDOFF", minimum: 8, kind: ValueKind::Flag, count: Count { min: 0, max: Some(0) }, default: &[], dimension: Dimension::NONE, lower: Bound::Open, upper: Bound::Open, required: false, doc: "XRF: rounds to DECIMALPLACES" },
+            ArgumentDef { name: "SIGNIFICANTFIGURES", minimum: 11, kind: ValueKind::Integer, count: Count { min: 1, max: Some(1) }, default: &[], dimension: Dimension::NONE, lower: Bound::Exclusive(0.0), upper: Bound::Open, required: false, doc: "XRF: significant digits" },
+            ArgumentDef { name: "ZEROTHRESHOLD", minimum: 4, kind: ValueKind::Real, count: Count { min: 1, max: Some(1) }, default: &[], dimension: Dimension::NONE, lower: Bound::Inclusive(0.0), upper: Bound::Open, required: false, doc: "XRF: smaller values are zero" },
             ArgumentDef { name: "NOACCELERATIONS", minimum: 4, kind: ValueKind::Flag, count: Count { min: 0, max: Some(0) }, default: &[], dimension: Dimension::NONE, lower: Bound::Open, upper: Bound::Open, required: false, doc: "without accelerations" },
             ArgumentDef { name: "NOAPPLIEDFORCES", minimum: 4, kind: ValueKind::Flag, count: Count { min: 0, max: Some(0) }, default: &[], dimension: Dimension::NONE, lower: Bound::Open, upper: Bound::Open, required: false, doc: "without forces" },
             ArgumentDef { name: "NODATASTRUCTURES", minimum: 5, kind: ValueKind::Flag, count: Count { min: 0, max: Some(0) }, default: &[], dimension: Dimension::NONE, lower: Bound::Open, upper: Bound::Open, required: false, doc: "without data elements" },
@@ -1421,7 +1424,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         presence: &[Presence::Exclusive(&["FORMATTED", "UNFORMATTED"])],
         solved: Solved::Native("results settings"),
         doc: "What is written to the results file.",
-        source: "adams_solver/state_results.html",
+        source: "adams_solver/fstate_results.html",
     },
     StatementDef {
         name: "REQUEST", minimum: 1, role: Role::Both, id: Some("request"),

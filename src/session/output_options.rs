@@ -18,6 +18,9 @@ const OUTPUT: [(&str, &str); 11] = [
     ("FSCALE", "scaled forces"),
 ];
 
+/// Options of RESULTS that shorten numbers.
+const DIGITS: [&str; 3] = ["ROUNDOFF", "SIGNIFICANTFIGURES", "ZEROTHRESHOLD"];
+
 /// A warning for each such option of a dataset.
 ///
 /// A results file is text or binary unless XRF is given, and the binary kind is the default (help page `fstate_results`). Neither
@@ -40,6 +43,19 @@ pub(super) fn not_written(dataset: &Dataset) -> Vec<Diagnostic> {
             if output.has(option) {
                 let said = format!("OUTPUT/{option} asks for {what}, which is not written");
                 warn(output, Some(option), &said, None);
+            }
+        }
+    }
+    if let Some(results) = dataset.statement("RESULTS", None) {
+        for option in DIGITS {
+            if results.has(option) {
+                let said = format!("RESULTS/{option} is not followed: all digits are written");
+                warn(
+                    results,
+                    Some(option),
+                    &said,
+                    Some("DECIMALPLACES says how many digits are written"),
+                );
             }
         }
     }

@@ -260,6 +260,15 @@ fn what_is_asked_for_and_not_written_is_said() {
         assert_eq!(ran.code, 0);
         assert!(ran.stdout.contains(said), "{option}: {}", ran.stdout);
     }
+    let (_folder, ran) = run(
+        &SLIDER.replace("RESULTS/FORMATTED, XRF", "RESULTS/XRF, ROUNDOFF"),
+        "SIM/STAT",
+    );
+    assert!(
+        ran.stdout.contains("RESULTS/ROUNDOFF is not followed"),
+        "{}",
+        ran.stdout
+    );
     let (_folder, ran) = run(SLIDER, "SIM/STAT");
     assert!(
         !ran.stdout.contains("[output-not-written]"),
