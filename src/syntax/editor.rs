@@ -180,14 +180,20 @@ impl Dataset {
         }
     }
 
-    /// Edits that add a statement after the last one of its kind, or before END, in the style of the file.
+    /// Edits that add a statement after the last one of its kind, or before END, in the style of the file. A body comes behind
+    /// all markers that are on the body before them without naming it.
     pub fn add(&self, statement: &NewStatement) -> Vec<Edit> {
         let style = Style::of(self);
         let text = style.statement(statement);
+        let kind = Some(statement.kind.as_str());
+        let body = self
+            .statements()
+            .iter()
+            .any(|other| other.kind() == kind && other.carries_markers());
         let same = self
             .statements()
             .iter()
-            .rfind(|other| other.kind() == Some(statement.kind.as_str()));
+            .rfind(|other| other.kind() == kind || body && other.follows_body());
         let (at, text) = match (same, self.end()) {
             (Some(other), _) => self.after_line(other.span.end(), &text, &style),
             (None, Some(end)) => (self.line_start(end.span.start()), text),
@@ -199,9 +205,25 @@ impl Dataset {
     /// Edits that remove a statement with the comments that name it.
     ///
     /// # Errors
-    /// `undefined-id` if it is not there.
+    /// `undefined-id` if it is not there; `missing-argument` if markers behind it are on it without naming it: without it they
+    /// would be on another body.
     pub fn remove(&self, address: &Address) -> Result<Vec<Edit>, Diagnostic> {
         let statement = self.find(address).ok_or_else(|| self.absent(address))?;
+        if statement.carries_markers() {
+            let behind = self.statements().iter();
+            let stranded = behind
+                .skip_while(|other| other.span.start() <= statement.span.start())
+                .take_while(|other| !other.carries_markers())
+                .find(|other| other.follows_body());
+            if let Some(marker) = stranded {
+                let id = marker.number().unwrap_or_default();
+                return Err(self.refuse(
+                    Code::MissingArgument,
+                    format!("MARKER/{id} is on {address} without naming it: remove it first, or give it a body"),
+                    marker.keyword,
+                ));
+            }
+        }
         let start = self.line_start(statement.span.start());
         let line_end = self.line_end(statement.span.end());
         let shared = self.statements().iter().any(|other| {

@@ -65,6 +65,24 @@ impl Statement {
         self.id.map(|(id, _)| id)
     }
 
+    /// True for a body whose markers need not name it: those behind it, up to the next body, are on it (`state_marker`).
+    pub fn carries_markers(&self) -> bool {
+        matches!(self.kind(), Some("PART" | "POINT_MASS" | "FLEX_BODY"))
+    }
+
+    /// True for a MARKER that names nothing it is on: it is on the body defined before it.
+    pub fn follows_body(&self) -> bool {
+        let owners = [
+            "PART",
+            "POINT_MASS",
+            "FLEX_BODY",
+            "FE_PART",
+            "CURVE",
+            "SURFACE",
+        ];
+        self.kind() == Some("MARKER") && !owners.iter().any(|owner| self.has(owner))
+    }
+
     /// The last argument with this whole keyword (in capitals): what is written later counts.
     pub fn argument(&self, name: &str) -> Option<&Argument> {
         self.arguments

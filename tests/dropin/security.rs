@@ -243,7 +243,7 @@ fn interfaces_that_only_unix_has_are_in_one_file() {
 #[test]
 fn nothing_endless_is_read_or_tried() {
     // A device never ends; a matrix of four thousand million rows is not made; MAXIT is no way to hang.
-    let matrix = "MATRIX/1, SPARSE, ROWS=4294967296, COLUMNS=4294967296, DATA=1,1,1\nARRAY/1, X, SIZE=4000000000\n\
+    let matrix = "MATRIX/1, SPARSE, ROWS=4294967296, COLUMNS=4294967296, I=1, J=1, VALUES=1\nARRAY/1, X, SIZE=4000000000\n\
         ARRAY/2, U, SIZE=1, VARIABLES=1\nVARIABLE/1, FUNCTION=0\nLSE/1, X=1, U=2, A=1, B=1\nREQUEST/1";
     for (deck, command) in [
         (SLIDER.to_string(), "RELOAD/FILE=/dev/zero"),

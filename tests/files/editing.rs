@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use admire::diagnostic::Code;
 use admire::grammar::ValueKind;
 use admire::model::{Function, Model};
 use admire::syntax::{Address, Dataset, NewStatement, Value};
@@ -324,5 +325,28 @@ fn what_is_no_address_is_refused_with_a_suggestion() {
     assert_eq!(
         refused("BEAM/1"),
         "undefined-id: BEAM/1 is not in this dataset; it has no BEAM at all"
+    );
+}
+
+/// Markers that name no body are on the body before them: an edit leaves them there.
+#[test]
+fn a_body_comes_and_goes_without_taking_others_markers() {
+    let text = "deck\nPART/1, GROUND\nMARKER/1\nPART/2, MASS=1, CM=20\nMARKER/20\nMARKER/10, PART=1\nMARKER/21\nEND\n";
+    let dataset = dataset(text).value;
+    let new = NewStatement {
+        kind: "PART".into(),
+        id: Some(3),
+        view_name: None,
+        arguments: vec![("MASS".into(), Some("1".into()))],
+    };
+    let after = shown(text, &dataset.add(&new));
+    assert!(after.contains("MARKER/21\nPART/3, MASS=1\nEND"), "{after}");
+    let part = Address::parse("PART/2", &dataset).unwrap();
+    let refused = dataset.remove(&part).unwrap_err();
+    assert_eq!(refused.code, Code::MissingArgument);
+    assert!(
+        refused.message.starts_with("MARKER/20 "),
+        "{}",
+        refused.message
     );
 }

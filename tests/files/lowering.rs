@@ -168,3 +168,56 @@ fn undefined_and_duplicate_ids_are_located() {
         ]
     );
 }
+
+/// The page of MARKER: without PART it is on the PART, POINT_MASS or FLEX_BODY before it; on a CURVE it is on none.
+#[test]
+fn markers_that_name_no_body_are_on_the_one_before_them() {
+    let text = "deck
+PART/1, GROUND
+MARKER/10
+PART/2, MASS=2, CM=20
+MARKER/20
+ACCGRAV/KGRAV=-9806.65
+MARKER/21, QP=1,2,3
+POINT_MASS/3, MASS=1, CM=30
+MARKER/30
+MARKER/11, PART=1
+END
+";
+    let model = model(text);
+    let on = |id: u32| {
+        let marker = model.markers.iter().find(|m| m.header.id == id).unwrap();
+        model.parts[marker.part.0].header.id
+    };
+    assert_eq!([10, 20, 21, 30, 11].map(on), [1, 2, 2, 3, 1]);
+
+    let bare = dataset("deck\nMARKER/10\nPART/1, GROUND\nEND\n").value;
+    let codes: Vec<Code> = Model::lower(&bare)
+        .diagnostics
+        .iter()
+        .map(|d| d.code)
+        .collect();
+    assert_eq!(codes, [Code::MissingArgument]);
+
+    let curve = text.replace(
+        "MARKER/21, QP=1,2,3",
+        "CURVE/1, CURVE_POINTS, MATRIX=1\nMATRIX/1, FILE=c.mtx, NAME=c\nMARKER/21, CURVE=1, RM=20",
+    );
+    let lowered = Model::lower(&dataset(&curve).value);
+    assert!(!lowered.has_errors(), "{:?}", lowered.diagnostics);
+    let kinds: Vec<&str> = lowered.value.unsolved.iter().map(|u| u.kind).collect();
+    assert_eq!(kinds, ["CURVE", "MARKER"]);
+}
+
+#[test]
+fn a_sparse_matrix_is_rows_columns_and_values() {
+    let deck = |matrix: &str| {
+        format!(
+            "deck\nPART/1, GROUND\nARRAY/1, X, SIZE=2\nMATRIX/1, {matrix}, ROWS=2, COLUMNS=2\nLSE/1, X=1, A=1\nEND\n"
+        )
+    };
+    let sparse = model(&deck("SPARSE, I=1,2, J=2,1, VALUES=5,-3"));
+    let full = model(&deck("FULL=RORDER, VALUES=0,5,-3,0"));
+    assert_eq!(sparse.linear_states[0].a, [[0.0, 5.0], [-3.0, 0.0]]);
+    assert_eq!(sparse.linear_states[0].a, full.linear_states[0].a);
+}

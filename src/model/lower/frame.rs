@@ -3,6 +3,7 @@ use super::reader::Reader;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::mechanics::{Mat3, Pose, Vec3, euler313};
 use crate::model::{Marker, MarkerIx, Model, Orientation, Part, PartIx, PartKind};
+use crate::syntax::Statement;
 
 /// PART, POINT_MASS, and the bodies only real ADAMS solves.
 #[allow(clippy::unnecessary_wraps)] // All readers have one signature.
@@ -42,25 +43,53 @@ pub(super) fn part(reader: &mut Reader, old: Option<&Part>) -> Option<Part> {
 }
 
 /// MARKER. Its frame with RM is completed by [`resolve_rm`], when all markers are known.
-#[allow(clippy::unnecessary_wraps)] // All readers have one signature.
 pub(super) fn marker(reader: &mut Reader, old: Option<&Marker>) -> Option<Marker> {
-    let owner = [
+    let part = match (named_body(reader), old) {
+        (Some(part), _) => part,
+        (None, Some(old)) => old.part,
+        (None, None) => PartIx(0),
+    };
+    placed_marker(reader, part, old)
+}
+
+/// MARKER of a dataset. One that names no body is on the PART, POINT_MASS or FLEX_BODY defined before it (`state_marker`); one
+/// that moves along a curve or on a surface is on none, and the model is not solved.
+pub(super) fn marker_after(
+    reader: &mut Reader,
+    body: Option<(&'static str, u32)>,
+) -> Option<Marker> {
+    let before = body.and_then(|(space, id)| reader.ids.index(space, id));
+    let part = match (named_body(reader), before) {
+        (Some(part), _) => part,
+        (None, _) if moves(reader.statement) => PartIx(0),
+        (None, Some(before)) => PartIx(before),
+        (None, None) => {
+            reader.missing::<()>("the body it is on: PART=id, or a place behind the PART it is on");
+            PartIx(0)
+        }
+    };
+    placed_marker(reader, part, None)
+}
+
+/// True for a marker that moves along a CURVE or on a SURFACE.
+pub(super) fn moves(marker: &Statement) -> bool {
+    marker.has("CURVE") || marker.has("SURFACE")
+}
+
+/// The body a marker names. An undefined one was reported; the model is not used then, but every marker keeps its place.
+fn named_body(reader: &Reader) -> Option<PartIx> {
+    let (name, space) = [
         ("PART", "part"),
         ("POINT_MASS", "point_mass"),
         ("FLEX_BODY", "flex_body"),
         ("FE_PART", "fe_part"),
     ]
     .into_iter()
-    .find(|(name, _)| reader.given(name).is_some());
-    let part = match (owner, old) {
-        // An undefined body was reported; the model is not used then, but every marker keeps its place.
-        (Some((name, space)), _) => reader.part(name, space).unwrap_or(PartIx(0)),
-        (None, Some(old)) => old.part,
-        (None, None) => {
-            reader.missing::<()>("the body it is on: PART=id");
-            PartIx(0)
-        }
-    };
+    .find(|(name, _)| reader.given(name).is_some())?;
+    Some(reader.part(name, space).unwrap_or(PartIx(0)))
+}
+
+fn placed_marker(reader: &mut Reader, part: PartIx, old: Option<&Marker>) -> Option<Marker> {
     let qp = reader.vector("QP", old.map(|old| old.qp));
     let (R, given) = orientation(reader, "REULER", "ZP", "XP", qp, old.map(|old| old.R));
     Some(Marker {

@@ -83,11 +83,15 @@ pub fn lower_with(dataset: &Dataset, files: &Files) -> Checked<Model> {
         .collect();
     let mut rm_markers = Vec::new();
     let mut im_parts = Vec::new();
+    let mut body = None;
     for (at, statement) in dataset.statements().iter().enumerate() {
         if let Some(def) = statement.def
             && first_of_its_id[at]
         {
-            lowering.frame(at, statement, def, &mut rm_markers, &mut im_parts);
+            if statement.carries_markers() {
+                body = def.id.zip(statement.number());
+            }
+            lowering.frame(at, statement, def, body, &mut rm_markers, &mut im_parts);
         }
     }
     lowering.finish_frames(&rm_markers, &im_parts);
@@ -156,6 +160,7 @@ impl Lowering<'_> {
         at: usize,
         statement: &Statement,
         def: &'static StatementDef,
+        body: Option<(&'static str, u32)>,
         rm_markers: &mut Vec<(MarkerIx, MarkerIx)>,
         im_parts: &mut Vec<(PartIx, MarkerIx)>,
     ) {
@@ -172,7 +177,7 @@ impl Lowering<'_> {
             }
             self.model.parts.extend(part);
         } else if def.name == "MARKER" {
-            let marker = frame::marker(&mut reader, None);
+            let marker = frame::marker_after(&mut reader, body);
             if let Some(rm) = frame::rm_of(statement, &self.ids) {
                 rm_markers.push((MarkerIx(self.model.markers.len()), rm));
             }
@@ -280,7 +285,8 @@ impl Lowering<'_> {
             true,
             &mut self.diagnostics,
         );
-        let done = is_body(def) || matches!(def.name, "MARKER" | "JOINT");
+        let done =
+            is_body(def) || def.name == "JOINT" || def.name == "MARKER" && !frame::moves(statement);
         if done && !matches!(def.solved, Solved::External(_)) {
             return;
         }
@@ -290,7 +296,7 @@ impl Lowering<'_> {
         if self.is_supplied(statement) {
             return;
         }
-        if let Some(why) = unsolved(statement, def) {
+        if let Some(why) = unsolved(statement, def, source) {
             self.model.unsolved.push(Unsolved {
                 header: Header {
                     id: statement.number().unwrap_or(0),

@@ -175,10 +175,11 @@ impl Reader<'_> {
         let size = rows.max(1).checked_mul(columns.max(1));
         if statement.has("SPARSE") && size.is_some_and(|size| size <= MOST_VALUES) {
             let mut matrix = vec![vec![0.0; columns]; rows];
-            for entry in statement.numbers("DATA").chunks_exact(3) {
-                let (row, column) = (entry[0].value as usize, entry[1].value as usize);
+            let places = statement.numbers("I").iter().zip(statement.numbers("J"));
+            for ((row, column), entry) in places.zip(values) {
+                let (row, column) = (row.value as usize, column.value as usize);
                 if (1..=rows).contains(&row) && (1..=columns).contains(&column) {
-                    matrix[row - 1][column - 1] = entry[2].value;
+                    matrix[row - 1][column - 1] = entry.value;
                 }
             }
             return Some(matrix);

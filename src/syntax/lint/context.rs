@@ -11,6 +11,8 @@ pub(super) struct Context<'a> {
     pub dataset: &'a Dataset,
     pub options: &'a Options,
     by_id: HashMap<(&'static str, u32), &'a Statement>,
+    /// The bodies of markers that name none, by the ids of the markers.
+    before: HashMap<u32, (&'static str, u32)>,
 }
 
 /// One id that stands for an object: in an argument or in a function.
@@ -27,16 +29,23 @@ pub(super) struct Reference {
 impl<'a> Context<'a> {
     pub fn new(dataset: &'a Dataset, options: &'a Options) -> Self {
         let mut by_id = HashMap::new();
+        let (mut before, mut body) = (HashMap::new(), None);
         for statement in dataset.statements() {
             let space = statement.def.and_then(|def| def.id);
             if let (Some(space), Some(id)) = (space, statement.number()) {
                 by_id.entry((space, id)).or_insert(statement);
+                if statement.carries_markers() {
+                    body = Some((space, id));
+                } else if let Some(body) = body.filter(|_| statement.follows_body()) {
+                    before.entry(id).or_insert(body);
+                }
             }
         }
         Self {
             dataset,
             options,
             by_id,
+            before,
         }
     }
 
@@ -63,7 +72,10 @@ impl<'a> Context<'a> {
     }
 
     /// The body a marker is on: id space and id.
-    pub fn body(marker: &Statement) -> Option<(&'static str, u32)> {
+    pub fn body(&self, marker: &Statement) -> Option<(&'static str, u32)> {
+        if marker.follows_body() {
+            return self.before.get(&marker.number()?).copied();
+        }
         ["PART", "POINT_MASS", "FLEX_BODY", "FE_PART"]
             .iter()
             .find_map(|owner| {

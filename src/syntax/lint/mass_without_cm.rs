@@ -24,7 +24,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         let Some(marker) = context.marker(part, "CM") else {
             continue;
         };
-        if let Some((space, id)) = Context::body(marker)
+        if let Some((space, id)) = context.body(marker)
             && (space, Some(id)) != ("part", part.number())
         {
             let message = format!(

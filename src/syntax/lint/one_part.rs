@@ -20,7 +20,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         ) else {
             continue;
         };
-        let (Some(body), true) = (Context::body(i), Context::body(i) == Context::body(j)) else {
+        let (Some(body), true) = (context.body(i), context.body(i) == context.body(j)) else {
             continue;
         };
         let constraint = matches!(
