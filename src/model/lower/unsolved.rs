@@ -27,7 +27,6 @@ pub(super) fn unsolved(
         "COUPLER" | "FIELD" | "SPLINE" | "GFORCE" | "VFORCE" | "VTORQUE" if user => {
             "its values come from a user subroutine"
         }
-        "FIELD" if statement.has("NONLINEAR") => "its values come from a user subroutine",
         "FIELD" if chosen("FORMULATION") => "FORMULATION=NONLINEAR: its law is not published",
         "MARKER" if statement.has("CURVE") || statement.has("SURFACE") => {
             "it moves along a curve or on a surface, which the built-in solver does not follow"

@@ -32,7 +32,6 @@ fn argument_spaces(function: &str) -> &'static [Option<&'static str>] {
         "SPDP" => &[Some("springdamper"), None, None, MARKER],
         "VFORCE" => &[Some("vforce"), None, None, MARKER],
         "VTORQ" => &[Some("vtorque"), None, None, MARKER],
-        "MFORCE" => &[Some("mforce"), None, None, MARKER],
         "NFORCE" => &[Some("nforce"), MARKER, None, MARKER],
         "FRICTION" => &[Some("friction"), None],
         "CONTACT" => &[Some("contact"), None, None, MARKER],
