@@ -240,6 +240,17 @@ impl Work<'_> {
         let Some(curve) = file.curves().into_iter().next() else {
             return Err(format!("`{name}` has no curve"));
         };
+        let read = ["MDI_HEADER", "UNITS", "SPRING_DATA", curve.block.as_str()];
+        let other = file.blocks.iter().find(|block| {
+            let empty = block.parameters.is_empty() && block.tables.is_empty();
+            !empty && !read.contains(&block.name.as_str())
+        });
+        if let Some(other) = other {
+            let block = &other.name;
+            return Err(format!(
+                "`{name}` has a block [{block}], and what that does to the force is not known"
+            ));
+        }
         let (x, y) = curve.in_units(file.units.as_ref(), &self.units);
         let rebound = name.to_ascii_lowercase().ends_with(".reb");
         let (at, sign) = if rebound {

@@ -169,6 +169,25 @@ fn a_stop_acts_only_beyond_its_clearance() {
     assert!((place(&text).p.z + 25.0).abs() < 1e-8);
 }
 
+/// What a further block of the file, as of damping, adds to the force is not known.
+#[test]
+fn a_stop_with_a_block_of_its_own_keeps_its_subroutine() {
+    let mut damped = files();
+    let text = stiffening("bum", "[DAMPING]\nRATE = 2\n").into_bytes();
+    damped.add("stop.bum", Source::new("stop.bum", text));
+    let deck = format!("{DECK}SFORCE/6, I=20, J=1, TRANSLATIONAL, FUNCTION=USER(33)\r\nEND\r\n");
+    let dataset = Dataset::parse(Source::new("user.adm", deck.into_bytes())).value;
+    let done = replace_user_forces(&dataset, &damped, &[(force(6), 85.0)], &[]);
+    let told = |text: &str| done.diagnostics.iter().any(|d| d.message == text);
+    assert!(
+        told(
+            "SFORCE/6 keeps its subroutine: `stop.bum` has a block [DAMPING], and what that does to the force is not known"
+        ),
+        "{:?}",
+        done.diagnostics
+    );
+}
+
 /// What else the list tells the subroutine is not known: the force stays until the user says that it does nothing.
 #[test]
 fn other_parameters_keep_the_subroutine() {
