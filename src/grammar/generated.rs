@@ -1904,4 +1904,5 @@ pub static FUNCTIONS: &[FunctionDef] = &[
     FunctionDef { name: "UVZ", count: Count { min: 1, max: Some(2) }, arguments: "i[,k]", solved: Solved::External("vector expressions (FXYZ=, TXYZ=) are not evaluated by the built-in solver"), doc: "unit vector along z", source: "adams_solver/cfunc_uvz.html" },
     FunctionDef { name: "MAG", count: Count { min: 1, max: Some(1) }, arguments: "v", solved: Solved::External("vector expressions (FXYZ=, TXYZ=) are not evaluated by the built-in solver"), doc: "magnitude of a vector", source: "adams_solver/cfunc_mag.html" },
     FunctionDef { name: "UV", count: Count { min: 1, max: Some(1) }, arguments: "v", solved: Solved::External("vector expressions (FXYZ=, TXYZ=) are not evaluated by the built-in solver"), doc: "unit vector in the direction of a vector", source: "adams_solver/cfunc_uv.html" },
+    FunctionDef { name: "TRANS", count: Count { min: 2, max: Some(3) }, arguments: "v,i[,j]", solved: Solved::External("vector expressions (FXYZ=, TXYZ=) are not evaluated by the built-in solver"), doc: "a vector given along the axes of j, or of ground, along those of i", source: "adams_solver/cfunc_trans.html" },
 ];

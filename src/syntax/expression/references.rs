@@ -12,6 +12,7 @@ fn argument_spaces(function: &str) -> &'static [Option<&'static str>] {
         | "AZ" | "PSI" | "THETA" | "PHI" | "YAW" | "PITCH" | "ROLL" | "INCANG" | "FX" | "FY"
         | "FZ" | "FM" | "TX" | "TY" | "TZ" | "TM" | "DXYZ" | "VXYZ" | "ACCXYZ" | "WXYZ"
         | "WDTXYZ" | "FXYZ" | "TXYZ" | "UVX" | "UVY" | "UVZ" => MARKERS,
+        "TRANS" => &[None, MARKER],
         "ORIENT" => &[None, None, MARKER],
         "AKISPL" | "CUBSPL" | "INTERP" => &[None, None, Some("spline"), None],
         "INVPSD" => &[None, Some("spline"), None],
@@ -110,6 +111,14 @@ mod tests {
                 ("marker", 6.0),
             ]
         );
+    }
+
+    #[test]
+    fn vectors_along_other_axes_name_markers() {
+        let expression = Expression::parse_str("MAG(TRANS(VXYZ(1,2,3),4,3))").unwrap();
+        let markers = expression.references();
+        assert!(markers.iter().all(|(space, _)| *space == "marker"));
+        assert_eq!(markers.len(), 5);
     }
 
     #[test]
