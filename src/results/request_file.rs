@@ -182,7 +182,7 @@ impl RequestFile {
         // Names that stand behind their numbers: the last of them is still to come.
         let behind = lines.peek().is_some_and(|line| numbers(line).is_none());
         if behind && count > 0 {
-            let last = text(lines.next().map(|(_, line)| line));
+            let last = text(Some(lines.needed()?.1));
             for at in 1..count {
                 self.requests[at - 1].name = std::mem::take(&mut self.requests[at].name);
             }
@@ -194,7 +194,14 @@ impl RequestFile {
     fn data(&mut self, lines: &mut Lines<'_>) -> Result<Option<Trouble>, Trouble> {
         let wanted = 1 + 6 * self.requests.len();
         let mut values: Vec<f64> = Vec::new();
-        for (span, line) in lines.by_ref() {
+        // How long the lines of this output time and of the one before are.
+        let (mut lengths, mut before) = (Vec::new(), Vec::new());
+        while let Some((span, line)) = lines.next() {
+            // Without its line end a line may lack digits too: `1.0` of `1.00000E-02` is a number as well.
+            if lines.open && before.get(lengths.len()) != Some(&line.len()) {
+                return Ok(Some(lines.cut_off(self.times.len())));
+            }
+            lengths.push(line.len());
             let found =
                 numbers(line).ok_or_else(|| malformed("a line that is not numbers", span))?;
             values.extend(found);
@@ -208,6 +215,7 @@ impl RequestFile {
                 let sixes = sixes.map(|six| std::array::from_fn(|at| six[at]));
                 self.values.push(sixes.collect());
                 values.clear();
+                before = std::mem::take(&mut lengths);
             }
         }
         if values.is_empty() {
@@ -235,23 +243,34 @@ fn malformed(message: &str, span: Span) -> Trouble {
 struct Lines<'a> {
     bytes: &'a [u8],
     at: usize,
+    /// True if the last line had no line end.
+    open: bool,
 }
 
 impl<'a> Lines<'a> {
     fn new(bytes: &'a [u8]) -> Self {
-        Self { bytes, at: 0 }
+        Self {
+            bytes,
+            at: 0,
+            open: false,
+        }
     }
 
     fn peek(&self) -> Option<&'a [u8]> {
         let mut ahead = Lines {
             bytes: self.bytes,
             at: self.at,
+            open: false,
         };
         ahead.next().map(|(_, line)| line)
     }
 
+    /// A line of the head, with its line end.
     fn needed(&mut self) -> Result<(Span, &'a [u8]), Trouble> {
-        self.next().ok_or_else(|| self.cut_off(0))
+        match self.next() {
+            Some(line) if !self.open => Ok(line),
+            _ => Err(self.cut_off(0)),
+        }
     }
 
     fn cut_off(&self, times: usize) -> Trouble {
@@ -269,7 +288,9 @@ impl<'a> Iterator for Lines<'a> {
     fn next(&mut self) -> Option<Self::Item> {
         while self.at < self.bytes.len() {
             let rest = &self.bytes[self.at..];
-            let end = memchr::memchr(b'\n', rest).unwrap_or(rest.len());
+            let line_end = memchr::memchr(b'\n', rest);
+            self.open = line_end.is_none();
+            let end = line_end.unwrap_or(rest.len());
             let span = Span::new(self.at, self.at + end);
             self.at += end + 1;
             if !rest[..end].trim_ascii().is_empty() {
@@ -336,10 +357,38 @@ mod tests {
         assert_eq!(read.value.requests[1], requests()[1]);
         assert_eq!(read.value.times, [0.0, 1.0]);
         assert_eq!(read.value.values[1][1], [3e-7; 6]);
-        // Cut anywhere: whole output times, never a panic.
-        for cut in 0..bytes.len() {
-            let read = RequestFile::parse(&Source::new("a.req", &bytes[..cut]));
-            assert_eq!(read.value.times.len(), read.value.values.len());
+    }
+
+    #[test]
+    fn a_file_cut_anywhere_gives_whole_output_times_and_no_number_that_was_not_written() {
+        let when = Timestamp::from_unix(0);
+        let units = Units::default();
+        for requests in [requests(), Vec::new()] {
+            let mut writer =
+                RequestWriter::create(Vec::new(), "a title", &units, when, &requests).unwrap();
+            for step in 0..20 {
+                let time = f64::from(step) * 0.01;
+                writer.step(time, &vec![[time; 6]; requests.len()]).unwrap();
+            }
+            let bytes = writer.finish();
+            let whole = RequestFile::parse(&Source::new("a.req", bytes.clone())).value;
+            let mut steps = 0;
+            for cut in 0..bytes.len() {
+                let read = RequestFile::parse(&Source::new("a.req", &bytes[..cut]));
+                let count = read.value.times.len();
+                assert_eq!(read.value.times, whole.times[..count], "cut at {cut}");
+                assert_eq!(read.value.values, whole.values[..count], "cut at {cut}");
+                assert!(count >= steps, "cut at {cut}");
+                // Inside of a line it is plain that something is missing.
+                let line = bytes[..cut].rsplit(|byte| *byte == b'\n').next().unwrap();
+                let inside = !line.trim_ascii().is_empty() && bytes[cut] != b'\n';
+                let seen = read
+                    .diagnostics
+                    .iter()
+                    .any(|d| d.code == Code::TruncatedResults);
+                assert!(seen || !inside, "cut at {cut}");
+                steps = count;
+            }
         }
     }
 

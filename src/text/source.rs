@@ -1,7 +1,7 @@
 use std::borrow::Cow;
 use std::io::Read;
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use super::Span;
 
@@ -10,6 +10,8 @@ use super::Span;
 pub struct Source {
     name: Arc<str>,
     bytes: Arc<[u8]>,
+    /// Where lines begin, once somebody asked: thousands of complaints about one file ask again and again.
+    line_starts: Arc<OnceLock<Vec<usize>>>,
 }
 
 /// A 1-based line and a 1-based column counted in bytes.
@@ -30,6 +32,7 @@ impl Source {
         Self {
             name: name.into(),
             bytes: bytes.into(),
+            line_starts: Arc::default(),
         }
     }
 
@@ -90,12 +93,34 @@ impl Source {
 
     /// Line and column of an offset. Lines end at LF; a CR before it belongs to the line.
     pub fn line_column(&self, offset: usize) -> LineColumn {
-        let before = &self.bytes[..offset.min(self.bytes.len())];
-        let line = memchr::memchr_iter(b'\n', before).count() + 1;
-        let start = memchr::memrchr(b'\n', before).map_or(0, |at| at + 1);
+        let offset = offset.min(self.bytes.len());
+        let starts = self.line_starts.get_or_init(|| {
+            let ends = memchr::memchr_iter(b'\n', &self.bytes);
+            std::iter::once(0).chain(ends.map(|end| end + 1)).collect()
+        });
+        let line = starts.partition_point(|start| *start <= offset);
         LineColumn {
             line,
-            column: before.len() - start + 1,
+            column: offset - starts[line - 1] + 1,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_and_columns_are_those_counted_from_the_start() {
+        for bytes in [&b""[..], b"\n", b"a\nbc\r\n\nd", b"\n\n\n", b"no end"] {
+            let source = Source::new("a", bytes);
+            for offset in 0..bytes.len() + 3 {
+                let before = &bytes[..offset.min(bytes.len())];
+                let line = before.iter().filter(|byte| **byte == b'\n').count() + 1;
+                let start = before.iter().rposition(|byte| *byte == b'\n');
+                let column = before.len() - start.map_or(0, |at| at + 1) + 1;
+                assert_eq!(source.line_column(offset), LineColumn { line, column });
+            }
         }
     }
 }
