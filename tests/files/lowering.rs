@@ -1,6 +1,6 @@
 //! The typed model of real decks and of small ones.
 
-use admire::diagnostic::{Checked, Code};
+use admire::diagnostic::{Checked, Code, Severity};
 use admire::model::{Function, JointKind, Model, Orientation, RequestKind};
 use admire::syntax::{CommandFile, Dataset};
 use admire::text::Source;
@@ -220,4 +220,22 @@ fn a_sparse_matrix_is_rows_columns_and_values() {
     let full = model(&deck("FULL=RORDER, VALUES=0,5,-3,0"));
     assert_eq!(sparse.linear_states[0].a, [[0.0, 5.0], [-3.0, 0.0]]);
     assert_eq!(sparse.linear_states[0].a, full.linear_states[0].a);
+}
+
+#[test]
+fn a_joint_of_marker_zero_is_no_joint_that_may_be_forgotten() {
+    let deck = |j: &str| {
+        format!(
+            "t\nPART/1, GROUND\nPART/2, MASS=1, CM=20\nMARKER/10, PART=1\nMARKER/20, PART=2\nJOINT/1, FIXED, I=20, J={j}\nREQUEST/1, DISPLACEMENT, I=20, J=0, RM=0\nEND\n"
+        )
+    };
+    let found = |text: &str| {
+        let parsed = dataset(text);
+        Model::lower(&parsed.value).diagnostics
+    };
+    assert_eq!(found(&deck("10")), []);
+    let complaints = found(&deck("0"));
+    assert_eq!(complaints.len(), 1, "{complaints:?}");
+    assert_eq!(complaints[0].severity, Severity::Error);
+    assert_eq!(complaints[0].help.as_deref(), Some("J must name a MARKER"));
 }

@@ -78,6 +78,17 @@ fn references(
     match (&argument.value, argument.def.map(|def| def.kind)) {
         (Value::Numbers(numbers), Some(ValueKind::Reference(space))) => {
             for number in numbers {
+                if number.value == 0.0 && needs_object(def, argument) {
+                    diagnostics.push(
+                        Diagnostic::error(Code::WrongType, "0 is not an id")
+                            .label(source.name(), number.span, "")
+                            .help(format!(
+                                "{} must name a {}",
+                                shown(argument),
+                                kind_of(space)
+                            )),
+                    );
+                }
                 reference(source, def, space, *number, ids, diagnostics);
             }
         }
@@ -95,6 +106,27 @@ fn references(
         }
         _ => {}
     }
+}
+
+/// True if an argument cannot do with 0, which stands for ground or for nothing in others (RM, and J of a REQUEST).
+fn needs_object(def: &'static StatementDef, argument: &Argument) -> bool {
+    let acts = !matches!(def.solved, Solved::NoEffect(_)) && def.name != "REQUEST";
+    acts && argument.def.is_some_and(|own| {
+        own.required
+            || matches!(
+                own.name,
+                "I" | "J" | "IFLOAT" | "JFLOAT" | "JOINT" | "JOINTS"
+            )
+    })
+}
+
+fn shown(argument: &Argument) -> &'static str {
+    argument.kind().unwrap_or("it")
+}
+
+/// The keyword of the statements of an id space.
+fn kind_of(space: &str) -> String {
+    space.rsplit('.').next().unwrap_or(space).to_uppercase()
 }
 
 fn reference(
