@@ -78,7 +78,7 @@ fn exponent(text: &[u8]) -> Option<i32> {
     }
     let mut value = 0;
     for byte in digits {
-        value = value * 10 + i32::from(byte.is_ascii_digit().then_some(byte - b'0')?);
+        value = value * 10 + i32::from(byte.is_ascii_digit().then(|| byte - b'0')?);
     }
     Some(if negative { -value } else { value })
 }
@@ -143,7 +143,8 @@ mod tests {
         let (value, degrees) = parse_number(b"90D").unwrap();
         assert!(degrees && (value - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
         for text in [
-            "", "D", ".", "inf", "NaN", "1e999", "1E", "1+2", "1D5", "3R5.0", "0x1",
+            "", "D", ".", "inf", "NaN", "1e999", "1E", "1+2", "1D5", "3R5.0", "0x1", "1E+,",
+            "1E -", "1E5,3", "1E!",
         ] {
             assert_eq!(parse_number(text.as_bytes()), None, "{text}");
         }

@@ -173,7 +173,8 @@ impl<'a> StatementParser<'a> {
                     Code::UnknownStatement,
                     format!(
                         "{} is not a {} this program knows; it is kept and takes part in nothing",
-                        self.source.text(span),
+                        self.source
+                            .text(Span::new(span.start, span.end.min(span.start + 80))),
                         self.noun()
                     ),
                 );

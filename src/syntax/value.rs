@@ -65,8 +65,35 @@ impl StatementParser<'_> {
             .iter()
             .find(|token| !token.kind.is_trivia())
             .copied();
+        let last = self.list.last().map(|number| number.span);
+        let bad = cursor
+            .since(start)
+            .iter()
+            .find(|token| {
+                last.is_some_and(|last| token.span.start >= last.end)
+                    && !token.kind.is_trivia()
+                    && !matches!(
+                        token.kind,
+                        TokenKind::Continuation | TokenKind::Punctuation(b',')
+                    )
+            })
+            .copied();
         let rest = cursor.skip_value();
-        let span = first.map_or(rest, |token| token.span.join(rest));
+        let rest = bad.map_or(rest, |token| token.span.join(rest));
+        let span = match (last, first) {
+            (Some(last), _) => {
+                // What stands behind a number without a comma makes the two one fault.
+                let between = self.source.slice(Span::new(last.end, rest.start));
+                if between.contains(&b',') {
+                    rest
+                } else {
+                    last.join(rest)
+                }
+            }
+            (None, Some(token)) => token.span.join(rest),
+            (None, None) => rest,
+        };
+        let mut whole = first.map_or(span, |token| token.span.join(span));
         let wanted = match def.kind {
             ValueKind::Integer => "whole numbers".to_string(),
             ValueKind::Reference(space) => format!("ids of a {space}"),
@@ -76,9 +103,33 @@ impl StatementParser<'_> {
             Some(_) => Code::BadNumber,
             None => Code::WrongType,
         };
-        let diagnostic = Diagnostic::error(code, format!("{} takes {wanted}", def.name));
+        let mut diagnostic = Diagnostic::error(code, format!("{} takes {wanted}", def.name));
+        if has_d_exponent(self.source.slice(span)) {
+            diagnostic = diagnostic
+                .help("D behind a number means degrees here; a power of ten is written with E");
+        }
+        let blanks = self.source.text(span);
+        let mut separate = blanks.split_ascii_whitespace();
+        if blanks.contains(' ') && separate.all(|word| parse_number(word.as_bytes()).is_some()) {
+            diagnostic = diagnostic.help("commas separate values");
+        }
         self.complain(diagnostic, span, "");
-        Value::Malformed(span)
+        // The numbers behind it belong to it, too: they are no arguments, and no further fault.
+        loop {
+            let end = cursor.position();
+            let more = cursor.skip_commas()
+                && cursor.peek().is_some_and(|token| {
+                    matches!(
+                        token.kind,
+                        TokenKind::Number | TokenKind::Punctuation(b'+' | b'-')
+                    )
+                });
+            if !more {
+                cursor.go_back(end);
+                return Value::Malformed(whole);
+            }
+            whole = whole.join(cursor.skip_value());
+        }
     }
 
     /// Numbers between commas, up to a separator that no number follows. On an error the cursor stands where it was found.
@@ -434,6 +485,15 @@ impl StatementParser<'_> {
         cursor.go_back(start);
         Value::Texts(vec![cursor.skip_value()])
     }
+}
+
+/// True if some number has a FORTRAN exponent: `1.5D3`, `1D+05`.
+fn has_d_exponent(text: &[u8]) -> bool {
+    text.windows(3).any(|three| {
+        (three[0].is_ascii_digit() || three[0] == b'.')
+            && matches!(three[1], b'D' | b'd')
+            && (three[2].is_ascii_digit() || matches!(three[2], b'+' | b'-'))
+    })
 }
 
 /// A word as choices spell it: it may begin with digits, as 3DBEAM does.
