@@ -21,7 +21,8 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
                 found.push(
                     context
                         .warning(Code::RepeatedArgument, argument.name, message)
-                        .label(file, first.name, "first given here"),
+                        .label(file, first.name, "first given here")
+                        .help("remove one of them"),
                 );
             }
         }

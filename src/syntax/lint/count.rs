@@ -26,7 +26,11 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
                 def.name,
                 context.title(statement)
             );
-            found.push(context.error(Code::WrongCount, argument.value_span(), message));
+            found.push(
+                context
+                    .error(Code::WrongCount, argument.value_span(), message)
+                    .help(format!("{}: {}", def.name, def.doc)),
+            );
         }
     }
 }

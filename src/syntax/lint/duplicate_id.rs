@@ -13,11 +13,12 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         };
         if first.keyword != statement.keyword {
             let message = format!("{}/{id} is defined twice", def.name);
-            found.push(context.error(Code::DuplicateId, span, message).label(
-                file,
-                Context::head(first),
-                "first defined here",
-            ));
+            found.push(
+                context
+                    .error(Code::DuplicateId, span, message)
+                    .label(file, Context::head(first), "first defined here")
+                    .help("give one of them an id that is free"),
+            );
         }
     }
 }

@@ -24,10 +24,18 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
                 if marker.has("FLOATING") == needed {
                     continue;
                 }
-                let (is, should) = if needed {
-                    ("fixed on its part", "FLOATING: the solver moves it")
+                let (is, should, help) = if needed {
+                    (
+                        "fixed on its part",
+                        "FLOATING: the solver moves it",
+                        "add FLOATING to a marker that nothing else uses, and name that",
+                    )
                 } else {
-                    ("FLOATING and has no place", "fixed on its part")
+                    (
+                        "FLOATING and has no place",
+                        "fixed on its part",
+                        "name a marker that has a place, or remove FLOATING",
+                    )
                 };
                 let message = format!(
                     "{} of {} is {}, which is {is}; it must be {should}",
@@ -42,7 +50,8 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
                             context.dataset.source().name(),
                             Context::head(marker),
                             "this marker",
-                        ),
+                        )
+                        .help(help),
                 );
             }
         }

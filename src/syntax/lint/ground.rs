@@ -25,6 +25,10 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
             context.title(second),
             context.title(first)
         );
-        found.push(context.error(Code::NoGround, second.keyword, message));
+        found.push(
+            context
+                .error(Code::NoGround, second.keyword, message)
+                .help("remove GROUND from one of them"),
+        );
     }
 }

@@ -5,6 +5,19 @@ use crate::text::Span;
 /// Columns the FORTRAN solver reads.
 const COLUMNS: usize = 80;
 
+/// Columns before the comment of a line.
+fn code_length(line: &[u8]) -> usize {
+    let mut quoted = false;
+    let comment = line.iter().position(|byte| {
+        quoted ^= *byte == b'"';
+        !quoted && *byte == b'!'
+    });
+    match comment {
+        Some(at) => line[..at].trim_ascii_end().len(),
+        None => line.len(),
+    }
+}
+
 /// Lines the FORTRAN solver would cut off. Comments are its own affair.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     if !context.options.fortran {
@@ -13,14 +26,13 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     let mut start = 0;
     for line in context.dataset.bytes().split(|byte| *byte == b'\n') {
         let text = line.strip_suffix(b"\r").unwrap_or(line);
-        if text.len() > COLUMNS && !text.starts_with(b"!") {
+        // A comment that is cut off says less, and means nothing anyway.
+        if code_length(text) > COLUMNS {
             let message = format!("this line has {} columns", text.len());
             let span = Span::new(start + COLUMNS, start + text.len());
-            found.push(
-                context
-                    .warning(Code::LineTooLong, span, message)
-                    .help("the FORTRAN solver reads 80 columns"),
-            );
+            found.push(context.warning(Code::LineTooLong, span, message).help(
+                "the FORTRAN solver reads 80 columns; go on with a line that begins with a comma",
+            ));
         }
         start += line.len() + 1;
     }

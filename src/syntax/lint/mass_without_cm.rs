@@ -32,7 +32,11 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
                 context.title(marker),
                 space.to_uppercase()
             );
-            found.push(context.error(Code::MassWithoutCm, cm.value_span(), message));
+            found.push(
+                context
+                    .error(Code::MassWithoutCm, cm.value_span(), message)
+                    .help("name a marker of the part itself"),
+            );
         }
     }
 }

@@ -41,7 +41,9 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         }
     }
     for (kind, (count, first, why)) in external {
-        let message = format!("{count} {kind} of this dataset take no part in a built-in solution");
+        let takes = if count == 1 { "takes" } else { "take" };
+        let message =
+            format!("{count} {kind} of this dataset {takes} no part in a built-in solution");
         found.push(
             context
                 .warning(Code::NotSolvedNatively, Context::head(first), message)
@@ -49,7 +51,8 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         );
     }
     for (kind, (count, first, why)) in inactive {
-        let message = format!("{count} {kind} of this dataset are off in statics");
+        let are = if count == 1 { "is" } else { "are" };
+        let message = format!("{count} {kind} of this dataset {are} off in statics");
         found.push(
             context
                 .note(Code::InactiveInStatics, Context::head(first), message)
@@ -57,8 +60,10 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         );
     }
     for (kind, (count, span)) in users {
-        let message =
-            format!("{count} {kind} of this dataset take their value from a user subroutine");
+        let message = match count {
+            1 => format!("1 {kind} of this dataset takes its value from a user subroutine"),
+            _ => format!("{count} {kind} of this dataset take their values from a user subroutine"),
+        };
         found.push(
             context
                 .warning(Code::UserSubroutine, span, message)

@@ -44,6 +44,10 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
             body.0.to_uppercase(),
             body.1
         );
-        found.push(context.complain(severity, Code::MarkersOnOnePart, place, message));
+        found.push(
+            context
+                .complain(severity, Code::MarkersOnOnePart, place, message)
+                .help("one of them must be a marker of the other part"),
+        );
     }
 }

@@ -1,6 +1,6 @@
 use super::context::Context;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::grammar::Presence;
+use crate::grammar::{ArgumentDef, Presence, ValueKind};
 use crate::syntax::Statement;
 
 /// Arguments that must stand and do not.
@@ -8,39 +8,60 @@ pub(super) fn missing(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     for statement in context.statements() {
         let Some(def) = statement.def else { continue };
         let place = Context::head(statement);
-        let mut complain = |message: String| {
-            found.push(context.error(Code::MissingArgument, place, message));
+        let mut complain = |message: String, help: String| {
+            found.push(
+                context
+                    .error(Code::MissingArgument, place, message)
+                    .help(help),
+            );
         };
         let title = || context.title(statement);
         for argument in def.arguments.iter().filter(|argument| argument.required) {
             if !statement.has(argument.name) {
-                complain(format!(
-                    "{} needs {}: {}",
-                    title(),
-                    argument.name,
-                    argument.doc
-                ));
+                complain(
+                    format!("{} needs {}: {}", title(), argument.name, argument.doc),
+                    added(argument),
+                );
             }
         }
         for rule in def.presence {
             match rule {
                 Presence::OneOf(names) if present(statement, names).is_empty() => {
-                    complain(format!("{} needs one of {}", title(), names.join(", ")));
+                    complain(
+                        format!("{} needs one of {}", title(), names.join(", ")),
+                        "add one of them".to_string(),
+                    );
                 }
                 Presence::Together(names) => {
                     let there = present(statement, names);
                     if !there.is_empty() && there.len() < names.len() {
-                        complain(format!("{} needs all of {}", title(), names.join(", ")));
+                        let absent = names.iter().filter(|name| !there.contains(name));
+                        let absent: Vec<&str> = absent.copied().collect();
+                        complain(
+                            format!("{} needs all of {}", title(), names.join(", ")),
+                            format!("add {}", absent.join(", ")),
+                        );
                     }
                 }
                 Presence::Requires([first, others @ ..]) if statement.has(first) => {
                     for other in others.iter().filter(|other| !statement.has(other)) {
-                        complain(format!("{first} of {} needs {other}", title()));
+                        complain(
+                            format!("{first} of {} needs {other}", title()),
+                            format!("add {other}, or remove {first}"),
+                        );
                     }
                 }
                 Presence::OneOf(_) | Presence::Requires(_) | Presence::Exclusive(_) => {}
             }
         }
+    }
+}
+
+/// What to write.
+fn added(argument: &ArgumentDef) -> String {
+    match argument.kind {
+        ValueKind::Flag => format!("add {}", argument.name),
+        _ => format!("add {}= and its value", argument.name),
     }
 }
 
@@ -68,7 +89,8 @@ pub(super) fn conflicting(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
             found.push(
                 context
                     .error(Code::ConflictingArguments, place(second), message)
-                    .label(file, place(first), ""),
+                    .label(file, place(first), "")
+                    .help("remove one of them"),
             );
         }
     }

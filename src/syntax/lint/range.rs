@@ -17,7 +17,11 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
                         context.title(statement),
                         wanted(def)
                     );
-                    found.push(context.error(Code::OutOfRange, number.span, message));
+                    found.push(
+                        context
+                            .error(Code::OutOfRange, number.span, message)
+                            .help(format!("{}: {}", def.name, def.doc)),
+                    );
                 }
             }
         }

@@ -9,7 +9,11 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         for pair in x.windows(2) {
             if pair[1].value <= pair[0].value {
                 let message = format!("the x of {title} do not increase here");
-                found.push(context.error(Code::SplineNotIncreasing, pair[1].span, message));
+                found.push(
+                    context
+                        .error(Code::SplineNotIncreasing, pair[1].span, message)
+                        .help("sort the points by x, and keep one of each x"),
+                );
                 break;
             }
         }
@@ -21,12 +25,25 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
             let y = row.numbers();
             if !x.is_empty() && !y.is_empty() && y.len() != wanted {
                 let message = format!("{title} needs {wanted} values here, not {}", y.len());
-                found.push(context.error(Code::WrongCount, row.value_span(), message));
+                let help = if rows.len() > 1 {
+                    "a Y of a surface is its z, then one value for each x"
+                } else {
+                    "write one value for each x"
+                };
+                found.push(
+                    context
+                        .error(Code::WrongCount, row.value_span(), message)
+                        .help(help),
+                );
             }
             if let (Some(z), true) = (y.first(), rows.len() > 1) {
                 if z.value <= before {
                     let message = format!("the z of {title} do not increase here");
-                    found.push(context.error(Code::SplineNotIncreasing, z.span, message));
+                    found.push(
+                        context
+                            .error(Code::SplineNotIncreasing, z.span, message)
+                            .help("sort the curves by z, the first value of each Y"),
+                    );
                 }
                 before = z.value;
             }

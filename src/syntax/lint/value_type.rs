@@ -19,7 +19,11 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
                         context.title(statement),
                         context.dataset.source().text(number.span)
                     );
-                    found.push(context.error(Code::WrongType, number.span, message));
+                    found.push(
+                        context
+                            .error(Code::WrongType, number.span, message)
+                            .help(format!("{}: {}", def.name, def.doc)),
+                    );
                 }
             }
         }
