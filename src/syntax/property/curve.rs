@@ -58,8 +58,19 @@ impl PropertyCurve {
         (scaled(&self.x, fx), scaled(&self.y, fy))
     }
 
-    /// Complains of abscissae that do not increase.
-    pub(super) fn check(&self, source: &Source, diagnostics: &mut Vec<Diagnostic>) {
+    /// Complains of abscissae that do not increase, and of cells of its table that are no numbers.
+    pub(super) fn check(&self, table: &Table, source: &Source, diagnostics: &mut Vec<Diagnostic>) {
+        let pairs = table.rows.iter().filter(|row| row.len() == 2);
+        for cell in pairs.flatten() {
+            if let super::Cell::Text(span) = cell {
+                let message = format!("{} is a curve: a number belongs here", self.block);
+                diagnostics.push(
+                    Diagnostic::error(Code::BadNumber, message)
+                        .label(source.name(), *span, "")
+                        .help("the row is left out of the curve as it is"),
+                );
+            }
+        }
         if let Some(pair) = self
             .x
             .windows(2)

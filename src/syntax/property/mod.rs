@@ -82,13 +82,54 @@ impl PropertyFile {
             units,
             blocks,
         };
-        for curve in file.curves() {
-            curve.check(&file.source, &mut diagnostics);
+        for block in &file.blocks {
+            for table in &block.tables {
+                if let Some(curve) = PropertyCurve::of(&file.kind, block, table) {
+                    curve.check(table, &file.source, &mut diagnostics);
+                }
+            }
         }
+        file.missing(&mut diagnostics);
         diagnostics.sort_by_key(|diagnostic| diagnostic.labels.first().map(|l| l.span.start()));
         Checked {
             value: file,
             diagnostics,
+        }
+    }
+
+    /// Complains of what a file of its kind is not without: its units, and the curves it is there for.
+    fn missing(&self, diagnostics: &mut Vec<Diagnostic>) {
+        let Some(header) = self.block("MDI_HEADER") else {
+            return;
+        };
+        let mut complain = |message: String, help: &str| {
+            diagnostics.push(
+                Diagnostic::warning(Code::MissingArgument, message)
+                    .label(self.source.name(), header.heading, "")
+                    .help(help),
+            );
+        };
+        if self.units.is_none() {
+            complain(
+                "the file has no [UNITS]".to_string(),
+                "its numbers are taken to be in the units of the model",
+            );
+        }
+        let wanted = match self.kind {
+            PropertyKind::Bushing => &BUSHING_CURVES[..],
+            PropertyKind::Spring | PropertyKind::Stop | PropertyKind::Damper => &["CURVE"],
+            PropertyKind::Other(_) => &[],
+        };
+        let curves = self.curves();
+        // A bushing may be without force in some directions; a file without any curve is of no use.
+        let absent = wanted
+            .iter()
+            .all(|name| curves.iter().all(|curve| curve.block != *name));
+        if absent && !wanted.is_empty() {
+            complain(
+                format!("the file has no {}", wanted.join(", ")),
+                "without a curve there is no force",
+            );
         }
     }
 

@@ -94,7 +94,7 @@ fn what_is_wrong_is_said_where_it_is() {
         assert!(found.iter().all(|d| !d.labels.is_empty()), "{found:?}");
         found.iter().map(|d| d.code).collect()
     };
-    let head = "[MDI_HEADER]\nFILE_TYPE='bus'\n";
+    let head = "[UNITS]\nLENGTH='mm'\n[TX_CURVE]\n0 0\n1 1\n[MDI_HEADER]\nFILE_TYPE='bus'\n";
     assert_eq!(codes("<?xml version='1.0'?>"), [Code::SyntaxError; 2]);
     assert_eq!(
         codes(&format!("{head}[FX_CURVE]\n{{x fx}}\n1 2\n0 3\n")),
@@ -104,13 +104,14 @@ fn what_is_wrong_is_said_where_it_is() {
         codes(&format!("{head}[FX_CURVE]\n{{x fx}}\n1 2 3\n")),
         [Code::WrongCount]
     );
-    assert_eq!(
-        codes(&format!("{head}[UNITS]\nLENGTH='cubit'\n")),
-        [Code::WrongType]
-    );
+    assert_eq!(codes(&head.replace("mm", "cubit")), [Code::WrongType]);
     assert_eq!(
         codes("1 2\n[MDI_HEADER]\nFILE_TYPE='bus'\n"),
-        [Code::SyntaxError]
+        [
+            Code::SyntaxError,
+            Code::MissingArgument,
+            Code::MissingArgument
+        ]
     );
 }
 
