@@ -2,6 +2,7 @@
 
 mod common;
 mod files {
+    pub mod commands;
     pub mod comparing;
     pub mod completion;
     pub mod editing;

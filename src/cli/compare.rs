@@ -7,6 +7,7 @@ use crate::results::{Comparison, Tolerance, compare};
 use super::Outcome;
 use super::results::{open, refused};
 use super::shell::{Exit, Format, Shell};
+use super::tolerance::tolerance;
 
 /// Compare two results files, column by column and step by step.
 ///
@@ -19,10 +20,10 @@ pub(super) struct Arguments {
     /// Second results file.
     b: PathBuf,
     /// Absolute tolerance, in the unit of each column.
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, default_value_t = 0.0, value_parser = tolerance, allow_negative_numbers = true)]
     abs: f64,
     /// Relative tolerance.
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, default_value_t = 0.0, value_parser = tolerance, allow_negative_numbers = true)]
     rel: f64,
     /// Show every column, not only those that differ.
     #[arg(long)]

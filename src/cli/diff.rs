@@ -5,6 +5,7 @@ use crate::syntax::diff::{Change, Difference, Tolerance, diff};
 
 use super::Outcome;
 use super::shell::{Exit, Format, Shell};
+use super::tolerance::tolerance;
 
 /// Say what changed between two datasets, object by object.
 ///
@@ -17,10 +18,10 @@ pub(super) struct Arguments {
     /// The dataset after.
     b: PathBuf,
     /// Numbers that differ by at most this fraction are the same.
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, default_value_t = 0.0, value_parser = tolerance, allow_negative_numbers = true)]
     rel: f64,
     /// Numbers that differ by at most this are the same.
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, default_value_t = 0.0, value_parser = tolerance, allow_negative_numbers = true)]
     abs: f64,
 }
 

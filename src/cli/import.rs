@@ -2,9 +2,9 @@ use std::path::PathBuf;
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::syntax::{Dataset, json};
-use crate::text::apply_edits;
 
 use super::Outcome;
+use super::edited::{new_errors, still_good};
 use super::shell::{Exit, Shell};
 use super::target::Target;
 
@@ -24,7 +24,8 @@ pub(super) struct Arguments {
 /// Writes the changed deck.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let source = shell.read(&arguments.deck)?;
-    let dataset = Dataset::parse(source).value;
+    let original = Dataset::parse(source);
+    let dataset = &original.value;
     let text = shell.read(&arguments.json)?;
     let read = serde_json::from_slice(text.bytes()).map_err(|error| {
         shell.fail(Diagnostic::error(
@@ -32,13 +33,38 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             format!("`{}` is no JSON: {error}", text.name()),
         ))
     })?;
-    let edits = json::import(&dataset, &read).map_err(|complaints| {
+    let edits = json::import(dataset, &read).map_err(|complaints| {
         shell.complain(&complaints);
         Exit::Findings
     })?;
-    let bytes = apply_edits(dataset.bytes(), &edits).map_err(|conflict| {
+    let changed = dataset.edited(&edits).map_err(|conflict| {
         shell.fail(Diagnostic::error(Code::CannotWrite, conflict.to_string()))
     })?;
-    arguments.target.deliver(&arguments.deck, &bytes, shell)?;
+    let new = new_errors(&original, &changed);
+    if !new.is_empty() {
+        shell.sources.add(changed.value.source().clone());
+        let new: Vec<Diagnostic> = new.into_iter().cloned().collect();
+        shell.complain(&new);
+        return Err(not_written("the deck could not be read with it", shell));
+    }
+    // What a value of the JSON did to the text must be what it says.
+    if !edits.is_empty()
+        && let Some(first) = json::disagreements(&changed.value, &read).first()
+    {
+        return Err(not_written(&format!("{first} cannot be written so"), shell));
+    }
+    if !still_good(dataset, &changed.value, shell) {
+        return Err(not_written("the deck could not be read with it", shell));
+    }
+    arguments
+        .target
+        .deliver(&arguments.deck, changed.value.bytes(), shell)?;
     Ok(Exit::Fine)
+}
+
+fn not_written(why: &str, shell: &Shell) -> Exit {
+    shell.fail(Diagnostic::error(
+        Code::WrongType,
+        format!("the JSON is not brought back: {why}"),
+    ))
 }

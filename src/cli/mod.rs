@@ -9,6 +9,7 @@ mod compare;
 mod completions;
 mod diagnose;
 mod diff;
+mod edited;
 mod explain;
 mod export;
 mod fix;
@@ -32,6 +33,7 @@ mod solve;
 mod solver;
 mod summary;
 mod target;
+mod tolerance;
 
 use std::process::ExitCode;
 
@@ -109,7 +111,7 @@ pub fn main() -> ExitCode {
         Command::InstallShims(arguments) => install_shims::run(&arguments, &mut shell),
         Command::Completions(arguments) => completions::run(&arguments),
     };
-    ExitCode::from(exit.unwrap_or_else(|exit| exit) as u8)
+    ExitCode::from(shell.exit(exit.unwrap_or_else(|exit| exit)) as u8)
 }
 
 /// The exit code of a subcommand; `Err` when it gave up early, having said why.

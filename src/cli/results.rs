@@ -53,11 +53,10 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         } else {
             selection.write_csv(&mut reader, &mut output)
         };
-        // Nobody may be listening.
-        let _ = output.flush();
+        shell.printed(output.flush());
         match written {
             Ok(_) => {}
-            Err(ResultsError::Io(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => {}
+            Err(ResultsError::Io(error)) => shell.printed(Err(error)),
             Err(error) => return Err(refused(error, shell)),
         }
     }

@@ -1,4 +1,5 @@
-use std::io::{IsTerminal, Write};
+use std::cell::RefCell;
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::Path;
 
 use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
@@ -62,6 +63,8 @@ pub(super) struct Shell {
     pub(super) format: Format,
     color: ColorChoice,
     pub(super) sources: Sources,
+    /// Why some of the answer did not reach standard output.
+    lost: RefCell<Option<std::io::Error>>,
 }
 
 impl Shell {
@@ -70,6 +73,7 @@ impl Shell {
             format,
             color,
             sources: Sources::default(),
+            lost: RefCell::default(),
         }
     }
 
@@ -118,12 +122,33 @@ impl Shell {
         ));
     }
 
-    /// Prints on standard output. A closed pipe ends nothing.
-    #[allow(clippy::unused_self)] // All printing goes through the shell.
+    /// Prints on standard output.
     pub(super) fn print(&self, text: &str) {
+        self.put(text.as_bytes());
+    }
+
+    /// Bytes on standard output. A closed pipe ends nothing; what a full disk swallowed is remembered for the exit code.
+    fn put(&self, bytes: &[u8]) {
         let mut out = std::io::stdout().lock();
-        let _ = out.write_all(text.as_bytes());
-        let _ = out.flush();
+        self.printed(out.write_all(bytes).and_then(|()| out.flush()));
+    }
+
+    /// Remembers that something could not be printed.
+    pub(super) fn printed(&self, outcome: std::io::Result<()>) {
+        if let Err(error) = outcome
+            && error.kind() != ErrorKind::BrokenPipe
+        {
+            self.lost.borrow_mut().get_or_insert(error);
+        }
+    }
+
+    /// What the process returns: a lost answer is never fine.
+    pub(super) fn exit(&self, exit: Exit) -> Exit {
+        let Some(error) = self.lost.take() else {
+            return exit;
+        };
+        let message = format!("standard output cannot be written: {error}");
+        exit.max(self.fail(Diagnostic::error(Code::CannotWrite, message)))
     }
 
     /// Says what is wrong with the input, and gives up.
@@ -176,16 +201,21 @@ impl Shell {
 
     /// Writes bytes to a file, or to standard output if there is none.
     pub(super) fn deliver(&self, target: Option<&Path>, bytes: &[u8]) -> Result<(), Exit> {
-        if let Some(path) = target {
+        if let Some(path) = target.filter(|path| *path != Path::new("-")) {
             return self.write(path, bytes);
         }
-        // Nobody may be listening.
-        let _ = std::io::stdout().write_all(bytes);
+        self.put(bytes);
         Ok(())
     }
 
     /// Writes a file whole or not at all: through a temporary file beside it that takes its place.
     pub(super) fn write(&self, path: &Path, bytes: &[u8]) -> Result<(), Exit> {
+        if path == Path::new("-") {
+            let message = "standard input cannot be replaced";
+            return Err(self.usage(
+                Diagnostic::error(Code::CannotWrite, message).help("name a file to write to"),
+            ));
+        }
         replace_file(path, bytes).map_err(|error| {
             self.fail(Diagnostic::error(
                 Code::CannotWrite,
@@ -207,6 +237,11 @@ pub(super) fn exit_of(diagnostics: &[Diagnostic]) -> Exit {
 fn replace_file(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     // A link is followed, so that the file it points to is replaced and not the link.
     let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+    // A device or a pipe (`-o /dev/stdout`) is written to. A new file in its place would be its end.
+    if std::fs::metadata(&path).is_ok_and(|there| !there.is_file() && !there.is_dir()) {
+        let mut device = std::fs::OpenOptions::new().write(true).open(&path)?;
+        return device.write_all(bytes).and_then(|()| device.flush());
+    }
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
@@ -235,5 +270,18 @@ mod tests {
         assert_eq!(std::fs::read(&path).unwrap(), b"after");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
         assert!(replace_file(&folder.path().join("missing/a.adm"), b"x").is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_file_is_never_replaced_by_one() {
+        use std::os::unix::fs::FileTypeExt;
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("socket");
+        let _listener = std::os::unix::net::UnixListener::bind(&path).unwrap();
+        // As root, `-o /dev/null` once made a file of the device.
+        assert!(replace_file(&path, b"text").is_err());
+        let kind = std::fs::metadata(&path).unwrap().file_type();
+        assert!(kind.is_socket());
     }
 }

@@ -46,7 +46,8 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let freedoms = if errors == 0 {
         freedoms(&lowered.value)
     } else {
-        Err(format!("the deck has {errors} errors (`admire check`)"))
+        let word = if errors == 1 { "error" } else { "errors" };
+        Err(format!("the deck has {errors} {word} (`admire check`)"))
     };
     let missing: Vec<&str> = files
         .diagnostics

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Serialize;
 
 use super::lexer::Lexer;
+use super::number::parse_number;
 use super::{Address, Argument, Dataset, Expression, Number, Statement, TokenKind, Value};
 use crate::text::{Source, Span};
 
@@ -180,6 +181,18 @@ impl Pair<'_> {
             if self.same_function(old, new) {
                 return;
             }
+        } else if let (Some(Value::User(_)), Some(Value::User(_))) =
+            (old.map(|a| &a.value), new.map(|a| &a.value))
+        {
+            let text = |argument: Option<&Argument>, dataset: &Dataset| {
+                argument
+                    .and_then(|argument| argument.text(dataset.source()))
+                    .unwrap_or_default()
+                    .into_owned()
+            };
+            if self.same_call(&text(old, self.before.0), &text(new, self.after.0)) {
+                return;
+            }
         } else if let (Some(old), Some(new)) = (
             Self::numbers(self.before.1, name, default),
             Self::numbers(self.after.1, name, default),
@@ -248,6 +261,20 @@ impl Pair<'_> {
                 .all(|(a, b)| self.tolerance.same(a.value, b.value))
     }
 
+    /// Calls of user subroutines whose numbers are the same, however they are spelled and laid out.
+    fn same_call(&self, old: &str, new: &str) -> bool {
+        let numbers = |text: &str| -> Vec<f64> {
+            Lexer::new(text.as_bytes(), Span::new(0, text.len()), false)
+                .filter(|token| token.kind == TokenKind::Number)
+                .filter_map(|token| Some(parse_number(&text.as_bytes()[token.span.range()])?.0))
+                .collect()
+        };
+        let (a, b) = (numbers(old), numbers(new));
+        shape(old) == shape(new)
+            && a.len() == b.len()
+            && a.iter().zip(&b).all(|(a, b)| self.tolerance.same(*a, *b))
+    }
+
     fn push(&self, found: &mut Vec<Difference>, place: &str, change: Change) {
         found.push(Difference {
             address: format!("{}{place}", self.key),
@@ -285,9 +312,12 @@ fn text(source: &Source, argument: &Argument) -> String {
         Value::Words(_) => argument.choices(source).join(":"),
         Value::Texts(_) => argument.texts(source).join(":"),
         Value::Function(expression) => expression.text.clone(),
-        Value::Numbers(_) | Value::User(_) | Value::Malformed(_) => {
-            one_line(source, argument.value_span())
+        Value::Numbers(numbers) => {
+            let spelled = numbers.iter().map(|number| source.text(number.span));
+            spelled.collect::<Vec<_>>().join(", ")
         }
+        Value::User(_) => argument.text(source).unwrap_or_default().into_owned(),
+        Value::Malformed(span) => one_line(source, *span),
     }
 }
 

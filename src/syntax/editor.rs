@@ -144,6 +144,9 @@ impl Dataset {
     /// `undefined-id` if the object is not there, `bad-expression` for a function that cannot be read, `wrong-type` for a flag or
     /// an address with an index.
     pub fn set_text(&self, address: &Address, text: &str) -> Result<Vec<Edit>, Diagnostic> {
+        if address.kind == "TITLE" {
+            return self.set_title(text);
+        }
         let statement = self.find(address).ok_or_else(|| self.absent(address))?;
         let def = argument_def(statement, address)
             .filter(|def| def.kind != ValueKind::Flag && address.index.is_none());
@@ -154,7 +157,8 @@ impl Dataset {
                 statement.keyword,
             ));
         };
-        if text.contains(['\n', '\r', ';', '!']) && !text.starts_with('"') {
+        let unquoted = text.split('"').step_by(2);
+        if text.contains(['\n', '\r']) || unquoted.clone().any(|part| part.contains([';', '!'])) {
             return Err(self.refuse(
                 Code::SyntaxError,
                 format!(
@@ -174,9 +178,43 @@ impl Dataset {
                 if self.source().slice(span) == text.as_bytes() {
                     return Ok(Vec::new());
                 }
-                Ok(vec![Edit::new(span, text)])
+                Ok(vec![Edit::new(span, self.encoded(text))])
             }
             _ => Ok(vec![self.new_argument(statement, def.name, Some(text))]),
+        }
+    }
+
+    /// Edits that write a flag, or take it away with what separates it from its neighbours.
+    ///
+    /// # Errors
+    /// `undefined-id` if the object is not there, `wrong-type` if the address is none of a flag.
+    pub fn set_flag(&self, address: &Address, on: bool) -> Result<Vec<Edit>, Diagnostic> {
+        let statement = self.find(address).ok_or_else(|| self.absent(address))?;
+        let def = argument_def(statement, address)
+            .filter(|def| def.kind == ValueKind::Flag && address.index.is_none());
+        let Some(def) = def else {
+            return Err(self.refuse(
+                Code::WrongType,
+                format!("{address} is not the address of a flag"),
+                statement.keyword,
+            ));
+        };
+        Ok(match (statement.has(def.name), on) {
+            (false, true) => vec![self.new_argument(statement, def.name, None)],
+            (true, false) => statement
+                .all(def.name)
+                .map(|argument| self.without(statement, argument))
+                .collect(),
+            _ => Vec::new(),
+        })
+    }
+
+    /// A text in the encoding of the file: that of Latin-1 decks has one byte for each of its characters.
+    pub(super) fn encoded(&self, text: &str) -> Vec<u8> {
+        let latin1: Option<Vec<u8>> = text.chars().map(|c| u8::try_from(c).ok()).collect();
+        match latin1 {
+            Some(bytes) if !text.is_ascii() && std::str::from_utf8(self.bytes()).is_err() => bytes,
+            _ => text.as_bytes().to_vec(),
         }
     }
 
@@ -199,59 +237,7 @@ impl Dataset {
             (None, Some(end)) => (self.line_start(end.span.start()), text),
             (None, None) => self.after_line(self.bytes().len(), &text, &style),
         };
-        vec![Edit::new(Span::at(at), text)]
-    }
-
-    /// Edits that remove a statement with the comments that name it.
-    ///
-    /// # Errors
-    /// `undefined-id` if it is not there; `missing-argument` if markers behind it are on it without naming it: without it they
-    /// would be on another body.
-    pub fn remove(&self, address: &Address) -> Result<Vec<Edit>, Diagnostic> {
-        let statement = self.find(address).ok_or_else(|| self.absent(address))?;
-        if statement.carries_markers() {
-            let behind = self.statements().iter();
-            let stranded = behind
-                .skip_while(|other| other.span.start() <= statement.span.start())
-                .take_while(|other| !other.carries_markers())
-                .find(|other| other.follows_body());
-            if let Some(marker) = stranded {
-                let id = marker.number().unwrap_or_default();
-                return Err(self.refuse(
-                    Code::MissingArgument,
-                    format!("MARKER/{id} is on {address} without naming it: remove it first, or give it a body"),
-                    marker.keyword,
-                ));
-            }
-        }
-        let start = self.line_start(statement.span.start());
-        let line_end = self.line_end(statement.span.end());
-        let shared = self.statements().iter().any(|other| {
-            other.span != statement.span
-                && other.span.start() < line_end
-                && other.span.end() > start
-        });
-        if shared {
-            // Others stand on its line, between semicolons.
-            return Ok(vec![Edit::new(statement.span, "")]);
-        }
-        let mut from = start;
-        if let Some(name) = statement.view_name {
-            let comment = self.line_start(name.start());
-            from = comment;
-            // The bare comment line that ADAMS/View writes before each name goes with it.
-            if comment > 0 {
-                let end = self.bytes()[..comment]
-                    .strip_suffix(b"\n")
-                    .unwrap_or(&self.bytes()[..comment]);
-                let end = end.strip_suffix(b"\r").unwrap_or(end);
-                let before = self.line_start(end.len());
-                if self.bytes()[before..comment].trim_ascii() == b"!" {
-                    from = before;
-                }
-            }
-        }
-        Ok(vec![Edit::new(Span::new(from, line_end), "")])
+        vec![Edit::new(Span::at(at), self.encoded(&text))]
     }
 
     /// The END statement, if the dataset has one.
@@ -334,7 +320,7 @@ impl Dataset {
         }
         Edit::new(
             Span::at(at),
-            format!("{lead}{}", style.argument(name, text)),
+            self.encoded(&format!("{lead}{}", style.argument(name, text))),
         )
     }
 
@@ -350,7 +336,7 @@ impl Dataset {
         }
     }
 
-    fn absent(&self, address: &Address) -> Diagnostic {
+    pub(super) fn absent(&self, address: &Address) -> Diagnostic {
         let object = Address {
             argument: None,
             index: None,
@@ -363,16 +349,16 @@ impl Dataset {
         )
     }
 
-    fn refuse(&self, code: Code, message: String, span: Span) -> Diagnostic {
+    pub(super) fn refuse(&self, code: Code, message: String, span: Span) -> Diagnostic {
         Diagnostic::error(code, message).label(self.source().name(), span, "")
     }
 
-    fn line_start(&self, at: usize) -> usize {
+    pub(super) fn line_start(&self, at: usize) -> usize {
         memchr::memrchr2(b'\n', b'\r', &self.bytes()[..at]).map_or(0, |end| end + 1)
     }
 
     /// After the line end of the line that holds `at`.
-    fn line_end(&self, at: usize) -> usize {
+    pub(super) fn line_end(&self, at: usize) -> usize {
         super::lines::physical_line(self.bytes(), at).next
     }
 

@@ -1,12 +1,14 @@
 //! A dataset as JSON, and a changed JSON back as edits of the original text.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use serde_json::{Map, Value as Json, json};
 
+use super::number::parse_number;
 use super::{Address, Argument, Dataset, NewStatement, Statement, Value, spell_like};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::text::{Edit, Span};
+use crate::grammar::{ArgumentDef, STATEMENTS, ValueKind, nearest};
+use crate::text::Edit;
 
 /// The dataset as JSON: `title`, and `statements` with `kind`, `id`, `name` (the view name) and `arguments`. Numbers are in
 /// model units (radians), flags `true`, functions texts; an argument that is written several times is a list of its values.
@@ -87,59 +89,49 @@ fn number_json(value: f64) -> Json {
 pub fn import(dataset: &Dataset, json: &Json) -> Result<Vec<Edit>, Vec<Diagnostic>> {
     let mut edits = Vec::new();
     let mut diagnostics = Vec::new();
-    let mut kept = BTreeSet::new();
     if let Some(title) = json.get("title").and_then(Json::as_str)
         && title != dataset.title()
-        && !title.contains(['\n', '\r'])
     {
-        edits.push(Edit::new(dataset.title_span(), title));
+        match dataset.set_title(title) {
+            Ok(some) => edits.extend(some),
+            Err(diagnostic) => diagnostics.push(diagnostic),
+        }
     }
     let Some(statements) = json.get("statements").and_then(Json::as_array) else {
         return Err(vec![refused(
             "the JSON has no list named statements".into(),
         )]);
     };
+    // What stands several times is matched in its order.
+    let mut places: BTreeMap<(&str, Option<u32>), VecDeque<usize>> = BTreeMap::new();
+    for (at, statement) in dataset.statements().iter().enumerate() {
+        if let Some(kind) = statement.kind().filter(|kind| *kind != "END") {
+            places
+                .entry((kind, statement.number()))
+                .or_default()
+                .push_back(at);
+        }
+    }
     for object in statements {
-        let kind = object
-            .get("kind")
-            .and_then(Json::as_str)
-            .unwrap_or_default();
-        let id = object.get("id").and_then(Json::as_u64).map(|id| id as u32);
-        let address = Address {
-            kind: kind.to_string(),
-            id,
-            argument: None,
-            index: None,
-        };
-        let empty = Map::new();
-        let wanted = object
-            .get("arguments")
-            .and_then(Json::as_object)
-            .unwrap_or(&empty);
-        let done = match dataset.position(kind, id) {
-            Some(at) => {
-                kept.insert(at);
-                change(dataset, &dataset.statements()[at], &address, wanted)
+        let done = address_of(object).and_then(|(kind, address)| {
+            let known = places.get_mut(&(kind, address.id));
+            match known.and_then(VecDeque::pop_front) {
+                Some(at) => change(dataset, &dataset.statements()[at], &address, object),
+                None => new_statement(object, &address).map(|new| dataset.add(&new)),
             }
-            None if kind.is_empty() => Err(refused("a statement has no kind".into())),
-            None => new_statement(object, &address, wanted).map(|new| dataset.add(&new)),
-        };
+        });
         match done {
             Ok(some) => edits.extend(some),
             Err(diagnostic) => diagnostics.push(diagnostic),
         }
     }
-    for (at, statement) in dataset.statements().iter().enumerate() {
-        let first = statement
-            .kind()
-            .is_some_and(|kind| dataset.position(kind, statement.number()) == Some(at));
-        if first && statement.kind() != Some("END") && !kept.contains(&at) {
-            let removed = Address::of(statement).map(|address| dataset.remove(&address));
-            match removed {
-                Some(Ok(some)) => edits.extend(some),
-                Some(Err(diagnostic)) => diagnostics.push(diagnostic),
-                None => {}
-            }
+    let gone: BTreeSet<usize> = places.into_values().flatten().collect();
+    for at in &gone {
+        let statement = &dataset.statements()[*at];
+        let stays = |marker: &usize| !gone.contains(marker);
+        match dataset.carried(*at).find(stays) {
+            Some(marker) => diagnostics.push(dataset.stranded(*at, marker)),
+            None => edits.push(dataset.without_statement(statement)),
         }
     }
     if diagnostics.is_empty() {
@@ -149,30 +141,179 @@ pub fn import(dataset: &Dataset, json: &Json) -> Result<Vec<Edit>, Vec<Diagnosti
     }
 }
 
+/// What of a JSON a dataset does not say, in words; nothing after a successful import.
+pub fn disagreements(dataset: &Dataset, json: &Json) -> Vec<String> {
+    let is = export(dataset);
+    let list = |json: &Json| -> Vec<Json> {
+        let statements = json.get("statements").and_then(Json::as_array);
+        statements.cloned().unwrap_or_default()
+    };
+    let key = |object: &Json| {
+        let kind = object
+            .get("kind")
+            .and_then(Json::as_str)
+            .unwrap_or_default();
+        (kind.to_string(), object.get("id").and_then(Json::as_u64))
+    };
+    let mut found: BTreeMap<_, VecDeque<Json>> = BTreeMap::new();
+    for object in list(&is) {
+        found.entry(key(&object)).or_default().push_back(object);
+    }
+    let mut differ = Vec::new();
+    let empty = Map::new();
+    for object in list(json) {
+        let (kind, id) = key(&object);
+        let name = match id {
+            Some(id) => format!("{kind}/{id}"),
+            None => kind.clone(),
+        };
+        let Some(is) = found.get_mut(&(kind, id)).and_then(VecDeque::pop_front) else {
+            differ.push(name);
+            continue;
+        };
+        let arguments = |object: &Json| -> Map<String, Json> {
+            let all = object.get("arguments").and_then(Json::as_object);
+            let said = |json: &Json| *json != Json::Bool(false);
+            all.unwrap_or(&empty)
+                .iter()
+                .filter(|(_, json)| said(json))
+                .map(|(name, json)| (name.clone(), json.clone()))
+                .collect()
+        };
+        let (wanted, is) = (arguments(&object), arguments(&is));
+        let all: BTreeSet<&String> = wanted.keys().chain(is.keys()).collect();
+        for argument in all {
+            let agree = match (wanted.get(argument), is.get(argument)) {
+                (Some(wanted), Some(is)) => agree(wanted, is),
+                _ => false,
+            };
+            if !agree {
+                differ.push(format!("{name}.{argument}"));
+            }
+        }
+    }
+    let more = found.into_iter().filter(|(_, left)| !left.is_empty());
+    differ.extend(more.map(|((kind, _), _)| kind));
+    differ
+}
+
+/// True if a value of a file is the one that was asked for, however that was spelled: one number or a list of one, a text of
+/// numbers, a shortened word.
+fn agree(wanted: &Json, is: &Json) -> bool {
+    match (wanted, is) {
+        (Json::Array(a), Json::Array(b)) if a.len() == b.len() => {
+            a.iter().zip(b).all(|(a, b)| agree(a, b))
+        }
+        (Json::String(a), Json::Array(b)) if b.len() != 1 => {
+            let parts: Vec<&str> = a.split([',', ':']).map(str::trim).collect();
+            parts.len() == b.len() && parts.iter().zip(b).all(|(a, b)| agree(&json!(a), b))
+        }
+        (a, Json::Array(b)) if b.len() == 1 && !a.is_array() => agree(a, &b[0]),
+        (Json::Array(a), b) if a.len() == 1 => agree(&a[0], b),
+        (Json::String(a), Json::Number(b)) => {
+            let read = parse_number(a.trim().as_bytes());
+            read.is_some_and(|(value, _)| same(&json!(value), &Json::Number(b.clone())))
+        }
+        (Json::String(a), Json::String(b)) => {
+            let bare = |text: &str| -> String {
+                let kept = |c: &char| !c.is_whitespace() && *c != '"';
+                text.chars().filter(kept).collect::<String>().to_uppercase()
+            };
+            let (a, b) = (bare(a), bare(b));
+            let word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+            a == b || (!a.is_empty() && a.chars().all(word) && b.starts_with(&a))
+        }
+        (a, b) => same(a, b),
+    }
+}
+
+/// Which object a JSON statement is about.
+fn address_of(object: &Json) -> Result<(&'static str, Address), Diagnostic> {
+    let kind = object.get("kind").and_then(Json::as_str);
+    let Some(kind) = kind.filter(|kind| !kind.is_empty()) else {
+        return Err(refused("a statement has no kind".into()));
+    };
+    let Some(def) = STATEMENTS.iter().find(|def| def.name == kind) else {
+        let names = STATEMENTS.iter().map(|def| def.name);
+        let refusal = refused(format!("no statement is called {kind}"));
+        return Err(match nearest(kind, names) {
+            Some(near) => refusal.help(format!("did you mean {near}?")),
+            None => refusal,
+        });
+    };
+    let id = match object.get("id") {
+        None | Some(Json::Null) => None,
+        Some(id) => Some(
+            id.as_u64()
+                .and_then(|id| u32::try_from(id).ok())
+                .ok_or_else(|| refused(format!("{id} is not an id of a {kind}")))?,
+        ),
+    };
+    if def.id.is_some() != id.is_some() {
+        let needs = if id.is_some() {
+            "has no id"
+        } else {
+            "needs an id"
+        };
+        return Err(refused(format!("a {kind} {needs}")));
+    }
+    let address = Address {
+        kind: kind.to_string(),
+        id,
+        argument: None,
+        index: None,
+    };
+    Ok((def.name, address))
+}
+
+/// The definition of an argument of an object.
+fn definition(object: &Address, name: &str) -> Result<&'static ArgumentDef, Diagnostic> {
+    let all = STATEMENTS
+        .iter()
+        .find(|def| def.name == object.kind)
+        .map_or(&[][..], |def| def.arguments);
+    all.iter().find(|def| def.name == name).ok_or_else(|| {
+        let refusal = refused(format!("{object} has no argument {name}"));
+        match nearest(name, all.iter().map(|def| def.name)) {
+            Some(near) => refusal.help(format!("did you mean {near}?")),
+            None => refusal,
+        }
+    })
+}
+
 /// Edits of one statement.
 fn change(
     dataset: &Dataset,
     statement: &Statement,
     object: &Address,
-    wanted: &Map<String, Json>,
+    wanted: &Json,
 ) -> Result<Vec<Edit>, Diagnostic> {
     let has = arguments(dataset, statement);
-    let mut edits = Vec::new();
+    let empty = Map::new();
+    let name = wanted.get("name").and_then(Json::as_str);
+    let mut edits: Vec<Edit> = dataset.rename(statement, name)?.into_iter().collect();
+    let wanted = wanted
+        .get("arguments")
+        .and_then(Json::as_object)
+        .unwrap_or(&empty);
+    let first = dataset
+        .find(object)
+        .is_some_and(|first| first.span == statement.span);
     for (name, json) in wanted {
         let address = Address {
             argument: Some(name.clone()),
             ..object.clone()
         };
-        let known = statement
-            .def
-            .is_some_and(|def| def.arguments.iter().any(|argument| argument.name == name));
-        if !known {
-            return Err(refused(format!("{object} has no argument {name}")));
-        }
+        let def = definition(object, name)?;
         match has.get(name) {
             Some(old) if same(old, json) => {}
+            Some(_) if !first => {
+                let message = format!("{object} stands twice; only the first one can be changed");
+                return Err(refused(message));
+            }
             Some(old) => edits.extend(change_value(dataset, statement, &address, old, json)?),
-            None => edits.push(new_value(dataset, statement, name, json)?),
+            None if *json == Json::Bool(false) => {}
+            None => edits.push(new_value(dataset, statement, def, json)?),
         }
     }
     for argument in &statement.arguments {
@@ -180,7 +321,7 @@ fn change(
             .kind()
             .is_some_and(|name| !wanted.contains_key(name))
         {
-            edits.push(without(dataset, statement, argument));
+            edits.push(dataset.without(statement, argument));
         }
     }
     Ok(edits)
@@ -240,10 +381,22 @@ fn change_value(
     if new == &Json::Bool(false) {
         return Ok(statement
             .all(name)
-            .map(|argument| without(dataset, statement, argument))
+            .map(|argument| dataset.without(statement, argument))
             .collect());
     }
-    match written(new) {
+    let quoted = statement.argument(name).is_some_and(|argument| {
+        let start = argument.value_span().start;
+        matches!(argument.value, Value::Texts(_)) && start > 0 && dataset.bytes()[start - 1] == b'"'
+    });
+    let text = match new {
+        // The quotes around the whole list stay where they are.
+        Json::Array(items) if quoted && items.iter().all(Json::is_string) => {
+            let texts: Vec<&str> = items.iter().filter_map(Json::as_str).collect();
+            Some(texts.join("\", \""))
+        }
+        new => written(new),
+    };
+    match text {
         Some(text) => dataset.set_text(address, &text),
         None => Err(refused(format!("{address} cannot be {new}"))),
     }
@@ -252,39 +405,81 @@ fn change_value(
 fn new_value(
     dataset: &Dataset,
     statement: &Statement,
-    name: &str,
+    def: &'static ArgumentDef,
     json: &Json,
 ) -> Result<Edit, Diagnostic> {
+    let name = def.name;
     let text = match json {
-        Json::Bool(true) => None,
-        json => Some(written(json).ok_or_else(|| refused(format!("{name} cannot be {json}")))?),
+        Json::Bool(true) if def.kind == ValueKind::Flag => None,
+        json => {
+            Some(new_text(def, json).ok_or_else(|| refused(format!("{name} cannot be {json}")))?)
+        }
     };
     Ok(dataset.new_argument(statement, name, text.as_deref()))
 }
 
-fn new_statement(
-    object: &Json,
-    address: &Address,
-    wanted: &Map<String, Json>,
-) -> Result<NewStatement, Diagnostic> {
+fn new_statement(object: &Json, address: &Address) -> Result<NewStatement, Diagnostic> {
     let mut arguments = Vec::new();
+    let empty = Map::new();
+    let wanted = object
+        .get("arguments")
+        .and_then(Json::as_object)
+        .unwrap_or(&empty);
     for (name, json) in wanted {
+        let def = definition(address, name)?;
         match json {
-            Json::Bool(true) => arguments.push((name.clone(), None)),
-            json => match written(json) {
+            Json::Bool(false) => {}
+            Json::Bool(true) if def.kind == ValueKind::Flag => arguments.push((name.clone(), None)),
+            json => match new_text(def, json) {
                 Some(text) => arguments.push((name.clone(), Some(text))),
                 None => return Err(refused(format!("{address}.{name} cannot be {json}"))),
             },
         }
     }
+    // A function ends its line: what follows it needs a backslash.
+    let last = arguments.len().saturating_sub(1);
+    for (name, text) in &mut arguments[..last] {
+        if definition(address, name)?.kind == ValueKind::Function
+            && let Some(text) = text
+        {
+            text.push('\\');
+        }
+    }
+    let view_name = object.get("name").and_then(Json::as_str);
+    if view_name.is_some_and(|name| name.contains(['\n', '\r', '\''])) {
+        return Err(refused(format!(
+            "the name of {address} cannot stand in a comment"
+        )));
+    }
     Ok(NewStatement {
         kind: address.kind.clone(),
         id: address.id,
-        view_name: object
-            .get("name")
-            .and_then(Json::as_str)
-            .map(str::to_string),
+        view_name: view_name.map(str::to_string),
         arguments,
+    })
+}
+
+/// The text of a value that is not written yet; texts that could be taken for something else stand in quotes.
+fn new_text(def: &ArgumentDef, json: &Json) -> Option<String> {
+    let text = written(json)?;
+    if text.contains(['\n', '\r']) {
+        return None;
+    }
+    if def.kind != ValueKind::TextList {
+        return Some(text);
+    }
+    let items: Vec<&str> = match json {
+        Json::Array(items) => items.iter().map(Json::as_str).collect::<Option<_>>()?,
+        json => vec![json.as_str()?],
+    };
+    let plain = |text: &&str| {
+        !text.is_empty() && !text.contains([',', ':', ';', '!', '&', '=']) && text.trim() == *text
+    };
+    Some(if items.iter().all(plain) {
+        items.join(":")
+    } else {
+        let quoted: Vec<String> = items.iter().map(|item| format!("\"{item}\"")).collect();
+        quoted.join(", ")
     })
 }
 
@@ -302,35 +497,6 @@ fn written(json: &Json) -> Option<String> {
     }
 }
 
-/// The edit that removes an argument with what separates it from its neighbours.
-fn without(dataset: &Dataset, statement: &Statement, argument: &Argument) -> Edit {
-    let before = statement
-        .arguments
-        .iter()
-        .rfind(|other| other.span.end() <= argument.span.start());
-    let after_function =
-        before.is_some_and(|before| matches!(before.value, Value::Function(_) | Value::User(_)));
-    let rest = &dataset.bytes()[argument.span.end()..statement.span.end()];
-    let backslash = rest
-        .iter()
-        .position(|byte| !byte.is_ascii_whitespace())
-        .filter(|at| rest[*at] == b'\\');
-    match backslash {
-        // A backslash ends functions only: it goes with the function unless another one stands before.
-        Some(at) if !after_function => {
-            let start = argument.span.start();
-            Edit::new(Span::new(start, argument.span.end() + at + 1), "")
-        }
-        _ => {
-            let start = before.map_or_else(
-                || dataset.after_header(statement),
-                |before| before.span.end(),
-            );
-            Edit::new(Span::new(start, argument.span.end()), "")
-        }
-    }
-}
-
 fn refused(message: String) -> Diagnostic {
-    Diagnostic::error(Code::WrongType, message).label("json", Span::at(0), "")
+    Diagnostic::error(Code::WrongType, message)
 }

@@ -83,15 +83,20 @@ impl Style {
         }
     }
 
+    /// The comment line that names the statement below it.
+    pub fn name_comment(&self, name: &str) -> String {
+        // ADAMS/View centres it on column 41.
+        let comment = format!("adams_view_name='{name}'");
+        let pad = " ".repeat(40usize.saturating_sub(comment.len().div_ceil(2)).max(1));
+        format!("!{pad}{comment}{}", self.line_end)
+    }
+
     /// A whole statement with its name comment and line ends.
     pub fn statement(&self, new: &NewStatement) -> String {
         let mut text = String::new();
         let end = self.line_end;
         if let Some(name) = &new.view_name {
-            // ADAMS/View centres the name comment on column 41.
-            let comment = format!("adams_view_name='{name}'");
-            let pad = " ".repeat(40usize.saturating_sub(comment.len().div_ceil(2)).max(1));
-            text = format!("!{end}!{pad}{comment}{end}");
+            text = format!("!{end}{}", self.name_comment(name));
         }
         text.push_str(&new.kind);
         text.push('/');

@@ -1,0 +1,84 @@
+//! What an edit does to a deck beyond the value it is about: looked at before anything is written.
+
+use std::collections::BTreeMap;
+
+use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
+use crate::syntax::lint::{self, Options};
+use crate::syntax::{Argument, Dataset, Statement};
+
+use super::shell::Shell;
+
+/// The errors of the reader that a deck has after an edit and had not before.
+pub(super) fn new_errors<'a>(
+    before: &Checked<Dataset>,
+    after: &'a Checked<Dataset>,
+) -> Vec<&'a Diagnostic> {
+    beyond(&before.diagnostics, &after.diagnostics)
+}
+
+/// Complains of what `admire check` finds in the new deck and not in the old one, at the places of the new text. False if that
+/// is a value no reader of the deck could take: of a wrong type, or too few or too many.
+pub(super) fn still_good(before: &Dataset, after: &Dataset, shell: &mut Shell) -> bool {
+    if before.bytes() == after.bytes() {
+        return true;
+    }
+    let options = Options::default();
+    let (old, new) = (lint::check(before, &options), lint::check(after, &options));
+    let found: Vec<Diagnostic> = beyond(&old, &new).into_iter().cloned().collect();
+    shell.sources.add(after.source().clone());
+    shell.complain(&found);
+    !found
+        .iter()
+        .any(|found| matches!(found.code, Code::WrongCount | Code::WrongType))
+}
+
+/// Errors of `new` that are not in `old`, whatever their places.
+fn beyond<'a>(old: &[Diagnostic], new: &'a [Diagnostic]) -> Vec<&'a Diagnostic> {
+    let mut known: BTreeMap<(Code, &str), usize> = BTreeMap::new();
+    for diagnostic in old {
+        *known
+            .entry((diagnostic.code, &diagnostic.message))
+            .or_default() += 1;
+    }
+    new.iter()
+        .filter(|diagnostic| diagnostic.severity == Severity::Error)
+        .filter(
+            |diagnostic| match known.get_mut(&(diagnostic.code, diagnostic.message.as_str())) {
+                Some(count) if *count > 0 => {
+                    *count -= 1;
+                    false
+                }
+                _ => true,
+            },
+        )
+        .collect()
+}
+
+/// True if two decks have the same statements with the same arguments, whatever their values, but for one argument of the
+/// statement at `place`.
+pub(super) fn same_but_for(
+    before: &Dataset,
+    after: &Dataset,
+    place: Option<usize>,
+    argument: &str,
+) -> bool {
+    let (old, new) = (before.statements(), after.statements());
+    old.len() == new.len()
+        && old.iter().zip(new).enumerate().all(|(at, (old, new))| {
+            let aside = if place == Some(at) { argument } else { "" };
+            old.kind() == new.kind()
+                && old.number() == new.number()
+                && names(old, aside).eq(names(new, aside))
+        })
+}
+
+fn names<'a>(
+    statement: &'a Statement,
+    aside: &'a str,
+) -> impl Iterator<Item = Option<&'static str>> + 'a {
+    statement
+        .arguments
+        .iter()
+        .map(Argument::kind)
+        .filter(move |name| *name != Some(aside))
+}

@@ -1,0 +1,74 @@
+//! New titles and view names as edits of a dataset.
+
+use super::dataset::BOM;
+use super::style::Style;
+use super::{Dataset, Statement};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::text::{Edit, Span};
+
+impl Dataset {
+    /// Edits that give the dataset a new title: its first line, whatever blanks stand around it.
+    pub(super) fn set_title(&self, text: &str) -> Result<Vec<Edit>, Diagnostic> {
+        let line = self.title_span();
+        if text.contains(['\n', '\r']) {
+            let message = "the title is one line".to_string();
+            return Err(self.refuse(Code::SyntaxError, message, line));
+        }
+        if text == self.title() {
+            return Ok(Vec::new());
+        }
+        let mut bytes = self.source().slice(line);
+        let mut start = line.start;
+        if let Some(rest) = bytes.strip_prefix(BOM) {
+            start += BOM.len();
+            bytes = rest;
+        }
+        start += bytes.len() - bytes.trim_ascii_start().len();
+        let end = (start + bytes.trim_ascii().len()).min(line.end);
+        Ok(vec![Edit::new(Span::new(start, end), self.encoded(text))])
+    }
+
+    /// The edit that gives a statement another view name, takes its name away, or writes the comment with its first one; `None`
+    /// if it has that name.
+    ///
+    /// # Errors
+    /// `syntax-error` for a name that cannot stand in the comment.
+    pub(super) fn rename(
+        &self,
+        statement: &Statement,
+        name: Option<&str>,
+    ) -> Result<Option<Edit>, Diagnostic> {
+        let refused = |message: String| self.refuse(Code::SyntaxError, message, statement.keyword);
+        if let Some(name) = name
+            && (name.is_empty() || name.contains(['\n', '\r', '\'']))
+        {
+            let said = name.escape_debug();
+            return Err(refused(format!("a view name cannot be `{said}`")));
+        }
+        Ok(match (statement.view_name, name) {
+            (None, None) => None,
+            (Some(old), Some(new)) if self.source().text(old) == new => None,
+            (Some(old), Some(new)) => Some(Edit::new(old, self.encoded(new))),
+            (Some(old), None) => {
+                let line = Span::new(self.line_start(old.start), self.line_end(old.end));
+                let comment = self.source().slice(line).trim_ascii();
+                // What else the line says stays.
+                Some(if comment.starts_with(b"!") && comment.ends_with(b"'") {
+                    Edit::new(line, "")
+                } else {
+                    Edit::new(old, "")
+                })
+            }
+            (None, Some(new)) => {
+                let start = self.line_start(statement.span.start);
+                let lead = &self.bytes()[start..statement.span.start];
+                if !lead.trim_ascii().is_empty() {
+                    let message = "a name belongs above the line, which others begin";
+                    return Err(refused(message.to_string()));
+                }
+                let comment = Style::of(self).name_comment(new);
+                Some(Edit::new(Span::at(start), self.encoded(&comment)))
+            }
+        })
+    }
+}

@@ -1,0 +1,109 @@
+//! Taking statements and arguments out of a dataset, with what belongs to them.
+
+use super::{Address, Argument, Dataset, Statement, Value};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::text::{Edit, Span};
+
+impl Dataset {
+    /// Edits that remove a statement with the comments that name it.
+    ///
+    /// # Errors
+    /// `undefined-id` if it is not there; `missing-argument` if markers behind it are on it without naming it: without it they
+    /// would be on another body.
+    pub fn remove(&self, address: &Address) -> Result<Vec<Edit>, Diagnostic> {
+        let at = self
+            .position(&address.kind, address.id)
+            .ok_or_else(|| self.absent(address))?;
+        match self.carried(at).next() {
+            Some(marker) => Err(self.stranded(at, marker)),
+            None => Ok(vec![self.without_statement(&self.statements()[at])]),
+        }
+    }
+
+    /// Where the markers stand that are on the body at a place without naming it: those behind it, up to the next body.
+    pub(super) fn carried(&self, body: usize) -> impl Iterator<Item = usize> + '_ {
+        let statements = self.statements();
+        let behind = if statements[body].carries_markers() {
+            &statements[body + 1..]
+        } else {
+            &[]
+        };
+        behind
+            .iter()
+            .enumerate()
+            .take_while(|(_, other)| !other.carries_markers())
+            .filter(|(_, other)| other.follows_body())
+            .map(move |(k, _)| body + 1 + k)
+    }
+
+    /// The complaint that a body cannot go without a marker.
+    pub(super) fn stranded(&self, body: usize, marker: usize) -> Diagnostic {
+        let (body, marker) = (&self.statements()[body], &self.statements()[marker]);
+        let address = Address::of(body).map_or_else(String::new, |address| address.to_string());
+        let id = marker.number().unwrap_or_default();
+        self.refuse(
+            Code::MissingArgument,
+            format!(
+                "MARKER/{id} is on {address} without naming it: remove it first, or give it a body"
+            ),
+            marker.keyword,
+        )
+    }
+
+    /// The edit that removes a statement with the comments that name it.
+    pub(super) fn without_statement(&self, statement: &Statement) -> Edit {
+        let start = self.line_start(statement.span.start);
+        let line_end = self.line_end(statement.span.end);
+        let shared = self.statements().iter().any(|other| {
+            other.span != statement.span && other.span.start < line_end && other.span.end > start
+        });
+        if shared {
+            // Others stand on its line, between semicolons.
+            return Edit::new(statement.span, "");
+        }
+        let mut from = start;
+        if let Some(name) = statement.view_name {
+            let comment = self.line_start(name.start);
+            from = comment;
+            // The bare comment line that ADAMS/View writes before each name goes with it.
+            if comment > 0 {
+                let end = self.bytes()[..comment]
+                    .strip_suffix(b"\n")
+                    .unwrap_or(&self.bytes()[..comment]);
+                let end = end.strip_suffix(b"\r").unwrap_or(end);
+                let before = self.line_start(end.len());
+                if self.bytes()[before..comment].trim_ascii() == b"!" {
+                    from = before;
+                }
+            }
+        }
+        Edit::new(Span::new(from, line_end), "")
+    }
+
+    /// The edit that removes an argument with what separates it from its neighbours.
+    pub(super) fn without(&self, statement: &Statement, argument: &Argument) -> Edit {
+        let before = statement
+            .arguments
+            .iter()
+            .rfind(|other| other.span.end <= argument.span.start);
+        let after_function = before
+            .is_some_and(|before| matches!(before.value, Value::Function(_) | Value::User(_)));
+        let rest = &self.bytes()[argument.span.end..statement.span.end];
+        let backslash = rest
+            .iter()
+            .position(|byte| !byte.is_ascii_whitespace())
+            .filter(|at| rest[*at] == b'\\');
+        match backslash {
+            // A backslash ends functions only: it goes with the function unless another one stands before.
+            Some(at) if !after_function => {
+                let start = argument.span.start;
+                Edit::new(Span::new(start, argument.span.end + at + 1), "")
+            }
+            _ => {
+                let start =
+                    before.map_or_else(|| self.after_header(statement), |before| before.span.end);
+                Edit::new(Span::new(start, argument.span.end), "")
+            }
+        }
+    }
+}
