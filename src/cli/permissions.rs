@@ -30,3 +30,21 @@ pub(super) fn make_executable(path: &Path) -> std::io::Result<()> {
 pub(super) fn make_executable(_: &Path) -> std::io::Result<()> {
     Ok(())
 }
+
+#[cfg(all(test, unix))]
+mod tests {
+    use std::os::unix::fs::FileTypeExt;
+
+    use crate::cli::shell::replace_file;
+
+    #[test]
+    fn what_is_no_file_is_never_replaced_by_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("socket");
+        let _listener = std::os::unix::net::UnixListener::bind(&path).unwrap();
+        // As root, `-o /dev/null` once made a file of the device.
+        assert!(replace_file(&path, b"text").is_err());
+        let kind = std::fs::metadata(&path).unwrap().file_type();
+        assert!(kind.is_socket());
+    }
+}
