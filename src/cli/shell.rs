@@ -237,7 +237,7 @@ pub(super) fn exit_of(diagnostics: &[Diagnostic]) -> Exit {
 pub(super) fn replace_file(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     // A link is followed, so that the file it points to is replaced and not the link.
     let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
-    // A device or a pipe (`-o /dev/stdout`) is written to. A new file in its place would be its end.
+    // A device or a pipe is written to. A new file in its place would be its end.
     if std::fs::metadata(&path).is_ok_and(|there| !there.is_file() && !there.is_dir()) {
         let mut device = std::fs::OpenOptions::new().write(true).open(&path)?;
         return device.write_all(bytes).and_then(|()| device.flush());
