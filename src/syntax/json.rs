@@ -385,7 +385,7 @@ fn change_value(
             .collect());
     }
     let quoted = statement.argument(name).is_some_and(|argument| {
-        let start = argument.value_span().start;
+        let start = argument.value_span().start();
         matches!(argument.value, Value::Texts(_)) && start > 0 && dataset.bytes()[start - 1] == b'"'
     });
     let text = match new {

@@ -18,13 +18,13 @@ impl Dataset {
             return Ok(Vec::new());
         }
         let mut bytes = self.source().slice(line);
-        let mut start = line.start;
+        let mut start = line.start();
         if let Some(rest) = bytes.strip_prefix(BOM) {
             start += BOM.len();
             bytes = rest;
         }
         start += bytes.len() - bytes.trim_ascii_start().len();
-        let end = (start + bytes.trim_ascii().len()).min(line.end);
+        let end = (start + bytes.trim_ascii().len()).min(line.end());
         Ok(vec![Edit::new(Span::new(start, end), self.encoded(text))])
     }
 
@@ -50,7 +50,7 @@ impl Dataset {
             (Some(old), Some(new)) if self.source().text(old) == new => None,
             (Some(old), Some(new)) => Some(Edit::new(old, self.encoded(new))),
             (Some(old), None) => {
-                let line = Span::new(self.line_start(old.start), self.line_end(old.end));
+                let line = Span::new(self.line_start(old.start()), self.line_end(old.end()));
                 let comment = self.source().slice(line).trim_ascii();
                 // What else the line says stays.
                 Some(if comment.starts_with(b"!") && comment.ends_with(b"'") {
@@ -60,8 +60,8 @@ impl Dataset {
                 })
             }
             (None, Some(new)) => {
-                let start = self.line_start(statement.span.start);
-                let lead = &self.bytes()[start..statement.span.start];
+                let start = self.line_start(statement.span.start());
+                let lead = &self.bytes()[start..statement.span.start()];
                 if !lead.trim_ascii().is_empty() {
                     let message = "a name belongs above the line, which others begin";
                     return Err(refused(message.to_string()));

@@ -174,7 +174,7 @@ impl<'a> StatementParser<'a> {
                     format!(
                         "{} is not a {} this program knows; it is kept and takes part in nothing",
                         self.source
-                            .text(Span::new(span.start, span.end.min(span.start + 80))),
+                            .text(Span::new(span.start(), span.end().min(span.start() + 80))),
                         self.noun()
                     ),
                 );

@@ -52,10 +52,12 @@ impl Dataset {
 
     /// The edit that removes a statement with the comments that name it.
     pub(super) fn without_statement(&self, statement: &Statement) -> Edit {
-        let start = self.line_start(statement.span.start);
-        let line_end = self.line_end(statement.span.end);
+        let start = self.line_start(statement.span.start());
+        let line_end = self.line_end(statement.span.end());
         let shared = self.statements().iter().any(|other| {
-            other.span != statement.span && other.span.start < line_end && other.span.end > start
+            other.span != statement.span
+                && other.span.start() < line_end
+                && other.span.end() > start
         });
         if shared {
             // Others stand on its line, between semicolons.
@@ -63,7 +65,7 @@ impl Dataset {
         }
         let mut from = start;
         if let Some(name) = statement.view_name {
-            let comment = self.line_start(name.start);
+            let comment = self.line_start(name.start());
             from = comment;
             // The bare comment line that ADAMS/View writes before each name goes with it.
             if comment > 0 {
@@ -85,10 +87,10 @@ impl Dataset {
         let before = statement
             .arguments
             .iter()
-            .rfind(|other| other.span.end <= argument.span.start);
+            .rfind(|other| other.span.end() <= argument.span.start());
         let after_function = before
             .is_some_and(|before| matches!(before.value, Value::Function(_) | Value::User(_)));
-        let rest = &self.bytes()[argument.span.end..statement.span.end];
+        let rest = &self.bytes()[argument.span.end()..statement.span.end()];
         let backslash = rest
             .iter()
             .position(|byte| !byte.is_ascii_whitespace())
@@ -96,13 +98,13 @@ impl Dataset {
         match backslash {
             // A backslash ends functions only: it goes with the function unless another one stands before.
             Some(at) if !after_function => {
-                let start = argument.span.start;
-                Edit::new(Span::new(start, argument.span.end + at + 1), "")
+                let start = argument.span.start();
+                Edit::new(Span::new(start, argument.span.end() + at + 1), "")
             }
             _ => {
                 let start =
-                    before.map_or_else(|| self.after_header(statement), |before| before.span.end);
-                Edit::new(Span::new(start, argument.span.end), "")
+                    before.map_or_else(|| self.after_header(statement), |before| before.span.end());
+                Edit::new(Span::new(start, argument.span.end()), "")
             }
         }
     }

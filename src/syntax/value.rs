@@ -70,7 +70,7 @@ impl StatementParser<'_> {
             .since(start)
             .iter()
             .find(|token| {
-                last.is_some_and(|last| token.span.start >= last.end)
+                last.is_some_and(|last| token.span.start() >= last.end())
                     && !token.kind.is_trivia()
                     && !matches!(
                         token.kind,
@@ -83,7 +83,7 @@ impl StatementParser<'_> {
         let span = match (last, first) {
             (Some(last), _) => {
                 // What stands behind a number without a comma makes the two one fault.
-                let between = self.source.slice(Span::new(last.end, rest.start));
+                let between = self.source.slice(Span::new(last.end(), rest.start()));
                 if between.contains(&b',') {
                     rest
                 } else {
