@@ -66,6 +66,7 @@ fn candidates(dataset: &Dataset, typed: &str) -> BTreeSet<String> {
             .is_some_and(|start| start.eq_ignore_ascii_case(typed))
     };
     let mut found = BTreeSet::new();
+    found.extend(Some("TITLE".to_string()).filter(|title| begins(title)));
     for statement in dataset.statements() {
         for name in names(dataset, statement) {
             if begins(&name) {
@@ -100,20 +101,18 @@ fn names(dataset: &Dataset, statement: &Statement) -> Vec<String> {
 
 fn arguments<'a>(statement: &'a Statement, name: &'a str) -> impl Iterator<Item = String> + 'a {
     let all = statement.def.map_or(&[][..], |def| def.arguments);
-    all.iter()
-        .filter(|argument| argument.kind != ValueKind::Flag)
-        .flat_map(move |argument| {
-            let whole = format!("{name}.{}", argument.name);
-            let places = match argument.count.max {
-                Some(most) if most > 1 && argument.kind == ValueKind::Real => most,
-                _ => 0,
-            };
-            let single = (1..=places).map({
-                let whole = whole.clone();
-                move |place| format!("{whole}.{place}")
-            });
-            std::iter::once(whole).chain(single).collect::<Vec<_>>()
-        })
+    all.iter().flat_map(move |argument| {
+        let whole = format!("{name}.{}", argument.name);
+        let places = match argument.count.max {
+            Some(most) if most > 1 && argument.kind == ValueKind::Real => most,
+            _ => 0,
+        };
+        let single = (1..=places).map({
+            let whole = whole.clone();
+            move |place| format!("{whole}.{place}")
+        });
+        std::iter::once(whole).chain(single).collect::<Vec<_>>()
+    })
 }
 
 #[cfg(test)]

@@ -107,7 +107,7 @@ fn table(comparison: &Comparison, all: bool) -> String {
         (comparison.steps_only_in_b, "second"),
     ] {
         if count > 0 {
-            _ = writeln!(out, "{count} more steps in the {place} file");
+            _ = writeln!(out, "{} only in the {place} file", counted(count, "step"));
         }
     }
     for step in &comparison.kinds_differ {
@@ -130,12 +130,17 @@ fn table(comparison: &Comparison, all: bool) -> String {
     }
     _ = writeln!(
         out,
-        "{} steps, {} columns compared: {}",
-        comparison.steps,
-        comparison.columns.len(),
+        "{}, {} compared: {}",
+        counted(comparison.steps, "step"),
+        counted(comparison.columns.len(), "column"),
         said.join(", ")
     );
     out
+}
+
+fn counted(count: usize, what: &str) -> String {
+    let end = if count == 1 { "" } else { "s" };
+    format!("{count} {what}{end}")
 }
 
 /// The columns of one entity in one line: its name and how many they are; a single column by its own name.

@@ -7,6 +7,7 @@ use crate::grammar::{
     ArgumentDef, Bound, Count, FUNCTIONS, FunctionDef, Lookup, Presence, Role, STATEMENTS, Solved,
     StatementDef, ValueKind, find_function, find_statement, nearest,
 };
+use crate::syntax::spell_like;
 use crate::units::Dimension;
 
 use super::Outcome;
@@ -240,7 +241,15 @@ fn details(argument: &ArgumentDef) -> Vec<String> {
         all.push("required".to_string());
     }
     if !argument.default.is_empty() {
-        let shown: Vec<String> = argument.default.iter().map(ToString::to_string).collect();
+        let shown: Vec<String> = argument
+            .default
+            .iter()
+            .map(|value| match argument.dimension {
+                // As people write angles.
+                Dimension::ANGLE if *value != 0.0 => spell_like(*value, b"1D"),
+                _ => value.to_string(),
+            })
+            .collect();
         all.push(format!("default {}", shown.join(", ")));
     }
     let dimension = dimension_words(argument.dimension);

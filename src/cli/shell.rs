@@ -93,9 +93,29 @@ impl Shell {
             return;
         }
         let colours = self.colours(std::io::stderr().is_terminal());
-        let text = render::diagnostics(diagnostics, &self.sources, self.format, colours);
+        let sources = self.with_streamed(diagnostics);
+        let text = render::diagnostics(diagnostics, &sources, self.format, colours);
         // Nobody may be listening.
         let _ = std::io::stderr().write_all(text.as_bytes());
+    }
+
+    /// The files of complaints, those too that are read step by step and not kept: to show the place in them. Huge ones are not
+    /// read again for that.
+    fn with_streamed(&self, diagnostics: &[Diagnostic]) -> Sources {
+        const LARGEST_SHOWN: u64 = 64 << 20;
+        let mut sources = self.sources.clone();
+        for label in diagnostics.iter().flat_map(|found| &found.labels) {
+            let path = Path::new(&*label.file);
+            let small =
+                || std::fs::metadata(path).is_ok_and(|m| m.is_file() && m.len() < LARGEST_SHOWN);
+            if sources.get(&label.file).is_none()
+                && small()
+                && let Ok(source) = Source::read(path)
+            {
+                sources.add(source);
+            }
+        }
+        sources
     }
 
     /// Says something on standard error, beside the answer.

@@ -62,7 +62,8 @@ codes! {
     ConflictingArguments = "conflicting-arguments",
     /// An argument that is written twice in one statement. The later one counts.
     RepeatedArgument = "repeated-argument",
-    /// A number with the degree suffix where no angle is meant. The suffix D always multiplies by pi/180.
+    /// A number with the degree suffix where no angle is meant, or an angle without it that looks like degrees. The suffix D always
+    /// multiplies by pi/180; without it an angle is in radians.
     WrongDimension = "wrong-dimension",
     /// Both markers of a constraint or force are on one part: a constraint is singular, a force moves nothing.
     MarkersOnOnePart = "markers-on-one-part",

@@ -330,3 +330,50 @@ fn property_files_without_what_they_are_for_are_told_of() {
         assert!(out.contains(said), "{out}");
     }
 }
+
+#[test]
+fn a_fault_in_a_results_file_is_shown_where_it_is() {
+    let folder = Folder::new();
+    let file = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Results xmlns=\"http://www.mscsoftware.com/:xrf10\">\n\
+        <Analysis name=\"a\" executionDate=\"x\" Solver=\"s\" script=\"-unknown-\">\n\
+        <Units angle=\"rad\" length=\"mm\" mass=\"kg\" time=\"sec\" />\n<StepMap name=\"map_001\">\n<Entity name=\"time\">\n\
+        <Component name=\"TIME\" unitsValue=\"sec\" id=\"1\" />\n</Entity>\n</StepMap>\n<Data name=\"dynamic_001\" id=\"1\">\n\
+        <Step type=\"dynamic\">\nabc\n</Step>\n</Data>\n</Analysis>\n</Results>\n";
+    folder.write("a.res", file.as_bytes());
+    let (code, _, err) = folder.said(&["results", "a.res", "--get", "time*", "--format", "plain"]);
+    assert_eq!(code, 1);
+    assert!(err.starts_with("a.res:12:"), "{err}");
+    folder.write("b.res", file.replace("abc", "0.5").as_bytes());
+    let (code, out, err) = folder.said(&["compare", "b.res", "b.res"]);
+    assert_eq!(
+        (code, out.as_str()),
+        (0, "1 step, 1 column compared: all within the tolerance\n"),
+        "{err}"
+    );
+}
+
+#[test]
+fn a_body_goes_from_json_only_with_the_markers_that_stand_on_it_unnamed() {
+    let folder = Folder::new();
+    let deck = "t\nPART/1, GROUND\nPART/2, MASS=1, CM=20\nMARKER/20\nEND\n";
+    folder.write("b.adm", deck.as_bytes());
+    let exported: serde_json::Value =
+        serde_json::from_str(&folder.said(&["export", "b.adm"]).1).expect("JSON");
+    let without = |gone: &[usize]| {
+        let mut json = exported.clone();
+        let all = json["statements"].as_array_mut().expect("a list");
+        for at in gone {
+            all.remove(*at);
+        }
+        folder.write("b.json", json.to_string().as_bytes());
+        folder.said(&["import", "b.adm", "b.json"])
+    };
+    let (code, out, err) = without(&[1]);
+    assert_eq!((code, out.as_str()), (1, ""));
+    assert!(
+        err.contains("MARKER/20 is on PART/2 without naming it"),
+        "{err}"
+    );
+    let (_, out, err) = without(&[2, 1]);
+    assert_eq!(out, "t\nPART/1, GROUND\nEND\n", "{err}");
+}

@@ -7,21 +7,34 @@ use crate::text::{Edit, Span};
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     let source = context.dataset.source();
     let mut edits = Vec::new();
+    let mut count = 0;
     for token in context.dataset.tokens() {
         if token.kind != TokenKind::Blank {
             continue;
         }
-        for (at, byte) in source.slice(token.span).iter().enumerate() {
-            if *byte == b'\t' {
-                let place = token.span.start() + at;
-                edits.push(Edit::new(Span::new(place, place + 1), " "));
+        let mut at = token.span.start();
+        for run in source
+            .slice(token.span)
+            .chunk_by(|a, b| (*a == b'\t') == (*b == b'\t'))
+        {
+            if run[0] == b'\t' {
+                count += run.len();
+                edits.push(Edit::new(
+                    Span::new(at, at + run.len()),
+                    " ".repeat(run.len()),
+                ));
             }
+            at += run.len();
         }
     }
-    let Some(first) = edits.first().map(|edit| edit.span) else {
+    let Some(first) = edits.first().map(|edit| edit.span.start()) else {
         return;
     };
-    let message = format!("{} tabs stand between words", edits.len());
+    let first = Span::new(first, first + 1);
+    let message = match count {
+        1 => "a tab stands between words".to_string(),
+        _ => format!("{count} tabs stand between words"),
+    };
     found.push(
         context
             .note(Code::Tab, first, message)

@@ -1,11 +1,17 @@
 use super::context::{Context, known};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::grammar::ArgumentDef;
+use crate::syntax::{Argument, Statement};
 use crate::units::Dimension;
 
-/// A degree suffix on a number that is no angle: it divides the number by 57.3.
+/// A degree suffix on a number that is no angle: it divides the number by 57.3. An angle without it of more than a whole turn and a
+/// whole number of radians: it was meant in degrees.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     for statement in context.statements() {
         for (argument, def) in known(statement) {
+            if def.dimension == Dimension::ANGLE {
+                looks_like_degrees(context, statement, argument, def, found);
+            }
             if def.dimension == Dimension::NONE || def.dimension.angle > 0 {
                 continue;
             }
@@ -27,5 +33,32 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
                 );
             }
         }
+    }
+}
+
+/// Nobody writes 90 radians; 7 of them might be a rotation that was counted on.
+fn looks_like_degrees(
+    context: &Context<'_>,
+    statement: &Statement,
+    argument: &Argument,
+    def: &ArgumentDef,
+    found: &mut Vec<Diagnostic>,
+) {
+    let suspect = argument.numbers().iter().find(|number| {
+        let turns = number.value.abs() / std::f64::consts::TAU;
+        !number.degrees && turns > 1.0 && number.value % 5.0 == 0.0
+    });
+    if let Some(number) = suspect {
+        let written = context.dataset.source().text(number.span);
+        let message = format!(
+            "{} of {} is {written} radians, which looks like degrees",
+            def.name,
+            context.title(statement)
+        );
+        found.push(
+            context
+                .warning(Code::WrongDimension, number.span, message)
+                .help(format!("degrees have the suffix D: {written}D")),
+        );
     }
 }
