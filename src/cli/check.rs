@@ -34,7 +34,11 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             continue;
         };
         if is_command_file(path) {
-            found.extend(CommandFile::parse(source).diagnostics);
+            let commands = CommandFile::parse(source);
+            let mut own = commands.diagnostics;
+            own.extend(syntax::lint::check_commands(&commands.value));
+            own.sort_by_key(|diagnostic| diagnostic.labels.first().map(|l| l.span.start()));
+            found.extend(own);
         } else if PropertyFile::is_one(source.bytes()) {
             found.extend(PropertyFile::parse(source).diagnostics);
         } else {

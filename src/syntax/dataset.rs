@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::lexer::{Lexer, is_blank};
 use super::lines::{LogicalLine, logical_lines, physical_line};
 use super::parser::StatementParser;
-use super::{Statement, Token, TokenKind};
+use super::{CommandFile, Statement, Token, TokenKind};
 use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
 use crate::grammar::Role;
 use crate::text::{Edit, EditConflict, Source, Span, apply_edits};
@@ -73,6 +73,17 @@ impl Dataset {
                 source,
             },
             diagnostics,
+        }
+    }
+
+    /// The commands of a file as if they were statements: for rules that look at each by itself.
+    pub(super) fn of_commands(file: &CommandFile) -> Self {
+        Self {
+            source: file.source().clone(),
+            title: Span::at(0),
+            statements: file.commands().to_vec(),
+            after_end: Span::at(file.bytes().len()),
+            index: OnceLock::new(),
         }
     }
 

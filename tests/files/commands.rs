@@ -377,3 +377,26 @@ fn a_body_goes_from_json_only_with_the_markers_that_stand_on_it_unnamed() {
     let (_, out, err) = without(&[2, 1]);
     assert_eq!(out, "t\nPART/1, GROUND\nEND\n", "{err}");
 }
+
+#[test]
+fn commands_are_linted_each_by_itself() {
+    let folder = Folder::new();
+    let text = "\nfile/model=a\nbushing/1, k=1,2\nmarker/20, reuler=90,0,0\nsimulate/static, end=1, steps=2.5\nsimulate/static, end=1, steps=0\n\
+                sfor/1, func=2*az(20,10)\nstop\n";
+    folder.write("a.acf", text.as_bytes());
+    let (code, out, _) = folder.said(&["check", "a.acf", "--format", "plain"]);
+    assert_eq!(code, 1);
+    let places: Vec<&str> = out
+        .lines()
+        .filter_map(|line| line.split("]:").next())
+        .collect();
+    assert_eq!(
+        places,
+        [
+            "a.acf:3:14: error[wrong-count",
+            "a.acf:4:19: warning[wrong-dimension",
+            "a.acf:5:31: error[wrong-type",
+            "a.acf:6:31: error[out-of-range",
+        ]
+    );
+}

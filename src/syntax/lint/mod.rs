@@ -25,7 +25,7 @@ mod unit_dimension;
 mod unreferenced;
 mod value_type;
 
-use super::Dataset;
+use super::{CommandFile, Dataset};
 use crate::diagnostic::{Code, Diagnostic};
 use context::Context;
 
@@ -89,11 +89,33 @@ fn shortened(mut own: Vec<Diagnostic>, code: Code) -> Vec<Diagnostic> {
     own
 }
 
+/// Rules that hold for a statement by itself: for commands, too, which give only what they change.
+const OF_COMMANDS: [Code; 6] = [
+    Code::WrongCount,
+    Code::WrongType,
+    Code::OutOfRange,
+    Code::WrongDimension,
+    Code::ConflictingArguments,
+    Code::RepeatedArgument,
+];
+
+/// Runs the rules that need no dataset over the commands of a file. Complaints are in the order of their places in the file.
+pub fn check_commands(file: &CommandFile) -> Vec<Diagnostic> {
+    let commands = Dataset::of_commands(file);
+    run(&commands, &Options::default(), |rule| {
+        OF_COMMANDS.contains(&rule.code)
+    })
+}
+
 /// Runs every rule over a dataset. Complaints are in the order of their places in the file.
 pub fn check(dataset: &Dataset, options: &Options) -> Vec<Diagnostic> {
+    run(dataset, options, |_| true)
+}
+
+fn run(dataset: &Dataset, options: &Options, wanted: impl Fn(&Rule) -> bool) -> Vec<Diagnostic> {
     let context = Context::new(dataset, options);
     let mut found = Vec::new();
-    for rule in RULES {
+    for rule in RULES.iter().filter(|rule| wanted(rule)) {
         let mut own = Vec::new();
         (rule.check)(&context, &mut own);
         if own.len() > MOST_OF_A_RULE {
