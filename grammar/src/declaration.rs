@@ -108,6 +108,8 @@ pub struct Statement {
     pub doc: String,
     /// The page that documents it.
     pub source: String,
+    /// What no page could be compared with; empty if nothing.
+    pub unchecked: String,
     /// File and line of its declaration.
     pub place: (String, usize),
 }

@@ -46,11 +46,12 @@ fn emit_statement(out: &mut String, statement: &Statement) {
     let presence: Vec<String> = statement.presence.iter().map(presence).collect();
     let _ = writeln!(
         out,
-        "        ],\n        presence: &[{}],\n        solved: {},\n        doc: {:?},\n        source: {:?},\n    }},",
+        "        ],\n        presence: &[{}],\n        solved: {},\n        doc: {:?},\n        source: {:?},\n        unchecked: {:?},\n    }},",
         presence.join(", "),
         solved(&statement.solved),
         statement.doc,
         statement.source,
+        statement.unchecked,
     );
 }
 

@@ -13,6 +13,7 @@
 //!   role     both                                   # dataset, command or both
 //!   solved   native bushing                         # native NAME, no-effect "why" or external "why"
 //!   source   adams_solver/state_bushing.html        # the page that documents it
+//!   unchecked "K and TYPE"                          # if so: what could not be compared with a page
 //!   I        ref<marker>  required                  # one line for people
 //!   K        real[3]      = 0 0 0  [force/length]  >= 0  # type, count, default, dimension, range
 //!   TYpe     word<Ring|SOlid>                       # one of several words

@@ -133,6 +133,9 @@ pub fn parse(file: &str, text: &str, grammar: &mut Grammar) -> Result<(), ParseE
                 functions.solved = Some(solved(rest).map_err(fail)?);
             }
             ("source", Block::Statement(draft)) => draft.statement.source = rest.to_string(),
+            ("unchecked", Block::Statement(draft)) => {
+                draft.statement.unchecked = quoted(rest).map_err(fail)?;
+            }
             ("source", Block::Functions(functions)) => functions.source = rest.to_string(),
             ("exclusive" | "together" | "requires" | "oneof", Block::Statement(draft)) => {
                 let rule = match first {
@@ -236,6 +239,7 @@ fn header(words: &[&str], doc: &str, place: (String, usize)) -> Result<Draft, Pr
             solved: Solved::Native(String::new()),
             doc: doc.to_string(),
             source: String::new(),
+            unchecked: String::new(),
             place,
         },
         solved: None,
@@ -260,14 +264,15 @@ fn keyword(word: &str) -> Result<Keyword, Problem> {
     })
 }
 
+fn quoted(text: &str) -> Result<String, Problem> {
+    text.trim()
+        .strip_prefix('"')
+        .and_then(|inner| inner.strip_suffix('"'))
+        .map(ToString::to_string)
+        .ok_or(Problem::Expected("a text in quotes", text.into()))
+}
+
 fn solved(text: &str) -> Result<Solved, Problem> {
-    let quoted = |rest: &str| {
-        rest.trim()
-            .strip_prefix('"')
-            .and_then(|inner| inner.strip_suffix('"'))
-            .map(ToString::to_string)
-            .ok_or(Problem::Expected("a reason in quotes", rest.into()))
-    };
     if let Some(name) = text.strip_prefix("native ") {
         Ok(Solved::Native(name.trim().to_string()))
     } else if let Some(rest) = text.strip_prefix("no-effect ") {
@@ -484,6 +489,7 @@ statement BUshing / id            # A bushing.
   role     both
   solved   native bushing
   source   page.html
+  unchecked \"K # and TYPE\"
   I        ref<bushing> required  # action marker
   K        real[3]  = 0 0 0  [torque/angle^2]  >= 0   # stiffness
   TYpe     word<Ring|SOlid>[1..]
@@ -512,6 +518,7 @@ functions measures
             ("BUSHING", 2)
         );
         assert_eq!(bushing.id.as_deref(), Some("bushing"));
+        assert_eq!(bushing.unchecked, "K # and TYPE");
         let k = &bushing.arguments[1];
         assert_eq!(k.dimension, [1, 0, 1, 0, -2]);
         assert_eq!(k.default, [0.0; 3]);
@@ -535,7 +542,7 @@ functions measures
         let cases = [
             (
                 SMALL.replace("real[3]", "reel[3]"),
-                "small.grammar:6: expected a type, found `reel[3]`",
+                "small.grammar:7: expected a type, found `reel[3]`",
             ),
             (
                 SMALL.replace("BUshing", "buSHING"),
@@ -555,7 +562,7 @@ functions measures
             ),
             (
                 SMALL.replace("= 0 0 0", "= 0 0"),
-                "small.grammar:6: `K` has a default of the wrong count",
+                "small.grammar:7: `K` has a default of the wrong count",
             ),
         ];
         for (text, message) in cases {

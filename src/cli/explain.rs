@@ -179,6 +179,10 @@ fn describe_statement(out: &mut String, def: &StatementDef) {
         line(out, &format!("  {rule} {}", names.join(", ")));
     }
     line(out, &format!("\n  Source: {}", def.source));
+    if !def.unchecked.is_empty() {
+        let text = format!("  Not compared with the documentation: {}.", def.unchecked);
+        line(out, &text);
+    }
 }
 
 fn describe_function(out: &mut String, def: &FunctionDef) {

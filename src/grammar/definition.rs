@@ -21,6 +21,8 @@ pub struct StatementDef {
     pub doc: &'static str,
     /// The page that documents it; `grammar/NOTES.md` says which pages were read.
     pub source: &'static str,
+    /// What could not be compared with a page of the documentation, so that it may be wrong or lack something; empty if nothing.
+    pub unchecked: &'static str,
 }
 
 /// Where a statement may stand.

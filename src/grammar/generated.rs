@@ -36,6 +36,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("part"),
         doc: "Rigid body, or the ground at rest.",
         source: "adams_solver/state_part.html",
+        unchecked: "",
     },
     StatementDef {
         name: "POINT_MASS", minimum: 3, role: Role::Both, id: Some("point_mass"),
@@ -56,6 +57,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("point mass"),
         doc: "Body with three translational freedoms, always parallel to ground.",
         source: "adams_solver/state_point_mass.html",
+        unchecked: "",
     },
     StatementDef {
         name: "MARKER", minimum: 1, role: Role::Both, id: Some("marker"),
@@ -85,6 +87,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("marker"),
         doc: "Frame on a body.",
         source: "adams_solver/state_marker.html",
+        unchecked: "how ADAMS/View's velocity on a curve is spelled",
     },
     StatementDef {
         name: "FLEX_BODY", minimum: 3, role: Role::Both, id: Some("flex_body"),
@@ -130,6 +133,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::External("modal flexibility needs the MNF file and the ADAMS Flex solver"),
         doc: "Flexible body from a modal neutral file.",
         source: "adams_solver/state_flex_body.html",
+        unchecked: "FORMULATION, INV_1, NMODES, QMODES and QMEXACT; settings of nonlinear bodies are not declared",
     },
     StatementDef {
         name: "FE_PART", minimum: 5, role: Role::Dataset, id: Some("fe_part"),
@@ -152,6 +156,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::External("geometrically nonlinear beams are not solved by the built-in solver"),
         doc: "Nonlinear beam of finite elements.",
         source: "adams_solver/fe_part.html",
+        unchecked: "the spelling of what comes behind NODE_LABELS",
     },
     StatementDef {
         name: "FE_NODE", minimum: 5, role: Role::Dataset, id: Some("fe_node"),
@@ -171,6 +176,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::External("geometrically nonlinear beams are not solved by the built-in solver"),
         doc: "Node of an FE part.",
         source: "fe_part/fe_part_welcome.1.3.html",
+        unchecked: "its own page; arguments as ADAMS/View and a real deck have them",
     },
     StatementDef {
         name: "FE_LOAD", minimum: 4, role: Role::Dataset, id: Some("fe_load"),
@@ -190,6 +196,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::External("geometrically nonlinear beams are not solved by the built-in solver"),
         doc: "Load distributed along an FE part.",
         source: "adams_solver/fe_load.html",
+        unchecked: "",
     },
     StatementDef {
         name: "MATERIAL", minimum: 4, role: Role::Dataset, id: Some("material"),
@@ -207,6 +214,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::NoEffect("masses are stated in PART"),
         doc: "Material of graphics, FE parts and ADAMS/View.",
         source: "fe_part/fe_part_welcome.1.3.html",
+        unchecked: "its own page; E, G and NU",
     },
     StatementDef {
         name: "SECTION", minimum: 3, role: Role::Dataset, id: Some("section"),
@@ -238,6 +246,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::External("geometrically nonlinear beams are not solved by the built-in solver"),
         doc: "Cross section of an FE part.",
         source: "fe_part/fe_part_welcome.1.3.html",
+        unchecked: "its own page",
     },
     StatementDef {
         name: "GRAPHICS", minimum: 2, role: Role::Dataset, id: Some("graphics"),
@@ -315,6 +324,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::NoEffect("graphics carry no load"),
         doc: "What ADAMS draws, and the geometry of CONTACT.",
         source: "adams_solver/fstate_graphics.html",
+        unchecked: "ARROW, CIRCLES, CLOSE, MATRIX, POLYLINE and SHELL",
     },
     StatementDef {
         name: "SIMULATE", minimum: 3, role: Role::Command, id: None,
@@ -337,6 +347,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("simulation"),
         doc: "Runs an analysis.",
         source: "adams_solver/com_simulate.html",
+        unchecked: "",
     },
     StatementDef {
         name: "ACTIVATE", minimum: 3, role: Role::Command, id: None,
@@ -381,6 +392,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("activation"),
         doc: "Turns statements on.",
         source: "adams_solver/com_activate.html",
+        unchecked: "the kinds behind COUPLER",
     },
     StatementDef {
         name: "DEACTIVATE", minimum: 5, role: Role::Command, id: None,
@@ -425,6 +437,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("activation"),
         doc: "Turns statements off.",
         source: "adams_solver/com_deactivate.html",
+        unchecked: "the kinds behind COUPLER",
     },
     StatementDef {
         name: "FILE", minimum: 4, role: Role::Command, id: None,
@@ -437,6 +450,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("file"),
         doc: "Reads a dataset or a command file.",
         source: "adams_solver/com_file.html",
+        unchecked: "",
     },
     StatementDef {
         name: "SAVE", minimum: 4, role: Role::Command, id: None,
@@ -451,6 +465,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("saved state"),
         doc: "Saves the state.",
         source: "adams_solver/com_reload.html",
+        unchecked: "its own page; RELOAD tells what it wrote",
     },
     StatementDef {
         name: "RELOAD", minimum: 3, role: Role::Command, id: None,
@@ -466,6 +481,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("saved state"),
         doc: "Restores a saved state.",
         source: "adams_solver/com_reload.html",
+        unchecked: "",
     },
     StatementDef {
         name: "LINEAR", minimum: 3, role: Role::Command, id: None,
@@ -503,6 +519,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::External("the built-in solver computes no eigenvalues"),
         doc: "Linearizes the model.",
         source: "adams_solver/com_linear.html",
+        unchecked: "the tables, and the arguments of EXPORT",
     },
     StatementDef {
         name: "CONTROL", minimum: 5, role: Role::Command, id: None,
@@ -514,6 +531,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::External("the control is in a user subroutine"),
         doc: "Runs a user-written control subroutine.",
         source: "adams_solver/solver_about.01.09.html",
+        unchecked: "its own page",
     },
     StatementDef {
         name: "STOP", minimum: 4, role: Role::Command, id: None,
@@ -523,6 +541,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("stop"),
         doc: "Ends the run.",
         source: "manual C++ Commands, list of commands",
+        unchecked: "",
     },
     StatementDef {
         name: "HELP", minimum: 3, role: Role::Command, id: None,
@@ -533,6 +552,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::NoEffect("only prints"),
         doc: "Prints help.",
         source: "manual C++ Commands, list of commands",
+        unchecked: "the arguments",
     },
     StatementDef {
         name: "INFO", minimum: 3, role: Role::Command, id: None,
@@ -549,6 +569,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::NoEffect("only prints"),
         doc: "Prints values of the model.",
         source: "adams_solver/com_info.html",
+        unchecked: "",
     },
     StatementDef {
         name: "MENU", minimum: 4, role: Role::Command, id: None,
@@ -560,6 +581,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::NoEffect("for interactive use"),
         doc: "Menus of interactive use.",
         source: "manual C++ Commands, list of commands",
+        unchecked: "the arguments",
     },
     StatementDef {
         name: "SHOW", minimum: 4, role: Role::Command, id: None,
@@ -573,6 +595,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::NoEffect("only prints"),
         doc: "Shows settings.",
         source: "manual C++ Commands, list of commands",
+        unchecked: "the arguments",
     },
     StatementDef {
         name: "TIME", minimum: 4, role: Role::Command, id: None,
@@ -582,6 +605,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::NoEffect("only prints"),
         doc: "Prints the simulation time.",
         source: "manual C++ Commands, list of commands",
+        unchecked: "the arguments",
     },
     StatementDef {
         name: "JOINT", minimum: 1, role: Role::Both, id: Some("joint"),
@@ -627,6 +651,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("joint"),
         doc: "Constraint between two markers that stands for a physical joint.",
         source: "adams_solver/fstate_joint.html",
+        unchecked: "",
     },
     StatementDef {
         name: "JPRIM", minimum: 2, role: Role::Dataset, id: Some("jprim"),
@@ -644,6 +669,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("primitive"),
         doc: "Constraint primitive between two markers.",
         source: "adams_solver/state_jprim.html",
+        unchecked: "",
     },
     StatementDef {
         name: "COUPLER", minimum: 4, role: Role::Dataset, id: Some("coupler"),
@@ -658,6 +684,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("coupler"),
         doc: "Linear relation of two or three joint displacements.",
         source: "adams_solver/fstate_coupler.html",
+        unchecked: "",
     },
     StatementDef {
         name: "GEAR", minimum: 2, role: Role::Dataset, id: Some("gear"),
@@ -669,6 +696,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("gear"),
         doc: "Gear pair through the common velocity of a point.",
         source: "adams_solver/state_gear.html",
+        unchecked: "",
     },
     StatementDef {
         name: "GCON", minimum: 2, role: Role::Both, id: Some("gcon"),
@@ -681,6 +709,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("general constraint"),
         doc: "A function that is held at zero.",
         source: "adams_solver/state_gcon.html",
+        unchecked: "",
     },
     StatementDef {
         name: "UCON", minimum: 2, role: Role::Dataset, id: Some("ucon"),
@@ -691,6 +720,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::External("the equations are in a user subroutine"),
         doc: "Constraint from a FORTRAN subroutine.",
         source: "adams_solver/fstate_ucon.html",
+        unchecked: "",
     },
     StatementDef {
         name: "PTCV", minimum: 2, role: Role::Dataset, id: Some("ptcv"),
@@ -707,6 +737,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::External("curves are not solved by the built-in solver"),
         doc: "A point that stays on a curve.",
         source: "adams_solver/fstate_ptcv.html",
+        unchecked: "",
     },
     StatementDef {
         name: "CVCV", minimum: 2, role: Role::Dataset, id: Some("cvcv"),
@@ -728,6 +759,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::External("curves are not solved by the built-in solver"),
         doc: "Two curves that stay tangent.",
         source: "adams_solver/fstate_cvcv.html",
+        unchecked: "",
     },
     StatementDef {
         name: "MOTION", minimum: 3, role: Role::Both, id: Some("motion"),
@@ -756,6 +788,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("motion"),
         doc: "Prescribed displacement, velocity or acceleration.",
         source: "adams_solver/state_motion.html",
+        unchecked: "",
     },
     StatementDef {
         name: "VARIABLE", minimum: 3, role: Role::Both, id: Some("variable"),
@@ -774,6 +807,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("variable"),
         doc: "Algebraic state: the value of a function, possibly implicit.",
         source: "adams_solver/state_variable.html",
+        unchecked: "",
     },
     StatementDef {
         name: "DIFF", minimum: 3, role: Role::Both, id: Some("diff"),
@@ -790,6 +824,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("differential equation"),
         doc: "Differential equation of first order.",
         source: "adams_solver/state_diff.html",
+        unchecked: "",
     },
     StatementDef {
         name: "LSE", minimum: 3, role: Role::Dataset, id: Some("lse"),
@@ -808,6 +843,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("linear states"),
         doc: "Linear state equations.",
         source: "adams_solver/state_lse.html",
+        unchecked: "",
     },
     StatementDef {
         name: "GSE", minimum: 3, role: Role::Dataset, id: Some("gse"),
@@ -839,6 +875,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::External("the equations are in user subroutines"),
         doc: "General state equations from subroutines.",
         source: "adams_solver/fstate_gse.html",
+        unchecked: "XXFLAG and its likes, NI",
     },
     StatementDef {
         name: "TFSISO", minimum: 2, role: Role::Dataset, id: Some("tfsiso"),
@@ -854,6 +891,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("transfer function"),
         doc: "Transfer function of one input and one output.",
         source: "adams_solver/fstate_tire.html",
+        unchecked: "",
     },
     StatementDef {
         name: "ARRAY", minimum: 2, role: Role::Both, id: Some("array"),
@@ -871,6 +909,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("array"),
         doc: "Numbers, states, inputs or outputs.",
         source: "adams_solver/state_array.html",
+        unchecked: "",
     },
     StatementDef {
         name: "STRING", minimum: 3, role: Role::Both, id: Some("string"),
@@ -882,6 +921,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::NoEffect("only user subroutines read it"),
         doc: "A text for subroutines.",
         source: "adams_solver/state_string.html",
+        unchecked: "",
     },
     StatementDef {
         name: "MATRIX", minimum: 4, role: Role::Dataset, id: Some("matrix"),
@@ -902,6 +942,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("matrix"),
         doc: "A matrix.",
         source: "adams_solver/fstate_matrix.html",
+        unchecked: "FUNCTION and ROUTINE",
     },
     StatementDef {
         name: "SPLINE", minimum: 3, role: Role::Both, id: Some("spline"),
@@ -920,6 +961,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("spline"),
         doc: "Points to interpolate.",
         source: "adams_solver/state_spline.html",
+        unchecked: "",
     },
     StatementDef {
         name: "CURVE", minimum: 3, role: Role::Dataset, id: Some("curve"),
@@ -939,6 +981,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::External("curves are not solved by the built-in solver"),
         doc: "Parametric curve.",
         source: "adams_solver/fstate_curve.html",
+        unchecked: "OPEN and CONTROL_POINTS",
     },
     StatementDef {
         name: "SURFACE", minimum: 3, role: Role::Dataset, id: Some("surface"),
@@ -955,6 +998,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::External("surfaces are not solved by the built-in solver"),
         doc: "Parametric surface.",
         source: "adams_solver/state_surface.html",
+        unchecked: "",
     },
     StatementDef {
         name: "SENSOR", minimum: 3, role: Role::Both, id: Some("sensor"),
@@ -985,6 +1029,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("sensor"),
         doc: "Acts when a function reaches a value.",
         source: "adams_solver/state_sensor.html",
+        unchecked: "whether TERROR or TIME_ERROR is the spelling",
     },
     StatementDef {
         name: "PINPUT", minimum: 3, role: Role::Dataset, id: Some("pinput"),
@@ -995,6 +1040,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::NoEffect("a list of variables for LINEAR and co-simulation"),
         doc: "Inputs of a plant.",
         source: "adams_solver/state_pinput.html",
+        unchecked: "",
     },
     StatementDef {
         name: "POUTPUT", minimum: 3, role: Role::Dataset, id: Some("poutput"),
@@ -1005,6 +1051,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::NoEffect("a list of variables for LINEAR and co-simulation"),
         doc: "Outputs of a plant.",
         source: "adams_solver/state_poutput.html",
+        unchecked: "",
     },
     StatementDef {
         name: "PSTATE", minimum: 2, role: Role::Dataset, id: Some("pstate"),
@@ -1015,6 +1062,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::NoEffect("for LINEAR"),
         doc: "Coordinates of the user for LINEAR; C++ solver.",
         source: "adams_solver/state_pstate.html",
+        unchecked: "",
     },
     StatementDef {
         name: "CBKSUB", minimum: 6, role: Role::Dataset, id: Some("cbksub"),
@@ -1027,6 +1075,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::External("the callbacks are in a user subroutine"),
         doc: "User subroutine the C++ solver calls at the milestones of a run.",
         source: "adams_solver/solver_c_plus_statements.02.09.html",
+        unchecked: "",
     },
     StatementDef {
         name: "ACCGRAV", minimum: 3, role: Role::Both, id: None,
@@ -1040,6 +1089,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("gravity"),
         doc: "Gravity.",
         source: "adams_solver/state_accgrav.html",
+        unchecked: "",
     },
     StatementDef {
         name: "BEAM", minimum: 2, role: Role::Both, id: Some("beam"),
@@ -1064,6 +1114,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("beam"),
         doc: "Massless linear Timoshenko beam between two markers.",
         source: "adams_solver/fstate_beam.html",
+        unchecked: "",
     },
     StatementDef {
         name: "BUSHING", minimum: 2, role: Role::Both, id: Some("bushing"),
@@ -1082,6 +1133,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("bushing"),
         doc: "Massless linear spring and damper in six directions.",
         source: "adams_solver/state_bushing.html",
+        unchecked: "",
     },
     StatementDef {
         name: "FIELD", minimum: 2, role: Role::Both, id: Some("field"),
@@ -1103,6 +1155,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("field"),
         doc: "Six-component force from full stiffness and damping matrices.",
         source: "adams_solver/state_field.html",
+        unchecked: "the spelling of FORMULATION and LENGTH_TOL",
     },
     StatementDef {
         name: "SPRINGDAMPER", minimum: 2, role: Role::Both, id: Some("springdamper"),
@@ -1125,6 +1178,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("spring damper"),
         doc: "Linear spring and damper along a line or about an axis.",
         source: "adams_solver/state_springdamper.html",
+        unchecked: "",
     },
     StatementDef {
         name: "SFORCE", minimum: 2, role: Role::Both, id: Some("sforce"),
@@ -1143,6 +1197,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("single-component force"),
         doc: "Force along a line, or torque about an axis, from a function.",
         source: "adams_solver/state_sforce.html",
+        unchecked: "",
     },
     StatementDef {
         name: "VFORCE", minimum: 2, role: Role::Both, id: Some("vforce"),
@@ -1162,6 +1217,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("vector force"),
         doc: "Three force components from functions.",
         source: "adams_solver/com_vforce.html",
+        unchecked: "",
     },
     StatementDef {
         name: "VTORQUE", minimum: 2, role: Role::Both, id: Some("vtorque"),
@@ -1181,6 +1237,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("vector torque"),
         doc: "Three torque components from functions.",
         source: "adams_solver/state_vtorque.html",
+        unchecked: "",
     },
     StatementDef {
         name: "GFORCE", minimum: 2, role: Role::Both, id: Some("gforce"),
@@ -1204,6 +1261,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("general force"),
         doc: "Three force and three torque components from functions.",
         source: "adams_solver/state_gforce.html",
+        unchecked: "",
     },
     StatementDef {
         name: "MFORCE", minimum: 2, role: Role::Both, id: Some("mforce"),
@@ -1221,6 +1279,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::External("acts on the modes of a FLEX_BODY"),
         doc: "Modal force on a flexible body.",
         source: "adams_solver/state_mforce.html",
+        unchecked: "",
     },
     StatementDef {
         name: "NFORCE", minimum: 2, role: Role::Dataset, id: Some("nforce"),
@@ -1237,6 +1296,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("multi-point force"),
         doc: "Linear forces among several markers, from matrices.",
         source: "adams_solver/state_nforce.html",
+        unchecked: "",
     },
     StatementDef {
         name: "TIRE", minimum: 2, role: Role::Dataset, id: Some("tire"),
@@ -1255,7 +1315,8 @@ pub static STATEMENTS: &[StatementDef] = &[
         presence: &[],
         solved: Solved::External("tyre models are not solved by the built-in solver"),
         doc: "Tyre, FORTRAN solver.",
-        source: "adams_solver/fstate_tire.html",
+        source: "MSC article 10107, which calls it a legacy statement",
+        unchecked: "everything",
     },
     StatementDef {
         name: "FRICTION", minimum: 3, role: Role::Both, id: Some("friction"),
@@ -1296,6 +1357,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::NoEffect("friction is switched off in the built-in static solver; in ADAMS stiction also acts in statics unless INACTIVE=STATIC"),
         doc: "Friction in a joint.",
         source: "adams_solver/state_friction.html",
+        unchecked: "",
     },
     StatementDef {
         name: "CONTACT", minimum: 4, role: Role::Both, id: Some("contact"),
@@ -1347,6 +1409,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::External("contact detection is not done by the built-in solver"),
         doc: "Contact of geometries.",
         source: "adams_solver/state_contact.html",
+        unchecked: "how arguments since 2020 are spelled: stiction, edges, faces",
     },
     StatementDef {
         name: "CLEARANCE", minimum: 5, role: Role::Dataset, id: Some("clearance"),
@@ -1365,6 +1428,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::External("geometries are not read by the built-in solver"),
         doc: "Smallest distance of geometries, as a measure.",
         source: "adams_solver/solver_c_plus_statements.02.10.html",
+        unchecked: "",
     },
     StatementDef {
         name: "OUTPUT", minimum: 3, role: Role::Both, id: None,
@@ -1406,6 +1470,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("output settings"),
         doc: "What is written beside the results.",
         source: "adams_solver/state_output.html",
+        unchecked: "NOREQSAVE, NOGRSAVE and SEPARATOR",
     },
     StatementDef {
         name: "RESULTS", minimum: 3, role: Role::Dataset, id: None,
@@ -1436,6 +1501,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("results settings"),
         doc: "What is written to the results file.",
         source: "adams_solver/fstate_results.html",
+        unchecked: "NOCONTACTS, NOTIRES, ROUNDOFF, SIGNIFICANTFIGURES and ZEROTHRESHOLD",
     },
     StatementDef {
         name: "REQUEST", minimum: 1, role: Role::Both, id: Some("request"),
@@ -1469,6 +1535,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("request"),
         doc: "A set of results by name.",
         source: "adams_solver/state_request.html",
+        unchecked: "",
     },
     StatementDef {
         name: "MREQUEST", minimum: 8, role: Role::Dataset, id: Some("mrequest"),
@@ -1489,6 +1556,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::External("the built-in solver writes only REQUEST"),
         doc: "Requests for all objects of a kind; FORTRAN solver.",
         source: "adams_solver/fstate_mrequest.html",
+        unchecked: "the spelling of PARTS, JOINTS and JPRIMS",
     },
     StatementDef {
         name: "FEMDATA", minimum: 3, role: Role::Dataset, id: Some("femdata"),
@@ -1518,6 +1586,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::External("the built-in solver writes no FEM data"),
         doc: "Loads and motions for finite-element programs.",
         source: "adams_solver/state_femdata.html",
+        unchecked: "the spelling of what comes behind FLEX_BODY; GX, GY and GZ",
     },
     StatementDef {
         name: "UNITS", minimum: 2, role: Role::Dataset, id: None,
@@ -1533,6 +1602,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("units"),
         doc: "Units of the dataset.",
         source: "adams_solver/state_units.html",
+        unchecked: "",
     },
     StatementDef {
         name: "EQUILIBRIUM", minimum: 3, role: Role::Both, id: None,
@@ -1564,6 +1634,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("static settings"),
         doc: "Parameters of the search for static equilibrium.",
         source: "adams_solver/state_equil.html",
+        unchecked: "",
     },
     StatementDef {
         name: "IC", minimum: 2, role: Role::Both, id: None,
@@ -1584,6 +1655,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("assembly settings"),
         doc: "Parameters of assembly and initial conditions.",
         source: "adams_solver/com_ic.html",
+        unchecked: "",
     },
     StatementDef {
         name: "KINEMATICS", minimum: 2, role: Role::Both, id: None,
@@ -1605,6 +1677,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::NoEffect("not used in statics"),
         doc: "Parameters of kinematic analysis.",
         source: "adams_solver/state_kinematics.html",
+        unchecked: "",
     },
     StatementDef {
         name: "INTEGRATOR", minimum: 3, role: Role::Both, id: None,
@@ -1646,6 +1719,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::NoEffect("not used in statics"),
         doc: "Parameters of dynamic analysis.",
         source: "adams_solver/state_integrator.html",
+        unchecked: "defaults of HINIT, HMAX, HMIN, MAXIT and KMAX, the spelling of CRATIO, SI1 and RKF45",
     },
     StatementDef {
         name: "LSOLVER", minimum: 2, role: Role::Both, id: None,
@@ -1662,6 +1736,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::NoEffect("the built-in solver has its own"),
         doc: "Linear solver.",
         source: "adams_solver/com_lsolver.html",
+        unchecked: "",
     },
     StatementDef {
         name: "DEBUG", minimum: 3, role: Role::Both, id: None,
@@ -1685,6 +1760,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::NoEffect("only prints"),
         doc: "Output for finding errors.",
         source: "adams_solver/com_debug.html",
+        unchecked: "the words with NO, MATLAB and TOPOLOGY",
     },
     StatementDef {
         name: "PREFERENCES", minimum: 4, role: Role::Both, id: None,
@@ -1704,6 +1780,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::NoEffect("preferences of real ADAMS"),
         doc: "Preferences of the solver.",
         source: "adams_view_cmd executive_control set preferences",
+        unchecked: "FLEX_BODY_FORMULATION, STATUS_MESSAGE and SIMFAIL; of the others the spelling",
     },
     StatementDef {
         name: "ENVIRONMENT", minimum: 3, role: Role::Both, id: None,
@@ -1717,6 +1794,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::NoEffect("for user libraries of real ADAMS"),
         doc: "An environment variable.",
         source: "adams_solver/solver_c_plus_commands.04.11.html",
+        unchecked: "",
     },
     StatementDef {
         name: "SYSTEM", minimum: 3, role: Role::Dataset, id: None,
@@ -1727,7 +1805,8 @@ pub static STATEMENTS: &[StatementDef] = &[
         presence: &[],
         solved: Solved::NoEffect("for the FORTRAN solver"),
         doc: "System settings of the FORTRAN solver.",
-        source: "adams_solver/fstate_system.html",
+        source: "no page was found",
+        unchecked: "everything",
     },
     StatementDef {
         name: "LIST", minimum: 3, role: Role::Dataset, id: None,
@@ -1737,6 +1816,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::NoEffect("only prints"),
         doc: "Echo of the input on.",
         source: "ADAMS-FORMATS 1.1",
+        unchecked: "",
     },
     StatementDef {
         name: "NOLIST", minimum: 6, role: Role::Dataset, id: None,
@@ -1746,6 +1826,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::NoEffect("only prints"),
         doc: "Echo of the input off.",
         source: "ADAMS-FORMATS 1.1",
+        unchecked: "",
     },
     StatementDef {
         name: "END", minimum: 3, role: Role::Dataset, id: None,
@@ -1755,6 +1836,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("end"),
         doc: "The end of the dataset; what follows is ignored.",
         source: "adams_solver/state_end.html",
+        unchecked: "",
     },
     StatementDef {
         name: "TITLE", minimum: 3, role: Role::Dataset, id: None,
@@ -1764,6 +1846,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         solved: Solved::Native("title"),
         doc: "The first line of a dataset, whatever it holds; no keyword.",
         source: "ADAMS-FORMATS 1.1",
+        unchecked: "",
     },
 ];
 

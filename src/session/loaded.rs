@@ -62,15 +62,7 @@ impl Loaded {
         diagnostics.extend(files.diagnostics);
         diagnostics.extend(lowered.diagnostics);
         diagnostics.extend(not_written(&parsed.value));
-        for diagnostic in &mut diagnostics {
-            // What is not understood would be missing in the answer.
-            if matches!(
-                diagnostic.code,
-                Code::UnknownStatement | Code::UnknownArgument | Code::AmbiguousKeyword
-            ) {
-                diagnostic.severity = Severity::Error;
-            }
-        }
+        let diagnostics = diagnostics.into_iter().map(as_error).collect();
         Checked {
             value: Self {
                 model: lowered.value,
@@ -239,4 +231,18 @@ fn carry_over(state: &mut State, before: State) {
     if state.measure_angles.len() == before.measure_angles.len() {
         state.measure_angles = before.measure_angles;
     }
+}
+
+/// A word that is not understood is an error: what it should have changed would be missing in the answer. A note
+/// stays one: the word may be right, since not all arguments of its statement are known.
+pub(super) fn as_error(mut diagnostic: Diagnostic) -> Diagnostic {
+    if diagnostic.severity != Severity::Note
+        && matches!(
+            diagnostic.code,
+            Code::UnknownStatement | Code::UnknownArgument | Code::AmbiguousKeyword
+        )
+    {
+        diagnostic.severity = Severity::Error;
+    }
+    diagnostic
 }

@@ -5,7 +5,7 @@ use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::syntax::{CommandFile, Statement};
 use crate::text::Source;
 
-use super::loaded::Loaded;
+use super::loaded::{Loaded, as_error};
 use super::located::Sources;
 use super::message::Messages;
 use super::outputs::Outputs;
@@ -253,7 +253,7 @@ impl<'a> Session<'a> {
             while let Some(complaint) =
                 complaints.next_if(|complaint| place_in_file(complaint) <= line.echo.end())
             {
-                let complaint = as_command_error(complaint);
+                let complaint = as_error(complaint);
                 self.complain(&complaint);
                 if complaint.severity == Severity::Error {
                     broken.push(place_in_file(&complaint));
@@ -492,17 +492,6 @@ fn place_in_file(diagnostic: &Diagnostic) -> usize {
         .labels
         .first()
         .map_or(0, |label| label.span.start())
-}
-
-/// A word of a command file that is not understood is an error: what it should have changed would be missing in the answer.
-fn as_command_error(mut diagnostic: Diagnostic) -> Diagnostic {
-    if matches!(
-        diagnostic.code,
-        Code::UnknownStatement | Code::UnknownArgument | Code::AmbiguousKeyword
-    ) {
-        diagnostic.severity = Severity::Error;
-    }
-    diagnostic
 }
 
 /// The base name of a model: what its output files are called unless a prefix is given.

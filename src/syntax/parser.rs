@@ -290,17 +290,24 @@ impl<'a> StatementParser<'a> {
                 ),
                 Some(format!("write one of {}", names.join(", "))),
             ),
-            Err(Missed::Unknown(near)) => (
-                Diagnostic::warning(
-                    Code::UnknownArgument,
-                    format!(
-                        "{} has no argument {}",
-                        statement.name,
-                        self.source.text(span)
-                    ),
-                ),
-                near.map(|near| format!("did you mean {near}?")),
-            ),
+            Err(Missed::Unknown(near)) => {
+                let typed = self.source.text(span);
+                let name = statement.name;
+                if near.is_none() && !statement.unchecked.is_empty() {
+                    let text = format!("{typed} of {name} is not known here; it is kept");
+                    let help = "the list of its arguments may lack some: see `admire explain`";
+                    (
+                        Diagnostic::note(Code::UnknownArgument, text),
+                        Some(help.to_string()),
+                    )
+                } else {
+                    let text = format!("{name} has no argument {typed}");
+                    (
+                        Diagnostic::warning(Code::UnknownArgument, text),
+                        near.map(|near| format!("did you mean {near}?")),
+                    )
+                }
+            }
         };
         let diagnostic = match help {
             Some(help) => diagnostic.help(help),

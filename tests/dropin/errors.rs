@@ -47,6 +47,24 @@ fn a_misspelt_keyword_in_the_deck() {
     insta::assert_snapshot!(said(&deck, RUN));
 }
 
+/// `PROFILE` is in no page that could be read, whose lists are not whole for INTEGRATOR: the deck runs, and says so. A SPRINGDAMPER is
+/// known whole.
+#[test]
+fn an_argument_of_a_statement_known_in_part() {
+    let deck = |line: &str| SLIDER.replacen("END", &format!("{line}\nEND"), 1);
+    let said_in_part = said(&deck("INTEGRATOR/PROFILE"), RUN);
+    assert!(said_in_part.starts_with("exit code 0"), "{said_in_part}");
+    assert!(said_in_part.contains("PROFILE of INTEGRATOR is not known here"));
+    let deck = SLIDER.replace("SPRINGDAMPER/1", "SPRINGDAMPER/1, PROFILE");
+    assert_ne!(deck, SLIDER);
+    let said = said(&deck, RUN);
+    assert!(
+        said.contains("SPRINGDAMPER has no argument PROFILE"),
+        "{said}"
+    );
+    assert!(said.contains("cannot be simulated"), "{said}");
+}
+
 #[test]
 fn a_misspelt_command() {
     insta::assert_snapshot!(said(
