@@ -119,7 +119,11 @@ fn page(word: &str) -> Result<String, String> {
         .map(|name| (name.to_ascii_uppercase(), name))
         .collect();
     let near = nearest(word, capitals.iter().map(|(upper, _)| upper.as_str()))
-        .and_then(|upper| capitals.iter().find(|(name, _)| name == upper));
+        .and_then(|upper| capitals.iter().find(|(name, _)| name == upper))
+        .or_else(|| {
+            let begins = |name: &str| !word.is_empty() && name.starts_with(&word.to_uppercase());
+            capitals.iter().find(|(name, _)| begins(name))
+        });
     Err(match near {
         Some((_, name)) => format!("nothing is called `{word}`; did you mean `{name}`?\n"),
         None => format!("nothing is called `{word}`; `admire explain` lists all there is\n"),

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap_complete::ArgValueCompleter;
 
 use crate::diagnostic::{Code, Diagnostic};
+use crate::grammar::nearest;
 use crate::results::{AnyResults, ResultsError, Selection, open_any};
 
 use super::Outcome;
@@ -39,12 +40,23 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         let patterns: Vec<&str> = arguments.get.iter().map(String::as_str).collect();
         let (selection, unused) = Selection::matching(reader.catalogue(), &patterns);
         if let Some(pattern) = unused.first() {
+            let paths: Vec<String> = Selection::all(reader.catalogue())
+                .columns
+                .into_iter()
+                .map(|column| column.path)
+                .collect();
+            let capitals: Vec<String> = paths.iter().map(|path| path.to_uppercase()).collect();
+            let near = nearest(pattern, capitals.iter().map(String::as_str))
+                .and_then(|near| capitals.iter().position(|path| path == near));
             return Err(shell.fail(
                 Diagnostic::error(
                     Code::UndefinedId,
                     format!("no column of the file is called `{pattern}`"),
                 )
-                .help("`admire results FILE --list` shows what there is"),
+                .help(match near {
+                    Some(at) => format!("did you mean `{}`?", paths[at]),
+                    None => "`admire results FILE --list` shows what there is".to_string(),
+                }),
             ));
         }
         let mut output = BufWriter::new(std::io::stdout().lock());

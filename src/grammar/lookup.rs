@@ -131,8 +131,13 @@ pub fn find_function(typed: &[u8]) -> Option<&'static FunctionDef> {
 /// The name nearest to what was typed by edit distance, if any is near enough to be what was meant.
 pub fn nearest<'a>(typed: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let typed = typed.to_ascii_uppercase();
+    if typed.is_empty() {
+        return None;
+    }
     let limit = (typed.len() / 3).max(1);
     names
+        // Words of very different length are far apart: this is not counted for 10 MB of letters.
+        .filter(|name| name.len().abs_diff(typed.len()) <= limit)
         .map(|name| (distance(typed.as_bytes(), name.as_bytes()), name))
         .filter(|(d, _)| *d <= limit)
         .min()

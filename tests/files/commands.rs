@@ -400,3 +400,24 @@ fn commands_are_linted_each_by_itself() {
         ]
     );
 }
+
+#[test]
+fn what_is_misspelt_is_suggested() {
+    let folder = Folder::new();
+    for (arguments, said) in [
+        (&["explain", "bushng"][..], "`BUSHING`"),
+        (&["explain", "wrong-dim"], "`wrong-dimension`"),
+        (&["explain", ""], "lists all there is"),
+        (&["get", "a.adm", "amr.MASS"], "did you mean ARM?"),
+        (&["get", "a.adm", "PART/2.MAS5"], "did you mean MASS?"),
+    ] {
+        let (code, out, err) = folder.said(arguments);
+        assert_eq!(code, 1, "{arguments:?}");
+        assert!((out + &err).contains(said), "{arguments:?}: {err}");
+    }
+    // A word of 10 MB is not compared letter by letter with all words there are.
+    let kind = "A".repeat(10_000_000);
+    let json = serde_json::json!({ "statements": [{ "kind": kind }] });
+    folder.write("a.json", json.to_string().as_bytes());
+    assert_eq!(folder.said(&["import", "a.adm", "a.json"]).0, 1);
+}
