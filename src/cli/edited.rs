@@ -22,14 +22,19 @@ pub(super) fn still_good(before: &Dataset, after: &Dataset, shell: &mut Shell) -
     if before.bytes() == after.bytes() {
         return true;
     }
-    let options = Options::default();
-    let (old, new) = (lint::check(before, &options), lint::check(after, &options));
-    let found: Vec<Diagnostic> = beyond(&old, &new).into_iter().cloned().collect();
+    let found = faults(before, after);
     shell.sources.add(after.source().clone());
     shell.complain(&found);
     !found
         .iter()
         .any(|found| matches!(found.code, Code::WrongCount | Code::WrongType))
+}
+
+/// The errors `admire check` finds in the new deck and not in the old one, at the places of the new text.
+pub(super) fn faults(before: &Dataset, after: &Dataset) -> Vec<Diagnostic> {
+    let options = Options::default();
+    let (old, new) = (lint::check(before, &options), lint::check(after, &options));
+    beyond(&old, &new).into_iter().cloned().collect()
 }
 
 /// Errors of `new` that are not in `old`, whatever their places.

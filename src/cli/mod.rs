@@ -3,6 +3,7 @@
 //! The only place that prints, colours and asks. Knows no formats and no mechanics: every subcommand calls one function of a
 //! lower floor and shows what came back.
 
+mod add;
 mod addresses;
 mod check;
 mod compare;
@@ -21,6 +22,7 @@ mod install_shims;
 mod interrupt;
 mod permissions;
 mod record;
+mod remove;
 mod render;
 mod renumber;
 mod reproduce;
@@ -64,6 +66,8 @@ enum Command {
     Fix(fix::Arguments),
     Get(get::Arguments),
     Set(set::Arguments),
+    Add(add::Arguments),
+    Remove(remove::Arguments),
     Diff(diff::Arguments),
     Summary(summary::Arguments),
     Renumber(renumber::Arguments),
@@ -93,6 +97,8 @@ pub fn main() -> ExitCode {
         Command::Fix(arguments) => fix::run(&arguments, &mut shell),
         Command::Get(arguments) => get::run(&arguments, &mut shell),
         Command::Set(arguments) => set::run(&arguments, &mut shell),
+        Command::Add(arguments) => add::run(&arguments, &mut shell),
+        Command::Remove(arguments) => remove::run(&arguments, &mut shell),
         Command::Diff(arguments) => diff::run(&arguments, &mut shell),
         Command::Summary(arguments) => summary::run(&arguments, &mut shell),
         Command::Renumber(arguments) => renumber::run(&arguments, &mut shell),

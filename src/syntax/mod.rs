@@ -28,6 +28,7 @@ mod spelling;
 mod statement;
 mod style;
 mod token;
+mod typed;
 mod value;
 
 pub use address::Address;

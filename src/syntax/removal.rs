@@ -5,15 +5,26 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::text::{Edit, Span};
 
 impl Dataset {
-    /// Edits that remove a statement with the comments that name it.
+    /// Edits that remove a statement with the comments that name it, or one of its arguments.
     ///
     /// # Errors
-    /// `undefined-id` if it is not there; `missing-argument` if markers behind it are on it without naming it: without it they
+    /// `undefined-id` if it is not there, `unknown-argument` if its argument is not; `missing-argument` if markers behind it are on it without naming it: without it they
     /// would be on another body.
     pub fn remove(&self, address: &Address) -> Result<Vec<Edit>, Diagnostic> {
         let at = self
             .position(&address.kind, address.id)
             .ok_or_else(|| self.absent(address))?;
+        if let Some(name) = &address.argument {
+            let statement = &self.statements()[at];
+            let mut written = statement.all(name).peekable();
+            if written.peek().is_none() {
+                let message = format!("{address} is not written");
+                return Err(self.refuse(Code::UnknownArgument, message, statement.keyword));
+            }
+            return Ok(written
+                .map(|argument| self.without(statement, argument))
+                .collect());
+        }
         match self.carried(at).next() {
             Some(marker) => Err(self.stranded(at, marker)),
             None => Ok(vec![self.without_statement(&self.statements()[at])]),

@@ -194,7 +194,7 @@ impl Argument {
 }
 
 /// A text over several lines as one line: line ends, `&` before them and commas after them become one blank.
-fn without_continuation(text: &str) -> String {
+pub(super) fn without_continuation(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for line in text.split(['\n', '\r']) {
         let line = line.trim();

@@ -64,6 +64,18 @@ fn every_command_works_on_every_real_deck() {
     decks().par_iter().for_each(|(path, bytes, folder)| {
         let deck = path.to_str().expect("a name");
         let at = |name: &str| folder.path().join(name).display().to_string();
+        // What is added goes again without a trace.
+        let marker = "MARKER/987654, PART=1, QP=1, 2, 3";
+        let added = admire(&["add", deck, marker, "--name", "new", "-o", &at("added.adm")]);
+        assert_eq!(code(&added), 0, "{deck}: {}", text(&added));
+        let place = admire(&["get", &at("added.adm"), "MARKER/987654.QP.3"]);
+        assert_eq!(text(&place).trim(), "3.0", "{deck}");
+        let gone = ["remove", &at("added.adm"), "new", "-o", &at("gone.adm")];
+        assert_eq!(code(&admire(&gone)), 0, "{deck}");
+        assert!(
+            std::fs::read(at("gone.adm")).expect("written") == *bytes,
+            "{deck}"
+        );
         let original = dataset(deck, bytes);
 
         let checked = admire(&["check", deck, "--format", "json"]);

@@ -1,0 +1,88 @@
+use std::path::PathBuf;
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::syntax::{Dataset, NewStatement};
+use crate::text::Source;
+
+use super::Outcome;
+use super::edited::{faults, new_errors};
+use super::shell::{Exit, Shell};
+use super::target::Target;
+
+/// Add statements to a dataset, in its own style: continuation marks, line ends, name comments.
+///
+/// A statement stands behind the last one of its kind, or before END; nothing else of the deck changes. Without -o or
+/// --in-place the new deck goes to standard output.
+#[derive(clap::Args, Debug)]
+pub(super) struct Arguments {
+    /// The dataset.
+    deck: PathBuf,
+    /// `MARKER/99, PART=2, QP=1,2,3`, ...
+    #[arg(required = true, value_name = "STATEMENT")]
+    statements: Vec<String>,
+    /// The view name of the statement, where one is added.
+    #[arg(long)]
+    name: Option<String>,
+    /// Write a deck with new faults too, such as a marker that is not there.
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    target: Target,
+}
+
+/// Writes the larger deck.
+pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    let source = shell.read(&arguments.deck)?;
+    let original = Dataset::parse(source);
+    let mut new = Vec::new();
+    for text in &arguments.statements {
+        let typed = Source::new("statement", text.as_bytes());
+        shell.sources.add(typed.clone());
+        let read = NewStatement::read(&typed);
+        shell.complain(&read.diagnostics);
+        if read.value.is_empty() {
+            return Err(shell.fail(Diagnostic::error(
+                Code::SyntaxError,
+                format!("`{text}` is not a statement that can be added"),
+            )));
+        }
+        new.extend(read.value);
+    }
+    match (&arguments.name, new.as_mut_slice()) {
+        (None, _) => {}
+        (Some(name), [one]) if !name.contains(['\'', '\n', '\r']) => {
+            one.view_name = Some(name.clone());
+        }
+        (Some(name), _) => {
+            let message = format!("`{name}` cannot be the name");
+            let help = "a name is for one statement, without quotes and line ends";
+            return Err(shell.usage(Diagnostic::error(Code::SyntaxError, message).help(help)));
+        }
+    }
+    let mut deck = original.clone();
+    for statement in &new {
+        if deck.value.position(&statement.kind, statement.id).is_some() {
+            let id = statement.id.map_or_else(String::new, |id| id.to_string());
+            let message = format!("{}/{id} stands in the deck already", statement.kind);
+            return Err(shell.fail(Diagnostic::error(Code::DuplicateId, message)));
+        }
+        let edits = deck.value.add(statement);
+        deck = deck.value.edited(&edits).map_err(|conflict| {
+            shell.fail(Diagnostic::error(Code::CannotWrite, conflict.to_string()))
+        })?;
+    }
+    let mut found: Vec<Diagnostic> = new_errors(&original, &deck).into_iter().cloned().collect();
+    found.extend(faults(&original.value, &deck.value));
+    shell.sources.add(deck.value.source().clone());
+    shell.complain(&found);
+    if !found.is_empty() && !arguments.force {
+        let message = "nothing is added: the deck would have a new fault";
+        return Err(shell.fail(
+            Diagnostic::error(found[0].code, message).help("add what is missing too, or --force"),
+        ));
+    }
+    arguments
+        .target
+        .deliver(&arguments.deck, deck.value.bytes(), shell)?;
+    Ok(Exit::Fine)
+}

@@ -1,0 +1,67 @@
+use std::path::PathBuf;
+
+use clap_complete::ArgValueCompleter;
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::syntax::Dataset;
+
+use super::Outcome;
+use super::addresses::complete;
+use super::edited::{faults, new_errors};
+use super::get::parse;
+use super::shell::{Exit, Shell};
+use super::target::Target;
+
+/// Take statements out of a dataset, with the comments that name them, or arguments out of statements.
+///
+/// Nothing else of the deck changes. Without -o or --in-place the new deck goes to standard output.
+#[derive(clap::Args, Debug)]
+pub(super) struct Arguments {
+    /// The dataset.
+    deck: PathBuf,
+    /// `JOINT/3`, `front_arm_bushing`, `BUSHING/12.PRELOAD`, ...
+    #[arg(required = true, value_name = "ADDRESS", add = ArgValueCompleter::new(complete))]
+    addresses: Vec<String>,
+    /// Write a deck with new faults too, such as references to what is gone.
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    target: Target,
+}
+
+/// Writes the smaller deck.
+pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    let source = shell.read(&arguments.deck)?;
+    let original = Dataset::parse(source);
+    let mut deck = original.clone();
+    for text in &arguments.addresses {
+        // Names are those of the deck as it was, whatever has gone meanwhile.
+        let address = parse(text, &original.value, shell)?;
+        let edits = if address.index.is_some() {
+            let message = format!("`{text}` is one value of a list");
+            Err(Diagnostic::error(Code::WrongType, message)
+                .help("statements and arguments can be removed"))
+        } else {
+            deck.value.remove(&address)
+        };
+        let edits = edits.map_err(|refused| shell.fail(refused))?;
+        deck = deck.value.edited(&edits).map_err(|conflict| {
+            shell.fail(Diagnostic::error(Code::CannotWrite, conflict.to_string()))
+        })?;
+        shell.sources.add(deck.value.source().clone());
+    }
+    let mut found: Vec<Diagnostic> = new_errors(&original, &deck).into_iter().cloned().collect();
+    found.extend(faults(&original.value, &deck.value));
+    shell.complain(&found);
+    if !found.is_empty() && !arguments.force {
+        let message = "nothing is removed: the deck would have a new fault";
+        return Err(shell.fail(
+            Diagnostic::error(found[0].code, message)
+                .help("remove what refers to it too, or --force"),
+        ));
+    }
+    arguments
+        .target
+        .deliver(&arguments.deck, deck.value.bytes(), shell)?;
+    Ok(Exit::Fine)
+}
