@@ -5,7 +5,7 @@ use crate::syntax::{Dataset, NewStatement};
 use crate::text::Source;
 
 use super::Outcome;
-use super::edited::{faults, new_errors};
+use super::edited::refuse_faults;
 use super::shell::{Exit, Shell};
 use super::target::Target;
 
@@ -71,16 +71,8 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             shell.fail(Diagnostic::error(Code::CannotWrite, conflict.to_string()))
         })?;
     }
-    let mut found: Vec<Diagnostic> = new_errors(&original, &deck).into_iter().cloned().collect();
-    found.extend(faults(&original.value, &deck.value));
     shell.sources.add(deck.value.source().clone());
-    shell.complain(&found);
-    if !found.is_empty() && !arguments.force {
-        let message = "nothing is added: the deck would have a new fault";
-        return Err(shell.fail(
-            Diagnostic::error(found[0].code, message).help("add what is missing too, or --force"),
-        ));
-    }
+    refuse_faults(&original, &deck, arguments.force, shell)?;
     arguments
         .target
         .deliver(&arguments.deck, deck.value.bytes(), shell)?;

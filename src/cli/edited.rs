@@ -6,7 +6,7 @@ use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
 use crate::syntax::lint::{self, Options};
 use crate::syntax::{Argument, Dataset, Statement};
 
-use super::shell::Shell;
+use super::shell::{Exit, Shell};
 
 /// The errors of the reader that a deck has after an edit and had not before.
 pub(super) fn new_errors<'a>(
@@ -30,8 +30,30 @@ pub(super) fn still_good(before: &Dataset, after: &Dataset, shell: &mut Shell) -
         .any(|found| matches!(found.code, Code::WrongCount | Code::WrongType))
 }
 
+/// Gives up, having said why, if a deck has an error that it had not before; with `force` the errors are only told.
+pub(super) fn refuse_faults(
+    before: &Checked<Dataset>,
+    after: &Checked<Dataset>,
+    force: bool,
+    shell: &Shell,
+) -> Result<(), Exit> {
+    let mut found: Vec<Diagnostic> = new_errors(before, after).into_iter().cloned().collect();
+    found.extend(faults(&before.value, &after.value));
+    shell.complain(&found);
+    match found.first() {
+        Some(first) if !force => Err(shell.fail(
+            Diagnostic::error(
+                first.code,
+                "nothing is written: the deck would have a new fault",
+            )
+            .help("change what it concerns too, or --force"),
+        )),
+        _ => Ok(()),
+    }
+}
+
 /// The errors `admire check` finds in the new deck and not in the old one, at the places of the new text.
-pub(super) fn faults(before: &Dataset, after: &Dataset) -> Vec<Diagnostic> {
+fn faults(before: &Dataset, after: &Dataset) -> Vec<Diagnostic> {
     let options = Options::default();
     let (old, new) = (lint::check(before, &options), lint::check(after, &options));
     beyond(&old, &new).into_iter().cloned().collect()

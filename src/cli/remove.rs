@@ -7,7 +7,7 @@ use crate::syntax::Dataset;
 
 use super::Outcome;
 use super::addresses::complete;
-use super::edited::{faults, new_errors};
+use super::edited::refuse_faults;
 use super::get::parse;
 use super::shell::{Exit, Shell};
 use super::target::Target;
@@ -50,16 +50,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         })?;
         shell.sources.add(deck.value.source().clone());
     }
-    let mut found: Vec<Diagnostic> = new_errors(&original, &deck).into_iter().cloned().collect();
-    found.extend(faults(&original.value, &deck.value));
-    shell.complain(&found);
-    if !found.is_empty() && !arguments.force {
-        let message = "nothing is removed: the deck would have a new fault";
-        return Err(shell.fail(
-            Diagnostic::error(found[0].code, message)
-                .help("remove what refers to it too, or --force"),
-        ));
-    }
+    refuse_faults(&original, &deck, arguments.force, shell)?;
     arguments
         .target
         .deliver(&arguments.deck, deck.value.bytes(), shell)?;
