@@ -66,7 +66,7 @@ fn as_json(diagnostic: &Diagnostic, sources: &Sources) -> Value {
                 "end": label.span.end(),
                 "message": label.message,
             });
-            if let Some(source) = sources.get(&label.file) {
+            if let Some(source) = sources.get(&label.file).filter(|_| !label.is_about_all()) {
                 let (from, to) = (
                     source.line_column(label.span.start()),
                     source.line_column(label.span.end()),
@@ -159,7 +159,9 @@ impl<'a> Shown<'a> {
         sources: &Sources,
     ) -> Self {
         let first = diagnostic.labels.first();
-        let source = first.and_then(|label| decoded.get(&*label.file));
+        let source = first
+            .filter(|label| !label.is_about_all())
+            .and_then(|label| decoded.get(&*label.file));
         let mut labels = Vec::new();
         let mut help: Vec<String> = Vec::new();
         for (k, label) in diagnostic.labels.iter().enumerate() {
@@ -173,11 +175,14 @@ impl<'a> Shown<'a> {
                         LabeledSpan::new_with_span(said, span)
                     });
                 }
-                _ => help.push(format!(
-                    "{}: {}",
-                    sources.place(label),
-                    said.as_deref().unwrap_or("here")
-                )),
+                _ => {
+                    let place = sources.place(label);
+                    help.push(match said {
+                        Some(said) => format!("{place}: {said}"),
+                        None if label.is_about_all() => format!("it is about {place}"),
+                        None => format!("{place}: here"),
+                    });
+                }
             }
         }
         help.extend(diagnostic.help.clone());

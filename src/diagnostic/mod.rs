@@ -33,6 +33,13 @@ pub struct Label {
     pub message: String,
 }
 
+impl Label {
+    /// True if it is about the file as a whole: an empty place in front of it.
+    pub fn is_about_all(&self) -> bool {
+        self.span == Span::at(0)
+    }
+}
+
 /// Whether a fix may be applied without asking.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Applicability {

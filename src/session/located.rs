@@ -19,14 +19,14 @@ impl Sources {
         self.0.iter().find(|source| source.name() == name)
     }
 
-    /// `file:line:column` of a label, or the file alone when its text is not at hand.
+    /// `file:line:column` of a label, or the file alone when its text is not at hand or the label is about all of it.
     pub fn place(&self, label: &Label) -> String {
         match self.get(&label.file) {
-            Some(source) => {
+            Some(source) if !label.is_about_all() => {
                 let at = source.line_column(label.span.start());
                 format!("{}:{}:{}", label.file, at.line, at.column)
             }
-            None => label.file.to_string(),
+            _ => label.file.to_string(),
         }
     }
 }
@@ -55,7 +55,8 @@ pub fn located(diagnostic: &Diagnostic, sources: &Sources) -> String {
                 label.message
             ));
         }
-        if let Some(source) = sources.get(&label.file) {
+        let shown = sources.get(&label.file).filter(|_| !label.is_about_all());
+        if let Some(source) = shown {
             let line = source.line_column(label.span.start()).line;
             let (text, before, width) = excerpt(source, label.span);
             let margin = line.to_string().len();
