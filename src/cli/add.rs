@@ -5,7 +5,7 @@ use crate::syntax::{Dataset, NewStatement};
 use crate::text::Source;
 
 use super::Outcome;
-use super::edited::refuse_faults;
+use super::edited::{edited, refuse_faults};
 use super::shell::{Exit, Shell};
 use super::target::Target;
 
@@ -67,9 +67,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             return Err(shell.fail(Diagnostic::error(Code::DuplicateId, message)));
         }
         let edits = deck.value.add(statement);
-        deck = deck.value.edited(&edits).map_err(|conflict| {
-            shell.fail(Diagnostic::error(Code::CannotWrite, conflict.to_string()))
-        })?;
+        deck = edited(&deck.value, &edits, shell)?;
     }
     shell.sources.add(deck.value.source().clone());
     refuse_faults(&original, &deck, arguments.force, shell)?;

@@ -6,7 +6,19 @@ use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
 use crate::syntax::lint::{self, Options};
 use crate::syntax::{Argument, Dataset, Statement};
 
+use crate::text::Edit;
+
 use super::shell::{Exit, Shell};
+
+/// The deck after edits of its text.
+pub(super) fn edited(
+    deck: &Dataset,
+    edits: &[Edit],
+    shell: &Shell,
+) -> Result<Checked<Dataset>, Exit> {
+    deck.edited(edits)
+        .map_err(|conflict| shell.fail(Diagnostic::error(Code::CannotWrite, conflict.to_string())))
+}
 
 /// The errors of the reader that a deck has after an edit and had not before.
 pub(super) fn new_errors<'a>(

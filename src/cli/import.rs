@@ -4,7 +4,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::syntax::{Dataset, json};
 
 use super::Outcome;
-use super::edited::{new_errors, still_good};
+use super::edited::{edited, new_errors, still_good};
 use super::shell::{Exit, Shell};
 use super::target::Target;
 
@@ -37,9 +37,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         shell.complain(&complaints);
         Exit::Findings
     })?;
-    let changed = dataset.edited(&edits).map_err(|conflict| {
-        shell.fail(Diagnostic::error(Code::CannotWrite, conflict.to_string()))
-    })?;
+    let changed = edited(dataset, &edits, shell)?;
     let new = new_errors(&original, &changed);
     if !new.is_empty() {
         shell.sources.add(changed.value.source().clone());

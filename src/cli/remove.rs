@@ -7,7 +7,7 @@ use crate::syntax::Dataset;
 
 use super::Outcome;
 use super::addresses::complete;
-use super::edited::refuse_faults;
+use super::edited::{edited, refuse_faults};
 use super::get::parse;
 use super::shell::{Exit, Shell};
 use super::target::Target;
@@ -45,9 +45,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             deck.value.remove(&address)
         };
         let edits = edits.map_err(|refused| shell.fail(refused))?;
-        deck = deck.value.edited(&edits).map_err(|conflict| {
-            shell.fail(Diagnostic::error(Code::CannotWrite, conflict.to_string()))
-        })?;
+        deck = edited(&deck.value, &edits, shell)?;
         shell.sources.add(deck.value.source().clone());
     }
     refuse_faults(&original, &deck, arguments.force, shell)?;

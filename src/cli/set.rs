@@ -9,7 +9,7 @@ use crate::text::{Edit, Source};
 
 use super::Outcome;
 use super::addresses::complete;
-use super::edited::{new_errors, same_but_for, still_good};
+use super::edited::{edited, new_errors, same_but_for, still_good};
 use super::get::parse;
 use super::shell::{Exit, Shell};
 use super::target::Target;
@@ -78,9 +78,7 @@ fn changed(
             .add(Source::new("expression", value.as_bytes()));
         shell.fail(diagnostic)
     })?;
-    let changed = dataset.edited(&edits).map_err(|conflict| {
-        shell.fail(Diagnostic::error(Code::CannotWrite, conflict.to_string()))
-    })?;
+    let changed = edited(dataset, &edits, shell)?;
     let place = dataset.position(&address.kind, address.id);
     let argument = address.argument.as_deref().unwrap_or("FUNCTION");
     let new = new_errors(deck, &changed);

@@ -6,7 +6,7 @@ use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
 use crate::session::{FilePolicy, Sources, folder_of, read_files};
 use crate::syntax::Dataset;
 use crate::syntax::files::Files;
-use crate::text::Source;
+use crate::text::{Source, check_size};
 
 use super::permissions::as_new_files;
 use super::render;
@@ -188,7 +188,7 @@ impl Shell {
         let source = if path == Path::new("-") {
             let mut bytes = Vec::new();
             std::io::Read::read_to_end(&mut std::io::stdin(), &mut bytes)
-                .and_then(|size| Source::check_size(size as u64))
+                .and_then(|size| check_size(size as u64, Source::LARGEST))
                 .map(|()| Source::new("-", bytes))
         } else {
             Source::read(path)

@@ -3,7 +3,7 @@ use std::path::{Path, PathBuf};
 
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::syntax::{CommandFile, Statement};
-use crate::text::Source;
+use crate::text::{Source, read_at_most};
 
 use super::loaded::{Loaded, as_error};
 use super::located::Sources;
@@ -180,7 +180,7 @@ impl<'a> Session<'a> {
             self.complain(&place.label(outside));
             return Err(Stop::File);
         }
-        match read_limited(&path) {
+        match read_at_most(&path, LARGEST) {
             Ok(mut bytes) => {
                 // Files from DOS may end with ^Z.
                 while bytes.last() == Some(&0x1a) {
@@ -472,19 +472,6 @@ impl Locate for Option<Place<'_>> {
             _ => diagnostic,
         }
     }
-}
-
-/// The bytes of a file of reasonable size.
-fn read_limited(path: &Path) -> std::io::Result<Vec<u8>> {
-    let size = std::fs::metadata(path)?.len();
-    if size > LARGEST {
-        let message = format!("its {size} bytes are more than the {LARGEST} that are read");
-        return Err(std::io::Error::new(
-            std::io::ErrorKind::FileTooLarge,
-            message,
-        ));
-    }
-    std::fs::read(path)
 }
 
 fn place_in_file(diagnostic: &Diagnostic) -> usize {

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use serde_json::{Map, Value as Json, json};
 
 use super::number::parse_number;
+use super::statement::{NO_OWNER, OWNERS};
 use super::{Address, Argument, Dataset, NewStatement, Statement, Value, spell_like};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::grammar::{ArgumentDef, STATEMENTS, ValueKind, nearest};
@@ -436,14 +437,8 @@ fn new_statement(object: &Json, address: &Address) -> Result<NewStatement, Diagn
             },
         }
     }
-    // A function ends its line: what follows it needs a backslash.
-    let last = arguments.len().saturating_sub(1);
-    for (name, text) in &mut arguments[..last] {
-        if definition(address, name)?.kind == ValueKind::Function
-            && let Some(text) = text
-        {
-            text.push('\\');
-        }
+    if address.kind == "MARKER" && !OWNERS.iter().any(|owner| wanted.contains_key(*owner)) {
+        return Err(refused(format!("{address} {NO_OWNER}")));
     }
     let view_name = object.get("name").and_then(Json::as_str);
     if view_name.is_some_and(|name| name.contains(['\n', '\r', '\''])) {

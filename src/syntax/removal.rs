@@ -8,8 +8,8 @@ impl Dataset {
     /// Edits that remove a statement with the comments that name it, or one of its arguments.
     ///
     /// # Errors
-    /// `undefined-id` if it is not there, `unknown-argument` if its argument is not; `missing-argument` if markers behind it are on it without naming it: without it they
-    /// would be on another body.
+    /// `undefined-id` if it is not there, `unknown-argument` if its argument is not; `missing-argument` if markers behind it are on
+    /// it without naming it: without it they would be on another body.
     pub fn remove(&self, address: &Address) -> Result<Vec<Edit>, Diagnostic> {
         let at = self
             .position(&address.kind, address.id)

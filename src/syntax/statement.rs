@@ -54,6 +54,19 @@ pub enum Value {
     Malformed(Span),
 }
 
+/// What a MARKER can be on, as its arguments name it.
+pub(super) const OWNERS: [&str; 6] = [
+    "PART",
+    "POINT_MASS",
+    "FLEX_BODY",
+    "FE_PART",
+    "CURVE",
+    "SURFACE",
+];
+
+/// Why a marker without one of them cannot be added: where it would stand is not the person's choice.
+pub(super) const NO_OWNER: &str = "does not say what it is on: PART=id, or another body";
+
 impl Statement {
     /// The whole keyword in capitals, if the grammar knows the statement.
     pub fn kind(&self) -> Option<&'static str> {
@@ -72,15 +85,7 @@ impl Statement {
 
     /// True for a MARKER that names nothing it is on: it is on the body defined before it.
     pub fn follows_body(&self) -> bool {
-        let owners = [
-            "PART",
-            "POINT_MASS",
-            "FLEX_BODY",
-            "FE_PART",
-            "CURVE",
-            "SURFACE",
-        ];
-        self.kind() == Some("MARKER") && !owners.iter().any(|owner| self.has(owner))
+        self.kind() == Some("MARKER") && !OWNERS.iter().any(|owner| self.has(owner))
     }
 
     /// The last argument with this whole keyword (in capitals): what is written later counts.

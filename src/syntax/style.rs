@@ -1,5 +1,6 @@
 use super::editor::NewStatement;
 use super::{Dataset, Statement};
+use crate::grammar::{STATEMENTS, ValueKind};
 
 /// How a file writes its statements: what new ones and new arguments look like.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -103,12 +104,23 @@ impl Style {
         if let Some(id) = new.id {
             text.push_str(&id.to_string());
         }
-        for (name, value) in &new.arguments {
+        let last = new.arguments.len().saturating_sub(1);
+        for (at, (name, value)) in new.arguments.iter().enumerate() {
             text.push_str(&self.argument(name, value.as_deref()));
+            // A function would go on to the next line: what follows it needs a backslash.
+            if at < last && is_function(&new.kind, name) && !text.ends_with('\\') {
+                text.push('\\');
+            }
         }
         text.push_str(end);
         text
     }
+}
+
+fn is_function(kind: &str, argument: &str) -> bool {
+    let def = STATEMENTS.iter().find(|def| def.name == kind);
+    let mut arguments = def.map_or(&[][..], |def| def.arguments).iter();
+    arguments.any(|def| def.name == argument && def.kind == ValueKind::Function)
 }
 
 /// The line end of the first line.

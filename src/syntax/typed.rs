@@ -2,7 +2,7 @@
 
 use super::dataset::parse_lines;
 use super::lines::logical_lines;
-use super::statement::without_continuation;
+use super::statement::{NO_OWNER, without_continuation};
 use super::{Argument, NewStatement, Statement};
 use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
 use crate::grammar::Role;
@@ -10,8 +10,8 @@ use crate::text::{Source, Span};
 
 impl NewStatement {
     /// The statements of a text without a title line, such as `MARKER/99, PART=2, QP=1,2,3`, in any spelling a dataset may have.
-    /// Values are kept as they are typed; continued ones are joined. What is no known statement, or cannot be read, is an error;
-    /// the value is empty then.
+    /// Values are kept as they are typed; continued ones are joined. What is no known statement, or cannot be read, is an error, as
+    /// is a MARKER that names no body; the value is empty then.
     pub fn read(source: &Source) -> Checked<Vec<Self>> {
         let (lines, _) = logical_lines(source.bytes(), 0, false);
         let (statements, mut diagnostics) = parse_lines(source, &lines, Role::Dataset);
@@ -30,6 +30,9 @@ impl NewStatement {
             };
             if matches!(def.name, "TITLE" | "END") {
                 diagnostics.push(unknown(statement.keyword, "stands where it stands"));
+            }
+            if statement.follows_body() {
+                diagnostics.push(unknown(statement.span, NO_OWNER));
             }
             for argument in &statement.arguments {
                 if argument.def.is_none() {
@@ -124,6 +127,7 @@ mod tests {
     fn what_no_deck_could_hold_is_refused() {
         for text in [
             "END",
+            "MARKER/1, QP=1, 2, 3",
             "MARKR/1",
             "MARKER/1, QQQ=3",
             "MARKER/1, QP=a",

@@ -7,5 +7,5 @@ mod source;
 mod span;
 
 pub use edit::{Edit, EditConflict, apply_edits};
-pub use source::{LineColumn, Source};
+pub use source::{LineColumn, Source, check_size, read_at_most};
 pub use span::Span;

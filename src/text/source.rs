@@ -41,30 +41,8 @@ impl Source {
     /// # Errors
     /// When the file cannot be read, or is larger than [`LARGEST`](Self::LARGEST).
     pub fn read(path: &Path) -> std::io::Result<Self> {
-        Self::check_size(std::fs::metadata(path)?.len())?;
-        let mut bytes = Vec::new();
-        // What has no size beforehand (a pipe, a device) is cut off.
-        let file = std::fs::File::open(path)?;
-        file.take(Self::LARGEST + 1).read_to_end(&mut bytes)?;
-        Self::check_size(bytes.len() as u64)?;
+        let bytes = read_at_most(path, Self::LARGEST)?;
         Ok(Self::new(path.display().to_string(), bytes))
-    }
-
-    /// An error if so many bytes are more than [`LARGEST`](Self::LARGEST).
-    ///
-    /// # Errors
-    /// In that case.
-    pub fn check_size(size: u64) -> std::io::Result<()> {
-        if size <= Self::LARGEST {
-            return Ok(());
-        }
-        Err(std::io::Error::new(
-            std::io::ErrorKind::FileTooLarge,
-            format!(
-                "its {size} bytes are more than the {} that are read",
-                Self::LARGEST
-            ),
-        ))
     }
 
     /// The name to show: usually a path.
@@ -104,6 +82,34 @@ impl Source {
             column: offset - starts[line - 1] + 1,
         }
     }
+}
+
+/// The bytes of a file that has at most so many.
+///
+/// # Errors
+/// When the file cannot be read, or is larger.
+pub fn read_at_most(path: &Path, most: u64) -> std::io::Result<Vec<u8>> {
+    check_size(std::fs::metadata(path)?.len(), most)?;
+    let mut bytes = Vec::new();
+    // What has no size beforehand (a pipe, a device) is cut off.
+    let file = std::fs::File::open(path)?;
+    file.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
+    check_size(bytes.len() as u64, most)?;
+    Ok(bytes)
+}
+
+/// An error if a file has more bytes than are read.
+///
+/// # Errors
+/// In that case.
+pub fn check_size(size: u64, most: u64) -> std::io::Result<()> {
+    if size <= most {
+        return Ok(());
+    }
+    Err(std::io::Error::new(
+        std::io::ErrorKind::FileTooLarge,
+        format!("its {size} bytes are more than the {most} that are read"),
+    ))
 }
 
 #[cfg(test)]
