@@ -110,7 +110,7 @@ impl Open {
 }
 
 /// Where the comment of a line begins; quotes may hold exclamation points.
-fn comment_start(content: &[u8]) -> usize {
+pub(super) fn comment_start(content: &[u8]) -> usize {
     let mut quoted = false;
     content
         .iter()

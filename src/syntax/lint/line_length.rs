@@ -1,5 +1,6 @@
 use super::context::Context;
 use crate::diagnostic::{Code, Diagnostic};
+use crate::syntax::lines::comment_start;
 use crate::text::Span;
 
 /// Columns the FORTRAN solver reads.
@@ -7,14 +8,9 @@ const COLUMNS: usize = 80;
 
 /// Columns before the comment of a line.
 fn code_length(line: &[u8]) -> usize {
-    let mut quoted = false;
-    let comment = line.iter().position(|byte| {
-        quoted ^= *byte == b'"';
-        !quoted && *byte == b'!'
-    });
-    match comment {
-        Some(at) => line[..at].trim_ascii_end().len(),
-        None => line.len(),
+    match comment_start(line) {
+        at if at < line.len() => line[..at].trim_ascii_end().len(),
+        _ => line.len(),
     }
 }
 

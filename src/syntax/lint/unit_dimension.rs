@@ -4,8 +4,8 @@ use crate::grammar::ArgumentDef;
 use crate::syntax::{Argument, Statement};
 use crate::units::Dimension;
 
-/// A degree suffix on a number that is no angle: it divides the number by 57.3. An angle without it of more than a whole turn and a
-/// whole number of radians: it was meant in degrees.
+/// A degree suffix on a number that is no angle: it divides the number by 57.3. An angle without it of more than a whole turn that
+/// is a multiple of five: it was meant in degrees.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     for statement in context.statements() {
         for (argument, def) in known(statement) {
