@@ -24,7 +24,9 @@
 //! |---|---|---|
 //! | 0 | text | bytes, spans, edits |
 //! | 0 | units | units of a dataset, dimensions |
+//! | 0 | guide | the pages of the guide, text only |
 //! | 0 | mechanics | pose, rotation, relative motion |
+//! | 0 | linear | sparse matrix, LU factors, their order |
 //! | 1 | diagnostic | what to tell a person, as data |
 //! | 2 | grammar | statements, commands and functions as tables |
 //! | 3 | syntax | lexer, dataset, command file, expressions, addresses, editor, lint |
@@ -38,10 +40,11 @@
 //! | 9 | session | executes a command file: the drop-in solver |
 //! | 10 | backend | who solves: native, external command, replay |
 //! | 11 | rig | marks, orientation, load cases, noise, planted effects |
-//! | 12 | identify | regression, direct, Gauss-Newton |
-//! | 13 | discrepancy | hypotheses, screening, selection, extension, gain |
-//! | 14 | report | HTML and SVG |
-//! | 15 | cli | subcommands |
+//! | 12 | tolerance | noise of readings, tolerances of axle and rig, evidence |
+//! | 13 | identify | regression, direct, Gauss-Newton |
+//! | 14 | discrepancy | causes, search, extension, gain |
+//! | 15 | report | HTML and SVG |
+//! | 16 | cli | subcommands |
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 
 pub mod backend;
@@ -52,7 +55,9 @@ pub mod discrepancy;
 pub mod element;
 pub mod function;
 pub mod grammar;
+pub mod guide;
 pub mod identify;
+mod linear;
 pub mod mechanics;
 pub mod model;
 pub mod report;
@@ -63,4 +68,5 @@ pub mod statics;
 pub mod syntax;
 pub mod system;
 pub mod text;
+pub mod tolerance;
 pub mod units;

@@ -131,7 +131,7 @@ pub struct Units {
     pub length: Unit,
     /// Unit of time.
     pub time: Unit,
-    /// The units consistency factor: Force * UCF = Mass * Acceleration (ADAMS-FORMATS 2.15).
+    /// The units consistency factor: Force * UCF = Mass * Acceleration (guide/formats.md 2.15).
     pub ucf: f64,
     /// True if the dataset states its units.
     pub stated: bool,
@@ -203,7 +203,7 @@ mod tests {
 
     #[test]
     fn consistency_factors_are_the_documented_ones() {
-        // ADAMS-FORMATS 2.15: N, kg, mm, s gives 1000; lbf, lbm, in, s gives 386.0886.
+        // guide/formats.md 2.15: N, kg, mm, s gives 1000; lbf, lbm, in, s gives 386.0886.
         assert!(
             (Units::new(
                 FORCE_UNITS[0],

@@ -2,6 +2,9 @@
 
 mod common;
 mod files {
+    pub mod adding;
+    pub mod bulk;
+    pub mod checking;
     pub mod commands;
     pub mod comparing;
     pub mod completion;

@@ -32,7 +32,10 @@ pub(crate) fn check(grammar: &Grammar) -> Result<(), ParseError> {
                 _ => {}
             }
         }
-        for name in statement.presence.iter().flat_map(|p| &p.names) {
+        let presence = statement.presence.iter().flat_map(|p| &p.names);
+        let laws = statement.laws.iter();
+        let numbers = laws.flat_map(|law| law.arguments.iter().chain(&law.flag));
+        for name in presence.chain(numbers) {
             if !keywords.iter().any(|k| k.name == *name) {
                 return Err(fail(Problem::Unknown(name.clone())));
             }

@@ -61,6 +61,8 @@ pub struct Argument {
     pub default: Vec<f64>,
     /// Exponents of force, mass, length, time, angle.
     pub dimension: [i8; 5],
+    /// `Alike`, or how the dimensions of its values differ: `Motion`, `Wrench`, `Stiffness`, `Damping`.
+    pub components: &'static str,
     /// Bounds.
     pub range: Range,
     /// True if a dataset statement must have it.
@@ -76,6 +78,17 @@ pub struct Presence {
     pub rule: &'static str,
     /// The whole argument names.
     pub names: Vec<String>,
+}
+
+/// A force law between the markers I and J, and its numbers.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Law {
+    /// Its name in the registry of laws.
+    pub name: String,
+    /// The arguments it takes its numbers from, in its order.
+    pub arguments: Vec<String>,
+    /// The flag that chooses it, where a statement has several laws.
+    pub flag: Option<String>,
 }
 
 /// Who can solve it.
@@ -102,6 +115,8 @@ pub struct Statement {
     pub arguments: Vec<Argument>,
     /// Presence rules.
     pub presence: Vec<Presence>,
+    /// Its force laws.
+    pub laws: Vec<Law>,
     /// Who can solve it.
     pub solved: Solved,
     /// One line for people.

@@ -1,12 +1,14 @@
 use std::fmt::Write;
 
-use crate::declaration::{Argument, Count, Grammar, Keyword, Presence, Solved, Statement, Value};
+use crate::declaration::{
+    Argument, Count, Grammar, Keyword, Law, Presence, Solved, Statement, Value,
+};
 
 /// The text of `src/grammar/generated.rs`.
 pub fn emit(grammar: &Grammar) -> String {
     let mut out = String::from(
         "//! Written by `cargo run -p grammar` from `grammar/*.grammar`. Do not edit.\n\n\
-         use super::definition::{\n    ArgumentDef, Bound, Choice, Count, FunctionDef, Presence, Role, Solved, StatementDef, ValueKind,\n};\n\
+         use super::definition::{\n    ArgumentDef, Bound, Choice, Components, Count, FunctionDef, LawDef, Presence, Role, Solved,\n    StatementDef, ValueKind,\n};\n\
          use crate::units::Dimension;\n\n\
          /// Every statement and command.\n#[rustfmt::skip]\npub static STATEMENTS: &[StatementDef] = &[\n",
     );
@@ -44,10 +46,12 @@ fn emit_statement(out: &mut String, statement: &Statement) {
         emit_argument(out, argument);
     }
     let presence: Vec<String> = statement.presence.iter().map(presence).collect();
+    let laws: Vec<String> = statement.laws.iter().map(law).collect();
     let _ = writeln!(
         out,
-        "        ],\n        presence: &[{}],\n        solved: {},\n        doc: {:?},\n        source: {:?},\n        unchecked: {:?},\n    }},",
+        "        ],\n        presence: &[{}],\n        laws: &[{}],\n        solved: {},\n        doc: {:?},\n        source: {:?},\n        unchecked: {:?},\n    }},",
         presence.join(", "),
+        laws.join(", "),
         solved(&statement.solved),
         statement.doc,
         statement.source,
@@ -64,13 +68,14 @@ fn emit_argument(out: &mut String, argument: &Argument) {
     };
     let _ = writeln!(
         out,
-        "            ArgumentDef {{ name: {:?}, minimum: {}, kind: {}, count: {}, default: &[{}], dimension: {}, lower: {}, upper: {}, required: {}, doc: {:?} }},",
+        "            ArgumentDef {{ name: {:?}, minimum: {}, kind: {}, count: {}, default: &[{}], dimension: {}, components: Components::{}, lower: {}, upper: {}, required: {}, doc: {:?} }},",
         argument.keyword.name,
         argument.keyword.minimum,
         kind(&argument.value),
         count(argument.count),
         default.join(", "),
         dimension(argument.dimension),
+        argument.components,
         bound(argument.range.lower),
         bound(argument.range.upper),
         argument.required,
@@ -126,6 +131,22 @@ fn solved(solved: &Solved) -> String {
     }
 }
 
+/// The law, with the name of its objects in results: `translational_spring_damper` makes `Translational_Spring_Damper`.
+fn law(law: &Law) -> String {
+    let words: Vec<String> = law
+        .name
+        .split('_')
+        .map(|word| word[..1].to_uppercase() + &word[1..])
+        .collect();
+    format!(
+        "LawDef {{ name: {:?}, entity: {:?}, arguments: &{:?}, flag: {:?} }}",
+        law.name,
+        words.join("_"),
+        law.arguments,
+        law.flag
+    )
+}
+
 fn presence(presence: &Presence) -> String {
     format!("Presence::{}(&{:?})", presence.rule, presence.names)
 }
@@ -133,19 +154,19 @@ fn presence(presence: &Presence) -> String {
 const BEGIN: &str = "<!-- coverage: cargo run -p grammar -->\n";
 const END: &str = "<!-- end of coverage -->";
 
-/// The README with a fresh coverage table between its two marks; `None` if it has no such place.
-pub fn with_coverage(readme: &str, grammar: &Grammar) -> Option<String> {
-    let begin = readme.find(BEGIN)? + BEGIN.len();
-    let end = begin + readme[begin..].find(END)?;
+/// The page with a fresh coverage table between its two marks; `None` if it has no such place.
+pub fn with_coverage(page: &str, grammar: &Grammar) -> Option<String> {
+    let begin = page.find(BEGIN)? + BEGIN.len();
+    let end = begin + page[begin..].find(END)?;
     Some(format!(
         "{}{}{}",
-        &readme[..begin],
+        &page[..begin],
         coverage(grammar),
-        &readme[end..]
+        &page[end..]
     ))
 }
 
-/// The coverage table of the README in Markdown: every statement and who does what with it.
+/// The coverage table of the guide in Markdown: every statement and who does what with it.
 pub fn coverage(grammar: &Grammar) -> String {
     let mut out = String::from(
         "| statement | read | edited | linted | solved natively |\n|---|---|---|---|---|\n",

@@ -1,4 +1,4 @@
-//! `cargo run -p grammar` rewrites `src/grammar/generated.rs` and the coverage table of the README from `grammar/*.grammar`; with
+//! `cargo run -p grammar` rewrites `src/grammar/generated.rs` and the coverage table of the guide from `grammar/*.grammar`; with
 //! `--coverage` it prints that table instead.
 
 use std::path::Path;
@@ -20,20 +20,20 @@ fn main() -> ExitCode {
     let path = folder.join("../src/grammar/generated.rs");
     let statements = grammar.statements.len();
     let functions = grammar.functions.len();
-    let readme = folder.join("../README.md");
+    let page = folder.join("../src/guide/coverage.md");
     let written = std::fs::write(&path, grammar::emit(&grammar)).and_then(|()| {
-        let text = std::fs::read_to_string(&readme)?;
+        let text = std::fs::read_to_string(&page)?;
         match grammar::with_coverage(&text, &grammar) {
-            Some(fresh) => std::fs::write(&readme, fresh),
+            Some(fresh) => std::fs::write(&page, fresh),
             None => Err(std::io::Error::other(
-                "README.md has no place for the coverage table",
+                "src/guide/coverage.md has no place for the coverage table",
             )),
         }
     });
     match written {
         Ok(()) => {
             println!(
-                "src/grammar/generated.rs, README.md: {statements} statements and commands, {functions} functions"
+                "src/grammar/generated.rs, src/guide/coverage.md: {statements} statements and commands, {functions} functions"
             );
             ExitCode::SUCCESS
         }

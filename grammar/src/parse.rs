@@ -1,7 +1,7 @@
 use std::fmt;
 
 use crate::declaration::{
-    Argument, Count, Function, Grammar, Keyword, Presence, Range, Solved, Statement, Value,
+    Argument, Count, Function, Grammar, Keyword, Law, Presence, Range, Solved, Statement, Value,
 };
 
 /// A line that does not follow the format.
@@ -147,6 +147,9 @@ pub fn parse(file: &str, text: &str, grammar: &mut Grammar) -> Result<(), ParseE
                 let names = words[1..].iter().map(ToString::to_string).collect();
                 draft.statement.presence.push(Presence { rule, names });
             }
+            ("law", Block::Statement(draft)) => {
+                draft.statement.laws.push(law(&words[1..]).map_err(fail)?);
+            }
             (_, Block::Statement(draft)) => {
                 let argument = argument(first, rest, doc).map_err(fail)?;
                 draft.statement.arguments.push(argument);
@@ -236,6 +239,7 @@ fn header(words: &[&str], doc: &str, place: (String, usize)) -> Result<Draft, Pr
             id,
             arguments: Vec::new(),
             presence: Vec::new(),
+            laws: Vec::new(),
             solved: Solved::Native(String::new()),
             doc: doc.to_string(),
             source: String::new(),
@@ -244,6 +248,22 @@ fn header(words: &[&str], doc: &str, place: (String, usize)) -> Result<Draft, Pr
         },
         solved: None,
         role: None,
+    })
+}
+
+/// `NAME ARGUMENT...`, and `for FLAG` behind it where a statement has several laws.
+fn law(words: &[&str]) -> Result<Law, Problem> {
+    let (words, flag) = match words {
+        [words @ .., "for", flag] => (words, Some((*flag).to_string())),
+        words => (words, None),
+    };
+    let [name, arguments @ ..] = words else {
+        return Err(Problem::Expected("the name of a law", String::new()));
+    };
+    Ok(Law {
+        name: (*name).to_string(),
+        arguments: arguments.iter().map(ToString::to_string).collect(),
+        flag,
     })
 }
 
@@ -339,6 +359,7 @@ fn argument(name: &str, rest: &str, doc: &str) -> Result<Argument, Problem> {
         count,
         default: Vec::new(),
         dimension: [0; 5],
+        components: "Alike",
         range: Range::default(),
         required: false,
         doc: doc.to_string(),
@@ -366,6 +387,10 @@ fn argument(name: &str, rest: &str, doc: &str) -> Result<Argument, Problem> {
             "<" => argument.range.upper = Some((number(words.next())?, false)),
             "<=" => argument.range.upper = Some((number(words.next())?, true)),
             _ => match word.strip_prefix('[').and_then(|w| w.strip_suffix(']')) {
+                Some("motion") => argument.components = "Motion",
+                Some("wrench") => argument.components = "Wrench",
+                Some("wrench/motion") => argument.components = "Stiffness",
+                Some("wrench*time/motion") => argument.components = "Damping",
                 Some(text) => argument.dimension = dimension(text)?,
                 None => {
                     return Err(Problem::Expected(
@@ -494,6 +519,7 @@ statement BUshing / id            # A bushing.
   K        real[3]  = 0 0 0  [torque/angle^2]  >= 0   # stiffness
   TYpe     word<Ring|SOlid>[1..]
   oneof    I K
+  law      spring K for TYPE
 functions measures
   solved   external \"why # not\"
   source   cfunc_{}.html
@@ -522,6 +548,12 @@ functions measures
         let k = &bushing.arguments[1];
         assert_eq!(k.dimension, [1, 0, 1, 0, -2]);
         assert_eq!(k.default, [0.0; 3]);
+        let law = &bushing.laws[0];
+        assert_eq!(
+            (law.name.as_str(), law.flag.as_deref()),
+            ("spring", Some("TYPE"))
+        );
+        assert_eq!(law.arguments, ["K"]);
         assert_eq!(k.range.lower, Some((0.0, true)));
         assert_eq!(bushing.arguments[2].count, Count { min: 1, max: None });
         let counts: Vec<_> = grammar
@@ -539,11 +571,10 @@ functions measures
 
     #[test]
     fn errors_are_located() {
+        let twice = SMALL.replace("TYpe ", "K    ");
+        let reel = SMALL.replace("real[3]", "reel[3]");
         let cases = [
-            (
-                SMALL.replace("real[3]", "reel[3]"),
-                "small.grammar:7: expected a type, found `reel[3]`",
-            ),
+            (reel, "small.grammar:7: expected a type, found `reel[3]`"),
             (
                 SMALL.replace("BUshing", "buSHING"),
                 "small.grammar:1: `buSHING` is not a keyword with its must-type letters in front, in capitals",
@@ -552,10 +583,7 @@ functions measures
                 SMALL.replace("oneof    I K", "oneof    I Q"),
                 "small.grammar:1: nothing is called `Q`",
             ),
-            (
-                SMALL.replace("TYpe ", "K    "),
-                "small.grammar:1: `K` is declared twice",
-            ),
+            (twice, "small.grammar:1: `K` is declared twice"),
             (
                 SMALL.replace("  role     both\n", ""),
                 "small.grammar:1: `BUSHING` has no `role`",

@@ -5,7 +5,8 @@ use std::io::BufReader;
 use std::path::Path;
 
 use super::bushing_check::{BushingCheck, ForceFrame};
-use super::process::{CONSOLE, tail};
+use super::case_check::CaseCheck;
+use super::process::{CONSOLE, beginning, tail};
 use super::run_folder::STEM;
 use super::{CaseFailure, CaseOutcome, RunError, Sweep, SweepRequest};
 use crate::mechanics::{Pose, Vec3, euler313};
@@ -28,11 +29,7 @@ pub(super) fn messages(folder: &Path) -> Vec<String> {
 }
 
 fn lines(path: &Path) -> Vec<String> {
-    let bytes = std::fs::read(path).unwrap_or_default();
-    String::from_utf8_lossy(&bytes)
-        .lines()
-        .map(str::to_string)
-        .collect()
+    beginning(path).lines().map(str::to_string).collect()
 }
 
 /// The line by which a run without a licence says so, in its messages or on its console.
@@ -119,6 +116,7 @@ pub(super) fn read(
     let angle = if degrees { 1f64.to_radians() } else { 1.0 };
     let mut check = BushingCheck::new(request, reader.catalogue(), angle);
     check.frame = known;
+    let mut order = CaseCheck::new(request, reader.catalogue());
     let mut steps: Vec<(Equilibrium, Vec<f64>)> = Vec::new();
     while let Some(step) = reader
         .next_step()
@@ -172,6 +170,7 @@ pub(super) fn read(
         let Some(case) = case else {
             continue;
         };
+        order.step(case, &values).map_err(broken)?;
         check
             .step(case, &values, &equilibrium.poses)
             .map_err(broken)?;

@@ -145,19 +145,14 @@ impl BushingCheck {
         }
         self.state.poses.clone_from_slice(poses);
         // Functions that only ADAMS can evaluate have no value; the markers are placed all the same.
-        let _ = self
+        let mut here = self
             .system
-            .look(&self.parameters, &self.state, &mut self.scratch);
+            .at(&self.parameters, &self.state, &mut self.scratch);
+        let _ = here.look();
         for reported in &self.bushings {
             let id = reported.id;
-            let reading = self
-                .system
-                .read_element(
-                    &self.parameters,
-                    &self.state,
-                    &mut self.scratch,
-                    reported.element,
-                )
+            let reading = here
+                .read_element(reported.element)
                 .map_err(|error| error.to_string())?;
             let read =
                 |columns: &[usize]| Vec3::from_iterator(columns.iter().map(|c| values[c - 1]));
@@ -180,7 +175,7 @@ impl BushingCheck {
             let (force, torque) = (read(&reported.wrench[..3]), read(&reported.wrench[3..]));
             let w = reading.wrench_j;
             let (f, t) = (Vec3::new(w[0], w[1], w[2]), Vec3::new(w[3], w[4], w[5]));
-            let R_j = self.scratch.markers[reading.j.0].R;
+            let R_j = here.marker(reading.j).R;
             let fits = |R: &Mat3| near(force, R * f) && near(torque, R * t);
             let known = self.frame;
             let allowed: Vec<ForceFrame> = [

@@ -26,6 +26,8 @@ pub struct CommandBackend {
     pub record: Option<Recording>,
     runs: usize,
     failed: usize,
+    /// Runs that were killed since the last one that ended by itself.
+    killed: usize,
     frame: Option<ForceFrame>,
 }
 
@@ -40,6 +42,7 @@ impl CommandBackend {
             record: None,
             runs: 0,
             failed: 0,
+            killed: 0,
             frame: None,
         }
     }
@@ -54,6 +57,7 @@ impl CommandBackend {
         let no_folder = |error: std::io::Error| BackendError::Run {
             reason: Box::new(RunError::Files(error.to_string())),
             folder: self.keep.clone().unwrap_or_default(),
+            dead: false,
         };
         let prefix = format!("run-{number:04}-");
         let mut builder = tempfile::Builder::new();
@@ -75,6 +79,7 @@ impl CommandBackend {
             Err(reason) => Err(BackendError::Run {
                 reason: Box::new(reason),
                 folder: folder.keep(),
+                dead: false,
             }),
         }
     }
@@ -132,14 +137,27 @@ impl CommandBackend {
         match outcome {
             Ok(answer) => {
                 self.frame = self.frame.or(answer.frame);
+                self.killed = 0;
                 Ok(answer.sweep)
             }
-            Err(error) => {
+            Err(mut error) => {
                 self.failed += 1;
+                if let BackendError::Run { reason, dead, .. } = &mut error {
+                    let killed = is_killed(reason);
+                    self.killed = if killed { self.killed + 1 } else { 0 };
+                    *dead = self.failed == self.runs || self.killed >= MOST_KILLED;
+                }
                 Err(error)
             }
         }
     }
+}
+
+/// So many runs are killed one after the other before the program counts as dead.
+const MOST_KILLED: usize = 3;
+
+const fn is_killed(reason: &RunError) -> bool {
+    matches!(reason, RunError::Timeout { .. } | RunError::Output { .. })
 }
 
 fn modified(path: &Path) -> std::io::Result<SystemTime> {
@@ -157,11 +175,25 @@ impl Backend for CommandBackend {
     }
 
     fn sweeps(&mut self, requests: &[SweepRequest<'_>]) -> Vec<Result<Sweep, BackendError>> {
-        let workers = self.jobs.min(requests.len());
-        if workers < 2 {
-            return requests.iter().map(|request| self.sweep(request)).collect();
+        let mut answers: Vec<Result<Sweep, BackendError>> = Vec::new();
+        let lasting = |answers: &[Result<Sweep, BackendError>]| {
+            let failed = answers.iter().filter_map(|answer| answer.as_ref().err());
+            failed.rev().find(|error| error.is_lasting()).cloned()
+        };
+        // One by one until one has given an answer: a dead program is started once.
+        while let Some(request) = requests.get(answers.len())
+            && (self.jobs < 2 || self.runs == self.failed)
+            && lasting(&answers).is_none()
+        {
+            answers.push(self.sweep(request));
         }
-        let next = AtomicUsize::new(0);
+        if let Some(error) = lasting(&answers) {
+            answers.resize_with(requests.len(), || Err(error.clone()));
+            return answers;
+        }
+        let requests = &requests[answers.len()..];
+        let workers = self.jobs.min(requests.len());
+        let (next, killed) = (AtomicUsize::new(0), AtomicUsize::new(0));
         let done: Mutex<Vec<(usize, Result<Answer, BackendError>)>> = Mutex::new(Vec::new());
         let this = &*self;
         std::thread::scope(|scope| {
@@ -169,10 +201,18 @@ impl Backend for CommandBackend {
                 scope.spawn(|| {
                     loop {
                         let at = next.fetch_add(1, Ordering::Relaxed);
+                        if killed.load(Ordering::Relaxed) >= MOST_KILLED {
+                            break;
+                        }
                         let Some(request) = requests.get(at) else {
                             break;
                         };
                         let outcome = this.run(this.runs + 1 + at, request);
+                        if let Err(BackendError::Run { reason, .. }) = &outcome
+                            && is_killed(reason)
+                        {
+                            killed.fetch_add(1, Ordering::Relaxed);
+                        }
                         done.lock()
                             .unwrap_or_else(PoisonError::into_inner)
                             .push((at, outcome));
@@ -182,9 +222,20 @@ impl Backend for CommandBackend {
         });
         let mut done = done.into_inner().unwrap_or_else(PoisonError::into_inner);
         done.sort_by_key(|(at, _)| *at);
-        done.into_iter()
-            .map(|(_, outcome)| self.take(outcome))
-            .collect()
+        let all = answers.len() + requests.len();
+        answers.extend(done.into_iter().map(|(_, outcome)| self.take(outcome)));
+        // Behind several that were killed the others were not started.
+        let failed = answers
+            .iter()
+            .rev()
+            .find_map(|answer| answer.as_ref().err());
+        if let Some(mut error) = failed.cloned().filter(|_| answers.len() < all) {
+            if let BackendError::Run { dead, .. } = &mut error {
+                *dead = true;
+            }
+            answers.resize_with(all, || Err(error.clone()));
+        }
+        answers
     }
 
     fn remarks(&self) -> Vec<String> {

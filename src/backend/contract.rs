@@ -77,6 +77,14 @@ pub enum RunError {
         /// The last lines of its log.
         tail: String,
     },
+    /// It was killed because it wrote without end.
+    #[error("the run was killed: it {what}\n{tail}")]
+    Output {
+        /// What it did.
+        what: String,
+        /// The last lines of its log.
+        tail: String,
+    },
     /// There was no licence.
     #[error("the solver got no licence: {0}")]
     Licence(String),
@@ -121,6 +129,8 @@ pub enum BackendError {
         reason: Box<RunError>,
         /// Where its files are.
         folder: std::path::PathBuf,
+        /// No run of this program gave an answer yet, or it was killed again and again.
+        dead: bool,
     },
     /// Nobody recorded this run.
     #[error(
@@ -143,14 +153,17 @@ pub enum BackendError {
 }
 
 impl BackendError {
-    /// True if no other numbers would help: there is no program, no licence, no disk, no recording.
+    /// True if no other numbers would help: there is no program, no licence, no disk, no recording, or the program is dead.
     pub fn is_lasting(&self) -> bool {
         match self {
             Self::NotSolvable(_) | Self::UnknownTarget(_) | Self::NotRecorded { .. } => true,
-            Self::Run { reason, .. } => matches!(
-                **reason,
-                RunError::Files(_) | RunError::Start { .. } | RunError::Licence(_)
-            ),
+            Self::Run { reason, dead, .. } => {
+                *dead
+                    || matches!(
+                        **reason,
+                        RunError::Files(_) | RunError::Start { .. } | RunError::Licence(_)
+                    )
+            }
         }
     }
 }

@@ -5,10 +5,12 @@
 
 mod answer;
 mod bushing_check;
+mod case_check;
 mod command;
 mod contract;
 mod native;
 mod process;
+mod process_tree;
 mod programme;
 mod recording;
 mod replay;
@@ -20,6 +22,7 @@ pub use contract::{
     Backend, BackendError, CaseFailure, CaseOutcome, RunError, Sweep, SweepRequest,
 };
 pub use native::{NativeBackend, compile, slot, tight_settings};
+pub use process_tree::end_runs;
 pub use programme::{Load, LoadCase, LoadProgramme};
 pub use recording::Recording;
 pub use replay::ReplayBackend;

@@ -66,6 +66,7 @@ pub fn tight_settings(system: &System) -> Settings {
         error: deck.error.min(tight.error),
         imbalance: deck.imbalance.min(tight.imbalance),
         maxit: deck.maxit.max(tight.maxit),
+        budget: None,
         ..deck
     }
 }

@@ -30,6 +30,7 @@ impl Backend for ReplayBackend {
         let files = RunFiles::of(request).map_err(|diagnostic| BackendError::Run {
             reason: Box::new(RunError::Deck(diagnostic.message)),
             folder: folder.clone(),
+            dead: false,
         })?;
         let Some(run) = self.recording.find(&files) else {
             return Err(BackendError::NotRecorded {
@@ -42,6 +43,7 @@ impl Backend for ReplayBackend {
             read(&run, request, self.frame).map_err(|reason| BackendError::Run {
                 reason: Box::new(reason),
                 folder: run,
+                dead: false,
             })?;
         self.frame = frame;
         Ok(sweep)

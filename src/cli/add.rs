@@ -32,7 +32,7 @@ pub(super) struct Arguments {
 
 /// Writes the larger deck.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
-    let source = shell.read(&arguments.deck)?;
+    let source = arguments.target.read(&arguments.deck, shell)?;
     let original = Dataset::parse(source);
     let mut new = Vec::new();
     for text in &arguments.statements {

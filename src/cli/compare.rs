@@ -44,7 +44,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         Format::Json => {
             serde_json::to_string_pretty(&comparison).expect("JSON values print") + "\n"
         }
-        Format::Text | Format::Plain => table(&comparison, arguments.all),
+        _ => table(&comparison, arguments.all),
     };
     shell.print(&text);
     Ok(if comparison.agrees() {

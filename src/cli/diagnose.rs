@@ -1,8 +1,8 @@
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::discrepancy::{Finding, Outcome as Diagnosed, Verdict, diagnose, held_out};
-use crate::identify::LoadedStudy;
+use crate::identify::{LoadedStudy, estimate_noise};
 use crate::report::{DiagnosisReport, number};
 use crate::rig::settings::BackendChoice;
 use crate::rig::{ForeignMarks, foreign_marks};
@@ -10,6 +10,7 @@ use crate::rig::{ForeignMarks, foreign_marks};
 use super::Outcome;
 use super::identify::changed_lines;
 use super::input::study;
+use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::shell::{Exit, Format, Shell};
 
 /// Say what a model still gets wrong after its best fit, name the cause, and extend the model by it.
@@ -22,11 +23,22 @@ pub(super) struct Arguments {
     /// Where the answers go.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    #[command(flatten)]
+    replacing: Replacing,
 }
+
+/// What is written.
+const OUTPUTS: [&str; 4] = [
+    "extended.adm",
+    "extended.acf",
+    "diagnosis.json",
+    "report.html",
+];
 
 /// Diagnoses, writes and prints.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
-    let loaded = study(&arguments.study, shell)?;
+    refuse_replacing(&arguments.out, &OUTPUTS, arguments.replacing, shell)?;
+    let mut loaded = study(&arguments.study, shell)?;
     if loaded.study.solver.backend != BackendChoice::Native {
         shell.say("the diagnosis solves with the built-in solver; the program of study.toml is not started\n");
     }
@@ -36,23 +48,26 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         shell.complain(&foreign);
         return Err(Exit::Findings);
     }
+    estimate_noise(&mut loaded, None).map_err(|error| {
+        shell.fail(Diagnostic::error(Code::NoFit, error.to_string()));
+        Exit::NoAnswer
+    })?;
     let problem = loaded.problem();
     let held_out = held_out(&loaded.study, &loaded.measurement);
     let outcome = diagnose(&problem, held_out).map_err(|error| {
         shell.fail(Diagnostic::error(Code::NoFit, error.to_string()));
         Exit::NoAnswer
     })?;
-    write(&loaded, &outcome, &arguments.out, shell)?;
-    match shell.format {
-        Format::Json => shell.print(&outcome.diagnosis.to_json()),
-        Format::Text | Format::Plain => {
-            let report = arguments.out.join("report.html");
-            shell.print(&format!(
-                "{}report: {}\n",
-                words(&outcome),
-                report.display()
-            ));
-        }
+    write(&loaded, &outcome, arguments, shell)?;
+    if shell.format == Format::Json {
+        shell.print(&outcome.diagnosis.to_json());
+    } else {
+        let report = arguments.out.join("report.html");
+        shell.print(&format!(
+            "{}report: {}\n",
+            words(&outcome),
+            report.display()
+        ));
     }
     Ok(Exit::Fine)
 }
@@ -91,38 +106,37 @@ fn foreign(loaded: &LoadedStudy) -> Vec<Diagnostic> {
 fn write(
     loaded: &LoadedStudy,
     outcome: &Diagnosed<'_>,
-    out: &Path,
+    arguments: &Arguments,
     shell: &mut Shell,
 ) -> Result<(), Exit> {
-    std::fs::create_dir_all(out).map_err(|error| {
-        shell.fail(Diagnostic::error(
-            Code::CannotWrite,
-            format!("{}: {error}", out.display()),
-        ))
-    })?;
     let (deck, commands) = (outcome.extended_deck(), outcome.extended_commands());
     let diff = changed_lines(loaded.dataset.bytes(), &deck);
     let report = DiagnosisReport {
+        loaded,
         outcome,
         diff: &diff,
     };
-    shell.write(&out.join("extended.adm"), &deck)?;
-    shell.write(&out.join("extended.acf"), commands.as_bytes())?;
-    shell.write(
-        &out.join("diagnosis.json"),
-        outcome.diagnosis.to_json().as_bytes(),
-    )?;
     let html = report
         .html()
         .map_err(|error| shell.fail(Diagnostic::error(Code::CannotWrite, error.to_string())))?;
-    shell.write(&out.join("report.html"), html.as_bytes())
+    let texts = [
+        deck,
+        commands.into_bytes(),
+        outcome.diagnosis.to_json().into_bytes(),
+        html.into_bytes(),
+    ];
+    let files: Vec<(PathBuf, Vec<u8>)> =
+        OUTPUTS.map(PathBuf::from).into_iter().zip(texts).collect();
+    write_folder(&arguments.out, &files, arguments.replacing, shell)
 }
 
 /// The answer for a person.
 fn words(outcome: &Diagnosed<'_>) -> String {
     let diagnosis = &outcome.diagnosis;
     let verdict = match diagnosis.verdict {
-        Verdict::Consistent => "consistent: the model explains the data to their noise",
+        Verdict::Consistent => {
+            "consistent: the model explains the data to their noise and tolerances"
+        }
         Verdict::Discrepancy => "discrepancy",
         Verdict::Unexplained => "unexplained: structure remains that no known cause explains",
     };
@@ -150,15 +164,18 @@ fn line(finding: &Finding) -> String {
         .collect();
     let minor = if finding.minor { " (minor)" } else { "" };
     let mut text = format!(
-        "  {} {}{minor}: {}\n",
+        "  {} {}{minor}, probability {:.2}: {}\n",
         finding.cause,
         finding.address,
+        finding.probability,
         numbers.join(", ")
     );
     for rival in &finding.indistinguishable_from {
         text += &format!(
-            "    or {} {} (BIC {:.1} behind)\n",
-            rival.cause, rival.address, rival.bic_behind
+            "    or {} {} ({:.1} times less probable)\n",
+            rival.cause,
+            rival.address,
+            (0.5 * rival.bic_behind).exp()
         );
     }
     text

@@ -36,7 +36,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let changes = diff(&a, &b, tolerance);
     shell.print(&match shell.format {
         Format::Json => serde_json::to_string_pretty(&changes).expect("JSON values print") + "\n",
-        Format::Text | Format::Plain => changes.iter().map(line).collect(),
+        _ => changes.iter().map(line).collect(),
     });
     Ok(if changes.is_empty() {
         Exit::Fine

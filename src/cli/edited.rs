@@ -1,6 +1,6 @@
 //! What an edit does to a deck beyond the value it is about: looked at before anything is written.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
 use crate::syntax::lint::{self, Options};
@@ -26,20 +26,6 @@ pub(super) fn new_errors<'a>(
     after: &'a Checked<Dataset>,
 ) -> Vec<&'a Diagnostic> {
     beyond(&before.diagnostics, &after.diagnostics)
-}
-
-/// Complains of what `admire check` finds in the new deck and not in the old one, at the places of the new text. False if that
-/// is a value no reader of the deck could take: of a wrong type, or too few or too many.
-pub(super) fn still_good(before: &Dataset, after: &Dataset, shell: &mut Shell) -> bool {
-    if before.bytes() == after.bytes() {
-        return true;
-    }
-    let found = faults(before, after);
-    shell.sources.add(after.source().clone());
-    shell.complain(&found);
-    !found
-        .iter()
-        .any(|found| matches!(found.code, Code::WrongCount | Code::WrongType))
 }
 
 /// Gives up, having said why, if a deck has an error that it had not before; with `force` the errors are only told.
@@ -93,31 +79,34 @@ fn beyond<'a>(old: &[Diagnostic], new: &'a [Diagnostic]) -> Vec<&'a Diagnostic> 
         .collect()
 }
 
-/// True if two decks have the same statements with the same arguments, whatever their values, but for one argument of the
-/// statement at `place`.
+/// True if two decks have the same statements with the same arguments, whatever their values, but for some arguments: those of
+/// the statements at `places`.
 pub(super) fn same_but_for(
     before: &Dataset,
     after: &Dataset,
-    place: Option<usize>,
-    argument: &str,
+    places: &BTreeSet<(usize, &str)>,
 ) -> bool {
     let (old, new) = (before.statements(), after.statements());
     old.len() == new.len()
         && old.iter().zip(new).enumerate().all(|(at, (old, new))| {
-            let aside = if place == Some(at) { argument } else { "" };
+            let aside: Vec<&str> = places
+                .range((at, "")..)
+                .take_while(|(place, _)| *place == at)
+                .map(|(_, argument)| *argument)
+                .collect();
             old.kind() == new.kind()
                 && old.number() == new.number()
-                && names(old, aside).eq(names(new, aside))
+                && names(old, &aside).eq(names(new, &aside))
         })
 }
 
 fn names<'a>(
     statement: &'a Statement,
-    aside: &'a str,
+    aside: &'a [&'a str],
 ) -> impl Iterator<Item = Option<&'static str>> + 'a {
     statement
         .arguments
         .iter()
         .map(Argument::kind)
-        .filter(move |name| *name != Some(aside))
+        .filter(move |name| name.is_none_or(|name| !aside.contains(&name)))
 }

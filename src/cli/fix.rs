@@ -6,22 +6,28 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::model::replace_user_forces;
 use crate::syntax::files::references;
 use crate::syntax::lint::{self, Options};
-use crate::syntax::{CommandFile, Dataset, safe_fixes};
+use crate::syntax::{CommandFile, Dataset, all_fixes, safe_fixes};
 use crate::text::{Source, Span, apply_edits};
 
 use super::Outcome;
 use super::check::is_command_file;
 use super::get;
+use super::inputs::files_of;
 use super::shell::{Exit, Shell};
 
 /// Apply fixes that keep the meaning of a dataset or a command file.
 ///
 /// Shows the change; with --write it is made, too.
 #[derive(clap::Args, Debug)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
-    /// Datasets (.adm) and command files (.acf).
+    /// Datasets (.adm), command files (.acf), folders, or patterns: `runs/*.adm`.
     #[arg(required = true)]
     decks: Vec<PathBuf>,
+    /// Also apply fixes that may not be what was meant: misspelt words become the only one that comes near, lines that lost their
+    /// comma get it back.
+    #[arg(long = "unsafe")]
+    may_be_wrong: bool,
     /// Make the change, after it was shown.
     #[arg(long)]
     write: bool,
@@ -42,12 +48,12 @@ pub(super) struct Arguments {
 /// Shows and makes the changes.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let mut exit = Exit::Fine;
-    for path in &arguments.decks {
-        let Ok(source) = shell.read(path) else {
+    for path in &files_of(&arguments.decks, shell)? {
+        let Ok(source) = shell.read_for(path, arguments.write) else {
             exit = Exit::Findings;
             continue;
         };
-        let mut fixed = fixed(&source, is_command_file(path));
+        let mut fixed = fixed(&source, is_command_file(path), arguments.may_be_wrong);
         if arguments.replace_user && !is_command_file(path) {
             let safe = Source::new(source.name(), fixed);
             fixed = without_user_forces(&safe, arguments, shell)?;
@@ -63,19 +69,36 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     Ok(exit)
 }
 
-/// The file with every safe fix made that does not touch another one.
-fn fixed(source: &Source, is_command_file: bool) -> Vec<u8> {
-    let found = if is_command_file {
-        CommandFile::parse(source.clone()).diagnostics
-    } else {
-        let parsed = Dataset::parse(source.clone());
-        let mut found = parsed.diagnostics;
-        found.extend(lint::check(&parsed.value, &Options::default()));
-        found
-    };
-    let edits = safe_fixes(&found, source.name());
-    // Edits that still conflict leave the file as it is.
-    apply_edits(source.bytes(), &edits).unwrap_or_else(|_| source.bytes().to_vec())
+const EXAMPLES: &str = "Examples:
+  admire fix front.adm                    show what would change
+  admire fix front.adm --write            change it
+  admire fix models --unsafe              misspelt keywords, too";
+
+/// The file with every fix made that does not touch another one. A word that was mended may show more to mend.
+fn fixed(source: &Source, is_command_file: bool, may_be_wrong: bool) -> Vec<u8> {
+    const ROUNDS: usize = 10;
+    let mut source = source.clone();
+    for _ in 0..ROUNDS {
+        let found = if is_command_file {
+            CommandFile::parse(source.clone()).diagnostics
+        } else {
+            let parsed = Dataset::parse(source.clone());
+            let mut found = parsed.diagnostics;
+            found.extend(lint::check(&parsed.value, &Options::default()));
+            found
+        };
+        let edits = if may_be_wrong {
+            all_fixes(&found, source.name())
+        } else {
+            safe_fixes(&found, source.name())
+        };
+        // Edits that still conflict leave the file as it is.
+        match apply_edits(source.bytes(), &edits) {
+            Ok(bytes) if !edits.is_empty() => source = Source::new(source.name(), bytes),
+            _ => break,
+        }
+    }
+    source.bytes().to_vec()
 }
 
 /// The file with the curves of property files in place of the subroutines that read them.

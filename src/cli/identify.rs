@@ -1,19 +1,22 @@
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use comfy_table::{CellAlignment, Table, presets};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::backend::Backend;
 use crate::diagnostic::{Code, Diagnostic};
+use crate::discrepancy::tolerant;
 use crate::identify::global::{Options, Prepared, Start, fit_study};
-use crate::identify::{Fit, IdentifyError, LoadedStudy, direct, regression};
-use crate::report::{IdentificationReport, lead, number, status};
+use crate::identify::{Fit, IdentifyError, LoadedStudy, direct, estimate_noise, regression};
+use crate::report::scene::Role;
+use crate::report::{IdentificationReport, Positions, lead, number, status};
 use crate::rig::settings::{BackendChoice, Method};
 
 use super::Outcome;
 use super::input::study;
 use super::interrupt;
+use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::render::table_text;
 use super::shell::{Exit, Format, Shell};
 use super::solver;
@@ -35,7 +38,12 @@ pub(super) struct Arguments {
     /// stay.
     #[arg(long)]
     keep: bool,
+    #[command(flatten)]
+    replacing: Replacing,
 }
+
+/// What is written.
+const OUTPUTS: [&str; 3] = ["identified.adm", "identification.json", "report.html"];
 
 /// `--method`.
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
@@ -57,38 +65,71 @@ impl From<MethodChoice> for Method {
 
 /// Identifies, writes and prints.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    refuse_replacing(&arguments.out, &OUTPUTS, arguments.replacing, shell)?;
     let mut loaded = study(&arguments.study, shell)?;
     if let Some(method) = arguments.method {
         loaded.study.identify.method = method.into();
     }
     let keep = arguments.keep.then(|| arguments.out.join("runs"));
     let mut backend = solver::backend(&loaded.study, keep, shell);
-    let outcome = identified(&loaded, backend.as_mut(), shell);
+    let outcome = noise(&mut loaded, backend.as_mut())
+        .and_then(|()| identified(&loaded, backend.as_mut(), shell));
+    let positions = outcome.as_ref().map_or_else(
+        |_| Vec::new(),
+        |fit| positions(&loaded, fit, backend.as_mut()),
+    );
     for remark in backend.remarks() {
         shell.say(&format!("{remark}\n"));
     }
-    let fit = outcome.map_err(|error| {
+    let mut fit = outcome.map_err(|error| {
         shell.fail(Diagnostic::error(Code::NoFit, error.to_string()));
         Exit::NoAnswer
     })?;
-    write(&loaded, &fit, &arguments.out, shell)?;
-    match shell.format {
-        Format::Json => shell.print(&fit.to_json()),
-        Format::Text | Format::Plain => {
-            let report = arguments.out.join("report.html");
-            shell.print(&format!(
-                "{}\n{}\nreport: {}\n",
-                table(&loaded, &fit),
-                lead(&fit),
-                report.display()
-            ));
-        }
+    if allows_for_tolerances(&loaded, &fit)
+        && let Some(found) = tolerant(&loaded.problem())
+    {
+        found.apply(&mut fit);
     }
-    Ok(if fit.converged {
+    write(&loaded, &fit, &positions, arguments, shell)?;
+    if shell.format == Format::Json {
+        shell.print(&fit.to_json());
+    } else {
+        let report = arguments.out.join("report.html");
+        shell.print(&format!(
+            "{}\n{}\nreport: {}\n",
+            table(&loaded, &fit),
+            lead(&fit),
+            report.display()
+        ));
+    }
+    Ok(if fit.interrupted {
+        Exit::Interrupted
+    } else if fit.converged {
         Exit::Fine
     } else {
         Exit::NoAnswer
     })
+}
+
+/// Estimates what the study does not state of its sensors' noise, with whoever solves it.
+pub(super) fn noise(
+    loaded: &mut LoadedStudy,
+    backend: &mut dyn Backend,
+) -> Result<(), IdentifyError> {
+    let external = loaded.study.solver.backend != BackendChoice::Native;
+    estimate_noise(loaded, external.then_some(backend))
+}
+
+/// Whether tolerances are fitted beside the stiffnesses: for readings with noise, solved by the built-in solver, by the method that
+/// knows how exact it is.
+fn allows_for_tolerances(loaded: &LoadedStudy, fit: &Fit) -> bool {
+    let settings = &loaded.study.identify;
+    let frames = settings.frame_sd.length > 0.0 || settings.frame_sd.angle_deg > 0.0;
+    settings.method == Method::GaussNewton
+        && loaded.study.solver.backend == BackendChoice::Native
+        && fit.fit_test.is_some()
+        && !fit.interrupted
+        && !frames
 }
 
 /// Runs the study's method on a backend, showing how it goes.
@@ -169,13 +210,32 @@ fn goes_on() -> ControlFlow<()> {
     }
 }
 
-fn write(loaded: &LoadedStudy, fit: &Fit, out: &Path, shell: &mut Shell) -> Result<(), Exit> {
-    std::fs::create_dir_all(out).map_err(|error| {
-        shell.fail(Diagnostic::error(
-            Code::CannotWrite,
-            format!("{}: {error}", out.display()),
-        ))
-    })?;
+/// Where the solver puts the parts with the initial and with the identified numbers; without those it does not tell, as a recording
+/// that lacks them.
+fn positions(loaded: &LoadedStudy, fit: &Fit, backend: &mut dyn Backend) -> Vec<Positions> {
+    // Pictures are not worth the licences of another solver.
+    if loaded.study.solver.backend != BackendChoice::Native {
+        return Vec::new();
+    }
+    let problem = loaded.problem();
+    let wanted = [
+        ("initial", Role::Initial, problem.initial()),
+        ("identified", Role::Fitted, fit.values()),
+    ];
+    let solved = wanted.into_iter().filter_map(|(name, role, values)| {
+        let sweep = problem.sweep(backend, &values).ok()?;
+        Some(Positions::of(name, role, &sweep))
+    });
+    solved.collect()
+}
+
+fn write(
+    loaded: &LoadedStudy,
+    fit: &Fit,
+    positions: &[Positions],
+    arguments: &Arguments,
+    shell: &mut Shell,
+) -> Result<(), Exit> {
     let deck = loaded
         .identified_deck(&fit.values())
         .map_err(|diagnostic| shell.fail(diagnostic))?;
@@ -184,13 +244,15 @@ fn write(loaded: &LoadedStudy, fit: &Fit, out: &Path, shell: &mut Shell) -> Resu
         loaded,
         fit,
         diff: &diff,
+        positions,
     };
     let html = report
         .html()
         .map_err(|error| shell.fail(Diagnostic::error(Code::CannotWrite, error.to_string())))?;
-    shell.write(&out.join("identified.adm"), &deck)?;
-    shell.write(&out.join("identification.json"), fit.to_json().as_bytes())?;
-    shell.write(&out.join("report.html"), html.as_bytes())
+    let texts = [deck, fit.to_json().into_bytes(), html.into_bytes()];
+    let files: Vec<(PathBuf, Vec<u8>)> =
+        OUTPUTS.map(PathBuf::from).into_iter().zip(texts).collect();
+    write_folder(&arguments.out, &files, arguments.replacing, shell)
 }
 
 /// The lines that differ, with the three lines before and behind them that tell whose they are.

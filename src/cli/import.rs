@@ -4,7 +4,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::syntax::{Dataset, json};
 
 use super::Outcome;
-use super::edited::{edited, new_errors, still_good};
+use super::edited::{edited, new_errors, refuse_faults};
 use super::shell::{Exit, Shell};
 use super::target::Target;
 
@@ -17,13 +17,16 @@ pub(super) struct Arguments {
     deck: PathBuf,
     /// The JSON, as `admire export` wrote it, with changes; `-` is standard input.
     json: PathBuf,
+    /// Write a deck with new faults too, such as a stiffness below zero.
+    #[arg(long)]
+    force: bool,
     #[command(flatten)]
     target: Target,
 }
 
 /// Writes the changed deck.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
-    let source = shell.read(&arguments.deck)?;
+    let source = arguments.target.read(&arguments.deck, shell)?;
     let original = Dataset::parse(source);
     let dataset = &original.value;
     let text = shell.read(&arguments.json)?;
@@ -51,9 +54,8 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     {
         return Err(not_written(&format!("{first} cannot be written so"), shell));
     }
-    if !still_good(dataset, &changed.value, shell) {
-        return Err(not_written("the deck could not be read with it", shell));
-    }
+    shell.sources.add(changed.value.source().clone());
+    refuse_faults(&original, &changed, arguments.force, shell)?;
     arguments
         .target
         .deliver(&arguments.deck, changed.value.bytes(), shell)?;

@@ -1,8 +1,9 @@
 use std::path::Path;
 
-use crate::diagnostic::Severity;
+use crate::diagnostic::{Diagnostic, Severity};
 use crate::identify::LoadedStudy;
-use crate::model::Model;
+use crate::model::lint::implausible_units;
+use crate::model::{Ignore, Model, said_left_out};
 use crate::syntax::Dataset;
 use crate::system::System;
 
@@ -13,18 +14,34 @@ pub(super) struct Solvable {
     pub(super) dataset: Dataset,
     pub(super) model: Model,
     pub(super) system: System,
+    /// Complaints that a statement is left out as asked.
+    pub(super) left_out: Vec<Diagnostic>,
 }
 
 /// Reads a dataset with the files it names and compiles it; complaints are printed, and errors among them end the command.
-pub(super) fn solvable(path: &Path, shell: &mut Shell) -> Result<Solvable, Exit> {
+///
+/// What is `ignored` is left out where it is not solved.
+pub(super) fn solvable(
+    path: &Path,
+    ignored: &[Ignore],
+    shell: &mut Shell,
+) -> Result<Solvable, Exit> {
     let source = shell.read(path)?;
     let parsed = Dataset::parse(source);
     let files = shell.read_files(&parsed.value);
-    let lowered = Model::lower_with(&parsed.value, &files.value);
+    let mut lowered = Model::lower_with(&parsed.value, &files.value);
+    let left_out: Vec<Diagnostic> = lowered
+        .value
+        .leave_out(ignored)
+        .iter()
+        .map(|(kind, header)| said_left_out(kind, header))
+        .collect();
     let compiled = System::compile(&lowered.value);
     let mut complaints = parsed.diagnostics;
     complaints.extend(files.diagnostics);
     complaints.extend(lowered.diagnostics);
+    complaints.extend(implausible_units(&parsed.value, &lowered.value));
+    complaints.extend(left_out.iter().cloned());
     complaints.extend(compiled.diagnostics);
     shell.complain(&complaints);
     if complaints.iter().any(|d| d.severity == Severity::Error) {
@@ -34,6 +51,7 @@ pub(super) fn solvable(path: &Path, shell: &mut Shell) -> Result<Solvable, Exit>
         dataset: parsed.value,
         model: lowered.value,
         system: compiled.value,
+        left_out,
     })
 }
 

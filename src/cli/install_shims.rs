@@ -10,15 +10,34 @@ use super::shell::{Exit, Shell};
 ///
 /// Put the folder first on the PATH, and a script written for ADAMS runs on admire.
 #[derive(clap::Args, Debug)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
     /// The folder; it is made if missing.
     directory: PathBuf,
-    /// Names of the commands.
-    #[arg(long, value_delimiter = ',', default_values_t = ["mdi".to_string(), "adams2024_1".to_string()])]
+    /// Names of the commands. Without it `mdi`, `MDI`, and the names of the releases of ten years, `adams2016` to `adams2025_1`.
+    #[arg(long, value_delimiter = ',', default_values_t = default_names(), hide_default_value = true)]
     names: Vec<String>,
     /// Replace files of these names that are there already.
     #[arg(long)]
     force: bool,
+}
+
+const EXAMPLES: &str = "Examples:
+  admire install-shims ~/bin/adams
+  admire install-shims C:\\adams --names mdi,adams2023_4";
+
+/// What the releases of the last ten years call their launcher.
+const RELEASES: [&str; 31] = [
+    "2016", "2017", "2017_1", "2017_2", "2018", "2018_1", "2019", "2019_1", "2019_2", "2020",
+    "2020_1", "2021", "2021_0_1", "2021_0_2", "2021_1", "2021_2", "2021_3", "2021_4", "2022_1",
+    "2022_2", "2022_3", "2022_4", "2023_1", "2023_2", "2023_3", "2023_4", "2023_4_1", "2024_1",
+    "2024_1_1", "2024_2", "2025_1",
+];
+
+fn default_names() -> Vec<String> {
+    let mut names = vec!["mdi".to_string(), "MDI".to_string()];
+    names.extend(RELEASES.iter().map(|release| format!("adams{release}")));
+    names
 }
 
 /// Writes a Unix shell script and a Windows batch file for each name.

@@ -1,17 +1,19 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use crate::backend::end_runs;
+
+use super::shell::Exit;
+
 /// Set by the first Ctrl-C; the second ends the process at once.
 static ASKED: AtomicBool = AtomicBool::new(false);
-
-/// Exit code of a process ended by Ctrl-C, as shells report it.
-const INTERRUPTED: i32 = 130;
 
 /// From here on Ctrl-C asks a run to stop after its present step, so that what it found so far is kept.
 pub(super) fn listen() {
     // Without a handler Ctrl-C still ends the process: nothing is lost but the results so far.
     let _ = ctrlc::set_handler(|| {
         if ASKED.swap(true, Ordering::Relaxed) {
-            std::process::exit(INTERRUPTED);
+            end_runs();
+            std::process::exit(Exit::Interrupted as i32);
         }
         eprintln!("stopping after this step; once more to give up at once");
     });

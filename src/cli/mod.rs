@@ -5,21 +5,32 @@
 
 mod add;
 mod addresses;
+mod annotations;
+mod assignment;
 mod check;
+mod check_settings;
+mod command_edits;
 mod compare;
 mod completions;
+mod convert_units;
 mod diagnose;
 mod diff;
 mod edited;
 mod explain;
 mod export;
+mod extract;
 mod fix;
 mod get;
+mod graph;
+mod guide;
 mod identify;
 mod import;
 mod input;
+mod inputs;
 mod install_shims;
 mod interrupt;
+mod leftover;
+mod output_folder;
 mod permissions;
 mod record;
 mod remove;
@@ -27,6 +38,7 @@ mod render;
 mod renumber;
 mod reproduce;
 mod results;
+mod results_edits;
 mod rig;
 mod sensitivity;
 mod set;
@@ -36,6 +48,7 @@ mod solver;
 mod summary;
 mod target;
 mod tolerance;
+mod view;
 
 use std::process::ExitCode;
 
@@ -68,8 +81,11 @@ enum Command {
     Set(set::Arguments),
     Add(add::Arguments),
     Remove(remove::Arguments),
+    Extract(extract::Arguments),
+    ConvertUnits(convert_units::Arguments),
     Diff(diff::Arguments),
     Summary(summary::Arguments),
+    Graph(graph::Arguments),
     Renumber(renumber::Arguments),
     Export(export::Arguments),
     Import(import::Arguments),
@@ -82,7 +98,9 @@ enum Command {
     Reproduce(reproduce::Arguments),
     Results(results::Arguments),
     Compare(compare::Arguments),
+    View(view::Arguments),
     Explain(explain::Arguments),
+    Guide(guide::Arguments),
     InstallShims(install_shims::Arguments),
     Completions(completions::Arguments),
 }
@@ -99,8 +117,11 @@ pub fn main() -> ExitCode {
         Command::Set(arguments) => set::run(&arguments, &mut shell),
         Command::Add(arguments) => add::run(&arguments, &mut shell),
         Command::Remove(arguments) => remove::run(&arguments, &mut shell),
+        Command::Extract(arguments) => extract::run(&arguments, &mut shell),
+        Command::ConvertUnits(arguments) => convert_units::run(&arguments, &mut shell),
         Command::Diff(arguments) => diff::run(&arguments, &mut shell),
         Command::Summary(arguments) => summary::run(&arguments, &mut shell),
+        Command::Graph(arguments) => graph::run(&arguments, &mut shell),
         Command::Renumber(arguments) => renumber::run(&arguments, &mut shell),
         Command::Export(arguments) => export::run(&arguments, &mut shell),
         Command::Import(arguments) => import::run(&arguments, &mut shell),
@@ -113,7 +134,9 @@ pub fn main() -> ExitCode {
         Command::Reproduce(arguments) => reproduce::run(&arguments, &mut shell),
         Command::Results(arguments) => results::run(&arguments, &mut shell),
         Command::Compare(arguments) => compare::run(&arguments, &mut shell),
+        Command::View(arguments) => view::run(&arguments, &mut shell),
         Command::Explain(arguments) => explain::run(&arguments, &mut shell),
+        Command::Guide(arguments) => guide::run(&arguments, &mut shell),
         Command::InstallShims(arguments) => install_shims::run(&arguments, &mut shell),
         Command::Completions(arguments) => completions::run(&arguments),
     };

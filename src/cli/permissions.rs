@@ -19,6 +19,20 @@ pub(super) fn as_new_files<'a, 'b>(
     builder
 }
 
+/// True if a new file can take the place of an old one: it has no other names, and its owner can be given to the new one.
+#[cfg(unix)]
+pub(super) fn can_be_replaced(old: &std::fs::Metadata, new: &Path) -> bool {
+    use std::os::unix::fs::{MetadataExt, chown};
+    let same =
+        std::fs::metadata(new).is_ok_and(|new| (new.uid(), new.gid()) == (old.uid(), old.gid()));
+    old.nlink() < 2 && (same || chown(new, Some(old.uid()), Some(old.gid())).is_ok())
+}
+
+#[cfg(not(unix))]
+pub(super) fn can_be_replaced(_: &std::fs::Metadata, _: &Path) -> bool {
+    true
+}
+
 /// Lets a file be run as a command.
 #[cfg(unix)]
 pub(super) fn make_executable(path: &Path) -> std::io::Result<()> {
@@ -47,5 +61,28 @@ mod tests {
         assert!(replace_file(&path, b"text").is_err());
         let kind = std::fs::metadata(&path).unwrap().file_type();
         assert!(kind.is_socket());
+    }
+
+    #[test]
+    fn all_names_of_a_file_keep_being_its_names() {
+        use std::os::unix::fs::{MetadataExt, PermissionsExt};
+        let folder = tempfile::tempdir().unwrap();
+        let (path, other) = (folder.path().join("a.adm"), folder.path().join("b.adm"));
+        std::fs::write(&path, "a long text").unwrap();
+        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o640)).unwrap();
+        std::fs::hard_link(&path, &other).unwrap();
+        replace_file(&path, b"short").unwrap();
+        assert_eq!(std::fs::read(&other).unwrap(), b"short");
+        let data = std::fs::metadata(&path).unwrap();
+        assert_eq!((data.nlink(), data.mode() & 0o777), (2, 0o640));
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
+        // The owner stays: only root may give a file away.
+        let third = folder.path().join("c.adm");
+        std::fs::write(&third, "text").unwrap();
+        if std::os::unix::fs::chown(&third, Some(4242), Some(4243)).is_ok() {
+            replace_file(&third, b"new").unwrap();
+            let data = std::fs::metadata(&third).unwrap();
+            assert_eq!((data.uid(), data.gid()), (4242, 4243));
+        }
     }
 }

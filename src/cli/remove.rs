@@ -1,9 +1,10 @@
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use clap_complete::ArgValueCompleter;
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::syntax::Dataset;
+use crate::diagnostic::{Checked, Code, Diagnostic};
+use crate::syntax::{Address, Dataset};
 
 use super::Outcome;
 use super::addresses::complete;
@@ -16,12 +17,17 @@ use super::target::Target;
 ///
 /// Nothing else of the deck changes. Without -o or --in-place the new deck goes to standard output.
 #[derive(clap::Args, Debug)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
     /// The dataset.
     deck: PathBuf,
     /// `JOINT/3`, `front_arm_bushing`, `BUSHING/12.PRELOAD`, ...
     #[arg(required = true, value_name = "ADDRESS", add = ArgValueCompleter::new(complete))]
     addresses: Vec<String>,
+    /// Also remove all that cannot stand without it: markers on a part, joints and forces on markers, motions of joints. Bodies only
+    /// lose the argument that names what is gone.
+    #[arg(long)]
+    cascade: bool,
     /// Write a deck with new faults too, such as references to what is gone.
     #[arg(long)]
     force: bool,
@@ -29,28 +35,86 @@ pub(super) struct Arguments {
     target: Target,
 }
 
+const EXAMPLES: &str = "Examples:
+  admire remove deck.adm BUSHING/12.PRELOAD -o new.adm
+  admire remove deck.adm 'REQUEST/*' --in-place
+  admire remove deck.adm PART/7 --cascade -o without.adm";
+
 /// Writes the smaller deck.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
-    let source = shell.read(&arguments.deck)?;
+    let source = arguments.target.read(&arguments.deck, shell)?;
     let original = Dataset::parse(source);
     let mut deck = original.clone();
+    let mut whole = BTreeSet::new();
     for text in &arguments.addresses {
         // Names are those of the deck as it was, whatever has gone meanwhile.
-        let address = parse(text, &original.value, shell)?;
-        let edits = if address.index.is_some() {
-            let message = format!("`{text}` is one value of a list");
-            Err(Diagnostic::error(Code::WrongType, message)
-                .help("statements and arguments can be removed"))
+        let addresses = if Address::is_pattern(text) {
+            Address::matching(text, &original.value).map_err(|mut refused| {
+                refused.labels.clear();
+                shell.fail(refused)
+            })?
         } else {
-            deck.value.remove(&address)
+            vec![parse(text, &original.value, shell)?]
         };
-        let edits = edits.map_err(|refused| shell.fail(refused))?;
-        deck = edited(&deck.value, &edits, shell)?;
-        shell.sources.add(deck.value.source().clone());
+        for address in addresses {
+            if arguments.cascade && address.argument.is_none() {
+                whole.extend(original.value.position(&address.kind, address.id));
+                continue;
+            }
+            let edits = if address.index.is_some() {
+                let message = format!("`{text}` is one value of a list");
+                Err(Diagnostic::error(Code::WrongType, message)
+                    .help("statements and arguments can be removed"))
+            } else {
+                deck.value.remove(&address)
+            };
+            let edits = edits.map_err(|refused| shell.fail(refused))?;
+            deck = edited(&deck.value, &edits, shell)?;
+            shell.sources.add(deck.value.source().clone());
+        }
+    }
+    if !whole.is_empty() {
+        deck = cascaded(&original.value, &deck.value, whole, shell)?;
     }
     refuse_faults(&original, &deck, arguments.force, shell)?;
     arguments
         .target
         .deliver(&arguments.deck, deck.value.bytes(), shell)?;
     Ok(Exit::Fine)
+}
+
+/// The deck without some statements of the original and all that cannot stand without them; says what that is.
+fn cascaded(
+    original: &Dataset,
+    deck: &Dataset,
+    places: BTreeSet<usize>,
+    shell: &mut Shell,
+) -> Result<Checked<Dataset>, Exit> {
+    let named: Vec<Address> = places
+        .iter()
+        .filter_map(|at| Address::of(&original.statements()[*at]))
+        .collect();
+    let here = named
+        .iter()
+        .filter_map(|address| deck.position(&address.kind, address.id))
+        .collect();
+    let removal = deck.dependents(here);
+    let mut with_it: Vec<String> = removal
+        .statements
+        .iter()
+        .filter_map(|at| Address::of(&deck.statements()[*at]))
+        .filter(|address| !named.contains(address))
+        .map(|address| address.to_string())
+        .collect();
+    with_it.extend(removal.arguments.iter().filter_map(|(at, k)| {
+        let statement = &deck.statements()[*at];
+        let object = Address::of(statement)?;
+        Some(format!("{object}.{}", statement.arguments[*k].kind()?))
+    }));
+    if !with_it.is_empty() {
+        shell.say(&format!("also removed: {}\n", with_it.join(", ")));
+    }
+    let changed = edited(deck, &deck.removal_edits(&removal), shell)?;
+    shell.sources.add(changed.value.source().clone());
+    Ok(changed)
 }

@@ -8,8 +8,9 @@ use serde_json::{Value, json};
 
 use crate::diagnostic::{Applicability, Diagnostic, Severity};
 use crate::session::Sources;
-use crate::text::{Source, Span};
+use crate::text::{Source, Span, masked, printable};
 
+use super::annotations;
 use super::shell::Format;
 
 /// More complaints than a person reads are counted, not shown.
@@ -24,12 +25,17 @@ pub(super) fn diagnostics(
 ) -> String {
     match format {
         Format::Text => graphical(diagnostics, sources, colours),
-        Format::Plain => diagnostics.iter().map(|d| plain(d, sources)).collect(),
+        Format::Plain => diagnostics
+            .iter()
+            .map(|d| printable(&plain(d, sources)).into_owned())
+            .collect(),
         Format::Json => {
             let all: Vec<Value> = diagnostics.iter().map(|d| as_json(d, sources)).collect();
             let text = serde_json::to_string_pretty(&all).expect("JSON values print");
-            text + "\n"
+            printable(&(text + "\n")).into_owned()
         }
+        Format::Sarif => printable(&annotations::sarif(diagnostics, sources)).into_owned(),
+        Format::Github => printable(&annotations::github(diagnostics, sources)).into_owned(),
     }
 }
 
@@ -122,6 +128,7 @@ fn graphical(diagnostics: &[Diagnostic], sources: &Sources, colours: bool) -> St
         if let Some(label) = diagnostic.labels.first()
             && !decoded.contains_key(&*label.file)
             && let Some(source) = sources.get(&label.file)
+            && source.bytes().len() < LARGEST_SHOWN
         {
             decoded.insert(label.file.to_string(), Decoded::new(source));
         }
@@ -165,7 +172,7 @@ impl<'a> Shown<'a> {
         let mut labels = Vec::new();
         let mut help: Vec<String> = Vec::new();
         for (k, label) in diagnostic.labels.iter().enumerate() {
-            let said = (!label.message.is_empty()).then(|| label.message.clone());
+            let said = (!label.message.is_empty()).then(|| printable(&label.message).into_owned());
             match source {
                 Some(source) if first.is_some_and(|f| f.file == label.file) => {
                     let span = source.span(label.span);
@@ -193,7 +200,7 @@ impl<'a> Shown<'a> {
             diagnostic,
             source,
             labels,
-            help: (!help.is_empty()).then(|| help.join("\n")),
+            help: (!help.is_empty()).then(|| printable(&help.join("\n")).into_owned()),
         }
     }
 }
@@ -206,7 +213,7 @@ impl fmt::Debug for Shown<'_> {
 
 impl fmt::Display for Shown<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.diagnostic.message)
+        f.write_str(&printable(&self.diagnostic.message))
     }
 }
 
@@ -246,6 +253,9 @@ struct Decoded {
     original: Option<Source>,
 }
 
+/// Places in larger files are named by their line, not shown: to show them needs a copy of the text.
+pub(super) const LARGEST_SHOWN: usize = 64 << 20;
+
 /// Longer lines are shown as a window around the place.
 const LONG_LINE: usize = 240;
 
@@ -253,11 +263,11 @@ impl Decoded {
     fn new(source: &Source) -> Self {
         let whole = Span::new(0, source.bytes().len());
         let (text, original) = match source.text(whole) {
-            Cow::Borrowed(text) => (text.to_string(), None),
-            Cow::Owned(text) => (text, Some(source.clone())),
+            Cow::Borrowed(text) => (masked(text).into_owned(), None),
+            Cow::Owned(text) => (masked(&text).into_owned(), Some(source.clone())),
         };
         Self {
-            name: source.name().to_string(),
+            name: printable(source.name()).into_owned(),
             text,
             original,
         }

@@ -12,6 +12,7 @@ use super::Outcome;
 use super::addresses::complete;
 use super::fix::diff;
 use super::get::parse;
+use super::output_folder::{Replacing, write_folder};
 use super::shell::{Exit, Shell};
 
 /// Give objects new ids; every reference follows, in arguments, in functions and in commands.
@@ -34,11 +35,13 @@ pub(super) struct Arguments {
     /// Replace the files themselves.
     #[arg(long)]
     in_place: bool,
+    #[command(flatten)]
+    replacing: Replacing,
 }
 
 /// Shows or makes the change.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
-    let source = shell.read(&arguments.deck)?;
+    let source = shell.read_for(&arguments.deck, arguments.in_place)?;
     let dataset = Dataset::parse(source.clone()).value;
     let mut renumbering = Renumbering::new();
     for text in &arguments.ids {
@@ -46,7 +49,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     }
     let mut commands = Vec::new();
     for path in &arguments.commands {
-        commands.push(CommandFile::parse(shell.read(path)?).value);
+        commands.push(CommandFile::parse(shell.read_for(path, arguments.in_place)?).value);
     }
     let all: Vec<&CommandFile> = commands.iter().collect();
     let done = renumber(&dataset, &all, &renumbering).map_err(|refused| shell.fail(refused))?;
@@ -75,19 +78,15 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         return Ok(Exit::Fine);
     }
     let several = changed.len() > 1;
+    if let Some(out) = arguments.out.as_ref().filter(|out| several || out.is_dir()) {
+        let named = changed
+            .into_iter()
+            .filter_map(|(path, _, bytes)| Some((PathBuf::from(path.file_name()?), bytes)));
+        write_folder(out, &named.collect::<Vec<_>>(), arguments.replacing, shell)?;
+        return Ok(Exit::Fine);
+    }
     for (path, _, bytes) in &changed {
-        let target = match (&arguments.out, path.file_name()) {
-            (Some(out), Some(name)) if several || out.is_dir() => {
-                std::fs::create_dir_all(out).map_err(|error| {
-                    let said = format!("`{}` cannot be made: {error}", out.display());
-                    shell.fail(Diagnostic::error(Code::CannotWrite, said))
-                })?;
-                out.join(name)
-            }
-            (Some(out), _) => out.clone(),
-            _ => (*path).clone(),
-        };
-        shell.write(&target, bytes)?;
+        shell.write(arguments.out.as_ref().unwrap_or(path), bytes)?;
     }
     Ok(Exit::Fine)
 }

@@ -8,6 +8,7 @@ use crate::identify::reproduction::{Comparison, ReproductionError, Section, repr
 use crate::report::ReproductionReport;
 
 use super::Outcome;
+use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::render::table_text;
 use super::shell::{Exit, Format, Shell};
 
@@ -23,10 +24,18 @@ pub(super) struct Arguments {
     /// Also write `report.html` with the curves into this folder.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    replacing: Replacing,
 }
+
+/// What is written.
+const OUTPUT: &str = "report.html";
 
 /// Reproduces and prints.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    if let Some(out) = &arguments.out {
+        refuse_replacing(out, &[OUTPUT], arguments.replacing, shell)?;
+    }
     let bar = ProgressBar::new_spinner().with_style(
         ProgressStyle::with_template("{spinner} {msg}").expect("the template is valid"),
     );
@@ -49,15 +58,12 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             ReproductionError::Study { .. } | ReproductionError::Lacks { .. } => Exit::Findings,
         }
     })?;
-    match shell.format {
-        Format::Json => {
-            let text = serde_json::to_string_pretty(&sections);
-            shell.print(&(text.expect("sections hold only names and numbers") + "\n"));
-        }
-        Format::Text | Format::Plain => {
-            let texts: Vec<String> = sections.iter().map(section).collect();
-            shell.print(&texts.join("\n"));
-        }
+    if shell.format == Format::Json {
+        let text = serde_json::to_string_pretty(&sections);
+        shell.print(&(text.expect("sections hold only names and numbers") + "\n"));
+    } else {
+        let texts: Vec<String> = sections.iter().map(section).collect();
+        shell.print(&texts.join("\n"));
     }
     if let Some(out) = &arguments.out {
         let html = ReproductionReport {
@@ -66,13 +72,9 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         .html();
         let html = html
             .map_err(|error| shell.fail(Diagnostic::error(Code::CannotWrite, error.to_string())))?;
-        std::fs::create_dir_all(out).map_err(|error| {
-            let message = format!("{}: {error}", out.display());
-            shell.fail(Diagnostic::error(Code::CannotWrite, message))
-        })?;
-        let path = out.join("report.html");
-        shell.write(&path, html.as_bytes())?;
-        shell.say(&format!("report: {}\n", path.display()));
+        let files = [(PathBuf::from(OUTPUT), html.into_bytes())];
+        write_folder(out, &files, arguments.replacing, shell)?;
+        shell.say(&format!("report: {}\n", out.join(OUTPUT).display()));
     }
     Ok(Exit::Fine)
 }

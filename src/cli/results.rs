@@ -6,21 +6,27 @@ use clap_complete::ArgValueCompleter;
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::grammar::nearest;
-use crate::results::{AnyResults, ResultsError, Selection, open_any};
+use crate::results::{
+    AnyResults, MessageFile, ResultsError, Selection, StepFilter, StepKind, open_any,
+};
+use crate::text::Source;
 
 use super::Outcome;
 use super::addresses::complete_columns;
+use super::results_edits;
 use super::shell::{Exit, Format, Shell, exit_of};
+use super::target::Target;
 
-/// Show what a results file holds, or take columns out of it.
+/// Show what a results file holds, take columns out of it, change values; or say what a message file tells of a run.
 #[derive(clap::Args, Debug)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
-    /// Results: XRF (.res), requests (.req) or formatted results.
+    /// Results: XRF (.res), requests (.req), graphics (.gra), formatted results; or messages (.msg).
     file: PathBuf,
     /// Print the columns' names, units and ids (with `--format json` as JSON). This is what happens without `--get`.
     #[arg(long)]
     list: bool,
-    /// Print the values of the columns with these names: `arm_XFORM.X`, `*_XFORM.?`, `JOINT_1`.
+    /// Print the values of the columns with these names: `arm_XFORM.X`, `*_XFORM.?`, `JOINT_1`, `arm.X`.
     #[arg(long, num_args = 1.., value_name = "PATTERN", add = ArgValueCompleter::new(complete_columns))]
     get: Vec<String>,
     /// Print values as CSV; this is the default.
@@ -29,41 +35,61 @@ pub(super) struct Arguments {
     /// Print values as JSON.
     #[arg(long)]
     json: bool,
+    /// CSV of numbers alone: names without units, no kind of step.
+    #[arg(long, conflicts_with = "json")]
+    plain: bool,
+    /// Only these steps, from 1: `3`, `2-5`, `7-`, `last`, several with commas.
+    #[arg(long, value_name = "STEPS")]
+    steps: Option<String>,
+    /// Only steps at this time or later.
+    #[arg(long, value_name = "TIME", allow_negative_numbers = true)]
+    from: Option<f64>,
+    /// Only steps at this time or earlier.
+    #[arg(long, value_name = "TIME", allow_negative_numbers = true)]
+    to: Option<f64>,
+    /// Only steps of this kind: static, quasiStatic, kinematic, dynamic, ...
+    #[arg(long, value_name = "KIND")]
+    kind: Vec<String>,
+    /// Change values and write the whole file: `arm_XFORM.X=12.5`, `'*.FX*=1000'`, in the steps chosen by the other options.
+    #[arg(long, num_args = 1.., value_name = "COLUMN=VALUE", conflicts_with_all = ["get", "list"])]
+    set: Vec<String>,
+    #[command(flatten)]
+    target: Target,
 }
 
-/// Prints the list or the values.
+const EXAMPLES: &str = "Examples:
+  admire results run.res
+  admire results run.res --get time 'knuckle.?' --steps last
+  admire results run.res --get 'BUSHING_*.F?' --kind quasiStatic --plain
+  admire results run.res --set 'knuckle_XFORM.Z+=2.5' --steps 3- -o moved.res
+  admire results run.gra --get PART_7.Z
+  admire results run.msg";
+
+/// Prints the list or the values, or writes the file anew.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    if let Some(summary) = messages(&arguments.file) {
+        return Ok(told(&summary, shell));
+    }
+    let filter = filter(arguments).map_err(|refused| shell.usage(refused))?;
+    if !arguments.set.is_empty() {
+        return results_edits::run(
+            &arguments.file,
+            &arguments.set,
+            &filter,
+            &arguments.target,
+            shell,
+        );
+    }
     let mut reader = open(&arguments.file, shell)?;
     if arguments.get.is_empty() || arguments.list {
         shell.print(&list(&mut reader, shell).map_err(|error| refused(error, shell))?);
     } else {
-        let patterns: Vec<&str> = arguments.get.iter().map(String::as_str).collect();
-        let (selection, unused) = Selection::matching(reader.catalogue(), &patterns);
-        if let Some(pattern) = unused.first() {
-            let paths: Vec<String> = Selection::all(reader.catalogue())
-                .columns
-                .into_iter()
-                .map(|column| column.path)
-                .collect();
-            let capitals: Vec<String> = paths.iter().map(|path| path.to_uppercase()).collect();
-            let near = nearest(pattern, capitals.iter().map(String::as_str))
-                .and_then(|near| capitals.iter().position(|path| path == near));
-            return Err(shell.fail(
-                Diagnostic::error(
-                    Code::UndefinedId,
-                    format!("no column of the file is called `{pattern}`"),
-                )
-                .help(match near {
-                    Some(at) => format!("did you mean `{}`?", paths[at]),
-                    None => "`admire results FILE --list` shows what there is".to_string(),
-                }),
-            ));
-        }
+        let selection = selection(&reader, &arguments.get, shell)?;
         let mut output = BufWriter::new(std::io::stdout().lock());
         let written = if arguments.json || shell.format == Format::Json {
-            selection.write_json(&mut reader, &mut output)
+            selection.write_json_of(&mut reader, &mut output, &filter)
         } else {
-            selection.write_csv(&mut reader, &mut output)
+            selection.write_csv_of(&mut reader, &mut output, &filter, arguments.plain)
         };
         shell.printed(output.flush());
         match written {
@@ -74,6 +100,150 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     }
     shell.complain(reader.diagnostics());
     Ok(exit_of(reader.diagnostics()))
+}
+
+/// The columns that patterns name; every pattern must name one.
+pub(super) fn selection(
+    reader: &AnyResults,
+    patterns: &[String],
+    shell: &Shell,
+) -> Result<Selection, Exit> {
+    let patterns: Vec<&str> = patterns.iter().map(String::as_str).collect();
+    let (selection, unused) = Selection::matching(reader.catalogue(), &patterns);
+    let Some(pattern) = unused.first() else {
+        return Ok(selection);
+    };
+    let paths: Vec<String> = Selection::all(reader.catalogue())
+        .columns
+        .into_iter()
+        .map(|column| column.path)
+        .collect();
+    let capitals: Vec<String> = paths.iter().map(|path| path.to_uppercase()).collect();
+    let near = nearest(pattern, capitals.iter().map(String::as_str))
+        .and_then(|near| capitals.iter().position(|path| path == near));
+    Err(shell.fail(
+        Diagnostic::error(
+            Code::UndefinedId,
+            format!("no column of the file is called `{pattern}`"),
+        )
+        .help(match near {
+            Some(at) => format!("did you mean `{}`?", paths[at]),
+            None => "`admire results FILE --list` shows what there is".to_string(),
+        }),
+    ))
+}
+
+/// The steps that the command line asks for.
+fn filter(arguments: &Arguments) -> Result<StepFilter, Diagnostic> {
+    let mut filter = StepFilter::default();
+    if let Some(text) = &arguments.steps {
+        filter.positions(text).map_err(|word| {
+            let message = format!("`{word}` is not a step");
+            Diagnostic::error(Code::BadNumber, message)
+                .help("steps are counted from 1: 3, 2-5, 7-, last")
+        })?;
+    }
+    filter.from = arguments.from.unwrap_or(filter.from);
+    filter.to = arguments.to.unwrap_or(filter.to);
+    for word in &arguments.kind {
+        let kind = StepKind::NAMED
+            .into_iter()
+            .find(|kind| kind.step_type().eq_ignore_ascii_case(word));
+        filter.kinds.push(kind.ok_or_else(|| {
+            let all: Vec<&str> = StepKind::NAMED
+                .iter()
+                .map(|kind| kind.step_type())
+                .collect();
+            let message = format!("`{word}` is not a kind of step");
+            Diagnostic::error(Code::BadSetting, message)
+                .help(format!("write one of {}", all.join(", ")))
+        })?);
+    }
+    Ok(filter)
+}
+
+/// The message file of this name, if it is one.
+fn messages(path: &Path) -> Option<MessageFile> {
+    let named = path
+        .extension()
+        .is_some_and(|end| end.eq_ignore_ascii_case("msg"));
+    let source = named.then(|| Source::read(path).ok()).flatten()?;
+    MessageFile::is_one(&source).then(|| MessageFile::parse(&source))
+}
+
+/// Says what a run did; exit code 1 if there were errors or it did not come to its end.
+fn told(file: &MessageFile, shell: &Shell) -> Exit {
+    let bad = !file.finished || file.frames.iter().any(|frame| frame.kind == "ERROR");
+    let exit = if bad { Exit::Findings } else { Exit::Fine };
+    if shell.format == Format::Json {
+        shell.print(&(serde_json::to_string_pretty(file).expect("JSON values print") + "\n"));
+        return exit;
+    }
+    let mut out = String::new();
+    for title in &file.titles {
+        _ = writeln!(out, "{title}");
+    }
+    let solver = if file.solver.is_empty() {
+        "unknown solver"
+    } else {
+        &file.solver
+    };
+    _ = writeln!(out, "{solver}, {} command lines", file.commands);
+    for analysis in &file.analyses {
+        _ = write!(out, "{:>6}  {}", analysis.line, analysis.kind);
+        if let Some(iterations) = analysis.iterations {
+            _ = write!(out, ": converged in {iterations} iterations");
+        }
+        if let Some((first, last)) = analysis.times {
+            _ = write!(
+                out,
+                ": {} steps shown, time {first} to {last}",
+                analysis.steps
+            );
+        }
+        out.push_str(if analysis.ended {
+            "\n"
+        } else {
+            ", NOT ENDED\n"
+        });
+    }
+    for frame in &file.frames {
+        let first = frame
+            .text
+            .lines()
+            .map(str::trim)
+            .find(|line| !line.is_empty());
+        _ = writeln!(
+            out,
+            "{:>6}  {}: {}",
+            frame.line,
+            frame.kind,
+            first.unwrap_or("")
+        );
+    }
+    for name in &file.redundant {
+        _ = writeln!(out, "        redundant: {name}");
+    }
+    let errors = file
+        .frames
+        .iter()
+        .filter(|frame| frame.kind == "ERROR")
+        .count();
+    let warnings = file.frames.len() - errors;
+    _ = write!(out, "{errors} errors, {warnings} warnings");
+    if let Some(elapsed) = file.elapsed {
+        _ = write!(out, ", elapsed {elapsed} s");
+    }
+    if let Some(cpu) = file.cpu {
+        _ = write!(out, ", CPU {cpu} s");
+    }
+    out.push_str(if file.finished {
+        ", finished\n"
+    } else {
+        ", NOT FINISHED\n"
+    });
+    shell.print(&out);
+    exit
 }
 
 /// Opens a results file of any kind that can be read, and prints the complaints about it.

@@ -2,9 +2,10 @@ use std::path::PathBuf;
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::rig::effect::EffectSpec;
-use crate::rig::{Background, LoadTable, RigOptions, virtual_rig};
+use crate::rig::{LoadTable, RigOptions, Scatter, Tolerances, virtual_rig};
 
 use super::Outcome;
+use super::output_folder::{Replacing, write_folder};
 use super::shell::{Exit, Shell};
 
 /// Measure a study's deck on the virtual test rig and write what a rig would hand over: a whole study folder.
@@ -29,15 +30,24 @@ pub(super) struct Arguments {
     /// A file of effects to plant, one a line; `#` begins a comment.
     #[arg(long, value_name = "FILE")]
     effects: Vec<PathBuf>,
-    /// Small errors in many places besides, as standard deviations: `hardpoints=0.1,load_gain=0.003,marks_on_parts=0.02`
+    /// Standard deviation of one coordinate of the first session instead of the study's.
+    #[arg(long, value_name = "SIGMA")]
+    sigma_on_parts: Option<f64>,
+    /// Small errors in many places besides, as standard deviations: `hardpoints=0.3,load_gain=0.005,pose=0.02`. Names are those of
+    /// `[tolerances]`, and `parts`, `assembly_offset`, `bushing_axis_deg`, `preload`, `pose_deg`
     #[arg(long, value_name = "LIST")]
-    background: Option<String>,
+    tolerances: Option<String>,
+    /// Noise that is not what the study says: `tails=3,outliers=6,outlier_size=2,declared=0.5`
+    #[arg(long, value_name = "LIST")]
+    scatter: Option<String>,
     /// Load cases of the paper's table 1 or 2, or each load up and down, instead of the study's.
     #[arg(long, value_enum)]
     programme: Option<Programme>,
     /// Where to write what was planted.
     #[arg(long, value_name = "FILE")]
     truth: Option<PathBuf>,
+    #[command(flatten)]
+    replacing: Replacing,
 }
 
 /// Load programmes at hand.
@@ -73,28 +83,24 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     for text in &arguments.effect {
         effects.push(EffectSpec::parse(text).map_err(|why| shell.usage(why))?);
     }
-    let background = arguments.background.as_deref().map(Background::parse);
-    let background = background.transpose().map_err(|why| shell.usage(why))?;
+    let tolerances = arguments.tolerances.as_deref().map(Tolerances::parse);
+    let tolerances = tolerances.transpose().map_err(|why| shell.usage(why))?;
+    let scatter = arguments.scatter.as_deref().map(Scatter::parse);
+    let scatter = scatter.transpose().map_err(|why| shell.usage(why))?;
     let options = RigOptions {
         seed: arguments.seed,
         sigma: arguments.sigma,
         effects,
-        background: background.unwrap_or_default(),
+        sigma_on_parts: arguments.sigma_on_parts,
+        tolerances: tolerances.unwrap_or_default(),
+        scatter: scatter.unwrap_or_default(),
         programme: arguments.programme.map(LoadTable::from),
     };
     let run = virtual_rig(&arguments.study, &options).map_err(|diagnostics| {
         shell.complain(&diagnostics);
         Exit::Findings
     })?;
-    for (name, bytes) in &run.files {
-        let path = arguments.out.join(name);
-        let folder = path.parent().unwrap_or(&arguments.out);
-        std::fs::create_dir_all(folder).map_err(|error| {
-            let message = format!("{}: {error}", folder.display());
-            shell.fail(Diagnostic::error(Code::CannotWrite, message))
-        })?;
-        shell.write(&path, bytes)?;
-    }
+    write_folder(&arguments.out, &run.files, arguments.replacing, shell)?;
     if let Some(truth) = &arguments.truth {
         shell.write(truth, run.truth.as_bytes())?;
     }

@@ -48,7 +48,8 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         dataset,
         model,
         system,
-    } = solvable(&arguments.deck, shell)?;
+        ..
+    } = solvable(&arguments.deck, &[], shell)?;
     let mut columns = Vec::new();
     for text in &arguments.of {
         columns.extend(quantities(text, (&dataset, &model, &system), shell)?);
@@ -91,7 +92,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
                 .expect("JSON values print")
                 + "\n"
         }
-        Format::Text | Format::Plain => text(&columns, &rows),
+        _ => text(&columns, &rows),
     });
     Ok(Exit::Fine)
 }

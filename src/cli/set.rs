@@ -1,16 +1,19 @@
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use clap_complete::ArgValueCompleter;
 
 use crate::diagnostic::{Checked, Code, Diagnostic};
 use crate::grammar::{STATEMENTS, ValueKind};
-use crate::syntax::{Address, Dataset, number};
+use crate::syntax::{Address, Dataset};
 use crate::text::{Edit, Source};
 
 use super::Outcome;
 use super::addresses::complete;
-use super::edited::{edited, new_errors, same_but_for, still_good};
-use super::get::parse;
+use super::assignment::expanded;
+use super::check::is_command_file;
+use super::command_edits;
+use super::edited::{edited, new_errors, refuse_faults, same_but_for};
 use super::shell::{Exit, Shell};
 use super::target::Target;
 
@@ -18,27 +21,49 @@ use super::target::Target;
 ///
 /// A number is in the deck's units, an angle in radians or with the suffix D; `true` and `false` switch a flag
 /// (`MARKER/7.FLOATING=true`); anything else is written as it is in place of the whole value (`SFORCE/3.FUNCTION=10*TIME`,
-/// `TITLE=new`), if the deck can be read then; what `admire check` finds wrong with it is told. Without assignments the copy is
-/// identical. Without -o or --in-place the new deck goes to standard output.
+/// `TITLE=new`). A deck that `admire check` would find a new error in is not written, except with --force. Without assignments the
+/// copy is identical. Without -o or --in-place the new deck goes to standard output.
+///
+/// `*` in an address stands for any id or name, or for every value of an argument, and `*=`, `/=`, `+=`, `-=` reckon with the
+/// value there is. In a command file (.acf) a command is KIND or KIND/id, with #2 for the second one of several.
 #[derive(clap::Args, Debug)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
     /// The dataset.
     deck: PathBuf,
     /// `BUSHING/12.K.2=15000`, `front_arm_bushing.K=1,2,3`, ...
     #[arg(value_name = "ADDRESS=VALUE", add = ArgValueCompleter::new(complete))]
     assignments: Vec<String>,
+    /// Write a deck with new faults too, such as a stiffness below zero.
+    #[arg(long)]
+    force: bool,
+    /// Numbers for angles are degrees; without it they are radians, unless they have the suffix D.
+    #[arg(long)]
+    degrees: bool,
     #[command(flatten)]
     target: Target,
 }
 
+const EXAMPLES: &str = "Examples:
+  admire set deck.adm BUSHING/12.K.2=15000 -o new.adm
+  admire set deck.adm 'BUSHING/*.K.1*=1.2' --in-place
+  admire set deck.adm 'front_*.KT.**=0.9' MARKER/7.QP.3+=5
+  admire set deck.adm MARKER/7.REULER.1=30 --degrees
+  admire set run.acf SIMULATE#2.END=4 EQUILIBRIUM.MAXIT=200";
+
 /// Writes the changed deck.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
-    let source = shell.read(&arguments.deck)?;
+    let source = arguments.target.read(&arguments.deck, shell)?;
+    if is_command_file(&arguments.deck) {
+        let file = command_edits::set(source, &arguments.assignments, shell)?;
+        arguments.target.deliver(&arguments.deck, &file, shell)?;
+        return Ok(Exit::Fine);
+    }
     let original = Dataset::parse(source);
     let mut deck = original.clone();
     let mut refused = None;
     for assignment in &arguments.assignments {
-        match changed(&deck, assignment, shell) {
+        match changed(&deck, assignment, arguments.degrees, shell) {
             Ok(changed) => deck = changed,
             // The others are looked at too, so that all faults are told at once.
             Err(exit) => refused = Some(exit.max(refused.unwrap_or(exit))),
@@ -47,40 +72,64 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if let Some(exit) = refused {
         return Err(exit);
     }
-    if !still_good(&original.value, &deck.value, shell) {
-        return Err(not_written(&arguments.assignments.join(" "), shell));
-    }
+    shell.sources.add(deck.value.source().clone());
+    refuse_faults(&original, &deck, arguments.force, shell)?;
     arguments
         .target
         .deliver(&arguments.deck, deck.value.bytes(), shell)?;
     Ok(Exit::Fine)
 }
 
-/// The deck after one assignment.
+/// The deck after one assignment, which may be about many addresses.
 fn changed(
     deck: &Checked<Dataset>,
     assignment: &str,
+    degrees: bool,
     shell: &mut Shell,
 ) -> Result<Checked<Dataset>, Exit> {
-    let Some((address, value)) = assignment.split_once('=') else {
-        return Err(shell.usage(
-            Diagnostic::error(Code::BadNumber, format!("`{assignment}` has no `=`"))
-                .help("write ADDRESS=VALUE"),
-        ));
-    };
+    let all = expanded(assignment, &deck.value, degrees, shell)?;
+    let edits = edits_of(&deck.value, &all, shell)?;
+    if all.len() > 1 && deck.value.edited(&edits).is_err() {
+        // Values that are not written yet would be added at one place: one after the other.
+        let mut deck = deck.clone();
+        for one in all {
+            let edits = edits_of(&deck.value, std::slice::from_ref(&one), shell)?;
+            deck = looked_at(&deck, &edits, &[one], assignment, shell)?;
+        }
+        return Ok(deck);
+    }
+    looked_at(deck, &edits, &all, assignment, shell)
+}
+
+/// The edits of some assignments of a deck as it is.
+fn edits_of(
+    dataset: &Dataset,
+    assignments: &[(Address, String)],
+    shell: &mut Shell,
+) -> Result<Vec<Edit>, Exit> {
+    let mut all = Vec::new();
+    for (address, value) in assignments {
+        all.extend(edits(dataset, address, value).map_err(|diagnostic| {
+            // A function that cannot be read is shown by itself.
+            shell
+                .sources
+                .add(Source::new("expression", value.as_bytes()));
+            shell.fail(diagnostic)
+        })?);
+    }
+    Ok(all)
+}
+
+/// The deck after edits, if it can be read and nothing else has changed.
+fn looked_at(
+    deck: &Checked<Dataset>,
+    edits: &[Edit],
+    assigned: &[(Address, String)],
+    assignment: &str,
+    shell: &mut Shell,
+) -> Result<Checked<Dataset>, Exit> {
     let dataset = &deck.value;
-    let address = parse(address, dataset, shell)?;
-    let value = value.trim();
-    let edits = edits(dataset, &address, value).map_err(|diagnostic| {
-        // A function that cannot be read is shown by itself.
-        shell
-            .sources
-            .add(Source::new("expression", value.as_bytes()));
-        shell.fail(diagnostic)
-    })?;
-    let changed = edited(dataset, &edits, shell)?;
-    let place = dataset.position(&address.kind, address.id);
-    let argument = address.argument.as_deref().unwrap_or("FUNCTION");
+    let changed = edited(dataset, edits, shell)?;
     let new = new_errors(deck, &changed);
     if let Some(first) = new.first() {
         // The place is one of the text as it would be.
@@ -92,8 +141,15 @@ fn changed(
             .add(before.unwrap_or_else(|| dataset.source().clone()));
         return Err(not_written(assignment, shell));
     }
-    if !same_but_for(dataset, &changed.value, place, argument) {
-        let message = format!("`{assignment}` would change more than {address}");
+    let places: BTreeSet<(usize, &str)> = assigned
+        .iter()
+        .filter_map(|(address, _)| {
+            let argument = address.argument.as_deref().unwrap_or("FUNCTION");
+            Some((dataset.position(&address.kind, address.id)?, argument))
+        })
+        .collect();
+    if !same_but_for(dataset, &changed.value, &places) {
+        let message = format!("`{assignment}` would change more than it names");
         return Err(shell.fail(
             Diagnostic::error(Code::SyntaxError, message)
                 .help("change each argument by its own address"),
@@ -102,8 +158,12 @@ fn changed(
     Ok(changed)
 }
 
-/// A flag is switched by true and false, a number is spelled like the old one, anything else is written as it is.
-fn edits(dataset: &Dataset, address: &Address, value: &str) -> Result<Vec<Edit>, Diagnostic> {
+/// A flag is switched by true and false; a number and anything else is written as it was typed.
+pub(super) fn edits(
+    dataset: &Dataset,
+    address: &Address,
+    value: &str,
+) -> Result<Vec<Edit>, Diagnostic> {
     if address.kind == "TITLE" {
         return dataset.set_text(address, value);
     }
@@ -118,20 +178,9 @@ fn edits(dataset: &Dataset, address: &Address, value: &str) -> Result<Vec<Edit>,
             .help("write =true or =false")),
         };
     }
-    let Some((number, degrees)) = number::parse_number(value.as_bytes()) else {
-        return dataset.set_text(address, value);
-    };
-    let edits = dataset.set(address, number)?;
-    let old = dataset.number_at(address);
-    match (edits.as_slice(), old) {
-        // Who writes degrees in place of radians means the suffix.
-        ([edit], Some(old))
-            if degrees && !old.degrees && edit.span == old.span && number >= 0.0 =>
-        {
-            Ok(vec![Edit::new(edit.span, value)])
-        }
-        _ => Ok(edits),
-    }
+    dataset
+        .set_typed(address, value)
+        .unwrap_or_else(|| dataset.set_text(address, value))
 }
 
 fn is_flag(address: &Address) -> bool {

@@ -1,14 +1,17 @@
 use std::cell::RefCell;
-use std::io::{ErrorKind, IsTerminal, Write};
+use std::io::{ErrorKind, IsTerminal, Read, Write};
 use std::path::Path;
+
+use tempfile::NamedTempFile;
 
 use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
 use crate::session::{FilePolicy, Sources, folder_of, read_files};
 use crate::syntax::Dataset;
 use crate::syntax::files::Files;
-use crate::text::{Source, check_size};
+use crate::text::{Source, check_size, printable};
 
-use super::permissions::as_new_files;
+use super::leftover;
+use super::permissions::{as_new_files, can_be_replaced};
 use super::render;
 
 /// How complaints are printed.
@@ -20,6 +23,10 @@ pub(super) enum Format {
     Plain,
     /// One JSON array.
     Json,
+    /// SARIF 2.1.0, for code scanning.
+    Sarif,
+    /// Workflow commands of GitHub: annotations in a pull request.
+    Github,
 }
 
 /// When to colour.
@@ -44,6 +51,8 @@ pub(super) enum Exit {
     Usage = 2,
     /// There is no equilibrium, or no fit.
     NoAnswer = 3,
+    /// Ctrl-C ended the run; what it had found is written.
+    Interrupted = 130,
 }
 
 impl Exit {
@@ -102,12 +111,13 @@ impl Shell {
     /// The files of complaints, those too that are read step by step and not kept: to show the place in them. Huge ones are not
     /// read again for that.
     fn with_streamed(&self, diagnostics: &[Diagnostic]) -> Sources {
-        const LARGEST_SHOWN: u64 = 64 << 20;
         let mut sources = self.sources.clone();
         for label in diagnostics.iter().flat_map(|found| &found.labels) {
             let path = Path::new(&*label.file);
-            let small =
-                || std::fs::metadata(path).is_ok_and(|m| m.is_file() && m.len() < LARGEST_SHOWN);
+            let small = || {
+                std::fs::metadata(path)
+                    .is_ok_and(|m| m.is_file() && m.len() < render::LARGEST_SHOWN as u64)
+            };
             if sources.get(&label.file).is_none()
                 && small()
                 && let Ok(source) = Source::read(path)
@@ -122,7 +132,7 @@ impl Shell {
     pub(super) fn say(&self, text: &str) {
         if self.format == Format::Text {
             // Nobody may be listening.
-            let _ = std::io::stderr().write_all(text.as_bytes());
+            let _ = std::io::stderr().write_all(printable(text).as_bytes());
         }
     }
 
@@ -134,17 +144,13 @@ impl Shell {
     /// Prints complaints on standard output: where they are what was asked for.
     pub(super) fn findings(&self, diagnostics: &[Diagnostic]) {
         let colours = self.colours(std::io::stdout().is_terminal());
-        self.print(&render::diagnostics(
-            diagnostics,
-            &self.sources,
-            self.format,
-            colours,
-        ));
+        let text = render::diagnostics(diagnostics, &self.sources, self.format, colours);
+        self.put(text.as_bytes());
     }
 
-    /// Prints on standard output.
+    /// Prints on standard output. What files brought cannot command the terminal.
     pub(super) fn print(&self, text: &str) {
-        self.put(text.as_bytes());
+        self.put(printable(text).as_bytes());
     }
 
     /// Bytes on standard output. A closed pipe ends nothing; what a full disk swallowed is remembered for the exit code.
@@ -187,7 +193,9 @@ impl Shell {
     pub(super) fn read(&mut self, path: &Path) -> Result<Source, Exit> {
         let source = if path == Path::new("-") {
             let mut bytes = Vec::new();
-            std::io::Read::read_to_end(&mut std::io::stdin(), &mut bytes)
+            let most = Source::LARGEST + 1;
+            std::io::Read::take(std::io::stdin(), most)
+                .read_to_end(&mut bytes)
                 .and_then(|size| check_size(size as u64, Source::LARGEST))
                 .map(|()| Source::new("-", bytes))
         } else {
@@ -203,6 +211,21 @@ impl Shell {
                 format!("`{}` cannot be read: {error}", path.display()),
             ))),
         }
+    }
+
+    /// Reads a file that may be replaced afterwards: with `in_place`, what is no file (a pipe, which would wait for a writer, or a
+    /// device) is refused.
+    pub(super) fn read_for(&mut self, path: &Path, in_place: bool) -> Result<Source, Exit> {
+        if in_place && std::fs::metadata(path).is_ok_and(|there| !there.is_file()) {
+            return Err(self.fail(Diagnostic::error(
+                Code::CannotWrite,
+                format!(
+                    "`{}` is no file that could be replaced in place",
+                    path.display()
+                ),
+            )));
+        }
+        self.read(path)
     }
 
     /// Reads the files a dataset names, below its own folder, the working directory and where ADMIRE_ALLOW_PATH says, and remembers
@@ -267,14 +290,35 @@ pub(super) fn replace_file(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
         _ => Path::new("."),
     };
     let mut builder = tempfile::Builder::new();
-    let mut file = as_new_files(builder.prefix(".admire-")).tempfile_in(folder)?;
+    leftover::remove(folder);
+    let mut file = as_new_files(builder.prefix(&leftover::prefix())).tempfile_in(folder)?;
     file.write_all(bytes)?;
     file.as_file().sync_all()?;
     if let Ok(before) = std::fs::metadata(&path) {
+        if !can_be_replaced(&before, file.path()) {
+            return overwrite(&path, bytes, file);
+        }
         file.as_file().set_permissions(before.permissions())?;
     }
     file.persist(&path).map_err(|failed| failed.error)?;
     Ok(())
+}
+
+/// Writes into a file whose place no other can take: it has further names, or an owner that cannot be given. `copy` holds the new
+/// bytes already, and stays if they cannot be written.
+fn overwrite(path: &Path, bytes: &[u8], copy: NamedTempFile) -> std::io::Result<()> {
+    let mut file = std::fs::OpenOptions::new().write(true).open(path)?;
+    let written = file
+        .write_all(bytes)
+        .and_then(|()| file.set_len(bytes.len() as u64))
+        .and_then(|()| file.sync_all());
+    written.map_err(|error| match copy.keep() {
+        Ok((_, kept)) => {
+            let message = format!("{error}; the whole new text is in {}", kept.display());
+            std::io::Error::new(error.kind(), message)
+        }
+        Err(_) => error,
+    })
 }
 
 #[cfg(test)]

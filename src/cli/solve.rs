@@ -7,10 +7,10 @@ use serde_json::{Value, json};
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::mechanics::psi_theta_phi;
-use crate::model::{Model, PartIx, PartKind};
+use crate::model::{Ignore, Model, PartIx, PartKind};
 use crate::session::Session;
 use crate::statics::{
-    Continuation, Report, Settings, SolveError, history_table, solve, stiffness_range,
+    Continuation, Report, Settings, Settled, Softest, SolveError, Solver, history_table,
 };
 use crate::system::{Scratch, State, System};
 use crate::units::Dimension;
@@ -38,17 +38,45 @@ pub(super) struct Arguments {
     /// Further folders that a command file may read and write; its own and the working directory are always allowed.
     #[arg(long, value_name = "DIR")]
     allow_path: Vec<PathBuf>,
+    /// Go on from an unstable equilibrium to a stable one: both ways along the unstable motion, to the nearer.
+    #[arg(long)]
+    stable: bool,
+    /// Leave out statements that are not solved, where the equilibrium would be refused: CONTACT, FRICTION/3, ...
+    #[arg(long, value_name = "STATEMENTS", value_parser = ignored)]
+    ignore: Vec<Ignored>,
+}
+
+/// What one `--ignore` names.
+#[derive(Clone, Debug)]
+struct Ignored(Vec<Ignore>);
+
+fn ignored(list: &str) -> Result<Ignored, String> {
+    Ignore::parse(list).map(Ignored)
 }
 
 /// Solves and prints.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    let ignored: Vec<Ignore> = arguments.ignore.iter().flat_map(|i| i.0.clone()).collect();
     if is_command_file(&arguments.file) {
+        if arguments.stable {
+            let message =
+                "--stable is for a dataset; a command file gives the equilibria that `mdi` gives";
+            shell.complain(&[Diagnostic::error(Code::ConflictingArguments, message)]);
+            return Err(Exit::Usage);
+        }
         let console = Box::new(BufWriter::new(std::io::stdout().lock()));
-        let session = Session::new(console, Path::new("")).confined(&arguments.allow_path);
+        let session = Session::new(console, Path::new(""))
+            .confined(&arguments.allow_path)
+            .ignoring(ignored);
         let ending = session.run_file(&arguments.file.to_string_lossy());
         return Ok(Exit::of_code(ending.exit_code(true)));
     }
-    let Solvable { model, system, .. } = solvable(&arguments.file, shell)?;
+    let Solvable {
+        model,
+        system,
+        left_out,
+        ..
+    } = solvable(&arguments.file, &ignored, shell)?;
     let mut bodies = Vec::new();
     for text in &arguments.free_body {
         bodies.push(part(text, &model, shell)?);
@@ -56,27 +84,50 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let mut state = system.state();
     state.time = arguments.time;
     let settings = Settings::from(system.settings());
-    match solve(&system, &system.parameters(), &mut state, &settings) {
-        Ok(report) => {
+    shell.complain(Settings::limited(system.settings()).as_slice());
+    let parameters = system.parameters();
+    let mut solver = Solver::new(&system);
+    match solver.solve(&system, &parameters, &mut state, &settings) {
+        Ok(mut report) => {
+            let mut softest = Softest::of(&system, &parameters, &state).ok().flatten();
+            let unstable = softest.clone().filter(Softest::is_unstable);
+            // Told where it is: the words name markers.
+            let motion = unstable
+                .as_ref()
+                .and_then(|softest| softest.described(&system, &parameters, &state));
+            let mut settled = None;
+            if let Some(unstable) = unstable {
+                if arguments.stable {
+                    match solver.settle(&system, &parameters, &mut state, &settings, &unstable) {
+                        Ok(found) => {
+                            (report, softest) = (found.report.clone(), found.softest.clone());
+                            settled = Some(found);
+                        }
+                        Err(error) => {
+                            let diagnostic =
+                                Diagnostic::error(Code::NoEquilibrium, error.to_string());
+                            shell.complain(&[diagnostic.help(moves(motion.as_deref()))]);
+                            return Err(Exit::NoAnswer);
+                        }
+                    }
+                } else {
+                    shell.complain(&[does_not_last(motion.as_deref())]);
+                }
+            }
             let answer = Answer {
                 model: &model,
                 system: &system,
                 state: &state,
                 report: &report,
-                stiffness: stiffness_range(&system, &system.parameters(), &state)
-                    .ok()
-                    .flatten()
-                    .map(|(smallest, bound)| {
-                        // A free motion has no stiffness, whatever round-off makes of it.
-                        let noise = 1e-12 * bound;
-                        let free = !report.free_motions.is_empty() && smallest.abs() < noise;
-                        if free { 0.0 } else { smallest }
-                    }),
+                softest: softest.as_ref(),
+                motion: motion.as_deref(),
+                settled: settled.as_ref(),
                 bodies: &bodies,
+                left_out: &left_out,
             };
             shell.print(&match shell.format {
                 Format::Json => answer.json(),
-                Format::Text | Format::Plain => answer.text(),
+                _ => answer.text(),
             });
             Ok(Exit::Fine)
         }
@@ -85,6 +136,22 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             Err(Exit::NoAnswer)
         }
     }
+}
+
+/// The warning of an unstable equilibrium.
+fn does_not_last(motion: Option<&str>) -> Diagnostic {
+    Diagnostic::warning(
+        Code::UnstableEquilibrium,
+        format!("this equilibrium is UNSTABLE: {}", moves(motion)),
+    )
+    .help("--stable goes on to a stable one")
+}
+
+fn moves(motion: Option<&str>) -> String {
+    format!(
+        "at the slightest push {}",
+        motion.unwrap_or("the parts leave it")
+    )
 }
 
 fn no_equilibrium(error: &SolveError) -> Diagnostic {
@@ -122,10 +189,16 @@ struct Answer<'a> {
     system: &'a System,
     state: &'a State,
     report: &'a Report,
-    /// Smallest eigenvalue of the tangent stiffness; force per length.
-    stiffness: Option<f64>,
+    /// The motion of the smallest stiffness; force per length.
+    softest: Option<&'a Softest>,
+    /// The motion of a negative stiffness where the iteration first ended, in words.
+    motion: Option<&'a str>,
+    /// How it was left.
+    settled: Option<&'a Settled>,
     /// Parts whose loads are shown.
     bodies: &'a [PartIx],
+    /// What is left out as asked.
+    left_out: &'a [Diagnostic],
 }
 
 impl Answer<'_> {
@@ -150,21 +223,14 @@ impl Answer<'_> {
         let parameters = self.system.parameters();
         let mut scratch = Scratch::new(self.system);
         let mut out = Vec::new();
-        if self
-            .system
-            .look(&parameters, self.state, &mut scratch)
-            .is_err()
-        {
+        let Ok(mut here) = self.system.look(&parameters, self.state, &mut scratch) else {
             return out;
-        }
+        };
         for bushing in &self.model.bushings {
             let Some(element) = self.system.element("BUSHING", bushing.header.id) else {
                 continue;
             };
-            let reading = self
-                .system
-                .read_element(&parameters, self.state, &mut scratch, element);
-            if let Ok(reading) = reading {
+            if let Ok(reading) = here.read_element(element) {
                 let (d, w) = (reading.motion.p_ij_j, reading.wrench_j);
                 let all = [d.x, d.y, d.z, w[0], w[1], w[2], w[3], w[4], w[5]];
                 out.push((bushing.header.name.as_str(), all));
@@ -178,7 +244,7 @@ impl Answer<'_> {
         let parameters = self.system.parameters();
         let mut scratch = Scratch::new(self.system);
         let looked = self.system.look(&parameters, self.state, &mut scratch);
-        let loads = looked.and_then(|()| self.system.loads(&parameters, self.state, &mut scratch));
+        let loads = looked.and_then(|mut here| here.loads());
         let origin = self.state.poses[part.0].p;
         let mut out = Vec::new();
         let mut sum = [0.0; 6];
@@ -201,16 +267,42 @@ impl Answer<'_> {
     /// What the smallest eigenvalue of the tangent stiffness says.
     fn stability(&self) -> Option<String> {
         let units = &self.model.units;
-        let stiffness = self.stiffness?;
-        let word = match stiffness {
-            s if s < 0.0 => "unstable",
-            s if s > 0.0 => "stable",
-            _ => "neutral",
+        let stiffness = self.softest?.stiffness;
+        let word = match self.verdict()? {
+            "unstable" => "UNSTABLE",
+            word => word,
         };
-        Some(format!(
+        let mut out = format!(
             "{word}: smallest stiffness {stiffness:.4e} {}/{}",
             units.name(Dimension::FORCE),
             units.name(Dimension::LENGTH)
+        );
+        if let (Some(motion), true) = (self.motion, stiffness < 0.0) {
+            _ = write!(out, "; {}", moves(Some(motion)));
+        }
+        Some(out)
+    }
+
+    fn verdict(&self) -> Option<&'static str> {
+        Some(match self.softest?.stiffness {
+            s if s < 0.0 => "unstable",
+            s if s > 0.0 => "stable",
+            _ => "neutral",
+        })
+    }
+
+    /// How an unstable equilibrium was left.
+    fn left(&self) -> Option<String> {
+        let settled = self.settled?;
+        let length = self.model.units.name(Dimension::LENGTH);
+        let other = match settled.other {
+            Some(moved) => format!("the other way leads to one {moved:.4} {length} away"),
+            None => "the other way leads to none".to_string(),
+        };
+        Some(format!(
+            "the first equilibrium was unstable: {}\nthis one is {:.4} {length} away; {other}",
+            moves(self.motion),
+            settled.moved
         ))
     }
 
@@ -228,8 +320,16 @@ impl Answer<'_> {
         let units = &self.model.units;
         let (length, force) = (units.name(Dimension::LENGTH), units.name(Dimension::FORCE));
         let mut out = format!(
-            "{}\nequilibrium at time {} after {} iterations, largest imbalance {:.1e}\n\n",
-            self.model.title, self.state.time, self.report.iterations, self.report.imbalance
+            "{}\n{}equilibrium at time {} after {} iterations, largest imbalance {:.1e}\n\n",
+            self.model.title,
+            if self.verdict() == Some("unstable") {
+                "UNSTABLE "
+            } else {
+                ""
+            },
+            self.state.time,
+            self.report.iterations,
+            self.report.imbalance
         );
         let unit = format!("({length}, deg)");
         out += &table(
@@ -259,7 +359,10 @@ impl Answer<'_> {
             let names = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
             _ = write!(out, "\n{}", table(&head, &names, &rows));
         }
-        for line in [self.help_needed(), self.stability()].into_iter().flatten() {
+        for line in [self.help_needed(), self.left(), self.stability()]
+            .into_iter()
+            .flatten()
+        {
             _ = write!(out, "\n{line}");
         }
         for redundant in &self.report.redundant {
@@ -296,10 +399,17 @@ impl Answer<'_> {
             "imbalance": self.report.imbalance,
             "parts": named(parts, &[("position", 0..3), ("psi_theta_phi_deg", 3..6)]),
             "bushings": named(bushings, &[("deflection_j", 0..3), ("force_on_i_j", 3..6), ("torque_on_i_j", 6..9)]),
+            "left_out": self.left_out.iter().map(|d| &d.message).collect::<Vec<_>>(),
             "redundant": self.report.redundant,
             "free_motions": self.report.free_motions.iter().map(ToString::to_string).collect::<Vec<_>>(),
             "continuation": self.help_needed(),
-            "smallest_stiffness": self.stiffness,
+            "stability": self.verdict(),
+            "smallest_stiffness": self.softest.map(|softest| softest.stiffness),
+            "unstable_motion": self.motion,
+            "left_unstable": self.settled.map(|settled| json!({
+                "moved": settled.moved,
+                "other_way": settled.other,
+            })),
             "free_bodies": self.bodies.iter().map(|&part| {
                 let rows = self.loads(part);
                 let rows = rows.iter().map(|(n, v)| (n.as_str(), v.to_vec())).collect();

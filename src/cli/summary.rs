@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
-use crate::diagnostic::{Checked, Code, Severity};
+use crate::diagnostic::{Code, Severity};
 use crate::model::Model;
 use crate::model::summary::{Summary, summary};
 use crate::statics::Freedoms;
@@ -43,12 +43,8 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         .chain(&lowered.diagnostics)
         .filter(|diagnostic| diagnostic.severity == Severity::Error)
         .count();
-    let freedoms = if errors == 0 {
-        freedoms(&lowered.value)
-    } else {
-        let word = if errors == 1 { "error" } else { "errors" };
-        Err(format!("the deck has {errors} {word} (`admire check`)"))
-    };
+    let system = System::compile(&lowered.value).value;
+    let freedoms = Freedoms::of(&system, &system.parameters(), &system.state());
     let missing: Vec<&str> = files
         .diagnostics
         .iter()
@@ -58,18 +54,24 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     shell.print(&match shell.format {
         Format::Json => {
             let mut all = json!(summary);
-            all["degrees_of_freedom"] = match &freedoms {
-                Ok(found) => json!({
-                    "gruebler": found.gruebler(),
-                    "actual": found.actual(),
-                    "redundant": found.redundant,
-                }),
-                Err(why) => json!({ "unknown": why }),
-            };
+            all["degrees_of_freedom"] = json!({
+                "gruebler": freedoms.gruebler(),
+                "actual": freedoms.actual(),
+                "redundant": freedoms.redundant,
+                "without_value": freedoms.without_value,
+                "errors": errors,
+            });
             all["files"] = json!(missing);
             serde_json::to_string_pretty(&all).expect("JSON values print") + "\n"
         }
-        Format::Text | Format::Plain => text(&summary, &freedoms, &missing, arguments.all, dataset),
+        _ => text(
+            &summary,
+            &freedoms,
+            errors,
+            &missing,
+            arguments.all,
+            dataset,
+        ),
     });
     Ok(if errors == 0 {
         Exit::Fine
@@ -78,15 +80,10 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     })
 }
 
-/// Degrees of freedom at the design position, or why they are not known.
-fn freedoms(model: &Model) -> Result<Freedoms, String> {
-    let Checked { value: system, .. } = System::compile(model);
-    Freedoms::of(&system, &system.parameters(), &system.state()).map_err(|error| error.to_string())
-}
-
 fn text(
     summary: &Summary,
-    freedoms: &Result<Freedoms, String>,
+    freedoms: &Freedoms,
+    errors: usize,
     missing: &[&str],
     all: bool,
     dataset: &Dataset,
@@ -118,20 +115,25 @@ fn text(
         _ = write!(out, " at {x}, {y}, {z} {length}");
     }
     out.push('\n');
-    match freedoms {
-        Ok(found) => {
-            _ = writeln!(
-                out,
-                "degrees of freedom: {} (Gruebler count {}: {} of parts, {} equations, {} of them redundant)",
-                found.actual(),
-                found.gruebler(),
-                found.of_parts,
-                found.equations,
-                found.redundant.len()
-            );
-            listed(&mut out, "redundant", &found.redundant, all);
-        }
-        Err(why) => _ = writeln!(out, "degrees of freedom: not known, {why}"),
+    _ = writeln!(
+        out,
+        "degrees of freedom: {} (Gruebler count {}: {} of parts, {} equations, {} of them redundant)",
+        freedoms.actual(),
+        freedoms.gruebler(),
+        freedoms.of_parts,
+        freedoms.equations,
+        freedoms.redundant.len()
+    );
+    listed(&mut out, "redundant", &freedoms.redundant, all);
+    if let Some(what) = &freedoms.without_value {
+        _ = writeln!(out, "  no value at the design position: {what}");
+    }
+    if errors > 0 {
+        let word = if errors == 1 { "error" } else { "errors" };
+        _ = writeln!(
+            out,
+            "  what the deck's {errors} {word} concern may not be counted (`admire check`)"
+        );
     }
     let markers: Vec<String> = summary
         .unused_markers

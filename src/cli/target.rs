@@ -1,6 +1,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::diagnostic::{Code, Diagnostic};
+use crate::text::Source;
 
 use super::shell::{Exit, Shell};
 
@@ -16,6 +17,11 @@ pub(super) struct Target {
 }
 
 impl Target {
+    /// Reads the deck that is to be changed.
+    pub fn read(&self, deck: &Path, shell: &mut Shell) -> Result<Source, Exit> {
+        shell.read_for(deck, self.in_place)
+    }
+
     /// Writes the changed deck; `deck` is where it was read from.
     pub fn deliver(&self, deck: &Path, bytes: &[u8], shell: &mut Shell) -> Result<(), Exit> {
         if self.in_place && deck == Path::new("-") {
@@ -24,11 +30,15 @@ impl Target {
                     .help("without --in-place the new deck goes to standard output"),
             ));
         }
-        let target = if self.in_place {
-            Some(deck)
+        shell.deliver(self.file(deck), bytes)
+    }
+
+    /// The file to write: the one named, or for --in-place the one that was read; `None` is standard output.
+    pub fn file<'a>(&'a self, read: &'a Path) -> Option<&'a Path> {
+        if self.in_place {
+            Some(read)
         } else {
             self.out.as_deref()
-        };
-        shell.deliver(target, bytes)
+        }
     }
 }

@@ -5,7 +5,6 @@ use super::{
     joint::{CYLINDRICAL, FIXED, HOOKE, PLANAR, REVOLUTE, SPHERICAL, TRANSLATIONAL, UNIVERSAL},
     primitive::{AT_POINT, INLINE, INPLANE, ORIENTATION, PARALLEL_AXES, PERPENDICULAR},
 };
-use crate::units::Dimension;
 
 /// What is known of a constraint besides its equations.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -16,8 +15,8 @@ pub struct ConstraintEntry {
     pub kind: &'static str,
     /// The constraint itself.
     pub constraint: PairConstraint,
-    /// Its parameter: the argument's keyword and its dimension.
-    pub parameter: Option<(&'static str, Dimension)>,
+    /// The argument that holds its number: the grammar has its dimension and bounds. A MOTION's is the value of its FUNCTION.
+    pub argument: Option<&'static str>,
     /// Where the equations come from.
     pub source: &'static str,
 }
@@ -31,7 +30,7 @@ const fn primitive(kind: &'static str, locks: Locks) -> ConstraintEntry {
         statement: "JPRIM",
         kind,
         constraint: PairConstraint::Locks(locks),
-        parameter: None,
+        argument: None,
         source: "adams_solver/state_jprim.html",
     }
 }
@@ -39,25 +38,32 @@ const fn primitive(kind: &'static str, locks: Locks) -> ConstraintEntry {
 const fn joint(
     kind: &'static str,
     constraint: PairConstraint,
-    parameter: Option<(&'static str, Dimension)>,
+    argument: Option<&'static str>,
 ) -> ConstraintEntry {
     ConstraintEntry {
         statement: "JOINT",
         kind,
         constraint,
-        parameter,
+        argument,
         source: "adams_solver/state_joint.html",
     }
 }
 
-const fn drive(kind: &'static str, measure: Measure, dimension: Dimension) -> ConstraintEntry {
+const fn drive(kind: &'static str, measure: Measure) -> ConstraintEntry {
     ConstraintEntry {
         statement: "MOTION",
         kind,
         constraint: PairConstraint::Drive(Drive { measure }),
-        parameter: Some(("FUNCTION", dimension)),
+        argument: Some("FUNCTION"),
         source: "adams_solver/state_motion.html",
     }
+}
+
+/// The constraint of a statement by its type word. CONVEL stands twice: the design position decides which it is.
+pub fn constraint(statement: &str, kind: &str) -> Option<&'static ConstraintEntry> {
+    CONSTRAINTS
+        .iter()
+        .find(|entry| entry.statement == statement && entry.kind == kind)
 }
 
 /// Every constraint between one marker pair: one line each. The tests below run over all of them.
@@ -73,21 +79,21 @@ pub const CONSTRAINTS: &[ConstraintEntry] = &[
     locks("UNIVERSAL", UNIVERSAL),
     joint("CONVEL", PairConstraint::Convel(Convel::CoDirected), None),
     joint("CONVEL", PairConstraint::Convel(Convel::Opposed), None),
-    joint("SCREW", PairConstraint::Screw(Screw), Some(("PITCH", Dimension::LENGTH))),
-    joint("RACKPIN", PairConstraint::RackPinion(RackPinion), Some(("PD", Dimension::LENGTH))),
+    joint("SCREW", PairConstraint::Screw(Screw), Some("PITCH")),
+    joint("RACKPIN", PairConstraint::RackPinion(RackPinion), Some("PD")),
     primitive("ATPOINT", AT_POINT),
     primitive("INLINE", INLINE),
     primitive("INPLANE", INPLANE),
     primitive("ORIENTATION", ORIENTATION),
     primitive("PARALLEL_AXES", PARALLEL_AXES),
     primitive("PERPENDICULAR", PERPENDICULAR),
-    drive("X", Measure::Translation(0), Dimension::LENGTH),
-    drive("Y", Measure::Translation(1), Dimension::LENGTH),
-    drive("Z", Measure::Translation(2), Dimension::LENGTH),
-    drive("ROTATIONAL", Measure::Angle(2), Dimension::ANGLE),
-    drive("B1", Measure::Body123(0), Dimension::ANGLE),
-    drive("B2", Measure::Body123(1), Dimension::ANGLE),
-    drive("B3", Measure::Body123(2), Dimension::ANGLE),
+    drive("X", Measure::Translation(0)),
+    drive("Y", Measure::Translation(1)),
+    drive("Z", Measure::Translation(2)),
+    drive("ROTATIONAL", Measure::Angle(2)),
+    drive("B1", Measure::Body123(0)),
+    drive("B2", Measure::Body123(1)),
+    drive("B3", Measure::Body123(2)),
 ];
 
 #[cfg(test)]
@@ -146,7 +152,7 @@ mod tests {
             let c = &entry.constraint;
             assert_eq!(c.count(), count, "{}", name(entry));
             assert_eq!(evaluate(entry, &motions(entry)[0], 1.3).count, count);
-            assert_eq!(c.parameter_count() > 0, entry.parameter.is_some());
+            assert_eq!(c.parameter_count() > 0, entry.argument.is_some());
             let mut names: Vec<_> = (0..count).map(|k| c.equation_name(k)).collect();
             names.sort_unstable();
             names.dedup();
@@ -205,7 +211,7 @@ mod tests {
     fn derivatives_by_the_parameter_agree_with_central_differences() {
         let h = 1e-5;
         for entry in CONSTRAINTS {
-            if entry.parameter.is_none() {
+            if entry.argument.is_none() {
                 continue;
             }
             for motion in motions(entry) {

@@ -14,6 +14,11 @@ macro_rules! codes {
                 match self { $(Code::$variant => $name,)+ }
             }
 
+            /// The code of this name.
+            pub fn parse(name: &str) -> Option<Self> {
+                Self::ALL.iter().copied().find(|code| code.as_str() == name)
+            }
+
             /// What the code means: the documentation of its variant.
             pub const fn explain(self) -> &'static str {
                 match self { $(Code::$variant => concat!($($doc, "\n",)+),)+ }
@@ -73,6 +78,17 @@ codes! {
     NoGround = "no-ground",
     /// A part has mass and no CM marker, or its CM marker is on another part: where its weight acts is unknown.
     MassWithoutCm = "mass-without-cm",
+    /// Moments of inertia no body has: a principal moment below zero, or one larger than the sum of the two others.
+    ImpossibleInertia = "impossible-inertia",
+    /// A part has no mass and no constraint holds it: its acceleration is not defined. Where only forces act on it, which is enough
+    /// for statics, this is a note.
+    FreeWithoutMass = "free-without-mass",
+    /// A MOTION on a joint that has no such freedom, such as a FIXED one, or a second MOTION on the same freedom.
+    WrongMotion = "wrong-motion",
+    /// The stiffness matrix of a FIELD is not symmetric. ADAMS accepts it; elastic forces then give or take energy.
+    UnsymmetricStiffness = "unsymmetric-stiffness",
+    /// A STEP, STEP5 or HAVSIN that begins and ends at the same x: its value there is not defined.
+    StepWithoutWidth = "step-without-width",
     /// KT of a BUSHING looks like a stiffness per degree; ADAMS takes it per radian, 57.3 times as much. The lever arm sqrt(KT/K)
     /// of rubber bushings is some 5 to 50 mm; below 2.5 mm this is asked.
     KtPerDegree = "kt-per-degree",
@@ -93,6 +109,10 @@ codes! {
     /// The markers of a JOINT or JPRIM are not where the constraint needs them at the design position: origins apart or axes
     /// not aligned. ADAMS moves the parts when it assembles the model.
     JointNotAligned = "joint-not-aligned",
+    /// In the units of UNITS the mechanism is unlike anything built: a kilometre long, denser than matter, in a gravity far from
+    /// 9.81 m/s2, or stiffer than steel can be. Most often the numbers are in other units than UNITS says. An error where several
+    /// quantities say so.
+    ImplausibleUnits = "implausible-units",
     // Files.
     /// A file that does not exist or cannot be read.
     CannotRead = "cannot-read",
@@ -128,6 +148,9 @@ codes! {
     NoModel = "no-model",
     /// No static equilibrium was found.
     NoEquilibrium = "no-equilibrium",
+    /// An equilibrium that does not last: some motion is met by a negative stiffness, so that the slightest push leads away from it.
+    /// `admire solve --stable` goes on to a stable one.
+    UnstableEquilibrium = "unstable-equilibrium",
     /// A command asks for more than this program is willing to do.
     LimitExceeded = "limit-exceeded",
     /// A study names a program that is started for every run. Only `study.toml` can name one; decks and command files start nothing.
@@ -135,7 +158,7 @@ codes! {
     // Studies: study.toml and its CSV files.
     /// `study.toml` does not follow the syntax of TOML.
     StudySyntax = "study-syntax",
-    /// A key of `study.toml` that means nothing there. It has no effect; most are spelling mistakes.
+    /// A key of `study.toml` that means nothing there. Most are spelling mistakes, and the setting that was meant keeps its default.
     UnknownKey = "unknown-key",
     /// A value of `study.toml` of the wrong type or outside of its range. The default is taken.
     BadSetting = "bad-setting",
@@ -147,6 +170,8 @@ codes! {
     MissingColumn = "missing-column",
     /// A cell of a CSV file that is no finite number. The reading is left out.
     BadReading = "bad-reading",
+    /// A CSV file with semicolons or tabs between its cells, or decimal commas. Says how it was read.
+    CsvDialect = "csv-dialect",
     /// An address of `study.toml` that names nothing in the deck, or nothing of the needed kind.
     UnknownTarget = "unknown-target",
     /// A part named in a CSV file that the deck does not have.

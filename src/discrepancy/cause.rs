@@ -2,7 +2,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-/// What can be wrong with a model or with its measurement (STUDY-FORMAT).
+/// What can be wrong with a model or with its measurement (guide/study.md).
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Cause {
@@ -34,6 +34,8 @@ pub enum Cause {
     LoadPointError,
     /// The measuring frame moved in one load case.
     FrameDrift,
+    /// The declared noise is not the noise of the data.
+    NoiseLevel,
     /// One mark reading is wrong.
     MarkOutlier,
     /// A reading's gain, zero or single value is wrong.
@@ -58,6 +60,7 @@ impl Cause {
             Self::LoadCrosstalk => "load-crosstalk",
             Self::LoadPointError => "load-point-error",
             Self::FrameDrift => "frame-drift",
+            Self::NoiseLevel => "noise-level",
             Self::MarkOutlier => "mark-outlier",
             Self::ChannelFault => "channel-fault",
         }
@@ -67,7 +70,7 @@ impl Cause {
     pub const fn of_the_measurement(self) -> bool {
         matches!(
             self,
-            Self::FrameDrift | Self::MarkOutlier | Self::ChannelFault
+            Self::FrameDrift | Self::MarkOutlier | Self::ChannelFault | Self::NoiseLevel
         )
     }
 
@@ -77,11 +80,6 @@ impl Cause {
             self,
             Self::DryFriction | Self::ProgressiveStiffness | Self::StopContact
         )
-    }
-
-    /// True for a cause so free that it fits almost anything: it wins only when no other does as well.
-    pub const fn is_free_form(self) -> bool {
-        matches!(self, Self::LoadCrosstalk)
     }
 }
 

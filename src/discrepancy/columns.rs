@@ -1,4 +1,4 @@
-//! First-order effects of hypotheses on all rows, from the sensitivities at hand.
+//! First-order effects of hypotheses on all rows, from the tangent of each case: nothing is solved again.
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -13,53 +13,34 @@ use crate::statics::Tangent;
 use crate::syntax::Address;
 use crate::system::{Parameters, Scratch, Slot, State, System};
 
-/// Where the column of a number is.
-#[derive(Clone, PartialEq, Debug)]
-pub enum ColumnOf {
-    /// A column of [`Columns::solved`].
-    Solved(usize),
-    /// Some rows only.
-    Rows(Vec<(usize, f64)>),
-}
-
-/// First-order effects of numbers on all rows.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Columns {
-    /// Those the solver has answered.
-    pub solved: DMatrix<f64>,
-    /// One per number, in order.
-    pub of: Vec<ColumnOf>,
-}
-
 impl Survey<'_> {
-    /// Effect of every number of these hypotheses on every row, per unit of its prior standard deviation.
-    pub fn columns(&self, hypotheses: &[Hypothesis]) -> Columns {
+    /// Effect of every number of these hypotheses on every row, per unit of its prior standard deviation: on prediction minus reading,
+    /// in units of the declared noise. Numbers without an effect of their own have columns of zeros.
+    pub fn columns(&self, hypotheses: &[Hypothesis]) -> DMatrix<f64> {
         let numbers: Vec<_> = hypotheses.iter().flat_map(|h| &h.numbers).collect();
         let system = &self.fitted.deck.prepared.system;
         let catalogue = system.catalogue();
         let slot = |address: &Address| catalogue.slot(address);
         // Only what the solver has to answer.
         let asked: Vec<usize> = (0..numbers.len())
-            .filter(|k| !matches!(numbers[*k].column, Column::Rows(_)))
+            .filter(|k| !matches!(numbers[*k].column, Column::Rows(_) | Column::None))
             .collect();
-        let directions: Vec<Direction> = asked
-            .iter()
-            .map(|k| {
-                let mut direction = Direction::default();
-                match &numbers[*k].column {
-                    Column::Always(pairs) => direction
-                        .always
-                        .extend(pairs.iter().filter_map(|(a, f)| Some((slot(a)?, *f)))),
-                    Column::PerCase(pairs) => direction.per_case.extend(
-                        pairs
-                            .iter()
-                            .filter_map(|(a, f)| Some((slot(a)?, f.clone()))),
-                    ),
-                    Column::Wrench(..) | Column::Rows(_) => {}
-                }
-                direction
-            })
-            .collect();
+        let direction = |k: &usize| {
+            let mut direction = Direction::default();
+            match &numbers[*k].column {
+                Column::Always(pairs) => direction
+                    .always
+                    .extend(pairs.iter().filter_map(|(a, f)| Some((slot(a)?, *f)))),
+                Column::PerCase(pairs) => direction.per_case.extend(
+                    pairs
+                        .iter()
+                        .filter_map(|(a, f)| Some((slot(a)?, f.clone()))),
+                ),
+                Column::Wrench(..) | Column::Rows(_) | Column::None => {}
+            }
+            direction
+        };
+        let directions: Vec<Direction> = asked.iter().map(direction).collect();
         let cases: Vec<usize> = (0..self.cases()).collect();
         let observations = Observations::new(self.measurement, self.subject.problem.model, &cases);
         let prediction: Vec<_> = cases
@@ -84,30 +65,22 @@ impl Survey<'_> {
             )
             .collect();
         let x = vec![0.0; asked.len()];
-        let evaluated = observations.evaluate(&prediction, &NuisanceLayout::default(), &x, true);
-        let mut solved = match evaluated {
-            Some(evaluated) => evaluated.jacobian,
-            None => DMatrix::zeros(self.subject.rows.len(), asked.len()),
-        };
-        for (mut column, &of) in solved.column_iter_mut().zip(&asked) {
-            column *= numbers[of].sd;
-        }
-        if let Some(background) = &self.fitted.background {
-            background.whiten_columns(&mut solved);
-        }
-        let mut next = 0;
-        let of = |number: &&Number| {
-            if let Column::Rows(rows) = &number.column {
-                let scaled = rows.iter().map(|(row, v)| (*row, v * number.sd));
-                return ColumnOf::Rows(scaled.collect());
+        let mut out = DMatrix::zeros(self.rows().len(), numbers.len());
+        if let Some(evaluated) =
+            observations.evaluate(&prediction, &NuisanceLayout::default(), &x, true)
+        {
+            for (from, &to) in evaluated.jacobian.column_iter().zip(&asked) {
+                out.set_column(to, &(from * numbers[to].sd));
             }
-            next += 1;
-            ColumnOf::Solved(next - 1)
-        };
-        Columns {
-            of: numbers.iter().map(of).collect(),
-            solved,
         }
+        for (k, number) in numbers.iter().enumerate() {
+            if let Column::Rows(rows) = &number.column {
+                for (row, value) in rows {
+                    out[(*row, k)] += value * number.sd;
+                }
+            }
+        }
+        out
     }
 
     /// How the system's unknowns and the channels of a case change along each direction.
@@ -128,12 +101,32 @@ impl Survey<'_> {
         let mut by_slot = vec![0.0; n];
         let mut known: std::collections::BTreeMap<Slot, Vec<f64>> =
             std::collections::BTreeMap::new();
+        // A unit force along each component of a pair serves every wrench between its markers.
+        let mut units: std::collections::BTreeMap<(usize, usize, usize), Vec<f64>> =
+            std::collections::BTreeMap::new();
         let mut responses = Vec::with_capacity(asked.len());
         for (k, direction) in asked.iter().zip(directions) {
-            let mut dg = vec![0.0; n];
             if let Column::Wrench(pair, wrenches) = &numbers[*k].column {
-                dg = system.unit_wrench_column(theta, state, scratch, *pair, &wrenches[case]);
+                let mut dx = vec![0.0; n];
+                for (axis, size) in wrenches[case].iter().enumerate() {
+                    if *size == 0.0 {
+                        continue;
+                    }
+                    let unit = units.entry((pair.0.0, pair.1.0, axis)).or_insert_with(|| {
+                        let wrench = crate::mechanics::Vec6::ith(axis, 1.0);
+                        let mut dg =
+                            system.unit_wrench_column(theta, state, scratch, *pair, &wrench);
+                        tangent.respond(&mut dg);
+                        dg
+                    });
+                    for (sum, value) in dx.iter_mut().zip(unit.iter()) {
+                        *sum += size * value;
+                    }
+                }
+                responses.push(dx);
+                continue;
             }
+            let mut dg = vec![0.0; n];
             for (slot, weight) in direction.in_case(case).filter(|(_, weight)| *weight != 0.0) {
                 let column = known.entry(slot).or_insert_with(|| {
                     let done = system.residual_by_slot(theta, state, scratch, slot, &mut by_slot);

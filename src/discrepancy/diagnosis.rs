@@ -3,6 +3,8 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::cause::Cause;
+use crate::identify::Status;
+pub use crate::identify::{NoiseFound, ToleranceFound};
 
 /// The answer in one word.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
@@ -50,7 +52,7 @@ pub struct Indistinguishable {
 }
 
 /// What a finding gains.
-#[derive(Clone, PartialEq, Debug, Serialize)]
+#[derive(Clone, PartialEq, Debug, Default, Serialize)]
 pub struct Gain {
     /// Without it.
     pub chi2_per_dof_before: f64,
@@ -71,6 +73,14 @@ pub struct Finding {
     pub cause: Cause,
     /// Where.
     pub address: String,
+    /// `point`: all markers that meet there moved together; `part`: one side only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub form: Option<String>,
+    /// All addresses of the same thing.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub members: Vec<String>,
+    /// Posterior probability of this cause at this place.
+    pub probability: f64,
     /// How large.
     pub parameters: BTreeMap<String, f64>,
     /// How well that is known.
@@ -106,6 +116,38 @@ pub struct NextMeasurement {
     pub why: String,
 }
 
+/// A stiffness, averaged over the models that remain.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Parameter {
+    /// `BUSHING/1.K.1`.
+    pub address: String,
+    /// Its unit; KT is per radian.
+    pub unit: String,
+    /// Where it started.
+    pub initial: f64,
+    /// The estimate.
+    pub value: f64,
+    /// Standard error, in the unit of the value.
+    pub std_error: f64,
+    /// 95 percent interval, tolerances and causes included; a side without a bound is `null`.
+    pub interval95: [Option<f64>; 2],
+    /// Which part of its variance is due to tolerances.
+    pub tolerance_share: f64,
+    /// What became of it.
+    pub status: Status,
+}
+
+/// How far off a hardpoint has to be to be named with even odds.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct DetectionLimit {
+    /// Its first marker.
+    pub address: String,
+    /// All markers that meet there.
+    pub members: Vec<String>,
+    /// Along x, y, z of ground in millimetres; `null` where the readings do not see it.
+    pub mm: [Option<f64>; 3],
+}
+
 /// What `diagnosis.json` holds.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Diagnosis {
@@ -115,10 +157,22 @@ pub struct Diagnosis {
     pub baseline: BaselineFit,
     /// What is wrong, the most important first.
     pub findings: Vec<Finding>,
+    /// Probability that no cause of the catalogue acts.
+    pub none_of_these: f64,
+    /// Stiffnesses, averaged over the models that remain.
+    pub parameters: Vec<Parameter>,
+    /// Sizes of tolerances.
+    pub tolerances: BTreeMap<String, ToleranceFound>,
+    /// Noise of marks.
+    pub noise: NoiseFound,
+    /// What could not be seen: how far off each hardpoint has to be.
+    pub detection_limits: Vec<DetectionLimit>,
     /// What remains.
     pub unexplained: Unexplained,
     /// What to measure next.
     pub next_measurement: Option<NextMeasurement>,
+    /// True if the search had spent its budget before it came to its end.
+    pub interrupted: bool,
 }
 
 impl Diagnosis {

@@ -3,16 +3,16 @@
 use std::fmt::Write as _;
 
 use super::diagnose::Outcome;
-use super::extended::Fitted;
+use super::fit::{Fitted, Plain};
 use crate::identify::global::Meaning;
 use crate::syntax::{Address, Dataset};
 use crate::system::Slot;
 use crate::text::Edit;
 
 impl Outcome<'_> {
-    /// The extended deck with all numbers of the fit.
+    /// The deck with the causes found and the stiffnesses; small errors of everything else are not written into it.
     pub fn extended_deck(&self) -> Vec<u8> {
-        deck(&self.extended, &self.driven())
+        deck(&self.extended, &self.plain, &self.driven())
     }
 
     /// Replays the load cases in their order on the extended deck.
@@ -63,11 +63,11 @@ impl Outcome<'_> {
         for (case, load) in programme.cases.iter().enumerate() {
             let _ = writeln!(text, "! case {}", load.label);
             for (address, slot) in &targets {
-                let value = fitted.thetas[case].get(*slot);
+                let value = self.plain.thetas[case].get(*slot);
                 if let Some(command) = redefine(address, value, |other| {
                     catalogue
                         .slot(other)
-                        .map(|slot| fitted.thetas[case].get(slot))
+                        .map(|slot| self.plain.thetas[case].get(slot))
                 }) {
                     text.push_str(&command);
                 }
@@ -94,8 +94,8 @@ impl Outcome<'_> {
 /// Slots of a fit that change from case to case besides the loads.
 fn per_case(fitted: &Fitted) -> Vec<Slot> {
     let mut out: Vec<Slot> = fitted.memories.iter().map(|memory| memory.anchor).collect();
-    for unknown in fitted.unknowns.list() {
-        if let Meaning::PerCase(slots) = &unknown.meaning {
+    for (k, unknown) in fitted.unknowns.list().iter().enumerate() {
+        if let (Meaning::PerCase(slots), true) = (&unknown.meaning, fitted.is_of_the_model(k)) {
             out.extend(slots.iter().map(|(slot, _)| *slot));
         }
     }
@@ -129,10 +129,10 @@ fn redefine(address: &Address, value: f64, of: impl Fn(&Address) -> Option<f64>)
 }
 
 /// A fit's numbers written into its deck, those that change from case to case left as they are.
-fn deck(fitted: &Fitted, driven: &[Slot]) -> Vec<u8> {
+fn deck(fitted: &Fitted, plain: &Plain, driven: &[Slot]) -> Vec<u8> {
     let system = &fitted.deck.prepared.system;
     let catalogue = system.catalogue();
-    let (before, after) = (system.parameters(), &fitted.thetas[0]);
+    let (before, after) = (system.parameters(), &plain.thetas[0]);
     let mut dataset: Dataset = fitted.deck.dataset.clone();
     for slot in catalogue.slots() {
         let (old, new) = (before.get(slot), after.get(slot));

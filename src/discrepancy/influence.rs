@@ -1,8 +1,9 @@
-//! What a fit leaves in its residuals: their covariance, contrasts of them, and what each case says when the others predict it.
+//! What a fit leaves in its residuals: contrasts of them.
 
-use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
+use nalgebra::{Cholesky, DMatrix, DVector};
 
-use super::extended::Fitted;
+use super::fit::Fitted;
+use crate::mechanics::eigen::symmetric_eigen;
 use crate::rig::orientation::chi_square_p_value;
 
 /// A column of a contrast: rows and their weights.
@@ -10,13 +11,15 @@ pub type Contrast = Vec<(usize, f64)>;
 
 /// Contrasts that the fit has absorbed up to so little are none: there a fit that stopped a little short of its minimum shows.
 const ABSORBED: f64 = 0.01;
-/// The same for a case that alone determines an unknown.
-const ALONE: f64 = 1e-4;
 
-/// The residuals of a fit and the share of each row that its unknowns took: `Cov(r) = I - Q Q^T` with `Q = J L`, `L L^T` the
+/// Whitened residuals of a fit and the share of each row that its unknowns took: `Cov(r) = I - Q Q^T` with `Q = J L`, `L L^T` the
 /// posterior covariance. Source: the marginal likelihood of a linear model with Gaussian priors.
 pub struct Influence<'a> {
     fitted: &'a Fitted,
+    weights: DVector<f64>,
+    /// Reading minus prediction, whitened.
+    pub residual: DVector<f64>,
+    /// `Q^T`: one column for each row of the residual.
     Q: DMatrix<f64>,
 }
 
@@ -39,38 +42,62 @@ impl Statistic {
 impl<'a> Influence<'a> {
     /// Of a fit. Rows it has not seen take no part.
     pub fn new(fitted: &'a Fitted) -> Self {
-        let covariance = fitted.covariance();
-        let L = root(&covariance);
-        let mut J = fitted.minimum.evaluation.jacobian.clone();
-        for (mut row, weight) in J.row_iter_mut().zip(fitted.weights.iter()) {
-            row *= *weight;
+        let (residual, J) = fitted.whitened();
+        let L = root(&fitted.posterior.covariance);
+        Self {
+            weights: fitted.whitening.weights(&fitted.sizes.ln),
+            Q: (J * L).transpose(),
+            residual,
+            fitted,
         }
-        Self { fitted, Q: J * L }
     }
 
-    /// True if the fit has seen a row.
-    pub fn sees(&self, row: usize) -> bool {
-        self.fitted.weights[row] > 0.0
+    /// Chi-square of whitened rows with the covariance that the fit leaves them. With `Q` the share of these rows,
+    /// `(c - Q'Q)^-1 = (1 + Q'(c - QQ')^-1 Q)/c`, so that it takes a factor of the size of the unknowns at most.
+    pub fn test_rows(&self, rows: &[usize]) -> Option<Statistic> {
+        let rows: Vec<usize> = rows
+            .iter()
+            .copied()
+            .filter(|row| self.weights[*row] > 0.0)
+            .collect();
+        if rows.is_empty() {
+            return None;
+        }
+        let Q = self.Q.select_columns(&rows);
+        let r = self.residual.select_rows(&rows);
+        let c = 1.0 + ABSORBED;
+        let squares = &Q * Q.transpose();
+        let rest = DMatrix::identity(Q.nrows(), Q.nrows()) * c - &squares;
+        let factor = Cholesky::new(rest)?;
+        let along = &Q * &r;
+        let value = (r.norm_squared() + along.dot(&factor.solve(&along))) / c;
+        let trace = (rows.len() as f64 + factor.solve(&squares).trace()) / c;
+        let dof = (rows.len() as f64 - ABSORBED * trace).round();
+        (dof > 0.0 && value.is_finite()).then_some(Statistic {
+            value,
+            dof: dof as usize,
+        })
     }
 
-    /// Score test of these contrasts: whether the residuals have a component along any of them that noise does not explain.
+    /// Score test of these contrasts, which say how readings would move: whether the residuals have a component along any of them that
+    /// noise and tolerances do not explain.
     pub fn test(&self, contrasts: &[Contrast]) -> Option<Statistic> {
-        let r = &self.fitted.minimum.evaluation.residual;
         let k = contrasts.len();
         if k == 0 {
             return None;
         }
         let mut s = DVector::zeros(k);
-        let mut QX = DMatrix::zeros(self.Q.ncols(), k);
+        let mut QX = DMatrix::zeros(self.Q.nrows(), k);
         let mut dense: Vec<std::collections::BTreeMap<usize, f64>> = Vec::with_capacity(k);
         for (c, contrast) in contrasts.iter().enumerate() {
-            let mut own = std::collections::BTreeMap::new();
-            for (row, weight) in contrast.iter().filter(|(row, _)| self.sees(*row)) {
-                s[c] += weight * r[*row];
-                *own.entry(*row).or_insert(0.0) += weight;
-                for (to, q) in QX.column_mut(c).iter_mut().zip(self.Q.row(*row).iter()) {
-                    *to += weight * q;
-                }
+            let mut own = self.fitted.whitening.apply_sparse(contrast);
+            own.retain(|row, weight| {
+                *weight *= self.weights[*row];
+                *weight != 0.0
+            });
+            for (row, weight) in &own {
+                s[c] += weight * self.residual[*row];
+                QX.column_mut(c).axpy(*weight, &self.Q.column(*row), 1.0);
             }
             dense.push(own);
         }
@@ -103,27 +130,6 @@ impl<'a> Influence<'a> {
         }
         statistic(A, &s)
     }
-
-    /// Minus twice the log of the density of each case's readings under the fit of all others, constants left out: `r_c^T (I -
-    /// H_cc)^-1 r_c - ln det(I - H_cc)`. Exact for a linear model; no refit is needed.
-    pub fn left_out(&self, cases: &[Vec<usize>]) -> f64 {
-        let r = &self.fitted.minimum.evaluation.residual;
-        cases
-            .iter()
-            .map(|rows| {
-                let rows: Vec<usize> = rows.iter().copied().filter(|k| self.sees(*k)).collect();
-                let Q = self.Q.select_rows(&rows);
-                let own = DVector::from_iterator(rows.len(), rows.iter().map(|k| r[*k]));
-                let rest =
-                    DMatrix::identity(rows.len(), rows.len()) * (1.0 + ALONE) - &Q * Q.transpose();
-                let Some(factor) = Cholesky::new(rest) else {
-                    return f64::INFINITY;
-                };
-                let log_det: f64 = factor.l_dirty().diagonal().iter().map(|d| d.ln()).sum();
-                own.dot(&factor.solve(&own)) - 2.0 * log_det
-            })
-            .sum()
-    }
 }
 
 /// `s^T A^-1 s` over what of `A` is not absorbed, softly: directions of which less than [`ABSORBED`] is left do not count.
@@ -146,7 +152,7 @@ fn root(C: &DMatrix<f64>) -> DMatrix<f64> {
     if C.is_empty() {
         return C.clone();
     }
-    let eigen = SymmetricEigen::new(C.clone());
+    let eigen = symmetric_eigen(C.clone());
     let mut L = eigen.eigenvectors;
     for (mut column, lambda) in L.column_iter_mut().zip(eigen.eigenvalues.iter()) {
         column *= lambda.max(0.0).sqrt();

@@ -1,45 +1,49 @@
-//! Discrepancy: what a model gets wrong after its best fit, named, modelled and measured on load cases no fit saw.
+//! Discrepancy: what a model gets wrong after its best fit, named with probability, modelled and measured on load cases no fit saw.
 //!
 //! Knows no files: a study's problem comes in, a diagnosis and the fits behind it go out. The laws by which effects are planted on
 //! the virtual rig are not known here.
+//!
+//! One direction: `subject` (what was read, and its tolerances) and `hypothesis` (data) <- `unknowns` <- `fit` <- `survey` <- `causes`,
+//! `columns` <- `scan` <- `search` <- `folds`, `structure`, `averaged` <- `diagnose`, and what shows its outcome.
 
-mod background;
+mod averaged;
 mod cause;
+mod causes;
 mod columns;
 mod diagnose;
 mod diagnosis;
-mod effort;
-mod exchange;
-mod extended;
+mod extended_deck;
 mod extension;
-mod fit_problem;
-mod held_out;
+mod fit;
+mod folds;
 mod hypothesis;
 mod influence;
+mod limits;
 mod next_measurement;
-mod outside;
-mod screening;
-mod selection;
-mod setup;
+mod scan;
+mod search;
 mod stiffness;
 mod structure;
 mod subject;
 mod survey;
+mod tolerant;
 mod trend;
+mod unknowns;
 mod wheel_run;
 mod words;
 
 pub use cause::Cause;
 pub use diagnose::{Outcome, diagnose, held_out};
 pub use diagnosis::{
-    BaselineFit, Diagnosis, Evidence, Finding, Gain, Indistinguishable, NextMeasurement,
-    Unexplained, Verdict,
+    BaselineFit, DetectionLimit, Diagnosis, Evidence, Finding, Gain, Indistinguishable,
+    NextMeasurement, NoiseFound, Parameter, ToleranceFound, Unexplained, Verdict,
 };
-pub use extended::{Estimate, Fitted};
-pub use held_out::{HeldOutTest, held_out_test, marks_gain};
+pub use fit::{Estimate, Fitted, Plain};
+pub use folds::{Blind, HeldOutTest, marks_gain};
 pub use hypothesis::Hypothesis;
 pub use stiffness::CorrectedStiffness;
 pub use structure::StructureTest;
 pub use subject::{Data, Subject};
+pub use tolerant::{Tolerant, tolerant};
 pub use trend::Trend;
 pub use wheel_run::WheelRun;

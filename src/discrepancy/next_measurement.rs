@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::diagnosis::NextMeasurement;
-use super::extended::Fitted;
+use super::fit::Fitted;
 use super::hypothesis::Hypothesis;
 use super::subject::Subject;
 use crate::identify::Problem;
@@ -30,8 +30,13 @@ pub fn next_measurement(
     let (a, b) = (names(finding), names(rival));
     let programme = subject.problem.programme;
     let case_of = |values: &[f64]| -> BTreeMap<String, f64> {
-        let columns = programme.loads.iter().map(|load| load.name.clone());
-        columns.zip(values.iter().copied()).collect()
+        // The programme is in radians where the column of the study is in degrees.
+        let columns = programme.loads.iter().zip(values).map(|(load, value)| {
+            let degrees = load.name.ends_with("_deg");
+            let value = if degrees { value.to_degrees() } else { *value };
+            (load.name.clone(), value)
+        });
+        columns.collect()
     };
     for hypothesis in [finding, rival] {
         if let Some(case) = hypothesis.only_case(&subject.rows) {
@@ -47,7 +52,7 @@ pub fn next_measurement(
     let candidates = candidates(subject);
     let mine = predict(subject, best, &candidates)?;
     let theirs = predict(subject, other, &candidates)?;
-    let covariance = best.covariance();
+    let covariance = &best.posterior.covariance;
     let count = best.unknowns.len();
     let covariance = covariance.view((0, 0), (count, count)).into_owned();
     let mut found: Option<(f64, usize, String)> = None;
@@ -148,7 +153,7 @@ fn predict(
     };
     let mut list: Vec<FitUnknown> = Vec::new();
     let mut per_case = Vec::new();
-    for (unknown, x) in fitted.unknowns.list().iter().zip(&fitted.minimum.x) {
+    for (unknown, x) in fitted.unknowns.list().iter().zip(&fitted.x) {
         let mut unknown = unknown.clone();
         if let Meaning::PerCase(slots) = &mut unknown.meaning {
             for (slot, factors) in slots {
@@ -162,14 +167,18 @@ fn predict(
     let theta = fitted.thetas.last()?.clone();
     let unknowns = FitUnknowns::new(list);
     let count = unknowns.len();
-    let directions: Vec<Direction> = unknowns.directions(&theta, &fitted.minimum.x[..count]);
+    let directions: Vec<Direction> = unknowns.directions(&theta, &fitted.x[..count]);
     let mut predictor = fitted
         .deck
         .prepared
         .native(&problem, observations.observed.clone())
         .ok()?
         .with_cases(candidates.to_vec());
-    let numbers = Numbers { theta, per_case };
+    let numbers = Numbers {
+        theta,
+        per_case,
+        x: Vec::new(),
+    };
     let prediction = predictor.predict(&numbers, Some(&directions));
     let seen = |prediction: CasePrediction| -> Seen {
         let marks = subject.problem.measurement.parts.iter();

@@ -1,4 +1,4 @@
-use super::extended::Fitted;
+use super::fit::Fitted;
 use crate::identify::Problem;
 
 /// A stiffness as the wrong model had it and as the extended model has it.
@@ -25,17 +25,12 @@ pub fn corrected(
     before: &Fitted,
     after: &Fitted,
 ) -> Vec<CorrectedStiffness> {
-    let covariances = [before, after].map(Fitted::covariance);
-    let estimate = |k: usize, fit: &Fitted, covariance: &nalgebra::DMatrix<f64>| {
-        let value = fit.minimum.x[k].exp();
-        (value, value * covariance[(k, k)].max(0.0).sqrt())
-    };
     let unknowns = problem.unknowns.iter().enumerate();
     unknowns
         .map(|(k, unknown)| CorrectedStiffness {
             address: unknown.address.to_string(),
-            before: estimate(k, before, &covariances[0]),
-            after: estimate(k, after, &covariances[1]),
+            before: before.stiffness(k),
+            after: after.stiffness(k),
         })
         .collect()
 }

@@ -1,6 +1,6 @@
 //! Whether residuals still have structure, and where.
 
-use super::extended::Fitted;
+use super::fit::Fitted;
 use super::influence::{Contrast, Influence};
 use super::subject::Subject;
 use super::survey::Survey;
@@ -48,11 +48,10 @@ struct Tests<'a> {
 
 impl Tests<'_> {
     fn overall(&mut self, fitted: &Fitted) {
-        let value: f64 = (0..self.subject.rows.len())
-            .filter(|k| self.influence.sees(*k))
-            .map(|k| fitted.minimum.evaluation.residual[k].powi(2))
-            .sum();
-        let dof = fitted.dof(&fitted.covariance()).round() as usize;
+        let value = fitted.posterior.chi_square * self.subject.normal();
+        let dof = (fitted.posterior.count - fitted.posterior.effective)
+            .max(1.0)
+            .round() as usize;
         self.out.push(StructureTest {
             what: "all readings".to_string(),
             value,
@@ -91,36 +90,43 @@ impl Tests<'_> {
         self.out.extend(worst);
     }
 
-    /// Each row for itself.
-    fn rows(&self, accept: impl Fn(&Row) -> bool) -> Vec<Contrast> {
+    /// All rows of a kind, each for itself.
+    fn rows(&mut self, what: String, accept: impl Fn(&Row) -> bool) {
         let rows = self.subject.rows.iter().enumerate();
-        rows.filter(|(_, row)| accept(row))
-            .map(|(k, _)| vec![(k, 1.0)])
-            .collect()
+        let rows: Vec<usize> = rows
+            .filter(|(_, row)| accept(row))
+            .map(|(k, _)| k)
+            .collect();
+        if let Some(statistic) = self.influence.test_rows(&rows) {
+            let value = statistic.value * self.subject.normal();
+            self.out.push(StructureTest {
+                what,
+                value,
+                dof: statistic.dof,
+                p_value: chi_square_p_value(value, statistic.dof),
+            });
+        }
     }
 
     fn groups(&mut self) {
         let measurement = self.subject.problem.measurement;
         for (k, case) in measurement.cases.iter().enumerate() {
-            let rows = self.rows(|row| row.case() == k);
-            self.put(format!("case {}", case.label), &rows);
+            self.rows(format!("case {}", case.label), |row| row.case() == k);
         }
         for (k, part) in measurement.parts.iter().enumerate() {
-            let rows = self.rows(|row| {
+            self.rows(format!("marks of {}", part.name), |row| {
                 matches!(*row, Row::Mark { case, reading, .. }
                     if measurement.cases[case].marks[reading].part == k)
             });
-            self.put(format!("marks of {}", part.name), &rows);
         }
-        for (axis, word) in ["x", "y", "z"].into_iter().enumerate() {
-            let rows = self.rows(|row| matches!(*row, Row::Mark { axis: of, .. } if of == axis));
-            self.put(format!("marks along {word}"), &rows);
-        }
-        let rows = self.rows(|row| matches!(row, Row::Wheel { .. }));
-        self.put("the wheel against the marks".to_string(), &rows);
+        self.rows("the wheel against the marks".to_string(), |row| {
+            matches!(row, Row::Wheel { .. })
+        });
         for (k, channel) in measurement.channels.iter().enumerate() {
-            let rows = self.rows(|row| matches!(*row, Row::Channel { channel: of, .. } if of == k));
-            self.put(format!("channel {}", channel.name), &rows);
+            self.rows(
+                format!("channel {}", channel.name),
+                |row| matches!(*row, Row::Channel { channel: of, .. } if of == k),
+            );
         }
     }
 
@@ -161,15 +167,8 @@ impl Tests<'_> {
         for (k, load) in programme.loads.iter().enumerate() {
             let values: Vec<f64> = programme.cases.iter().map(|c| c.values[k]).collect();
             self.trend(format!("trend with {}", load.target), &values);
-            // Where a load has only gone one way, loading and unloading are the same test as the trend.
-            let steps: Vec<f64> = std::iter::once(values[0].signum())
-                .chain(values.windows(2).map(|w| match w[1] - w[0] {
-                    0.0 => 0.0,
-                    change => change.signum(),
-                }))
-                .collect();
-            if steps.contains(&1.0) && steps.contains(&-1.0) {
-                let columns = self.weighted(&steps);
+            if let Some(ways) = both_ways(&values) {
+                let columns = self.weighted(&ways);
                 self.put(
                     format!("loading against unloading of {}", load.target),
                     &columns,
@@ -236,5 +235,51 @@ impl Tests<'_> {
         });
         self.worst(constants.collect());
         self.worst(single);
+    }
+}
+
+/// One for each case to which a load has risen and minus one for each to which it has fallen, as far as both ways met the same loads;
+/// zero elsewhere. `None` where the load has not been applied in both ways.
+fn both_ways(values: &[f64]) -> Option<Vec<f64>> {
+    let way = |k: usize| match k.checked_sub(1).map(|before| values[k] - values[before]) {
+        Some(step) if step > 0.0 => 1.0,
+        Some(step) if step < 0.0 => -1.0,
+        _ => 0.0,
+    };
+    let range = |sign: f64| {
+        let of = (0..values.len())
+            .filter(|k| way(*k) == sign)
+            .map(|k| values[k]);
+        of.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+            (low.min(v), high.max(v))
+        })
+    };
+    let (up, down) = (range(1.0), range(-1.0));
+    let (low, high) = (up.0.max(down.0), up.1.min(down.1));
+    let ways: Vec<f64> = (0..values.len())
+        .map(|k| {
+            let met = (low..=high).contains(&values[k]);
+            if met { way(k) } else { 0.0 }
+        })
+        .collect();
+    (ways.contains(&1.0) && ways.contains(&-1.0)).then_some(ways)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::both_ways;
+
+    #[test]
+    fn a_load_that_only_goes_one_way_has_no_way_back() {
+        assert_eq!(both_ways(&[5.0, 4.0, 3.0, 1.0]), None);
+        assert_eq!(both_ways(&[1.0, 2.0, 2.0, 8.0]), None);
+        // It falls to where it had never been on the way up.
+        assert_eq!(both_ways(&[0.0, 5.0, 6.0, -1.0, -2.0]), None);
+    }
+
+    #[test]
+    fn only_loads_met_both_ways_are_compared() {
+        let ways = both_ways(&[0.0, 1.0, 2.0, 3.0, 2.0, 1.0]).unwrap();
+        assert_eq!(ways, [0.0, 1.0, 1.0, 0.0, -1.0, -1.0]);
     }
 }

@@ -1,47 +1,230 @@
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::DVector;
 
-use super::background::Background;
-use super::effort::Budget;
 use crate::identify::Problem;
 use crate::identify::global::{Observations, Row};
+use crate::mechanics::Vec3;
+use crate::rig::ToleranceSettings;
+use crate::rig::settings::Loss;
+use crate::tolerance::{Layer, LayerOf, MarkBlock, Noise, Scale, Sizes, Tails, Whitening};
 
-/// A study under diagnosis: what a fit may see, and in which order readings become rows.
+/// Precision of a reading whose residual Huber's loss weighs down: beyond so many standard deviations.
+const HUBER: f64 = 1.345;
+/// How often all load cases may be solved in one search. It is looked at between rounds only, so that what is found does not depend
+/// on the machine.
+const SWEEPS: usize = 3000;
+
+/// A study under diagnosis: what was read, how exact it is, and the tolerances it stands among.
 #[derive(Clone, Debug)]
 pub struct Subject<'a> {
     /// The study's problem.
     pub problem: Problem<'a>,
     /// All cases, held out or not.
     pub rows: Vec<Row>,
-    /// Sd of a mark coordinate.
+    /// What one unit of a mark's row is: the declared standard deviation.
     pub sigma: f64,
-    /// Ids of bushings whose assembly offset is no nuisance but a hypothesis like any other.
-    pub offsets_in_question: Vec<u32>,
-    /// Errors of hardpoints and loads that are part of the noise: of the fitted cases, and of all.
-    pub backgrounds: Option<[Arc<Background>; 2]>,
-    /// What the whole search may cost.
-    pub budget: Arc<Budget>,
+    /// What the marks say of their noise.
+    pub noise: Noise,
+    /// Student's t, where the residuals of the fit ask for it.
+    pub tails: Option<Tails>,
+    /// The small errors of axle and rig.
+    pub layer: Arc<Layer>,
+    /// Their sizes before anything was fitted.
+    pub sizes: Sizes,
+    /// Precision of each row in its own unit; zero where it is not used.
+    pub precision: Vec<f64>,
+    blocks: Vec<MarkBlock>,
+    single: Vec<(usize, Option<Scale>)>,
     held_out: Vec<bool>,
+    sweeps: Arc<AtomicUsize>,
 }
 
 impl<'a> Subject<'a> {
-    /// With these cases held out.
+    /// With these cases held out of the fits that say what is gained.
     pub fn new(problem: &Problem<'a>, held_out: Vec<bool>) -> Self {
+        let measurement = problem.measurement;
         let cases: Vec<usize> = (0..held_out.len()).collect();
-        let observations = Observations::new(problem.measurement, problem.model, &cases);
-        Self {
-            problem: problem.clone(),
-            sigma: observations.sigma,
-            rows: observations.rows,
-            offsets_in_question: Vec::new(),
-            backgrounds: None,
-            budget: Arc::new(Budget::default()),
-            held_out,
+        let observations = Observations::new(measurement, problem.model, &cases);
+        let (rows, sigma) = (observations.rows, observations.sigma);
+        let noise = Noise::of(measurement);
+        let sought = |address: &crate::syntax::Address| {
+            let unknowns = problem.unknowns.iter();
+            unknowns
+                .clone()
+                .any(|u| u.address == *address || u.tied.contains(address))
+        };
+        let layer = Layer::of(&LayerOf {
+            model: problem.model,
+            programme: problem.programme,
+            is_sought: &sought,
+        });
+        let millimetre = 1e-3 / problem.model.units.length.si;
+        let mut sizes = Sizes::new(problem.tolerances, measurement.sigma_on_parts, millimetre);
+        if noise.estimated.is_none() && !measurement.parts.is_empty() {
+            sizes.add_scale(Scale::Marks, !measurement.sigma_estimated);
         }
+        if measurement.wheel.is_some() {
+            sizes.add_scale(Scale::WheelPosition, true);
+            sizes.add_scale(Scale::WheelAngles, true);
+        }
+        for (k, channel) in measurement.channels.iter().enumerate() {
+            sizes.add_scale(Scale::Channel(k), !channel.sigma_estimated);
+        }
+        let mut new = Self {
+            problem: problem.clone(),
+            precision: vec![1.0; rows.len()],
+            blocks: Vec::new(),
+            single: Vec::new(),
+            tails: None,
+            layer: Arc::new(layer),
+            sweeps: Arc::default(),
+            rows,
+            sigma,
+            noise,
+            sizes,
+            held_out,
+        };
+        new.place_rows();
+        new.weigh(None);
+        new
     }
 
-    /// Whether no fit sees a case.
+    /// Which rows belong together.
+    fn place_rows(&mut self) {
+        let measurement = self.problem.measurement;
+        let mut blocks: Vec<((usize, usize), MarkBlock)> = Vec::new();
+        for (at, row) in self.rows.iter().enumerate() {
+            match *row {
+                Row::Mark {
+                    case,
+                    reading,
+                    axis: 0,
+                } => {
+                    let read = measurement.cases[case].marks[reading];
+                    let key = (case, read.part);
+                    if blocks.last().is_none_or(|(last, _)| *last != key) {
+                        let empty = MarkBlock {
+                            rows: Vec::new(),
+                            levers: Vec::new(),
+                            unit: self.sigma,
+                        };
+                        blocks.push((key, empty));
+                    }
+                    if let Some((_, block)) = blocks.last_mut() {
+                        block.rows.push(at);
+                        block.levers.push(read.x);
+                    }
+                }
+                Row::Mark { .. } => {}
+                Row::Wheel { component, .. } => {
+                    let scale = if component < 3 {
+                        Scale::WheelPosition
+                    } else {
+                        Scale::WheelAngles
+                    };
+                    self.single.push((at, Some(scale)));
+                }
+                Row::Channel { channel, .. } => {
+                    self.single.push((at, Some(Scale::Channel(channel))));
+                }
+            }
+        }
+        for (_, block) in &mut blocks {
+            let mean = block.levers.iter().sum::<Vec3>() / block.levers.len() as f64;
+            for lever in &mut block.levers {
+                *lever -= mean;
+            }
+        }
+        self.blocks = blocks.into_iter().map(|(_, block)| block).collect();
+    }
+
+    /// Weighs all rows: marks by their own noise, outliers not at all; with the residuals of a fit also by their tails.
+    pub fn weigh(&mut self, misfit: Option<&DVector<f64>>) {
+        let relative = self.noise.sigma().map_or(1.0, |sigma| self.sigma / sigma);
+        let relative = if relative.is_finite() { relative } else { 1.0 };
+        let measurement = self.problem.measurement;
+        let is_outlier = |case: usize, reading: usize| {
+            let outliers = self.noise.outliers.iter();
+            let part = measurement.cases[case].marks[reading].part;
+            outliers
+                .clone()
+                .any(|o| (o.case, o.reading) == (case, reading))
+                || self.noise.suspects.contains(&(case, part))
+        };
+        let dropped = |row: &Row| matches!(*row, Row::Mark { case, reading, .. } if is_outlier(case, reading));
+        let used: Vec<f64> = misfit.map_or_else(Vec::new, |misfit| {
+            let marks = |(_, row): &(&f64, &Row)| matches!(row, Row::Mark { .. }) && !dropped(row);
+            let pairs = misfit.iter().zip(&self.rows).filter(marks);
+            pairs.map(|(r, _)| *r).collect()
+        });
+        self.tails = Tails::of(&used).filter(|_| self.noise.has_tails());
+        let huber = self.problem.settings.loss == Loss::Huber;
+        let precision = |(at, row): (usize, &Row)| {
+            if dropped(row) {
+                return 0.0;
+            }
+            if !matches!(row, Row::Mark { .. }) {
+                let r = misfit.map_or(0.0, |misfit| misfit[at].abs());
+                return if huber && r > HUBER { HUBER / r } else { 1.0 };
+            }
+            let own = relative * relative;
+            match (misfit, self.tails) {
+                (Some(misfit), Some(tails)) => tails.precision(misfit[at]),
+                (Some(misfit), None) if huber => {
+                    let r = misfit[at].abs() * relative;
+                    own * if r > HUBER { HUBER / r } else { 1.0 }
+                }
+                _ => own,
+            }
+        };
+        self.precision = self.rows.iter().enumerate().map(precision).collect();
+    }
+
+    /// Judges marks under suspicion by a fit that has not seen them; true if there were any.
+    pub fn judge_suspects(&mut self, misfit: &DVector<f64>) -> bool {
+        if self.noise.suspects.is_empty() {
+            return false;
+        }
+        let rows = &self.rows;
+        let sigma = self.sigma;
+        let of = |case: usize, reading: usize| {
+            let first = rows.iter().position(
+                |row| matches!(*row, Row::Mark { case: c, reading: r, axis: 0 } if (c, r) == (case, reading)),
+            )?;
+            Some(Vec3::from_fn(|axis, _| -misfit[first + axis] * sigma))
+        };
+        self.noise.judge(self.problem.measurement, &of);
+        true
+    }
+
+    /// What a mean square of whitened residuals is multiplied by to be one on average: weights of heavy tails make it smaller.
+    pub fn normal(&self) -> f64 {
+        self.tails
+            .map_or(1.0, |tails| (tails.nu + 3.0) / (tails.nu + 1.0))
+    }
+
+    /// True if residuals changed the weights of rows.
+    pub fn is_reweighed(&self) -> bool {
+        self.tails.is_some() || self.problem.settings.loss == Loss::Huber
+    }
+
+    /// What brings rows to independence, over the cases of this data.
+    pub fn whitening(&self, data: Data) -> Whitening {
+        let precision: Vec<f64> = self
+            .rows
+            .iter()
+            .zip(&self.precision)
+            .map(|(row, precision)| {
+                let seen = data == Data::All || !self.held_out[row.case()];
+                if seen { *precision } else { 0.0 }
+            })
+            .collect();
+        Whitening::new(&self.blocks, &self.single, &precision, &self.sizes)
+    }
+
+    /// Whether no fit that says what is gained sees a case.
     pub fn is_held_out(&self, case: usize) -> bool {
         self.held_out[case]
     }
@@ -51,22 +234,34 @@ impl<'a> Subject<'a> {
         self.held_out.iter().any(|held| *held)
     }
 
-    /// What whitens the rows of a fit of this data.
-    pub fn background(&self, data: Data) -> Option<Arc<Background>> {
-        let [fitted, all] = self.backgrounds.as_ref()?;
-        Some(Arc::clone(match data {
-            Data::Fitted => fitted,
-            Data::All => all,
-        }))
+    /// One millimetre in the deck's length unit.
+    pub fn millimetre(&self) -> f64 {
+        1e-3 / self.problem.model.units.length.si
     }
 
-    /// Weight of each row in a fit.
-    pub fn weights(&self, data: Data) -> DVector<f64> {
-        let weight = |row: &Row| match data {
-            Data::All => 1.0,
-            Data::Fitted => f64::from(u8::from(!self.held_out[row.case()])),
-        };
-        DVector::from_iterator(self.rows.len(), self.rows.iter().map(weight))
+    /// Standard deviation of a mark coordinate that is used, in the deck's unit.
+    pub fn mark_sigma(&self) -> f64 {
+        self.noise.sigma().unwrap_or(self.sigma)
+    }
+
+    /// What the user states of tolerances.
+    pub fn stated(&self) -> &ToleranceSettings {
+        self.problem.tolerances
+    }
+
+    /// Takes note of a fit that solved all cases so often.
+    pub fn spend(&self, sweeps: usize) {
+        self.sweeps.fetch_add(sweeps, Ordering::Relaxed);
+    }
+
+    /// Sweeps so far.
+    pub fn sweeps(&self) -> usize {
+        self.sweeps.load(Ordering::Relaxed)
+    }
+
+    /// True if no further round begins.
+    pub fn is_spent(&self) -> bool {
+        self.sweeps() >= SWEEPS
     }
 }
 

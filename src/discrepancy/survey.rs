@@ -1,13 +1,14 @@
-use super::extended::Fitted;
+use super::fit::Fitted;
 use super::hypothesis::Change;
 use super::subject::Subject;
 use crate::backend::Load;
-use crate::identify::global::{Meaning, Row};
+use crate::identify::global::Row;
 use crate::mechanics::{Pose, Vec3};
 use crate::model::{MarkerIx, Model, Orientation, PartIx};
 use crate::rig::Measurement;
-use crate::syntax::{Address, NewStatement};
+use crate::syntax::NewStatement;
 use crate::system::{Reading, Scratch};
+use crate::tolerance::{Effect, Group, Point};
 
 /// Where a part is held.
 #[derive(Clone, PartialEq, Debug)]
@@ -50,16 +51,16 @@ impl<'a> Survey<'a> {
             .map(|name| (name.kind, name.id, Vec::new()))
             .collect();
         for (theta, state) in fitted.thetas.iter().zip(&fitted.states) {
-            if system.look(theta, state, &mut scratch).is_err() {
+            let Ok(mut here) = system.look(theta, state, &mut scratch) else {
                 continue;
-            }
+            };
             for (k, (element, _)) in elements.iter().enumerate() {
-                if let Ok(reading) = system.read_element(theta, state, &mut scratch, *element) {
+                if let Ok(reading) = here.read_element(*element) {
                     readings[k].2.push(reading);
                 }
             }
             for (k, (constraint, _)) in constraints.iter().enumerate() {
-                let reading = system.read_constraint(theta, state, &mut scratch, *constraint);
+                let reading = here.read_constraint(*constraint);
                 readings[elements.len() + k].2.push(reading);
             }
         }
@@ -109,37 +110,35 @@ impl<'a> Survey<'a> {
         &self.subject.problem.programme.loads
     }
 
-    /// The values of a load, one per case.
-    pub fn load_values(&self, load: usize) -> Vec<f64> {
-        let cases = &self.subject.problem.programme.cases;
-        cases.iter().map(|case| case.values[load]).collect()
+    /// Hardpoints of the deck.
+    pub fn points(&self) -> &[Point] {
+        &self.subject.layer.points
     }
 
-    /// True if a load is a force or torque.
-    pub fn is_force(&self, load: &Load) -> bool {
-        matches!(
-            load.target.kind.as_str(),
-            "SFORCE" | "GFORCE" | "VFORCE" | "VTORQUE"
-        )
+    /// Members of a group at an address with the names of their axes.
+    pub fn members(&self, group: Group, address: &str) -> Vec<(usize, String)> {
+        let layer = &self.subject.layer;
+        if self.subject.sizes.group(group).is_none() {
+            return Vec::new();
+        }
+        let named = |k: usize| (k, super::hypothesis::SIX[layer.members[k].axis].to_string());
+        layer.at(group, address).map(named).collect()
     }
 
-    /// True if the study identifies this number.
-    pub fn is_identified(&self, address: &Address) -> bool {
-        self.subject
-            .problem
-            .unknowns
-            .iter()
-            .any(|u| u.address == *address || u.tied.contains(address))
-    }
-
-    /// True if the offsets of a bushing are unknowns of the fit.
-    pub fn offset_is_unknown(&self, bushing: usize) -> bool {
-        let id = Some(self.model.bushings[bushing].header.id);
-        let catalogue = self.fitted.deck.prepared.system.catalogue();
-        self.fitted.unknowns.list().iter().any(|unknown| {
-            matches!(unknown.meaning, Meaning::Offset(component)
-                if catalogue.info(component.stiffness).address.id == id)
-        })
+    /// Numbers of the deck that are taken as known, as members of the tolerance layer: place, address, group, and what one unit of
+    /// the member is.
+    pub fn numbers_of_the_deck(&self) -> Vec<(usize, String, Group, f64)> {
+        let known = |group| matches!(group, Group::KnownStiffnesses | Group::Preloads);
+        let members = self.subject.layer.members.iter().enumerate();
+        members
+            .filter(|(_, member)| known(member.group))
+            .filter_map(|(k, member)| {
+                let Effect::Always(pairs) = &member.effect else {
+                    return None;
+                };
+                Some((k, member.address.clone(), member.group, pairs.first()?.1))
+            })
+            .collect()
     }
 
     /// A force element in each case; empty if there is none.

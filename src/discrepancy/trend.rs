@@ -30,7 +30,7 @@ impl Outcome<'_> {
         let subject = &self.subject;
         let forces = Survey::new(subject, &self.baseline).forces();
         let groups = self.groups();
-        let means = |fit: &super::extended::Fitted, group: &Group| -> Vec<Option<f64>> {
+        let means = |fit: &super::fit::Fitted, group: &Group| -> Vec<Option<f64>> {
             let residual = &fit.misfit;
             group
                 .rows

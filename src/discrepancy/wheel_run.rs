@@ -1,7 +1,8 @@
 //! The wheel's steer while one load goes up and down: the hysteresis loop of a K&C rig.
 
+use nalgebra::DVector;
+
 use super::diagnose::Outcome;
-use super::extended::Fitted;
 use crate::identify::global::Row;
 
 /// Fewer cases in a row are no run.
@@ -49,10 +50,10 @@ impl Outcome<'_> {
             });
             let Some((run, hidden)) = run else { continue };
             let fits = match &self.unseen {
-                Some(fits) if hidden => [&fits[0], &fits[1]],
-                _ => [&self.baseline, &self.extended],
+                Some(fits) if hidden => [&fits[0].misfit, &fits[1].misfit],
+                _ => [&self.baseline.misfit, &self.extended.misfit],
             };
-            let points = |fit: Option<&Fitted>| self.steer(load, run.clone(), fit);
+            let points = |misfit: Option<&DVector<f64>>| self.steer(load, run.clone(), misfit);
             out.push(WheelRun {
                 load: of.name.clone(),
                 read: points(None),
@@ -68,7 +69,7 @@ impl Outcome<'_> {
         &self,
         load: usize,
         run: std::ops::Range<usize>,
-        fit: Option<&Fitted>,
+        misfit: Option<&DVector<f64>>,
     ) -> Vec<(f64, f64)> {
         let measurement = self.subject.problem.measurement;
         let sigma = measurement
@@ -80,9 +81,9 @@ impl Outcome<'_> {
             let row = self.subject.rows.iter().position(
                 |row| matches!(*row, Row::Wheel { case: of, component: STEER } if of == case),
             )?;
-            let misfit = fit.map_or(0.0, |fit| fit.misfit[row] * sigma);
+            let off = misfit.map_or(0.0, |misfit| misfit[row] * sigma);
             let value = self.subject.problem.programme.cases[case].values[load];
-            Some((value, reading + misfit))
+            Some((value, reading + off))
         })
         .collect()
     }

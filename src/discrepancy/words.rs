@@ -1,12 +1,17 @@
 //! What a diagnosis means, in sentences.
 
+use super::cause::Cause;
 use super::diagnose::Outcome;
-use super::extended::Fitted;
+use super::diagnosis::ToleranceFound;
+use super::fit::Fitted;
+use super::folds::Blind;
 use crate::identify::global::Row;
 
 /// A bias is worth a sentence from so many of its standard errors on.
 const NOTABLE: f64 = 2.0;
 
+/// A size whose logarithm moves by less says nothing.
+const SEEN: f64 = 0.05;
 /// So many failing tests are listed.
 const LISTED: usize = 6;
 
@@ -19,7 +24,8 @@ impl Outcome<'_> {
         out.extend(self.worst_angle());
         out.extend(self.worst_channel());
         out.extend(self.turned_part());
-        out.extend(self.shares());
+        out.extend(self.exactness());
+        out.extend(self.probabilities());
         out.extend(self.gained());
         out.extend(self.biases());
         if let Some(next) = &self.diagnosis.next_measurement {
@@ -42,7 +48,7 @@ impl Outcome<'_> {
             out.push(format!("{more} more tests of structure fail."));
         }
         if self.cut_short {
-            let sweeps = self.subject.budget.sweeps();
+            let sweeps = self.subject.sweeps();
             out.push(format!(
                 "The search was ended by its budget: all load cases had been solved {sweeps} times. Further causes, and rivals of those found, were not looked for."
             ));
@@ -73,6 +79,9 @@ impl Outcome<'_> {
             let Row::Mark { axis, .. } = *row else {
                 continue;
             };
+            if self.subject.precision[k] == 0.0 {
+                continue;
+            }
             sum += residual[k].powi(2);
             count += 1.0;
             let size = residual.rows(k, 3 - axis).norm();
@@ -83,10 +92,11 @@ impl Outcome<'_> {
         if count == 0.0 {
             return None;
         }
-        let sigma = self.subject.sigma;
-        let rms = (sum / count).sqrt() * sigma;
+        let unit = self.subject.sigma;
+        let sigma = self.subject.mark_sigma();
+        let rms = (sum / count).sqrt() * unit;
         let mut text = format!(
-            "After its best fit the model misses the marks by {rms:.3} rms per coordinate, where their noise is {sigma:.3}"
+            "After its best fit, tolerances included, the model misses the marks by {rms:.3} rms per coordinate, where their noise is {sigma:.3}"
         );
         if let (true, Row::Mark { case, reading, .. }) =
             (self.findings_matter(), self.subject.rows[worst.1])
@@ -98,7 +108,7 @@ impl Outcome<'_> {
                 part.name,
                 part.marks[read.mark].label,
                 self.case_text(case),
-                worst.0 * sigma
+                worst.0 * unit
             );
         }
         Some(text + ".")
@@ -201,31 +211,87 @@ impl Outcome<'_> {
         })
     }
 
-    /// What part of the misfit sits in which cause.
-    fn shares(&self) -> Vec<String> {
-        let findings = &self.diagnosis.findings;
-        let fallen = self.baseline.chi_square() - self.extended.chi_square();
-        let sum: f64 = findings.iter().map(|f| f.evidence.value).sum();
-        let all = fallen.max(sum);
-        if all <= 0.0 {
-            return Vec::new();
-        }
-        findings
-            .iter()
+    /// How sure each cause is, and what else could be there.
+    fn probabilities(&self) -> Vec<String> {
+        let findings = self.diagnosis.findings.iter();
+        let acting =
+            findings.filter(|f| f.cause != Cause::MarkOutlier && f.cause != Cause::NoiseLevel);
+        let mut out: Vec<String> = acting
             .map(|f| {
                 let minor = if f.minor {
                     ", which does not matter"
                 } else {
                     ""
                 };
+                let side = match f.form.as_deref() {
+                    Some("point") => ", all parts that meet there together",
+                    Some("part") => ", one side only",
+                    _ => "",
+                };
                 format!(
-                    "{:.0} percent of what can be explained sits in {} ({}){minor}.",
-                    100.0 * f.evidence.value / all,
+                    "The probability of {} at {}{side} is {}{minor}.",
+                    f.cause,
                     f.address,
-                    f.cause
+                    percent(f.probability)
                 )
             })
-            .collect()
+            .collect();
+        out.push(format!(
+            "The probability that no cause of the catalogue acts is {}.",
+            percent(self.diagnosis.none_of_these)
+        ));
+        out
+    }
+
+    /// Noise and tolerances, as the readings show them.
+    fn exactness(&self) -> Vec<String> {
+        let mut out = Vec::new();
+        let noise = &self.diagnosis.noise;
+        if let (true, Some(declared), Some(estimated)) = (
+            self.subject.noise.contradicts(),
+            noise.declared,
+            noise.estimated,
+        ) {
+            out.push(format!(
+                "The study declares a noise of {declared:.4} for the marks; marks of rigid parts show {estimated:.4}, which is used."
+            ));
+        }
+        if let Some(dof) = noise.dof {
+            out.push(format!(
+                "The noise has heavy tails, like Student's t with {dof} degrees of freedom; far readings count less."
+            ));
+        }
+        let count = self.subject.noise.outliers.len();
+        if count > 0 {
+            out.push(format!(
+                "{count} readings of marks are plainly wrong and are left out."
+            ));
+        }
+        // Where the readings do not see points their size stays where it was.
+        let seen = |size: &&ToleranceFound| (size.sd / size.usual).ln().abs() > SEEN;
+        if let Some(points) = self.diagnosis.tolerances.get("hardpoints").filter(seen) {
+            let word = match points.sd / points.usual {
+                ratio if ratio < 2.0 => "usual for a production axle",
+                ratio if ratio < 4.0 => "much for a production axle",
+                _ => "more than a production axle has",
+            };
+            out.push(format!(
+                "The readings look as if hardpoints were {:.2} {} off, {word}.",
+                points.sd, points.unit
+            ));
+        }
+        if let Some(pose) = self.diagnosis.tolerances.get("pose-noise") {
+            let sigma = self.subject.mark_sigma() / self.subject.millimetre();
+            if pose.sd > sigma {
+                out.push(format!(
+                    "Whole parts are read {:.3} {} off in each case, {:.1} times the noise of a mark.",
+                    pose.sd,
+                    pose.unit,
+                    pose.sd / sigma
+                ));
+            }
+        }
+        out
     }
 
     fn gained(&self) -> Option<String> {
@@ -273,8 +339,8 @@ impl Outcome<'_> {
                         && self.subject.is_held_out(row.case())
                 });
                 let count = rows.clone().count();
-                let rms = |fitted: &Fitted| {
-                    let squares = rows.clone().map(|(k, _)| fitted.misfit[k].powi(2));
+                let rms = |blind: &Blind| {
+                    let squares = rows.clone().map(|(k, _)| blind.misfit[k].powi(2));
                     (squares.sum::<f64>() / count as f64).sqrt() * info.sigma
                 };
                 (count > 0).then(|| {
@@ -323,5 +389,14 @@ fn loads_text<'a>(loads: impl Iterator<Item = (&'a str, f64)>) -> String {
         "no load".to_string()
     } else {
         listed.join(", ")
+    }
+}
+
+/// A probability as a person would say it.
+fn percent(probability: f64) -> String {
+    match 100.0 * probability {
+        p if p > 99.0 => "above 99 percent".to_string(),
+        p if p < 1.0 => "below 1 percent".to_string(),
+        p => format!("{p:.0} percent"),
     }
 }

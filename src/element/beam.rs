@@ -1,10 +1,14 @@
-//! The BEAM law, linear formulation. Knows no mass and no other formulation than it names to refuse.
+//! The BEAM law, linear formulation. Knows no mass.
 
 use super::deflection::Deflection;
 use super::field::linear;
-use super::{Degenerate, Law, Wrench};
+use super::{Degenerate, Law, LawEntry, Wrench};
 use crate::mechanics::{Mat6, RelativeMotion, Vec6};
-use crate::model::BeamFormulation;
+
+pub(super) const LAWS: &[LawEntry] = &[LawEntry {
+    name: "beam",
+    law: &Beam,
+}];
 
 /// BEAM, FORMULATION=LINEAR: a massless Timoshenko beam of uniform cross-section along the x axis of J, I at +x.
 ///
@@ -17,21 +21,6 @@ use crate::model::BeamFormulation;
 /// Validity: small relative deflections. Source: Adams Solver help, `state_beam`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Beam;
-
-impl Beam {
-    /// Why a formulation cannot be solved here, or `None` for the linear one.
-    pub fn refusal(formulation: BeamFormulation) -> Option<&'static str> {
-        match formulation {
-            BeamFormulation::Linear => None,
-            BeamFormulation::String => {
-                Some("FORMULATION=STRING: its simplified non-linear law is not published")
-            }
-            BeamFormulation::Nonlinear => Some(
-                "FORMULATION=NONLINEAR: the discretisation of its Euler-Bernoulli law is not published",
-            ),
-        }
-    }
-}
 
 /// The eight stiffness entries with their places in K.
 const PLACES: [(usize, usize); 8] = [

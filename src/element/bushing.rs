@@ -1,8 +1,13 @@
 //! The BUSHING law. Knows no parts, no damping (statics) and no file.
 
 use super::deflection::Deflection;
-use super::{Degenerate, Law, Wrench};
+use super::{Degenerate, Law, LawEntry, Wrench};
 use crate::mechanics::{Mat6, RelativeMotion, Vec6};
+
+pub(super) const LAWS: &[LawEntry] = &[LawEntry {
+    name: "bushing",
+    law: &Bushing,
+}];
 
 /// BUSHING: three translational and three rotational springs in the axes of J, with preload.
 ///

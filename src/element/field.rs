@@ -1,8 +1,13 @@
 //! The FIELD law. Knows no user subroutine: NONLINEAR fields are refused before they get here.
 
 use super::deflection::Deflection;
-use super::{Degenerate, Law, Wrench};
+use super::{Degenerate, Law, LawEntry, Wrench};
 use crate::mechanics::{Mat6, RelativeMotion, Vec6};
+
+pub(super) const LAWS: &[LawEntry] = &[LawEntry {
+    name: "field",
+    law: &Field,
+}];
 
 /// FIELD, linear: a full 6 by 6 spring in the axes of J, with relaxed configuration and preload.
 ///

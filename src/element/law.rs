@@ -17,6 +17,13 @@ pub struct Wrench {
 }
 
 impl Wrench {
+    /// No wrench: zero, with a column for one parameter.
+    pub fn clear(&mut self) {
+        self.value = Vec6::zeros();
+        self.by_motion = Mat6::zeros();
+        self.parameter_columns(1);
+    }
+
     /// Zeroed columns for `count` parameters. Allocates only the first time.
     pub(super) fn parameter_columns(&mut self, count: usize) -> &mut [Vec6] {
         self.by_parameter.clear();
@@ -30,8 +37,13 @@ pub trait Law: std::fmt::Debug + Send + Sync {
     /// How many numbers of `theta` are this law's.
     fn parameter_count(&self) -> usize;
 
+    /// Whether `RelativeMotion::angles` is read; if not, the caller need not work it out.
+    fn uses_angles(&self) -> bool {
+        true
+    }
+
     /// Wrench and `by_motion` at this motion; `by_parameter` too when `with_parameters`. `theta` holds the law's parameters in
-    /// the order of its catalogue names ([`super::LAWS`]). `out` is reused: implementations overwrite every field they return.
+    /// the order of its arguments (`law` in the grammar). `out` is reused: implementations overwrite every field they return.
     ///
     /// # Errors
     /// [`Degenerate`] where the law has no value at this motion; `out` is then unspecified.

@@ -1,115 +1,42 @@
-//! The list of force laws. Knows no values: those are in `Parameters` and in the dataset.
+//! The list of force laws. Knows no formula and no values; arguments, dimensions and bounds are in the grammar.
 
-use super::parameter::{
-    AREA, COORDINATES, FIELD_STIFFNESS, MODULUS, ParameterGroup, SECOND_MOMENT, STIFFNESS, TORSION,
-    WRENCH,
-};
-use super::{
-    Beam, Bushing, ElastoSlip, Field, ForceLaw, RotationalSpring, ScalarForce, TranslationalSpring,
-};
-use crate::units::Dimension;
+use super::{FILES, Law};
 
-/// What is known of a force law besides its formula.
-#[derive(Clone, Copy, PartialEq, Debug)]
+/// A force law by name.
+#[derive(Clone, Copy, Debug)]
 pub struct LawEntry {
-    /// The law's name in the grammar's `element` lines.
+    /// The name in the grammar's `law` lines. Laws whose one number is a FUNCTION have no such line.
     pub name: &'static str,
-    /// The statement it comes from, or `None` for laws that ADAMS does not have.
-    pub statement: Option<&'static str>,
     /// The law itself.
-    pub law: ForceLaw,
-    /// Its parameters in the order of `theta`.
-    pub parameters: &'static [ParameterGroup],
-    /// One line for people.
-    pub doc: &'static str,
-    /// Where the formula comes from.
-    pub source: &'static str,
+    pub law: &'static dyn Law,
 }
 
-impl LawEntry {
-    /// Catalogue names and dimensions in the order of `theta`: `K.1`, `K.2`, ...
-    pub fn catalogue(&self) -> impl Iterator<Item = (String, Dimension)> + '_ {
-        self.parameters.iter().flat_map(|group| {
-            group
-                .dimensions
-                .iter()
-                .enumerate()
-                .map(|(k, &dimension)| (group.name(k), dimension))
-        })
-    }
-
-    /// The entry of a law; both friction components share theirs by kind of coordinate.
-    pub fn of(law: &ForceLaw) -> &'static Self {
-        let same = |entry: &&Self| match (entry.law, law) {
-            (ForceLaw::ElastoSlip(a), ForceLaw::ElastoSlip(b)) => {
-                (a.component < 3) == (b.component < 3)
-            }
-            (a, b) => a == *b,
-        };
-        LAWS.iter()
-            .find(same)
-            .expect("every law has its line in LAWS")
-    }
+/// Every force law.
+pub fn laws() -> impl Iterator<Item = &'static LawEntry> {
+    FILES.iter().copied().flatten()
 }
 
-const fn group(argument: &'static str, dimensions: &'static [Dimension]) -> ParameterGroup {
-    ParameterGroup {
-        argument,
-        dimensions,
-    }
+/// A law by its name in the grammar.
+pub fn law(name: &str) -> Option<&'static dyn Law> {
+    laws()
+        .find(|entry| entry.name == name)
+        .map(|entry| entry.law)
 }
-
-/// Every force law: one line each. The tests below run over all of them.
-#[rustfmt::skip]
-pub const LAWS: &[LawEntry] = &[
-    LawEntry { name: "bushing", statement: Some("BUSHING"), law: ForceLaw::Bushing(Bushing),
-        parameters: &[group("K", &[STIFFNESS; 3]), group("KT", &[TORSION; 3]), group("FORCE", &[Dimension::FORCE; 3]), group("TORQUE", &[Dimension::TORQUE; 3])],
-        doc: "six springs along and about the axes of J", source: "adams_solver/state_bushing.html" },
-    LawEntry { name: "field", statement: Some("FIELD"), law: ForceLaw::Field(Field),
-        parameters: &[group("KMATRIX", &FIELD_STIFFNESS), group("LENGTH", &COORDINATES), group("FORCE", &WRENCH)],
-        doc: "a full 6 by 6 spring in the axes of J", source: "adams_solver/state_field.html" },
-    LawEntry { name: "beam", statement: Some("BEAM"), law: ForceLaw::Beam(Beam),
-        parameters: &[group("LENGTH", &[Dimension::LENGTH]), group("AREA", &[AREA]), group("IXX", &[SECOND_MOMENT]), group("IYY", &[SECOND_MOMENT]), group("IZZ", &[SECOND_MOMENT]), group("EMODULUS", &[MODULUS]), group("GMODULUS", &[MODULUS]), group("ASY", &[Dimension::NONE]), group("ASZ", &[Dimension::NONE])],
-        doc: "a linear Timoshenko beam along the x axis of J", source: "adams_solver/state_beam.html" },
-    LawEntry { name: "translational_spring", statement: Some("SPRINGDAMPER"), law: ForceLaw::TranslationalSpring(TranslationalSpring),
-        parameters: &[group("K", &[STIFFNESS]), group("LENGTH", &[Dimension::LENGTH]), group("FORCE", &[Dimension::FORCE])],
-        doc: "a spring along the line of the origins", source: "adams_solver/state_springdamper.html" },
-    LawEntry { name: "rotational_spring", statement: Some("SPRINGDAMPER"), law: ForceLaw::RotationalSpring(RotationalSpring),
-        parameters: &[group("KT", &[TORSION]), group("ANGLE", &[Dimension::ANGLE]), group("TORQUE", &[Dimension::TORQUE])],
-        doc: "a torsion spring about the z axis of J", source: "adams_solver/state_springdamper.html" },
-    LawEntry { name: "line_force", statement: Some("SFORCE"), law: ForceLaw::ScalarForce(ScalarForce::Line),
-        parameters: &[group("FUNCTION", &[Dimension::FORCE])],
-        doc: "a force along the line of the origins", source: "adams_solver/state_sforce.html" },
-    LawEntry { name: "axial_force", statement: Some("SFORCE"), law: ForceLaw::ScalarForce(ScalarForce::AlongZj),
-        parameters: &[group("FUNCTION", &[Dimension::FORCE])],
-        doc: "a force on I along the z axis of J (ACTIONONLY)", source: "adams_solver/state_sforce.html" },
-    LawEntry { name: "axial_torque", statement: Some("SFORCE"), law: ForceLaw::ScalarForce(ScalarForce::AboutZj),
-        parameters: &[group("FUNCTION", &[Dimension::TORQUE])],
-        doc: "a torque about the z axis of J", source: "adams_solver/state_sforce.html" },
-    LawEntry { name: "friction", statement: None, law: ForceLaw::ElastoSlip(ElastoSlip { component: 0 }),
-        parameters: &[group("K", &[STIFFNESS]), group("LIMIT", &[Dimension::FORCE]), group("ANCHOR", &[Dimension::LENGTH])],
-        doc: "dry friction with memory along an axis of J", source: "Prandtl 1928" },
-    LawEntry { name: "torsional_friction", statement: None, law: ForceLaw::ElastoSlip(ElastoSlip { component: 5 }),
-        parameters: &[group("K", &[TORSION]), group("LIMIT", &[Dimension::TORQUE]), group("ANCHOR", &[Dimension::ANGLE])],
-        doc: "dry friction with memory about an axis of J", source: "Prandtl 1928" },
-];
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::element::{Law, Wrench};
+    use crate::element::{Bushing, Degenerate, RotationalSpring, ScalarForce};
+    use crate::element::{TranslationalSpring, Wrench};
+    use crate::grammar::STATEMENTS;
     use crate::mechanics::testing::{
         advanced, direction, displaced, general_pair, in_ground, moment, number,
     };
     use crate::mechanics::{Mat3, Mat6, Pose, RelativeMotion, Vec3, Vec6, exp};
 
-    /// General parameters: all of size one, friction far from its limit so that it sticks.
+    /// General parameters, all of size one.
     fn theta(entry: &LawEntry) -> Vec<f64> {
-        entry
-            .catalogue()
-            .enumerate()
-            .map(|(n, (name, _))| number(n) * if name == "LIMIT" { 100.0 } else { 1.0 })
-            .collect()
+        (0..entry.law.parameter_count()).map(number).collect()
     }
 
     fn motions() -> Vec<RelativeMotion> {
@@ -132,24 +59,26 @@ mod tests {
     }
 
     #[test]
-    fn every_law_lists_its_parameters() {
-        for entry in LAWS {
-            assert_eq!(
-                entry.catalogue().count(),
-                entry.law.parameter_count(),
-                "{}",
-                entry.name
-            );
-            assert_eq!(LawEntry::of(&entry.law).name, entry.name);
+    fn the_grammar_has_an_argument_for_every_number_of_a_law() {
+        let mut seen = 0;
+        for def in STATEMENTS {
+            for wanted in def.laws {
+                let law = law(wanted.name).unwrap_or_else(|| panic!("no law {}", wanted.name));
+                let arguments = wanted.arguments.iter();
+                let count: usize = arguments
+                    .map(|name| def.argument(name).and_then(|a| a.count.max).unwrap_or(0))
+                    .sum();
+                assert_eq!(count, law.parameter_count(), "{}", wanted.name);
+                seen += 1;
+            }
         }
-        let names: Vec<_> = LAWS[0].catalogue().map(|(name, _)| name).collect();
-        assert_eq!(names[..4], ["K.1", "K.2", "K.3", "KT.1"]);
+        assert!(seen >= 5);
     }
 
     #[test]
     fn derivatives_by_motion_agree_with_central_differences() {
         let h = 1e-5;
-        for entry in LAWS {
+        for entry in laws() {
             let theta = theta(entry);
             for motion in motions() {
                 let exact = evaluate(entry, &motion, &theta).by_motion;
@@ -167,10 +96,7 @@ mod tests {
                     entry.name
                 );
                 // Constant laws have no derivative; all others have one that was not made by differences.
-                let constant = matches!(
-                    entry.law,
-                    ForceLaw::ScalarForce(ScalarForce::AlongZj | ScalarForce::AboutZj)
-                );
+                let constant = matches!(entry.name, "axial_force" | "axial_torque");
                 assert_eq!(exact == Mat6::zeros(), constant, "{}", entry.name);
                 assert!(constant || exact != difference, "{}", entry.name);
             }
@@ -180,7 +106,7 @@ mod tests {
     #[test]
     fn derivatives_by_parameters_agree_with_central_differences() {
         let h = 1e-5;
-        for entry in LAWS {
+        for entry in laws() {
             let theta = theta(entry);
             for motion in motions() {
                 let exact = evaluate(entry, &motion, &theta).by_parameter;
@@ -205,28 +131,13 @@ mod tests {
     }
 
     #[test]
-    fn a_sliding_friction_has_the_tangent_of_its_branch() {
-        let entry = LawEntry::of(&ForceLaw::ElastoSlip(ElastoSlip { component: 1 }));
-        let law = ForceLaw::ElastoSlip(ElastoSlip { component: 1 });
-        let mut out = Wrench::default();
-        let motion = motions()[1];
-        law.evaluate(&motion, &[100.0, 3.0, 0.2], true, &mut out)
-            .expect("regular");
-        // y = -0.7 lies beyond the anchor at 0.2 by more than 3 / 100: the slider drags I back with 3.
-        assert_eq!(entry.name, "friction");
-        assert_eq!(out.value, Vec6::ith(1, 3.0));
-        assert_eq!(out.by_motion, Mat6::zeros());
-        assert_eq!(out.by_parameter[1], Vec6::ith(1, 1.0));
-    }
-
-    #[test]
     fn laws_are_objective_and_action_equals_reaction() {
         let turn = Pose {
             p: Vec3::new(-40.0, 5.0, 9.0),
             R: exp(&Vec3::new(-0.3, 2.0, 0.8)),
         };
         let about = Vec3::new(3.0, -11.0, 8.0);
-        for entry in LAWS {
+        for entry in laws() {
             let theta = theta(entry);
             let (i, j) = general_pair(0.3);
             let world = |i: &Pose, j: &Pose| {
@@ -257,7 +168,7 @@ mod tests {
     /// At the reference configuration only the preload acts.
     #[test]
     fn the_preload_acts_alone_at_zero_deformation() {
-        for entry in LAWS {
+        for entry in laws() {
             let theta = theta(entry);
             let n = Vec3::new(2.0, -1.0, 2.0) / 3.0;
             let place = |p_ij_j: Vec3, rotation: Mat3, angles: Vec3| RelativeMotion {
@@ -266,12 +177,12 @@ mod tests {
                 angles,
             };
             let unturned = |p| place(p, Mat3::identity(), Vec3::zeros());
-            let (motion, preload) = match entry.law {
-                ForceLaw::Bushing(_) => (
+            let (motion, preload) = match entry.name {
+                "bushing" => (
                     unturned(Vec3::zeros()),
                     Vec6::from_column_slice(&theta[6..12]),
                 ),
-                ForceLaw::Field(_) => (
+                "field" => (
                     // The law reads positions and angles; that these angles fit the rotation does not matter here.
                     place(
                         Vec3::from_column_slice(&theta[36..39]),
@@ -280,12 +191,12 @@ mod tests {
                     ),
                     Vec6::from_column_slice(&theta[42..48]),
                 ),
-                ForceLaw::Beam(_) => (unturned(Vec3::new(theta[0], 0.0, 0.0)), Vec6::zeros()),
-                ForceLaw::TranslationalSpring(_) => (
+                "beam" => (unturned(Vec3::new(theta[0], 0.0, 0.0)), Vec6::zeros()),
+                "translational_spring_damper" => (
                     unturned(n * theta[1]),
                     Vec6::new(n.x, n.y, n.z, 0.0, 0.0, 0.0) * theta[2],
                 ),
-                ForceLaw::RotationalSpring(_) => (
+                "rotational_spring_damper" => (
                     place(
                         Vec3::zeros(),
                         exp(&Vec3::new(0.0, 0.0, theta[1])),
@@ -293,25 +204,14 @@ mod tests {
                     ),
                     Vec6::ith(5, theta[2]),
                 ),
-                ForceLaw::ScalarForce(ScalarForce::Line) => (
+                "line_force" => (
                     unturned(n * 7.0),
                     Vec6::new(n.x, n.y, n.z, 0.0, 0.0, 0.0) * theta[0],
                 ),
-                ForceLaw::ScalarForce(ScalarForce::AlongZj) => {
-                    (unturned(n), Vec6::ith(2, theta[0]))
-                }
-                ForceLaw::ScalarForce(ScalarForce::AboutZj) => {
-                    (unturned(n), Vec6::ith(5, theta[0]))
-                }
-                ForceLaw::ElastoSlip(slip) => {
-                    let at = if slip.component < 3 {
-                        unturned(Vec3::ith(slip.component, theta[2]))
-                    } else {
-                        let angles = Vec3::ith(slip.component - 3, theta[2]);
-                        place(Vec3::zeros(), exp(&angles), angles)
-                    };
-                    (at, Vec6::zeros())
-                }
+                "axial_force" => (unturned(n), Vec6::ith(2, theta[0])),
+                "axial_torque" => (unturned(n), Vec6::ith(5, theta[0])),
+                // Laws without preload.
+                _ => continue,
             };
             let value = evaluate(entry, &motion, &theta).value;
             assert!(
@@ -326,15 +226,15 @@ mod tests {
     #[test]
     fn work_is_what_the_potential_loses() {
         let mut seen = 0;
-        for entry in LAWS {
+        for entry in laws() {
             let mut theta = theta(entry);
             // Translational stiffness only: finite projected angles have no potential.
-            match entry.law {
-                ForceLaw::Bushing(_) => {
+            match entry.name {
+                "bushing" => {
                     theta[3..6].fill(0.0);
                     theta[9..12].fill(0.0);
                 }
-                ForceLaw::Field(_) => {
+                "field" => {
                     for n in 0..36 {
                         let (a, b) = (n % 6, n / 6);
                         theta[n] = if a.max(b) < 3 { number(a + b) } else { 0.0 };
@@ -376,20 +276,12 @@ mod tests {
             angles: Vec3::zeros(),
         };
         let mut out = Wrench::default();
-        for (law, expected) in [
-            (
-                ForceLaw::TranslationalSpring(TranslationalSpring),
-                super::super::Degenerate::ZeroLengthLine,
-            ),
-            (
-                ForceLaw::ScalarForce(ScalarForce::Line),
-                super::super::Degenerate::ZeroLengthLine,
-            ),
-            (
-                ForceLaw::Bushing(Bushing),
-                super::super::Degenerate::UndefinedAngle { axis: 1 },
-            ),
-        ] {
+        let cases: [(&dyn Law, Degenerate); 3] = [
+            (&TranslationalSpring, Degenerate::ZeroLengthLine),
+            (&ScalarForce::Line, Degenerate::ZeroLengthLine),
+            (&Bushing, Degenerate::UndefinedAngle { axis: 1 }),
+        ];
+        for (law, expected) in cases {
             let theta = vec![1.0; law.parameter_count()];
             assert_eq!(
                 law.evaluate(&coincident, &theta, false, &mut out),

@@ -1,8 +1,23 @@
 //! The directions of SFORCE. Knows no FUNCTION: the magnitude is given.
 
 use super::line::Line;
-use super::{Degenerate, Law, Wrench};
+use super::{Degenerate, Law, LawEntry, Wrench};
 use crate::mechanics::{Mat6, RelativeMotion, Vec6};
+
+pub(super) const LAWS: &[LawEntry] = &[
+    LawEntry {
+        name: "line_force",
+        law: &ScalarForce::Line,
+    },
+    LawEntry {
+        name: "axial_force",
+        law: &ScalarForce::AlongZj,
+    },
+    LawEntry {
+        name: "axial_torque",
+        law: &ScalarForce::AboutZj,
+    },
+];
 
 /// SFORCE: a force or torque of given magnitude. The magnitude is the only parameter; the caller fills it from the FUNCTION and
 /// adds `by_parameter` times the function's own gradient.
@@ -27,6 +42,10 @@ pub enum ScalarForce {
 impl Law for ScalarForce {
     fn parameter_count(&self) -> usize {
         1
+    }
+
+    fn uses_angles(&self) -> bool {
+        false
     }
 
     fn evaluate(

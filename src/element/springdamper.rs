@@ -1,8 +1,19 @@
 //! The two SPRINGDAMPER laws. They know no damping: velocities are zero in statics.
 
 use super::line::Line;
-use super::{Degenerate, Law, Wrench};
+use super::{Degenerate, Law, LawEntry, Wrench};
 use crate::mechanics::{Mat6, RelativeMotion, Vec6};
+
+pub(super) const LAWS: &[LawEntry] = &[
+    LawEntry {
+        name: "translational_spring_damper",
+        law: &TranslationalSpring,
+    },
+    LawEntry {
+        name: "rotational_spring_damper",
+        law: &RotationalSpring,
+    },
+];
 
 /// SPRINGDAMPER, TRANSLATIONAL: a spring along the line of the two origins.
 ///
@@ -15,6 +26,10 @@ pub struct TranslationalSpring;
 impl Law for TranslationalSpring {
     fn parameter_count(&self) -> usize {
         3
+    }
+
+    fn uses_angles(&self) -> bool {
+        false
     }
 
     fn evaluate(

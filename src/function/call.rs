@@ -6,7 +6,7 @@ use super::program::Kind;
 use super::step::Shape;
 use super::{ElementIx, ForceComponent, ForceMeasure, Input, Measure, MeasureKind, Sequence};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::grammar::{FunctionDef, Solved};
+use crate::grammar::{self, FunctionDef, Solved};
 use crate::model::{ArrayKind, MarkerIx};
 use crate::syntax::expression::Node;
 
@@ -225,7 +225,7 @@ impl Build<'_> {
                 let variable = self
                     .compiler
                     .find(Space::Variable, id)
-                    .ok_or_else(|| undefined(function, Space::Variable, id))?;
+                    .ok_or_else(|| undefined(function, Space::Variable.keyword(), id))?;
                 Ok(self.input(Input::Variable(variable)))
             }
             ArrayKind::States(_) | ArrayKind::Outputs(_) => {
@@ -261,7 +261,7 @@ impl Build<'_> {
         let variable = self
             .compiler
             .find(Space::Variable, id)
-            .ok_or_else(|| undefined(function, Space::Variable, id))?;
+            .ok_or_else(|| undefined(function, Space::Variable.keyword(), id))?;
         Ok(self.input(Input::Variable(variable)))
     }
 
@@ -271,10 +271,16 @@ impl Build<'_> {
         function: &'static FunctionDef,
         arguments: Arguments,
     ) -> Result<Place, Diagnostic> {
+        let pair = grammar::statement(function.name).filter(|def| !def.laws.is_empty());
+        if let Some(def) = pair {
+            let id = self.code_or_id(function, arguments, 0)?;
+            let found = self.compiler.find_pair_force(def.name, id);
+            let index = found.ok_or_else(|| undefined(function, def.name, id))?;
+            let on_j = self.on_j(function, arguments)?;
+            return self.force_of(function, arguments, (ElementIx::PairForce(index), on_j));
+        }
         let space = match function.name {
-            "BEAM" => Space::Beam,
             "BUSH" => Space::Bushing,
-            "FIELD" => Space::Field,
             "SPDP" => Space::SpringDamper,
             "SFORCE" => Space::Sforce,
             "GFORCE" => Space::Gforce,
@@ -289,9 +295,7 @@ impl Build<'_> {
         let index = self.object(function, arguments, 0, space)?;
         let mut on_j = false;
         let element = match space {
-            Space::Beam => ElementIx::Beam(index),
             Space::Bushing => ElementIx::Bushing(index),
-            Space::Field => ElementIx::Field(index),
             Space::SpringDamper => ElementIx::SpringDamper(index),
             Space::Sforce => ElementIx::Sforce(index),
             Space::Joint => ElementIx::Joint(index),
@@ -304,12 +308,31 @@ impl Build<'_> {
             _ => ElementIx::VectorForce(index),
         };
         if space != Space::Nforce {
-            on_j = match self.code_or_id(function, arguments, 1)? {
-                0 => false,
-                1 => true,
-                other => return Err(wrong(function, format!("jflag {other} is neither 0 nor 1"))),
-            };
+            on_j = self.on_j(function, arguments)?;
         }
+        self.force_of(function, arguments, (element, on_j))
+    }
+
+    /// The jflag of a force measure.
+    fn on_j(
+        &self,
+        function: &'static FunctionDef,
+        arguments: Arguments,
+    ) -> Result<bool, Diagnostic> {
+        match self.code_or_id(function, arguments, 1)? {
+            0 => Ok(false),
+            1 => Ok(true),
+            other => Err(wrong(function, format!("jflag {other} is neither 0 nor 1"))),
+        }
+    }
+
+    /// A component of the force of an element, as the last arguments of a force measure say.
+    fn force_of(
+        &mut self,
+        function: &'static FunctionDef,
+        arguments: Arguments,
+        (element, on_j): (ElementIx, bool),
+    ) -> Result<Place, Diagnostic> {
         let component = self.code_or_id(function, arguments, 2)?;
         let Some(&component) = (component as usize)
             .checked_sub(1)
@@ -345,7 +368,7 @@ impl Build<'_> {
                 .compiler
                 .find(Space::Marker, id)
                 .map(|index| Some(MarkerIx(index)))
-                .ok_or_else(|| undefined(function, Space::Marker, id)),
+                .ok_or_else(|| undefined(function, Space::Marker.keyword(), id)),
         }
     }
 
@@ -369,7 +392,7 @@ impl Build<'_> {
         let id = self.code_or_id(function, arguments, at)?;
         self.compiler
             .find(space, id)
-            .ok_or_else(|| undefined(function, space, id))
+            .ok_or_else(|| undefined(function, space.keyword(), id))
     }
 
     /// An argument that is an id or a code: a whole number that is not negative.
@@ -458,12 +481,11 @@ fn between_component(name: &str) -> Option<ForceComponent> {
         .map(|index| ForceComponent::ALL[index])
 }
 
-fn undefined(function: &FunctionDef, space: Space, id: u32) -> Diagnostic {
+fn undefined(function: &FunctionDef, kind: &str, id: u32) -> Diagnostic {
     Diagnostic::error(
         Code::UndefinedId,
         format!(
-            "{}/{id}, which {} refers to, is not defined",
-            space.keyword(),
+            "{kind}/{id}, which {} refers to, is not defined",
             function.name
         ),
     )

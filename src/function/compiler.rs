@@ -14,6 +14,7 @@ use crate::syntax::Expression;
 pub struct Compiler<'m> {
     pub(super) model: &'m Model,
     ids: [OnceCell<BTreeMap<u32, usize>>; Space::COUNT],
+    pair_forces: OnceCell<BTreeMap<(&'static str, u32), usize>>,
     interpolants: RefCell<BTreeMap<(usize, Method), Arc<Interpolant>>>,
 }
 
@@ -28,9 +29,7 @@ pub(super) enum Space {
     PlantOutput,
     Sensor,
     Spline,
-    Beam,
     Bushing,
-    Field,
     SpringDamper,
     Sforce,
     Gforce,
@@ -55,9 +54,7 @@ impl Space {
             Self::PlantOutput => "POUTPUT",
             Self::Sensor => "SENSOR",
             Self::Spline => "SPLINE",
-            Self::Beam => "BEAM",
             Self::Bushing => "BUSHING",
-            Self::Field => "FIELD",
             Self::SpringDamper => "SPRINGDAMPER",
             Self::Sforce => "SFORCE",
             Self::Gforce => "GFORCE",
@@ -108,9 +105,7 @@ impl Space {
             Self::PlantOutput => plant("POUTPUT"),
             Self::Sensor => ids!(sensors),
             Self::Spline => ids!(splines),
-            Self::Beam => ids!(beams),
             Self::Bushing => ids!(bushings),
-            Self::Field => ids!(fields),
             Self::SpringDamper => ids!(springdampers),
             Self::Sforce => ids!(sforces),
             Self::Gforce => vector(VectorForceKind::Gforce),
@@ -130,6 +125,7 @@ impl<'m> Compiler<'m> {
         Self {
             model,
             ids: std::array::from_fn(|_| OnceCell::new()),
+            pair_forces: OnceCell::new(),
             interpolants: RefCell::default(),
         }
     }
@@ -146,6 +142,19 @@ impl<'m> Compiler<'m> {
         self.ids[space as usize]
             .get_or_init(|| space.index(self.model))
             .get(&id)
+            .copied()
+    }
+
+    /// Where the model has a force by a law, by its statement and id.
+    pub(super) fn find_pair_force(&self, kind: &str, id: u32) -> Option<usize> {
+        let all = || self.model.pair_forces.iter().enumerate();
+        self.pair_forces
+            .get_or_init(|| {
+                all()
+                    .map(|(at, force)| ((force.def.name, force.header.id), at))
+                    .collect()
+            })
+            .get(&(kind, id))
             .copied()
     }
 

@@ -2,7 +2,7 @@ use super::Sequence;
 use crate::mechanics::{Mat3, Vec3};
 
 /// Below this sine (or cosine) of the middle angle the first and third axis are one line: the whole turn is put into the first
-/// angle, as ADAMS does for PSI (ADAMS-FORMATS 4.1).
+/// angle, as ADAMS does for PSI (guide/formats.md 4.1).
 const PARALLEL: f64 = 1e-12;
 
 impl Sequence {

@@ -1,7 +1,7 @@
 use super::Fault;
 use super::step::{Shape, step};
 
-/// IMPACT(x, xdot, x1, k, e, cmax, d) with partial derivatives (ADAMS-FORMATS 3.6).
+/// IMPACT(x, xdot, x1, k, e, cmax, d) with partial derivatives (guide/formats.md 3.6).
 ///
 /// ```text
 /// x < x1:  max(0, k (x1 - x)^e - STEP(x, x1 - d, cmax, x1, 0) xdot),  else 0
@@ -27,7 +27,7 @@ pub(super) fn impact(a: &[f64], by: &mut [f64]) -> Result<f64, Fault> {
     Ok(stop.force)
 }
 
-/// BISTOP(x, xdot, x1, x2, k, e, cmax, d) with partial derivatives (ADAMS-FORMATS 3.6).
+/// BISTOP(x, xdot, x1, x2, k, e, cmax, d) with partial derivatives (guide/formats.md 3.6).
 ///
 /// ```text
 /// x < x1:        max(0,  k (x1 - x)^e - STEP(x, x1 - d, cmax, x1, 0) xdot)

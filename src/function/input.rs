@@ -105,12 +105,10 @@ impl ForceComponent {
 /// The element a force measure asks; indices into the lists of the model.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub enum ElementIx {
-    /// `Model::beams`.
-    Beam(usize),
     /// `Model::bushings`.
     Bushing(usize),
-    /// `Model::fields`.
-    Field(usize),
+    /// `Model::pair_forces`: FIELD, BEAM.
+    PairForce(usize),
     /// `Model::springdampers`.
     SpringDamper(usize),
     /// `Model::sforces`.

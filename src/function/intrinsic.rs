@@ -105,7 +105,7 @@ impl Binary {
         })
     }
 
-    /// Value and derivatives by a and b (ADAMS-FORMATS 3.5).
+    /// Value and derivatives by a and b (guide/formats.md 3.5).
     pub(super) fn at(self, a: f64, b: f64) -> (f64, [f64; 2]) {
         match self {
             Self::Atan2 => {

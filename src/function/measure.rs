@@ -21,7 +21,7 @@ pub struct Measured {
 
 /// Evaluates a measure at the world poses of its markers; for absent ones pass [`Pose::identity`].
 ///
-/// `reference_angle` is the value of the previous solution: AX, AY, AZ are taken nearest to it, so that they count turns (ADAMS-FORMATS
+/// `reference_angle` is the value of the previous solution: AX, AY, AZ are taken nearest to it, so that they count turns (guide/formats.md
 /// 4.3). Other measures do not use it. Where a measure has no derivative (distance zero, angles of a singular sequence, lines of
 /// INCANG in one direction) the derivative is returned as zero.
 pub fn evaluate(measure: &Measure, i: &Pose, j: &Pose, k: &Pose, reference_angle: f64) -> Measured {
@@ -268,7 +268,7 @@ mod tests {
 
     #[test]
     fn a_singular_sequence_puts_the_turn_into_its_first_angle() {
-        // ADAMS-FORMATS 4.1: at theta = 0 or pi the sum stands in psi and phi is 0.
+        // guide/formats.md 4.1: at theta = 0 or pi the sum stands in psi and phi is 0.
         for theta in [0.0, std::f64::consts::PI] {
             let R = euler313(0.4, theta, 0.3);
             let angles = [0, 1, 2].map(|k| Sequence::BODY_313.angle(&R, k));
@@ -281,7 +281,7 @@ mod tests {
 
     #[test]
     fn pitch_is_minus_the_second_angle() {
-        // ADAMS-FORMATS 4.4.
+        // guide/formats.md 4.4.
         let i = Pose {
             p: Vec3::zeros(),
             R: exp(&Vec3::new(0.0, 0.0, 0.3))

@@ -28,7 +28,7 @@ impl Shape {
     }
 }
 
-/// STEP, STEP5, HAVSIN of (x, x0, h0, x1, h1) with partial derivatives by the five arguments (ADAMS-FORMATS 3.6).
+/// STEP, STEP5, HAVSIN of (x, x0, h0, x1, h1) with partial derivatives by the five arguments (guide/formats.md 3.6).
 ///
 /// x0 > x1 is the mirrored step. Equal ends are an error.
 pub(super) fn step(shape: Shape, a: &[f64], by: &mut [f64]) -> Result<f64, Fault> {

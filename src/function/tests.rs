@@ -187,7 +187,7 @@ fn operators_are_those_of_fortran() {
 
 #[test]
 fn intrinsics_have_their_fortran_values() {
-    // ADAMS-FORMATS 3.5.
+    // guide/formats.md 3.5.
     for (text, expected) in [
         ("ABS(-3.5)", 3.5),
         ("AINT(-2.7)", -2.0),
@@ -223,7 +223,7 @@ fn intrinsics_have_their_fortran_values() {
 
 #[test]
 fn steps_have_their_levels_and_middle() {
-    // ADAMS-FORMATS 3.6; the midpoint of every shape is the mean, the quarter points are 5/32, 53/512, (1 - cos 45)/2.
+    // guide/formats.md 3.6; the midpoint of every shape is the mean, the quarter points are 5/32, 53/512, (1 - cos 45)/2.
     for (name, quarter) in [
         ("STEP", 5.0 / 32.0),
         ("STEP5", 53.0 / 512.0),
@@ -242,7 +242,7 @@ fn steps_have_their_levels_and_middle() {
 
 #[test]
 fn impacts_push_and_never_pull() {
-    // ADAMS-FORMATS 3.6 (the printed definitions of the SolidWorks Motion help).
+    // guide/formats.md 3.6 (the printed definitions of the SolidWorks Motion help).
     near("IMPACT(3,0,2,100,1.5,10,0.1)", 0.0);
     near("IMPACT(1,0,2,100,1.5,10,0.1)", 100.0);
     near("IMPACT(-2,0,2,100,1.5,10,0.1)", 800.0);
@@ -411,7 +411,7 @@ fn ids_are_no_parameters() {
 
 #[test]
 fn a_function_of_a_real_deck_reads_as_meant() {
-    // The form of ADAMS-FORMATS 1.3: steps inside an IF on an angle in degrees.
+    // The form of guide/formats.md 1.3: steps inside an IF on an angle in degrees.
     let case = compile(
         "IF( MOD(AZ(4,3),PI/2)-89D: STEP(TIME,0,0,1,28.57), 28.57, STEP(TIME,1,28.57,2,0) )",
     );

@@ -15,6 +15,8 @@ pub struct StatementDef {
     pub arguments: &'static [ArgumentDef],
     /// Rules on which arguments stand together.
     pub presence: &'static [Presence],
+    /// The force laws between its markers I and J; empty if it is no such force.
+    pub laws: &'static [LawDef],
     /// Who can solve it.
     pub solved: Solved,
     /// One line for people.
@@ -23,6 +25,26 @@ pub struct StatementDef {
     pub source: &'static str,
     /// What could not be compared with a page of the documentation, so that it may be wrong or lack something; empty if nothing.
     pub unchecked: &'static str,
+}
+
+impl StatementDef {
+    /// An argument by its whole keyword.
+    pub fn argument(&self, name: &str) -> Option<&'static ArgumentDef> {
+        self.arguments.iter().find(|argument| argument.name == name)
+    }
+}
+
+/// A force law between two markers, and where a statement has its numbers.
+#[derive(Debug, PartialEq, Eq)]
+pub struct LawDef {
+    /// Its name in the registry of laws.
+    pub name: &'static str,
+    /// The type of its objects in result files.
+    pub entity: &'static str,
+    /// The arguments that hold its numbers, in its order.
+    pub arguments: &'static [&'static str],
+    /// The flag of the statement that chooses it; `None` if the statement has one law only.
+    pub flag: Option<&'static str>,
 }
 
 /// Where a statement may stand.
@@ -49,8 +71,10 @@ pub struct ArgumentDef {
     pub count: Count,
     /// Default values; empty if the argument has none.
     pub default: &'static [f64],
-    /// Physical dimension of real values.
+    /// Physical dimension of real values, if they are alike.
     pub dimension: Dimension,
+    /// Whether they are alike.
+    pub components: Components,
     /// Lower bound of numeric values.
     pub lower: Bound,
     /// Upper bound of numeric values.
@@ -59,6 +83,65 @@ pub struct ArgumentDef {
     pub required: bool,
     /// One line for people.
     pub doc: &'static str,
+}
+
+impl ArgumentDef {
+    /// Physical dimension of value `k`, from 0.
+    pub fn dimension_of(&self, k: usize) -> Dimension {
+        self.components.of(k).unwrap_or(self.dimension)
+    }
+
+    /// The least value it may have; minus infinity if it has no lower bound.
+    pub fn minimum(&self) -> f64 {
+        match self.lower {
+            Bound::Open => f64::NEG_INFINITY,
+            Bound::Inclusive(bound) | Bound::Exclusive(bound) => bound,
+        }
+    }
+}
+
+/// How the dimensions of the values of one argument differ.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Components {
+    /// They are alike.
+    Alike,
+    /// Three lengths and three angles, repeated.
+    Motion,
+    /// Three forces and three torques, repeated.
+    Wrench,
+    /// The 36 numbers of wrench per motion, column by column.
+    Stiffness,
+    /// The same of wrench per rate of motion.
+    Damping,
+}
+
+impl Components {
+    /// The dimension of value `k`, from 0; `None` if all are alike.
+    pub fn of(self, k: usize) -> Option<Dimension> {
+        let wrench = |row: usize| {
+            if row < 3 {
+                Dimension::FORCE
+            } else {
+                Dimension::TORQUE
+            }
+        };
+        match self {
+            Self::Alike => None,
+            Self::Wrench => Some(wrench(k % 6)),
+            Self::Motion if k % 6 < 3 => Some(Dimension::LENGTH),
+            Self::Motion => Some(Dimension::ANGLE),
+            Self::Stiffness | Self::Damping => {
+                let mut dimension = wrench(k % 6);
+                if k / 6 < 3 {
+                    dimension.length -= 1;
+                } else {
+                    dimension.angle -= 1;
+                }
+                dimension.time += i8::from(self == Self::Damping);
+                Some(dimension)
+            }
+        }
+    }
 }
 
 /// What kind of value an argument takes.

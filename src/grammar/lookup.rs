@@ -24,7 +24,7 @@ impl<T> Lookup<T> {
 }
 
 /// Case-insensitive unique-prefix match: an exact match wins, then the one keyword that begins with what was typed, then the
-/// one whose documented minimum is reached (ADAMS-FORMATS 1.5). `STATIC` for `STATICS` works as a prefix; a longer spelling
+/// one whose documented minimum is reached (guide/formats.md 1.5). `STATIC` for `STATICS` works as a prefix; a longer spelling
 /// (`TRANSLATIONAL` for `TRANSLATION`) works when what was typed begins with a whole keyword.
 fn resolve<T: Copy>(
     typed: &[u8],
@@ -91,6 +91,11 @@ pub fn find_statement(typed: &[u8], file: Role) -> Lookup<&'static StatementDef>
     )
 }
 
+/// A statement or command by its whole keyword in capitals.
+pub fn statement(name: &str) -> Option<&'static StatementDef> {
+    STATEMENTS.iter().find(|def| def.name == name)
+}
+
 /// The argument of a statement that a typed keyword stands for.
 pub fn find_argument(
     statement: &'static StatementDef,
@@ -130,18 +135,29 @@ pub fn find_function(typed: &[u8]) -> Option<&'static FunctionDef> {
 
 /// The name nearest to what was typed by edit distance, if any is near enough to be what was meant.
 pub fn nearest<'a>(typed: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    all_nearest(typed, names).first().copied()
+}
+
+/// The names nearest to what was typed, all at one edit distance and in the order of the alphabet; empty if none is near enough.
+pub fn all_nearest<'a>(typed: &str, names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     let typed = typed.to_ascii_uppercase();
     if typed.is_empty() {
-        return None;
+        return Vec::new();
     }
     let limit = (typed.len() / 3).max(1);
-    names
+    let mut near: Vec<(usize, &str)> = names
         // Words of very different length are far apart: this is not counted for 10 MB of letters.
         .filter(|name| name.len().abs_diff(typed.len()) <= limit)
         .map(|name| (distance(typed.as_bytes(), name.as_bytes()), name))
         .filter(|(d, _)| *d <= limit)
-        .min()
+        .collect();
+    near.sort_unstable();
+    near.dedup();
+    let least = near.first().map(|(d, _)| *d);
+    near.into_iter()
+        .filter(|(d, _)| Some(*d) == least)
         .map(|(_, name)| name)
+        .collect()
 }
 
 /// Optimal string alignment distance: insert, delete, replace, swap of neighbours.

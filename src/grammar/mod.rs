@@ -8,7 +8,11 @@ mod generated;
 mod lookup;
 
 pub use definition::{
-    ArgumentDef, Bound, Choice, Count, FunctionDef, Presence, Role, Solved, StatementDef, ValueKind,
+    ArgumentDef, Bound, Choice, Components, Count, FunctionDef, LawDef, Presence, Role, Solved,
+    StatementDef, ValueKind,
 };
 pub use generated::{FUNCTIONS, STATEMENTS};
-pub use lookup::{Lookup, find_argument, find_choice, find_function, find_statement, nearest};
+pub use lookup::{
+    Lookup, all_nearest, find_argument, find_choice, find_function, find_statement, nearest,
+    statement,
+};

@@ -2,6 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::mechanics::eigen::symmetric_eigen;
+
 /// The minimum of `x^T A x / 2 - b^T x` with `lower <= x <= upper`, and which unknowns are at a bound.
 ///
 /// `a` is symmetric and positive semidefinite. Bounds are exchanged by blocks (Portugal, Judice and Vicente 1994); where that does
@@ -192,7 +194,7 @@ fn free_solution(
 }
 
 fn pseudo_solve(a: DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
-    let eigen = a.symmetric_eigen();
+    let eigen = symmetric_eigen(a);
     let largest = eigen.eigenvalues.max();
     let mut y = eigen.eigenvectors.transpose() * b;
     for (value, eigenvalue) in y.iter_mut().zip(eigen.eigenvalues.iter()) {

@@ -1,3 +1,4 @@
+use super::goodness::{FitTest, Kind, Tally};
 use super::{Fit, HeldOut, Marks, Problem, WheelFit};
 use crate::backend::Sweep;
 use crate::mechanics::Pose;
@@ -13,8 +14,10 @@ pub struct Discrepancy {
     pub coordinates: usize,
     /// Rms of camber and steer, degrees; `None` without wheel readings.
     pub wheel_deg_rms: Option<[f64; 2]>,
-    /// Rms of the wheel centre.
+    /// Rms of a coordinate of the wheel centre.
     pub wheel_position_rms: Option<f64>,
+    /// How many cases with wheel readings.
+    pub wheels: usize,
 }
 
 /// A marker's frame in ground.
@@ -64,7 +67,46 @@ pub fn compare(
             .zip(rms(angles[1], wheels))
             .map(|(c, s)| [c, s]),
         wheel_position_rms: rms(position, 3 * wheels),
+        wheels,
     }
+}
+
+/// The chi-square test of a sweep over the cases a fit used: marks and wheel, less `parameters` numbers taken from them.
+fn tested(problem: &Problem<'_>, found: &Discrepancy, parameters: usize) -> Option<FitTest> {
+    let measurement = problem.measurement;
+    let mut tally = Tally::default();
+    let mut add = |kind: Kind, rms: Option<f64>, count: usize, variance: f64| {
+        if let Some(rms) = rms.filter(|_| variance > 0.0) {
+            tally.add(kind, rms * rms * count as f64 / variance, count);
+        }
+    };
+    // The first session's errors are part of the noise of a mark.
+    let variance = measurement.sigma.powi(2) + measurement.sigma_on_parts.powi(2);
+    add(Kind::Marks, found.marks_rms, found.coordinates, variance);
+    if let Some(wheel) = &measurement.wheel {
+        let variance = wheel.sigma_position.powi(2);
+        add(
+            Kind::WheelPosition,
+            found.wheel_position_rms,
+            3 * found.wheels,
+            variance,
+        );
+        let angles = found
+            .wheel_deg_rms
+            .map(|[a, b]| f64::midpoint(a * a, b * b).sqrt());
+        add(
+            Kind::WheelAngles,
+            angles,
+            2 * found.wheels,
+            wheel.sigma_angle_deg.powi(2),
+        );
+    }
+    let (chi2, count) = tally.total();
+    FitTest::new(
+        chi2,
+        count.saturating_sub(parameters) as f64,
+        tally.kinds(measurement),
+    )
 }
 
 /// Fills marks, wheel and held-out cases of a fit from the sweeps with the initial and the final values.
@@ -84,6 +126,7 @@ pub(crate) fn fill(
         compare(problem.model, measurement, sweep, chosen)
     };
     let fitted = over(after, false);
+    fit.fit_test = tested(problem, &fitted, parameters);
     fit.marks = fitted.marks_rms.map(|rms| {
         let dof = fitted.coordinates.saturating_sub(parameters).max(1) as f64;
         // The first session's errors are part of the noise of a mark.

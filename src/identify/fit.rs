@@ -2,6 +2,9 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::goodness::FitTest;
+use super::structure::StructureTest;
+
 /// What became of a number.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -34,8 +37,33 @@ pub struct ParameterFit {
     pub interval95: [Option<f64>; 2],
     /// Regression: r of equation 15. Other methods: the largest correlation with another number.
     pub correlation: Option<f64>,
+    /// Part of the variance behind `std_error` that is due to tolerances; `None` where the method knows none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tolerance_share: Option<f64>,
     /// What became of it.
     pub status: Status,
+}
+
+/// The size of a group of tolerances.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct ToleranceFound {
+    /// Standard deviation of one member.
+    pub sd: f64,
+    /// What is usual.
+    pub usual: f64,
+    /// Unit of both.
+    pub unit: &'static str,
+}
+
+/// Noise of mark coordinates.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct NoiseFound {
+    /// As the study states it.
+    pub declared: Option<f64>,
+    /// As the marks of rigid parts show it.
+    pub estimated: Option<f64>,
+    /// Degrees of freedom of Student's t, where the tails ask for it.
+    pub dof: Option<f64>,
 }
 
 /// The assembly offset of a bushing (equation 9).
@@ -99,6 +127,11 @@ pub struct Fit {
     pub backend: String,
     /// Whether the method's own test of convergence was met.
     pub converged: bool,
+    /// Whether somebody ended the run before it was done.
+    pub interrupted: bool,
+    /// Addresses of the numbers whose value or interval the rest of the run would still have changed.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub affected: Vec<String>,
     /// Iterations.
     pub iterations: usize,
     /// Equilibria asked of the solver: sweeps times cases.
@@ -111,6 +144,16 @@ pub struct Fit {
     pub assembly_offsets: Vec<OffsetFit>,
     /// What the data do not tell apart.
     pub unidentifiable_directions: Vec<UnidentifiableDirection>,
+    /// Sizes of tolerances the intervals allow for, by group; empty where the method knows none.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub tolerances: BTreeMap<String, ToleranceFound>,
+    /// The noise of the marks, as stated and as they show it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise: Option<NoiseFound>,
+    /// Whether what is left of the readings is no more than their noise; `None` for readings without any.
+    pub fit_test: Option<FitTest>,
+    /// Tests of structure in what is left.
+    pub structure: Vec<StructureTest>,
     /// How the marks are explained.
     pub marks: Option<Marks>,
     /// What no fit saw.
@@ -132,6 +175,12 @@ impl Fit {
             .iter()
             .map(|parameter| parameter.value)
             .collect()
+    }
+
+    /// Marks a fit that was ended before its values had settled.
+    pub(super) fn cut_short(&mut self) {
+        self.interrupted = true;
+        self.affected = self.parameters.iter().map(|p| p.address.clone()).collect();
     }
 
     /// `identification.json`.

@@ -110,6 +110,7 @@ impl LoadedStudy {
             measurement: &self.measurement,
             settings: &self.study.identify,
             regression: &self.study.regression,
+            tolerances: &self.study.tolerances,
             unknowns: self.unknowns.clone(),
         }
     }

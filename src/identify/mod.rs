@@ -9,16 +9,23 @@ pub mod direct;
 mod evaluation;
 mod fit;
 pub mod global;
+mod goodness;
 mod loaded;
+mod noise;
 mod problem;
 pub mod regression;
 pub mod reproduction;
+pub mod structure;
 mod unknowns;
 
 pub use evaluation::{Discrepancy, compare};
 pub use fit::{
-    Fit, HeldOut, Marks, OffsetFit, ParameterFit, Status, UnidentifiableDirection, WheelFit,
+    Fit, HeldOut, Marks, NoiseFound, OffsetFit, ParameterFit, Status, ToleranceFound,
+    UnidentifiableDirection, WheelFit,
 };
+pub use goodness::{FitTest, ReadingsLeft, Verdict};
 pub use loaded::LoadedStudy;
+pub use noise::estimate_noise;
 pub use problem::{IdentifyError, Problem, Progress};
+pub use structure::StructureTest;
 pub use unknowns::{Place, Unknown, unknowns};

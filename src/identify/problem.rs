@@ -3,8 +3,8 @@ use std::ops::ControlFlow;
 use super::Unknown;
 use crate::backend::{Backend, BackendError, LoadProgramme, Sweep, SweepRequest};
 use crate::model::Model;
-use crate::rig::Measurement;
 use crate::rig::settings::{IdentifySettings, RegressionSettings};
+use crate::rig::{Measurement, ToleranceSettings};
 use crate::syntax::{Address, Dataset};
 
 /// All an identification works with.
@@ -22,6 +22,8 @@ pub struct Problem<'a> {
     pub settings: &'a IdentifySettings,
     /// `[regression]`.
     pub regression: &'a RegressionSettings,
+    /// `[tolerances]`.
+    pub tolerances: &'a ToleranceSettings,
     /// What is sought.
     pub unknowns: Vec<Unknown>,
 }

@@ -1,6 +1,7 @@
 //! The paper's loop (section 3, equations 12 to 18): forces from the model, deflections from the measurement, one straight line
 //! per stiffness, again until nothing moves any more.
 
+use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
 use super::evaluation::{fill, marker_pose};
@@ -222,7 +223,7 @@ pub fn identify_as(
     }
     let mut sweep = before.clone();
     let mut sweeps = 1;
-    let mut converged = false;
+    let (mut converged, mut interrupted) = (false, false);
     let mut lines = Vec::new();
     while history.len() <= settings.max_iterations {
         lines = all_lines(problem, &bushings, &deltas, &sweep, &values, reading);
@@ -232,7 +233,8 @@ pub fn identify_as(
         values = next;
         history.push(values.clone());
         let stopped = progress(history.len() - 1, &values, change) == ControlFlow::Break(());
-        if stopped && !converged {
+        interrupted = stopped && !converged;
+        if interrupted {
             remarks.push("stopped before the step test was met".to_string());
         }
         if converged || stopped {
@@ -267,6 +269,12 @@ pub fn identify_as(
         parameters: parameters(problem, &bushings, &lines, &values, &kept),
         assembly_offsets: offsets(problem, &bushings, &lines),
         unidentifiable_directions: Vec::new(),
+        interrupted: false,
+        affected: Vec::new(),
+        tolerances: BTreeMap::new(),
+        noise: None,
+        fit_test: None,
+        structure: Vec::new(),
         marks: None,
         held_out: HeldOut {
             cases: Vec::new(),
@@ -278,6 +286,9 @@ pub fn identify_as(
         remarks,
     };
     fill(&mut fit, problem, &before, &after, problem.unknowns.len());
+    if interrupted {
+        fit.cut_short();
+    }
     Ok(fit)
 }
 
@@ -438,6 +449,7 @@ fn parameters(
             std_error,
             interval95,
             correlation: best.map(|line| line.r),
+            tolerance_share: None,
             status: if identified {
                 Status::Identified
             } else {

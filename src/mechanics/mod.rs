@@ -1,8 +1,9 @@
-//! Poses, rotations, relative motion and wrenches.
+//! Poses, rotations, relative motion and wrenches; eigenvalues.
 //!
 //! nalgebra only. Knows no names, units or files. Frames live in names: `R_ji` turns components in I axes into components
 //! in J axes, `p_ij_j` is the position of I from J resolved in J.
 
+pub mod eigen;
 mod pose;
 mod relative_motion;
 mod rotation;

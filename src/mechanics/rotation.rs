@@ -27,7 +27,7 @@ pub fn log(R: &Mat3) -> Vec3 {
     q.scaled_axis()
 }
 
-/// Body-fixed 3-1-3 rotation: `Rz(psi) * Rx(theta) * Rz(phi)` (ADAMS-FORMATS 4.1). Angles in radians.
+/// Body-fixed 3-1-3 rotation: `Rz(psi) * Rx(theta) * Rz(phi)` (guide/formats.md 4.1). Angles in radians.
 pub fn euler313(psi: f64, theta: f64, phi: f64) -> Mat3 {
     let (sa, ca) = psi.sin_cos();
     let (sb, cb) = theta.sin_cos();
@@ -46,7 +46,7 @@ pub fn euler313(psi: f64, theta: f64, phi: f64) -> Mat3 {
 }
 
 /// PSI, THETA, PHI of a rotation matrix: theta in [0, pi], the others in (-pi, pi]; at theta = 0 or pi the whole turn about z
-/// is put into psi (ADAMS-FORMATS 4.1).
+/// is put into psi (guide/formats.md 4.1).
 pub fn psi_theta_phi(R: &Mat3) -> [f64; 3] {
     let s = R[(0, 2)].hypot(R[(1, 2)]);
     if s < 1e-12 {
@@ -65,7 +65,7 @@ pub fn psi_theta_phi(R: &Mat3) -> [f64; 3] {
 }
 
 /// AX, AY, AZ of I with respect to J from `R_ji`: `atan2(-zi.yj, zi.zj)`, `atan2(zi.xj, zi.zj)`, `atan2(xi.yj, xi.xj)`
-/// (ADAMS-FORMATS 2.7, 4.3). Radians, each in (-pi, pi].
+/// (guide/formats.md 2.7, 4.3). Radians, each in (-pi, pi].
 pub fn projected_angles(R_ji: &Mat3) -> Vec3 {
     Vec3::new(
         atan2(-R_ji[(1, 2)], R_ji[(2, 2)]),

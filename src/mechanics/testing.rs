@@ -33,7 +33,7 @@ pub fn displaced(pose: &Pose, by: &Vec6) -> Pose {
     }
 }
 
-/// (on I at its origin, on J at its origin) in ground axes, of a wrench on I in J axes (ADAMS-FORMATS 2.7).
+/// (on I at its origin, on J at its origin) in ground axes, of a wrench on I in J axes (guide/formats.md 2.7).
 pub fn in_ground(wrench: &Vec6, i: &Pose, j: &Pose) -> (Vec6, Vec6) {
     let F = j.R * Vec3::new(wrench[0], wrench[1], wrench[2]);
     let T = j.R * Vec3::new(wrench[3], wrench[4], wrench[5]);

@@ -23,6 +23,34 @@ pub enum JointKind {
     },
 }
 
+impl JointKind {
+    /// Its flag in the statement.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Spherical => "SPHERICAL",
+            Self::Revolute => "REVOLUTE",
+            Self::Translational => "TRANSLATIONAL",
+            Self::Cylindrical => "CYLINDRICAL",
+            Self::Planar => "PLANAR",
+            Self::Fixed => "FIXED",
+            Self::Hooke => "HOOKE",
+            Self::Universal => "UNIVERSAL",
+            Self::Convel => "CONVEL",
+            Self::Screw { .. } => "SCREW",
+            Self::RackPin { .. } => "RACKPIN",
+        }
+    }
+
+    /// PITCH or PD.
+    pub const fn number(self) -> Option<f64> {
+        match self {
+            Self::Screw { pitch } => Some(pitch),
+            Self::RackPin { pitch_diameter } => Some(pitch_diameter),
+            _ => None,
+        }
+    }
+}
+
 /// JOINT.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Joint {
@@ -46,6 +74,20 @@ pub enum PrimitiveKind {
     Orientation,
     ParallelAxes,
     Perpendicular,
+}
+
+impl PrimitiveKind {
+    /// Its flag in the statement.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::AtPoint => "ATPOINT",
+            Self::Inline => "INLINE",
+            Self::Inplane => "INPLANE",
+            Self::Orientation => "ORIENTATION",
+            Self::ParallelAxes => "PARALLEL_AXES",
+            Self::Perpendicular => "PERPENDICULAR",
+        }
+    }
 }
 
 /// JPRIM.
@@ -110,6 +152,17 @@ pub enum MotionAxis {
     RotationZ,
     /// Body-fixed 1-2-3 angle: 0, 1, 2 for B1, B2, B3.
     Body123(usize),
+}
+
+impl MotionAxis {
+    /// Its flag in the statement.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Translation(axis) => ["X", "Y", "Z"][axis],
+            Self::RotationZ => "ROTATIONAL",
+            Self::Body123(axis) => ["B1", "B2", "B3"][axis],
+        }
+    }
 }
 
 /// The order of a MOTION.

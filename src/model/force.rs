@@ -1,4 +1,5 @@
 use super::{Function, Header, MarkerIx};
+use crate::grammar::{ArgumentDef, LawDef, StatementDef};
 
 /// BUSHING. All components in J axes.
 #[derive(Clone, PartialEq, Debug)]
@@ -19,46 +20,44 @@ pub struct Bushing {
     pub torque: [f64; 3],
 }
 
-/// FIELD, linear.
+/// A force between two markers by a law whose numbers the grammar names: FIELD, BEAM.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Field {
+pub struct PairForce {
     /// Id, name, origin.
     pub header: Header,
+    /// Its statement.
+    pub def: &'static StatementDef,
+    /// Its law, one of the statement's.
+    pub law: &'static LawDef,
     /// I marker.
     pub i: MarkerIx,
     /// J marker.
     pub j: MarkerIx,
-    /// KMATRIX, 36 values column by column.
-    pub k: [f64; 36],
-    /// LENGTH: x0, y0, z0, a0, b0, c0.
-    pub length: [f64; 6],
-    /// FORCE: preload on I.
-    pub force: [f64; 6],
+    /// The numbers of the law: the values of its arguments, one argument after the other.
+    pub values: Vec<f64>,
 }
 
-/// FORMULATION of a BEAM.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-#[allow(missing_docs)] // The names are the manual's.
-pub enum BeamFormulation {
-    #[default]
-    Linear,
-    String,
-    Nonlinear,
+impl PairForce {
+    /// The numbers that come from one argument of the law.
+    pub fn argument(&self, name: &str) -> Option<&[f64]> {
+        let mut first = 0;
+        for argument in law_arguments(self.def, self.law) {
+            let count = argument.count.max.unwrap_or(0);
+            if argument.name == name {
+                return self.values.get(first..first + count);
+            }
+            first += count;
+        }
+        None
+    }
 }
 
-/// BEAM. Its axis is the x axis of J.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Beam {
-    /// Id, name, origin.
-    pub header: Header,
-    /// I marker.
-    pub i: MarkerIx,
-    /// J marker.
-    pub j: MarkerIx,
-    /// LENGTH, AREA, IXX, IYY, IZZ, EMODULUS, GMODULUS, ASY, ASZ.
-    pub properties: [f64; 9],
-    /// FORMULATION.
-    pub formulation: BeamFormulation,
+/// The arguments of a statement that hold the numbers of a law, in its order.
+pub fn law_arguments(
+    def: &'static StatementDef,
+    law: &'static LawDef,
+) -> impl Iterator<Item = &'static ArgumentDef> {
+    law.arguments.iter().filter_map(|name| def.argument(name))
 }
 
 /// The two kinds of SPRINGDAMPER.

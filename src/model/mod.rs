@@ -4,7 +4,9 @@
 //! are found through its [`Address`](crate::syntax) in the dataset.
 
 mod constraint;
+mod convert_units;
 mod data;
+mod extract;
 mod force;
 mod frame;
 pub mod lint;
@@ -12,23 +14,27 @@ mod lower;
 mod object;
 mod settings;
 pub mod summary;
+mod unsolved;
 mod user_force;
 
 pub use constraint::{
     Coupler, CouplerKind, Gcon, Gear, Joint, JointKind, Motion, MotionAxis, MotionOrder, Primitive,
     PrimitiveKind,
 };
+pub use convert_units::convert_units;
 pub use data::{
     ArrayData, ArrayKind, Diff, LinearStates, PlantPort, Request, RequestKind, Sensor,
     SensorCompare, Spline, StringData, Variable,
 };
+pub use extract::extract;
 pub use force::{
-    Beam, BeamFormulation, Bushing, Field, Nforce, Sforce, SforceKind, SpringDamper, SpringKind,
-    VectorForce, VectorForceKind,
+    Bushing, Nforce, PairForce, Sforce, SforceKind, SpringDamper, SpringKind, VectorForce,
+    VectorForceKind, law_arguments,
 };
 pub use frame::{Marker, MarkerIx, Orientation, Part, PartIx, PartKind};
 pub use lower::lower;
 pub use settings::{EquilibriumSettings, OutputSettings, ResultsSettings, StaticMethod};
+pub use unsolved::{Ignore, Unsolved, effect_of, may_be_ignored, said_left_out};
 pub use user_force::{Replacement, replace_user_forces};
 
 use crate::mechanics::Vec3;
@@ -54,17 +60,6 @@ pub enum Function {
     Expression(std::sync::Arc<crate::syntax::Expression>),
     /// `USER(...)`: a subroutine only real ADAMS can run. The text as written.
     User(String),
-}
-
-/// A statement the built-in solver cannot solve, and why.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Unsolved {
-    /// What every object has.
-    pub header: Header,
-    /// The statement's keyword in capitals.
-    pub kind: &'static str,
-    /// Why only real ADAMS can solve it, and what leaving it out does to the answer.
-    pub why: String,
 }
 
 /// One dataset, resolved.
@@ -94,10 +89,8 @@ pub struct Model {
     pub motions: Vec<Motion>,
     /// BUSHINGs.
     pub bushings: Vec<Bushing>,
-    /// FIELDs.
-    pub fields: Vec<Field>,
-    /// BEAMs.
-    pub beams: Vec<Beam>,
+    /// FIELDs, BEAMs and all others by a law of the grammar.
+    pub pair_forces: Vec<PairForce>,
     /// SPRINGDAMPERs.
     pub springdampers: Vec<SpringDamper>,
     /// SFORCEs.
@@ -122,7 +115,7 @@ pub struct Model {
     pub sensors: Vec<Sensor>,
     /// PINPUTs and POUTPUTs.
     pub plant_ports: Vec<PlantPort>,
-    /// FRICTIONs: they take no part in statics.
+    /// FRICTIONs, for their columns in the results; those that act in statics are among `unsolved`.
     pub frictions: Vec<Header>,
     /// REQUESTs.
     pub requests: Vec<Request>,

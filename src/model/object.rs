@@ -1,6 +1,6 @@
 use super::{
-    ArrayData, Beam, Bushing, Coupler, Diff, Field, Gcon, Gear, Header, Joint, LinearStates,
-    Marker, Motion, Nforce, Part, PartKind, PlantPort, Primitive, Request, Sensor, Sforce, Spline,
+    ArrayData, Bushing, Coupler, Diff, Gcon, Gear, Header, Joint, LinearStates, Marker, Motion,
+    Nforce, PairForce, Part, PartKind, PlantPort, Primitive, Request, Sensor, Sforce, Spline,
     SpringDamper, StringData, Variable, VectorForce, VectorForceKind,
 };
 
@@ -42,6 +42,7 @@ objects! {
         VectorForceKind::Vforce => "VFORCE",
         VectorForceKind::Vtorque => "VTORQUE",
     },
+    PairForce: |force, kind| force.def.name == kind,
     LinearStates: |states, kind| states.kind == kind,
     PlantPort: |port, kind| port.kind == kind,
     Marker: |_marker, _kind| true,
@@ -52,8 +53,6 @@ objects! {
     Gcon: |_gcon, _kind| true,
     Motion: |_motion, _kind| true,
     Bushing: |_bushing, _kind| true,
-    Field: |_field, _kind| true,
-    Beam: |_beam, _kind| true,
     SpringDamper: |_springdamper, _kind| true,
     Sforce: |_sforce, _kind| true,
     Nforce: |_nforce, _kind| true,

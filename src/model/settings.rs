@@ -11,7 +11,7 @@ pub enum StaticMethod {
     All,
 }
 
-/// EQUILIBRIUM, with the manual's defaults (ADAMS-FORMATS 2.15).
+/// EQUILIBRIUM, with the manual's defaults (guide/formats.md 2.15).
 #[derive(Clone, PartialEq, Debug)]
 pub struct EquilibriumSettings {
     /// ALIMIT: largest angle step of one iteration, radians.
@@ -24,6 +24,8 @@ pub struct EquilibriumSettings {
     pub imbalance: f64,
     /// MAXIT.
     pub maxit: usize,
+    /// MAXIT is written somewhere: no more iterations are done, of whatever kind.
+    pub maxit_stated: bool,
     /// PATTERN: whether iteration k evaluates a new Jacobian, repeated cyclically.
     pub pattern: Vec<bool>,
     /// STABILITY.
@@ -46,6 +48,7 @@ impl Default for EquilibriumSettings {
             error: default("ERROR"),
             imbalance: default("IMBALANCE"),
             maxit: default("MAXIT") as usize,
+            maxit_stated: false,
             pattern: vec![true; 10],
             stability: default("STABILITY"),
             method: StaticMethod::Original,

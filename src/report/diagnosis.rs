@@ -1,13 +1,18 @@
 use crate::discrepancy::{Fitted, Outcome, StructureTest, Verdict, WheelRun};
 use crate::identify::global::Row;
 
-use super::{Align, Chart, DrawingError, HeatMap, Mark, Page, Series, Table, number};
+use super::diagnosis_view::{diagnosis_scene, headline};
+use super::{Align, Chart, DrawingError, Figure, HeatMap, Mark, Page, Series, Table, number};
+use crate::identify::LoadedStudy;
+use crate::results::Timestamp;
 
 /// Up to so many cases a map of them can be read.
 const MAPPED: usize = 60;
 
 /// What a diagnosis shows a person.
 pub struct DiagnosisReport<'a> {
+    /// The study.
+    pub loaded: &'a LoadedStudy,
     /// The diagnosis and the fits behind it.
     pub outcome: &'a Outcome<'a>,
     /// What changed in the deck.
@@ -43,13 +48,30 @@ impl DiagnosisReport<'_> {
     pub fn html(&self) -> Result<String, DrawingError> {
         let diagnosis = &self.outcome.diagnosis;
         let lead = match diagnosis.verdict {
-            Verdict::Consistent => "The model explains the data to their noise.",
+            Verdict::Consistent => {
+                "The model explains the data to their noise and to tolerances of the size shown below."
+            }
             Verdict::Discrepancy => "The model is wrong in what is listed below.",
             Verdict::Unexplained => "Structure remains that no known cause explains.",
         };
-        let mut page = Page::new("Diagnosis", lead);
+        let scene = diagnosis_scene(self.loaded, self.outcome);
+        let title = format!("Diagnosis of {}", self.loaded.dataset.title().trim());
+        let mut page = Page::new(&title, &headline(self.loaded, self.outcome, &scene));
+        page.facts(&[
+            ("Study", self.loaded.study.folder.display().to_string()),
+            ("Deck", self.loaded.study.deck_path.display().to_string()),
+            ("Date", format!("{} UTC", Timestamp::now().date_time())),
+            (
+                "Made by",
+                format!("admire {}, built-in solver", env!("CARGO_PKG_VERSION")),
+            ),
+            (
+                "Inputs",
+                format!("SHA-256 {}", self.loaded.study.inputs_sha256()),
+            ),
+        ]);
         page.paragraph(&format!(
-            "Before any extension chi-square per degree of freedom is {:.2}; {} hypotheses were tried.",
+            "{lead} Before any extension chi-square per degree of freedom is {:.2}; {} hypotheses were tried.",
             diagnosis.baseline.chi2_per_dof, self.outcome.places
         ));
         page.list(&self.outcome.sentences());
@@ -57,37 +79,54 @@ impl DiagnosisReport<'_> {
             page.heading("Findings");
             page.table(&self.findings());
             page.note(
-                "Held-out rms: marks of cases that no fit saw, without and with the finding. Numbers under \"or\" do as well within 6 \
-                 units of the criterion.",
+                "Held-out rms: marks of cases that no fit saw, without and with the finding. Causes under \"or\" are no \
+                 less probable than by a factor of twenty. Probabilities are those of the cause at its place, among all models looked at.",
             );
             page.heading("Stiffnesses, corrected");
             page.table(&self.stiffnesses());
         }
-        page.heading("Residuals");
-        page.figure(
-            &self.by_case().svg()?,
-            "Rms of prediction minus reading in each case, in standard deviations of the readings; one is noise.",
+        page.heading("The mechanism");
+        page.scene(&scene);
+        page.heading("Noise and tolerances");
+        page.table(&self.tolerances());
+        page.note(
+            "Standard deviations that the readings ask for, as far as they see them, beside what is usual. A cause is a member of a group \
+             that stands out of its group.",
         );
+        if !diagnosis.detection_limits.is_empty() {
+            page.heading("What cannot be seen");
+            page.table(&self.limits());
+            page.note(
+                "How far off, in mm, a point of the car has to be along each axis of ground to be named with even odds among tolerances of \
+                 the size above; empty where the readings do not see it.",
+            );
+        }
+        page.heading("Residuals");
+        let mut figures = vec![Figure::chart(
+            &self.by_case(),
+            "Rms of prediction minus reading in each case, in standard deviations of the readings; one is noise.",
+        )?];
         for run in self.outcome.wheel_runs() {
             let seen = if run.unseen {
                 "Neither fit has seen these cases."
             } else {
                 "The fits have seen these cases."
             };
-            page.figure(&steer(run).svg()?, seen);
+            figures.push(Figure::chart(&steer(run), seen)?);
         }
         if let Some(chart) = self.force() {
-            page.figure(
-                &chart.svg()?,
+            figures.push(Figure::chart(
+                &chart,
                 "The residual that follows a force most closely, before and after.",
-            );
+            )?);
         }
+        page.figures(&figures);
         if self.outcome.baseline.states.len() <= MAPPED && self.marks() > 0 {
-            for (title, svg) in [("before", self.map(false)), ("after", self.map(true))] {
-                page.figure(
-                    &svg,
-                    &format!("Largest coordinate of prediction minus reading {title} the extension, in sigmas: case by mark."),
+            for (title, map) in [("before", self.map(false)), ("after", self.map(true))] {
+                let caption = format!(
+                    "Largest coordinate of prediction minus reading {title} the extension, in sigmas: case by mark."
                 );
+                page.add(&Figure::map(&map, &caption));
             }
         }
         page.heading("Tests of structure");
@@ -106,6 +145,50 @@ impl DiagnosisReport<'_> {
     fn marks(&self) -> usize {
         let measurement = self.outcome.subject.problem.measurement;
         measurement.parts.iter().map(|part| part.marks.len()).sum()
+    }
+
+    fn limits(&self) -> Table {
+        let mut table = Table::new(&[
+            ("point", Align::Left),
+            ("x", Align::Right),
+            ("y", Align::Right),
+            ("z", Align::Right),
+        ]);
+        for limit in &self.outcome.diagnosis.detection_limits {
+            let [x, y, z] = limit
+                .mm
+                .map(|mm| mm.map_or_else(String::new, |mm| format!("{mm:.2}")));
+            table.row([limit.members.join(", "), x, y, z]);
+        }
+        table
+    }
+
+    fn tolerances(&self) -> Table {
+        let mut table = Table::new(&[
+            ("what", Align::Left),
+            ("found", Align::Right),
+            ("usual or declared", Align::Right),
+            ("unit", Align::Left),
+        ]);
+        let diagnosis = &self.outcome.diagnosis;
+        let shown = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:.3e}"));
+        if diagnosis.noise.estimated.is_some() || diagnosis.noise.declared.is_some() {
+            table.row([
+                "noise of marks".to_string(),
+                shown(diagnosis.noise.estimated),
+                shown(diagnosis.noise.declared),
+                "deck".to_string(),
+            ]);
+        }
+        for (name, size) in &diagnosis.tolerances {
+            table.row([
+                name.clone(),
+                shown(Some(size.sd)),
+                shown(Some(size.usual)),
+                size.unit.to_string(),
+            ]);
+        }
+        table
     }
 
     fn stiffnesses(&self) -> Table {
@@ -201,8 +284,8 @@ impl DiagnosisReport<'_> {
         let mut table = Table::new(&[
             ("cause", Align::Left),
             ("address", Align::Left),
+            ("probability", Align::Right),
             ("numbers", Align::Left),
-            ("BIC gain", Align::Right),
             ("held-out rms before", Align::Right),
             ("after", Align::Right),
             ("or", Align::Left),
@@ -224,9 +307,12 @@ impl DiagnosisReport<'_> {
                 .collect();
             table.row([
                 finding.cause.to_string(),
-                finding.address.clone(),
+                match &finding.form {
+                    Some(form) => format!("{} ({form})", finding.address),
+                    None => finding.address.clone(),
+                },
+                format!("{:.2}", finding.probability),
                 numbers.join(", "),
-                format!("{:.1}", finding.evidence.bic_gain),
                 rms(finding.gain.held_out_rms_before),
                 rms(finding.gain.held_out_rms_after),
                 rivals.join("; "),
@@ -262,7 +348,7 @@ impl DiagnosisReport<'_> {
     }
 
     /// Case by mark.
-    fn map(&self, after: bool) -> String {
+    fn map(&self, after: bool) -> HeatMap {
         let outcome = self.outcome;
         let fitted = if after {
             &outcome.extended
@@ -293,7 +379,7 @@ impl DiagnosisReport<'_> {
             }
         }
         HeatMap {
-            title: if after { "after" } else { "before" }.to_string(),
+            title: format!("Residuals {}", if after { "after" } else { "before" }),
             rows: measurement
                 .cases
                 .iter()
@@ -304,6 +390,5 @@ impl DiagnosisReport<'_> {
             limit: 6.0,
             what: "residual, sigmas".to_string(),
         }
-        .svg()
     }
 }

@@ -29,9 +29,9 @@ impl HeatMap {
         let width = LEFT + self.columns.len() * CELL.0 + 30;
         let height = TOP + self.rows.len() * CELL.1 + 40;
         let mut out = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
-             viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"11\">\n\
-             <text x=\"8\" y=\"18\" font-size=\"15\">{}</text>\n",
+            "<svg class=\"map\" role=\"img\" aria-label=\"{}\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">\n\
+             <text class=\"title\" x=\"0\" y=\"18\">{}</text>\n",
+            escape(&format!("{}: {}", self.title, self.what)),
             escape(&self.title)
         );
         let mut push = |text: String| out.push_str(&text);
@@ -54,10 +54,11 @@ impl HeatMap {
                 let Some(value) = value.filter(|v| v.is_finite()) else {
                     continue;
                 };
-                let (x, colour) = (LEFT + c * CELL.0, self.colour(value));
+                let x = LEFT + c * CELL.0;
+                let (colour, cover) = self.colour(value);
                 let column = self.columns.get(c).map_or("", String::as_str);
                 push(format!(
-                    "<rect x=\"{x}\" y=\"{y}\" width=\"{}\" height=\"{}\" fill=\"{colour}\"><title>{}</title></rect>\n",
+                    "<rect x=\"{x}\" y=\"{y}\" width=\"{}\" height=\"{}\" fill=\"{colour}\" fill-opacity=\"{cover:.2}\"><title>{}</title></rect>\n",
                     CELL.0 - 1,
                     CELL.1 - 1,
                     escape(&format!("{name}, {column}: {value:.3}"))
@@ -66,7 +67,7 @@ impl HeatMap {
         }
         write!(
             out,
-            "<text x=\"{LEFT}\" y=\"{}\" fill=\"#555\">{}; full colour at {:.3}</text>\n</svg>",
+            "<text x=\"{LEFT}\" y=\"{}\" class=\"name\">{}; full colour at {:.3}</text>\n</svg>",
             height - 12,
             escape(&self.what),
             self.limit
@@ -75,15 +76,34 @@ impl HeatMap {
         out
     }
 
-    fn colour(&self, value: f64) -> String {
+    /// The data behind the picture: a line per row.
+    pub fn csv(&self) -> String {
+        let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
+        let mut out = quoted(&self.what);
+        for column in &self.columns {
+            write!(out, ",{}", quoted(column)).expect("a String takes all");
+        }
+        out.push('\n');
+        for (name, values) in self.rows.iter().zip(&self.values) {
+            out.push_str(&quoted(name));
+            for value in values {
+                let text = value.map_or_else(String::new, |value| value.to_string());
+                write!(out, ",{text}").expect("a String takes all");
+            }
+            out.push('\n');
+        }
+        out
+    }
+
+    /// The colour of a value and how strongly it covers the page: nothing for zero, in light and dark alike.
+    fn colour(&self, value: f64) -> (&'static str, f64) {
         let share = (value / self.limit.max(f64::MIN_POSITIVE)).clamp(-1.0, 1.0);
-        let (full, weight) = if share < 0.0 {
-            ([33u8, 102, 172], -share)
+        let full = if share < 0.0 {
+            "rgb(33,102,172)"
         } else {
-            ([178, 24, 43], share)
+            "rgb(178,24,43)"
         };
-        let blend = |k: usize| (247.0 + (f64::from(full[k]) - 247.0) * weight).round() as u8;
-        format!("rgb({},{},{})", blend(0), blend(1), blend(2))
+        (full, share.abs())
     }
 }
 

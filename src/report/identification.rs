@@ -1,7 +1,12 @@
 //! The page of an identification.
 
-use super::{Align, Chart, DrawingError, Mark, Page, Series, Table};
-use crate::identify::{Fit, LoadedStudy, ParameterFit, Status};
+use super::convergence::convergence;
+use super::interval::IntervalScale;
+use super::study_figures::StudyFigures;
+use super::{Align, DrawingError, Page, Positions, Table, headline, study_scene};
+use crate::identify::structure::{is_structured, worst};
+use crate::identify::{Fit, LoadedStudy, ParameterFit, Status, Verdict};
+use crate::results::Timestamp;
 
 /// What the page shows beside the fit.
 #[derive(Clone, Debug)]
@@ -12,6 +17,8 @@ pub struct IdentificationReport<'a> {
     pub fit: &'a Fit,
     /// The identified deck's edits as a diff.
     pub diff: &'a str,
+    /// Where the model stands with its initial and with its identified numbers, as far as the solver told.
+    pub positions: &'a [Positions],
 }
 
 impl IdentificationReport<'_> {
@@ -21,7 +28,19 @@ impl IdentificationReport<'_> {
     /// When a picture cannot be drawn.
     pub fn html(&self) -> Result<String, DrawingError> {
         let title = self.loaded.dataset.title();
-        let mut page = Page::new(title.trim(), &lead(self.fit));
+        let figures = StudyFigures {
+            loaded: self.loaded,
+            positions: self.positions,
+        };
+        let before = figures.rms(0).filter(|_| self.positions.len() > 1);
+        let answer = headline::identification(self.loaded, self.fit, before);
+        let mut page = Page::new(title.trim(), &answer);
+        page.facts(&self.origin());
+        page.paragraph(&lead(self.fit));
+        if self.fit.interrupted {
+            let affected = self.fit.affected.join(", ");
+            page.list(&[format!("Interrupted before the end. Affected: {affected}.")]);
+        }
         if !self.fit.remarks.is_empty() {
             page.list(&self.fit.remarks);
         }
@@ -31,24 +50,38 @@ impl IdentificationReport<'_> {
             "K in force per length, KT in torque per radian, as in the deck. Intervals hold the true value in 95 of 100 repetitions of \
              the measurement if the model is right; whether it is, says the diagnosis.",
         );
-        if let Some(chart) = self.convergence() {
-            page.heading("Convergence");
-            page.figure(&chart.svg()?, "Every number over its reference (or over its final value), iteration by iteration.");
+        self.tolerances(&mut page);
+        page.heading("The mechanism");
+        page.scene(&study_scene(self.loaded, self.positions));
+        let of_cases = figures.by_case()?;
+        let wheel = figures.wheel()?;
+        if of_cases.is_some() || !wheel.is_empty() {
+            page.heading("Before and after");
+            page.figures(&of_cases.into_iter().chain(wheel).collect::<Vec<_>>());
         }
+        self.laws(&mut page, &figures)?;
         if !self.fit.unidentifiable_directions.is_empty() {
             page.heading("What the data do not tell apart");
             let mut table = Table::new(&[
-                ("combination of ln K", Align::Wrap),
-                ("standard deviation", Align::Right),
+                ("what can change together", Align::Wrap),
+                ("by a factor of", Align::Right),
+                ("standard deviation of ln K", Align::Right),
             ]);
             for direction in &self.fit.unidentifiable_directions {
                 let mut terms: Vec<_> = direction.combination.iter().collect();
                 terms.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
                 let text: Vec<String> = terms
                     .iter()
-                    .map(|(name, weight)| format!("{weight:+.2} {name}"))
+                    .map(|(name, weight)| {
+                        let way = if **weight > 0.0 { "up" } else { "down" };
+                        format!("{} {way} ({weight:+.2})", self.address_named(name))
+                    })
                     .collect();
-                table.row([text.join("  "), format!("{:.2}", direction.sd_log)]);
+                table.row([
+                    text.join(", "),
+                    number(direction.sd_log.exp(), Some(direction.sd_log.exp() * 0.1)),
+                    format!("{:.2}", direction.sd_log),
+                ]);
             }
             page.table(&table);
         }
@@ -58,31 +91,57 @@ impl IdentificationReport<'_> {
             page.note("Three lengths, three angles in radians, in the axes of each bushing's J marker; with their standard errors.");
         }
         self.quality(&mut page);
+        self.tests(&mut page);
+        let maps = figures.maps();
+        if !maps.is_empty() {
+            page.heading("Residuals by case and mark");
+            for map in maps {
+                page.add(&map);
+            }
+        }
+        let convergence = convergence(self.loaded, self.fit, |address| {
+            self.element_and_number(address)
+        })?;
+        if !convergence.is_empty() {
+            page.heading("Convergence");
+            page.note("Every number over its reference where there is one, else over its final value, iteration by iteration.");
+            page.figures(&convergence);
+        }
         page.heading("What changes in the deck");
         page.verbatim(self.diff);
-        let made = format!(
-            "admire {} · inputs sha256 {}",
-            env!("CARGO_PKG_VERSION"),
-            self.fit.inputs_sha256
-        );
-        Ok(page.finish(&made))
+        Ok(page.finish(&format!("admire {}", env!("CARGO_PKG_VERSION"))))
     }
 
     fn parameters(&self) -> Table {
         let reference = self.loaded.reference_values();
         let known = reference.iter().any(Option::is_some);
+        let ratios = self.fit.parameters.iter().flat_map(|parameter| {
+            let sides = parameter.interval95.into_iter().flatten();
+            sides.map(move |side| side / parameter.value)
+        });
+        let scale = IntervalScale::over(ratios);
+        let picture = scale.ends();
         let mut columns = vec![
             ("number", Align::Left),
             ("unit", Align::Left),
             ("initial", Align::Right),
             ("identified", Align::Right),
             ("95 % interval", Align::Right),
+            (picture.as_str(), Align::Left),
         ];
         if known {
             columns.extend([
                 ("reference", Align::Right),
                 ("identified / reference", Align::Right),
             ]);
+        }
+        let shares = self
+            .fit
+            .parameters
+            .iter()
+            .any(|p| p.tolerance_share.is_some());
+        if shares {
+            columns.push(("of it tolerances", Align::Right));
         }
         columns.push(("", Align::Left));
         let mut table = Table::new(&columns);
@@ -93,6 +152,7 @@ impl IdentificationReport<'_> {
                 number(parameter.initial, None),
                 number(parameter.value, parameter.std_error),
                 interval(parameter),
+                String::new(),
             ];
             if known {
                 cells.push(reference.map_or_else(String::new, |value| number(value, None)));
@@ -100,9 +160,24 @@ impl IdentificationReport<'_> {
                     format!("{:.3}", parameter.value / value)
                 }));
             }
+            if shares {
+                let share = parameter.tolerance_share;
+                cells.push(
+                    share.map_or_else(String::new, |share| format!("{:.0} %", 100.0 * share)),
+                );
+            }
             cells.push(status(parameter.status).to_string());
             let last = cells.len() - 1;
             table.row(cells);
+            let ratio = |value: Option<f64>| value.map(|value| value / parameter.value);
+            let [low, high] = parameter.interval95;
+            if low.is_some() || high.is_some() {
+                let text = interval(parameter);
+                table.picture(
+                    5,
+                    scale.svg(ratio(low), ratio(high), ratio(reference), &text),
+                );
+            }
             if parameter.status != Status::Identified {
                 table.mark(last, "bad");
             }
@@ -110,61 +185,100 @@ impl IdentificationReport<'_> {
         table
     }
 
-    /// `A.K.1 = A.K.2` where the deck names its bushings.
+    /// `A.K.1 = A.K.2 (BUSHING/1)` where the deck names its bushings.
     fn named(&self, parameter: &ParameterFit) -> String {
-        let name = |address: &str| {
-            let bushing = self.loaded.model.bushings.iter().find(|bushing| {
-                address
-                    .strip_prefix("BUSHING/")
-                    .and_then(|rest| rest.split('.').next())
-                    == Some(bushing.header.id.to_string().as_str())
-            });
-            match (bushing, address.split_once('.')) {
-                (Some(bushing), Some((_, number))) => format!("{}.{number}", bushing.header.name),
-                _ => address.to_string(),
-            }
-        };
         std::iter::once(&parameter.address)
             .chain(&parameter.tied)
-            .map(|a| name(a))
+            .map(|address| self.address_named(address))
             .collect::<Vec<_>>()
             .join(" = ")
     }
 
-    /// Figure 7 of the paper.
-    fn convergence(&self) -> Option<Chart> {
-        if self.fit.history.len() < 2 {
-            return None;
+    fn address_named(&self, address: &str) -> String {
+        match self.element_and_number(address) {
+            (element, number) if number.is_empty() => element,
+            (element, number) => format!(
+                "{}.{number}",
+                element.split(" (").next().unwrap_or(&element)
+            ),
         }
-        let reference = self.loaded.reference_values();
-        let series = self
-            .fit
-            .parameters
+    }
+
+    /// `A (BUSHING/1)` and `K.1` of `BUSHING/1.K.1`.
+    fn element_and_number(&self, address: &str) -> (String, String) {
+        let (element, number) = address.split_once('.').unwrap_or((address, ""));
+        let name = self.loaded.model.bushings.iter().find(|bushing| {
+            element.strip_prefix("BUSHING/") == Some(bushing.header.id.to_string().as_str())
+        });
+        let element = name.map_or_else(
+            || element.to_string(),
+            |bushing| format!("{} ({element})", bushing.header.name),
+        );
+        (element, number.to_string())
+    }
+
+    /// Where the page comes from.
+    fn origin(&self) -> Vec<(&'static str, String)> {
+        let study = &self.loaded.study;
+        let measurement = &self.loaded.measurement;
+        let held = measurement
+            .cases
             .iter()
-            .enumerate()
-            .map(|(k, parameter)| {
-                let over = reference[k].unwrap_or(parameter.value);
-                let points = self
-                    .fit
-                    .history
-                    .iter()
-                    .enumerate()
-                    .map(|(i, values)| (i as f64, values[k] / over));
-                Series {
-                    name: self.named(parameter),
-                    points: points.collect(),
-                    mark: Mark::LinePoints,
-                }
-            })
-            .collect();
-        Some(Chart {
-            title: "Convergence".to_string(),
-            x: "iteration".to_string(),
-            y: "K / K reference".to_string(),
-            series,
-            log_y: true,
-            level: Some(1.0),
-        })
+            .filter(|case| case.held_out)
+            .count();
+        let units = &self.loaded.model.units;
+        vec![
+            ("Study", study.folder.display().to_string()),
+            ("Deck", study.deck_path.display().to_string()),
+            ("Date", format!("{} UTC", Timestamp::now().date_time())),
+            (
+                "Made by",
+                format!(
+                    "admire {}, solver: {}, method: {}",
+                    env!("CARGO_PKG_VERSION"),
+                    self.fit.backend,
+                    self.fit.method
+                ),
+            ),
+            (
+                "Cases",
+                format!("{}, of which {held} held out", measurement.cases.len()),
+            ),
+            (
+                "Units",
+                format!(
+                    "{}, {}, radians in the deck",
+                    units.force.word, units.length.word
+                ),
+            ),
+            ("Inputs", format!("SHA-256 {}", self.fit.inputs_sha256)),
+        ]
+    }
+
+    /// Force against deflection of every bushing that holds an identified number.
+    fn laws(&self, page: &mut Page, figures: &StudyFigures<'_>) -> Result<(), DrawingError> {
+        let problem = self.loaded.problem();
+        let (initial, values) = (problem.initial(), self.fit.values());
+        let mut begun = false;
+        for bushing in problem.bushings() {
+            let stiffness = [&initial, &values].map(|values| problem.stiffnesses(bushing, values));
+            let charts = figures.bushing(bushing, stiffness)?;
+            if charts.is_empty() {
+                continue;
+            }
+            if !begun {
+                page.heading("Force against deflection");
+                page.note(
+                    "Lines are the laws before and after; each point is a load case: the deflection that the marks show, and the force that the \
+                     fitted model has in that case. Points off the line are noise, or what the law lacks.",
+                );
+                begun = true;
+            }
+            let header = &self.loaded.model.bushings[bushing].header;
+            page.subheading(&format!("{} (BUSHING/{})", header.name, header.id));
+            page.figures(&charts);
+        }
+        Ok(())
     }
 
     fn offsets(&self) -> Table {
@@ -230,7 +344,74 @@ impl IdentificationReport<'_> {
     }
 }
 
-/// The answer in two sentences.
+impl IdentificationReport<'_> {
+    /// The tolerances that the intervals allow for.
+    fn tolerances(&self, page: &mut Page) {
+        if self.fit.tolerances.is_empty() {
+            return;
+        }
+        page.heading("Tolerances the intervals allow for");
+        let mut table = Table::new(&[
+            ("group", Align::Left),
+            ("standard deviation", Align::Right),
+            ("usual", Align::Right),
+            ("unit", Align::Left),
+        ]);
+        for (name, size) in &self.fit.tolerances {
+            let [sd, usual] = [size.sd, size.usual].map(|value| rounded(value, 2));
+            table.row([name.clone(), sd, usual, size.unit.to_string()]);
+        }
+        page.table(&table);
+        page.note(
+            "Estimated from the readings around what is usual, or stated in [tolerances] of study.toml. The share in the table of stiffnesses \
+             is that of the variance.",
+        );
+    }
+
+    /// What is left of the readings, and whether it looks like noise.
+    fn tests(&self, page: &mut Page) {
+        let Some(test) = &self.fit.fit_test else {
+            return;
+        };
+        page.heading("Whether what is left is noise");
+        let mut table = Table::new(&[
+            ("readings", Align::Left),
+            ("number", Align::Right),
+            ("rms over their noise", Align::Right),
+        ]);
+        for kind in &test.readings {
+            let rms = format!("{:.3}", kind.rms_over_sigma);
+            table.row([kind.kind.clone(), kind.count.to_string(), rms]);
+        }
+        page.table(&table);
+        page.note(&format!(
+            "Chi-square is {:.1} with {:.1} degrees of freedom; noise of the stated size gives as much or more with probability {}.",
+            test.chi2,
+            test.dof,
+            probability(test.p_value)
+        ));
+        if self.fit.structure.is_empty() {
+            return;
+        }
+        let mut table = Table::new(&[
+            ("structure in what is left", Align::Wrap),
+            ("probability from noise alone", Align::Right),
+        ]);
+        let mut tests: Vec<_> = self.fit.structure.iter().collect();
+        tests.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
+        for test in tests.iter().take(12) {
+            table.row([test.what.clone(), probability(test.p_value)]);
+        }
+        page.table(&table);
+        page.note(&format!(
+            "The smallest of {} tests; noise alone gives one below {:.0e} in a thousandth of all studies.",
+            tests.len(),
+            1e-3 / tests.len() as f64
+        ));
+    }
+}
+
+/// The answer in a few sentences; what stands against it comes first.
 pub fn lead(fit: &Fit) -> String {
     let of = |status: Status| {
         fit.parameters
@@ -238,27 +419,86 @@ pub fn lead(fit: &Fit) -> String {
             .filter(|parameter| parameter.status == status)
             .count()
     };
-    let explained = fit.marks.map_or_else(String::new, |marks| match (marks.rms, marks.chi2_per_dof) {
-        (Some(rms), Some(chi2)) => {
-            let verdict = if chi2 < 1.3 { "as well as their noise allows" } else { "worse than their noise allows" };
-            format!(" The model then explains the marks to {rms:.3} rms, {verdict} (chi-square {chi2:.2} per degree of freedom).")
-        }
-        (Some(rms), None) => format!(" The model then explains the marks to {rms:.2e} rms."),
-        _ => String::new(),
-    });
     let ending = if fit.converged {
         ""
     } else {
         " without converging"
     };
-    format!(
-        "{} of {} numbers are identified by {} after {} iterations{ending} ({} equilibria).{explained}",
+    let found = format!(
+        "{} of {} numbers are identified by {} after {} iterations{ending} ({} equilibria).",
         of(Status::Identified),
         fit.parameters.len(),
         fit.method,
         fit.iterations,
         fit.solver_runs,
-    )
+    );
+    let explained = explained(fit);
+    let misfit = fit
+        .fit_test
+        .as_ref()
+        .is_some_and(|test| test.verdict == Verdict::Misfit);
+    let mut sentences = if misfit {
+        vec![explained, found]
+    } else {
+        vec![found, explained]
+    };
+    if fit.interrupted {
+        let interrupted = format!(
+            "Interrupted before the end: {} of {} numbers are affected.",
+            fit.affected.len(),
+            fit.parameters.len()
+        );
+        sentences.insert(0, interrupted);
+    }
+    if let Some(worst) = worst(&fit.structure).filter(|_| is_structured(&fit.structure)) {
+        sentences.push(format!(
+            "What is left has structure, most in \"{}\" (p = {}): `admire diagnose` looks for its cause.",
+            worst.what,
+            probability(worst.p_value)
+        ));
+    } else if misfit {
+        sentences.push("`admire diagnose` looks for what the model lacks.".to_string());
+    }
+    sentences.retain(|sentence| !sentence.is_empty());
+    sentences.join(" ")
+}
+
+/// What the test of the fit says.
+fn explained(fit: &Fit) -> String {
+    let Some(test) = &fit.fit_test else {
+        let rms = fit.marks.and_then(|marks| marks.rms);
+        return rms.map_or_else(String::new, |rms| {
+            format!("The model then explains the marks to {rms:.2e} rms.")
+        });
+    };
+    let (p, factor) = (probability(test.p_value), test.noise_factor());
+    match test.verdict {
+        Verdict::Misfit => format!(
+            "The model does not explain the readings within their noise: chi-square is {:.0} with {:.0} degrees of freedom (p = {p}), as \
+             if the noise were {factor:.2} times what is stated. Do not trust the intervals.",
+            test.chi2, test.dof,
+        ),
+        Verdict::Noise => format!(
+            "The model then explains the readings as well as their noise allows (chi-square {:.2} per degree of freedom, p = {p}).",
+            test.chi2 / test.dof,
+        ),
+        Verdict::NoiseOverstated => format!(
+            "The model then explains the readings better than their stated noise allows (chi-square {:.2} per degree of freedom): the noise is \
+             {factor:.2} times what is stated, and the intervals are too wide.",
+            test.chi2 / test.dof,
+        ),
+    }
+}
+
+/// A p-value for a person.
+fn probability(p: f64) -> String {
+    if p < 1e-300 {
+        "0".to_string()
+    } else if p < 1e-3 {
+        format!("{p:.0e}")
+    } else {
+        format!("{p:.3}")
+    }
 }
 
 /// A value with no more digits than its standard error deserves: two digits of the error.

@@ -2,21 +2,35 @@
 //!
 //! Knows results and how a person reads them; neither solvers nor files. Every text that comes from a study is escaped.
 
+mod axis;
 mod chart;
+mod convergence;
 mod diagnosis;
+mod diagnosis_view;
+mod figure;
+mod headline;
 mod heat_map;
 mod identification;
+mod interval;
 mod page;
 mod reproduction;
+pub mod scene;
+mod study_figures;
+mod study_view;
 mod table;
+mod topology_graph;
 
 pub use chart::{Chart, Mark, Series};
 pub use diagnosis::DiagnosisReport;
+pub use figure::Figure;
 pub use heat_map::HeatMap;
 pub use identification::{IdentificationReport, lead, number, status};
 pub use page::{Page, escape};
 pub use reproduction::ReproductionReport;
+pub use scene::Scene;
+pub use study_view::{Positions, study_scene};
 pub use table::{Align, Table};
+pub use topology_graph::{Body, Link, TopologyGraph};
 
 /// Why a picture could not be drawn.
 #[derive(Debug, thiserror::Error)]

@@ -1,6 +1,7 @@
 use std::fmt::Write as _;
 
-use super::Table;
+use super::scene::{CLIENT, CLIENT_STYLE};
+use super::{Figure, Scene, Table};
 
 /// Text made safe for HTML: no character of it can open a tag, an entity or leave an attribute.
 pub fn escape(text: &str) -> String {
@@ -25,23 +26,11 @@ pub fn escape(text: &str) -> String {
 pub struct Page {
     title: String,
     body: String,
+    /// Whether the client of the three-dimensional view is needed.
+    scenes: bool,
 }
 
-const STYLE: &str = "\
-:root{color-scheme:light dark;--ink:#1b1f24;--soft:#57606a;--line:#d0d7de;--paper:#fff;--good:#116329;--bad:#a40e26;--band:#f6f8fa}
-@media (prefers-color-scheme:dark){:root{--ink:#e6edf3;--soft:#9198a1;--line:#3d444d;--paper:#0d1117;--good:#3fb950;--bad:#f85149;--band:#151b23}}
-body{font:16px/1.5 system-ui,sans-serif;color:var(--ink);background:var(--paper);max-width:72rem;margin:2rem auto;padding:0 1.5rem}
-h1{font-size:1.6rem;margin:0 0 .2rem}h2{font-size:1.15rem;margin:2.2rem 0 .6rem;border-bottom:1px solid var(--line);padding-bottom:.2rem}
-p.lead{font-size:1.15rem;max-width:60rem}p.note,figcaption{color:var(--soft);font-size:.9rem;max-width:60rem}
-table{border-collapse:collapse;font-variant-numeric:tabular-nums;font-size:.92rem}.wide{overflow-x:auto}
-th,td{padding:.22rem .7rem;border-bottom:1px solid var(--line);text-align:left;vertical-align:baseline}
-td.right{white-space:nowrap}
-td.wrap{white-space:normal;min-width:14rem}th{color:var(--soft);font-weight:600}td.right,th.right{text-align:right}tbody tr:hover{background:var(--band)}
-.good{color:var(--good)}.bad{color:var(--bad)}.soft{color:var(--soft)}
-figure{margin:1rem 0}figure svg{max-width:100%;height:auto;background:#fff;border:1px solid var(--line);border-radius:4px}
-pre{background:var(--band);border:1px solid var(--line);border-radius:4px;padding:.6rem .9rem;overflow-x:auto;font-size:.85rem}
-footer{margin:3rem 0 1rem;color:var(--soft);font-size:.85rem}
-";
+const STYLE: &str = include_str!("page.css");
 
 impl Page {
     /// A page with a title and, under it, the answer in a sentence or two.
@@ -49,9 +38,10 @@ impl Page {
         let mut page = Self {
             title: title.to_string(),
             body: String::new(),
+            scenes: false,
         };
         page.push(format_args!(
-            "<h1>{}</h1>\n<p class=\"lead\">{}</p>\n",
+            "<header><h1>{}</h1>\n<p class=\"lead\">{}</p></header>\n",
             escape(title),
             escape(lead)
         ));
@@ -104,21 +94,73 @@ impl Page {
         self
     }
 
-    /// A picture with a caption. `svg` comes from this module's charts, which escape their texts themselves.
-    pub fn figure(&mut self, svg: &str, caption: &str) -> &mut Self {
-        self.push(format_args!(
-            "<figure>{svg}<figcaption>{}</figcaption></figure>\n",
-            escape(caption)
-        ));
+    /// Names and values, for example where a page comes from.
+    pub fn facts(&mut self, facts: &[(&str, String)]) -> &mut Self {
+        self.body.push_str("<dl class=\"facts\">\n");
+        for (name, value) in facts {
+            self.push(format_args!(
+                "<dt>{}</dt><dd>{}</dd>\n",
+                escape(name),
+                escape(value)
+            ));
+        }
+        self.body.push_str("</dl>\n");
+        self
+    }
+
+    /// A heading inside of a section.
+    pub fn subheading(&mut self, text: &str) -> &mut Self {
+        self.push(format_args!("<h3>{}</h3>\n", escape(text)));
+        self
+    }
+
+    /// One picture over the whole width.
+    pub fn add(&mut self, figure: &Figure) -> &mut Self {
+        self.body
+            .push_str(&format!("<div class=\"wide\">{}</div>\n", figure.html()));
+        self
+    }
+
+    /// Pictures side by side where there is room.
+    pub fn figures(&mut self, figures: &[Figure]) -> &mut Self {
+        self.body.push_str("<div class=\"figures\">\n");
+        for figure in figures {
+            self.body.push_str(&figure.html());
+        }
+        self.body.push_str("</div>\n");
+        self
+    }
+
+    /// A picture in three dimensions.
+    pub fn scene(&mut self, scene: &Scene) -> &mut Self {
+        self.scenes = true;
+        self.body.push_str(&scene.html(false));
         self
     }
 
     /// The whole page as one file. `footer` says what made it and from what.
     pub fn finish(self, footer: &str) -> String {
+        self.written("", footer)
+    }
+
+    /// A page that is one picture in three dimensions and fills the window.
+    pub fn of_scene(scene: &Scene, lead: &str, footer: &str) -> String {
+        let mut page = Self::new(&scene.title, lead);
+        page.scenes = true;
+        page.body.push_str(&scene.html(true));
+        page.written(" class=\"full\"", footer)
+    }
+
+    fn written(self, class: &str, footer: &str) -> String {
+        let (style, client) = if self.scenes {
+            (CLIENT_STYLE, format!("<script>\n{CLIENT}</script>\n"))
+        } else {
+            ("", String::new())
+        };
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-             <title>{}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n{}<footer>{}</footer>\n</body>\n</html>\n",
+             <title>{}</title>\n<style>{STYLE}{style}</style>\n</head>\n<body{class}>\n{}<footer>{}</footer>\n{client}</body>\n</html>\n",
             escape(&self.title),
             self.body,
             escape(footer)

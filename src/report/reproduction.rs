@@ -1,7 +1,8 @@
 //! The page of the paper's validations run again.
 
-use super::{Align, Chart, DrawingError, Mark, Page, Series, Table};
+use super::{Align, Chart, DrawingError, Figure, Mark, Page, Series, Table};
 use crate::identify::reproduction::Section;
+use crate::results::Timestamp;
 
 /// What the page shows.
 #[derive(Clone, Debug)]
@@ -18,14 +19,27 @@ impl ReproductionReport<'_> {
     pub fn html(&self) -> Result<String, DrawingError> {
         let mut page = Page::new(
             "The paper's validations, run again",
-            "Iterative identification of stiffness parameters in a car suspension elastokinematic model (Meissonnier and others, \
-             2006): its tables beside ours.",
+            "The published method was run again on the models of its own validation; below, each of its tables stands beside ours.",
         );
+        page.facts(&[
+            (
+                "Paper",
+                "Iterative identification of stiffness parameters in a car suspension elastokinematic model, Meissonnier and others, 2006"
+                    .to_string(),
+            ),
+            ("Date", format!("{} UTC", Timestamp::now().date_time())),
+            ("Made by", format!("admire {}, built-in solver", env!("CARGO_PKG_VERSION"))),
+        ]);
+        let first = |section: &Section| {
+            let finding = section.findings.first()?;
+            Some(format!("{}: {finding}", section.title))
+        };
+        page.list(&self.sections.iter().filter_map(first).collect::<Vec<_>>());
         for section in self.sections {
             page.heading(&section.title);
             page.list(&section.findings);
             for comparison in &section.tables {
-                page.paragraph(&comparison.title);
+                page.subheading(&comparison.title);
                 let columns: Vec<(&str, Align)> = comparison
                     .head
                     .iter()
@@ -43,6 +57,7 @@ impl ReproductionReport<'_> {
                 }
                 page.table(&table);
             }
+            let mut figures = Vec::new();
             for figure in &section.figures {
                 let series = figure.curves.iter().enumerate().map(|(k, curve)| Series {
                     name: curve.name.clone(),
@@ -57,9 +72,10 @@ impl ReproductionReport<'_> {
                     log_y: false,
                     level: None,
                 };
-                page.figure(&chart.svg()?, &figure.title);
+                figures.push(Figure::chart(&chart, "")?);
             }
-            page.paragraph("What cannot be compared:");
+            page.figures(&figures);
+            page.subheading("What cannot be compared");
             page.list(&section.limits);
         }
         Ok(page.finish(&format!("admire {}", env!("CARGO_PKG_VERSION"))))

@@ -13,11 +13,19 @@ pub enum Align {
     Wrap,
 }
 
+#[derive(Clone, Debug)]
+struct Cell {
+    text: String,
+    class: Option<&'static str>,
+    /// A drawing of this crate in place of the text, which then says what is drawn.
+    picture: Option<String>,
+}
+
 /// A table of texts.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
     columns: Vec<(String, Align)>,
-    rows: Vec<Vec<(String, Option<&'static str>)>>,
+    rows: Vec<Vec<Cell>>,
 }
 
 impl Table {
@@ -35,15 +43,31 @@ impl Table {
 
     /// Adds a row of plain cells; missing cells stay empty.
     pub fn row<S: Into<String>>(&mut self, cells: impl IntoIterator<Item = S>) -> &mut Self {
-        self.rows
-            .push(cells.into_iter().map(|cell| (cell.into(), None)).collect());
+        self.rows.push(
+            cells
+                .into_iter()
+                .map(|cell| Cell {
+                    text: cell.into(),
+                    class: None,
+                    picture: None,
+                })
+                .collect(),
+        );
         self
     }
 
     /// Marks a cell of the last row with a class of the page's style: `good`, `bad` or `soft`.
     pub fn mark(&mut self, column: usize, class: &'static str) -> &mut Self {
         if let Some(cell) = self.rows.last_mut().and_then(|row| row.get_mut(column)) {
-            cell.1 = Some(class);
+            cell.class = Some(class);
+        }
+        self
+    }
+
+    /// Replaces a cell of the last row by a drawing of this module; the cell's text becomes its description.
+    pub(super) fn picture(&mut self, column: usize, svg: String) -> &mut Self {
+        if let Some(cell) = self.rows.last_mut().and_then(|row| row.get_mut(column)) {
+            cell.picture = Some(svg);
         }
         self
     }
@@ -69,18 +93,30 @@ impl Table {
         };
         let mut out = String::from("<table>\n<thead><tr>");
         for (name, align) in &self.columns {
-            write!(out, "<th{}>{}</th>", class(*align, None), escape(name))
-                .expect("a String takes all");
+            write!(
+                out,
+                "<th scope=\"col\"{}>{}</th>",
+                class(*align, None),
+                escape(name)
+            )
+            .expect("a String takes all");
         }
         out.push_str("</tr></thead>\n<tbody>\n");
         for row in &self.rows {
             out.push_str("<tr>");
             for (k, (_, align)) in self.columns.iter().enumerate() {
-                let (text, mark) = row
-                    .get(k)
-                    .map_or(("", None), |(text, mark)| (text.as_str(), *mark));
-                write!(out, "<td{}>{}</td>", class(*align, mark), escape(text))
-                    .expect("a String takes all");
+                let cell = row.get(k);
+                let class = class(*align, cell.and_then(|cell| cell.class));
+                let inside = cell.map_or_else(String::new, |cell| {
+                    cell.picture.clone().unwrap_or_else(|| escape(&cell.text))
+                });
+                // The first cell names its row.
+                let (open, close) = if k == 0 {
+                    ("th scope=\"row\"", "th")
+                } else {
+                    ("td", "td")
+                };
+                write!(out, "<{open}{class}>{inside}</{close}>").expect("a String takes all");
             }
             out.push_str("</tr>\n");
         }

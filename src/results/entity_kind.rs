@@ -1,6 +1,6 @@
 /// The kinds of objects that have results, in the order their values stand in a step.
 ///
-/// Order: that of the maps of the formatted file (ADAMS-FORMATS 6.2), which is also the order of the real XRF files of
+/// Order: that of the maps of the formatted file (guide/formats.md 6.2), which is also the order of the real XRF files of
 /// section 12. The names are those of ADAMS/View classes; Part, Joint, Primitive_Joint, Motion, Single_Component_Force,
 /// Bushing, Field, Request, ADAMS_Variable, Plant_Input, Plant_Output, Differential_Equation, General_Force,
 /// Floating_Marker, Friction and Contact are seen in real files, the others follow from the rule.
@@ -23,6 +23,8 @@ pub enum EntityKind {
     Bushing,
     Beam,
     Field,
+    /// A force by a law that no real file was seen with, by the name of its type.
+    PairForce(&'static str),
     Request,
     Variable,
     PlantInput,
@@ -67,6 +69,25 @@ pub(super) enum Shape {
 }
 
 impl EntityKind {
+    /// The kind of a force by a law, from the name of its type.
+    pub fn of_law(entity: &'static str) -> Self {
+        [
+            Self::TranslationalSpringDamper,
+            Self::RotationalSpringDamper,
+            Self::Bushing,
+            Self::Beam,
+            Self::Field,
+        ]
+        .into_iter()
+        .find(|kind| kind.ent_type() == entity)
+        .unwrap_or(Self::PairForce(entity))
+    }
+
+    /// True if its objects have the angles ANGX, ANGY, ANGZ.
+    pub const fn has_angles(self) -> bool {
+        matches!(self.shape(), Shape::ForceAndAngles)
+    }
+
     /// The attribute `entType`.
     pub const fn ent_type(self) -> &'static str {
         match self {
@@ -86,6 +107,7 @@ impl EntityKind {
             Self::Bushing => "Bushing",
             Self::Beam => "Beam",
             Self::Field => "Field",
+            Self::PairForce(name) => name,
             Self::Request => "Request",
             Self::Variable => "ADAMS_Variable",
             Self::PlantInput => "Plant_Input",

@@ -49,7 +49,7 @@ struct Block<'a> {
 type Trouble = (Code, String, Span);
 
 impl FormattedResults {
-    /// Reads the displacements of parts (ADAMS-FORMATS 6.2). Blocks of other objects, whose layout is not known, are named in
+    /// Reads the displacements of parts (guide/formats.md 6.2). Blocks of other objects, whose layout is not known, are named in
     /// warnings and not read. A file that ends inside a step is read up to the last whole one, with a warning.
     pub fn parse(source: &Source) -> Checked<Self> {
         let mut results = Checked::clean(Self::default());

@@ -18,7 +18,7 @@ pub struct GraphicsMarker {
     pub angles: [f64; 3],
 }
 
-/// Writes a `.gra` file (format A.G8, ADAMS-FORMATS 6.4): frames of part positions, each flushed.
+/// Writes a `.gra` file (format A.G8, guide/formats.md 6.4): frames of part positions, each flushed.
 ///
 /// Laid out after the real file of ../shared/real-decks/aview-hpc: nine counts, of which the first two (parts with ground,
 /// markers) are known and the others zero; the parts; the markers; a sentinel; the pose of ground; then for each frame the

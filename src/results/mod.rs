@@ -1,6 +1,6 @@
 //! Result files: XRF (`.res`), its older formatted form, requests (`.req`), graphics (`.gra`) and tabular output (`.out`).
 //!
-//! Layouts and numbers are those of ADAMS-FORMATS sections 6 and 12, measured on files that ADAMS wrote. Knows nothing about
+//! Layouts and numbers are those of guide/formats.md 6 and 12, measured on files that ADAMS wrote. Knows nothing about
 //! models and solvers: a writer is told names, units and values; a reader gives back the same. A component's id is the
 //! 1-based position of its value in every step, and nothing else ever decides which number belongs to which name.
 
@@ -11,8 +11,10 @@ mod error;
 mod formatted;
 mod fortran;
 mod graphics_file;
+mod graphics_reader;
 mod groups;
 mod header;
+mod message_file;
 mod number;
 mod numbering;
 mod open;
@@ -20,6 +22,7 @@ mod request_file;
 mod rewrite;
 mod selection;
 mod step;
+mod step_filter;
 mod step_kind;
 mod tabular_file;
 mod timestamp;
@@ -33,8 +36,10 @@ pub use entity_kind::EntityKind;
 pub use error::ResultsError;
 pub use formatted::{FormattedPart, FormattedResults, FormattedStep};
 pub use graphics_file::{GraphicsMarker, GraphicsWriter};
+pub use graphics_reader::GraphicsFile;
 pub use groups::Groups;
 pub use header::{Header, ResultUnits};
+pub use message_file::{Analysis, Frame, MessageFile};
 pub use number::{NumberStyle, write_number};
 pub use numbering::{Numbering, Stored};
 pub use open::{AnyResults, open_any};
@@ -42,6 +47,7 @@ pub use request_file::{RequestEntry, RequestFile, RequestWriter};
 pub use rewrite::{Change, Rewritten, rewrite, rewrite_file};
 pub use selection::{SelectedColumn, Selection};
 pub use step::Step;
+pub use step_filter::StepFilter;
 pub use step_kind::StepKind;
 pub use tabular_file::{Tabular, TabularRequest, write_tabular};
 pub use timestamp::Timestamp;

@@ -19,7 +19,7 @@ impl Default for NumberStyle {
 /// Appends a finite number. Zeros of both signs are `0`.
 ///
 /// Digits are those of the exact decimal expansion of the double, rounded half to even, as C's printf prints them
-/// (ADAMS-FORMATS 12: checked on 154,582 real values).
+/// (guide/formats.md 12: checked on 154,582 real values).
 pub fn write_number(out: &mut Vec<u8>, value: f64, style: NumberStyle) {
     if value == 0.0 {
         out.push(b'0');
@@ -160,7 +160,7 @@ mod tests {
 
     #[test]
     fn numbers_are_spelled_as_in_real_files() {
-        // Spellings of ADAMS-FORMATS 6.1 and 12.
+        // Spellings of guide/formats.md 6.1 and 12.
         let since_2017 = |value| print(value, NumberStyle::default());
         assert_eq!(since_2017(0.0), "0");
         assert_eq!(since_2017(-0.0), "0");

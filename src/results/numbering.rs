@@ -24,7 +24,7 @@ impl Default for Stored {
     }
 }
 
-/// Names and numbers the columns of a run as ADAMS does (ADAMS-FORMATS 6.1, 12).
+/// Names and numbers the columns of a run as ADAMS does (guide/formats.md 6.1, 12).
 ///
 /// TIME is 1; then come the displacements of all bodies, then all velocities, then all accelerations; then the other objects
 /// by kind in the order of [`EntityKind`], inside a kind in the order they were added. Values go into a step in the same

@@ -3,22 +3,25 @@ use std::io::{Cursor, Read};
 use std::path::Path;
 
 use crate::diagnostic::{Checked, Diagnostic};
-use crate::text::Source;
+use crate::text::{Source, check_size};
 
 use super::{
-    Catalogue, Component, Entity, EntityKind, FormattedResults, Header, RequestFile, ResultsError,
-    StepKind, Style, XrfReader, XrfWriter,
+    Catalogue, Component, Entity, EntityKind, FormattedResults, GraphicsFile, Header, RequestFile,
+    ResultsError, StepKind, Style, XrfReader, XrfWriter,
 };
+
+/// Files with more bytes are not read whole: their values take several times as much.
+const LARGEST_WHOLE: u64 = 512 << 20;
 
 /// A results file of any kind that can be read, as a stream of steps.
 pub type AnyResults = XrfReader<Box<dyn Read>>;
 
-/// Opens a results file by what is in it: XRF is read from the disk step by step; request files and formatted results,
+/// Opens a results file by what is in it: XRF is read from the disk step by step; request, graphics and formatted results files,
 /// which are small, are read whole and shown as if they were XRF. The complaints are those of the whole files; the reader
 /// has its own.
 ///
 /// # Errors
-/// When the file cannot be read or is none of these.
+/// When the file cannot be read or is none of these, or is to be read whole and larger than 512 MiB.
 pub fn open_any(path: &Path) -> Result<Checked<AnyResults>, ResultsError> {
     let name = path.display().to_string();
     let mut file = File::open(path)?;
@@ -26,15 +29,22 @@ pub fn open_any(path: &Path) -> Result<Checked<AnyResults>, ResultsError> {
     file.by_ref().take(64).read_to_end(&mut head)?;
     let begins = head.trim_ascii_start();
     let request = begins.starts_with(b"A.R3");
-    if !request && !begins.starts_with(b"FILE TYPE AND SOURCE") {
+    let graphics = begins.starts_with(b"A.G8");
+    if !request && !graphics && !begins.starts_with(b"FILE TYPE AND SOURCE") {
         let whole: Box<dyn Read> = Box::new(Cursor::new(head).chain(file));
         return Ok(Checked::clean(XrfReader::open(name, whole)?));
     }
-    file.read_to_end(&mut head)?;
+    check_size(file.metadata()?.len(), LARGEST_WHOLE)?;
+    let room = LARGEST_WHOLE + 1 - head.len() as u64;
+    file.take(room).read_to_end(&mut head)?;
+    check_size(head.len() as u64, LARGEST_WHOLE)?;
     let source = Source::new(name.as_str(), head);
     let (bytes, diagnostics) = if request {
         let read = RequestFile::parse(&source);
         (requests_as_xrf(&read.value)?, read.diagnostics)
+    } else if graphics {
+        let read = GraphicsFile::parse(&source);
+        (graphics_as_xrf(&read.value)?, read.diagnostics)
     } else {
         let read = FormattedResults::parse(&source);
         (formatted_as_xrf(&read.value)?, read.diagnostics)
@@ -116,6 +126,33 @@ fn requests_as_xrf(file: &RequestFile) -> std::io::Result<Vec<u8>> {
     };
     let steps = file.times.iter().zip(&file.values).map(|(&time, sixes)| {
         let values = std::iter::once(time).chain(sixes.iter().flatten().copied());
+        (StepKind::Unlisted, values.collect::<Vec<f64>>())
+    });
+    as_xrf(&header, &catalogue, steps)
+}
+
+fn graphics_as_xrf(file: &GraphicsFile) -> std::io::Result<Vec<u8>> {
+    let mut catalogue = only_time();
+    for part in &file.parts {
+        let object = EntityKind::Part.default_name(*part);
+        let columns = ["X", "Y", "Z", "PSI", "THETA", "PHI"];
+        let name = format!("{object}_XFORM");
+        add(
+            &mut catalogue,
+            EntityKind::Part,
+            name,
+            object,
+            *part,
+            &columns,
+        );
+    }
+    let header = Header {
+        title: file.title.clone(),
+        execution_date: file.date.clone(),
+        ..Header::default()
+    };
+    let steps = file.times.iter().zip(&file.poses).map(|(&time, poses)| {
+        let values = std::iter::once(time).chain(poses.iter().flatten().copied());
         (StepKind::Unlisted, values.collect::<Vec<f64>>())
     });
     as_xrf(&header, &catalogue, steps)

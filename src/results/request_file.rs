@@ -18,7 +18,7 @@ pub struct RequestEntry {
     pub numbers: Vec<i64>,
 }
 
-/// Writes a `.req` file (ADAMS-FORMATS 6.3) output time by output time, each flushed.
+/// Writes a `.req` file (guide/formats.md 6.3) output time by output time, each flushed.
 ///
 /// The three lines of the head and the times are those of real files. How real files list the requests is not known; here
 /// each has a line with its name and a line of whole numbers that begins with its id, which is what a reader in the wild

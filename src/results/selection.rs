@@ -1,6 +1,6 @@
 use std::io::{Read, Write};
 
-use super::{Catalogue, Column, ResultsError, XrfReader};
+use super::{Catalogue, Column, ResultsError, StepFilter, StepKind, XrfReader};
 
 /// Columns picked by name, in the order of their ids.
 #[derive(Clone, PartialEq, Eq, Debug, serde::Serialize)]
@@ -29,8 +29,8 @@ impl Selection {
     /// The columns that match any of the patterns; a pattern that matches nothing is given back.
     ///
     /// A pattern is `ENTITY.COMPONENT`, upper and lower case alike; `*` stands for any text and `?` for one character. The
-    /// entity is its result set (`arm_XFORM`), its full name (`testrig.arm_XFORM`) or its object (`testrig.arm`). A
-    /// pattern for an entity alone takes all its components.
+    /// entity is its result set (`arm_XFORM`), its full name (`testrig.arm_XFORM`) or its object (`testrig.arm`, or `arm` alone).
+    /// A pattern for an entity alone takes all its components.
     pub fn matching<'p>(catalogue: &Catalogue, patterns: &[&'p str]) -> (Self, Vec<&'p str>) {
         let mut used = vec![false; patterns.len()];
         let selection = Self::new(catalogue, |column| {
@@ -74,6 +74,45 @@ impl Selection {
         self.columns.iter().map(|column| column.id).collect()
     }
 
+    /// Hands out the steps of a reader that a filter takes: kind, block and the values of the columns.
+    fn rows<R: Read>(
+        &self,
+        reader: &mut XrfReader<R>,
+        filter: &StepFilter,
+        mut row: impl FnMut(StepKind, &str, &[f64]) -> std::io::Result<()>,
+    ) -> Result<usize, ResultsError> {
+        let time = reader
+            .catalogue()
+            .columns()
+            .find(|column| column.component.name.eq_ignore_ascii_case("TIME"))
+            .map(|column| column.component.id);
+        let ids = self.ids();
+        let (mut values, mut now, mut steps) = (Vec::new(), Vec::new(), 0);
+        let mut last: Option<(StepKind, String, Vec<f64>)> = None;
+        while let Some(step) = reader.next_step()? {
+            now.clear();
+            if let Some(time) = time {
+                step.pick(&[time], &mut now)?;
+            }
+            if !filter.takes(step.index, step.kind, now.first().copied()) {
+                continue;
+            }
+            values.clear();
+            step.pick(&ids, &mut values)?;
+            if filter.last {
+                last = Some((step.kind, step.block.to_string(), values.clone()));
+                continue;
+            }
+            row(step.kind, step.block, &values)?;
+            steps += 1;
+        }
+        if let Some((kind, block, values)) = last {
+            row(kind, &block, &values)?;
+            steps += 1;
+        }
+        Ok(steps)
+    }
+
     /// Writes the remaining steps of a reader as CSV: a line of names with units (`arm_XFORM.X [mm]`), then a line per step
     /// with its kind and values in their shortest spelling.
     ///
@@ -84,30 +123,43 @@ impl Selection {
         reader: &mut XrfReader<R>,
         output: impl Write,
     ) -> Result<usize, ResultsError> {
+        self.write_csv_of(reader, output, &StepFilter::default(), false)
+    }
+
+    /// The same of the steps a filter takes; `plain` leaves the units out of the names and the kinds out of the rows, so that every
+    /// reader of tables takes all for numbers.
+    ///
+    /// # Errors
+    /// When reading or writing fails; the steps before are written.
+    pub fn write_csv_of<R: Read>(
+        &self,
+        reader: &mut XrfReader<R>,
+        output: impl Write,
+        filter: &StepFilter,
+        plain: bool,
+    ) -> Result<usize, ResultsError> {
         let mut csv = csv::Writer::from_writer(output);
         let names = self.columns.iter().map(|column| match &column.units {
-            Some(units) => format!("{} [{units}]", column.path),
-            None => column.path.clone(),
+            Some(units) if !plain => format!("{} [{units}]", column.path),
+            _ => column.path.clone(),
         });
         // A reader that goes away is told from a file that cannot be written.
         let io = |error: csv::Error| match error.into_kind() {
             csv::ErrorKind::Io(error) => error,
             other => std::io::Error::other(format!("{other:?}")),
         };
-        csv.write_record(std::iter::once("step".to_string()).chain(names))
+        let step = (!plain).then(|| "step".to_string());
+        csv.write_record(step.into_iter().chain(names))
             .map_err(io)?;
-        let ids = self.ids();
-        let (mut values, mut steps) = (Vec::new(), 0);
-        while let Some(step) = reader.next_step()? {
-            values.clear();
-            step.pick(&ids, &mut values)?;
-            csv.write_field(step.kind.step_type()).map_err(io)?;
-            for value in &values {
+        let steps = self.rows(reader, filter, |kind, _, values| {
+            if !plain {
+                csv.write_field(kind.step_type()).map_err(io)?;
+            }
+            for value in values {
                 csv.write_field(value.to_string()).map_err(io)?;
             }
-            csv.write_record(None::<&[u8]>).map_err(io)?;
-            steps += 1;
-        }
+            csv.write_record(None::<&[u8]>).map_err(io)
+        })?;
         csv.flush()?;
         Ok(steps)
     }
@@ -120,7 +172,20 @@ impl Selection {
     pub fn write_json<R: Read>(
         &self,
         reader: &mut XrfReader<R>,
+        output: impl Write,
+    ) -> Result<usize, ResultsError> {
+        self.write_json_of(reader, output, &StepFilter::default())
+    }
+
+    /// The same of the steps a filter takes.
+    ///
+    /// # Errors
+    /// When reading or writing fails; the output is incomplete then.
+    pub fn write_json_of<R: Read>(
+        &self,
+        reader: &mut XrfReader<R>,
         mut output: impl Write,
+        filter: &StepFilter,
     ) -> Result<usize, ResultsError> {
         #[derive(serde::Serialize)]
         struct Row<'a> {
@@ -132,20 +197,17 @@ impl Selection {
         output.write_all(b"{\"columns\":")?;
         serde_json::to_writer(&mut output, &self.columns).map_err(json)?;
         output.write_all(b",\"steps\":[")?;
-        let ids = self.ids();
-        let (mut values, mut steps) = (Vec::new(), 0);
-        while let Some(step) = reader.next_step()? {
-            values.clear();
-            step.pick(&ids, &mut values)?;
-            output.write_all(if steps == 0 { b"\n" } else { b",\n" })?;
+        let mut first = true;
+        let steps = self.rows(reader, filter, |kind, block, values| {
+            output.write_all(if first { b"\n" } else { b",\n" })?;
+            first = false;
             let row = Row {
-                kind: step.kind.step_type(),
-                block: step.block,
-                values: &values,
+                kind: kind.step_type(),
+                block,
+                values,
             };
-            serde_json::to_writer(&mut output, &row).map_err(json)?;
-            steps += 1;
-        }
+            serde_json::to_writer(&mut output, &row).map_err(json)
+        })?;
         output.write_all(b"\n]}\n")?;
         output.flush()?;
         Ok(steps)
@@ -159,7 +221,9 @@ fn matches_column(pattern: &str, column: Column<'_>) -> bool {
     let full_set = full.strip_suffix(component.as_str()).unwrap_or(&full);
     let full_set = full_set.strip_suffix('.').unwrap_or(full_set);
     let object = column.entity.entity.as_deref().unwrap_or(set);
-    [set, full_set, object]
+    // The plain name of the object, without the model it is in: `arm.X`.
+    let plain = object.rsplit('.').next().unwrap_or(object);
+    [set, full_set, object, plain]
         .iter()
         .any(|name| glob(pattern, name) || glob(pattern, &format!("{name}.{component}")))
 }

@@ -62,7 +62,7 @@ impl StepKind {
             .unwrap_or(Self::Unlisted)
     }
 
-    /// True for the kinds that hold a static equilibrium; all of them are read alike (ADAMS-FORMATS 12).
+    /// True for the kinds that hold a static equilibrium; all of them are read alike (guide/formats.md 12).
     pub const fn is_equilibrium(self) -> bool {
         matches!(self, Self::Static | Self::QuasiStatic | Self::Equilibrium)
     }

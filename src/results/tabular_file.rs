@@ -28,7 +28,7 @@ const PAGE: usize = 50;
 
 /// Writes a `.out` file: for each request pages of its eight columns over time.
 ///
-/// The layout is ours, since none of ADAMS is known (ADAMS-FORMATS 6.4): a form feed before every page but the first, two
+/// The layout is ours, since none of ADAMS is known (guide/formats.md 6.4): a form feed before every page but the first, two
 /// lines of title, a line with the request, a line of headings, then `TIME` and eight columns of 1PE13.5 (or F13.5), at most 50
 /// lines to a page.
 ///

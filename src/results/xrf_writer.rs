@@ -37,7 +37,7 @@ pub struct Style {
 /// Writes an XRF file step by step; every step is flushed, so that a killed run leaves whole steps behind.
 ///
 /// One tag per line, attributes in the order ADAMS writes them, ` />` at the end of an empty element: readers in the wild
-/// go line by line (ADAMS-FORMATS 12).
+/// go line by line (guide/formats.md 12).
 #[derive(Debug)]
 pub struct XrfWriter<W: Write> {
     output: W,

@@ -84,12 +84,33 @@ pub struct Channel {
     pub name: String,
     /// The text of an ADAMS function of the deck.
     pub function: String,
-    /// Sd of one reading.
+    /// Sd of one reading. Where it is not stated, a tenth of the readings' rms until it is estimated from what a fit leaves.
     pub sigma: f64,
+    /// True if the study does not state `sigma`.
+    pub sigma_estimated: bool,
     /// Its unit, for reports.
     pub unit: Option<String>,
-    /// Index of the case whose value is subtracted.
-    pub relative_to: Option<usize>,
+    /// The case whose value is subtracted.
+    pub relative_to: Option<Reference>,
+}
+
+/// What a reading counts from.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Reference {
+    /// The value in this case.
+    Case(usize),
+    /// The value in the case before, as a gauge shows that is set to zero before each load.
+    Previous,
+}
+
+impl Channel {
+    /// Index of the case whose value is subtracted in a case.
+    pub fn reference(&self, case: usize) -> Option<usize> {
+        match self.relative_to? {
+            Reference::Case(zero) => Some(zero),
+            Reference::Previous => case.checked_sub(1),
+        }
+    }
 }
 
 /// What was measured, with every name resolved against the deck's model.

@@ -3,7 +3,6 @@
 //! Study folders, marks and absolute orientation, bushing deflections, wheel angles, measuring noise, and effects that can be
 //! planted. Knows nothing about what is inferred from the measurements: that is identification and diagnosis.
 
-mod background;
 mod check;
 pub mod deflection;
 pub mod effect;
@@ -15,24 +14,31 @@ pub mod orientation;
 mod readings;
 mod resolve;
 mod rigidity;
+mod scatter;
 mod section;
 /// Sections of `study.toml` with their defaults.
 pub mod settings;
+mod stated;
 mod study;
 mod study_folder;
 mod table;
 #[cfg(test)]
 mod tests;
+mod tolerances;
 mod virtual_rig;
 pub mod wheel;
 
-pub use background::Background;
 pub use load::programme;
 pub use load_table::LoadTable;
-pub use measurement::{Case, Channel, MarkReading, MarkedPart, Measurement, PartMark, Wheel};
+pub use measurement::{
+    Case, Channel, MarkReading, MarkedPart, Measurement, PartMark, Reference, Wheel,
+};
 pub use resolve::part;
 pub use rigidity::{ForeignMarks, foreign_marks};
+pub use scatter::Scatter;
 pub use section::Spelled;
+pub use stated::{Stated, ToleranceSettings};
 pub use study::{MarkFiles, Study};
 pub use table::{Cell, Table};
+pub use tolerances::Tolerances;
 pub use virtual_rig::{RigOptions, RigRun, virtual_rig};

@@ -1,7 +1,7 @@
 //! Seeded measuring noise.
 
 use rand::{RngExt, SeedableRng};
-use rand_distr::StandardNormal;
+use rand_distr::{StandardNormal, StudentT};
 use rand_pcg::Pcg64;
 
 use crate::mechanics::Vec3;
@@ -25,6 +25,19 @@ impl Noise {
     /// A standard normal number.
     pub fn normal(&mut self) -> f64 {
         self.0.sample(StandardNormal)
+    }
+
+    /// A whole number from zero to below `count`.
+    pub fn below(&mut self, count: usize) -> usize {
+        self.0.random_range(0..count)
+    }
+
+    /// Three independent numbers: a Student t of the given degrees of freedom, scaled; normal if these are infinite.
+    pub fn heavy(&mut self, tails: f64, scale: f64) -> Vec3 {
+        match StudentT::new(tails) {
+            Ok(law) if tails.is_finite() => Vec3::from_fn(|_, _| self.0.sample(law)) * scale,
+            _ => self.vector(scale),
+        }
     }
 
     /// Three independent normal numbers of the given sd.

@@ -1,8 +1,9 @@
 //! Absolute orientation: the pose of a part from three or more of its marks (equation 3 of the paper), with covariance.
 
-use nalgebra::{Matrix3x6, SymmetricEigen};
+use nalgebra::{DMatrix, Matrix3x6, SVD};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
+use crate::mechanics::eigen::symmetric_eigen;
 use crate::mechanics::{Mat3, Mat6, Pose, Vec3, skew};
 
 /// A layout of marks is refused when its lateral spread is below this fraction of its length: the rotation about the line of the
@@ -42,10 +43,13 @@ pub enum OrientationError {
         /// Rms extent along it.
         length: f64,
     },
-    /// A coordinate is not finite.
-    #[error("a coordinate is not a finite number")]
+    /// A coordinate is not finite, or its square is not.
+    #[error("a coordinate is not a finite number, or too large or too small to be squared")]
     NotFinite,
 }
+
+/// The decomposition of three rows takes less than ten.
+const SVD_STEPS: usize = 1_000;
 
 /// Rms extents of points about their mean along their principal axes, the largest first.
 pub fn extents(points: &[Vec3]) -> [f64; 3] {
@@ -56,7 +60,7 @@ pub fn extents(points: &[Vec3]) -> [f64; 3] {
         .map(|point| (point - mean) * (point - mean).transpose())
         .sum::<Mat3>()
         / n;
-    let mut values: Vec<f64> = SymmetricEigen::new(scatter)
+    let mut values: Vec<f64> = symmetric_eigen(DMatrix::from_fn(3, 3, |i, j| scatter[(i, j)]))
         .eigenvalues
         .iter()
         .map(|value| value.max(0.0).sqrt())
@@ -105,7 +109,9 @@ pub fn absolute_orientation(
         .zip(measured)
         .map(|(p, x)| (x - mean_ground) * (p - mean_part).transpose())
         .sum::<Mat3>();
-    let svd = cross.svd(true, true);
+    let Some(svd) = SVD::try_new(cross, true, true, 5.0 * f64::EPSILON, SVD_STEPS) else {
+        return Err(OrientationError::NotFinite);
+    };
     let u = svd.u.expect("asked for");
     let v_t = svd.v_t.expect("asked for");
     // The last axis is turned where the best orthogonal matrix is a reflection; singular values come sorted.

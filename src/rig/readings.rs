@@ -3,9 +3,9 @@
 use super::effect::{ReadingFault, Reality};
 use super::measurement::{MarkedPart, Measurement};
 use super::noise::Noise;
-use super::virtual_rig::{Rest, place};
+use super::virtual_rig::{Rest, RigOptions, place};
 use super::wheel::WheelReading;
-use crate::mechanics::Vec3;
+use crate::mechanics::{Vec3, exp};
 use crate::model::Model;
 
 /// What is read in every case: marks by part and mark, the wheel, the channels; and the marks as the first session lists them.
@@ -26,12 +26,14 @@ impl Readings {
         measured: &Measurement,
         reality: &Reality,
         rest: &[Rest],
-        seed: u64,
+        options: &RigOptions,
         exact: bool,
     ) -> Self {
+        let (seed, tolerances) = (options.seed, &options.tolerances);
         let on = if exact { 0.0 } else { 1.0 };
         let mut first_session = Noise::new(seed, "marks on parts");
         let mut second_session = Noise::new(seed, "marks measured");
+        let mut of_poses = Noise::new(seed, "poses");
         let mut at_wheel = Noise::new(seed, "wheel");
         let mut sensors = Noise::new(seed, "readings");
         let on_parts = measured.sigma_on_parts * on;
@@ -45,11 +47,22 @@ impl Readings {
                     .collect()
             })
             .collect();
+        let places = places_on_parts(measured, seed, tolerances.marks_on_parts);
         // The wheel marker is the deck's; the reality may hold more markers, never fewer.
         let model = reality.model();
         let (mut marks, mut wheel, mut channels) = (Vec::new(), Vec::new(), Vec::new());
         for (case, at) in rest.iter().enumerate() {
-            let mut seen = true_marks(reality, &model, measured, at);
+            let mut seen = true_marks(reality, &model, measured, (&places, at));
+            for part in &mut seen {
+                let shift = of_poses.vector(tolerances.pose);
+                let turn = exp(&of_poses.vector(tolerances.pose_deg.to_radians()));
+                let centre = part.iter().sum::<Vec3>() / part.len().max(1) as f64;
+                if tolerances.pose > 0.0 || tolerances.pose_deg > 0.0 {
+                    for x in part.iter_mut() {
+                        *x = centre + shift + turn * (*x - centre);
+                    }
+                }
+            }
             for fault in &reality.faults {
                 if let ReadingFault::Frame {
                     case: of,
@@ -75,7 +88,7 @@ impl Readings {
                 }
             }
             for x in seen.iter_mut().flatten() {
-                *x += second_session.vector(measured.sigma);
+                *x += second_session.heavy(options.scatter.tails, measured.sigma);
             }
             for fault in &reality.faults {
                 if let ReadingFault::Mark {
@@ -113,7 +126,7 @@ impl Readings {
             let mut values = Vec::new();
             for (k, channel) in measured.channels.iter().enumerate() {
                 let before = channel
-                    .relative_to
+                    .reference(case)
                     .map_or(0.0, |case| rest[case].channels[k]);
                 let mut value = at.channels[k] - before + sensors.normal() * channel.sigma * on;
                 for fault in &reality.faults {
@@ -147,17 +160,28 @@ fn true_marks(
     reality: &Reality,
     model: &Model,
     measured: &Measurement,
-    at: &Rest,
+    (places, at): (&[Vec<Vec3>], &Rest),
 ) -> Vec<Vec<Vec3>> {
-    let of_part = |(part, marked): (&MarkedPart, &super::effect::Marked)| {
-        let carriers = part.marks.iter().zip(&marked.carriers);
-        carriers
-            .map(|(mark, id)| {
-                let carrier = model.parts.iter().position(|part| part.header.id == *id);
-                at.poses[carrier.unwrap_or(part.part.0)].point(&mark.p)
-            })
-            .collect()
-    };
-    let parts = measured.parts.iter().zip(&reality.marks);
+    let of_part =
+        |((part, marked), places): ((&MarkedPart, &super::effect::Marked), &Vec<Vec3>)| {
+            let carriers = places.iter().zip(&marked.carriers);
+            carriers
+                .map(|(place, id)| {
+                    let carrier = model.parts.iter().position(|part| part.header.id == *id);
+                    at.poses[carrier.unwrap_or(part.part.0)].point(place)
+                })
+                .collect()
+        };
+    let parts = measured.parts.iter().zip(&reality.marks).zip(places);
     parts.map(of_part).collect()
+}
+
+/// Where the marks really sit on their parts, by part and mark.
+fn places_on_parts(measured: &Measurement, seed: u64, sigma: f64) -> Vec<Vec<Vec3>> {
+    let mut noise = Noise::new(seed, "places of marks");
+    let mut of_part = |part: &MarkedPart| {
+        let marks = part.marks.iter();
+        marks.map(|mark| mark.p + noise.vector(sigma)).collect()
+    };
+    measured.parts.iter().map(&mut of_part).collect()
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::measurement::{
-    Case, Channel, Grouped, MarkReading, MarkedPart, Measurement, PartMark, Wheel, wheel,
+    Case, Channel, Grouped, MarkReading, MarkedPart, Measurement, PartMark, Reference, Wheel, wheel,
 };
 use super::section::nearest;
 use super::settings::ChannelSettings;
@@ -469,7 +469,10 @@ fn channel_readings(
         }
         let mut relative_to = None;
         if let Some(label) = &settings.relative_to {
-            relative_to = to.case(&label.text);
+            relative_to = to.case(&label.text).map(Reference::Case);
+            if relative_to.is_none() && label.text == "previous" {
+                relative_to = Some(Reference::Previous);
+            }
             if relative_to.is_none() {
                 out.push(
                     Diagnostic::error(
@@ -484,7 +487,8 @@ fn channel_readings(
         to.channels.push(Channel {
             name: settings.name.clone(),
             function: settings.function.text.clone(),
-            sigma: settings.sigma,
+            sigma: settings.sigma.unwrap_or(1.0),
+            sigma_estimated: settings.sigma.is_none(),
             unit: settings.unit.clone(),
             relative_to,
         });
@@ -506,6 +510,25 @@ fn channel_readings(
         for (channel, column) in columns.iter().enumerate() {
             to.cases[case].channels[channel] =
                 column.and_then(|column| table.number(row, column, out));
+            let counts_from = to.channels[channel].relative_to;
+            if case == 0 && counts_from == Some(Reference::Previous) {
+                to.cases[case].channels[channel] = None;
+                grouped.add(format!("first case {channel}"), || {
+                    let name = &to.channels[channel].name;
+                    Diagnostic::warning(
+                        Code::BadReading,
+                        format!("channel `{name}` counts from the case before, and there is none before the first"),
+                    )
+                    .label(table.source.name(), table.row_span(row), "this reading is left out")
+                });
+            }
+        }
+    }
+    for (k, channel) in to.channels.iter_mut().enumerate() {
+        let readings = to.cases.iter().filter_map(|case| case.channels[k]);
+        let (count, sum) = readings.fold((0, 0.0), |(n, sum), x| (n + 1, sum + x * x));
+        if channel.sigma_estimated && sum > 0.0 {
+            channel.sigma = 0.1 * (sum / f64::from(count)).sqrt();
         }
     }
     grouped.finish(out);

@@ -150,6 +150,28 @@ impl<'a> Section<'a> {
         }
     }
 
+    /// A standard deviation above zero, if given: readings without any scatter would have infinite weight.
+    pub fn deviation(
+        &mut self,
+        key: &'static str,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> Option<f64> {
+        let (value, span) = self.get(key)?;
+        if number_of(value) != Some(0.0) {
+            return self.optional_number(key, (f64::MIN_POSITIVE, f64::INFINITY), diagnostics);
+        }
+        let name = self.name(key);
+        diagnostics.push(
+            Diagnostic::error(Code::BadSetting, format!("`{name}` must be more than 0"))
+                .label(self.source.name(), span, "")
+                .help(
+                    "readings without noise: write a ten-thousandth of the length unit, 1e-4; remove the key to have it \
+                     estimated from the marks",
+                ),
+        );
+        None
+    }
+
     /// A whole number in `[least, most]`, or the default.
     pub fn count(
         &mut self,
@@ -289,18 +311,20 @@ impl<'a> Section<'a> {
             if self.asked.contains(key.text.as_str()) {
                 continue;
             }
-            let mut diagnostic = Diagnostic::warning(
-                Code::UnknownKey,
-                format!(
-                    "`{}` is not a key of a study and has no effect",
-                    self.name(&key.text)
-                ),
-            )
-            .label(self.source.name(), key.span, "");
-            if let Some(near) = nearest(&key.text, self.asked.iter().copied()) {
-                diagnostic = diagnostic.help(format!("did you mean `{}`?", self.name(near)));
-            }
-            diagnostics.push(diagnostic);
+            let help = if let Some(near) = nearest(&key.text, self.asked.iter().copied()) {
+                format!("did you mean `{}`?", self.name(near))
+            } else {
+                let known: Vec<&str> = self.asked.iter().copied().collect();
+                format!("the keys here are {}", known.join(", "))
+            };
+            diagnostics.push(
+                Diagnostic::error(
+                    Code::UnknownKey,
+                    format!("`{}` is not a key of a study", self.name(&key.text)),
+                )
+                .label(self.source.name(), key.span, "")
+                .help(help),
+            );
         }
     }
 }
@@ -324,6 +348,17 @@ fn number_of(value: &DeValue<'_>) -> Option<f64> {
         _ => return None,
     };
     text.parse().ok().filter(|number: &f64| number.is_finite())
+}
+
+/// A text of TOML with one number of a section changed, or added where it is not written. The section must be there.
+pub(super) fn with_number(text: &str, section: &str, key: &str, value: f64) -> String {
+    let mut changed = text.to_string();
+    if let Some(span) = number_span(text, section, key) {
+        changed.replace_range(span.range(), &format!("{value:?}"));
+        return changed;
+    }
+    let header = format!("[{section}]");
+    changed.replacen(&header, &format!("{header}\n{key} = {value:?}"), 1)
 }
 
 /// The candidate that differs from `word` by few letters, to ask "did you mean".

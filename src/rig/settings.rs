@@ -88,7 +88,7 @@ pub enum Method {
 }
 
 impl Method {
-    /// The word of STUDY-FORMAT.
+    /// The word of guide/study.md.
     pub const fn as_str(self) -> &'static str {
         match self {
             Self::GaussNewton => "gauss-newton",
@@ -359,11 +359,11 @@ pub struct ChannelSettings {
     pub name: String,
     /// An ADAMS function of the deck.
     pub function: Spelled,
-    /// Sd of one reading.
-    pub sigma: f64,
+    /// Sd of one reading; estimated from the fit if it is not given.
+    pub sigma: Option<f64>,
     /// Its unit, for reports.
     pub unit: Option<String>,
-    /// The case whose value is subtracted.
+    /// The case whose value is subtracted: its label, or `previous`.
     pub relative_to: Option<Spelled>,
 }
 
@@ -377,11 +377,11 @@ impl ChannelSettings {
         let sigma = section.optional_number("sigma", (1e-300, f64::INFINITY), out);
         let unit = section.text("unit", out).map(|spelled| spelled.text);
         let relative_to = section.text("relative_to", out);
-        let (Some(function), Some(sigma)) = (function, sigma) else {
+        let Some(function) = function else {
             out.push(
                 Diagnostic::error(
                     Code::MissingSetting,
-                    format!("channel `{}` needs `function` and `sigma`", name.text),
+                    format!("channel `{}` needs `function`", name.text),
                 )
                 .label(section.file(), name.span, ""),
             );

@@ -7,6 +7,7 @@ use super::section::{Section, Spelled};
 use super::settings::{
     ChannelSettings, IdentifySettings, RegressionSettings, SolverSettings, WheelSettings,
 };
+use super::stated::ToleranceSettings;
 use super::table::Table;
 use crate::diagnostic::{Checked, Code, Diagnostic};
 use crate::text::{Source, Span};
@@ -24,7 +25,7 @@ pub struct MarkFiles {
     pub sigma_on_parts: f64,
 }
 
-/// A study folder as STUDY-FORMAT describes it: settings with their defaults and the cells of its files, nothing resolved yet.
+/// A study folder as guide/study.md describes it: settings with their defaults and the cells of its files, nothing resolved yet.
 #[derive(Clone, Debug)]
 pub struct Study {
     /// The folder; every path of the study lies below it.
@@ -51,6 +52,8 @@ pub struct Study {
     pub identify: IdentifySettings,
     /// `[regression]`.
     pub regression: RegressionSettings,
+    /// `[tolerances]`.
+    pub tolerances: ToleranceSettings,
     /// `[validate] hold_out`, if given.
     pub hold_out: Option<Vec<Spelled>>,
     /// `[reference] deck`: for reports only.
@@ -60,7 +63,7 @@ pub struct Study {
 impl Study {
     /// Reads `study.toml` and every file it names.
     ///
-    /// Unknown keys are warnings. `None` when there is no study to speak of: no `study.toml`, no deck or no load cases.
+    /// Unknown keys are errors. `None` when there is no study to speak of: no `study.toml`, no deck or no load cases.
     pub fn read(folder: &Path) -> Checked<Option<Self>> {
         let mut out = Vec::new();
         let value = read(folder, &mut out);
@@ -172,7 +175,7 @@ fn sections(root: &mut Section<'_>, files: &Files<'_>, out: &mut Vec<Diagnostic>
     let marks = if section.is_present() {
         let on_parts = files.required(&mut section, "on_parts", out);
         let measured = files.readings(&mut section, "measured", out);
-        let sigma = section.optional_number("sigma", (0.0, f64::INFINITY), out);
+        let sigma = section.deviation("sigma", out);
         let sigma_on_parts = section.number("sigma_on_parts", 0.0, (0.0, f64::INFINITY), out);
         on_parts
             .zip(measured)
@@ -223,6 +226,10 @@ fn sections(root: &mut Section<'_>, files: &Files<'_>, out: &mut Vec<Diagnostic>
     let regression = RegressionSettings::read(&mut section, out);
     section.finish(out);
 
+    let mut section = root.section("tolerances", out);
+    let tolerances = ToleranceSettings::read(&mut section, out);
+    section.finish(out);
+
     let mut section = root.section("validate", out);
     let hold_out = section.texts("hold_out", out);
     section.finish(out);
@@ -246,6 +253,7 @@ fn sections(root: &mut Section<'_>, files: &Files<'_>, out: &mut Vec<Diagnostic>
         readings,
         identify,
         regression,
+        tolerances,
         hold_out,
         reference: reference.map(|(source, _)| source),
     })

@@ -9,6 +9,9 @@ use super::section;
 use super::study::Study;
 use super::virtual_rig::RigOptions;
 
+/// The standard deviation that exact readings are given, in length units: they cannot have none.
+const EXACT: f64 = 1e-4;
+
 /// The files, relative to the folder.
 pub(super) fn files(
     study: &Study,
@@ -54,14 +57,8 @@ pub(super) fn files(
             }
         }
         let exact_list = measured.sigma_on_parts == 0.0 || options.sigma == Some(0.0);
-        if options.background.marks_on_parts > 0.0 {
-            let size = format!("{:?}", measured.sigma_on_parts);
-            if let Some(span) = section::number_span(&toml, "marks", "sigma_on_parts") {
-                toml.replace_range(span.range(), &size);
-            } else {
-                let with = format!("[marks]\nsigma_on_parts = {size}");
-                toml = toml.replacen("[marks]", &with, 1);
-            }
+        if let Some(size) = options.sigma_on_parts {
+            toml = section::with_number(&toml, "marks", "sigma_on_parts", size);
         }
         let listed = if exact_list {
             marks.on_parts.source.bytes().to_vec()
@@ -70,10 +67,15 @@ pub(super) fn files(
         };
         files.push((relative(marks.on_parts.source.name()), listed));
         files.push((relative(marks.measured.source.name()), seen.into_bytes()));
-        if let (Some(sigma), Some(span)) =
-            (options.sigma, section::number_span(&toml, "marks", "sigma"))
-        {
-            toml.replace_range(span.range(), &format!("{sigma:?}"));
+        if options.sigma.is_some() || options.scatter.declared != 1.0 {
+            // Exact readings still need a weight.
+            let sigma = if measured.sigma == 0.0 {
+                EXACT
+            } else {
+                measured.sigma
+            };
+            let declared = sigma * options.scatter.declared;
+            toml = section::with_number(&toml, "marks", "sigma", declared);
         }
     }
     if let Some((_, table)) = &study.wheel {
@@ -103,10 +105,20 @@ pub(super) fn files(
             let _ = write!(seen, ",{}", channel.name);
         }
         seen.push('\n');
-        for (case, values) in measured.cases.iter().zip(&read.channels) {
+        // What was not read on the study's own rig is not read here, unless nothing was.
+        let all: Vec<bool> = (0..measured.channels.len())
+            .map(|k| measured.cases.iter().all(|case| case.channels[k].is_none()))
+            .collect();
+        for (at, (case, values)) in measured.cases.iter().zip(&read.channels).enumerate() {
             seen += &case.label;
-            for value in values {
-                let _ = write!(seen, ",{value:.9e}");
+            for (k, value) in values.iter().enumerate() {
+                let channel = &measured.channels[k];
+                let counts = channel.relative_to.is_none() || channel.reference(at).is_some();
+                if counts && (all[k] || case.channels[k].is_some()) {
+                    let _ = write!(seen, ",{value:.9e}");
+                } else {
+                    seen.push(',');
+                }
             }
             seen.push('\n');
         }

@@ -12,7 +12,8 @@ pub struct Cell {
     pub span: Span,
 }
 
-/// A CSV file as STUDY-FORMAT describes it: one header line, `#` comment lines, columns found by header name, LF or CR LF.
+/// A CSV file as guide/study.md describes it: one header line, `#` comment lines, columns found by header name, LF or CR LF. Between cells stand commas, or the
+/// semicolons or tabs of spreadsheets; in the latter files numbers may have decimal commas.
 #[derive(Clone, Debug)]
 pub struct Table {
     /// The file.
@@ -20,15 +21,18 @@ pub struct Table {
     header: Vec<Cell>,
     rows: Vec<Vec<Cell>>,
     columns: BTreeMap<String, usize>,
+    decimal_commas: bool,
 }
 
 impl Table {
-    /// Splits a file into cells. Lines that are no CSV are complained about and left out.
+    /// Splits a file into cells. Lines that are no CSV are complained about and left out; what had to be assumed is noted.
     pub fn read(source: Source, diagnostics: &mut Vec<Diagnostic>) -> Self {
         let bytes = source.bytes();
+        let delimiter = delimiter(bytes);
         let mut reader = csv::ReaderBuilder::new()
             .has_headers(false)
             .flexible(true)
+            .delimiter(delimiter)
             .comment(Some(b'#'))
             .from_reader(bytes);
         let mut record = csv::ByteRecord::new();
@@ -50,7 +54,8 @@ impl Table {
                 }
             }
             let end = reader.position().byte() as usize;
-            lines.push(cells(bytes, row_start(bytes, start), end, &record));
+            let start = row_start(bytes, start);
+            lines.push(cells(bytes, start..end, delimiter, &record));
         }
         let mut lines = lines.into_iter();
         let header = lines.next().unwrap_or_default();
@@ -59,13 +64,57 @@ impl Table {
             columns.entry(cell.text.to_lowercase()).or_insert(at);
         }
         let blank = |row: &Vec<Cell>| row.iter().all(|cell| cell.text.is_empty());
-        let rows = lines.filter(|row| !blank(row)).collect();
-        Self {
+        let rows: Vec<Vec<Cell>> = lines.filter(|row| !blank(row)).collect();
+        let has_comma = |cell: &Cell| cell.text.contains(',') && decimal(&cell.text).is_some();
+        let decimal_commas = delimiter != b',' && rows.iter().flatten().any(has_comma);
+        let table = Self {
             source,
             header,
             rows,
             columns,
+            decimal_commas,
+        };
+        if delimiter != b',' {
+            diagnostics.push(table.dialect(delimiter));
         }
+        if let Some(long) = table.rows.iter().find(|row| table.is_too_long(row)) {
+            let count = long.iter().filter(|cell| !cell.text.is_empty()).count();
+            let message = format!(
+                "the row has {count} cells, the header line names {}",
+                table.header.len()
+            );
+            diagnostics.push(
+                Diagnostic::error(Code::BadReading, message)
+                    .label(table.source.name(), table.row_span(long), "")
+                    .help("numbers with decimal commas need semicolons between the cells"),
+            );
+        }
+        table
+    }
+
+    /// What was assumed of a file that is not written with commas.
+    fn dialect(&self, delimiter: u8) -> Diagnostic {
+        let between = if delimiter == b';' {
+            "semicolons"
+        } else {
+            "tabs"
+        };
+        let numbers = if self.decimal_commas {
+            ", numbers with decimal commas"
+        } else {
+            ""
+        };
+        Diagnostic::note(
+            Code::CsvDialect,
+            format!("read with {between} between the cells{numbers}"),
+        )
+        .label(self.source.name(), self.header_span(), "")
+    }
+
+    fn is_too_long(&self, row: &[Cell]) -> bool {
+        row.iter()
+            .skip(self.header.len())
+            .any(|cell| !cell.text.is_empty())
     }
 
     /// The position of a column.
@@ -133,7 +182,11 @@ impl Table {
         diagnostics: &mut Vec<Diagnostic>,
     ) -> Option<f64> {
         let cell = self.cell(row, column)?;
-        let number = cell.text.parse().ok().filter(|x: &f64| x.is_finite());
+        let number = match cell.text.parse().ok() {
+            None if self.decimal_commas => decimal(&cell.text),
+            number => number,
+        };
+        let number = number.filter(|x: &f64| x.is_finite());
         if number.is_none() {
             diagnostics.push(
                 Diagnostic::warning(
@@ -145,6 +198,35 @@ impl Table {
         }
         number
     }
+}
+
+/// What stands between the cells of the header line: commas, or more semicolons or tabs than commas.
+fn delimiter(bytes: &[u8]) -> u8 {
+    let line = &bytes[row_start(bytes, 0).min(bytes.len())..];
+    let end = memchr::memchr2(b'\n', b'\r', line).unwrap_or(line.len());
+    let mut quoted = false;
+    let mut counts = [(b',', 0), (b';', 0), (b'\t', 0)];
+    for byte in &line[..end] {
+        quoted ^= *byte == b'"';
+        if let Some((_, count)) = counts.iter_mut().find(|(mark, _)| mark == byte && !quoted) {
+            *count += 1;
+        }
+    }
+    let [comma, semicolon, tab] = counts.map(|(_, count)| count);
+    match semicolon.max(tab) {
+        most if most <= comma => b',',
+        most if most == semicolon => b';',
+        _ => b'\t',
+    }
+}
+
+/// A number whose decimal sign is a comma.
+fn decimal(text: &str) -> Option<f64> {
+    let (whole, fraction) = text.split_once(',')?;
+    if whole.contains('.') || fraction.contains(',') {
+        return None;
+    }
+    format!("{whole}.{fraction}").parse().ok()
 }
 
 /// Skips the comment and blank lines before a record.
@@ -164,16 +246,21 @@ fn row_start(bytes: &[u8], mut at: usize) -> usize {
 }
 
 /// Finds each field of a record in the bytes it was read from.
-fn cells(bytes: &[u8], start: usize, end: usize, record: &csv::ByteRecord) -> Vec<Cell> {
+fn cells(
+    bytes: &[u8],
+    place: std::ops::Range<usize>,
+    delimiter: u8,
+    record: &csv::ByteRecord,
+) -> Vec<Cell> {
     let mut cells = Vec::with_capacity(record.len());
-    let mut at = start;
+    let mut at = place.start;
     for field in record {
         let from = at;
         let mut quoted = false;
-        while at < end.min(bytes.len()) {
+        while at < place.end.min(bytes.len()) {
             match bytes[at] {
                 b'"' => quoted = !quoted,
-                b',' | b'\n' | b'\r' if !quoted => break,
+                byte if !quoted && (byte == delimiter || matches!(byte, b'\n' | b'\r')) => break,
                 _ => {}
             }
             at += 1;
@@ -221,5 +308,56 @@ mod tests {
         assert_eq!(&text[place.range()], "nan");
         assert_eq!(table.source.line_column(place.start()).line, 6);
         assert!(table.columns(["part"], &mut diagnostics).is_none());
+    }
+
+    fn read(text: &str) -> (Table, Vec<Diagnostic>) {
+        let mut diagnostics = Vec::new();
+        let table = Table::read(Source::new("t.csv", text.as_bytes()), &mut diagnostics);
+        (table, diagnostics)
+    }
+
+    #[test]
+    fn semicolons_and_decimal_commas_are_read_and_said() {
+        let (table, mut diagnostics) = read("case;x;y\n1;1,5;-2,25E-3\n2;\"3,0\";4\n3;1.234,5;6\n");
+        assert_eq!(diagnostics.len(), 1);
+        assert_eq!(diagnostics[0].severity, crate::diagnostic::Severity::Note);
+        assert!(
+            diagnostics[0].message.contains("semicolons")
+                && diagnostics[0].message.contains("decimal commas")
+        );
+        let [x, y] = table.columns(["x", "y"], &mut diagnostics).unwrap();
+        let mut numbers = |row: usize| {
+            let row = &table.rows()[row];
+            (
+                table.number(row, x, &mut diagnostics),
+                table.number(row, y, &mut diagnostics),
+            )
+        };
+        assert_eq!(numbers(0), (Some(1.5), Some(-2.25e-3)));
+        assert_eq!(numbers(1), (Some(3.0), Some(4.0)));
+        // A point and a comma in one number are not understood.
+        assert_eq!(numbers(2), (None, Some(6.0)));
+        assert_eq!(&table.source.text(table.rows()[0][1].span), "1,5");
+        let (table, mut diagnostics) = read("case\tx\na\t1.5\n");
+        assert!(diagnostics[0].message.contains("tabs"));
+        assert_eq!(
+            table.number(&table.rows()[0], 1, &mut diagnostics),
+            Some(1.5)
+        );
+    }
+
+    #[test]
+    fn decimal_commas_between_commas_are_refused() {
+        let (_, diagnostics) = read("case,x,y\n1,1,5,2,5\n");
+        assert_eq!(diagnostics[0].code, Code::BadReading);
+        assert!(
+            diagnostics[0]
+                .help
+                .as_deref()
+                .unwrap()
+                .contains("semicolons")
+        );
+        // What spreadsheets leave behind is nothing.
+        assert!(read("case,x,y\n1,1.5,2.5,,\n").1.is_empty());
     }
 }

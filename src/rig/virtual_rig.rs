@@ -2,16 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
-use super::background::Background;
 use super::effect::{EffectSpec, Marked, Memory, Reality, plant};
 use super::load::programme;
 use super::load_table::LoadTable;
 use super::measurement::Measurement;
 use super::readings::Readings;
 use super::resolve;
+use super::scatter::Scatter;
 use super::study::Study;
 use super::study_folder;
 use super::table::Table;
+use super::tolerances::Tolerances;
 use crate::backend::{compile, slot, tight_settings};
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::mechanics::{Pose, RelativeMotion, Vec3};
@@ -28,10 +29,14 @@ pub struct RigOptions {
     pub seed: u64,
     /// Sd of a mark coordinate instead of the study's; zero makes every reading exact.
     pub sigma: Option<f64>,
+    /// Sd of one coordinate of the first session instead of the study's; the folder tells it, as the data sheet would.
+    pub sigma_on_parts: Option<f64>,
     /// Effects to plant.
     pub effects: Vec<EffectSpec>,
     /// Small errors in many places besides.
-    pub background: Background,
+    pub tolerances: Tolerances,
+    /// How the marks scatter.
+    pub scatter: Scatter,
     /// Load cases instead of the study's, whose loads must be called vertical, lateral and longitudinal.
     pub programme: Option<LoadTable>,
 }
@@ -86,14 +91,9 @@ pub fn virtual_rig(folder: &Path, options: &RigOptions) -> Result<RigRun, Vec<Di
     } else if measured.sigma_estimated {
         measured.sigma = 0.05;
     }
-    if options.background.marks_on_parts > 0.0 {
-        measured.sigma_on_parts = options.background.marks_on_parts;
+    if let Some(sigma) = options.sigma_on_parts {
+        measured.sigma_on_parts = sigma;
     }
-    let (mut dataset, mut programme) = (dataset, programme);
-    options
-        .background
-        .apply(options.seed, &mut dataset, &mut programme)
-        .map_err(|why| vec![why])?;
     let mut reality = Reality {
         dataset,
         programme,
@@ -116,16 +116,28 @@ pub fn virtual_rig(folder: &Path, options: &RigOptions) -> Result<RigRun, Vec<Di
             .map(|channel| channel.name.clone())
             .collect(),
     };
-    for spec in &options.effects {
+    // Tolerances and outliers are drawn from the deck as it is, whatever else is planted.
+    let tolerances = options.tolerances.drawn(options.seed, &reality);
+    let tolerances = tolerances.map_err(|why| vec![why])?;
+    let outliers = options.scatter.drawn(options.seed, &reality);
+    let outliers = outliers.map_err(|why| vec![why])?;
+    for spec in tolerances.iter().chain(&options.effects).chain(&outliers) {
         plant(spec, &mut reality).map_err(|why| vec![why])?;
     }
     let rest = at_rest(&reality, &measured)?;
     let exact = options.sigma == Some(0.0);
-    let read = Readings::new(&measured, &reality, &rest, options.seed, exact);
+    let read = Readings::new(&measured, &reality, &rest, options, exact);
     let mut truth = String::new();
-    for spec in &options.effects {
+    for spec in options.effects.iter().chain(&outliers) {
         truth += &spec.text;
         truth.push('\n');
+    }
+    let told = options.tolerances.told();
+    if !told.is_empty() {
+        truth += &format!("# tolerances: {told}\n");
+        for spec in &tolerances {
+            truth += &format!("{}\n", spec.text);
+        }
     }
     Ok(RigRun {
         files: study_folder::files(&study, &measured, &read, options),
@@ -256,11 +268,11 @@ fn channel_values(
     if count == 0 {
         return Ok(Vec::new());
     }
-    system.look(parameters, state, scratch)?;
+    let mut here = system.look(parameters, state, scratch)?;
     let first = model.requests.len() - count;
     let mut values = Vec::with_capacity(count);
     for k in 0..count {
-        let read = system.read_function((first + k, 1), parameters, state, scratch)?;
+        let read = here.read_function((first + k, 1))?;
         values.push(read.map_or(f64::NAN, |(value, _)| value));
     }
     Ok(values)

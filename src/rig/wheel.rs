@@ -1,4 +1,4 @@
-//! Camber and steer of the wheel as STUDY-FORMAT defines them.
+//! Camber and steer of the wheel as guide/study.md defines them.
 
 use super::settings::SpinAxis;
 use crate::mechanics::{Pose, Vec3};

@@ -39,7 +39,7 @@ pub(super) enum Item {
     Zeros(usize),
 }
 
-/// The columns of a run in the order of the values of a step (ADAMS-FORMATS 6.1, 12).
+/// The columns of a run in the order of the values of a step (guide/formats.md 6.1, 12).
 #[derive(Clone, Debug)]
 pub(super) struct Columns {
     /// The bodies; those with three freedoms have no angles.
@@ -247,37 +247,30 @@ impl Builder {
     }
 
     fn add_forces(&mut self, model: &Model) {
-        let mut add = |entity, word: &'static str, header: &crate::model::Header, angles| {
+        let mut add = |entity: EntityKind, word: &'static str, header: &crate::model::Header| {
             let item = Item::Element {
                 kind: word,
                 id: header.id,
-                angles,
+                angles: entity.has_angles(),
             };
             self.item(entity, &header.name, header.id, item);
         };
         for force in &model.sforces {
-            add(
-                EntityKind::SingleComponentForce,
-                "SFORCE",
-                &force.header,
-                false,
-            );
+            add(EntityKind::SingleComponentForce, "SFORCE", &force.header);
         }
         for spring in &model.springdampers {
             let entity = match spring.kind {
                 SpringKind::Translational => EntityKind::TranslationalSpringDamper,
                 SpringKind::Rotational => EntityKind::RotationalSpringDamper,
             };
-            add(entity, "SPRINGDAMPER", &spring.header, false);
+            add(entity, "SPRINGDAMPER", &spring.header);
         }
         for bushing in &model.bushings {
-            add(EntityKind::Bushing, "BUSHING", &bushing.header, true);
+            add(EntityKind::Bushing, "BUSHING", &bushing.header);
         }
-        for beam in &model.beams {
-            add(EntityKind::Beam, "BEAM", &beam.header, false);
-        }
-        for field in &model.fields {
-            add(EntityKind::Field, "FIELD", &field.header, true);
+        for force in &model.pair_forces {
+            let entity = EntityKind::of_law(force.law.entity);
+            add(entity, force.def.name, &force.header);
         }
         for force in &model.vector_forces {
             let (entity, word) = match force.kind {
@@ -285,7 +278,7 @@ impl Builder {
                 VectorForceKind::Vforce => (EntityKind::ForceVector, "VFORCE"),
                 VectorForceKind::Vtorque => (EntityKind::TorqueVector, "VTORQUE"),
             };
-            add(entity, word, &force.header, false);
+            add(entity, word, &force.header);
         }
         self.add_multi_point_forces(model);
         self.add_frictions(model);

@@ -1,3 +1,5 @@
+use std::path::Path;
+
 use crate::diagnostic::{Code, Diagnostic};
 
 /// What a command line in ADAMS' style asks for.
@@ -26,12 +28,13 @@ impl Launch {
     /// Reads the words after the program's name. The program's own name says nothing: shims and copies are called `mdi`,
     /// `mdi.bat`, `adams2024_1` and so on.
     ///
-    /// Forms in the wild (ADAMS-FORMATS 5.4): `-c ru-standard i run.acf exit`, `ru-s b run.acf`, `ru-standard stem`,
-    /// `ru-solver run.acf`, a bare `stem`, and nothing at all (commands on standard input). Words nobody knows (`n`, `-t 4`,
-    /// memory sizes) are skipped with a warning.
+    /// Forms in the wild (guide/formats.md 5.4): `-c ru-standard i run.acf exit`, `ru-s b run.acf`, `ru-standard stem`,
+    /// `ru-solver run.acf`, `acar ru-solver run.acf`, a bare `stem`, and nothing at all (commands on standard input). Words nobody
+    /// knows (`n`, `-t 4`, memory sizes) are skipped with a warning.
     ///
     /// # Errors
-    /// A form only a full ADAMS installation can run: `ru-user` (a user-written solver library) and products such as `acar`.
+    /// A form only a full ADAMS installation can run: `ru-user` (a user-written solver library), products such as `acar` without the
+    /// solver, and command files of ADAMS/View (`.cmd`).
     pub fn parse(words: &[String]) -> Result<Self, Diagnostic> {
         let mut warnings = Vec::new();
         let mut file: Option<String> = None;
@@ -44,6 +47,8 @@ impl Launch {
                 "exit" | "quit" => break,
                 "--help" | "-h" | "/?" => return Ok(Self::of(LaunchInput::Help)),
                 "--version" => return Ok(Self::of(LaunchInput::Version)),
+                // A product starts its solver: the word behind it says so.
+                _ if is_product(&lower) && words.peek().is_some_and(|next| is_run_word(&next.to_ascii_lowercase())) => {}
                 "acar" | "aview" | "acarrt" | "atruck" | "adriveline" | "amachinery"
                 | "achassis" | "aengine" | "arail" | "aflex" | "aplugin" | "ppt" | "python"
                 | "vibration" | "controls" | "durability" | "cr-user" | "cr-u"
@@ -77,6 +82,12 @@ impl Launch {
                         &value.map_or_else(|| word.to_string(), |value| format!("{word} {value}")),
                     ));
                 }
+                _ if file.is_none() && Path::new(&lower).extension().is_some_and(|e| e == "cmd") => {
+                    return Err(refused(
+                        word,
+                        "it is a command file of ADAMS/View; the solver runs command files that end in .acf",
+                    ));
+                }
                 _ if is_noise(&lower) || file.is_some() => warnings.push(skipped(word)),
                 _ => file = Some(word.to_string()),
             }
@@ -95,6 +106,54 @@ impl Launch {
             None => LaunchInput::StandardInput,
         };
         Ok(Self { input, warnings })
+    }
+
+    /// What lines of standard input ask for that answer the menus of the launcher: `ru-standard`, `i`, the command file, `exit`, one to
+    /// a line. `None` if they do not begin like that: then they are commands of the solver.
+    pub fn of_menu(text: &str) -> Option<Result<Self, Diagnostic>> {
+        let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+        let first = lines.next()?;
+        let known = |word: &str| {
+            let lower = unquote(word).to_ascii_lowercase();
+            is_run_word(&lower) || is_product(&lower) || lower.starts_with("ru-") || lower == "-c"
+        };
+        if !first.split_whitespace().next().is_some_and(known) {
+            return None;
+        }
+        let mut words: Vec<String> = first.split_whitespace().map(str::to_string).collect();
+        for line in lines {
+            // The name of a file may hold blanks.
+            let several = line.split_whitespace().next().is_some_and(known);
+            if several {
+                words.extend(line.split_whitespace().map(str::to_string));
+            } else {
+                words.push(line.to_string());
+            }
+        }
+        Some(Self::parse(&words))
+    }
+
+    /// The stem that messages of a launch get until a model names another: that of the command file among the words.
+    pub fn stem(words: &[String]) -> String {
+        let is_file = |word: &&str| {
+            let lower = word.to_ascii_lowercase();
+            [".acf", ".cmd"].iter().any(|end| lower.ends_with(end))
+        };
+        let named = match Self::parse(words).map(|launch| launch.input) {
+            Ok(LaunchInput::CommandFile(file)) => Some(file),
+            _ => words
+                .iter()
+                .map(|word| unquote(word))
+                .find(is_file)
+                .map(str::to_string),
+        };
+        let name = named
+            .as_deref()
+            .and_then(|name| name.rsplit(['/', '\\']).next());
+        let stem = name.map(|name| name.rsplit_once('.').map_or(name, |(stem, _)| stem));
+        stem.filter(|stem| !stem.is_empty())
+            .unwrap_or("adams")
+            .to_string()
     }
 
     fn of(input: LaunchInput) -> Self {
@@ -125,6 +184,27 @@ fn is_run_word(lower: &str) -> bool {
         && ["ru-standard", "ru-solver"]
             .iter()
             .any(|whole| whole.starts_with(lower))
+}
+
+/// Names of products whose word may stand before that of the solver.
+fn is_product(lower: &str) -> bool {
+    matches!(
+        lower,
+        "acar"
+            | "aview"
+            | "acarrt"
+            | "atruck"
+            | "adriveline"
+            | "amachinery"
+            | "achassis"
+            | "aengine"
+            | "arail"
+            | "aflex"
+            | "aplugin"
+            | "vibration"
+            | "controls"
+            | "durability"
+    )
 }
 
 /// Options of the launcher that carry a number.
@@ -181,7 +261,7 @@ mod tests {
 
     #[test]
     fn the_forms_in_the_wild_name_their_command_file() {
-        // ADAMS-FORMATS 5.4.
+        // guide/formats.md 5.4.
         for line in [
             &["-c", "ru-standard", "i", "run.acf", "exit"][..],
             &["ru-s", "b", "run.acf"],
@@ -191,6 +271,9 @@ mod tests {
             &["ru-solver", "run.acf"],
             &["RU-STANDARD", "I", "run.acf", "EXIT"],
             &["run.acf"],
+            &["acar", "ru-solver", "run.acf"],
+            &["aview", "ru-st", "b", "run.acf"],
+            &["-c", "ACAR", "RU-STANDARD", "I", "run.acf", "EXIT"],
         ] {
             assert_eq!(file(line), "run.acf", "{line:?}");
             assert!(parse(line).unwrap().warnings.is_empty(), "{line:?}");
@@ -242,11 +325,34 @@ mod tests {
     }
 
     #[test]
+    fn answers_to_menus_are_a_command_line_one_word_to_a_line() {
+        let menu = |text: &str| Launch::of_menu(text).map(|launch| launch.unwrap().input);
+        let run = Some(LaunchInput::CommandFile("my run.acf".into()));
+        assert_eq!(menu("ru-standard\ni\nmy run.acf\nexit\n"), run);
+        assert_eq!(menu("\r\nacar\r\nRU-SOLVER\r\nI\r\nmy run.acf\r\n"), run);
+        assert_eq!(menu("-c ru-s i\nmy run.acf\n"), run);
+        for commands in [
+            "file/model=a\nsimulate/statics\n",
+            "a\na\nSTOP\n",
+            "",
+            "! a comment\n",
+        ] {
+            assert_eq!(menu(commands), None, "{commands}");
+        }
+        assert!(
+            Launch::of_menu("ru-user\ni\nlib\nrun.acf\n")
+                .unwrap()
+                .is_err()
+        );
+    }
+
+    #[test]
     fn user_libraries_and_other_products_are_refused_by_name() {
         for line in [
             &["-c", "ru-user", "i", "my.so", "run.acf", "exit"][..],
-            &["acar", "ru-solver", "run.acf"],
             &["acar", "ru-acar", "b", "x.cmd"],
+            &["aview", "ru-st", "b", "x.cmd"],
+            &["acar", "run.acf"],
             &["ru-u", "lib", "run.acf"],
             &["ru-acar", "x.acf"],
         ] {

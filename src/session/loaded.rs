@@ -1,5 +1,5 @@
 use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
-use crate::model::Model;
+use crate::model::{Ignore, Model, said_left_out};
 use crate::statics::Solver;
 use crate::syntax::expression::Node;
 use crate::syntax::{Address, Argument, Dataset, Statement, Value};
@@ -18,11 +18,15 @@ pub(super) struct Loaded {
     pub outputs: Outputs,
     /// The redundant constraints that were last told of.
     pub said_redundant: Option<Vec<String>>,
+    /// The part that moves most in the instability that was last told of.
+    pub said_unstable: Option<usize>,
     /// The limit of iterations was told of.
     pub said_iterations: bool,
     /// The free motions that were last told of.
     pub said_free: Option<Vec<String>>,
     pub(super) compiled: Option<Compiled>,
+    /// What may be left out of the model.
+    ignored: Vec<Ignore>,
     /// Where the model was before it is compiled anew.
     before: Option<State>,
 }
@@ -33,6 +37,8 @@ pub(super) struct Compiled {
     pub parameters: Parameters,
     pub state: State,
     pub solver: Solver,
+    /// Why the equations are not the model's, if so.
+    pub errors: Vec<Diagnostic>,
 }
 
 impl Compiled {
@@ -53,7 +59,12 @@ impl Compiled {
 
 impl Loaded {
     /// Reads a dataset. The model can be used if no complaint is an error.
-    pub fn read(source: Source, outputs: Outputs, policy: &FilePolicy) -> Checked<Self> {
+    pub fn read(
+        source: Source,
+        outputs: Outputs,
+        policy: &FilePolicy,
+        ignored: &[Ignore],
+    ) -> Checked<Self> {
         let parsed = Dataset::parse(source);
         let folder = folder_of(parsed.value.source());
         let files = read_files(&parsed.value, &folder, policy);
@@ -68,9 +79,11 @@ impl Loaded {
                 model: lowered.value,
                 outputs,
                 said_redundant: None,
+                said_unstable: None,
                 said_iterations: false,
                 said_free: None,
                 compiled: None,
+                ignored: ignored.to_vec(),
                 before: None,
             },
             diagnostics,
@@ -179,12 +192,22 @@ impl Loaded {
         Ok(())
     }
 
-    /// The equations of the model as it is now, at the state where it stands, and what the compilation complains about.
+    /// The equations of the model as it is now, at the state where it stands, and what a new compilation warns of.
     pub fn compiled(&mut self) -> Checked<&mut Compiled> {
         let mut diagnostics = Vec::new();
         let compiled = self.compiled.get_or_insert_with(|| {
+            let left_out = self.model.leave_out(&self.ignored);
+            diagnostics.extend(
+                left_out
+                    .iter()
+                    .map(|(kind, header)| said_left_out(kind, header)),
+            );
             let checked = System::compile(&self.model);
-            diagnostics = checked.diagnostics;
+            let (errors, warnings): (Vec<_>, Vec<_>) = checked
+                .diagnostics
+                .into_iter()
+                .partition(|diagnostic| diagnostic.severity == Severity::Error);
+            diagnostics.extend(warnings);
             let system = checked.value;
             let mut state = system.state();
             if let Some(before) = self.before.take() {
@@ -200,6 +223,7 @@ impl Loaded {
                 solver: Solver::new(&system),
                 system,
                 state,
+                errors,
             }
         });
         Checked {

@@ -2,10 +2,12 @@ use std::io::{BufWriter, Read};
 use std::path::Path;
 use std::process::ExitCode;
 
+use crate::diagnostic::{Code, Diagnostic};
+use crate::model::Ignore;
 use crate::text::Source;
 
 use super::launcher::{Launch, LaunchInput};
-use super::run::{Ending, Session};
+use super::run::{EXIT_CODES, Ending, Session};
 
 const HELP: &str = "\
 mdi: solves ADAMS datasets for static equilibrium, with ADAMS' own command line
@@ -13,11 +15,14 @@ mdi: solves ADAMS datasets for static equilibrium, with ADAMS' own command line
   mdi -c ru-standard i run.acf exit     executes the command file run.acf
   mdi ru-s b run.acf                    the same
   mdi ru-standard stem                  executes stem.acf
+  mdi acar ru-solver run.acf            the same as mdi ru-solver run.acf
   mdi < commands                        executes the commands on standard input
 
 Files are written in the working directory under the prefix that FILE/MODEL or the first lines of the command file give.
-Environment: MDI_STRICT=1 exits with 1 for errors in the input, 2 for files, 3 for a failed simulation, where ADAMS exits
-with 0; ADMIRE_ALLOW_PATH lists further folders that may be written.
+Environment: MDI_STRICT=1 exits with 3 where an equilibrium was not found; ADMIRE_ALLOW_PATH lists further folders that may be
+written; ADMIRE_IGNORE=CONTACT,FRICTION/3 leaves out statements that are not solved, where a simulation would be refused.
+
+Exit codes:
 ";
 
 /// Runs `mdi`, under whatever name, on the arguments of the process.
@@ -27,17 +32,39 @@ pub fn mdi() -> ExitCode {
         .map(|word| word.to_string_lossy().into_owned())
         .collect();
     let console = || Box::new(BufWriter::with_capacity(1 << 16, std::io::stdout().lock()));
-    let launch = match Launch::parse(&words) {
-        Ok(launch) => launch,
-        Err(refusal) => {
-            let mut session = Session::new(console(), Path::new(""));
-            session.complain(&refusal);
-            return ExitCode::from(2);
-        }
+    let refuse = |refusal: &Diagnostic, words: &[String]| {
+        let mut session = Session::new(console(), Path::new(""));
+        session.complain(refusal);
+        session.refuse(&Launch::stem(words));
+        ExitCode::from(2)
     };
+    let mut stem = Launch::stem(&words);
+    let mut launch = match Launch::parse(&words) {
+        Ok(launch) => launch,
+        Err(refusal) => return refuse(&refusal, &words),
+    };
+    let mut bytes = Vec::new();
+    if launch.input == LaunchInput::StandardInput {
+        // What could be read is executed.
+        let _ = std::io::stdin().read_to_end(&mut bytes);
+        let text = String::from_utf8_lossy(&bytes).into_owned();
+        match Launch::of_menu(&text) {
+            None => {}
+            Some(Ok(answered)) => {
+                if let LaunchInput::CommandFile(file) = &answered.input {
+                    stem = Launch::stem(std::slice::from_ref(file));
+                }
+                launch = answered;
+            }
+            Some(Err(refusal)) => {
+                let words: Vec<String> = text.lines().map(str::to_string).collect();
+                return refuse(&refusal, &words);
+            }
+        }
+    }
     let name = match launch.input {
         LaunchInput::Help => {
-            print!("{HELP}");
+            print!("{HELP}{EXIT_CODES}");
             return ExitCode::SUCCESS;
         }
         LaunchInput::Version => {
@@ -47,16 +74,24 @@ pub fn mdi() -> ExitCode {
         LaunchInput::CommandFile(name) => Some(name),
         LaunchInput::StandardInput => None,
     };
-    let mut session = Session::new(console(), Path::new(""));
+    let ignored = std::env::var("ADMIRE_IGNORE").unwrap_or_default();
+    let ignored = match Ignore::parse(&ignored) {
+        Ok(ignored) => ignored,
+        Err(why) => {
+            let message = format!("ADMIRE_IGNORE: {why}");
+            let refusal = Diagnostic::error(Code::LauncherRefused, message);
+            return refuse(&refusal, &words);
+        }
+    };
+    let mut session = Session::new(console(), Path::new(""))
+        .named(&stem)
+        .ignoring(ignored);
     for warning in &launch.warnings {
         session.complain(warning);
     }
     let ending: Ending = if let Some(name) = name {
         session.run_file(&name)
     } else {
-        let mut bytes = Vec::new();
-        // What could be read is executed.
-        let _ = std::io::stdin().read_to_end(&mut bytes);
         session.run_commands(&Source::new("standard input", bytes))
     };
     let strict =

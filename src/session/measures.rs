@@ -3,7 +3,9 @@ use std::collections::BTreeMap;
 use crate::mechanics::{Mat3, Pose, Vec3, euler313, psi_theta_phi};
 use crate::model::{ArrayKind, MarkerIx, Model, RequestKind};
 use crate::results::EntityKind;
-use crate::system::{ConstraintIx, ElementIx, Parameters, Reading, Scratch, State, System};
+use crate::system::{
+    Configuration, ConstraintIx, ElementIx, Parameters, Reading, Scratch, State, System,
+};
 
 use super::columns::{Columns, Item};
 
@@ -24,7 +26,7 @@ impl<'s> Measures<'s> {
     pub fn new(system: &'s System, parameters: &'s Parameters, state: &'s State) -> Self {
         let mut scratch = Scratch::new(system);
         // Functions without a value make the elements they drive zero.
-        let _ = system.look(parameters, state, &mut scratch);
+        let _ = system.at(parameters, state, &mut scratch).look();
         Self {
             system,
             parameters,
@@ -41,27 +43,24 @@ impl<'s> Measures<'s> {
         }
     }
 
+    /// The state, looked at.
+    fn here(&mut self) -> Configuration<'_> {
+        let scratch = &mut self.scratch;
+        self.system.at(self.parameters, self.state, scratch)
+    }
+
     fn element(&mut self, kind: &'static str, id: u32) -> Option<Reading> {
         let element = *self.elements.get(&(kind, id))?;
-        self.system
-            .read_element(self.parameters, self.state, &mut self.scratch, element)
-            .ok()
+        self.here().read_element(element).ok()
     }
 
     fn constraint(&mut self, kind: &'static str, id: u32) -> Option<Reading> {
         let constraint = *self.constraints.get(&(kind, id))?;
-        Some(self.system.read_constraint(
-            self.parameters,
-            self.state,
-            &mut self.scratch,
-            constraint,
-        ))
+        Some(self.here().read_constraint(constraint))
     }
 
     fn multi(&mut self, id: u32) -> Vec<Reading> {
-        self.system
-            .read_nforce(id, self.parameters, self.state, &mut self.scratch)
-            .unwrap_or_default()
+        self.here().read_nforce(id).unwrap_or_default()
     }
 
     /// x, then y = C x + D u.
@@ -108,16 +107,8 @@ impl<'s> Measures<'s> {
         if !request.header.active {
             return [0.0; 8];
         }
-        let mut values = self
-            .system
-            .read_request(
-                request,
-                index,
-                self.parameters,
-                self.state,
-                &mut self.scratch,
-            )
-            .unwrap_or_default();
+        let read = self.here().read_request(request, index);
+        let mut values = read.unwrap_or_default();
         let output = &model.output;
         let smallest = match &request.kind {
             RequestKind::Displacement { .. } => {
@@ -139,7 +130,7 @@ impl<'s> Measures<'s> {
     }
 }
 
-/// YAW, PITCH, ROLL of R = Rz(a) Ry(b) Rx(c): a, -b, c (ADAMS-FORMATS 4.4).
+/// YAW, PITCH, ROLL of R = Rz(a) Ry(b) Rx(c): a, -b, c (guide/formats.md 4.4).
 fn yaw_pitch_roll(R: &Mat3) -> [f64; 3] {
     [
         R[(1, 0)].atan2(R[(0, 0)]),
@@ -229,10 +220,7 @@ impl Columns {
             Item::Condition(id, marker) => {
                 let (force, torque) = marker.map_or_else(
                     || (Vec3::zeros(), Vec3::zeros()),
-                    |marker| {
-                        let (system, state) = (measures.system, measures.state);
-                        system.read_condition(*id, marker, state, &measures.scratch)
-                    },
+                    |marker| measures.here().read_condition(*id, marker),
                 );
                 values.extend(force.iter());
                 values.extend(torque.iter());

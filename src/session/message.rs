@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::results::Timestamp;
+use crate::text::printable;
 
 use super::located::{Sources, located};
 use super::outputs::emptied;
@@ -12,12 +13,14 @@ use super::outputs::emptied;
 /// What a run says, on standard output and in the `.msg` file alike.
 ///
 /// The `.msg` file gets its name from the first FILE/MODEL command; what was said before is kept for it. The lines that
-/// scripts look for are those of ADAMS-FORMATS 6.5. A message file that cannot be written does not stop a run.
+/// scripts look for are those of guide/formats.md 6.5. A message file that cannot be written does not stop a run.
 pub struct Messages<'a> {
     console: Box<dyn Write + 'a>,
     file: Option<BufWriter<File>>,
     path: Option<PathBuf>,
     pending: Vec<u8>,
+    /// Why the file could not be written to its end.
+    error: Option<String>,
 }
 
 impl<'a> Messages<'a> {
@@ -28,6 +31,7 @@ impl<'a> Messages<'a> {
             file: None,
             path: None,
             pending: Vec::new(),
+            error: None,
         };
         messages.banner(directory);
         messages
@@ -51,13 +55,19 @@ impl<'a> Messages<'a> {
         Ok(())
     }
 
+    /// True once a file has been opened.
+    pub fn is_open(&self) -> bool {
+        self.file.is_some()
+    }
+
     /// Says text as it is.
     pub fn say(&mut self, text: &str) {
         // Nobody may be listening: a closed pipe is not a failure of the run.
-        let _ = self.console.write_all(text.as_bytes());
+        let _ = self.console.write_all(printable(text).as_bytes());
         match &mut self.file {
             Some(file) => {
-                let _ = file.write_all(text.as_bytes());
+                let written = file.write_all(text.as_bytes());
+                self.note(written);
             }
             None => self.pending.extend_from_slice(text.as_bytes()),
         }
@@ -67,8 +77,27 @@ impl<'a> Messages<'a> {
     pub fn flush(&mut self) {
         let _ = self.console.flush();
         if let Some(file) = &mut self.file {
-            let _ = file.flush();
+            let flushed = file.flush();
+            self.note(flushed);
         }
+    }
+
+    fn note(&mut self, written: io::Result<()>) {
+        if let (Err(error), Some(path)) = (written, &self.path) {
+            self.error
+                .get_or_insert_with(|| format!("`{}` cannot be written: {error}", path.display()));
+        }
+    }
+
+    /// Why the file could not be written to its end, if that is so.
+    pub fn unwritten(&self) -> Option<String> {
+        self.error.clone()
+    }
+
+    /// The very last line.
+    pub fn last(&mut self, text: &str) {
+        self.say(&format!("{text}\n"));
+        self.flush();
     }
 
     fn banner(&mut self, directory: &Path) {
@@ -83,6 +112,11 @@ impl<'a> Messages<'a> {
             String::new(),
             format!("{:^75}", concat!("admire ", env!("CARGO_PKG_VERSION"))),
             format!("{:^75}", "static equilibrium of ADAMS datasets"),
+            // Readers tell by this line whose form the messages have.
+            format!(
+                "{:^75}",
+                "messages in the form of the A d a m s   C++   S o l v e r"
+            ),
             String::new(),
             format!("  Local Time: {} UTC", Timestamp::now().date_time()),
             format!(" Current dir: {}", here.display()),
@@ -169,11 +203,18 @@ impl<'a> Messages<'a> {
         self.say("\n  End Simulation\n");
     }
 
-    /// The last lines of a run.
+    /// The last lines of a run, as ADAMS prints them.
     pub fn finished(&mut self, elapsed: std::time::Duration) {
+        let cpu = cpu_time::ProcessTime::try_now().map_or(elapsed, |now| now.as_duration());
+        let (elapsed, cpu) = (elapsed.as_secs_f64(), cpu.as_secs_f64());
+        // A run of no time has no load.
+        let load = if elapsed > 0.0 {
+            100.0 * cpu / elapsed
+        } else {
+            100.0
+        };
         self.say(&format!(
-            "\n\nFinished -----\nElapsed time = {:.2}s\n",
-            elapsed.as_secs_f64()
+            "\n\nFinished -----\nElapsed time = {elapsed:.2}s,  CPU time = {cpu:.2}s,  {load:.2}%\n"
         ));
         self.flush();
     }
@@ -222,7 +263,7 @@ mod tests {
         assert_eq!(file, String::from_utf8(console).unwrap());
         assert!(file.contains("\n command: FILE/MODEL=run\n\n-----"));
         assert!(file.contains(&format!("|{:35}A title{:35}|\n", "", "")));
-        // ADAMS-FORMATS 6.5.
+        // guide/formats.md 6.5.
         assert!(file.contains("  Static Solution converged in 63 iterations\n  Residual imbalance is less than 4.64042E-01\n"));
     }
 }

@@ -4,6 +4,7 @@
 
 mod columns;
 mod files;
+mod harmless;
 mod launcher;
 mod loaded;
 mod located;

@@ -37,6 +37,8 @@ pub(super) struct Outputs {
     values: Vec<f64>,
     /// Time of the last step written, until something is redefined.
     pub last: Option<f64>,
+    /// A simulation had no answer: the results are not called successful.
+    pub failed: bool,
 }
 
 /// The tables of `.out`, written request by request, so that their rows have to be kept.
@@ -76,6 +78,7 @@ impl Outputs {
             tables: None,
             values: Vec::new(),
             last: None,
+            failed: false,
         })
     }
 
@@ -275,8 +278,9 @@ impl Outputs {
     pub fn finish(&mut self) -> Result<(), Diagnostic> {
         if let Some((writer, _)) = self.results.take() {
             let path = with_extension(&self.prefix, "res");
+            // How ADAMS calls the end of a run that failed is not known; readers look for `Successful`.
             writer
-                .finish("Successful")
+                .finish(if self.failed { "Failed" } else { "Successful" })
                 .map_err(|error| cannot_write(&path, &error))?;
         }
         if let Some(mut tables) = self.tables.take() {

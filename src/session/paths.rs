@@ -5,7 +5,7 @@ use crate::diagnostic::{Checked, Code, Diagnostic};
 /// The file that a dataset, a command file or a command line names, looked up in `folders` in their order.
 ///
 /// Quotes and blanks around the name are dropped, backslashes separate folders, `.{extension}` is added where it is missing
-/// (ADAMS-FORMATS 5.1). What only differs in upper and lower case is found with a warning, and so is the base name of a path
+/// (guide/formats.md 5.1). What only differs in upper and lower case is found with a warning, and so is the base name of a path
 /// of another computer (a drive letter, or a folder that is not here).
 pub fn find_file(
     written: &str,
@@ -38,20 +38,59 @@ pub fn find_file(
         let base = spelled.file_name().map(PathBuf::from).unwrap_or_default();
         for candidate in &with_extension(&base, extension) {
             let paths = all(candidate);
-            let here = paths.iter().find(|path| path.is_file()).cloned();
-            if let Some(path) = here.or_else(|| paths.iter().find_map(|p| ignoring_case(p))) {
-                let warning = Diagnostic::warning(
-                    Code::ForeignPath,
-                    format!("`{written}` does not exist; `{}` is used", path.display()),
-                );
-                return Checked {
-                    value: Some(path),
-                    diagnostics: vec![warning],
-                };
+            let mut here: Vec<&PathBuf> = paths.iter().filter(|path| path.is_file()).collect();
+            let others: Vec<PathBuf> = paths.iter().filter_map(|p| ignoring_case(p)).collect();
+            if here.is_empty() {
+                here.extend(&others);
+            }
+            if !here.is_empty() {
+                return in_place_of(written, &here);
             }
         }
     }
     Checked::clean(None)
+}
+
+/// The one file of the same name that is here, with a warning; several are refused.
+fn in_place_of(written: &str, here: &[&PathBuf]) -> Checked<Option<PathBuf>> {
+    let whole = |path: &PathBuf| std::fs::canonicalize(path).unwrap_or_else(|_| path.clone());
+    let mut found: Vec<PathBuf> = here.iter().map(|path| whole(path)).collect();
+    found.sort();
+    found.dedup();
+    let written = written.trim();
+    let (value, diagnostic) = match found.as_slice() {
+        [one] => (
+            Some(here[0].clone()),
+            Diagnostic::warning(
+                Code::ForeignPath,
+                format!(
+                    "`{}` is read in place of `{written}`, which does not exist",
+                    one.display()
+                ),
+            ),
+        ),
+        several => {
+            let names: Vec<String> = several
+                .iter()
+                .map(|p| format!("`{}`", p.display()))
+                .collect();
+            let refusal = Diagnostic::error(
+                Code::ForeignPath,
+                format!(
+                    "`{written}` does not exist, and several files could be meant: {}",
+                    names.join(", ")
+                ),
+            );
+            (
+                None,
+                refusal.help("write the path of the one that is meant"),
+            )
+        }
+    };
+    Checked {
+        value,
+        diagnostics: vec![diagnostic],
+    }
 }
 
 /// A file name as this computer spells it: no quotes around it, and on a Unix-like computer `/` for `\` and no drive letter.

@@ -2,9 +2,11 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::model::Ignore;
 use crate::syntax::{CommandFile, Statement};
 use crate::text::{Source, read_at_most};
 
+use super::harmless::{asks_for_results, is_harmless, is_in, place_in_file};
 use super::loaded::{Loaded, as_error};
 use super::located::Sources;
 use super::message::Messages;
@@ -38,25 +40,38 @@ pub struct Ending {
     pub stop: Stop,
     /// Commands that could not be understood.
     pub misunderstood: usize,
-    /// Commands that ADAMS executes and this solver does not.
+    /// Commands and simulations that ADAMS executes and this solver does not.
     pub refused: usize,
     /// Simulations without an answer.
     pub failed: usize,
 }
 
+/// What `mdi` ends with, for `mdi --help`; the page `drop_in` of the guide has the same table.
+pub const EXIT_CODES: &str = "\
+  what happened                                                            code  MDI_STRICT=1  runStatus in .res
+  all commands executed, equilibrium found                                   0        0        Successful
+  harmless and ignored (SHOW, EXIT, an id that is not in the dataset)        0        0        Successful
+  no equilibrium was found; the commands went on                             0        3        Failed
+  the same, and PREFERENCES/SIMFAIL=STOPCF ended them                        3        3        Failed
+  this solver lacks it: an active CONTACT, tyre, user subroutine; dynamics   1        1        Failed
+  a command cannot be understood                                             1        1        as the simulations
+  the dataset has errors                                                     1        1        no results
+  the command line is wrong; a file cannot be read or written                2        2        none, or cut short
+";
+
 impl Ending {
     /// The exit code of the process.
     ///
     /// As ADAMS does, 0 when the end was reached, even if a static solution failed on the way: funnels of static solutions
-    /// count on it. A command that cannot be understood means that the command file cannot be read, hence 1. With `strict`
-    /// the house codes: 1 errors in the input, 2 files, 3 no equilibrium.
+    /// count on it; with `strict` that is 3. What ADAMS would have solved or understood and this solver did not is 1 with and
+    /// without: ADAMS would not have failed. See [`EXIT_CODES`].
     pub fn exit_code(&self, strict: bool) -> u8 {
         match self.stop {
             Stop::File => 2,
             Stop::Model => 1,
             Stop::Simulation => 3,
+            Stop::Finished if self.misunderstood > 0 || self.refused > 0 => 1,
             Stop::Finished if strict && self.failed > 0 => 3,
-            Stop::Finished if self.misunderstood > 0 || strict && self.refused > 0 => 1,
             Stop::Finished => 0,
         }
     }
@@ -73,7 +88,13 @@ pub struct Session<'a> {
     pub(super) loaded: Option<Loaded>,
     pub(super) kept: Kept,
     stop_on_failure: bool,
+    /// What may be left out of the models.
+    ignored: Vec<Ignore>,
+    /// Why the first file could not be written, for the last line.
+    unwritten: Option<String>,
     ending: Ending,
+    /// The stem of the message file of a run that reads no model.
+    stem: Option<String>,
 }
 
 /// What executing a command leads to; `Err` ends the run.
@@ -91,12 +112,15 @@ impl<'a> Session<'a> {
             loaded: None,
             kept: Kept::default(),
             stop_on_failure: false,
+            ignored: Vec::new(),
+            unwritten: None,
             ending: Ending {
                 stop: Stop::Finished,
                 misunderstood: 0,
                 refused: 0,
                 failed: 0,
             },
+            stem: None,
         }
     }
 
@@ -108,6 +132,38 @@ impl<'a> Session<'a> {
         }
         self.policy.confine();
         self
+    }
+
+    /// Leaves statements out of the models that are not solved; each is said where it would have acted.
+    #[must_use]
+    pub fn ignoring(mut self, ignored: Vec<Ignore>) -> Self {
+        self.ignored = ignored;
+        self
+    }
+
+    /// Gives the message file a stem for runs that read no model: whoever waits for its last lines finds them.
+    #[must_use]
+    pub fn named(mut self, stem: &str) -> Self {
+        self.stem = Some(stem.to_string());
+        self
+    }
+
+    /// Ends a launch that was refused: its message file has the last lines of any run.
+    pub fn refuse(self, stem: &str) {
+        let start = std::time::Instant::now();
+        self.named(stem).finish(Err(Stop::File), start);
+    }
+
+    /// Opens the message file of a run that has read no model.
+    fn open_messages(&mut self) {
+        let Some(stem) = self.stem.take().filter(|_| !self.messages.is_open()) else {
+            return;
+        };
+        let path = self.directory.join(format!("{stem}.msg"));
+        if self.policy.check(&path).is_ok() {
+            // Without it the console has it all.
+            let _ = self.messages.open(&path);
+        }
     }
 
     /// Says a complaint that came up before any command.
@@ -137,7 +193,17 @@ impl<'a> Session<'a> {
         if let Err(stop) = self.close_model() {
             self.ending.stop = stop;
         }
+        self.open_messages();
         self.messages.finished(start.elapsed());
+        if let Some(error) = self.messages.unwritten() {
+            self.ending.stop = Stop::File;
+            self.unwritten.get_or_insert(error);
+        }
+        if let Some(why) = &self.unwritten {
+            // Whoever looks at the end only, as scripts do, must not take empty files for a run without results.
+            self.messages
+                .last(&format!("The run is not complete: {why}"));
+        }
         self.ending
     }
 
@@ -145,8 +211,7 @@ impl<'a> Session<'a> {
         if let Some(mut loaded) = self.loaded.take()
             && let Err(diagnostic) = loaded.outputs.finish()
         {
-            self.complain(&diagnostic);
-            return Err(Stop::File);
+            return self.unwritable(&diagnostic);
         }
         Ok(())
     }
@@ -159,10 +224,14 @@ impl<'a> Session<'a> {
         place: Option<Place<'_>>,
     ) -> Result<(Source, PathBuf), Stop> {
         let found = find_file(written, extension, &self.folders);
+        let refused = found.has_errors();
         for diagnostic in found.diagnostics {
             self.complain(&place.label(diagnostic));
         }
         let Some(path) = found.value else {
+            if refused {
+                return Err(Stop::File);
+            }
             let missing = Diagnostic::error(
                 Code::CannotRead,
                 format!("there is no file `{written}`, with or without `.{extension}`"),
@@ -248,12 +317,31 @@ impl<'a> Session<'a> {
             self.model_file(&model, prefix.as_deref(), place)?;
         }
         for line in file.lines() {
-            self.messages.command(&source.text(line.echo));
+            let text = source.text(line.echo);
+            self.messages.command(&text);
+            // The last word on a command line of `mdi`; some scripts write it into the file too.
+            if ["exit", "quit"]
+                .iter()
+                .any(|word| text.trim().eq_ignore_ascii_case(word))
+            {
+                return Ok(());
+            }
             let mut broken: Vec<usize> = Vec::new();
             while let Some(complaint) =
                 complaints.next_if(|complaint| place_in_file(complaint) <= line.echo.end())
             {
-                let complaint = as_error(complaint);
+                let mut complaint = as_error(complaint);
+                let commands = &file.commands()[line.commands.clone()];
+                if let Some(command) = commands.iter().find(|command| is_in(command, &complaint))
+                    && is_harmless(command.kind())
+                {
+                    // What only prints changes no answer, whatever is wrong with it.
+                    complaint.severity = complaint.severity.min(Severity::Warning);
+                }
+                if complaint.code == Code::UnknownStatement && asks_for_results(&complaint, source)
+                {
+                    complaint.severity = complaint.severity.min(Severity::Warning);
+                }
                 self.complain(&complaint);
                 if complaint.severity == Severity::Error {
                     broken.push(place_in_file(&complaint));
@@ -329,9 +417,7 @@ impl<'a> Session<'a> {
                 self.messages.say(&format!("  Time = {now}\n"));
                 Ok(())
             }
-            // What only prints or concerns other analyses changes nothing here.
-            "INFO" | "SHOW" | "HELP" | "MENU" | "ENVIRONMENT" | "DEBUG" | "INTEGRATOR"
-            | "LSOLVER" | "IC" | "KINEMATICS" => Ok(()),
+            kind if is_harmless(Some(kind)) => Ok(()),
             _ => self.redefine(command, source),
         }
     }
@@ -354,10 +440,7 @@ impl<'a> Session<'a> {
         });
         let outputs = match Outputs::prepare(prefix, &self.policy) {
             Ok(outputs) => outputs,
-            Err(diagnostic) => {
-                self.complain(&place.label(diagnostic));
-                return Err(Stop::File);
-            }
+            Err(diagnostic) => return self.unwritable(&place.label(diagnostic)),
         };
         let path = outputs.message_file();
         if let Err(error) = self.messages.open(&path) {
@@ -368,7 +451,7 @@ impl<'a> Session<'a> {
             self.complain(&unwritable);
         }
         let (source, _) = self.read(written, "adm", place)?;
-        let loaded = Loaded::read(source, outputs, &self.policy);
+        let loaded = Loaded::read(source, outputs, &self.policy, &self.ignored);
         let mut errors = 0;
         for diagnostic in &loaded.diagnostics {
             errors += usize::from(diagnostic.severity == Severity::Error);
@@ -423,17 +506,23 @@ impl<'a> Session<'a> {
         Ok(())
     }
 
-    /// Says that a command is left out; the run goes on.
+    /// Says that a command is left out; the run goes on, and its results are not called successful.
     #[allow(clippy::unnecessary_wraps)] // Every command ends in a Flow.
     pub(super) fn refused(&mut self, diagnostic: Diagnostic, place: Option<Place<'_>>) -> Flow {
         self.complain(&place.label(diagnostic));
         self.ending.refused += 1;
+        if let Some(loaded) = &mut self.loaded {
+            loaded.outputs.failed = true;
+        }
         Ok(())
     }
 
     /// Counts a simulation without an answer, and ends the run if PREFERENCES says so.
     pub(super) fn simulation_failed(&mut self) -> Flow {
         self.ending.failed += 1;
+        if let Some(loaded) = &mut self.loaded {
+            loaded.outputs.failed = true;
+        }
         if self.stop_on_failure {
             self.messages.frame(
                 "ERROR",
@@ -447,6 +536,7 @@ impl<'a> Session<'a> {
     /// Says that an output file cannot be written, and ends the run.
     pub(super) fn unwritable(&mut self, diagnostic: &Diagnostic) -> Flow {
         self.complain(diagnostic);
+        self.unwritten.get_or_insert(diagnostic.message.clone());
         Err(Stop::File)
     }
 }
@@ -472,13 +562,6 @@ impl Locate for Option<Place<'_>> {
             _ => diagnostic,
         }
     }
-}
-
-fn place_in_file(diagnostic: &Diagnostic) -> usize {
-    diagnostic
-        .labels
-        .first()
-        .map_or(0, |label| label.span.start())
 }
 
 /// The base name of a model: what its output files are called unless a prefix is given.

@@ -51,20 +51,19 @@ impl Loaded {
         } = compiled;
         let mut scratch = Scratch::new(system);
         // A function without a value fires nothing.
-        let _ = system.look(parameters, state, &mut scratch);
+        let _ = system.at(parameters, state, &mut scratch).look();
         for (index, sensor) in model.sensors.iter().enumerate() {
             if !sensor.header.active {
                 continue;
             }
-            let Ok(value) = system.read_sensor(index, parameters, state, &mut scratch) else {
+            let mut here = system.at(parameters, state, &mut scratch);
+            let Ok(value) = here.read_sensor(index) else {
                 continue;
             };
             if !sensor.fires(value) {
                 continue;
             }
-            if let Ok(Some(kept)) =
-                system.read_sensor_evaluate(index, parameters, state, &mut scratch)
-            {
+            if let Ok(Some(kept)) = here.read_sensor_evaluate(index) {
                 state.sensors[index] = kept;
             }
             let what = match (sensor.halts, sensor.stops) {

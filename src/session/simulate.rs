@@ -36,7 +36,7 @@ pub(super) struct OutputTimes {
 }
 
 impl OutputTimes {
-    /// The time of output k, from 1 to `count`: `t0 + k (end - t0) / count`, or `t0 + k DTOUT` (ADAMS-FORMATS 5.3).
+    /// The time of output k, from 1 to `count`: `t0 + k (end - t0) / count`, or `t0 + k DTOUT` (guide/formats.md 5.3).
     pub fn at(&self, k: usize) -> f64 {
         if k >= self.count {
             return self.end;

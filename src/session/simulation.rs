@@ -1,7 +1,7 @@
-use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::diagnostic::{Code, Diagnostic};
 use crate::model::Model;
 use crate::results::StepKind;
-use crate::statics::{Report, Settings, SolveError};
+use crate::statics::{Report, Settings, Softest, SolveError};
 use crate::syntax::Statement;
 use crate::text::Source;
 use std::fmt::Write as _;
@@ -10,24 +10,21 @@ use super::loaded::{Compiled, Loaded};
 use super::measures::Measures;
 use super::message::exponent;
 use super::outputs::Outputs;
-use super::run::{Flow, Place, Session, Stop};
+use super::run::{Flow, Locate, Place, Session, Stop};
 use super::sensing::Sensed;
 use super::simulate::{Analysis, OutputTimes};
 
-/// How a lone SIMULATE/STATICS is written. Whether ADAMS writes `static` or `quasiStatic` is not known (ADAMS-FORMATS 12);
+/// How a lone SIMULATE/STATICS is written. Whether ADAMS writes `static` or `quasiStatic` is not known (guide/formats.md 12);
 /// readers in the wild look for `quasiStatic`.
 const LONE_STATIC: StepKind = StepKind::QuasiStatic;
 
-/// MODE in functions (ADAMS-FORMATS 3.1).
+/// MODE in functions (guide/formats.md 3.1).
 const MODE_KINEMATIC: i32 = 1;
 const MODE_STATIC: i32 = 5;
 const MODE_QUASI_STATIC: i32 = 6;
 
 /// A time step that fails is halved at most so often.
 const HALVINGS: i32 = 8;
-
-/// MAXIT beyond this is as good as never: a command file may not hang the machine by a typing error.
-const MOST_ITERATIONS: usize = 20_000;
 
 /// Lines of the iteration table that are shown of a failed solution.
 const SHOWN: usize = 12;
@@ -47,25 +44,22 @@ impl Session<'_> {
             );
         };
         let now = loaded.time();
-        let iterations = loaded.model.equilibrium.maxit;
-        if iterations > MOST_ITERATIONS && !std::mem::replace(&mut loaded.said_iterations, true) {
-            let limited = Diagnostic::warning(
-                Code::LimitExceeded,
-                format!("MAXIT = {iterations} is taken as {MOST_ITERATIONS}"),
-            );
+        if let Some(limited) = Settings::limited(&loaded.model.equilibrium)
+            && !std::mem::replace(&mut loaded.said_iterations, true)
+        {
             self.complain(&limited);
         }
         let Some(loaded) = &mut self.loaded else {
             return Ok(());
         };
-        let diagnostics = loaded.compiled().diagnostics;
-        let unusable = diagnostics
-            .iter()
-            .any(|diagnostic| diagnostic.severity == Severity::Error);
-        for diagnostic in diagnostics {
-            self.complain(&diagnostic);
+        let compiled = loaded.compiled();
+        let errors = compiled.value.errors.clone();
+        for diagnostic in compiled.diagnostics.iter().chain(&errors) {
+            self.complain(diagnostic);
         }
-        if unusable {
+        let lacks =
+            |d: &Diagnostic| matches!(d.code, Code::NotSolvedNatively | Code::UserSubroutine);
+        if !errors.iter().all(lacks) {
             return Err(Stop::Model);
         }
         let analysis = match Analysis::of(command, source, now) {
@@ -76,6 +70,13 @@ impl Session<'_> {
         if begins && let Err(diagnostic) = self.model().begin_outputs() {
             return self.unwritable(&diagnostic);
         }
+        if begins && !errors.is_empty() {
+            let refusal = Diagnostic::error(
+                Code::NotSolvedNatively,
+                "this simulation is not executed: its answer would leave out what is named above",
+            );
+            return self.refused(refusal, Some(place));
+        }
         match analysis {
             Analysis::Static => self.lone_static(place),
             Analysis::QuasiStatic(times) => self.sequence(times, StepKind::QuasiStatic, place),
@@ -83,13 +84,14 @@ impl Session<'_> {
                 self.sequence(times, StepKind::Kinematic, place)
             }
             Analysis::Dynamic => self.refused(no_dynamics(), Some(place)),
-            Analysis::InitialConditions => self.refused(
-                Diagnostic::warning(
+            Analysis::InitialConditions => {
+                let harmless = Diagnostic::warning(
                     Code::CommandNotSupported,
                     "the model is not assembled by a command of its own: a static solution closes the joints",
-                ),
-                Some(place),
-            ),
+                );
+                self.complain(&Some(place).label(harmless));
+                Ok(())
+            }
         }
     }
 
@@ -100,6 +102,7 @@ impl Session<'_> {
             Ok(report) => {
                 self.remarks(&report);
                 self.messages.converged(report.iterations, report.imbalance);
+                self.warn_if_unstable();
                 self.write_step(LONE_STATIC)?;
                 let sensed = self.sense();
                 self.simulation_ended()?;
@@ -118,7 +121,7 @@ impl Session<'_> {
     }
 
     /// Equilibria, or positions of a model without freedoms, at the output times: the start first, unless its step was just
-    /// written (ADAMS-FORMATS 6.1: the joint time of two runs is not repeated).
+    /// written (guide/formats.md 6.1: the joint time of two runs is not repeated).
     fn sequence(&mut self, mut times: OutputTimes, kind: StepKind, place: Place<'_>) -> Flow {
         let (mode, what) = match kind {
             StepKind::Kinematic => (MODE_KINEMATIC, "Kinematic"),
@@ -143,6 +146,10 @@ impl Session<'_> {
                     }
                     self.messages
                         .simulation_step(time, report.iterations, report.imbalance);
+                    let cheap = Softest::is_cheap(&self.model().compiled().value.system);
+                    if cheap || k > times.count {
+                        self.warn_if_unstable();
+                    }
                     self.write_step(kind)?;
                     let sensed = self.sense();
                     halted = sensed.halts;
@@ -217,6 +224,7 @@ impl Session<'_> {
                 "-".repeat(73)
             );
             for equation in &report.redundant {
+                let equation = as_adams_names(equation);
                 _ = writeln!(text, "   -  deactivating constraint equation  {equation}");
             }
             self.messages.say(&(text + "\n"));
@@ -226,6 +234,28 @@ impl Session<'_> {
                 "Nothing resists these motions; they stay where they are:\n  {}",
                 free.join("\n  ")
             );
+            self.messages.frame("WARNING", &text);
+        }
+    }
+
+    /// Says that the equilibrium does not last, and which motion leads away from it, when that changes.
+    fn warn_if_unstable(&mut self) {
+        let loaded = self.model();
+        let time = loaded.time();
+        let compiled = loaded.compiled().value;
+        let (system, parameters, state) = (&compiled.system, &compiled.parameters, &compiled.state);
+        let unstable = Softest::unstable(system, parameters, state).ok().flatten();
+        let motion = unstable.as_ref().map(|softest| {
+            let motion = softest.described(system, parameters, state);
+            let motion = motion.unwrap_or_else(|| "the parts leave it".to_string());
+            let stiffness = exponent(softest.stiffness, 4);
+            format!("At the slightest push {motion}.\nThe smallest stiffness is {stiffness} force per length.")
+        });
+        // The stiffness changes from step to step, the motion seldom.
+        let key = unstable.map(|softest| softest.part(system));
+        let told = std::mem::replace(&mut loaded.said_unstable, key);
+        if let Some(motion) = motion.filter(|_| told != key) {
+            let text = format!("The equilibrium at time {time} is UNSTABLE.\n{motion}");
             self.messages.frame("WARNING", &text);
         }
     }
@@ -278,13 +308,13 @@ pub(super) struct Failure {
 impl Loaded {
     /// Finds the equilibrium at a time (the current one if none is given). The state stays as it was where there is none.
     fn solve(&mut self, time: Option<f64>, mode: i32) -> Result<Report, Failure> {
-        let mut settings = Settings::from(&self.model.equilibrium);
-        settings.maxit = settings.maxit.min(MOST_ITERATIONS);
+        let settings = Settings::from(&self.model.equilibrium);
         let Compiled {
             system,
             parameters,
             state,
             solver,
+            ..
         } = self.compiled().value;
         let (time_before, mode_before) = (state.time, state.mode);
         state.mode = mode;
@@ -353,6 +383,17 @@ impl Loaded {
         self.compiled();
         Some((&self.model, &mut self.outputs, self.compiled.as_mut()?))
     }
+}
+
+/// `Zi.Xj in JOINT/2 'crank_pin'` as ADAMS prints it: `Zi.Xj in model.crank_pin`. What has no view name is called `JOINT_2`.
+fn as_adams_names(equation: &str) -> String {
+    let (what, object) = equation.split_once(" in ").unwrap_or(("", equation));
+    let name = match object.split_once(" '") {
+        Some((_, name)) => name.trim_end_matches('\'').to_string(),
+        None => object.replace('/', "_"),
+    };
+    let between = if what.is_empty() { "" } else { " in " };
+    format!("{what}{between}model.{name}")
 }
 
 fn too_many(dt: f64) -> Diagnostic {

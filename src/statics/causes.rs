@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use super::Settings;
-use super::lu::Lu;
-use super::rank::{free_motion, motion_of};
+use super::rank::{free_motion, free_motions, motion_of};
 use super::report::FreeMotion;
 use crate::function::Program;
+use crate::linear::Lu;
 use crate::system::{Load, Parameters, Scratch, State, System};
 
 /// A joint whose markers are further apart than this part of the model's length is open.
@@ -27,6 +27,8 @@ pub(super) struct Ended<'a> {
     /// Residual at the end.
     pub g: &'a [f64],
     pub factors: &'a Lu,
+    /// As many iterations were done as MAXIT allows.
+    pub spent: bool,
     /// Steps that were cut to TLIMIT or ALIMIT.
     pub limited: usize,
     pub settings: &'a Settings,
@@ -37,6 +39,9 @@ impl Ended<'_> {
     pub fn causes(&self, scratch: &mut Scratch) -> Result<Vec<String>, FreeMotion> {
         let mut out = Vec::new();
         self.free_motions(scratch, &mut out)?;
+        if let Some(most) = self.settings.budget.filter(|_| self.spent) {
+            out.push(format!("MAXIT={most} ended the iteration"));
+        }
         self.open_joints(scratch, &mut out);
         if self.limited > 0 {
             out.push(format!(
@@ -58,14 +63,13 @@ impl Ended<'_> {
         let closed = equations
             .iter()
             .all(|gap| gap.abs() < CLOSED * self.system.length);
+        let (system, parameters) = (self.system, self.parameters);
+        free_motions(system, parameters, self.end, self.factors).map_err(|massless| *massless)?;
         for m in 0..self.factors.deficiency() {
             let z = self.factors.null_vector(m);
             let Some(motion) = free_motion(self.system, self.parameters, self.end, &z) else {
                 continue;
             };
-            if !motion.has_mass {
-                return Err(motion);
-            }
             // The tangent is all but symmetric: what a free motion does not move on its own must be balanced along it. A joint that is
             // open because of it counts with its multiplier.
             let (mut work, mut size) = (0.0, 0.0);
@@ -90,8 +94,8 @@ impl Ended<'_> {
     /// What does work along a motion, in words.
     fn drivers(&self, z: &[f64], scratch: &mut Scratch) -> Option<String> {
         let (system, parameters, state) = (self.system, self.parameters, self.end);
-        system.look(parameters, state, scratch).ok()?;
-        let loads = system.loads(parameters, state, scratch).ok()?;
+        let mut here = system.look(parameters, state, scratch).ok()?;
+        let loads = here.loads().ok()?;
         let by = |load: &Load| match &load.by {
             Some(name) => name.to_string(),
             None => format!("the weight of {}", system.bodies[load.part.0].name),
@@ -139,17 +143,17 @@ impl Ended<'_> {
         some(told, out);
     }
 
-    /// Projected angles lose their meaning where two of them are large (ADAMS-FORMATS 2.7).
+    /// Projected angles lose their meaning where two of them are large (guide/formats.md 2.7).
     fn large_angles(&self, scratch: &mut Scratch, out: &mut Vec<String>) {
-        self.system
-            .place_markers(self.parameters, self.end, scratch);
+        let mut here = self.system.at(self.parameters, self.end, scratch);
+        here.place_markers();
         let mut told = Vec::new();
         for element in self.system.elements.iter().filter(|e| e.active) {
             if !matches!(element.name.kind, "BUSHING" | "FIELD" | "BEAM") {
                 continue;
             }
             let pair = (element.i, element.j, element.pair);
-            let angles = System::motion(scratch, self.end, pair, true).angles;
+            let angles = here.motion(pair, true).angles;
             let worst = angles.x.abs().max(angles.y.abs());
             if worst > 1.0 {
                 told.push(format!(

@@ -99,6 +99,7 @@ impl Solver {
             end: state,
             g: &self.g,
             factors: &self.matrix,
+            spent: self.remaining == 0,
             limited: self.limited,
             settings,
         };

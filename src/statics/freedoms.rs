@@ -1,6 +1,5 @@
-use super::SolveError;
-use super::matrix::Matrix;
 use super::rank::redundant_equations;
+use crate::linear::Matrix;
 use crate::system::{Parameters, Scratch, State, System};
 
 /// Degrees of freedom of a mechanism in one configuration.
@@ -12,36 +11,44 @@ pub struct Freedoms {
     pub equations: usize,
     /// Those of them that say nothing new in this configuration, in the words ADAMS names equations with.
     pub redundant: Vec<String>,
+    /// What has no value in this configuration and why, if anything: the equations of joints and motions count all the same.
+    pub without_value: Option<String>,
 }
 
 impl Freedoms {
     /// Counts the equations and finds the rank of their Jacobian at a state.
-    ///
-    /// # Errors
-    /// [`SolveError::NoValue`] if an element has no value there.
-    pub fn of(system: &System, parameters: &Parameters, state: &State) -> Result<Self, SolveError> {
+    pub fn of(system: &System, parameters: &Parameters, state: &State) -> Self {
         let n = system.unknowns();
         let mut whole = state.clone();
         whole.redundant.clear();
         let (mut matrix, mut g) = (Matrix::new(n), vec![0.0; n]);
+        let mut scratch = Scratch::new(system);
         matrix.clear();
-        system.assemble(
-            parameters,
-            &whole,
-            &mut Scratch::new(system),
-            &mut g,
-            &mut matrix,
-        )?;
+        let assembled = system.assemble(parameters, &whole, &mut scratch, &mut g, &mut matrix);
+        let without_value = assembled.err().map(|error| error.to_string());
+        if without_value.is_some() {
+            matrix = Matrix::new(n);
+            matrix.clear();
+            scratch = Scratch::new(system);
+            system.assemble_joints(parameters, &whole, &mut scratch, &mut g, &mut matrix);
+        }
         matrix.finish();
-        let redundant = redundant_equations(system, &matrix);
-        Ok(Self {
+        let mut redundant = redundant_equations(system, &matrix);
+        if without_value.is_some() {
+            // Of these nothing is known: they count as equations like any other.
+            for condition in &system.conditions {
+                redundant[condition.equation] = false;
+            }
+        }
+        Self {
             of_parts: system.first_equation,
             equations: redundant.len(),
             redundant: (0..redundant.len())
                 .filter(|k| redundant[*k])
                 .map(|k| system.constraint_equation_name(k))
                 .collect(),
-        })
+            without_value,
+        }
     }
 
     /// The Gruebler count: freedoms of the parts less all equations. Negative for overconstrained mechanisms.

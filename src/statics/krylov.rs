@@ -2,9 +2,9 @@
 
 use nalgebra::DMatrix;
 
-use super::lu::Lu;
-use super::matrix::Matrix;
-use crate::system::{NoValue, Parameters, Scratch, Sink, State, System};
+use crate::linear::{Lu, Matrix, Sink};
+use crate::mechanics::eigen::eigenvalues;
+use crate::system::{NoValue, Parameters, Scratch, State, System};
 
 /// Dimension of the Krylov space. Two shifts lie a factor [`CLOSER`] apart, so that an eigenvalue between them stands out by that much
 /// in the inverse and is found.
@@ -48,11 +48,11 @@ impl<'a> ShiftInvert<'a> {
         }
     }
 
-    /// The smallest eigenvalue; no eigenvalue is larger than the bound. `None` if nothing can move.
+    /// The smallest eigenvalue and its motion, times lengths; no eigenvalue is larger than the bound. `None` if nothing can move.
     ///
     /// Shifts go from the bound towards zero below everything that is not negative. A negative eigenvalue that one has passed is told
     /// by a negative inverse.
-    pub fn smallest(mut self, bound: f64) -> Result<Option<f64>, NoValue> {
+    pub fn smallest(mut self, bound: f64) -> Result<Option<(f64, Vec<f64>)>, NoValue> {
         let bound = if bound > 0.0 { bound } else { 1.0 };
         let mut estimate = f64::INFINITY;
         for k in 0..SHIFTS {
@@ -80,7 +80,25 @@ impl<'a> ShiftInvert<'a> {
                 break;
             }
         }
-        Ok(Some(estimate))
+        let motion = self.near(estimate, bound)?;
+        Ok(Some((estimate, motion)))
+    }
+
+    /// A motion by inverse iteration beside its eigenvalue.
+    fn near(&mut self, value: f64, bound: f64) -> Result<Vec<f64>, NoValue> {
+        self.factor(value - 1e-9 * bound)?;
+        let mut vector: Vec<f64> = start(self.lengths.len());
+        for _ in 0..10 {
+            self.apply(&mut vector);
+            let length = norm(&vector);
+            if length == 0.0 || !length.is_finite() {
+                break;
+            }
+            for x in &mut vector {
+                *x /= length;
+            }
+        }
+        Ok(vector)
     }
 
     /// The smallest of the eigenvalues that stand out beside the shift. `None` if nothing can move.
@@ -95,7 +113,9 @@ impl<'a> ShiftInvert<'a> {
         if !moves {
             return Ok(None);
         }
-        let inverse = self.arnoldi(vector, after).complex_eigenvalues();
+        let Some(inverse) = eigenvalues(self.arnoldi(vector, after)) else {
+            return Ok(None);
+        };
         let largest = inverse.iter().fold(0.0_f64, |a, b| a.max(b.norm()));
         let values = inverse
             .iter()

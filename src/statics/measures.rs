@@ -1,6 +1,7 @@
 //! Sizes of residuals and corrections, in the words of EQUILIBRIUM.
 
 use super::Settings;
+use crate::mechanics::log;
 use crate::system::{State, System};
 
 /// The largest entry.
@@ -99,6 +100,15 @@ pub(super) fn limit(system: &System, settings: &Settings, dx: &[f64]) -> f64 {
         out = settings.alimit / turn;
     }
     out
+}
+
+/// The largest motion of a part between two states, rotations times the model length.
+pub(super) fn distance(system: &System, a: &State, b: &State) -> f64 {
+    let apart = a.poses.iter().zip(&b.poses).map(|(a, b)| {
+        let turn = log(&(a.R.transpose() * b.R)).norm();
+        (a.p - b.p).norm().max(turn * system.length)
+    });
+    apart.fold(0.0, f64::max)
 }
 
 /// Length of the motion of all parts, rotations times the model length.

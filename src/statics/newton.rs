@@ -1,13 +1,12 @@
 //! Newton's method on the static equations, with step control that is only used where the plain step fails.
 
-use super::lu::Lu;
-use super::matrix::Matrix;
 use super::measures::{
     balanced, force_imbalance, largest, limit, motion_norm, relative_correction,
 };
 use super::path::{add_damping, add_stability};
-use super::rank::{free_motion, redundant_equations};
+use super::rank::{free_motions, redundant_equations};
 use super::{Iteration, Report, Settings, SolveError, Tangent};
+use crate::linear::{Lu, Matrix};
 use crate::mechanics::Pose;
 use crate::system::{NoValue, Parameters, Scratch, State, System};
 
@@ -21,6 +20,8 @@ const SHORTEST: f64 = 1.0 / 256.0;
 const NEAR: f64 = 1e-3;
 /// Relative size of corrections and imbalances that may be round-off.
 const NOISE: f64 = 1e-9;
+/// Relative error of the numbers of a deck, which have ten digits or so.
+const WRITTEN: f64 = 1e-9;
 /// A removed constraint equation may be violated by so much of the model's length.
 const CONSISTENT: f64 = 1e-6;
 
@@ -44,7 +45,7 @@ pub struct Solver {
     /// Factors of the last Jacobian in use.
     pub(super) matrix: Lu,
     /// Assembled at the trial state.
-    next: Matrix,
+    pub(super) next: Matrix,
     pub(super) g: Vec<f64>,
     g_trial: Vec<f64>,
     dx: Vec<f64>,
@@ -59,8 +60,10 @@ pub struct Solver {
     pub(super) limited: usize,
     at_roundoff: bool,
     factorisations: usize,
+    /// Iterations that may still be done.
+    pub(super) remaining: usize,
     /// Where the factors are the tangent of an equilibrium.
-    poses: Vec<Pose>,
+    pub(super) poses: Vec<Pose>,
 }
 
 /// Why a sequence of iterations ended without an answer.
@@ -109,6 +112,7 @@ impl Solver {
             limited: 0,
             at_roundoff: false,
             factorisations: 0,
+            remaining: usize::MAX,
             poses: Vec::new(),
         }
     }
@@ -141,6 +145,7 @@ impl Solver {
     ) -> Result<Report, SolveError> {
         let mut report = Report::default();
         self.factorisations = 0;
+        self.remaining = settings.budget.unwrap_or(usize::MAX);
         if state.redundant.len() != system.equations {
             self.find_redundant(system, parameters, state)?;
         }
@@ -157,7 +162,7 @@ impl Solver {
         if let Err(failure) = result {
             // The plain iteration is what the user knows: it is what is told if nothing helps.
             let error = self.explain(system, parameters, state, settings, failure);
-            if !settings.continuation {
+            if !settings.continuation || self.remaining == 0 {
                 return Err(error);
             }
             let (help, more) = self.continuation(system, parameters, state, settings, plain);
@@ -172,14 +177,9 @@ impl Solver {
             self.assemble(system, parameters, state)?;
             self.matrix.factor(&self.next);
         }
-        for m in 0..self.matrix.deficiency() {
-            let z = self.matrix.null_vector(m);
-            if let Some(motion) = free_motion(system, parameters, state, &z) {
-                if !motion.has_mass {
-                    return Err(SolveError::FreeMotion(Box::new(motion)));
-                }
-                report.free_motions.push(motion);
-            }
+        match free_motions(system, parameters, state, &self.matrix) {
+            Ok(motions) => report.free_motions = motions,
+            Err(massless) => return Err(SolveError::FreeMotion(massless)),
         }
         self.check_removed(system, parameters, state, &mut report)?;
         system.accept(parameters, state, &mut self.scratch);
@@ -313,7 +313,7 @@ impl Solver {
         // The first damped step is about half of TLIMIT long.
         let damping = 2.0 * force_imbalance(system, &self.g) / settings.tlimit;
         let mut iteration = 0;
-        while iteration < way.maxit {
+        while iteration < way.maxit && self.remaining > 0 {
             let imbalance = largest(&self.g);
             if !imbalance.is_finite() {
                 return Err(Failure::NotConverged);
@@ -340,7 +340,16 @@ impl Solver {
                 *dx = -g;
             }
             self.matrix.solve(&mut self.dx);
-            let correction = relative_correction(system, state, &self.dx);
+            let mut correction = relative_correction(system, state, &self.dx);
+            if iteration == 0
+                && correction > NEAR
+                && balanced(system, &self.g, way.imbalance, 0.0)
+                && self.is_noise(system, state, WRITTEN)
+            {
+                // In equilibrium to the digits of the deck, and next to singular there: the correction is their rounding, magnified.
+                self.dx.fill(0.0);
+                correction = 0.0;
+            }
             let limit = limit(system, settings, &self.dx);
             if limit < 1.0 {
                 self.limited += 1;
@@ -353,6 +362,7 @@ impl Solver {
                 continue;
             };
             iteration += 1;
+            self.remaining -= 1;
             let before = self.history.last().map_or(f64::INFINITY, |i| i.correction);
             self.history.push(Iteration {
                 imbalance,
@@ -374,7 +384,9 @@ impl Solver {
                 return Ok(());
             }
             // Below round-off of stiffness times position no iteration gets any further.
-            if largest(&self.g) > 0.1 * imbalance && self.is_noise(system, state) {
+            if largest(&self.g) > 0.1 * imbalance
+                && self.is_noise(system, state, 8.0 * f64::EPSILON)
+            {
                 self.at_roundoff = true;
                 return Ok(());
             }
@@ -420,9 +432,9 @@ impl Solver {
         }
     }
 
-    /// True if every equation is within what round-off of positions, angles and multipliers makes of its terms. `dx_bar` is
-    /// overwritten.
-    fn is_noise(&mut self, system: &System, state: &State) -> bool {
+    /// True if every equation is within what a relative error of positions, angles and multipliers makes of its terms. `dx_bar`
+    /// is overwritten.
+    fn is_noise(&mut self, system: &System, state: &State, relative: f64) -> bool {
         let floor = &mut self.dx_bar;
         floor.fill(0.0);
         let scales = &mut self.step;
@@ -448,7 +460,7 @@ impl Solver {
         self.g
             .iter()
             .zip(floor)
-            .all(|(g, floor)| g.abs() <= 8.0 * f64::EPSILON * *floor)
+            .all(|(g, floor)| g.abs() <= relative * *floor)
     }
 
     fn is_better(&mut self, system: &System, step: f64) -> bool {

@@ -8,10 +8,7 @@ use std::time::Instant;
 use faer::sparse::linalg::solvers::{Lu as FaerLu, SymbolicLu};
 use faer::sparse::{SparseColMat, Triplet};
 
-use super::lu::Lu;
-use super::matrix::Matrix;
-use super::ordering::minimum_degree;
-use super::pivoting::Elimination;
+use crate::linear::{Elimination, Lu, Matrix, minimum_degree};
 use crate::model::Model;
 use crate::syntax::Dataset;
 use crate::system::{Scratch, System};

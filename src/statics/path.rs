@@ -1,7 +1,7 @@
 //! What is added to the Jacobian to change the way to the equilibrium, and never the equilibrium.
 
-use super::matrix::Matrix;
-use crate::mechanics::{Mat6, Vec3, skew};
+use crate::linear::Matrix;
+use crate::model::PartIx;
 use crate::system::{Parameters, State, System};
 
 /// STABILITY times mass, over the units consistency factor, to the stiffness block.
@@ -12,33 +12,17 @@ pub(super) fn add_stability(
     stability: f64,
     matrix: &mut Matrix,
 ) {
-    for (body, pose) in system.bodies.iter().zip(&state.poses) {
-        if body.freedoms == 0 {
-            continue;
-        }
-        let mass = parameters.theta()[body.mass];
-        let arm = body
-            .cm
-            .map_or_else(Vec3::zeros, |cm| pose.R * parameters.markers()[cm].p);
-        let r = skew(&arm) * mass;
-        let mut M = Mat6::zeros();
-        for k in 0..3 {
-            M[(k, k)] = mass;
-        }
-        let inertia = pose.R * body.inertia * pose.R.transpose() - r * skew(&arm);
-        M.fixed_view_mut::<3, 3>(0, 3).copy_from(&-r);
-        M.fixed_view_mut::<3, 3>(3, 0).copy_from(&r);
-        M.fixed_view_mut::<3, 3>(3, 3).copy_from(&inertia);
+    for (part, body) in system.bodies.iter().enumerate() {
+        let M = system.mass_matrix(parameters, state, PartIx(part));
         for i in 0..body.freedoms {
             for j in 0..body.freedoms {
-                let value = -stability / system.ucf * M[(i, j)];
-                matrix.add_later(body.first + i, body.first + j, value);
+                matrix.add_later(body.first + i, body.first + j, -stability * M[(i, j)]);
             }
         }
     }
 }
 
-/// As if every part moved in honey.
+/// Viscous damping on every part.
 pub(super) fn add_damping(system: &System, damping: f64, matrix: &mut Matrix) {
     for body in &system.bodies {
         for k in 0..body.freedoms {

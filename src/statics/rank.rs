@@ -1,13 +1,21 @@
 //! Motions nothing resists and constraint equations that say nothing new, in the user's words.
 
-use super::matrix::Matrix;
+use nalgebra::DMatrix;
+
 use super::report::FreeMotion;
+use crate::linear::{Lu, Matrix};
 use crate::mechanics::Vec3;
+use crate::mechanics::eigen::symmetric_eigen;
 use crate::model::PartIx;
 use crate::system::{Parameters, State, System};
 
 /// A constraint row that keeps less than this of its length when its share in the rows before is taken off is redundant.
 const REDUNDANT: f64 = 1e-8;
+
+/// Squares of motions below this share of the largest are round-off.
+const ROUND_OFF: f64 = 1e-20;
+/// A spin with less than this of the inertia that its part could have has none.
+const NO_INERTIA: f64 = 1e-14;
 
 /// Beyond so many products the factorisation alone finds redundant equations.
 const LARGE: usize = 1_000_000_000;
@@ -76,12 +84,55 @@ fn column_lengths(system: &System) -> Vec<f64> {
     out
 }
 
+/// How motions are told.
+struct Words {
+    along: &'static str,
+    about: &'static str,
+    screw: &'static str,
+    /// Parts and rotations that have less than this share of the largest motion are passed over.
+    share: f64,
+}
+
+const FREE: Words = Words {
+    along: "is held by nothing along",
+    about: "spins freely about",
+    screw: "screws freely about",
+    share: 1e-6,
+};
+
+const SOFT: Words = Words {
+    along: "moves along",
+    about: "turns about",
+    screw: "screws about",
+    share: 0.1,
+};
+
 /// Says a free motion in words. `None` if no part moves in it (then multipliers or variables are undetermined).
 pub(super) fn free_motion(
     system: &System,
     parameters: &Parameters,
     state: &State,
     z: &[f64],
+) -> Option<FreeMotion> {
+    moving(system, parameters, state, z, &FREE)
+}
+
+/// Says a motion against which there is little stiffness or less than none.
+pub(super) fn soft_motion(
+    system: &System,
+    parameters: &Parameters,
+    state: &State,
+    z: &[f64],
+) -> Option<FreeMotion> {
+    moving(system, parameters, state, z, &SOFT)
+}
+
+fn moving(
+    system: &System,
+    parameters: &Parameters,
+    state: &State,
+    z: &[f64],
+    words: &Words,
 ) -> Option<FreeMotion> {
     let mut largest: Option<(usize, f64)> = None;
     let mut sizes = Vec::new();
@@ -102,44 +153,135 @@ pub(super) fn free_motion(
         return None;
     }
     let (v, w) = motion_of(system, part, z);
-    let turns = w.norm() * system.length > 1e-6 * size;
+    let turns = w.norm() * system.length > words.share * size;
     let axis = if turns { w.normalize() } else { v.normalize() };
     let motion = if turns {
-        spin(system, parameters, state, part, &v, &w)
+        spin(system, parameters, state, part, (&v, &w), words)
     } else {
-        format!("is held by nothing along {}", direction(&axis))
+        format!("{} {}", words.along, direction(&axis))
     };
     let others = (0..system.bodies.len())
-        .filter(|&other| other != part && sizes[other] > 1e-6 * size)
+        .filter(|&other| other != part && sizes[other] > words.share * size)
         .map(|other| system.part_name(PartIx(other)).clone())
         .collect();
-    let moving: Vec<usize> = (0..system.bodies.len())
-        .filter(|&p| sizes[p] > 1e-6 * size)
-        .collect();
-    let theta = parameters.theta();
-    let has_mass = moving.iter().all(|&p| {
-        let body = &system.bodies[p];
-        if theta[body.mass] <= 0.0 {
-            return false;
-        }
-        // A spin about the mass centre needs a moment of inertia.
-        let (v, w) = motion_of(system, p, z);
-        let R = &state.poses[p].R;
-        let arm = body
-            .cm
-            .map_or_else(Vec3::zeros, |cm| R * parameters.markers()[cm].p);
-        let v_cm = v + w.cross(&arm);
-        let local = R.transpose() * w;
-        let energy = theta[body.mass] * v_cm.norm_squared() + local.dot(&(body.inertia * local));
-        energy > 1e-14 * theta[body.mass] * size * size
-    });
     Some(FreeMotion {
         part: system.part_name(PartIx(part)).clone(),
         others,
         motion,
         axis,
-        has_mass,
     })
+}
+
+/// All motions nothing resists, or one among them that has no mass either, which then leaves the parts undetermined.
+///
+/// Massless is a motion along which the kinetic energy stays zero, whatever joints make others move with it. Any combination of the
+/// null vectors may be one: they are taken along the principal axes of the energy.
+pub(super) fn free_motions(
+    system: &System,
+    parameters: &Parameters,
+    state: &State,
+    factors: &Lu,
+) -> Result<Vec<FreeMotion>, Box<FreeMotion>> {
+    let (mut vectors, mut motions) = (Vec::new(), Vec::new());
+    for m in 0..factors.deficiency() {
+        let mut z = factors.null_vector(m);
+        if let Some(motion) = free_motion(system, parameters, state, &z) {
+            let (_, size) = energies(system, parameters, state, (&z, &z));
+            let scale = 1.0 / size.sqrt().max(f64::MIN_POSITIVE);
+            for x in &mut z {
+                *x *= scale;
+            }
+            vectors.push(z);
+            motions.push(motion);
+        }
+    }
+    let n = vectors.len();
+    let pair = |a: usize, b: usize| energies(system, parameters, state, (&vectors[a], &vectors[b]));
+    let energy = DMatrix::from_fn(n, n, |a, b| pair(a, b).0);
+    let size = DMatrix::from_fn(n, n, |a, b| pair(a, b).1);
+    // Axes in which the sizes are alike, then those of the energy.
+    let alike = symmetric_eigen(size);
+    let mut axes = alike.eigenvectors;
+    for (mut axis, square) in axes.column_iter_mut().zip(alike.eigenvalues.iter()) {
+        axis /= square.max(f64::EPSILON).sqrt();
+    }
+    let axes = &axes * symmetric_eigen(axes.transpose() * energy * &axes).eigenvectors;
+    for axis in axes.column_iter() {
+        let mut z = vec![0.0; vectors[0].len()];
+        for (weight, vector) in axis.iter().zip(&vectors) {
+            z.iter_mut().zip(vector).for_each(|(z, x)| *z += weight * x);
+        }
+        if is_massless(system, parameters, state, &z)
+            && let Some(motion) = free_motion(system, parameters, state, &z)
+        {
+            return Err(Box::new(motion));
+        }
+    }
+    Ok(motions)
+}
+
+/// Twice the kinetic energy that two motions share, and the same if every part had mass one, its inertia that of the model's length.
+fn energies(
+    system: &System,
+    parameters: &Parameters,
+    state: &State,
+    (a, b): (&[f64], &[f64]),
+) -> (f64, f64) {
+    let (mut energy, mut size) = (0.0, 0.0);
+    for (p, body) in system
+        .bodies
+        .iter()
+        .enumerate()
+        .filter(|(_, b)| b.freedoms > 0)
+    {
+        let [(v_a, w_a), (v_b, w_b)] =
+            [a, b].map(|z| at_mass_centre(system, parameters, state, p, z));
+        // IP is in the axes of the CM marker.
+        let R = body.cm.map_or(state.poses[p].R, |cm| {
+            state.poses[p].R * parameters.markers()[cm].R
+        });
+        let (local_a, local_b) = (R.transpose() * w_a, R.transpose() * w_b);
+        energy +=
+            parameters.theta()[body.mass] * v_a.dot(&v_b) + local_a.dot(&(body.inertia * local_b));
+        size += v_a.dot(&v_b) + system.length * system.length * w_a.dot(&w_b);
+    }
+    (energy, size)
+}
+
+/// Velocity of the mass centre and angular velocity of a part in a motion, ground axes.
+fn at_mass_centre(
+    system: &System,
+    parameters: &Parameters,
+    state: &State,
+    part: usize,
+    z: &[f64],
+) -> (Vec3, Vec3) {
+    let (v, w) = motion_of(system, part, z);
+    let arm = system.bodies[part].cm.map_or_else(Vec3::zeros, |cm| {
+        state.poses[part].R * parameters.markers()[cm].p
+    });
+    (v + w.cross(&arm), w)
+}
+
+/// True if the kinetic energy of a motion is nothing beside what it would be with all the inertia a mass may have.
+fn is_massless(system: &System, parameters: &Parameters, state: &State, z: &[f64]) -> bool {
+    let (energy, size) = energies(system, parameters, state, (z, z));
+    let mut most = 0.0;
+    for (p, body) in system
+        .bodies
+        .iter()
+        .enumerate()
+        .filter(|(_, b)| b.freedoms > 0)
+    {
+        let (v, w) = at_mass_centre(system, parameters, state, p, z);
+        let mass = parameters.theta()[body.mass].max(0.0);
+        let square = v.norm_squared() + system.length * system.length * w.norm_squared();
+        most += mass * square;
+    }
+    let heaviest = system.bodies.iter().filter(|b| b.freedoms > 0);
+    let heaviest = heaviest.fold(0.0_f64, |a, b| a.max(parameters.theta()[b.mass]));
+    // Parts that move by round-off only have a mass that counts for nothing.
+    most <= ROUND_OFF * heaviest * size || energy <= NO_INERTIA * most
 }
 
 /// Velocity of the origin and angular velocity of a part in a motion, ground axes.
@@ -159,8 +301,8 @@ fn spin(
     parameters: &Parameters,
     state: &State,
     part: usize,
-    v: &Vec3,
-    w: &Vec3,
+    (v, w): (&Vec3, &Vec3),
+    words: &Words,
 ) -> String {
     let pose = &state.poses[part];
     let axis = w.normalize();
@@ -181,9 +323,9 @@ fn spin(
     let label = |marker: usize| format!("MARKER/{}", system.markers[marker].id);
     let pitch = v.dot(&axis).abs() / w.norm();
     let verb = if pitch > 1e-6 * system.length {
-        "screws freely about"
+        words.screw
     } else {
-        "spins freely about"
+        words.about
     };
     match (near.first(), near.last()) {
         (Some(first), Some(last)) if last.1 - first.1 > 1e-6 * system.length => {

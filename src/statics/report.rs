@@ -49,8 +49,6 @@ pub struct FreeMotion {
     pub motion: String,
     /// Direction of the translation or of the rotation axis, ground axes.
     pub axis: Vec3,
-    /// True if parts with mass move: STABILITY holds them where they are.
-    pub has_mass: bool,
 }
 
 impl fmt::Display for FreeMotion {

@@ -47,18 +47,10 @@ impl<'a> Sensitivity<'a> {
         let mut by = vec![0.0; system.unknowns()];
         for &quantity in quantities {
             by.fill(0.0);
-            system.quantity_by_unknowns(quantity, parameters, state, &mut self.scratch, &mut by)?;
+            let mut here = system.look(parameters, state, &mut self.scratch)?;
+            here.quantity_by_unknowns(quantity, &mut by)?;
             let through: f64 = by.iter().zip(&dx).map(|(a, b)| a * b).sum();
-            out.push(
-                through
-                    + system.quantity_by_slot(
-                        quantity,
-                        parameters,
-                        state,
-                        &mut self.scratch,
-                        slot,
-                    )?,
-            );
+            out.push(through + here.quantity_by_slot(quantity, slot)?);
         }
         Ok(out)
     }
@@ -96,18 +88,16 @@ impl<'a> Sensitivity<'a> {
     /// [`SolveError::NoValue`] if an element has no value there.
     pub fn adjoint(&mut self, quantity: Quantity, slots: &[Slot]) -> Result<Vec<f64>, SolveError> {
         let (system, parameters, state) = (self.system, self.parameters, self.state);
-        let scratch = &mut self.scratch;
+        let mut here = system.look(parameters, state, &mut self.scratch)?;
         let mut weights = vec![0.0; system.unknowns()];
-        system.quantity_by_unknowns(quantity, parameters, state, scratch, &mut weights)?;
+        here.quantity_by_unknowns(quantity, &mut weights)?;
         self.tangent.adjoint(&mut weights);
         let mut dg = vec![0.0; system.unknowns()];
         let mut out = Vec::with_capacity(slots.len());
         for &slot in slots {
-            system.residual_by_slot(parameters, state, scratch, slot, &mut dg)?;
+            here.residual_by_slot(slot, &mut dg)?;
             let through: f64 = weights.iter().zip(&dg).map(|(a, b)| a * b).sum();
-            out.push(
-                through + system.quantity_by_slot(quantity, parameters, state, scratch, slot)?,
-            );
+            out.push(through + here.quantity_by_slot(quantity, slot)?);
         }
         Ok(out)
     }

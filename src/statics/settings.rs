@@ -1,4 +1,8 @@
+use crate::diagnostic::{Code, Diagnostic};
 use crate::model::EquilibriumSettings;
+
+/// MAXIT beyond this is as good as never: a typing error may not hang the machine.
+pub const MOST_ITERATIONS: usize = 20_000;
 
 /// EQUILIBRIUM's own words, and what the built-in solver may do beyond ADAMS' plain iteration.
 #[derive(Clone, PartialEq, Debug)]
@@ -11,8 +15,10 @@ pub struct Settings {
     pub tlimit: f64,
     /// ALIMIT: largest rotation of one iteration, radians.
     pub alimit: f64,
-    /// MAXIT.
+    /// MAXIT, at most [`MOST_ITERATIONS`].
     pub maxit: usize,
+    /// Iterations in all, those of continuation among them: MAXIT where the model states it.
+    pub budget: Option<usize>,
     /// PATTERN: whether iteration k works out a new Jacobian; repeated cyclically.
     pub pattern: Vec<bool>,
     /// STABILITY times mass is added to the Jacobian. Up to ADAMS' default of 1e-5 its only use is to hold massive free motions,
@@ -29,7 +35,8 @@ impl From<&EquilibriumSettings> for Settings {
             imbalance: e.imbalance,
             tlimit: e.tlimit,
             alimit: e.alimit,
-            maxit: e.maxit,
+            maxit: e.maxit.min(MOST_ITERATIONS),
+            budget: e.maxit_stated.then_some(e.maxit.min(MOST_ITERATIONS)),
             pattern: e.pattern.clone(),
             stability: e.stability,
             continuation: true,
@@ -52,6 +59,14 @@ impl Settings {
             maxit: 50,
             ..Self::default()
         }
+    }
+
+    /// Says that MAXIT is beyond what is done.
+    pub fn limited(e: &EquilibriumSettings) -> Option<Diagnostic> {
+        (e.maxit > MOST_ITERATIONS).then(|| {
+            let message = format!("MAXIT = {} is taken as {MOST_ITERATIONS}", e.maxit);
+            Diagnostic::warning(Code::LimitExceeded, message)
+        })
     }
 
     pub(super) fn new_jacobian(&self, iteration: usize) -> bool {

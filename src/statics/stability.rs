@@ -1,12 +1,19 @@
-use nalgebra::{DMatrix, SymmetricEigen};
+use nalgebra::{DMatrix, DVector};
 
 use super::SolveError;
 use super::krylov::ShiftInvert;
-use super::matrix::Matrix;
+use super::rank::{motion_of, soft_motion};
+use crate::linear::Matrix;
+use crate::mechanics::eigen::{eigenvalues, symmetric_eigen};
 use crate::system::{Parameters, Scratch, State, System};
 
 /// Freedoms up to which all eigenvalues are worked out: that work grows with the third power.
 const DENSE: usize = 150;
+
+/// A stiffness smaller than this part of the largest possible one is round-off.
+const ROUND_OFF: f64 = 1e-12;
+/// Steps of inverse iteration; the shift is so near that two or three do.
+const ITERATIONS: usize = 6;
 
 /// The smallest eigenvalue (real part) of the tangent stiffness over the motions the constraints allow, rotations taken times
 /// the model's length: force per length. Negative where the equilibrium is unstable. `None` if nothing can move.
@@ -22,19 +29,16 @@ pub fn smallest_eigenvalue(
     parameters: &Parameters,
     state: &State,
 ) -> Result<Option<f64>, SolveError> {
-    let range = stiffness_range(system, parameters, state)?;
-    Ok(range.map(|(smallest, _)| smallest))
+    let found = smallest(system, parameters, state)?;
+    Ok(found.map(|(stiffness, ..)| stiffness))
 }
 
-/// The smallest eigenvalue as [`smallest_eigenvalue`], and a bound that no eigenvalue exceeds in size: what is 1e-12 of it is round-off.
-///
-/// # Errors
-/// [`SolveError::NoValue`] if an element has no value there.
-pub fn stiffness_range(
+/// The smallest eigenvalue as it was computed, its motion times lengths, and a bound of all eigenvalues.
+fn smallest(
     system: &System,
     parameters: &Parameters,
     state: &State,
-) -> Result<Option<(f64, f64)>, SolveError> {
+) -> Result<Option<(f64, Vec<f64>, f64)>, SolveError> {
     let n = system.first_equation;
     if n == 0 {
         return Ok(None);
@@ -42,12 +46,112 @@ pub fn stiffness_range(
     let tangent = assembled(system, parameters, state)?;
     let lengths = lengths(system);
     let bound = bound(system, &tangent, &lengths);
-    let smallest = if n <= DENSE {
+    let found = if n <= DENSE {
         dense(system, &tangent, &lengths)
     } else {
         ShiftInvert::new(system, parameters, state, lengths).smallest(bound)?
     };
-    Ok(smallest.map(|smallest| (smallest, bound)))
+    Ok(found.map(|(stiffness, motion)| (stiffness, motion, bound)))
+}
+
+/// The softest motion that the constraints allow.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Softest {
+    /// The smallest eigenvalue, force per length; zero where it is round-off.
+    pub stiffness: f64,
+    /// Its motion: unknowns of the bodies, ground axes; the largest motion of a part is one length unit.
+    pub motion: Vec<f64>,
+}
+
+impl Softest {
+    /// The softest motion at a state. `None` if nothing can move, or if no eigenvalue could be found.
+    ///
+    /// # Errors
+    /// [`SolveError::NoValue`] if an element has no value there.
+    pub fn of(
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+    ) -> Result<Option<Self>, SolveError> {
+        let found = smallest(system, parameters, state)?;
+        Ok(found.map(|(smallest, motion, bound)| Self {
+            stiffness: if smallest.abs() < ROUND_OFF * bound {
+                0.0
+            } else {
+                smallest
+            },
+            motion: in_unknowns(system, &lengths(system), motion),
+        }))
+    }
+
+    /// The softest motion where the equilibrium is unstable, `None` where it is not. Cheaper than [`Softest::of`] for small systems.
+    ///
+    /// # Errors
+    /// [`SolveError::NoValue`] if an element has no value there.
+    pub fn unstable(
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+    ) -> Result<Option<Self>, SolveError> {
+        let n = system.first_equation;
+        if n > 0 && n <= DENSE {
+            let tangent = assembled(system, parameters, state)?;
+            let lengths = lengths(system);
+            if let Some((reduced, _)) = reduced(system, &tangent, &lengths) {
+                // No eigenvalue has a smaller real part than the symmetric part allows.
+                let symmetric = (&reduced + reduced.transpose()) * 0.5;
+                if symmetric.cholesky().is_some() {
+                    return Ok(None);
+                }
+            }
+        }
+        Ok(Self::of(system, parameters, state)?.filter(|softest| softest.stiffness < 0.0))
+    }
+
+    /// True where looking at the stability costs no more than the solution: large systems are factored several times for it.
+    pub fn is_cheap(system: &System) -> bool {
+        system.first_equation <= DENSE
+    }
+
+    /// True where the equilibrium is unstable.
+    pub fn is_unstable(&self) -> bool {
+        self.stiffness < 0.0
+    }
+
+    /// The part that moves most.
+    pub fn part(&self, system: &System) -> usize {
+        let size = |part: usize| {
+            let (v, w) = motion_of(system, part, &self.motion);
+            v.norm().max(w.norm() * system.length)
+        };
+        (0..system.bodies.len())
+            .max_by(|a, b| size(*a).total_cmp(&size(*b)))
+            .unwrap_or(0)
+    }
+
+    /// What moves how, in the user's words: `PART/4 'arm' turns about the line MARKER/13-MARKER/15, together with ...`.
+    pub fn described(
+        &self,
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+    ) -> Option<String> {
+        let motion = soft_motion(system, parameters, state, &self.motion)?;
+        Some(motion.to_string())
+    }
+}
+
+/// From motions times lengths to the unknowns, the largest motion of a part one.
+fn in_unknowns(system: &System, lengths: &[f64], mut motion: Vec<f64>) -> Vec<f64> {
+    let largest = motion.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+    let first = motion.iter().find(|x| x.abs() > 0.5 * largest).copied();
+    // Either way is as good; the same one every time.
+    let scale = first.unwrap_or(1.0).signum() / largest.max(f64::MIN_POSITIVE);
+    for (x, length) in motion.iter_mut().zip(lengths) {
+        *x *= scale / length;
+    }
+    motion.truncate(system.first_equation);
+    motion
 }
 
 fn assembled(
@@ -92,7 +196,12 @@ fn bound(system: &System, tangent: &Matrix, lengths: &[f64]) -> f64 {
     largest(&rows[..n]) + variables
 }
 
-fn dense(system: &System, tangent: &Matrix, lengths: &[f64]) -> Option<f64> {
+/// The stiffness of the motions the constraints allow, and those motions as columns, times lengths. `None` if there are none.
+fn reduced(
+    system: &System,
+    tangent: &Matrix,
+    lengths: &[f64],
+) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
     let n = system.first_equation;
     let (m, v) = (system.equations, system.unknowns() - system.first_variable);
     let scale = |k: usize| lengths.get(k).copied().unwrap_or(1.0);
@@ -119,19 +228,40 @@ fn dense(system: &System, tangent: &Matrix, lengths: &[f64]) -> Option<f64> {
             row /= length;
         }
     }
-    let eigen = SymmetricEigen::new(G.transpose() * G);
+    let eigen = symmetric_eigen(G.transpose() * G);
     let free: Vec<usize> = (0..n).filter(|&k| eigen.eigenvalues[k] < 1e-12).collect();
     if free.is_empty() {
         return None;
     }
     let Z: DMatrix<f64> = eigen.eigenvectors.select_columns(&free);
-    let reduced = Z.transpose() * K * Z;
-    let real = reduced.complex_eigenvalues().iter().map(|e| e.re).collect();
-    Some(least(real))
+    Some((Z.transpose() * K * &Z, Z))
 }
 
-fn least(values: Vec<f64>) -> f64 {
-    values.into_iter().fold(f64::INFINITY, f64::min)
+/// The smallest eigenvalue and its motion, times lengths.
+fn dense(system: &System, tangent: &Matrix, lengths: &[f64]) -> Option<(f64, Vec<f64>)> {
+    let (reduced, Z) = reduced(system, tangent, lengths)?;
+    let values = eigenvalues(reduced.clone())?;
+    let least = values.iter().map(|e| e.re).fold(f64::INFINITY, f64::min);
+    let motion = Z * near(&reduced, least);
+    Some((least, motion.iter().copied().collect()))
+}
+
+/// An eigenvector by inverse iteration beside its eigenvalue; one of the plane of a complex pair.
+fn near(matrix: &DMatrix<f64>, value: f64) -> DVector<f64> {
+    let n = matrix.nrows();
+    let beside = value - 1e-9 * matrix.amax().max(f64::MIN_POSITIVE);
+    let factors = (matrix - DMatrix::identity(n, n) * beside).lu();
+    let mut vector = DVector::from_fn(n, |k, _| 1.0 / (k as f64 + 1.7));
+    for _ in 0..ITERATIONS {
+        let Some(next) = factors
+            .solve(&vector)
+            .filter(|v| v.norm() > 0.0 && v.norm().is_finite())
+        else {
+            break;
+        };
+        vector = next.normalize();
+    }
+    vector
 }
 
 #[cfg(test)]
@@ -194,8 +324,8 @@ mod tests {
             let tangent = assembled(&system, &parameters, &state).unwrap();
             let lengths = lengths(&system);
             let bound = bound(&system, &tangent, &lengths);
-            let all = dense(&system, &tangent, &lengths).unwrap();
-            let near = ShiftInvert::new(&system, &parameters, &state, lengths)
+            let (all, _) = dense(&system, &tangent, &lengths).unwrap();
+            let (near, _) = ShiftInvert::new(&system, &parameters, &state, lengths)
                 .smallest(bound)
                 .unwrap()
                 .unwrap();
@@ -206,6 +336,28 @@ mod tests {
             );
             assert_eq!(all < 0.0, push > 1e2);
         }
+    }
+
+    /// A marker a hair beside its part makes products that underflow: the eigenvalues are found all the same, and soon.
+    #[test]
+    fn places_next_to_nothing_do_not_keep_it_from_ending() {
+        let (system, state) = solved(
+            "hair\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\nPART/1, GROUND\n\
+             MARKER/10, PART=1\nMARKER/11, PART=1, QP=100,0,0\nPART/2, MASS=2, CM=20, IP=1000,1000,1000\n\
+             MARKER/20, PART=2\nMARKER/21, PART=2, QP=1E-154,0,0\nJOINT/1, SPHERICAL, I=21, J=11\n\
+             BUSHING/1, I=20, J=10, K=5000,5000,5000, KT=4000D,4000D,4000D\nACCGRAV/KGRAV=-9806.65\nEND\n"
+                .to_string(),
+        );
+        let parameters = system.parameters();
+        let smallest = smallest_eigenvalue(&system, &parameters, &state).unwrap();
+        let (length, kt) = (system.length, 4000.0_f64.to_radians());
+        // The bushing is 100 mm long beside a joint at its own marker: its forces have no arm, so that only KT is left.
+        let expected = kt / (length * length);
+        let smallest = smallest.unwrap();
+        assert!(
+            (smallest - expected).abs() < 1e-6 * expected,
+            "{smallest} {expected}"
+        );
     }
 
     #[test]

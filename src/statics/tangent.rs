@@ -1,6 +1,5 @@
 use super::SolveError;
-use super::lu::Lu;
-use super::matrix::Matrix;
+use crate::linear::{Lu, Matrix};
 use crate::mechanics::{Vec3, Vec6};
 use crate::model::{MarkerIx, PartIx};
 use crate::system::{Parameters, Scratch, Slot, State, System};

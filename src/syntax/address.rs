@@ -48,6 +48,19 @@ impl Address {
         })
     }
 
+    /// The address of a statement or command of a kind, and behind it `K.2`, `K` or nothing; `text` is the whole for messages.
+    ///
+    /// # Errors
+    /// `unknown-argument`, `ambiguous-keyword` or `bad-number`, placed in a file named `address`.
+    pub fn of_kind(
+        def: &'static StatementDef,
+        id: Option<u32>,
+        rest: &str,
+        text: &str,
+    ) -> Result<Self, Diagnostic> {
+        argument(def, id, rest, text)
+    }
+
     /// Reads an address: by keyword and id (`BUSHING/12.K.2`, keywords may be abbreviated), by view name
     /// (`front_arm_bushing.K.2`), or by the name of an unnamed object (`BUSHING_12.K.2`). Case does not matter. The object must be
     /// in the dataset, the argument in the grammar; whether the argument is written is not asked.
@@ -196,7 +209,7 @@ fn by_name(text: &str, dataset: &Dataset) -> Result<Option<Address>, Diagnostic>
 }
 
 /// `K.2`, `K` or nothing.
-fn argument(
+pub(super) fn argument(
     def: &'static StatementDef,
     id: Option<u32>,
     rest: &str,

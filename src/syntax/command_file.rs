@@ -17,7 +17,7 @@ pub struct CommandFile {
     lines: Vec<CommandLine>,
 }
 
-/// The two prompt-style first lines: which dataset, and the prefix of the output files (ADAMS-FORMATS 5.1).
+/// The two prompt-style first lines: which dataset, and the prefix of the output files (guide/formats.md 5.1).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Head {
     /// The name of the dataset as typed.

@@ -87,6 +87,14 @@ impl Dataset {
         }
     }
 
+    /// One command of a file as if it were the only statement of a dataset: what reads and edits statements does it there, too.
+    pub fn of_command(file: &CommandFile, at: usize) -> Self {
+        Self {
+            statements: file.commands().get(at).cloned().into_iter().collect(),
+            ..Self::of_commands(file)
+        }
+    }
+
     /// The file.
     pub fn source(&self) -> &Source {
         &self.source

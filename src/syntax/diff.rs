@@ -292,14 +292,16 @@ fn written(dataset: &Dataset, number: &Number) -> String {
     dataset.source().text(number.span).into_owned()
 }
 
-/// A function's text without blanks, in capitals, with a mark for each number.
-fn shape(text: &str) -> String {
-    let mut shape = String::with_capacity(text.len());
+/// The bytes of a function's text without blanks, in capitals, with a mark for each number. Tokens may end inside of a character.
+fn shape(text: &str) -> Vec<u8> {
+    let mut shape = Vec::with_capacity(text.len());
     for token in Lexer::new(text.as_bytes(), Span::new(0, text.len()), false) {
         match token.kind {
             TokenKind::Blank => {}
-            TokenKind::Number => shape.push('#'),
-            _ => shape.push_str(&text[token.span.range()].to_ascii_uppercase()),
+            TokenKind::Number => shape.push(b'#'),
+            _ => {
+                shape.extend(text.as_bytes()[token.span.range()].to_ascii_uppercase());
+            }
         }
     }
     shape

@@ -1,6 +1,7 @@
 //! Changes of a dataset as edits of its text: only the bytes of what changes.
 
 use super::expression::Node;
+use super::number::parse_number;
 use super::spelling::spell_like;
 use super::style::Style;
 use super::{Address, Argument, Dataset, Expression, Number, Statement, Value};
@@ -73,6 +74,39 @@ impl Dataset {
     /// `undefined-id` if the object is not there, `wrong-type` if the address is none of a number, `out-of-range` for a value
     /// that cannot be written there.
     pub fn set(&self, address: &Address, value: f64) -> Result<Vec<Edit>, Diagnostic> {
+        self.set_spelled(address, value, |old| spell_like(value, old))
+    }
+
+    /// The same with the number as a person typed it: its spelling is kept wherever it means the same there. `None` if the text is
+    /// no number.
+    ///
+    /// # Errors
+    /// Those of [`Dataset::set`].
+    pub fn set_typed(
+        &self,
+        address: &Address,
+        typed: &str,
+    ) -> Option<Result<Vec<Edit>, Diagnostic>> {
+        let (value, degrees) = parse_number(typed.as_bytes())?;
+        Some(self.set_spelled(address, value, |old| {
+            // Radians in place of degrees are turned into degrees, and an exponent stays one: the text has its unit and style.
+            let in_degrees = !degrees && matches!(old, [.., b'D' | b'd']);
+            let has_power = |text: &[u8]| text.iter().any(|byte| matches!(byte, b'E' | b'e'));
+            if in_degrees || has_power(old) && !has_power(typed.as_bytes()) {
+                spell_like(value, old)
+            } else {
+                typed.to_string()
+            }
+        }))
+    }
+
+    /// Edits that give a number a new value; `spell` spells it in place of an old spelling.
+    fn set_spelled(
+        &self,
+        address: &Address,
+        value: f64,
+        spell: impl Fn(&[u8]) -> String,
+    ) -> Result<Vec<Edit>, Diagnostic> {
         let statement = self.find(address).ok_or_else(|| self.absent(address))?;
         let place = statement.keyword;
         if !value.is_finite() {
@@ -97,10 +131,14 @@ impl Dataset {
             let inside =
                 def.is_some_and(|def| def.kind == ValueKind::Function) && address.index.is_some();
             let old = self.source().slice(number.span);
-            let spelled = spell_like(value, old);
+            if def.is_some_and(is_whole) {
+                return Ok(vec![Edit::new(number.span, spell_like(value, old))]);
+            }
+            let spelled = spell(old);
             if !inside {
                 return Ok(vec![Edit::new(number.span, spelled)]);
             }
+            let spelled = spelled.trim_start_matches('+');
             if is_id(statement, address) && (value < 0.0 || value.fract() != 0.0) {
                 return Err(self.refuse(
                     Code::WrongType,
@@ -124,10 +162,10 @@ impl Dataset {
         };
         match (def.kind, statement.argument(def.name)) {
             (ValueKind::Function, _) if address.index.is_none() => {
-                self.set_text(address, &spell_like(value, b"1.0"))
+                self.set_text(address, &spell(b"1.0"))
             }
             (ValueKind::Real | ValueKind::Integer, written) => {
-                self.extend(statement, def, written, address, value)
+                self.extend(statement, def, written, address, value, spell)
             }
             _ => Err(self.refuse(
                 Code::WrongType,
@@ -240,6 +278,12 @@ impl Dataset {
         vec![Edit::new(Span::at(at), self.encoded(&text))]
     }
 
+    /// A statement as this dataset would write it, without the line end behind it.
+    pub fn written(&self, statement: &NewStatement) -> Vec<u8> {
+        let text = Style::of(self).statement(statement);
+        self.encoded(text.trim_end())
+    }
+
     /// The END statement, if the dataset has one.
     pub fn end(&self) -> Option<&Statement> {
         self.statements().last().filter(|last| {
@@ -257,6 +301,7 @@ impl Dataset {
         written: Option<&Argument>,
         address: &Address,
         value: f64,
+        spell: impl Fn(&[u8]) -> String,
     ) -> Result<Vec<Edit>, Diagnostic> {
         let numbers = written.map_or(&[][..], Argument::numbers);
         let index = address.index.unwrap_or(1);
@@ -279,7 +324,11 @@ impl Dataset {
         let values: Vec<String> = (numbers.len()..length)
             .map(|k| {
                 let default = def.default.get(k).copied().unwrap_or(0.0);
-                spell_like(if k + 1 == index { value } else { default }, &old)
+                match (k + 1 == index, is_whole(def)) {
+                    (true, false) => spell(&old),
+                    (true, true) => spell_like(value, &old),
+                    (false, _) => spell_like(default, &old),
+                }
             })
             .collect();
         let text = values.join(", ");

@@ -6,12 +6,38 @@ use crate::text::{Edit, Span};
 /// The edits of all fixes that keep the meaning of a file, for `file` as named by its source. Of fixes that meet at one place
 /// the first one is taken; the others can be had when the file is read again.
 pub fn safe_fixes(diagnostics: &[Diagnostic], file: &str) -> Vec<Edit> {
+    fixes(diagnostics, file, |how| how == Applicability::Safe)
+}
+
+/// The edits of all fixes, those too that may change the meaning: misspelt words become the only ones that come near.
+pub fn all_fixes(diagnostics: &[Diagnostic], file: &str) -> Vec<Edit> {
+    fixes(diagnostics, file, |_| true)
+}
+
+/// Asks whether one of the nearest words was meant, and proposes it where there is only one.
+pub(super) fn did_you_mean(diagnostic: Diagnostic, span: Span, near: &[&str]) -> Diagnostic {
+    let asked = diagnostic.help(format!("did you mean {}?", near.join(" or ")));
+    match near {
+        [one] => asked.fix(
+            format!("write {one}"),
+            vec![Edit::new(span, *one)],
+            Applicability::MaybeIncorrect,
+        ),
+        _ => asked,
+    }
+}
+
+fn fixes(
+    diagnostics: &[Diagnostic],
+    file: &str,
+    wanted: impl Fn(Applicability) -> bool,
+) -> Vec<Edit> {
     let mut taken: BTreeMap<Span, Edit> = BTreeMap::new();
     for diagnostic in diagnostics {
         let (Some(fix), Some(label)) = (&diagnostic.fix, diagnostic.labels.first()) else {
             continue;
         };
-        if fix.applicability == Applicability::Safe
+        if wanted(fix.applicability)
             && &*label.file == file
             && fix.edits.iter().all(|edit| fits(&taken, edit.span))
         {

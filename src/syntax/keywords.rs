@@ -1,7 +1,7 @@
 use super::hash::QuickMap;
 use crate::diagnostic::Severity;
 use crate::grammar::{
-    ArgumentDef, Lookup, Role, STATEMENTS, StatementDef, find_argument, find_statement, nearest,
+    ArgumentDef, Lookup, Role, STATEMENTS, StatementDef, all_nearest, find_argument, find_statement,
 };
 
 /// A keyword that was not found: what it could be, for the message.
@@ -9,16 +9,16 @@ use crate::grammar::{
 pub(super) enum Missed {
     /// Several keywords begin like this.
     Ambiguous(Vec<&'static str>),
-    /// None does; the nearest one.
-    Unknown(Option<&'static str>),
+    /// None does; the nearest ones.
+    Unknown(Vec<&'static str>),
 }
 
 impl Missed {
-    /// How bad it is: what is ambiguous may have been meant.
+    /// How bad it is at most: a keyword nothing comes near to may be one that this program lacks.
     pub fn severity(&self) -> Severity {
         match self {
-            Self::Ambiguous(_) => Severity::Error,
-            Self::Unknown(_) => Severity::Warning,
+            Self::Unknown(near) if near.is_empty() => Severity::Warning,
+            Self::Ambiguous(_) | Self::Unknown(_) => Severity::Error,
         }
     }
 }
@@ -127,8 +127,8 @@ fn missed<T, I: Iterator<Item = &'static str>>(
         Lookup::Found(def) => Ok(def),
         Lookup::Ambiguous(names) => Err(Missed::Ambiguous(names)),
         Lookup::Unknown => Err(Missed::Unknown(match std::str::from_utf8(typed) {
-            Ok(text) if text.len() <= LONGEST => nearest(text, names()),
-            _ => None,
+            Ok(text) if text.len() <= LONGEST => all_nearest(text, names()),
+            _ => Vec::new(),
         })),
     }
 }

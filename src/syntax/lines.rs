@@ -37,7 +37,7 @@ pub(super) fn physical_line(bytes: &[u8], start: usize) -> PhysicalLine {
 
 /// The logical lines of the bytes from `start` on, and where an END line ends (if `ends`: a dataset).
 ///
-/// The rules are those of ADAMS-FORMATS 1.3: a line continues the one before if it begins with a comma, or if the line before
+/// The rules are those of guide/formats.md 1.3: a line continues the one before if it begins with a comma, or if the line before
 /// ends with `&`; blank and comment lines may stand between. A line that ends with a comma is continued too, unless the next
 /// one begins like a statement.
 pub(super) fn logical_lines(

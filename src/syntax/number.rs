@@ -1,4 +1,4 @@
-//! Reading numbers as the dataset language spells them (ADAMS-FORMATS 1.6).
+//! Reading numbers as the dataset language spells them (guide/formats.md 1.6).
 
 /// A number literal: its value, and whether it carries the degree suffix `D`. A value in degrees is returned in radians.
 ///
@@ -123,7 +123,7 @@ mod tests {
 
     #[test]
     fn spellings_of_real_decks_are_read() {
-        // ADAMS-FORMATS 1.6: three-digit exponents, bare points, signs, the degree suffix.
+        // guide/formats.md 1.6: three-digit exponents, bare points, signs, the degree suffix.
         for (text, value) in [
             ("1", 1.0),
             ("1.", 1.0),

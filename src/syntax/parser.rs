@@ -1,11 +1,12 @@
+use super::fix::did_you_mean;
 use super::keywords::{Keywords, Missed};
 use super::lexer::Lexer;
 use super::lines::LogicalLine;
 use super::shared::Pool;
 use super::{Argument, Number, Shared, Statement, Token, TokenKind, Value};
-use crate::diagnostic::{Code, Diagnostic, Severity};
-use crate::grammar::{ArgumentDef, Role, StatementDef};
-use crate::text::{Source, Span};
+use crate::diagnostic::{Applicability, Code, Diagnostic, Severity};
+use crate::grammar::{ArgumentDef, Role, StatementDef, ValueKind};
+use crate::text::{Edit, Source, Span};
 
 /// A statement full of nonsense is reported with so many complaints, not with one for each of its words.
 const MOST_COMPLAINTS: usize = 50;
@@ -22,6 +23,8 @@ pub(super) struct StatementParser<'a> {
     pub(super) dropped: (usize, Severity),
     role: Role,
     complaints: usize,
+    /// The statement before this one, whose arguments a lost comma leaves alone on a line.
+    before: Option<&'static StatementDef>,
     /// Memory of the line before.
     tokens: Vec<Token>,
     /// Memory of the list of numbers before.
@@ -42,6 +45,7 @@ impl<'a> StatementParser<'a> {
             dropped: (0, Severity::Note),
             role,
             complaints: 0,
+            before: None,
             tokens: Vec::new(),
             list: Vec::new(),
             found: Vec::new(),
@@ -118,17 +122,25 @@ impl<'a> StatementParser<'a> {
             view_name,
         };
         if tokens[0].kind != TokenKind::Word {
-            self.complain(
-                Diagnostic::error(
-                    Code::SyntaxError,
-                    format!("a {} begins with its keyword", self.noun()),
-                ),
-                tokens[0].span,
-                "",
+            let mut diagnostic = Diagnostic::error(
+                Code::SyntaxError,
+                format!("a {} begins with its keyword", self.noun()),
             );
+            if let Some(before) = self.before {
+                diagnostic = diagnostic.help(format!(
+                    "if the line belongs to the {} above, begin it with a comma",
+                    before.name
+                ));
+            }
+            self.complain(diagnostic, tokens[0].span, "");
+            return statement;
+        }
+        if let Some(argument) = self.lost_comma(tokens) {
+            self.without_comma(argument, statement.keyword);
             return statement;
         }
         statement.def = self.keyword(tokens[0].span);
+        self.before = statement.def;
         let mut cursor = Cursor::new(tokens);
         cursor.advance();
         if cursor.take_mark(b'/') {
@@ -150,6 +162,47 @@ impl<'a> StatementParser<'a> {
         statement
     }
 
+    /// The argument of the statement before that a line begins with: `QP = 1, 2, 3` without the comma in front of it.
+    fn lost_comma(&mut self, tokens: &[Token]) -> Option<&'static ArgumentDef> {
+        let before = self.before?;
+        let typed = self.source.slice(tokens[0].span);
+        let mark = tokens[1..]
+            .iter()
+            .find(|token| !token.kind.is_trivia())
+            .map(|token| token.kind);
+        match mark {
+            Some(TokenKind::Punctuation(b'=')) => self.keywords.argument(before, typed).ok(),
+            // A flag, alone or before other arguments; and END ends a dataset.
+            None | Some(TokenKind::Punctuation(b','))
+                if !typed.eq_ignore_ascii_case(b"END")
+                    && self.keywords.statement(typed).is_err() =>
+            {
+                let argument = self.keywords.argument(before, typed).ok()?;
+                (argument.kind == ValueKind::Flag).then_some(argument)
+            }
+            _ => None,
+        }
+    }
+
+    /// Says that a line lacks the comma that makes it a continuation.
+    fn without_comma(&mut self, argument: &'static ArgumentDef, name: Span) {
+        let before = self.before.map_or("", |before| before.name);
+        let diagnostic = Diagnostic::error(
+            Code::UnknownStatement,
+            format!(
+                "{} is an argument of the {before} above, and the line does not continue it",
+                argument.name
+            ),
+        )
+        .help("a line that continues a statement begins with a comma, or the one before it ends with &")
+        .fix(
+            "begin the line with a comma",
+            vec![Edit::new(Span::at(name.start()), ", ")],
+            Applicability::MaybeIncorrect,
+        );
+        self.complain(diagnostic, name, "");
+    }
+
     fn keyword(&mut self, span: Span) -> Option<&'static StatementDef> {
         let typed = self.source.slice(span);
         match self.keywords.statement(typed) {
@@ -169,18 +222,26 @@ impl<'a> StatementParser<'a> {
                 None
             }
             Err(Missed::Unknown(near)) => {
-                let mut diagnostic = Diagnostic::warning(
-                    Code::UnknownStatement,
-                    format!(
-                        "{} is not a {} this program knows; it is kept and takes part in nothing",
-                        self.source
-                            .text(Span::new(span.start(), span.end().min(span.start() + 80))),
-                        self.noun()
-                    ),
-                );
-                if let Some(near) = near {
-                    diagnostic = diagnostic.help(format!("did you mean {near}?"));
-                }
+                let typed = self
+                    .source
+                    .text(Span::new(span.start(), span.end().min(span.start() + 80)));
+                let noun = self.noun();
+                // ADAMS stops at a keyword it does not know; this program may lack one that ADAMS knows.
+                let diagnostic = if near.is_empty() {
+                    Diagnostic::warning(
+                        Code::UnknownStatement,
+                        format!(
+                            "{typed} is not a {noun} this program knows; it is kept and takes part in nothing"
+                        ),
+                    )
+                } else {
+                    let message = format!("{typed} is not a {noun}");
+                    did_you_mean(
+                        Diagnostic::error(Code::UnknownStatement, message),
+                        span,
+                        &near,
+                    )
+                };
                 self.complain(diagnostic, span, "");
                 None
             }
@@ -276,42 +337,35 @@ impl<'a> StatementParser<'a> {
         span: Span,
     ) -> Option<&'static ArgumentDef> {
         let typed = self.source.slice(span);
-        let (diagnostic, help) = match self.keywords.argument(statement, typed) {
+        let diagnostic = match self.keywords.argument(statement, typed) {
             Ok(def) => return Some(def),
             Err(missed) if self.is_full(missed.severity()) => return None,
-            Err(Missed::Ambiguous(names)) => (
-                Diagnostic::error(
-                    Code::AmbiguousKeyword,
-                    format!(
-                        "{} is the beginning of several arguments of {}",
-                        self.source.text(span),
-                        statement.name
-                    ),
+            Err(Missed::Ambiguous(names)) => Diagnostic::error(
+                Code::AmbiguousKeyword,
+                format!(
+                    "{} is the beginning of several arguments of {}",
+                    self.source.text(span),
+                    statement.name
                 ),
-                Some(format!("write one of {}", names.join(", "))),
-            ),
+            )
+            .help(format!("write one of {}", names.join(", "))),
             Err(Missed::Unknown(near)) => {
                 let typed = self.source.text(span);
                 let name = statement.name;
-                if near.is_none() && !statement.unchecked.is_empty() {
-                    let text = format!("{typed} of {name} is not known here; it is kept");
-                    let help = "the list of its arguments may lack some: see `admire explain`";
-                    (
-                        Diagnostic::note(Code::UnknownArgument, text),
-                        Some(help.to_string()),
-                    )
+                let text = format!("{name} has no argument {typed}");
+                if !near.is_empty() {
+                    did_you_mean(Diagnostic::error(Code::UnknownArgument, text), span, &near)
+                } else if statement.unchecked.is_empty() {
+                    Diagnostic::error(Code::UnknownArgument, text)
+                        .help(format!("`admire explain {name}` lists its arguments"))
                 } else {
-                    let text = format!("{name} has no argument {typed}");
-                    (
-                        Diagnostic::warning(Code::UnknownArgument, text),
-                        near.map(|near| format!("did you mean {near}?")),
+                    Diagnostic::note(
+                        Code::UnknownArgument,
+                        format!("{typed} of {name} is not known here; it is kept"),
                     )
+                    .help("the list of its arguments may lack some: see `admire explain`")
                 }
             }
-        };
-        let diagnostic = match help {
-            Some(help) => diagnostic.help(help),
-            None => diagnostic,
         };
         self.complain(diagnostic, span, "");
         None

@@ -2,15 +2,20 @@ use super::number::parse_number;
 
 /// The shortest spelling of a number that reads back as the same double, in the style of an old spelling: exponent letter, sign
 /// and width, decimal point, leading zero, plus sign, degree suffix. With the suffix the value is still in radians and its
-/// spelling in degrees; a double that no number of degrees reads back to is met to its last bit but one.
+/// spelling in degrees. Some doubles have no number of degrees that reads back to them: these lose the suffix and are spelled in
+/// radians.
 pub fn spell_like(value: f64, old: &[u8]) -> String {
-    let style = Style::of(old);
+    let mut style = Style::of(old);
     let value = if value == 0.0 { 0.0 } else { value };
-    let (digits, exponent) = if style.degrees {
-        degree_digits(value.abs())
+    let in_degrees = if style.suffix.is_empty() {
+        None
     } else {
-        decimal(&format!("{:e}", value.abs()))
+        degree_digits(value.abs())
     };
+    let (digits, exponent) = in_degrees.unwrap_or_else(|| {
+        style.suffix = "";
+        decimal(&format!("{:e}", value.abs()))
+    });
     let fixed = (-5..16)
         .contains(&exponent)
         .then(|| style.fixed(&digits, exponent));
@@ -40,7 +45,7 @@ struct Style {
     /// `.5`
     no_leading_zero: bool,
     exponent: Option<Exponent>,
-    degrees: bool,
+    /// `D`, `d` or nothing.
     suffix: &'static str,
 }
 
@@ -84,7 +89,6 @@ impl Style {
             bare_point: mantissa.ends_with('.'),
             no_leading_zero: mantissa.starts_with('.'),
             exponent,
-            degrees: !suffix.is_empty(),
             suffix,
         }
     }
@@ -150,8 +154,9 @@ fn decimal(scientific: &str) -> (String, i32) {
     )
 }
 
-/// The fewest digits of degrees that read back as this many radians.
-fn degree_digits(radians: f64) -> (String, i32) {
+/// The fewest digits of degrees that read back as this many radians. `None` if there is no such number: a step of a double of
+/// degrees may be up to two steps of its radians.
+fn degree_digits(radians: f64) -> Option<(String, i32)> {
     let reads_back = |text: &str| {
         parse_number(format!("{text}D").as_bytes()).is_some_and(|(value, _)| value == radians)
     };
@@ -159,16 +164,14 @@ fn degree_digits(radians: f64) -> (String, i32) {
     for places in 0..17 {
         let text = format!("{degrees:.places$e}");
         if reads_back(&text) {
-            return decimal(&text);
+            return Some(decimal(&text));
         }
     }
-    for near in [degrees.next_up(), degrees.next_down()] {
-        let text = format!("{near:e}");
-        if reads_back(&text) {
-            return decimal(&text);
-        }
-    }
-    decimal(&format!("{degrees:e}"))
+    [degrees.next_up(), degrees.next_down()]
+        .iter()
+        .map(|near| format!("{near:e}"))
+        .find(|text| reads_back(text))
+        .map(|text| decimal(&text))
 }
 
 #[cfg(test)]
@@ -217,11 +220,17 @@ mod tests {
         }
 
         #[test]
-        fn any_angle_reads_back_to_its_last_bit(value in -10.0f64..10.0) {
+        fn any_angle_reads_back(value in -10.0f64..10.0) {
             let text = spell_like(value, b"1.5D");
-            let (read, degrees) = parse_number(text.as_bytes()).unwrap();
-            prop_assert!(degrees);
-            prop_assert!((read - value).abs() <= value.abs() * f64::EPSILON, "{} {}", value, text);
+            let (read, _) = parse_number(text.as_bytes()).unwrap();
+            prop_assert_eq!(read, value, "{}", text);
+        }
+
+        #[test]
+        fn an_angle_of_a_few_digits_keeps_its_degrees(hundredths in -36_000i32..36_000) {
+            let typed = format!("{}D", f64::from(hundredths) / 100.0);
+            let (value, _) = parse_number(typed.as_bytes()).unwrap();
+            prop_assert_eq!(spell_like(value, b"45D"), typed);
         }
     }
 }

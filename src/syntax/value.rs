@@ -1,10 +1,13 @@
 use std::sync::Arc;
 
+use super::fix::did_you_mean;
 use super::number::parse_number;
 use super::parser::{Cursor, StatementParser};
 use super::{Number, Shared, Token, TokenKind, Value, expression};
 use crate::diagnostic::{Applicability, Code, Diagnostic};
-use crate::grammar::{ArgumentDef, Choice, Lookup, StatementDef, ValueKind, find_choice, nearest};
+use crate::grammar::{
+    ArgumentDef, Choice, Lookup, StatementDef, ValueKind, all_nearest, find_choice,
+};
 use crate::text::{Edit, Span};
 
 /// Why a list of numbers could not be read.
@@ -228,17 +231,19 @@ impl StatementParser<'_> {
     fn complain_choice(&mut self, def: &ArgumentDef, choices: &'static [Choice], span: Span) {
         let typed = self.source.text(span).into_owned();
         let names = || choices.iter().map(|choice| choice.name);
-        let near = (typed.len() <= 32)
-            .then(|| nearest(&typed, names()))
-            .flatten();
-        let help = match near {
-            Some(near) => format!("did you mean {near}?"),
-            None => format!("write one of {}", names().collect::<Vec<_>>().join(", ")),
+        let near = if typed.len() <= 32 {
+            all_nearest(&typed, names())
+        } else {
+            Vec::new()
         };
         let shown: String = typed.chars().take(40).collect();
-        let diagnostic =
-            Diagnostic::error(Code::WrongType, format!("{} cannot be {shown}", def.name))
-                .help(help);
+        let wrong = Diagnostic::error(Code::WrongType, format!("{} cannot be {shown}", def.name));
+        let diagnostic = if near.is_empty() {
+            let all = names().collect::<Vec<_>>().join(", ");
+            wrong.help(format!("write one of {all}"))
+        } else {
+            did_you_mean(wrong, span, &near)
+        };
         self.complain(diagnostic, span, "");
     }
 

@@ -2,12 +2,14 @@
 //!
 //! Knows no iteration, no step control and no factorisation.
 
-use super::chain::{Acting, NoJacobian, Place, Sink, add_block, add_wrench, turn};
-use super::structure::{Action, Drive, Element, Joint, Name, Rate, System};
-use super::{Parameters, Scratch, State};
-use crate::constraint::Constraint;
-use crate::element::{Degenerate, Law};
-use crate::mechanics::{Mat6, Pose, RelativeMotion, Vec3, Vec6};
+use super::chain::{add_block, add_wrench};
+use super::contribution::Of;
+use super::forces::Ask;
+use super::structure::{Drive, Name, Rate, System};
+use super::{Configuration, Parameters, Scratch, State};
+use crate::element::Degenerate;
+use crate::linear::{NoMatrix, Sink};
+use crate::mechanics::{Mat6, Vec3, skew};
 
 /// An element that has no value in this configuration.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
@@ -42,7 +44,7 @@ impl System {
         scratch: &mut Scratch,
         g: &mut [f64],
     ) -> Result<(), NoValue> {
-        self.assemble(parameters, state, scratch, g, &mut NoJacobian)
+        self.assemble(parameters, state, scratch, g, &mut NoMatrix)
     }
 
     /// Residual, and Jacobian into the sink. Entries come in the same order every time.
@@ -56,411 +58,143 @@ impl System {
     ) -> Result<(), NoValue> {
         g.fill(0.0);
         scratch.largest = 0.0;
-        self.place_markers(parameters, state, scratch);
-        self.evaluate_functions(parameters, state, scratch)?;
-        self.add_gravity(parameters, scratch, g, sink);
-        for element in &self.elements {
+        let mut here = self.look(parameters, state, scratch)?;
+        here.add_gravity(g, sink);
+        let ask = if S::WANTED { Ask::Tangent } else { Ask::Value };
+        for (number, element) in self.elements.iter().enumerate() {
             if element.active {
-                self.add_element(element, parameters, state, scratch, g, sink)?;
+                here.element(number, ask)?;
+                here.add(g, sink);
             }
         }
         for multi in self.multis.iter().filter(|m| m.active) {
-            self.add_multi(multi, parameters, state, scratch, g, sink)?;
+            here.evaluate_multi(multi)?;
+            for at in 0..multi.i.len() {
+                here.multi(multi, at, S::WANTED);
+                here.add(g, sink);
+            }
         }
-        for joint in &self.joints {
-            self.add_joint(joint, parameters, state, scratch, g, sink);
+        for number in 0..self.joints.len() {
+            here.add_joint(number, g, sink);
         }
-        self.add_conditions(parameters, state, scratch, g, sink)?;
-        self.add_data(state, scratch, g, sink);
+        here.add_conditions(g, sink)?;
+        here.add_data(g, sink);
         Ok(())
     }
 
-    /// Poses of the used markers in ground, and their arms.
-    pub(crate) fn place_markers(
+    /// The equations of joints and motions alone, where other things may have no value: their gradients need none of it. `scratch` is
+    /// new.
+    pub(crate) fn assemble_joints<S: Sink>(
         &self,
-        parameters: &Parameters,
-        state: &State,
-        scratch: &mut Scratch,
-    ) {
-        for &marker in &self.used {
-            let part = &state.poses[self.owners[marker]];
-            let local = &parameters.markers()[marker];
-            let arm = part.R * local.p;
-            scratch.arms[marker] = arm;
-            scratch.markers[marker] = Pose {
-                p: part.p + arm,
-                R: part.R * local.R,
-            };
-        }
-    }
-
-    pub(crate) fn place(&self, part: usize) -> Place {
-        Place {
-            first: self.bodies[part].first,
-            freedoms: self.bodies[part].freedoms,
-        }
-    }
-
-    /// From the origin of a part to the origin of a marker that may be on another part.
-    pub(crate) fn arm_to(
-        &self,
-        marker: usize,
-        part: usize,
-        state: &State,
-        scratch: &Scratch,
-    ) -> Vec3 {
-        if self.owners[marker] == part {
-            scratch.arms[marker]
-        } else {
-            scratch.markers[marker].p - state.poses[part].p
-        }
-    }
-
-    /// The motion of I in J. Angles only where somebody reads them.
-    pub(crate) fn motion(
-        scratch: &Scratch,
-        state: &State,
-        (i, j, pair): (usize, usize, usize),
-        angles: bool,
-    ) -> RelativeMotion {
-        let (i, j) = (&scratch.markers[i], &scratch.markers[j]);
-        if angles {
-            return RelativeMotion::between(i, j, &state.pair_angles[pair]);
-        }
-        let R_jg = j.R.transpose();
-        RelativeMotion {
-            p_ij_j: R_jg * (i.p - j.p),
-            R_ji: R_jg * i.R,
-            angles: Vec3::zeros(),
-        }
-    }
-
-    fn add_gravity<S: Sink>(
-        &self,
-        parameters: &Parameters,
-        scratch: &mut Scratch,
-        g: &mut [f64],
-        sink: &mut S,
-    ) {
-        let theta = parameters.theta();
-        let gravity = self.gravity_vector(theta);
-        for (part, body) in self.bodies.iter().enumerate() {
-            let place = self.place(part);
-            let Some(cm) = body.cm else {
-                // Every part has its block in the pattern.
-                if S::WANTED {
-                    add_block(sink, place, place, &Mat6::zeros());
-                }
-                continue;
-            };
-            if body.freedoms == 0 {
-                continue;
-            }
-            let F = gravity * theta[body.mass];
-            scratch.largest = scratch.largest.max(F.amax());
-            let acting = Acting {
-                F,
-                T: Vec3::zeros(),
-                D: None,
-                a: self.place(part),
-                r: scratch.arms[cm],
-                b: None,
-                c: None,
-            };
-            acting.add(g, sink);
-        }
-    }
-
-    /// Gravity over the units consistency factor: weight per mass.
-    pub(crate) fn gravity_vector(&self, theta: &[f64]) -> Vec3 {
-        Vec3::from_column_slice(&theta[self.gravity..self.gravity + 3]) / self.ucf
-    }
-
-    /// Evaluates a law at the state; the result is in `scratch.wrench`, in J axes.
-    pub(crate) fn evaluate_law(
-        element: &Element,
-        parameters: &Parameters,
-        state: &State,
-        scratch: &mut Scratch,
-        with_parameters: bool,
-    ) -> Result<(), NoValue> {
-        let Action::Law(law, drive) = &element.action else {
-            return Ok(());
-        };
-        let pair = (element.i, element.j, element.pair);
-        let motion = Self::motion(scratch, state, pair, law.uses_angles());
-        let value;
-        let (theta, with_parameters) = match drive {
-            Drive::Theta(range) => (&parameters.theta()[range.clone()], with_parameters),
-            Drive::Function(function) => {
-                value = [scratch.functions[*function].value];
-                (&value[..], true)
-            }
-            Drive::Held(held) => {
-                value = [*held];
-                (&value[..], true)
-            }
-        };
-        law.evaluate(&motion, theta, with_parameters, &mut scratch.wrench)
-            .map_err(|reason| NoValue {
-                element: element.name.clone(),
-                reason: reason.into(),
-            })
-    }
-
-    /// The surroundings of an element, for the chain rule.
-    pub(crate) fn acting<'a>(
-        &self,
-        element: &Element,
-        state: &State,
-        scratch: &Scratch,
-        (F, T): (Vec3, Vec3),
-        D: Option<&'a Mat6>,
-    ) -> Acting<'a> {
-        let part = self.owners[element.i];
-        Acting {
-            F,
-            T,
-            D,
-            a: self.place(part),
-            r: scratch.arms[element.i],
-            b: element
-                .reaction
-                .map(|b| (self.place(b), self.arm_to(element.i, b, state, scratch))),
-            c: element.frame.map(|frame| {
-                let c = self.owners[frame];
-                (self.place(c), self.arm_to(element.i, c, state, scratch))
-            }),
-        }
-    }
-
-    fn add_element<S: Sink>(
-        &self,
-        element: &Element,
-        parameters: &Parameters,
-        state: &State,
-        scratch: &mut Scratch,
-        g: &mut [f64],
-        sink: &mut S,
-    ) -> Result<(), NoValue> {
-        match &element.action {
-            Action::Law(_, drive) => {
-                Self::evaluate_law(element, parameters, state, scratch, false)?;
-                let R = scratch.markers[element.j].R;
-                let (F, T) = halves(&R, &scratch.wrench.value);
-                scratch.largest = scratch.largest.max(F.amax().max(T.amax() / self.length));
-                if !S::WANTED {
-                    self.acting(element, state, scratch, (F, T), None)
-                        .add(g, sink);
-                    return Ok(());
-                }
-                let D = turn(&R, &scratch.wrench.by_motion);
-                let acting = self.acting(element, state, scratch, (F, T), Some(&D));
-                acting.add(g, sink);
-                if let Drive::Function(function) = drive {
-                    let unit = halves(&R, &scratch.wrench.by_parameter[0]);
-                    Self::add_gradient(&acting, unit, *function, scratch, sink);
-                }
-            }
-            Action::Vector(components) => {
-                let R = element
-                    .frame
-                    .map_or_else(crate::mechanics::Mat3::identity, |m| scratch.markers[m].R);
-                let mut w = Vec6::zeros();
-                for k in 0..6 {
-                    w[k] = components[k].map_or(0.0, |f| scratch.functions[f].value);
-                }
-                let (F, T) = halves(&R, &w);
-                scratch.largest = scratch.largest.max(F.amax().max(T.amax() / self.length));
-                let acting = self.acting(element, state, scratch, (F, T), None);
-                acting.add(g, sink);
-                if S::WANTED {
-                    for k in 0..6 {
-                        if let Some(function) = components[k] {
-                            let unit = halves(&R, &Vec6::ith(k, 1.0));
-                            Self::add_gradient(&acting, unit, function, scratch, sink);
-                        }
-                    }
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Adds unit wrench times the gradient of a function.
-    fn add_gradient<S: Sink>(
-        acting: &Acting,
-        (F, T): (Vec3, Vec3),
-        function: usize,
-        scratch: &Scratch,
-        sink: &mut S,
-    ) {
-        let value = &scratch.functions[function];
-        let mut on = |place: Place, arm: &Vec3, sign: f64| {
-            let mut column = [0.0; 6];
-            let local = Place {
-                first: 0,
-                freedoms: place.freedoms,
-            };
-            add_wrench(&mut column, local, sign, &F, &T, arm);
-            for &(unknown, derivative) in &scratch.gradient[value.first..value.last] {
-                for k in 0..place.freedoms {
-                    sink.add(place.first + k, unknown, column[k] * derivative);
-                }
-            }
-        };
-        on(acting.a, &acting.r, 1.0);
-        if let Some((b, s)) = &acting.b {
-            on(*b, s, -1.0);
-        }
-    }
-
-    fn add_joint<S: Sink>(
-        &self,
-        joint: &Joint,
         parameters: &Parameters,
         state: &State,
         scratch: &mut Scratch,
         g: &mut [f64],
         sink: &mut S,
     ) {
-        let first = self.first_equation + joint.first;
-        let lambda = &state.multipliers[joint.first..joint.first + joint.count];
-        let mut out = [false; 6];
+        let mut here = self.at(parameters, state, scratch);
+        here.place_markers();
+        for number in 0..self.joints.len() {
+            here.add_joint(number, g, sink);
+        }
+    }
+}
+
+impl Configuration<'_> {
+    /// Adds `scratch.contribution` to the balances and its derivative to the Jacobian.
+    fn add<S: Sink>(&mut self, g: &mut [f64], sink: &mut S) {
+        let scratch = &mut *self.scratch;
+        let wrench = &scratch.contribution;
+        scratch.largest = scratch.largest.max(wrench.size(self.system.length));
+        wrench.balance(g);
+        if S::WANTED {
+            wrench.tangent_by_motion(sink);
+            wrench.tangent_by_functions(&scratch.functions, &scratch.gradient, sink);
+        }
+    }
+
+    fn add_gravity<S: Sink>(&mut self, g: &mut [f64], sink: &mut S) {
+        let theta = self.parameters.theta();
+        let gravity = self.system.gravity_vector(theta);
+        for (part, body) in self.system.bodies.iter().enumerate() {
+            let place = self.system.place(part);
+            let mut block = Mat6::zeros();
+            if let (Some(cm), true) = (body.cm, body.freedoms > 0) {
+                let F = gravity * theta[body.mass];
+                self.scratch.largest = self.scratch.largest.max(F.amax());
+                let r = self.scratch.arms[cm];
+                add_wrench(g, place, 1.0, &F, &Vec3::zeros(), &r);
+                // d(r x F) = (dphi x r) x F
+                let by_turn = skew(&F) * skew(&r);
+                block.fixed_view_mut::<3, 3>(3, 3).copy_from(&by_turn);
+            }
+            // Every part has its block in the pattern.
+            if S::WANTED {
+                add_block(sink, place, place, &block);
+            }
+        }
+    }
+
+    fn add_joint<S: Sink>(&mut self, number: usize, g: &mut [f64], sink: &mut S) {
+        let system = self.system;
+        let joint = &system.joints[number];
+        let first = system.first_equation + joint.first;
+        let out = joint.out(self.state);
         for k in 0..joint.count {
-            out[k] = !joint.active || state.redundant.get(joint.first + k) == Some(&true);
             // A removed equation says that its multiplier is zero.
             sink.add(first + k, first + k, f64::from(u8::from(out[k])));
-            g[first + k] = if out[k] { lambda[k] } else { -joint.offset };
+            g[first + k] = if out[k] {
+                self.state.multipliers[joint.first + k]
+            } else {
+                -joint.offset
+            };
         }
-        if !joint.active {
-            self.add_empty_joint(joint, sink);
+        if !joint.active && !S::WANTED {
             return;
         }
-        for (number, term) in joint.terms.iter().enumerate() {
-            let multipliers = Self::evaluate_term(joint, number, out, parameters, state, scratch);
-            let R = scratch.markers[term.j].R;
-            let (a, c) = (self.owners[term.i], self.owners[term.j]);
-            let (place_a, place_c) = (self.place(a), self.place(c));
-            let r = scratch.arms[term.i];
-            let s = self.arm_to(term.i, c, state, scratch);
-            let (mut F, mut T) = (Vec3::zeros(), Vec3::zeros());
+        for (at, term) in joint.terms.iter().enumerate() {
+            self.term(number, at, S::WANTED);
             for k in 0..joint.count {
-                let (row_t, row_r) = halves(&R, &scratch.equations.jacobian[k]);
-                F -= multipliers[k] * row_t;
-                T -= multipliers[k] * row_r;
                 if !out[k] {
-                    g[first + k] += term.scale * scratch.equations.residual[k];
+                    g[first + k] += term.scale * self.scratch.equations.residual[k];
                 }
-                if S::WANTED {
-                    let factor = if out[k] { 0.0 } else { term.scale };
-                    for (place, arm, sign) in [(place_a, &r, factor), (place_c, &s, -factor)] {
-                        let mut row = [0.0; 6];
-                        let local = Place {
-                            first: 0,
-                            freedoms: place.freedoms,
-                        };
-                        add_wrench(&mut row, local, sign, &row_t, &row_r, arm);
+            }
+            if S::WANTED {
+                // A row of the Jacobian is minus what its multiplier does to the balances.
+                let reaction = &self.scratch.contribution;
+                for scalar in &reaction.scalars {
+                    let Of::Unknown(row) = scalar.of else {
+                        continue;
+                    };
+                    for (place, column) in reaction.column(scalar) {
                         for m in 0..place.freedoms {
-                            sink.add(first + k, place.first + m, row[m]);
-                            sink.add(place.first + m, first + k, -row[m]);
+                            sink.add(row, place.first + m, -column[m]);
+                            sink.add(place.first + m, row, column[m]);
                         }
                     }
                 }
             }
-            scratch.largest = scratch.largest.max(F.amax().max(T.amax() / self.length));
-            let mut D = Mat6::zeros();
-            if S::WANTED {
-                let curvature = R * scratch.equations.curvature * R.transpose();
-                D.fixed_view_mut::<3, 3>(3, 3).copy_from(&-curvature);
-            }
-            let acting = Acting {
-                F,
-                T,
-                D: Some(&D),
-                a: place_a,
-                r,
-                b: Some((place_c, s)),
-                c: Some((place_c, s)),
-            };
-            acting.add(g, sink);
+            self.add(g, sink);
         }
         if S::WANTED
             && let Drive::Function(function) = joint.drive
         {
-            let value = &scratch.functions[function];
+            let value = &self.scratch.functions[function];
             let by = if out[0] {
                 0.0
             } else {
-                scratch.equations.residual_by_parameter * joint.terms[0].scale
+                self.scratch.equations.residual_by_parameter * joint.terms[0].scale
             };
-            for &(unknown, derivative) in &scratch.gradient[value.first..value.last] {
+            for &(unknown, derivative) in &self.scratch.gradient[value.first..value.last] {
                 sink.add(first, unknown, by * derivative);
             }
         }
     }
 
-    /// Evaluates one term of a constraint into `scratch.equations`; gives the multipliers of the term.
-    pub(crate) fn evaluate_term(
-        joint: &Joint,
-        number: usize,
-        removed: [bool; 6],
-        parameters: &Parameters,
-        state: &State,
-        scratch: &mut Scratch,
-    ) -> [f64; 6] {
-        let term = &joint.terms[number];
-        let mut multipliers = [0.0; 6];
-        for k in 0..joint.count {
-            if !removed[k] {
-                multipliers[k] = term.scale * state.multipliers[joint.first + k];
-            }
-        }
-        let motion = Self::motion(
-            scratch,
-            state,
-            (term.i, term.j, term.pair),
-            term.law.uses_angles(),
-        );
-        let value;
-        let theta = match &joint.drive {
-            Drive::Theta(range) => &parameters.theta()[range.clone()],
-            Drive::Function(function) => {
-                value = [scratch.functions[*function].value];
-                &value[..]
-            }
-            Drive::Held(held) => {
-                value = [*held];
-                &value[..]
-            }
-        };
-        term.law
-            .evaluate(&motion, theta, &multipliers, &mut scratch.equations);
-        multipliers
-    }
-
-    /// A deactivated joint has the same pattern, all zero.
-    fn add_empty_joint<S: Sink>(&self, joint: &Joint, sink: &mut S) {
-        if !S::WANTED {
-            return;
-        }
-        for term in &joint.terms {
-            for part in [self.owners[term.i], self.owners[term.j]] {
-                let place = self.place(part);
-                for k in 0..joint.count {
-                    let row = self.first_equation + joint.first + k;
-                    for m in 0..place.freedoms {
-                        sink.add(row, place.first + m, 0.0);
-                        sink.add(place.first + m, row, 0.0);
-                    }
-                }
-            }
-        }
-    }
-
-    fn add_data<S: Sink>(&self, state: &State, scratch: &Scratch, g: &mut [f64], sink: &mut S) {
-        for (k, variable) in self.variables.iter().enumerate() {
-            let row = self.first_variable + k;
+    fn add_data<S: Sink>(&self, g: &mut [f64], sink: &mut S) {
+        let (system, state, scratch) = (self.system, self.state, &*self.scratch);
+        for (k, variable) in system.variables.iter().enumerate() {
+            let row = system.first_variable + k;
             sink.add(row, row, 1.0);
             g[row] = state.variables[k];
             if variable.active {
@@ -471,7 +205,7 @@ impl System {
                 }
             }
         }
-        for equation in &self.states {
+        for equation in &system.states {
             let Some(row) = equation.unknown else {
                 continue;
             };
@@ -487,24 +221,16 @@ impl System {
                 Rate::Linear(by_state, by_variable) => {
                     for &(k, a) in by_state {
                         g[row] += a * state.states[k];
-                        if let Some(unknown) = self.states[k].unknown {
+                        if let Some(unknown) = system.states[k].unknown {
                             sink.add(row, unknown, a);
                         }
                     }
                     for &(k, b) in by_variable {
                         g[row] += b * state.variables[k];
-                        sink.add(row, self.first_variable + k, b);
+                        sink.add(row, system.first_variable + k, b);
                     }
                 }
             }
         }
     }
-}
-
-/// Force and torque of a wrench in the axes R, turned to ground.
-pub(crate) fn halves(R: &crate::mechanics::Mat3, w: &Vec6) -> (Vec3, Vec3) {
-    (
-        R * Vec3::new(w[0], w[1], w[2]),
-        R * Vec3::new(w[3], w[4], w[5]),
-    )
 }

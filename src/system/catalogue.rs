@@ -1,6 +1,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use crate::grammar::{ArgumentDef, Components};
 use crate::syntax::Address;
 use crate::units::Dimension;
 
@@ -8,7 +9,7 @@ use crate::units::Dimension;
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub struct Slot(pub usize);
 
-/// What the numbers of a group mean, to whoever differentiates by them.
+/// What the numbers of a group mean, for derivatives with respect to them.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Role {
     /// Arguments of the force law of an element.
@@ -16,7 +17,7 @@ pub(crate) enum Role {
     /// PITCH or PD of a joint.
     Joint { joint: usize },
     /// Arguments of an NFORCE.
-    Multi,
+    Multi { multi: usize },
     /// QP and REULER of a marker.
     Marker(usize),
     /// Mass of a part.
@@ -30,45 +31,32 @@ pub(crate) enum Role {
 }
 
 /// The dimensions of the numbers of a group.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) enum Quantity {
     /// All alike.
     Same(Dimension),
-    /// The 36 numbers of a 6 by 6 stiffness, column by column.
-    Stiffness,
-    /// n by n numbers, column by column, made up of such 6 by 6 stiffnesses.
+    /// As of an argument of the grammar.
+    Of(Components),
+    /// n by n numbers, column by column, made up of 6 by 6 stiffnesses.
     MultiStiffness(usize),
-    /// Three lengths and three angles.
-    Motion,
-    /// Three forces and three torques.
-    Wrench,
 }
 
 impl Quantity {
-    fn of(self, k: usize) -> Dimension {
-        let wrench = |row: usize| {
-            if row < 3 {
-                Dimension::FORCE
-            } else {
-                Dimension::TORQUE
-            }
-        };
-        match self {
-            Self::Same(dimension) => dimension,
-            Self::MultiStiffness(n) => Self::Stiffness.of(k % n % 6 + 6 * (k / n % 6)),
-            Self::Wrench => wrench(k % 6),
-            Self::Motion if k % 6 < 3 => Dimension::LENGTH,
-            Self::Motion => Dimension::ANGLE,
-            Self::Stiffness => {
-                let mut dimension = wrench(k % 6);
-                if k / 6 < 3 {
-                    dimension.length -= 1;
-                } else {
-                    dimension.angle -= 1;
-                }
-                dimension
-            }
+    /// Of an argument of the grammar.
+    pub fn of_argument(argument: &ArgumentDef) -> Self {
+        match argument.components {
+            Components::Alike => Self::Same(argument.dimension),
+            components => Self::Of(components),
         }
+    }
+
+    fn of(self, k: usize) -> Dimension {
+        let component = match self {
+            Self::Same(dimension) => return dimension,
+            Self::Of(components) => components.of(k),
+            Self::MultiStiffness(n) => Components::Stiffness.of(k % n % 6 + 6 * (k / n % 6)),
+        };
+        component.unwrap_or(Dimension::NONE)
     }
 }
 
@@ -110,7 +98,6 @@ pub struct Catalogue {
 impl Catalogue {
     /// The slot of an address. An index may be left out where the argument has one number. `None` if theta does not hold it.
     pub fn slot(&self, address: &Address) -> Option<Slot> {
-        // The map is keyed by static words; a lookup by borrowed words walks the equal range instead.
         let group = self.find(
             &address.kind,
             address.id,
@@ -131,11 +118,6 @@ impl Catalogue {
         argument: Option<&str>,
         indexed: bool,
     ) -> Option<&Group> {
-        let kind = KINDS.iter().copied().find(|word| *word == kind)?;
-        let argument = match argument {
-            None => None,
-            Some(argument) => Some(ARGUMENTS.iter().copied().find(|word| *word == argument)?),
-        };
         // `SFORCE/3.FUNCTION.1` is a literal, `SFORCE/3` (or `GFORCE/1.FX`) the whole function: told apart by the index.
         let first = *self.index.get(&(kind, id, argument))?;
         self.groups[first..]
@@ -184,7 +166,6 @@ impl Catalogue {
 
     /// Appends a group and returns its place in theta. Groups of one statement and argument must be appended one after the other.
     pub(crate) fn push(&mut self, mut group: Group) -> Range<usize> {
-        debug_assert!(KINDS.contains(&group.kind), "{}", group.kind);
         group.first = self.len();
         let range = group.first..group.first + group.count;
         self.index
@@ -200,35 +181,3 @@ impl Group {
         matches!(self.role, Role::Override(_))
     }
 }
-
-/// Statements with numbers in theta.
-const KINDS: &[&str] = &[
-    "MARKER",
-    "PART",
-    "POINT_MASS",
-    "ACCGRAV",
-    "JOINT",
-    "BUSHING",
-    "FIELD",
-    "BEAM",
-    "SPRINGDAMPER",
-    "NFORCE",
-    "SFORCE",
-    "GFORCE",
-    "VFORCE",
-    "VTORQUE",
-    "MOTION",
-    "GCON",
-    "VARIABLE",
-    "DIFF",
-    "REQUEST",
-    "SENSOR",
-];
-
-/// Arguments with numbers in theta.
-const ARGUMENTS: &[&str] = &[
-    "QP", "REULER", "MASS", "IGRAV", "JGRAV", "KGRAV", "K", "KT", "FORCE", "TORQUE", "KMATRIX",
-    "LENGTH", "ANGLE", "PITCH", "PD", "AREA", "IXX", "IYY", "IZZ", "EMODULUS", "GMODULUS", "ASY",
-    "ASZ", "FUNCTION", "FX", "FY", "FZ", "TX", "TY", "TZ", "F1", "F2", "F3", "F4", "F5", "F6",
-    "F7", "F8", "EVALUATE",
-];

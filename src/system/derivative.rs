@@ -1,14 +1,15 @@
 //! Derivatives of the residual by theta and by wrenches that are not in the model.
 
-use super::assemble::{NoValue, halves};
+use super::assemble::NoValue;
 use super::catalogue::Role;
-use super::chain::{Acting, Twist, add_wrench, turn};
+use super::chain::add_wrench;
+use super::contribution::{Exerted, Of, Twist, halves};
+use super::forces::Ask;
 use super::function::Source;
-use super::multi::Multi;
 use super::parameters::PER_MARKER;
 use super::structure::{Action, Drive, Element, Rate};
-use super::{Parameters, Scratch, Slot, State, System};
-use crate::mechanics::{Mat3, Mat6, Vec3, Vec6};
+use super::{Configuration, Parameters, Scratch, Slot, State, System};
+use crate::mechanics::{Vec3, Vec6};
 use crate::model::MarkerIx;
 
 impl System {
@@ -24,75 +25,8 @@ impl System {
         slot: Slot,
         dg: &mut [f64],
     ) -> Result<(), NoValue> {
-        dg.fill(0.0);
-        self.place_markers(parameters, state, scratch);
-        self.evaluate_functions(parameters, state, scratch)?;
-        let group = self.catalogue().group(slot);
-        if self.acts_through_functions(group.role) {
-            return self.residual_difference(parameters, state, scratch, slot, dg);
-        }
-        let offset = slot.0 - group.first;
-        match group.role {
-            Role::Law { element } => {
-                let element = &self.elements[element];
-                if !element.active {
-                    return Ok(());
-                }
-                Self::evaluate_law(element, parameters, state, scratch, true)?;
-                if let Action::Law(_, Drive::Theta(range)) = &element.action {
-                    let w = scratch.wrench.by_parameter[slot.0 - range.start];
-                    let R = scratch.markers[element.j].R;
-                    let (F, T) = halves(&R, &w);
-                    let acting = self.acting(element, state, scratch, (F, T), None);
-                    acting.add(dg, &mut super::chain::NoJacobian);
-                }
-            }
-            Role::Marker(marker) => {
-                let k = slot.0 % PER_MARKER;
-                self.by_marker(parameters, state, scratch, (marker, k), dg)?;
-            }
-            Role::Mass(part) => {
-                if let Some(cm) = self.bodies[part].cm {
-                    let F = self.gravity_vector(parameters.theta());
-                    let arm = scratch.arms[cm];
-                    add_wrench(dg, self.place(part), 1.0, &F, &Vec3::zeros(), &arm);
-                }
-            }
-            Role::Gravity => {
-                let unit = Vec3::ith(slot.0 - self.gravity, 1.0 / self.ucf);
-                for (part, body) in self.bodies.iter().enumerate() {
-                    if let Some(cm) = body.cm {
-                        let F = unit * parameters.theta()[body.mass];
-                        let arm = scratch.arms[cm];
-                        add_wrench(dg, self.place(part), 1.0, &F, &Vec3::zeros(), &arm);
-                    }
-                }
-            }
-            Role::Joint { joint } => {
-                let joint = &self.joints[joint];
-                let out = Self::removed(joint, state);
-                if !joint.active || out[0] {
-                    return Ok(());
-                }
-                let lambda = Self::evaluate_term(joint, 0, out, parameters, state, scratch);
-                dg[self.first_equation + joint.first] = scratch.equations.residual_by_parameter;
-                let term = &joint.terms[0];
-                let R = scratch.markers[term.j].R;
-                let w = scratch.equations.jacobian_by_parameter * -lambda[0];
-                let (F, T) = halves(&R, &w);
-                self.add_opposite((term.i, term.j), state, scratch, (&F, &T), dg);
-            }
-            Role::Multi => return self.residual_difference(parameters, state, scratch, slot, dg),
-            Role::Literals(function) => {
-                let rate =
-                    self.function_by_literal(parameters, state, scratch, function, offset)?;
-                self.by_function(parameters, state, scratch, (function, rate), dg)?;
-            }
-            Role::Override(function) => {
-                self.by_function(parameters, state, scratch, (function, 1.0), dg)?;
-            }
-        }
-        Ok(())
+        self.look(parameters, state, scratch)?
+            .residual_by_slot(slot, dg)
     }
 
     /// The residual of a wrench on marker I, given in J axes, with its opposite at the same point of the part of J.
@@ -104,216 +38,301 @@ impl System {
         (i, j): (MarkerIx, MarkerIx),
         wrench_j: &Vec6,
     ) -> Vec<f64> {
+        let mut here = self.at(parameters, state, scratch);
+        here.place_marker(i.0);
+        here.place_marker(j.0);
+        let (a, b) = (self.owners[i.0], self.owners[j.0]);
+        let (F, T) = halves(&here.scratch.markers[j.0].R, wrench_j);
         let mut dg = vec![0.0; self.unknowns];
-        for marker in [i.0, j.0] {
-            let part = &state.poses[self.owners[marker]];
-            let local = &parameters.markers()[marker];
-            scratch.markers[marker] = part.compose(local);
-            scratch.arms[marker] = part.R * local.p;
-        }
-        let R = scratch.markers[j.0].R;
-        let (F, T) = halves(&R, wrench_j);
-        self.add_opposite((i.0, j.0), state, scratch, (&F, &T), &mut dg);
+        let r = here.scratch.arms[i.0];
+        add_wrench(&mut dg, self.place(a), 1.0, &F, &T, &r);
+        let s = here.arm_to(i.0, b);
+        add_wrench(&mut dg, self.place(b), -1.0, &F, &T, &s);
         dg
     }
+}
 
-    fn add_opposite(
-        &self,
-        (i, j): (usize, usize),
-        state: &State,
-        scratch: &Scratch,
-        (F, T): (&Vec3, &Vec3),
+impl Element {
+    fn driven_by(&self, function: usize) -> bool {
+        match &self.action {
+            Action::Law(_, drive) => matches!(drive, Drive::Function(f) if *f == function),
+            Action::Vector(components) => components.contains(&Some(function)),
+        }
+    }
+}
+
+impl Configuration<'_> {
+    /// The change of the residual per radian by which a marker turns on its part about an axis of its own. Overwrites `dg`.
+    ///
+    /// # Errors
+    /// [`NoValue`] if an element is undefined in this configuration.
+    pub fn residual_by_turn(
+        &mut self,
+        (marker, axis): (MarkerIx, &Vec3),
         dg: &mut [f64],
-    ) {
-        let (a, b) = (self.owners[i], self.owners[j]);
-        add_wrench(dg, self.place(a), 1.0, F, T, &scratch.arms[i]);
-        let arm = self.arm_to(i, b, state, scratch);
-        add_wrench(dg, self.place(b), -1.0, F, T, &arm);
+    ) -> Result<(), NoValue> {
+        /// Radians of a difference.
+        const STEP: f64 = 1e-6;
+        dg.fill(0.0);
+        let (system, state) = (self.system, self.state);
+        if !system.acts_through_functions(Role::Marker(marker.0)) {
+            let turned = self.parameters.markers()[marker.0].R * axis;
+            return self.by_marker((marker.0, (Vec3::zeros(), turned)), dg);
+        }
+        let mut minus = vec![0.0; dg.len()];
+        for (sign, out) in [(1.0, &mut *dg), (-1.0, &mut minus[..])] {
+            let mut moved = self.parameters.clone();
+            moved.turn(marker, axis, sign * STEP);
+            system.residual(&moved, state, self.scratch, out)?;
+        }
+        for (plus, minus) in dg.iter_mut().zip(&minus) {
+            *plus = (*plus - minus) / (2.0 * STEP);
+        }
+        self.look()
     }
 
-    pub(crate) fn removed(joint: &super::structure::Joint, state: &State) -> [bool; 6] {
-        let mut out = [false; 6];
-        for (k, out) in out.iter_mut().enumerate().take(joint.count) {
-            *out = state.redundant.get(joint.first + k) == Some(&true);
+    /// The change of the residual per unit of a number of theta, the unknowns staying as they are. Overwrites `dg`.
+    ///
+    /// # Errors
+    /// [`NoValue`] if an element is undefined in this configuration.
+    pub fn residual_by_slot(&mut self, slot: Slot, dg: &mut [f64]) -> Result<(), NoValue> {
+        dg.fill(0.0);
+        let system = self.system;
+        let group = system.catalogue().group(slot);
+        if system.acts_through_functions(group.role) {
+            return self.residual_difference(slot, dg);
         }
-        out
+        let offset = slot.0 - group.first;
+        let theta = self.parameters.theta();
+        match group.role {
+            Role::Law { element: number } => {
+                let element = &system.elements[number];
+                if let (true, Action::Law(_, Drive::Theta(range))) =
+                    (element.active, &element.action)
+                {
+                    self.element(number, Ask::Parameters)?;
+                    let w = &self.scratch.wrench.by_parameter[slot.0 - range.start];
+                    self.scratch.contribution.spread_local(w, dg);
+                }
+            }
+            Role::Marker(marker) => {
+                let moved = self
+                    .parameters
+                    .marker_derivative(marker, slot.0 % PER_MARKER);
+                self.by_marker((marker, moved), dg)?;
+            }
+            Role::Mass(part) => self.spread_weight(part, &system.gravity_vector(theta), dg),
+            Role::Gravity => {
+                let unit = Vec3::ith(slot.0 - system.gravity, 1.0 / system.ucf);
+                for (part, body) in system.bodies.iter().enumerate() {
+                    if body.cm.is_some() {
+                        self.spread_weight(part, &(unit * theta[body.mass]), dg);
+                    }
+                }
+            }
+            Role::Joint { joint: number } => {
+                let joint = &system.joints[number];
+                if !joint.out(self.state)[0] {
+                    self.term(number, 0, false);
+                    let equations = &self.scratch.equations;
+                    dg[system.first_equation + joint.first] = equations.residual_by_parameter;
+                    let lambda = self.state.multipliers[joint.first];
+                    let w = equations.jacobian_by_parameter * -lambda;
+                    self.scratch.contribution.spread_local(&w, dg);
+                }
+            }
+            Role::Multi { multi: number } => {
+                let multi = &system.multis[number];
+                if multi.active {
+                    self.evaluate_multi(multi)?;
+                    let mut columns = vec![Vec6::zeros(); multi.i.len()];
+                    let theta = &theta[multi.theta.clone()];
+                    let p = slot.0 - multi.theta.start;
+                    let law = multi.law();
+                    law.by_parameter(theta, p, &self.scratch.multi, &mut columns);
+                    for (at, w) in columns.iter().enumerate() {
+                        self.multi(multi, at, false);
+                        self.scratch.contribution.spread_local(w, dg);
+                    }
+                }
+            }
+            Role::Literals(function) => {
+                let rate = self.function_by_literal(function, offset)?;
+                self.by_function((function, rate), dg)?;
+            }
+            Role::Override(function) => self.by_function((function, 1.0), dg)?,
+        }
+        Ok(())
+    }
+
+    /// Adds a force at the centre of mass of a part.
+    fn spread_weight(&self, part: usize, F: &Vec3, dg: &mut [f64]) {
+        if let Some(cm) = self.system.bodies[part].cm {
+            let place = self.system.place(part);
+            let arm = &self.scratch.arms[cm];
+            add_wrench(dg, place, 1.0, F, &Vec3::zeros(), arm);
+        }
     }
 
     /// All that depends on a function changes with it at this rate.
     fn by_function(
-        &self,
-        parameters: &Parameters,
-        state: &State,
-        scratch: &mut Scratch,
+        &mut self,
         (function, rate): (usize, f64),
         dg: &mut [f64],
     ) -> Result<(), NoValue> {
-        for element in self.elements.iter().filter(|e| e.active) {
-            match &element.action {
-                Action::Law(_, Drive::Function(f)) if *f == function => {
-                    Self::evaluate_law(element, parameters, state, scratch, true)?;
-                    let R = scratch.markers[element.j].R;
-                    let (F, T) = halves(&R, &(scratch.wrench.by_parameter[0] * rate));
-                    let acting = self.acting(element, state, scratch, (F, T), None);
-                    acting.add(dg, &mut super::chain::NoJacobian);
+        let system = self.system;
+        for (number, element) in system.elements.iter().enumerate() {
+            if !element.active || !element.driven_by(function) {
+                continue;
+            }
+            self.element(number, Ask::Tangent)?;
+            let wrench = &self.scratch.contribution;
+            for scalar in &wrench.scalars {
+                if matches!(scalar.of, Of::Function(f) if f == function) {
+                    wrench.spread(&(scalar.F * rate), &(scalar.T * rate), dg);
                 }
-                Action::Vector(components) => {
-                    for k in 0..6 {
-                        if components[k] == Some(function) {
-                            let R = frame_axes(element, scratch);
-                            let (F, T) = halves(&R, &Vec6::ith(k, rate));
-                            let acting = self.acting(element, state, scratch, (F, T), None);
-                            acting.add(dg, &mut super::chain::NoJacobian);
-                        }
-                    }
-                }
-                Action::Law(..) => {}
             }
         }
-        for joint in self.joints.iter().filter(|j| j.active) {
+        for (number, joint) in system.joints.iter().enumerate() {
             if matches!(joint.drive, Drive::Function(f) if f == function)
-                && !Self::removed(joint, state)[0]
+                && !joint.out(self.state)[0]
             {
-                let out = Self::removed(joint, state);
-                Self::evaluate_term(joint, 0, out, parameters, state, scratch);
-                dg[self.first_equation + joint.first] +=
-                    scratch.equations.residual_by_parameter * joint.terms[0].scale * rate;
+                self.term(number, 0, false);
+                dg[system.first_equation + joint.first] +=
+                    self.scratch.equations.residual_by_parameter * joint.terms[0].scale * rate;
             }
         }
-        self.data_by_function(state, (function, rate), dg);
+        self.data_by_function((function, rate), dg);
         Ok(())
     }
 
     /// A marker moves on its part: what it is the I or the frame of changes.
     fn by_marker(
-        &self,
-        parameters: &Parameters,
-        state: &State,
-        scratch: &mut Scratch,
-        (marker, k): (usize, usize),
+        &mut self,
+        (marker, (shift, axis)): (usize, (Vec3, Vec3)),
         dg: &mut [f64],
     ) -> Result<(), NoValue> {
-        let (shift, axis) = parameters.marker_derivative(marker, k);
-        let part = &state.poses[self.owners[marker]];
+        let (system, parameters) = (self.system, self.parameters);
+        let part = &self.state.poses[system.owners[marker]];
         let twist = Twist {
             shift: part.R * shift,
             turn: part.R * axis,
         };
         let of = |m: usize| if m == marker { twist } else { Twist::zero() };
-        for element in self.elements.iter().filter(|e| e.active) {
-            let framed = element.frame == Some(marker);
-            if element.i != marker && !framed {
-                continue;
-            }
-            let (w, D, R);
-            match &element.action {
-                Action::Law(..) => {
-                    Self::evaluate_law(element, parameters, state, scratch, false)?;
-                    R = scratch.markers[element.j].R;
-                    w = halves(&R, &scratch.wrench.value);
-                    D = turn(&R, &scratch.wrench.by_motion);
+        for who in system.acting_with(marker) {
+            self.contribute(who, Ask::Tangent)?;
+            let wrench = &self.scratch.contribution;
+            wrench.by_marker(of, &self.scratch.markers, dg);
+            // The row of a constraint is minus what its multiplier does to the balances.
+            let m = wrench.seen(of, &self.scratch.markers);
+            for scalar in &wrench.scalars {
+                if let Of::Unknown(row) = scalar.of {
+                    let (dp, dphi) = (m.fixed_rows::<3>(0), m.fixed_rows::<3>(3));
+                    dg[row] -= scalar.F.dot(&dp) + scalar.T.dot(&dphi);
                 }
-                Action::Vector(components) => {
-                    R = frame_axes(element, scratch);
-                    let mut local = Vec6::zeros();
-                    for k in 0..6 {
-                        local[k] = components[k].map_or(0.0, |f| scratch.functions[f].value);
-                    }
-                    w = halves(&R, &local);
-                    D = Mat6::zeros();
-                }
-            }
-            let acting = self.acting(element, state, scratch, w, Some(&D));
-            let d = element.frame.map_or_else(Vec3::zeros, |frame| {
-                scratch.markers[element.i].p - scratch.markers[frame].p
-            });
-            let c = element.frame.map_or_else(Twist::zero, of);
-            add_change(&acting, &of(element.i), &c, &d, dg);
-        }
-        for joint in self.joints.iter().filter(|j| j.active) {
-            let out = Self::removed(joint, state);
-            for (number, term) in joint.terms.iter().enumerate() {
-                if term.i != marker && term.j != marker {
-                    continue;
-                }
-                let lambda = Self::evaluate_term(joint, number, out, parameters, state, scratch);
-                let R = scratch.markers[term.j].R;
-                let d = scratch.markers[term.i].p - scratch.markers[term.j].p;
-                let (i, j) = (of(term.i), of(term.j));
-                let dp = R.transpose() * (i.shift - j.shift - j.turn.cross(&d));
-                let dphi = R.transpose() * (i.turn - j.turn);
-                let m = Vec6::new(dp.x, dp.y, dp.z, dphi.x, dphi.y, dphi.z);
-                let mut w = Vec6::zeros();
-                for k in 0..joint.count {
-                    let row = &scratch.equations.jacobian[k];
-                    w -= row * lambda[k];
-                    if !out[k] {
-                        dg[self.first_equation + joint.first + k] += term.scale * row.dot(&m);
-                    }
-                }
-                let mut D = Mat6::zeros();
-                let curvature = R * scratch.equations.curvature * R.transpose();
-                D.fixed_view_mut::<3, 3>(3, 3).copy_from(&-curvature);
-                let (F, T) = halves(&R, &w);
-                let part = self.owners[term.j];
-                let arm = self.arm_to(term.i, part, state, scratch);
-                let acting = Acting {
-                    F,
-                    T,
-                    D: Some(&D),
-                    a: self.place(self.owners[term.i]),
-                    r: scratch.arms[term.i],
-                    b: Some((self.place(part), arm)),
-                    c: None,
-                };
-                add_change(&acting, &i, &j, &d, dg);
             }
         }
-        for (part, body) in self.bodies.iter().enumerate() {
+        let theta = parameters.theta();
+        let gravity = system.gravity_vector(theta);
+        for (part, body) in system.bodies.iter().enumerate() {
             if body.cm == Some(marker) {
-                let F = self.gravity_vector(parameters.theta()) * parameters.theta()[body.mass];
-                add_wrench(
-                    dg,
-                    self.place(part),
-                    1.0,
-                    &Vec3::zeros(),
-                    &twist.shift.cross(&F),
-                    &Vec3::zeros(),
-                );
+                let T = twist.shift.cross(&(gravity * theta[body.mass]));
+                let place = system.place(part);
+                add_wrench(dg, place, 1.0, &Vec3::zeros(), &T, &Vec3::zeros());
             }
         }
         Ok(())
     }
-}
 
-fn frame_axes(element: &Element, scratch: &Scratch) -> Mat3 {
-    element
-        .frame
-        .map_or_else(Mat3::identity, |m| scratch.markers[m].R)
-}
+    /// Variables, rates and GCONs change with a function at this rate.
+    fn data_by_function(&self, (function, rate): (usize, f64), dg: &mut [f64]) {
+        let (system, state) = (self.system, self.state);
+        for (k, variable) in system.variables.iter().enumerate() {
+            if variable.active && variable.function == function {
+                dg[system.first_variable + k] -= rate;
+            }
+        }
+        for equation in &system.states {
+            if let (Rate::Function(f), Some(row)) = (&equation.rate, equation.unknown)
+                && *f == function
+            {
+                dg[row] += rate;
+            }
+        }
+        for condition in &system.conditions {
+            let out = state.redundant.get(condition.equation) == Some(&true);
+            if condition.active && condition.function == function && !out {
+                dg[system.first_equation + condition.equation] += rate;
+            }
+        }
+    }
 
-/// Adds the change of an acting wrench when its markers move on their parts: `d(r x F) = r x dF + dp_i x F`.
-fn add_change(acting: &Acting, i: &Twist, c: &Twist, d: &Vec3, dg: &mut [f64]) {
-    let (dF, dT) = acting.change(i, c, d);
-    let dT = dT + i.shift.cross(&acting.F);
-    add_wrench(dg, acting.a, 1.0, &dF, &dT, &acting.r);
-    if let Some((b, s)) = &acting.b {
-        add_wrench(dg, *b, -1.0, &dF, &dT, s);
+    /// Derivative of a function by one of its literals, the unknowns staying as they are.
+    fn function_by_literal(&mut self, function: usize, literal: usize) -> Result<f64, NoValue> {
+        let replacement = self.system.functions[function].replacement;
+        if !self.parameters.theta()[replacement].is_nan() {
+            return Ok(0.0);
+        }
+        self.evaluate_function(function)?;
+        let by = self.scratch.by_literal.get(literal);
+        Ok(by.copied().unwrap_or(0.0))
+    }
+
+    /// A number of theta; for the slot of a whole function that is in force, its value.
+    pub(super) fn number(&mut self, slot: Slot) -> Result<f64, NoValue> {
+        let value = self.parameters.get(slot);
+        match self.system.catalogue().group(slot).role {
+            Role::Override(function) if value.is_nan() => {
+                self.evaluate_function(function)?;
+                Ok(self.scratch.functions[function].value)
+            }
+            _ => Ok(value),
+        }
+    }
+
+    /// The change of the residual per unit of a number of theta, by central differences.
+    fn residual_difference(&mut self, slot: Slot, dg: &mut [f64]) -> Result<(), NoValue> {
+        /// Relative step.
+        const STEP: f64 = 1e-6;
+        let (system, state) = (self.system, self.state);
+        let here = self.number(slot)?;
+        let mut moved = self.parameters.clone();
+        let h = STEP * here.abs().max(1.0);
+        let mut minus = vec![0.0; dg.len()];
+        moved.set(slot, here + h);
+        system.residual(&moved, state, self.scratch, dg)?;
+        moved.set(slot, here - h);
+        system.residual(&moved, state, self.scratch, &mut minus)?;
+        for (plus, minus) in dg.iter_mut().zip(&minus) {
+            *plus = (*plus - minus) / (2.0 * h);
+        }
+        self.look()
     }
 }
 
-/// Relative step of the differences below.
-const STEP: f64 = 1e-6;
-
 impl System {
+    /// Everything active that acts at a marker, is given in its axes or depends on its motion.
+    fn acting_with(&self, marker: usize) -> impl Iterator<Item = Exerted> {
+        let elements = self.elements.iter().enumerate();
+        let elements = elements
+            .filter(move |(_, e)| e.active && (e.i == marker || e.frame == Some(marker)))
+            .map(|(k, _)| Exerted::Element(k));
+        let joints = self.joints.iter().enumerate().filter(|(_, j)| j.active);
+        let terms = joints.flat_map(move |(k, joint)| {
+            let terms = joint.terms.iter().enumerate();
+            terms
+                .filter(move |(_, term)| term.i == marker || term.j == marker)
+                .map(move |(at, _)| Exerted::Joint(k, at))
+        });
+        let multis = self.multis.iter().enumerate();
+        let markers = multis
+            .filter(move |(_, m)| m.active && (m.j == marker || m.i.contains(&marker)))
+            .flat_map(|(k, multi)| (0..multi.i.len()).map(move |at| Exerted::Multi(k, at)));
+        elements.chain(terms).chain(markers)
+    }
+
     /// True if a number also acts through functions that measure what it changes. Functions have no derivative by that.
     fn acts_through_functions(&self, role: Role) -> bool {
-        if let (Role::Marker(marker), false) = (role, self.multis.is_empty()) {
-            let touches = |m: &Multi| m.j == marker || m.i.contains(&marker);
-            if self.multis.iter().any(touches) {
-                return true;
-            }
-        }
         let sources = || self.order.iter().flat_map(|&f| &self.functions[f].sources);
         match role {
             Role::Marker(marker) => {
@@ -324,78 +343,13 @@ impl System {
                     _ => false,
                 })
             }
-            Role::Mass(_) | Role::Gravity | Role::Multi => false,
-            Role::Law { .. } | Role::Joint { .. } => {
+            Role::Mass(_) | Role::Gravity => false,
+            Role::Law { .. } | Role::Joint { .. } | Role::Multi { .. } => {
                 sources().any(|source| matches!(source, Source::Force(_)))
             }
             Role::Literals(function) | Role::Override(function) => {
                 let measured = sources().any(|s| matches!(s, Source::Force(_) | Source::Rate(_)));
                 measured || self.conditions.iter().any(|c| c.function == function)
-            }
-        }
-    }
-
-    /// The change of the residual per unit of a number of theta, by central differences.
-    fn residual_difference(
-        &self,
-        parameters: &Parameters,
-        state: &State,
-        scratch: &mut Scratch,
-        slot: Slot,
-        dg: &mut [f64],
-    ) -> Result<(), NoValue> {
-        let mut moved = parameters.clone();
-        let mut here = parameters.get(slot);
-        if let (true, Role::Override(function)) = (here.is_nan(), self.catalogue().group(slot).role)
-        {
-            here = scratch.functions[function].value;
-        }
-        let h = STEP * here.abs().max(1.0);
-        let mut minus = vec![0.0; dg.len()];
-        moved.set(slot, here + h);
-        self.residual(&moved, state, scratch, dg)?;
-        moved.set(slot, here - h);
-        self.residual(&moved, state, scratch, &mut minus)?;
-        for (plus, minus) in dg.iter_mut().zip(&minus) {
-            *plus = (*plus - minus) / (2.0 * h);
-        }
-        Ok(())
-    }
-
-    /// Derivative of a function by one of its literals, the unknowns staying as they are.
-    fn function_by_literal(
-        &self,
-        parameters: &Parameters,
-        state: &State,
-        scratch: &mut Scratch,
-        function: usize,
-        literal: usize,
-    ) -> Result<f64, NoValue> {
-        if !parameters.theta()[self.functions[function].replacement].is_nan() {
-            return Ok(0.0);
-        }
-        self.evaluate_function(parameters, state, scratch, function)?;
-        Ok(scratch.by_literal.get(literal).copied().unwrap_or(0.0))
-    }
-
-    /// Variables, rates and GCONs change with a function at this rate.
-    fn data_by_function(&self, state: &State, (function, rate): (usize, f64), dg: &mut [f64]) {
-        for (k, variable) in self.variables.iter().enumerate() {
-            if variable.active && variable.function == function {
-                dg[self.first_variable + k] -= rate;
-            }
-        }
-        for equation in &self.states {
-            if let (Rate::Function(f), Some(row)) = (&equation.rate, equation.unknown)
-                && *f == function
-            {
-                dg[row] += rate;
-            }
-        }
-        for condition in &self.conditions {
-            let out = state.redundant.get(condition.equation) == Some(&true);
-            if condition.active && condition.function == function && !out {
-                dg[self.first_equation + condition.equation] += rate;
             }
         }
     }

@@ -3,10 +3,10 @@
 //! Knows how the inputs of a program hang on parts, multipliers, variables and states; not what the program computes.
 
 use super::assemble::{NoValue, Reason};
-use super::force_measure::{Force, ForceMeasured};
+use super::force_measure::Force;
 use super::scratch::FunctionValue;
 use super::structure::{LinearRow, Name};
-use super::{Parameters, Scratch, State, System};
+use super::{Configuration, Scratch, State, System};
 use crate::function::{Measure, Program, measure};
 use crate::mechanics::{Pose, Vec3, Vec6};
 use crate::model::MarkerIx;
@@ -43,43 +43,33 @@ pub(crate) struct CompiledFunction {
     pub replacement: usize,
 }
 
-impl System {
+impl Configuration<'_> {
     /// Values and gradients of all functions of the equilibrium, into `scratch`.
-    pub(crate) fn evaluate_functions(
-        &self,
-        parameters: &Parameters,
-        state: &State,
-        scratch: &mut Scratch,
-    ) -> Result<(), NoValue> {
-        scratch.gradient.clear();
-        for &function in &self.order {
-            self.evaluate_function(parameters, state, scratch, function)?;
+    pub(super) fn evaluate_functions(&mut self) -> Result<(), NoValue> {
+        self.scratch.gradient.clear();
+        for &function in &self.system.order {
+            self.evaluate_function(function)?;
         }
         Ok(())
     }
 
     /// Value and gradient of one function, into `scratch`; those it reads must be there.
-    pub(crate) fn evaluate_function(
-        &self,
-        parameters: &Parameters,
-        state: &State,
-        scratch: &mut Scratch,
-        number: usize,
-    ) -> Result<(), NoValue> {
-        let function = &self.functions[number];
-        let first = scratch.gradient.len();
-        let replacement = parameters.theta()[function.replacement];
+    pub(super) fn evaluate_function(&mut self, number: usize) -> Result<(), NoValue> {
+        let function = &self.system.functions[number];
+        let first = self.scratch.gradient.len();
+        let replacement = self.parameters.theta()[function.replacement];
         let replaced = !replacement.is_nan();
         let mut value = if replaced { replacement } else { 0.0 };
         if let Some(program) = &function.program {
             // The pattern of the gradient is the same whether the function is replaced or not.
-            scratch.inputs.clear();
-            scratch.spans.clear();
+            self.scratch.inputs.clear();
+            self.scratch.spans.clear();
             for source in &function.sources {
-                let input = self.source(source, parameters, state, scratch)?;
-                scratch.inputs.push(input);
-                scratch.spans.push(scratch.gradient.len());
+                let input = self.source(source)?;
+                self.scratch.inputs.push(input);
+                self.scratch.spans.push(self.scratch.gradient.len());
             }
+            let scratch = &mut *self.scratch;
             scratch.by_input.clear();
             scratch.by_input.resize(program.inputs.len(), 0.0);
             scratch.by_literal.clear();
@@ -88,7 +78,7 @@ impl System {
                 value = program
                     .eval_with_derivatives(
                         &scratch.inputs,
-                        &parameters.theta()[function.literals.clone()],
+                        &self.parameters.theta()[function.literals.clone()],
                         &mut scratch.program,
                         &mut scratch.by_input,
                         &mut scratch.by_literal,
@@ -106,33 +96,30 @@ impl System {
                 at = end;
             }
         }
-        scratch.functions[number] = FunctionValue {
+        self.scratch.functions[number] = FunctionValue {
             value,
             first,
-            last: scratch.gradient.len(),
+            last: self.scratch.gradient.len(),
         };
         Ok(())
     }
 
     /// Value of an input; its gradient is appended.
-    fn source(
-        &self,
-        source: &Source,
-        parameters: &Parameters,
-        state: &State,
-        scratch: &mut Scratch,
-    ) -> Result<f64, NoValue> {
+    fn source(&mut self, source: &Source) -> Result<f64, NoValue> {
+        let (system, state, scratch) = (self.system, self.state, &mut *self.scratch);
         Ok(match source {
             Source::Time => state.time,
             Source::Mode => f64::from(state.mode),
             Source::Constant(value) => *value,
             Source::Sensor(sensor) => state.sensors.get(*sensor).copied().unwrap_or(0.0),
             Source::Variable(variable) => {
-                scratch.gradient.push((self.first_variable + variable, 1.0));
+                scratch
+                    .gradient
+                    .push((system.first_variable + variable, 1.0));
                 state.variables[*variable]
             }
             Source::State(k) => {
-                if let Some(unknown) = self.states[*k].unknown {
+                if let Some(unknown) = system.states[*k].unknown {
                     scratch.gradient.push((unknown, 1.0));
                 }
                 state.states[*k]
@@ -146,56 +133,37 @@ impl System {
                 let mut value = 0.0;
                 for &(k, c) in by_state {
                     value += c * state.states[k];
-                    if let Some(unknown) = self.states[k].unknown {
+                    if let Some(unknown) = system.states[k].unknown {
                         scratch.gradient.push((unknown, c));
                     }
                 }
                 for &(k, d) in by_variable {
                     value += d * state.variables[k];
-                    scratch.gradient.push((self.first_variable + k, d));
+                    scratch.gradient.push((system.first_variable + k, d));
                 }
                 value
             }
             Source::Measure(measure, angle) => {
-                let measured = Self::measured(measure, scratch, state.measure_angles[*angle]);
+                let measured = measured(measure, scratch, state.measure_angles[*angle]);
                 for (marker, by) in [
                     (measure.i, measured.by_i),
                     (measure.j, measured.by_j),
                     (measure.k, measured.by_k),
                 ] {
                     if let Some(marker) = marker {
-                        self.push_motion(scratch, marker.0, &by);
+                        self.push_motion(marker.0, &by);
                     }
                 }
                 measured.value
             }
-            Source::Force(force) => {
-                let ForceMeasured { value } =
-                    self.measure_force(force, parameters, state, scratch, true)?;
-                value
-            }
+            Source::Force(force) => self.measure_force(force)?,
         })
     }
 
-    pub(crate) fn measured(
-        measure: &Measure,
-        scratch: &Scratch,
-        reference: f64,
-    ) -> measure::Measured {
-        let pose =
-            |marker: Option<MarkerIx>| marker.map_or_else(Pose::identity, |m| scratch.markers[m.0]);
-        measure::evaluate(
-            measure,
-            &pose(measure.i),
-            &pose(measure.j),
-            &pose(measure.k),
-            reference,
-        )
-    }
-
     /// Appends a gradient by the world motion of a marker, as one by the unknowns of its part.
-    pub(crate) fn push_motion(&self, scratch: &mut Scratch, marker: usize, by: &Vec6) {
-        let place = self.place(self.owners[marker]);
+    pub(super) fn push_motion(&mut self, marker: usize, by: &Vec6) {
+        let place = self.system.place(self.system.owners[marker]);
+        let scratch = &mut *self.scratch;
         if place.freedoms == 0 {
             return;
         }
@@ -210,17 +178,31 @@ impl System {
             }
         }
     }
+}
 
+impl System {
     /// Takes the angles that functions measure as those of an equilibrium.
     pub(crate) fn count_measured_turns(&self, state: &mut State, scratch: &Scratch) {
         for function in &self.functions {
             for source in &function.sources {
                 if let Source::Measure(measure, angle) = source {
                     let reference = state.measure_angles[*angle];
-                    state.measure_angles[*angle] =
-                        Self::measured(measure, scratch, reference).value;
+                    state.measure_angles[*angle] = measured(measure, scratch, reference).value;
                 }
             }
         }
     }
+}
+
+/// A measure in a configuration whose markers are placed.
+fn measured(measure: &Measure, scratch: &Scratch, reference: f64) -> measure::Measured {
+    let pose =
+        |marker: Option<MarkerIx>| marker.map_or_else(Pose::identity, |m| scratch.markers[m.0]);
+    measure::evaluate(
+        measure,
+        &pose(measure.i),
+        &pose(measure.j),
+        &pose(measure.k),
+        reference,
+    )
 }

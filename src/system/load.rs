@@ -1,5 +1,6 @@
+use super::contribution::Exerted;
 use super::structure::{Action, Name};
-use super::{NoValue, Parameters, Reading, Scratch, State, System};
+use super::{Configuration, NoValue, Reading};
 use crate::mechanics::Vec3;
 use crate::model::PartIx;
 
@@ -25,34 +26,22 @@ impl Load {
     }
 }
 
-impl System {
-    /// Every force and torque on every part, ground included; after [`System::look`]. At an equilibrium those on a part cancel.
+impl Configuration<'_> {
+    /// Every force and torque on every part, ground included; after [`Configuration::look`]. At an equilibrium those on a part cancel.
     ///
     /// Constraint reactions come from the multipliers of the state. Elements that are switched off do nothing and are left out.
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
-    pub fn loads(
-        &self,
-        parameters: &Parameters,
-        state: &State,
-        scratch: &mut Scratch,
-    ) -> Result<Vec<Load>, NoValue> {
-        let mut out = self.weights(parameters, state, scratch);
-        for (number, element) in self.elements.iter().enumerate() {
+    pub fn loads(&mut self) -> Result<Vec<Load>, NoValue> {
+        let system = self.system;
+        let mut out = self.weights();
+        for (number, element) in system.elements.iter().enumerate() {
             if !element.active {
                 continue;
             }
-            let ix = super::ElementIx(number);
-            let reading = self.read_element(parameters, state, scratch, ix)?;
-            let p_i = scratch.markers[element.i].p;
-            let on_i = Load {
-                by: Some(element.name.clone()),
-                part: PartIx(self.owners[element.i]),
-                point: p_i,
-                force: reading.force,
-                torque: reading.torque,
-            };
+            let reading = self.read(Exerted::Element(number))?;
+            let on_i = self.on_i(&element.name, &reading);
             match (&element.action, element.reaction) {
                 (_, None) => {}
                 // The floating marker stands where I is.
@@ -62,58 +51,60 @@ impl System {
                     torque: -reading.torque,
                     ..on_i.clone()
                 }),
-                (Action::Law(..), Some(_)) => out.push(self.on_j(&element.name, &reading, scratch)),
+                (Action::Law(..), Some(_)) => out.push(self.on_j(&element.name, &reading)),
             }
             out.push(on_i);
         }
-        for joint in self.joints.iter().filter(|joint| joint.active) {
-            for term in 0..joint.terms.len() {
-                let reading = self.read_term(joint, term, parameters, state, scratch);
-                out.push(self.on_i(&joint.name, &reading, scratch));
-                out.push(self.on_j(&joint.name, &reading, scratch));
-            }
+        let joints = system.joints.iter().enumerate().filter(|(_, j)| j.active);
+        let terms = joints.flat_map(|(number, joint)| {
+            let terms = 0..joint.terms.len();
+            terms.map(move |at| (&joint.name, Exerted::Joint(number, at)))
+        });
+        let multis = system.multis.iter().enumerate().filter(|(_, m)| m.active);
+        let markers = multis.flat_map(|(number, multi)| {
+            let markers = 0..multi.i.len();
+            markers.map(move |at| (&multi.name, Exerted::Multi(number, at)))
+        });
+        for (name, who) in terms.chain(markers) {
+            let reading = self.read(who)?;
+            out.push(self.on_i(name, &reading));
+            out.push(self.on_j(name, &reading));
         }
-        for (number, multi) in self.multis.iter().enumerate().filter(|(_, m)| m.active) {
-            for at in 0..multi.i.len() {
-                let reading = self.read_multi((number, at), parameters, state, scratch)?;
-                out.push(self.on_i(&multi.name, &reading, scratch));
-                out.push(self.on_j(&multi.name, &reading, scratch));
-            }
-        }
-        self.reactions_of_conditions(state, scratch, &mut out);
+        self.reactions_of_conditions(&mut out);
         Ok(out)
     }
 
-    fn on_i(&self, by: &Name, reading: &Reading, scratch: &Scratch) -> Load {
+    fn on_i(&self, by: &Name, reading: &Reading) -> Load {
         Load {
             by: Some(by.clone()),
-            part: PartIx(self.owners[reading.i.0]),
-            point: scratch.markers[reading.i.0].p,
+            part: PartIx(self.system.owners[reading.i.0]),
+            point: self.scratch.markers[reading.i.0].p,
             force: reading.force,
             torque: reading.torque,
         }
     }
 
-    fn on_j(&self, by: &Name, reading: &Reading, scratch: &Scratch) -> Load {
+    fn on_j(&self, by: &Name, reading: &Reading) -> Load {
         Load {
             by: Some(by.clone()),
-            part: PartIx(self.owners[reading.j.0]),
-            point: scratch.markers[reading.j.0].p,
+            part: PartIx(self.system.owners[reading.j.0]),
+            point: self.scratch.markers[reading.j.0].p,
             force: reading.force_on_j,
             torque: reading.torque_on_j,
         }
     }
 
-    fn weights(&self, parameters: &Parameters, state: &State, scratch: &Scratch) -> Vec<Load> {
-        let gravity = self.gravity_vector(parameters.theta());
+    fn weights(&self) -> Vec<Load> {
+        let theta = self.parameters.theta();
+        let gravity = self.system.gravity_vector(theta);
         let mut out = Vec::new();
-        for (part, body) in self.bodies.iter().enumerate() {
+        for (part, body) in self.system.bodies.iter().enumerate() {
             if let (Some(cm), true) = (body.cm, body.freedoms > 0) {
                 out.push(Load {
                     by: None,
                     part: PartIx(part),
-                    point: state.poses[part].p + scratch.arms[cm],
-                    force: gravity * parameters.theta()[body.mass],
+                    point: self.state.poses[part].p + self.scratch.arms[cm],
+                    force: gravity * theta[body.mass],
                     torque: Vec3::zeros(),
                 });
             }
@@ -122,14 +113,15 @@ impl System {
     }
 
     /// GCONs: minus multiplier times the gradient of the function, about the part origins.
-    fn reactions_of_conditions(&self, state: &State, scratch: &Scratch, out: &mut Vec<Load>) {
-        for condition in self.conditions.iter().filter(|c| c.active) {
+    fn reactions_of_conditions(&self, out: &mut Vec<Load>) {
+        let (state, scratch) = (self.state, &*self.scratch);
+        for condition in self.system.conditions.iter().filter(|c| c.active) {
             if state.redundant.get(condition.equation) == Some(&true) {
                 continue;
             }
             let lambda = state.multipliers[condition.equation];
             let value = scratch.functions[condition.function];
-            for (part, body) in self.bodies.iter().enumerate() {
+            for (part, body) in self.system.bodies.iter().enumerate() {
                 let mut on = [0.0; 6];
                 for &(unknown, by) in &scratch.gradient[value.first..value.last] {
                     if (body.first..body.first + body.freedoms).contains(&unknown) {

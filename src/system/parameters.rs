@@ -1,5 +1,5 @@
 use super::Slot;
-use crate::mechanics::{Mat3, Pose, Vec3, euler313};
+use crate::mechanics::{Mat3, Pose, Vec3, euler313, exp, psi_theta_phi};
 
 /// Numbers per marker at the front of theta: QP and REULER.
 pub(crate) const PER_MARKER: usize = 6;
@@ -46,6 +46,18 @@ impl Parameters {
     /// All numbers.
     pub fn theta(&self) -> &[f64] {
         &self.theta
+    }
+
+    /// Turns a marker on its part by `angle` radians about an axis of its own.
+    pub fn turn(&mut self, marker: crate::model::MarkerIx, axis: &Vec3, angle: f64) {
+        let R = self.markers[marker.0].R * exp(&(axis * angle));
+        if let Some(by_points) = &mut self.by_points[marker.0] {
+            *by_points = R;
+        } else {
+            let first = marker.0 * PER_MARKER + 3;
+            self.theta[first..first + 3].copy_from_slice(&psi_theta_phi(&R));
+        }
+        self.refresh(marker.0);
     }
 
     /// Where a marker is on its part.

@@ -2,9 +2,9 @@
 
 use super::assemble::NoValue;
 use super::catalogue::Role;
-use super::force_measure::Exerted;
+use super::contribution::Exerted;
 use super::structure::{Action, Drive};
-use super::{ConstraintIx, ElementIx, Parameters, Scratch, Slot, State, System};
+use super::{Configuration, ConstraintIx, ElementIx, Slot, System};
 use crate::mechanics::Vec6;
 use crate::model::PartIx;
 
@@ -24,31 +24,24 @@ pub enum Quantity {
     Request(usize, usize),
 }
 
-impl System {
-    /// The value of a quantity; of a motion zero, which is a change from here. Looks at the configuration itself.
+impl Configuration<'_> {
+    /// The value of a quantity; of a motion zero, which is a change from here.
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
-    pub fn quantity(
-        &self,
-        quantity: Quantity,
-        parameters: &Parameters,
-        state: &State,
-        scratch: &mut Scratch,
-    ) -> Result<f64, NoValue> {
-        self.look(parameters, state, scratch)?;
+    pub fn quantity(&mut self, quantity: Quantity) -> Result<f64, NoValue> {
         match quantity {
             Quantity::Motion(..) => Ok(0.0),
             Quantity::Element(ElementIx(k), component) => {
                 let who = Exerted::Element(k);
-                Ok(self.exerted(who, false, parameters, state, scratch)?[component])
+                Ok(self.exerted(who, false)?[component])
             }
             Quantity::Constraint(ConstraintIx(k), component) => {
-                let who = Exerted::Joint(k);
-                Ok(self.exerted(who, false, parameters, state, scratch)?[component])
+                let who = Exerted::Joint(k, 0);
+                Ok(self.exerted(who, false)?[component])
             }
             Quantity::Request(index, component) => Ok(self
-                .read_function((index, component), parameters, state, scratch)?
+                .read_function((index, component))?
                 .map_or(0.0, |(value, _)| value)),
         }
     }
@@ -58,27 +51,23 @@ impl System {
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
     pub fn quantity_by_unknowns(
-        &self,
+        &mut self,
         quantity: Quantity,
-        parameters: &Parameters,
-        state: &State,
-        scratch: &mut Scratch,
         out: &mut [f64],
     ) -> Result<(), NoValue> {
-        self.look(parameters, state, scratch)?;
-        let before = scratch.gradient.len();
+        let before = self.scratch.gradient.len();
         let (who, component) = match quantity {
             Quantity::Motion(part, component) => {
-                if let Some(unknown) = self.part_unknowns(part).nth(component) {
+                if let Some(unknown) = self.system.part_unknowns(part).nth(component) {
                     out[unknown] += 1.0;
                 }
                 return Ok(());
             }
             Quantity::Element(ElementIx(k), component) => (Exerted::Element(k), component),
-            Quantity::Constraint(ConstraintIx(k), component) => (Exerted::Joint(k), component),
+            Quantity::Constraint(ConstraintIx(k), component) => (Exerted::Joint(k, 0), component),
             Quantity::Request(index, component) => {
                 let at = (index, component);
-                let read = self.read_function(at, parameters, state, scratch)?;
+                let read = self.read_function(at)?;
                 for &(unknown, by) in read.map_or(&[][..], |(_, gradient)| gradient) {
                     out[unknown] += by;
                 }
@@ -86,8 +75,8 @@ impl System {
             }
         };
         let weight = Vec6::ith(component, 1.0);
-        self.push_force(who, false, &weight, parameters, state, scratch)?;
-        for &(unknown, by) in &scratch.gradient[before..] {
+        self.push_force(who, false, &weight)?;
+        for &(unknown, by) in &self.scratch.gradient[before..] {
             out[unknown] += by;
         }
         Ok(())
@@ -97,37 +86,30 @@ impl System {
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
-    pub fn quantity_by_slot(
-        &self,
-        quantity: Quantity,
-        parameters: &Parameters,
-        state: &State,
-        scratch: &mut Scratch,
-        slot: Slot,
-    ) -> Result<f64, NoValue> {
-        let role = self.catalogue().group(slot).role;
-        if !self.may_touch(quantity, role) {
+    pub fn quantity_by_slot(&mut self, quantity: Quantity, slot: Slot) -> Result<f64, NoValue> {
+        let (system, state) = (self.system, self.state);
+        let role = system.catalogue().group(slot).role;
+        if !system.may_touch(quantity, role) {
             return Ok(0.0);
         }
-        let mut here = parameters.get(slot);
-        if let (true, Role::Override(function)) = (here.is_nan(), role) {
-            self.look(parameters, state, scratch)?;
-            self.evaluate_function(parameters, state, scratch, function)?;
-            here = scratch.functions[function].value;
-        }
+        let here = self.number(slot)?;
         let h = STEP * here.abs().max(1.0);
-        let mut moved = parameters.clone();
+        let mut moved = self.parameters.clone();
+        let scratch = &mut *self.scratch;
         let mut difference = |h: f64| -> Result<f64, NoValue> {
             moved.set(slot, here + h);
-            let plus = self.quantity(quantity, &moved, state, scratch)?;
+            let plus = system.look(&moved, state, scratch)?.quantity(quantity)?;
             moved.set(slot, here - h);
-            let minus = self.quantity(quantity, &moved, state, scratch)?;
+            let minus = system.look(&moved, state, scratch)?.quantity(quantity)?;
             Ok((plus - minus) / (2.0 * h))
         };
         let (coarse, fine) = (difference(h)?, difference(0.5 * h)?);
+        self.look()?;
         Ok((4.0 * fine - coarse) / 3.0)
     }
+}
 
+impl System {
     /// False if a number cannot change a quantity but through the unknowns.
     fn may_touch(&self, quantity: Quantity, role: Role) -> bool {
         match quantity {

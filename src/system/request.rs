@@ -1,33 +1,26 @@
 //! What REQUESTs and SENSORs show of a configuration.
 
+use super::Configuration;
 use super::assemble::NoValue;
-use super::{Parameters, Scratch, State, System};
 use crate::mechanics::{Pose, Vec3, Vec6, psi_theta_phi};
 use crate::model::{MarkerIx, Request, RequestKind};
 
-impl System {
-    /// The eight components of the model's request number `index`; after [`System::look`].
+impl Configuration<'_> {
+    /// The eight components of the model's request number `index`; after [`Configuration::look`].
     ///
     /// DISPLACEMENT: distance, x, y, z (RM axes), zero, PSI, THETA, PHI. FORCE: magnitude, x, y, z (RM axes) of the force on I, the same of
     /// the torque about the I origin. Rates are zero in statics. Absent functions are zero.
     ///
     /// # Errors
     /// [`NoValue`] if a function or an element it reads is undefined in this configuration.
-    pub fn read_request(
-        &self,
-        request: &Request,
-        index: usize,
-        parameters: &Parameters,
-        state: &State,
-        scratch: &mut Scratch,
-    ) -> Result<[f64; 8], NoValue> {
-        let pose = |scratch: &Scratch, marker: Option<MarkerIx>| {
-            marker.map_or_else(Pose::identity, |m| scratch.markers[m.0])
+    pub fn read_request(&mut self, request: &Request, index: usize) -> Result<[f64; 8], NoValue> {
+        let pose = |here: &Self, marker: Option<MarkerIx>| {
+            marker.map_or_else(Pose::identity, |m| here.scratch.markers[m.0])
         };
         match &request.kind {
             RequestKind::Displacement { i, j, rm } => {
-                let (i, j) = (pose(scratch, Some(*i)), pose(scratch, *j));
-                let d = pose(scratch, *rm).R.transpose() * (i.p - j.p);
+                let (i, j) = (pose(self, Some(*i)), pose(self, *j));
+                let d = pose(self, *rm).R.transpose() * (i.p - j.p);
                 let [psi, theta, phi] = psi_theta_phi(&(j.R.transpose() * i.R));
                 Ok([d.norm(), d.x, d.y, d.z, 0.0, psi, theta, phi])
             }
@@ -36,19 +29,19 @@ impl System {
             | RequestKind::User(_) => Ok([0.0; 8]),
             RequestKind::Force { rm, .. } => {
                 let mut w = Vec6::zeros();
-                for &(who, on_j) in &self.request_forces[index] {
-                    w += self.exerted(who, on_j, parameters, state, scratch)?;
+                for &(who, on_j) in &self.system.request_forces[index] {
+                    w += self.exerted(who, on_j)?;
                 }
-                let R = pose(scratch, *rm).R.transpose();
+                let R = pose(self, *rm).R.transpose();
                 let f = R * Vec3::new(w[0], w[1], w[2]);
                 let t = R * Vec3::new(w[3], w[4], w[5]);
                 Ok([f.norm(), f.x, f.y, f.z, t.norm(), t.x, t.y, t.z])
             }
             RequestKind::Functions(_) => {
                 let mut out = [0.0; 8];
-                for (value, function) in out.iter_mut().zip(&self.requests[index]) {
+                for (value, function) in out.iter_mut().zip(&self.system.requests[index]) {
                     if let Some(function) = function {
-                        *value = self.value_of(*function, parameters, state, scratch)?;
+                        *value = self.value_of(*function)?;
                     }
                 }
                 Ok(out)
@@ -57,65 +50,47 @@ impl System {
     }
 
     /// Value of one function of the request number `index`, and its gradient by the unknowns as (unknown, derivative) pairs; after
-    /// [`System::look`]. `None` if the request has no such function.
+    /// [`Configuration::look`]. `None` if the request has no such function.
     ///
     /// # Errors
     /// [`NoValue`] if it is undefined in this configuration.
-    pub fn read_function<'s>(
-        &self,
+    pub fn read_function(
+        &mut self,
         (index, component): (usize, usize),
-        parameters: &Parameters,
-        state: &State,
-        scratch: &'s mut Scratch,
-    ) -> Result<Option<(f64, &'s [(usize, f64)])>, NoValue> {
-        let Some(function) = self.requests[index].get(component).copied().flatten() else {
+    ) -> Result<Option<(f64, &[(usize, f64)])>, NoValue> {
+        let Some(function) = self.system.requests[index]
+            .get(component)
+            .copied()
+            .flatten()
+        else {
             return Ok(None);
         };
-        let value = self.value_of(function, parameters, state, scratch)?;
-        let range = scratch.functions[function].first..scratch.functions[function].last;
-        Ok(Some((value, &scratch.gradient[range])))
+        let value = self.value_of(function)?;
+        let range = self.scratch.functions[function].first..self.scratch.functions[function].last;
+        Ok(Some((value, &self.scratch.gradient[range])))
     }
 
-    /// The FUNCTION of the model's sensor number `index`; after [`System::look`].
+    /// The FUNCTION of the model's sensor number `index`; after [`Configuration::look`].
     ///
     /// # Errors
     /// [`NoValue`] if it is undefined in this configuration.
-    pub fn read_sensor(
-        &self,
-        index: usize,
-        parameters: &Parameters,
-        state: &State,
-        scratch: &mut Scratch,
-    ) -> Result<f64, NoValue> {
-        self.value_of(self.sensors[index].0, parameters, state, scratch)
+    pub fn read_sensor(&mut self, index: usize) -> Result<f64, NoValue> {
+        self.value_of(self.system.sensors[index].0)
     }
 
     /// The EVALUATE function of the model's sensor number `index`, which SENVAL gives once it fired.
     ///
     /// # Errors
     /// [`NoValue`] if it is undefined in this configuration.
-    pub fn read_sensor_evaluate(
-        &self,
-        index: usize,
-        parameters: &Parameters,
-        state: &State,
-        scratch: &mut Scratch,
-    ) -> Result<Option<f64>, NoValue> {
-        let Some(function) = self.sensors[index].1 else {
+    pub fn read_sensor_evaluate(&mut self, index: usize) -> Result<Option<f64>, NoValue> {
+        let Some(function) = self.system.sensors[index].1 else {
             return Ok(None);
         };
-        self.value_of(function, parameters, state, scratch)
-            .map(Some)
+        self.value_of(function).map(Some)
     }
 
-    fn value_of(
-        &self,
-        function: usize,
-        parameters: &Parameters,
-        state: &State,
-        scratch: &mut Scratch,
-    ) -> Result<f64, NoValue> {
-        self.evaluate_function(parameters, state, scratch, function)?;
-        Ok(scratch.functions[function].value)
+    fn value_of(&mut self, function: usize) -> Result<f64, NoValue> {
+        self.evaluate_function(function)?;
+        Ok(self.scratch.functions[function].value)
     }
 }

@@ -1,4 +1,5 @@
 use super::System;
+use super::contribution::Contribution;
 use crate::constraint::Equations;
 use crate::element::{MultiWrench, Wrench};
 use crate::mechanics::{Pose, RelativeMotion, Vec3};
@@ -27,6 +28,7 @@ pub struct Scratch {
     /// From the origin of its part to the marker, in ground axes.
     pub(crate) arms: Vec<Vec3>,
     pub(crate) wrench: Wrench,
+    pub(crate) contribution: Contribution,
     pub(crate) equations: Equations,
     pub(crate) multi: MultiWrench,
     pub(crate) motions: Vec<RelativeMotion>,

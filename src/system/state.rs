@@ -5,7 +5,7 @@ use crate::mechanics::{Pose, Vec3};
 pub struct State {
     /// TIME.
     pub time: f64,
-    /// MODE: 5 in statics, 6 in quasi-statics (ADAMS-FORMATS 3.1).
+    /// MODE: 5 in statics, 6 in quasi-statics (guide/formats.md 3.1).
     pub mode: i32,
     /// Pose of each part of the model in ground, by [`PartIx`](crate::model::PartIx); ground is the identity.
     pub poses: Vec<Pose>,

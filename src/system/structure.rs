@@ -1,12 +1,12 @@
 use std::fmt;
 use std::ops::Range;
 
-use super::force_measure::Exerted;
+use super::contribution::Exerted;
 use super::function::CompiledFunction;
 use super::multi::Multi;
 use super::{Catalogue, Parameters, State};
 use crate::constraint::{Constraint, PairConstraint};
-use crate::element::ForceLaw;
+use crate::element::Law;
 use crate::mechanics::Mat3;
 use crate::model::{EquilibriumSettings, PartIx};
 use crate::syntax::Address;
@@ -64,7 +64,7 @@ pub(crate) struct Body {
     /// Slot of MASS.
     pub mass: usize,
     pub cm: Option<usize>,
-    /// Inertia matrix about the IM origin in part axes, as given; only its size matters here.
+    /// Inertia matrix about the origin of the CM marker, in its axes.
     pub inertia: Mat3,
 }
 
@@ -72,7 +72,7 @@ pub(crate) struct Body {
 #[derive(Debug)]
 pub(crate) enum Action {
     /// A force law of the pair, and where its parameters come from.
-    Law(ForceLaw, Drive),
+    Law(&'static dyn Law, Drive),
     /// Functions for force and torque components in the axes of the frame marker.
     Vector([Option<usize>; 6]),
 }
@@ -324,7 +324,7 @@ impl System {
             .map_or_else(String::new, |s| s.name.to_string())
     }
 
-    /// `Zi.Xj in JOINT/4`, as ADAMS names an equation (ADAMS-FORMATS 6.5).
+    /// `Zi.Xj in JOINT/4`, as ADAMS names an equation (guide/formats.md 6.5).
     pub(crate) fn constraint_equation_name(&self, equation: usize) -> String {
         for joint in &self.joints {
             if (joint.first..joint.first + joint.count).contains(&equation) {

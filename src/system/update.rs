@@ -34,7 +34,7 @@ impl System {
         state: &mut State,
         scratch: &mut super::Scratch,
     ) {
-        self.place_markers(parameters, state, scratch);
+        self.at(parameters, state, scratch).place_markers();
         for element in &self.elements {
             Self::count_turns((element.i, element.j, element.pair), state, scratch);
         }

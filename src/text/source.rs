@@ -9,7 +9,8 @@ use super::Span;
 #[derive(Clone, Debug)]
 pub struct Source {
     name: Arc<str>,
-    bytes: Arc<[u8]>,
+    // As it was read: to move the bytes of a large file would need their room twice.
+    bytes: Arc<Vec<u8>>,
     /// Where lines begin, once somebody asked: thousands of complaints about one file ask again and again.
     line_starts: Arc<OnceLock<Vec<usize>>>,
 }
@@ -28,10 +29,10 @@ impl Source {
     pub const LARGEST: u64 = u32::MAX as u64;
 
     /// A source from a name to show and its bytes.
-    pub fn new(name: impl Into<Arc<str>>, bytes: impl Into<Arc<[u8]>>) -> Self {
+    pub fn new(name: impl Into<Arc<str>>, bytes: impl Into<Vec<u8>>) -> Self {
         Self {
             name: name.into(),
-            bytes: bytes.into(),
+            bytes: Arc::new(bytes.into()),
             line_starts: Arc::default(),
         }
     }
@@ -89,8 +90,16 @@ impl Source {
 /// # Errors
 /// When the file cannot be read, or is larger.
 pub fn read_at_most(path: &Path, most: u64) -> std::io::Result<Vec<u8>> {
-    check_size(std::fs::metadata(path)?.len(), most)?;
+    let size = std::fs::metadata(path)?.len();
+    check_size(size, most)?;
     let mut bytes = Vec::new();
+    // A few bytes more: to see the end must not double the room.
+    let room = usize::try_from(size)
+        .unwrap_or(usize::MAX)
+        .saturating_add(64);
+    bytes
+        .try_reserve_exact(room)
+        .map_err(|_| std::io::Error::from(std::io::ErrorKind::OutOfMemory))?;
     // What has no size beforehand (a pipe, a device) is cut off.
     let file = std::fs::File::open(path)?;
     file.take(most.saturating_add(1)).read_to_end(&mut bytes)?;

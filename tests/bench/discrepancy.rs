@@ -1,4 +1,4 @@
-//! How well hidden effects are named: `cargo bench --bench discrepancy` prints the tables of the README over 500 studies.
+//! How well hidden effects are named: `cargo bench --bench discrepancy` prints the tables of the guide over 500 studies.
 //!
 //! `-- SINGLES CLEAN PAIRS OUTSIDE` are other numbers of studies, of which `--multilinks N` at most are multilinks (20). Seeds start
 //! where those of the tests end; `--from N` starts at another one, `--tests` runs the studies of the test command. `--show` prints a

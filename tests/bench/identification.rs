@@ -1,4 +1,4 @@
-//! How good the estimates are: `cargo bench --bench identification -- [seeds] [axle]` prints the tables of the README.
+//! How good the estimates are: `cargo bench --bench identification -- [seeds] [axle]` prints the tables of the guide.
 //!
 //! For each axle, noise and nuisance the reference deck is solved, its marks are read with noise (and, with offsets, through
 //! bushings that are assembled askew by draws from the prior), and the study is identified from what was read alone: by the
@@ -10,11 +10,11 @@ use std::time::Instant;
 
 use admire::backend::Backend;
 use admire::backend::{NativeBackend, Sweep, SweepRequest};
-use admire::identify::global::confidence::{covariance, profile_interval};
+use admire::identify::global::confidence::covariance;
 use admire::identify::global::gauss_newton::{Tolerances, minimise};
 use admire::identify::global::{
     Observations, Options, POOR_NORMAL, Prepared, Start, StartValues, fit_study, fit_unknowns,
-    global_problem,
+    global_problem, profile_interval,
 };
 use admire::identify::{LoadedStudy, regression};
 use admire::mechanics::Pose;

@@ -36,7 +36,7 @@ pub fn reproduces(outcome: &Outcome<'_>) {
             continue;
         }
         step.values(&mut values).unwrap();
-        let state = &outcome.extended.states[case];
+        let state = &outcome.plain.states[case];
         for (place, pose) in places.iter().zip(&state.poses) {
             let Some(ids) = place else { continue };
             let [x, y, z] = ids.map(|id| values[id - 1]);
@@ -45,5 +45,5 @@ pub fn reproduces(outcome: &Outcome<'_>) {
         }
         case += 1;
     }
-    assert_eq!(case, outcome.extended.states.len(), "{console}");
+    assert_eq!(case, outcome.plain.states.len(), "{console}");
 }

@@ -1,7 +1,10 @@
 //! Hidden effects: each is planted on an axle, the diagnosis sees only the study folder, then the truth is opened.
 
+mod axles;
 mod blind;
 mod causes;
+#[path = "../common/mod.rs"]
+mod common;
 mod extension;
 mod found;
 mod hidden;

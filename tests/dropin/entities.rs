@@ -73,7 +73,7 @@ MARKER/71, PART=1, QP=0, 0, 30
 JOINT/6, TRANSLATIONAL, I=70, J=71
 GCON/1, I=70, FUNCTION=DZ(70,71)-2*DZ(20,1)
 SFORCE/6, TRANSLATIONAL, ACTIONONLY, I=70, J=71, FUNCTION=0
-FRICTION/1, JOINT=1, MU_STATIC=0.1, MU_DYNAMIC=0.1, STICTION_TRANSITION_VELOCITY=0.1, REACTION_ARM=1
+FRICTION/1, JOINT=1, MU_STATIC=0.1, MU_DYNAMIC=0.1, STICTION_TRANSITION_VELOCITY=0.1, REACTION_ARM=1, INACTIVE=STATIC
 REQUEST/1";
     SLIDER.replacen("REQUEST/1", more, 1)
 }
@@ -97,7 +97,7 @@ fn every_kind_of_object_has_its_entity() {
             kinds.push(kind);
         }
     }
-    // The order of ADAMS-FORMATS 12 and of the maps in 6.2: kinds in one piece each.
+    // The order of guide/formats.md 12 and of the maps in 6.2: kinds in one piece each.
     assert_eq!(
         kinds,
         [

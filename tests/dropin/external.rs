@@ -299,3 +299,137 @@ fn a_case_that_failed_has_no_answer_whether_a_step_was_written_or_not() {
         assert!(sweep.equilibrium(2).is_some());
     }
 }
+
+/// The processes whose ids a run wrote into a file, as long as they run.
+#[cfg(unix)]
+fn alive(ids: &Path) -> Vec<String> {
+    let running = |id: &&str| {
+        let list = std::process::Command::new("ps")
+            .args(["-o", "stat=", "-p", id])
+            .output()
+            .unwrap();
+        let state = String::from_utf8_lossy(&list.stdout).trim().to_string();
+        !(state.is_empty() || state.starts_with('Z'))
+    };
+    let text = std::fs::read_to_string(ids).unwrap_or_default();
+    text.split_whitespace()
+        .filter(running)
+        .map(str::to_string)
+        .collect()
+}
+
+/// A session of its own leaves the process group, and a parent that ends leaves an orphan; a good run may leave some, too.
+#[cfg(target_os = "linux")]
+#[test]
+fn what_left_the_group_of_a_run_ends_with_it() {
+    let task = Task::new();
+    let place = folder(&[]);
+    let at = |name: &str| place.path().join(name).display().to_string();
+    let ids = place.path().join("ids");
+    // The second one forgets its environment besides.
+    let first = format!(
+        "echo $$ >> '{}'\nsetsid env -i /bin/sh '{}' &\nexec sleep 300\n",
+        at("ids"),
+        at("second.sh")
+    );
+    std::fs::write(at("first.sh"), first).unwrap();
+    let second = format!("echo $$ >> '{}'\nexec sleep 300\n", at("ids"));
+    std::fs::write(at("second.sh"), second).unwrap();
+    let escape = format!(
+        "touch '{1}'; setsid sh '{0}' >/dev/null 2>&1 & while [ \"$(cat '{1}' | wc -l)\" -lt 2 ]; do sleep 0.02; done",
+        at("first.sh"),
+        at("ids")
+    );
+    task.sweep(&mut backend(after(&escape))).unwrap();
+    assert_eq!(std::fs::read_to_string(&ids).unwrap().lines().count(), 2);
+    assert!(alive(&ids).is_empty(), "{:?}", alive(&ids));
+    std::fs::remove_file(&ids).unwrap();
+    let script = format!("{escape}; sleep 300");
+    let mut backend = CommandBackend::new(words(&["sh", "-c", &script]), Duration::from_secs(3));
+    backend.keep = Some(place.path().join("runs"));
+    task.sweep(&mut backend).unwrap_err();
+    assert_eq!(std::fs::read_to_string(&ids).unwrap().lines().count(), 2);
+    assert!(alive(&ids).is_empty(), "{:?}", alive(&ids));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_run_that_prints_without_end_is_killed() {
+    let task = Task::new();
+    let error = refusal(words(&["sh", "-c", "yes 'no solver says so much'"]), &task);
+    assert!(error.contains("printed more than 64 MB"), "{error}");
+    assert!(
+        error.len() < 2000 && error.contains("no solver says"),
+        "{error}"
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn a_dead_program_is_started_once() {
+    let task = Task::new();
+    let place = folder(&[]);
+    for (jobs, command, timeout) in [
+        (1, "sleep 60", 0.3),
+        (3, "sleep 60", 0.3),
+        (3, "exit 9", 30.0),
+    ] {
+        let mut backend = CommandBackend::new(
+            words(&["sh", "-c", command]),
+            Duration::from_secs_f64(timeout),
+        );
+        backend.jobs = jobs;
+        backend.keep = Some(place.path().join("runs"));
+        let answers = backend.sweeps(&[task.request(); 20]);
+        assert_eq!(answers.len(), 20);
+        for answer in answers {
+            let error = answer.unwrap_err();
+            assert!(
+                error.is_lasting() && error.to_string().contains("files kept in"),
+                "{error}"
+            );
+        }
+        assert_eq!(backend.tally(), (1, 1), "{command}");
+    }
+    // One that answered once may fail, but is not killed for ever.
+    let script = format!(
+        "[ -e '{0}' ] && sleep 60; touch '{0}'",
+        place.path().join("once").display()
+    );
+    let mut backend = CommandBackend::new(after(&script), Duration::from_secs(4));
+    backend.jobs = 2;
+    let answers = backend.sweeps(&[task.request(); 12]);
+    assert_eq!(answers.len(), 12);
+    assert!(
+        answers[0].is_ok()
+            && answers[11]
+                .as_ref()
+                .is_err_and(admire::backend::BackendError::is_lasting)
+    );
+    assert!(backend.tally().0 <= 5, "{:?}", backend.tally());
+}
+
+/// Steps of the file in another order, or the first one twice: every force fits its own poses, and the loads tell.
+#[cfg(unix)]
+#[test]
+fn swapped_and_repeated_cases_are_refused() {
+    let order = |order: &str| {
+        after(&format!(
+            "awk '{{l[NR]=$0}} /<Step type=.quasiStatic/ {{f[++n]=NR}} /<.Step>/ {{t[n]=NR}} END {{split(\"{order}\", o, \" \"); \
+             for (i=1; i<f[1]; i++) print l[i]; for (k=1; k<=2; k++) for (i=f[o[k]]; i<=t[o[k]]; i++) print l[i]; \
+             for (i=t[2]+1; i<=NR; i++) print l[i]}}' run.res > x; mv x run.res"
+        ))
+    };
+    Task::new().sweep(&mut backend(order("1 2"))).unwrap();
+    for (steps, says) in [("2 1", "`b`"), ("1 1", "`a`")] {
+        let error = refusal(order(steps), &Task::new());
+        assert!(error.contains("swapped") && error.contains(says), "{error}");
+    }
+    // Loads of one size: their sign tells.
+    let mut task = Task::new();
+    task.programme.cases[0].values = vec![200.0, 30.0];
+    task.programme.cases[1].values = vec![-200.0, 30.0];
+    task.sweep(&mut backend(mdi())).unwrap();
+    let error = refusal(order("1 1"), &task);
+    assert!(error.contains("wrong sign"), "{error}");
+}

@@ -10,6 +10,8 @@ fn every_launch_form_runs_the_command_file() {
         &["ru-s", "i", "run.acf"],
         &["ru-standard", "run"],
         &["ru-solver", "run.acf"],
+        &["acar", "ru-solver", "run.acf"],
+        &["aview", "ru-st", "b", "RUN.ACF"],
         &["-t", "4", "ru-s", "n", "\"run.acf\""],
         &["run"],
     ] {
@@ -32,6 +34,47 @@ fn commands_are_read_from_standard_input() {
     let ran = mdi_with(folder.path(), &["-c", "ru-standard", "i", "exit"], RUN, &[]);
     assert_eq!(ran.code, 0, "{}", ran.stdout);
     assert_eq!(Results::read(folder.path(), "slider.res").steps.len(), 1);
+}
+
+/// Scripts that answer the launcher's menus give its words on standard input, one to a line.
+#[test]
+fn menus_are_answered_on_standard_input() {
+    let folder = folder(&[("slider.adm", SLIDER), ("my run.acf", RUN)]);
+    let menu = "ru-standard\ni\nmy run.acf\nexit\n";
+    let ran = mdi_with(folder.path(), &[], menu, &[]);
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    assert_eq!(Results::read(folder.path(), "slider.res").steps.len(), 1);
+}
+
+/// Whoever waits for the end of a run polls its message file: it is there after every launch, and ends as ADAMS ends it.
+#[test]
+fn every_launch_leaves_a_message_file_with_its_last_lines() {
+    for (words, input, name) in [
+        (
+            &["-c", "ru-user", "i", "my.so", "run.acf", "exit"][..],
+            "",
+            "run.msg",
+        ),
+        (&["acar", "ru-acar", "b", "x.cmd"], "", "x.msg"),
+        (&["ru-standard", "nowhere"], "", "nowhere.msg"),
+        (
+            &["ru-standard"],
+            "ru-user\ni\nlib\nother.acf\n",
+            "other.msg",
+        ),
+        (&["ru-standard"], "\nstop\n", "adams.msg"),
+    ] {
+        let folder = folder(&[]);
+        let ran = mdi_with(folder.path(), words, input, &[]);
+        let messages = text(folder.path(), name);
+        let lines: Vec<&str> = messages.lines().collect();
+        let tail = &lines[lines.len().saturating_sub(2)..];
+        assert!(
+            tail[0] == "Finished -----" && tail[1].starts_with("Elapsed time = "),
+            "{words:?}: {messages}"
+        );
+        assert_eq!(ran.code == 0, input == "\nstop\n", "{words:?}");
+    }
 }
 
 #[test]
@@ -96,9 +139,9 @@ fn other_products_are_refused_by_name_and_are_file_names_after_the_word() {
         ("n.acf", RUN),
     ]);
     for words in [
-        &["acar", "ru-solver", "run.acf"][..],
-        &["acar", "ru-acar", "b", "x.cmd"],
-        &["aview", "ru-standard", "i", "x"],
+        &["acar", "ru-acar", "b", "x.cmd"][..],
+        &["aview", "ru-standard", "i", "x.cmd"],
+        &["acar", "run.acf"],
         &["ru-u", "lib", "run.acf"],
     ] {
         let ran = mdi(folder.path(), words);
@@ -229,4 +272,53 @@ fn byte_order_marks_and_the_end_of_dos_files_are_tolerated() {
             ran.stdout
         );
     }
+}
+
+/// A line with every number as `#`, so that lines of different runs compare.
+fn without_numbers(line: &str) -> String {
+    let mut out = String::new();
+    for word in line.split_whitespace() {
+        let digits = word.trim_end_matches(['s', ',', '%', '.']);
+        let number = digits.parse::<f64>().is_ok();
+        out += if number { "#" } else { word };
+        out += if number { &word[digits.len()..] } else { "" };
+        out.push(' ');
+    }
+    out.trim_end().to_string()
+}
+
+/// The lines of ours that readers look for are lines of real message files, number for number.
+#[test]
+fn lines_that_readers_look_for_are_those_of_real_message_files() {
+    let Some(real) = crate::common::shared("real-decks") else {
+        return;
+    };
+    let mut known = std::collections::BTreeSet::new();
+    for path in crate::common::files_below(&real, "msg") {
+        let bytes = std::fs::read(path).unwrap();
+        known.extend(String::from_utf8_lossy(&bytes).lines().map(without_numbers));
+    }
+    let folder = folder(&[("slider.adm", SLIDER), ("run.acf", RUN)]);
+    assert_eq!(mdi(folder.path(), &["ru-s", "run"]).code, 0);
+    let ours = text(folder.path(), "slider.msg");
+    let mut seen = 0;
+    for line in ours.lines() {
+        let start = line.trim_start();
+        let looked_for = [
+            "Begin ",
+            "End ",
+            "Static Solution",
+            "Residual imbalance",
+            "Finished",
+            "Elapsed time",
+            "---- ",
+        ];
+        if looked_for.iter().any(|word| start.starts_with(word)) {
+            assert!(known.contains(&without_numbers(line)), "{line}");
+            seen += 1;
+        }
+    }
+    assert!(seen >= 6, "{ours}");
+    // The banner tells whose form it is, and who writes it.
+    assert!(ours.contains("A d a m s   C++   S o l v e r") && ours.contains("admire "));
 }

@@ -15,6 +15,7 @@ mod run_files;
 mod security;
 mod sensors;
 mod shims;
+mod status;
 mod study_solver;
 mod task;
 mod toolkit;

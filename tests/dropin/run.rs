@@ -84,7 +84,7 @@ pub fn text(folder: &Path, name: &str) -> String {
         .unwrap_or_default()
 }
 
-/// The steps of a `.res`, read as the readers in the wild do (ADAMS-FORMATS 12): ids from the lines after `<Entity name=`, values
+/// The steps of a `.res`, read as the readers in the wild do (guide/formats.md 12): ids from the lines after `<Entity name=`, values
 /// from the numeric lines after each `"quasiStatic"`, indexed by id.
 pub struct Results {
     ids: BTreeMap<(String, String), usize>,

@@ -199,7 +199,7 @@ fn decks_and_command_files_start_no_process() {
     mdi(folder.path(), &["ru-s", "run; touch pwned"]);
     mdi(folder.path(), &["ru-s", "run"]);
     assert!(!folder.path().join("pwned").exists());
-    // What starts programs is one file, which only a study reaches.
+    // What starts programs, and ends what they started, is reached by a study only.
     let starts: Vec<String> = sources()
         .into_iter()
         .filter(|path| {
@@ -210,13 +210,15 @@ fn decks_and_command_files_start_no_process() {
         .map(|path| path.replace('\\', "/"))
         .collect();
     assert!(
-        starts.len() == 1 && starts[0].ends_with("src/backend/process.rs"),
+        starts
+            .iter()
+            .all(|path| path.contains("src/backend/process")),
         "{starts:?}"
     );
 }
 
 #[test]
-fn interfaces_that_only_unix_has_are_in_one_file() {
+fn interfaces_that_only_unix_has_are_in_three_files() {
     let found: Vec<String> = sources()
         .into_iter()
         .filter(|path| {
@@ -235,7 +237,11 @@ fn interfaces_that_only_unix_has_are_in_one_file() {
         .map(|path| path.replace('\\', "/"))
         .collect();
     assert!(
-        found.len() == 1 && found[0].ends_with("src/cli/permissions.rs"),
+        found.iter().all(|path| {
+            path.ends_with("src/cli/permissions.rs")
+                || path.ends_with("src/backend/process_tree.rs")
+                || path.ends_with("src/cli/leftover.rs")
+        }),
         "{found:?}"
     );
 }
@@ -347,4 +353,22 @@ fn property_files_are_read_in_the_folders_of_the_deck() {
             + &String::from_utf8_lossy(&checked.stderr);
         assert_eq!(said.contains("[read-outside]"), outside, "{file}: {said}");
     }
+}
+
+/// A title, a path and a command of somebody else's files are shown on the console, not obeyed; the message file has them as they are.
+#[test]
+fn the_console_of_a_run_commands_no_terminal() {
+    let deck = SLIDER.replace("A slider", "A \u{1b}]0;owned\u{7}slider");
+    let acf = "\nfile/model=slider\nfile/model=\u{1b}[31mother\nSIM/STAT\nRED\u{9b}31m/1\nSTOP\n";
+    let folder = folder(&[("slider.adm", &deck), ("run.acf", acf)]);
+    let ran = mdi(
+        folder.path(),
+        &["-c", "ru-standard", "i", "run.acf", "exit"],
+    );
+    let all = format!("{}{}", ran.stdout, ran.stderr);
+    assert!(all.contains("\\u001b"), "{all}");
+    let obeyed = all
+        .chars()
+        .find(|c| c.is_control() && !"\r\n\t".contains(*c));
+    assert_eq!(obeyed, None, "{all:?}");
 }

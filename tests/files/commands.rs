@@ -3,30 +3,30 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-const DECK: &str = "a title\r\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\r\nPART/1, GROUND\r\n\
+pub(super) const DECK: &str = "a title\r\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\r\nPART/1, GROUND\r\n\
 MARKER/10, PART=1, REULER = 90D, 0, 0\r\n!                   adams_view_name='arm'\r\nPART/2\r\n, MASS = 1.5, CM = 20\r\n\
 , IP = 1.0E+04, 2.0E+04,\r\n! between\r\n, 3.0E+04\r\nMARKER/20, PART=2\r\nJOINT/1, REVOLUTE, I=20, J=10\r\n\
 SFORCE/1, I=20, J=10, ROTATIONAL, FUNCTION=2*AZ(20,10)\r\nREQUEST/1, RESULTS_NAME=tip, CNAMES=\"\", \"dx\", \"dy\"\r\n\
 , F2=DX(20,10)\\F3=DY(20,10)\r\nEND\r\n";
 
-struct Folder(tempfile::TempDir);
+pub(super) struct Folder(tempfile::TempDir);
 
 impl Folder {
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         let folder = Self(tempfile::tempdir().expect("a folder"));
         folder.write("a.adm", DECK.as_bytes());
         folder
     }
 
-    fn path(&self) -> &Path {
+    pub(super) fn path(&self) -> &Path {
         self.0.path()
     }
 
-    fn write(&self, name: &str, bytes: &[u8]) {
+    pub(super) fn write(&self, name: &str, bytes: &[u8]) {
         std::fs::write(self.path().join(name), bytes).expect("written");
     }
 
-    fn run(&self, arguments: &[&str]) -> Output {
+    pub(super) fn run(&self, arguments: &[&str]) -> Output {
         Command::new(env!("CARGO_BIN_EXE_admire"))
             .current_dir(self.path())
             .args(arguments)
@@ -35,7 +35,7 @@ impl Folder {
     }
 
     /// Exit code, standard output, standard error.
-    fn said(&self, arguments: &[&str]) -> (i32, String, String) {
+    pub(super) fn said(&self, arguments: &[&str]) -> (i32, String, String) {
         let output = self.run(arguments);
         (
             output.status.code().expect("an exit code"),
@@ -137,12 +137,91 @@ fn flags_titles_and_degrees_are_set() {
     folder.write("latin.adm", &[b"caf\xe9\n", DECK.as_bytes()].concat());
     let output = folder.run(&["set", "latin.adm", "TITLE=th\u{e9}"]);
     assert!(output.stdout.starts_with(b"th\xe9\n"));
-    // What is wrong with the new deck is told, even where the value itself is one.
-    let (code, out, err) = folder.said(&["set", "a.adm", "PART/2.CM=99"]);
-    assert_eq!(code, 0);
+}
+
+#[test]
+fn set_refuses_what_add_refuses() {
+    let folder = Folder::new();
+    for (assignment, code) in [
+        ("PART/2.CM=99", "undefined-id"),
+        ("PART/2.MASS=-1", "out-of-range"),
+    ] {
+        let (exit, out, err) = folder.said(&["set", "a.adm", assignment]);
+        assert_eq!((exit, out.as_str()), (1, ""), "{assignment}");
+        assert!(err.contains(code) && err.contains("--force"), "{err}");
+        let (exit, out, err) = folder.said(&["set", "a.adm", assignment, "--force"]);
+        assert_eq!(exit, 0, "{assignment}");
+        let value = assignment.split('=').next_back().expect("a value");
+        assert!(out.contains(&format!("= {value}")), "{out}");
+        assert!(err.contains(code), "{err}");
+    }
+}
+
+#[test]
+fn a_number_is_written_as_typed_and_an_angle_reads_back_to_the_last_bit() {
+    let folder = Folder::new();
+    for (assignment, written) in [
+        ("PART/2.MASS=-3", "MASS = -3,"),
+        ("PART/2.MASS=2.50", "MASS = 2.50,"),
+        ("SFORCE/1.FUNCTION=-3", "FUNCTION=-3\r"),
+        ("SFORCE/1.FUNCTION.1=-3", "FUNCTION=(-3)*AZ"),
+        ("SFORCE/1.FUNCTION.1=+3", "FUNCTION=3*AZ"),
+        ("PART/2.QG.1=-3", "QG = -3, 0"),
+        ("MARKER/10.REULER.2=-30D", "REULER = 90D, -30D, 0"),
+        // Nothing is edited where the value is the same.
+        ("PART/2.MASS=1.50", "MASS = 1.5,"),
+        ("arm.IP.1=10000", "IP = 1.0E+04,"),
+    ] {
+        let (code, out, err) = folder.said(&["set", "a.adm", assignment, "--force"]);
+        assert_eq!(code, 0, "{err}");
+        assert!(out.contains(written), "{assignment}: {out}");
+    }
+    // 0.1 is in degrees what 5.729577951308232 is; some radians no double of degrees reads back to.
+    let mut suffixes = 0;
+    for k in 1..=40 {
+        let value = f64::from(k) * 0.0731;
+        let assignment = format!("MARKER/10.REULER.1={value:?}");
+        let (code, out, _) = folder.said(&["set", "a.adm", &assignment]);
+        assert_eq!(code, 0);
+        folder.write("new.adm", out.as_bytes());
+        let (_, out, _) = folder.said(&["get", "new.adm", "MARKER/10.REULER.1"]);
+        assert_eq!(out.trim().parse::<f64>().expect("a number"), value);
+        let text = std::fs::read_to_string(folder.path().join("new.adm")).expect("text");
+        suffixes += usize::from(text.contains("D, 0, 0"));
+    }
+    assert!((1..40).contains(&suffixes), "{suffixes} kept their suffix");
+}
+
+#[test]
+fn a_field_is_turned_from_its_length_and_a_picture_carries_no_load() {
+    let folder = Folder::new();
+    let deck = |angle: &str, turn: &str| {
+        DECK.replace("REULER = 90D, 0, 0", &format!("REULER = 0, {turn}, 0"))
+            .replace(
+                "END",
+                &format!(
+                    "FIELD/1, I=20, J=10, LENGTH=0,0,0,{angle},0,0\r\n\
+                 GRAPHICS/1, CYLINDER, CM=10, RADIUS=0, LENGTH=5\r\nEND"
+                ),
+            )
+    };
+    // I is turned by -30 degrees about x of J, as LENGTH says.
+    folder.write("relaxed.adm", deck("-30D", "30D").as_bytes());
+    let (code, out, _) = folder.said(&["check", "relaxed.adm"]);
+    assert!(!out.contains("FIELD/1 is turned"), "{out}");
+    // Nothing of a picture is an error.
+    assert!(out.contains("RADIUS of GRAPHICS/1") && code == 0, "{out}");
+    folder.write("turned.adm", deck("0", "30D").as_bytes());
+    let (_, out, _) = folder.said(&["check", "turned.adm"]);
     assert!(
-        out.contains("CM = 99") && err.contains("undefined-id"),
-        "{err}"
+        out.contains("I of FIELD/1 is turned by -30.0") && out.contains("orientation of J"),
+        "{out}"
+    );
+    folder.write("wrong.adm", deck("30D", "30D").as_bytes());
+    let (_, out, _) = folder.said(&["check", "wrong.adm"]);
+    assert!(
+        out.contains("-60.0") && out.contains("from LENGTH"),
+        "{out}"
     );
 }
 
@@ -390,7 +469,7 @@ fn a_body_goes_from_json_only_with_the_markers_that_stand_on_it_unnamed() {
 }
 
 #[test]
-fn commands_are_linted_each_by_itself() {
+fn commands_are_linted_each_by_itself_and_with_their_deck() {
     let folder = Folder::new();
     let text = "\nfile/model=a\nbushing/1, k=1,2\nmarker/20, reuler=90,0,0\nsimulate/static, end=1, steps=2.5\nsimulate/static, end=1, steps=0\n\
                 sfor/1, func=2*az(20,10)\nstop\n";
@@ -404,9 +483,11 @@ fn commands_are_linted_each_by_itself() {
     assert_eq!(
         places,
         [
+            "a.acf:3:9: error[undefined-id",
             "a.acf:3:14: error[wrong-count",
             "a.acf:4:19: warning[wrong-dimension",
             "a.acf:5:31: error[wrong-type",
+            "a.acf:6:22: error[out-of-range",
             "a.acf:6:31: error[out-of-range",
         ]
     );
@@ -433,120 +514,79 @@ fn what_is_misspelt_is_suggested() {
     assert_eq!(folder.said(&["import", "a.adm", "a.json"]).0, 1);
 }
 
+/// Names and titles of a deck come from anybody: what they hold is shown, and the terminal does not obey it.
 #[test]
-fn statements_come_and_go_from_the_command_line() {
+fn nothing_a_deck_holds_commands_the_terminal() {
     let folder = Folder::new();
-    let deck = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect("there");
-    // In the style of the deck: CR LF, and its layout of arguments; in front of what follows the last marker.
-    let (code, _, said) = folder.said(&[
-        "add",
-        "a.adm",
-        "mark/21, part=2, qp=1, 2, -3",
-        "--name",
-        "tip",
-        "-o",
-        "b.adm",
-    ]);
-    assert_eq!((code, said.as_str()), (0, ""));
-    let added = deck("b.adm");
-    let at = added.find("JOINT/1").expect("it stays");
-    let new = &added[added.find("MARKER/20, PART=2\r\n").expect("it stays") + 19..at];
-    assert!(
-        new.contains("adams_view_name='tip'\r\nMARKER/21"),
-        "{new:?}"
-    );
-    assert!(!new.replace("\r\n", "").contains('\n'), "{new:?}");
-    assert_eq!(added.replace(new, ""), DECK);
-    let (code, value, _) = folder.said(&["get", "b.adm", "tip.QP"]);
-    assert_eq!((code, value.trim()), (0, "1.0, 2.0, -3.0"));
-    // Gone without a trace.
-    assert_eq!(folder.said(&["remove", "b.adm", "tip", "-o", "c.adm"]).0, 0);
-    assert_eq!(deck("c.adm"), DECK);
-    // A function on one line with what follows it: on lines of its own it needs a backslash.
-    let force = "SFORCE/2, FUNCTION=3*TIME, I=20, J=10, TRANSLATIONAL";
+    let hostile = "\u{1b}]0;owned\u{7}\u{9b}31m\u{202e}";
+    let deck = DECK
+        .replace("a title", &format!("a title{hostile}"))
+        .replace("'arm'", &format!("'arm{hostile}'"))
+        .replace("CM = 20", &format!("CM = 99, {hostile}=3"));
+    folder.write("hostile.adm", deck.as_bytes());
     folder.write(
-        "lines.adm",
-        DECK.replace("MASS = 1.5, CM = 20", "MASS = 1.5\r\n, CM = 20")
+        "solved.adm",
+        DECK.replace("a title", &format!("a title{hostile}"))
+            .replace("'arm'", &format!("'arm{hostile}'"))
+            .replace(
+                "SFORCE/1",
+                &format!("!  adams_view_name='f{hostile}'\r\nSFORCE/1"),
+            )
             .as_bytes(),
     );
-    for old in ["a.adm", "lines.adm"] {
-        let (code, _, said) = folder.said(&["add", old, force, "-o", "d.adm"]);
-        assert_eq!((code, said.as_str()), (0, ""));
-        for (address, value) in [("SFORCE/2.FUNCTION", "3*TIME"), ("SFORCE/2.J", "10")] {
-            let (_, out, said) = folder.said(&["get", "d.adm", address]);
-            assert_eq!(out.trim(), value, "{said}");
-        }
-        let (_, checked, _) = folder.said(&["check", "d.adm", "--format", "plain"]);
-        assert!(!checked.contains("backslash"), "{checked}");
+    for arguments in [
+        &["check", "hostile.adm"][..],
+        &["check", "hostile.adm", "--format", "plain"],
+        &["check", "hostile.adm", "--format", "json"],
+        &["summary", "hostile.adm"],
+        &["summary", "hostile.adm", "--format", "json"],
+        &["solve", "hostile.adm"],
+        &["solve", "solved.adm", "--free-body", "PART/2"],
+        &["solve", "solved.adm", "--format", "json"],
+        &["diff", "a.adm", "hostile.adm"],
+        &["get", "hostile.adm", "TITLE", "PART/2"],
+        &["get", "hostile.adm", &format!("x{hostile}")],
+        &["renumber", "solved.adm", "MARKER=100"],
+    ] {
+        let (_, out, err) = folder.said(arguments);
+        let all = format!("{out}{err}");
+        assert!(!all.is_empty());
+        let obeyed = all
+            .chars()
+            .find(|c| (c.is_control() && !"\r\n\t".contains(*c)) || *c == '\u{202e}');
+        assert_eq!(obeyed, None, "{arguments:?}: {all:?}");
     }
-    // An argument alone.
-    let (code, out, _) = folder.said(&["remove", "a.adm", "MARKER/10.REULER"]);
-    assert_eq!((code, out), (0, DECK.replace(", REULER = 90D, 0, 0", "")));
+    let (_, out, _) = folder.said(&["get", "hostile.adm", "TITLE"]);
+    assert_eq!(out, "a title\\u001b]0;owned\\u0007\\u009b31m\\u202e\n");
+    let (_, out, _) = folder.said(&["get", "hostile.adm", "TITLE", "--format", "json"]);
+    let value: serde_json::Value = serde_json::from_str(&out).expect("JSON");
+    assert_eq!(value["TITLE"], format!("a title{hostile}"));
+    // A file gets the bytes themselves.
+    let output = folder.run(&["set", "hostile.adm"]);
+    assert_eq!(output.stdout, deck.as_bytes());
 }
 
+#[cfg(target_os = "linux")]
 #[test]
-fn nothing_is_added_or_removed_that_leaves_a_fault() {
+fn what_is_no_file_is_not_replaced_and_what_is_too_large_is_not_read() {
     let folder = Folder::new();
-    for (words, code, why) in [
-        (
-            &["add", "a.adm", "JOINT/2, REVOLUTE, I=20, J=99"][..],
-            1,
-            "MARKER/99",
-        ),
-        // Where it would stand would say what it is on.
-        (
-            &["add", "a.adm", "MARKER/5, QP=1, 2, 3"],
-            1,
-            "does not say what it is on",
-        ),
-        (
-            &["add", "a.adm", "PART/2, MASS=1"],
-            1,
-            "stands in the deck already",
-        ),
-        (
-            &["add", "a.adm", "MARKR/5, PART=2"],
-            1,
-            "did you mean MARKER",
-        ),
-        (
-            &["add", "a.adm", "MARKER/5, PART=2", "--name", "o'clock"],
-            2,
-            "name",
-        ),
-        (&["remove", "a.adm", "MARKER/20"], 1, "MARKER/20"),
-        (
-            &["remove", "a.adm", "PART/2.IP.2"],
-            1,
-            "one value of a list",
-        ),
-        (&["remove", "a.adm", "JOINT/1.IC"], 1, "is not written"),
-        (&["remove", "a.adm", "JOINT/9"], 1, "JOINT/9"),
-    ] {
-        let (got, out, said) = folder.said(words);
-        assert_eq!((got, out.as_str()), (code, ""), "{words:?}: {said}");
-        assert!(said.contains(why), "{words:?}: {said}");
-    }
-    let forced = folder.said(&["remove", "a.adm", "MARKER/20", "--force"]);
-    assert_eq!(
-        (forced.0, forced.1),
-        (0, DECK.replace("MARKER/20, PART=2\r\n", ""))
-    );
-    // Together they leave nothing behind.
-    let (code, out, said) = folder.said(&[
-        "remove",
-        "a.adm",
-        "JOINT/1",
-        "SFORCE/1",
-        "REQUEST/1",
-        "PART/2.CM",
-        "PART/2.MASS",
-        "PART/2.IP",
-        "MARKER/20",
-    ]);
-    assert_eq!(code, 0, "{said}");
+    let pipe = folder.path().join("pipe");
+    let made = Command::new("mkfifo")
+        .arg(&pipe)
+        .status()
+        .expect("mkfifo runs");
+    assert!(made.success());
+    // A pipe would wait for a writer.
+    let (code, out, err) = folder.said(&["set", "pipe", "PART/2.MASS=2", "--in-place"]);
+    assert_eq!((code, out.as_str()), (1, ""));
+    assert!(err.contains("no file that could be replaced"), "{err}");
+    let large = std::fs::File::create(folder.path().join("large.req")).expect("created");
+    std::io::Write::write_all(&mut &large, b" A.R3 ").expect("written");
+    large.set_len(1 << 30).expect("a sparse file");
+    let (code, _, err) = folder.said(&["results", "large.req"]);
+    assert_eq!(code, 1);
     assert!(
-        !out.contains("20\r\n") && out.contains("PART/2\r\n"),
-        "{out}"
+        err.contains("are more than the 536870912 that are read"),
+        "{err}"
     );
 }

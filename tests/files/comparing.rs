@@ -43,6 +43,27 @@ fn layout_spelling_order_and_defaults_are_no_differences() {
     assert_eq!(changes(b, a), Vec::<String>::new());
 }
 
+/// Bytes that are not UTF-8 are shown as Latin-1: blanks of a function may then stand inside of a character.
+#[test]
+fn latin_1_in_functions_is_compared() {
+    let deck = |inside: &[u8]| {
+        let text = [
+            b"t\nVARIABLE/1, FUNCTION=USER(8:\x9b".as_slice(),
+            inside,
+            b", \xe42)\nEND\n",
+        ]
+        .concat();
+        Dataset::parse(Source::new("latin.adm", text)).value
+    };
+    let exact = Tolerance {
+        absolute: 0.0,
+        relative: 0.0,
+    };
+    let (one, same, other) = (deck(b"31"), deck(b" 31.0"), deck(b"32"));
+    assert_eq!(diff(&one, &same, exact).len(), 0);
+    assert_eq!(diff(&one, &other, exact).len(), 1);
+}
+
 #[test]
 fn differences_are_told_per_object() {
     let a = "t\n! adams_view_name='x'\nBUSHING/1, I=1, J=2, K=1,2,3\nSFORCE/1, I=1, J=2, ROT, FUNCTION=2*DX(1,2)\nMARKER/5, PART=1\nEND\n";

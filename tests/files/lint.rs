@@ -93,7 +93,11 @@ fn each_code_has_a_deck_that_shows_it() {
         Code::InactiveInStatics,
         Code::UserSubroutine,
     ];
-    let of_model = [Code::BushingAngle, Code::JointNotAligned];
+    let of_model = [
+        Code::BushingAngle,
+        Code::JointNotAligned,
+        Code::ImplausibleUnits,
+    ];
     for code in RULES
         .iter()
         .map(|rule| rule.code)

@@ -1,4 +1,4 @@
-//! Every command of the toolkit on every real deck, as a user would call it, and the loss list of the README.
+//! Every command of the toolkit on every real deck, as a user would call it, and the loss list of the guide.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -340,14 +340,14 @@ fn losses() -> Option<Vec<String>> {
 }
 
 #[test]
-fn the_loss_list_of_the_readme_is_what_the_real_decks_give() {
+fn the_loss_list_of_the_guide_is_what_the_real_decks_give() {
     let Some(lost) = losses() else {
         return;
     };
-    let readme = include_str!("../../README.md");
-    let begin = readme.find("<!-- losses -->\n").expect("the list") + "<!-- losses -->\n".len();
+    let page = include_str!("../../src/guide/coverage.md");
+    let begin = page.find("<!-- losses -->\n").expect("the list") + "<!-- losses -->\n".len();
     let end = begin
-        + readme[begin..]
+        + page[begin..]
             .find("<!-- end of losses -->")
             .expect("its end");
     let list = if lost.is_empty() {
@@ -355,7 +355,7 @@ fn the_loss_list_of_the_readme_is_what_the_real_decks_give() {
     } else {
         lost.join("\n") + "\n"
     };
-    assert_eq!(readme[begin..end].replace("\r\n", "\n"), list);
+    assert_eq!(page[begin..end].replace("\r\n", "\n"), list);
 }
 
 /// A spline whose points are in a property file beside the deck bends a spring as if they stood in the deck.

@@ -156,7 +156,7 @@ fn editing_one_value_changes_its_span_only() {
 
 #[test]
 fn columns_of_a_real_suspension_are_those_of_its_header() {
-    // ADAMS-FORMATS 12: an Adams/Car 2020 result of 101 quasi-static steps.
+    // guide/formats.md 12: an Adams/Car 2020 result of 101 quasi-static steps.
     let Some(path) = shared("real-decks/kinbench-kc/NRAC_G023_Lat_static_load.res") else {
         return;
     };

@@ -97,7 +97,7 @@ fn nothing_of_a_bad_run_is_taken_for_an_answer() {
     }
 }
 
-/// Ctrl-C: the run ends after its step, keeps what it has, says so, and exits with 3.
+/// Ctrl-C: the run ends after its step, keeps what it has, says so, and exits with 130 as shells do.
 #[test]
 #[cfg(unix)]
 fn an_interrupted_run_keeps_what_it_found() {
@@ -126,9 +126,10 @@ fn an_interrupted_run_keeps_what_it_found() {
         .args(["-INT", &child.id().to_string()])
         .status();
     assert!(interrupt.unwrap().success());
-    assert_eq!(child.wait().unwrap().code(), Some(3));
+    assert_eq!(child.wait().unwrap().code(), Some(130));
     let json = std::fs::read_to_string(out.join("identification.json")).unwrap();
     assert!(json.contains("\"converged\": false"), "{json}");
+    assert!(json.contains("\"interrupted\": true"), "{json}");
     let page = std::fs::read_to_string(out.join("report.html")).unwrap();
     assert!(page.contains("stopped before the step test was met"));
     assert!(out.join("identified.adm").exists());

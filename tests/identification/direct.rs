@@ -69,7 +69,7 @@ fn exact_on_the_multilink() {
     assert!(errors.iter().all(|e| e.abs() < 1e-4), "{errors:?}");
 }
 
-/// NOTES.md of the paper: with noise of 0.02 and 0.05 mm the Cramer-Rao bound leaves a median log error of 0.02 and 0.054 on the
+/// guide/paper.md: with noise of 0.02 and 0.05 mm the Cramer-Rao bound leaves a median log error of 0.02 and 0.054 on the
 /// McPherson; plain least squares is biased.
 #[test]
 fn near_the_bound_on_the_noisy_mcpherson() {

@@ -17,5 +17,8 @@ mod kc_experiment;
 mod options;
 mod regression;
 mod reproduce;
+mod sensors;
 mod setup;
+mod study_folder;
+mod verdict;
 mod virtual_rig;

@@ -173,7 +173,7 @@ fn other_numbers_of_the_deck_are_identified_beside_stiffnesses() {
 }
 
 /// A study with marks, wheel and two sensors, as the virtual rig gives it.
-fn with_sensors() -> (tempfile::TempDir, LoadedStudy) {
+pub fn with_sensors() -> (tempfile::TempDir, LoadedStudy) {
     let (_folder, path) = copy("pseudo-mcpherson");
     std::fs::rename(path.join("reference.adm"), path.join("model.adm")).unwrap();
     replace(

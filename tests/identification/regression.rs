@@ -1,4 +1,4 @@
-//! What NOTES.md of the paper says its loop does, found again.
+//! What guide/paper.md says the loop of the paper does, found again.
 
 use std::ops::ControlFlow;
 
@@ -61,7 +61,7 @@ fn noise_free_mcpherson_stops_where_the_notes_say() {
     );
 }
 
-/// NOTES.md: noisy multilink (0.05 mm, epsilon 0.05) as printed does not converge in 200 iterations; with the weights of (16)
+/// guide/paper.md: noisy multilink (0.05 mm, epsilon 0.05) as printed does not converge in 200 iterations; with the weights of (16)
 /// turned round in 4 to 15.
 #[test]
 fn noisy_multilink_needs_the_corrected_weights() {
@@ -91,7 +91,7 @@ fn noisy_multilink_needs_the_corrected_weights() {
     assert!(medians[1] < 0.35, "{medians:?}");
 }
 
-/// NOTES.md 2, 4 and 5: what each misreading of the printed equations does.
+/// guide/paper.md 2, 4 and 5: what each misreading of the printed equations does.
 #[test]
 fn misread_equations_lose_stiffnesses() {
     let loaded = exact_mcpherson(|_| {});
@@ -137,7 +137,7 @@ fn misread_equations_lose_stiffnesses() {
     assert!(at_j.len() >= 3, "{at_j:?}");
 }
 
-/// NOTES.md 7: with both corrections the noisy multilink (0.05 mm, epsilon 0.05) ends in about ten iterations, median log error
+/// guide/paper.md 7: with both corrections the noisy multilink (0.05 mm, epsilon 0.05) ends in about ten iterations, median log error
 /// 0.17. One realisation of the noise may leave a hardly known stiffness drifting just above epsilon (the shipped one does, for 75
 /// iterations), so the claim is about the middle of several.
 #[test]

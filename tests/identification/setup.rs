@@ -29,6 +29,7 @@ impl Loaded {
             measurement: &self.measurement,
             settings: &self.study.identify,
             regression: &self.study.regression,
+            tolerances: &self.study.tolerances,
             unknowns: self.unknowns.clone(),
         }
     }
@@ -108,7 +109,7 @@ pub fn exact_mcpherson(change: impl Fn(&Path)) -> Loaded {
             "marks_measured.csv",
             "marks_noise_free.csv",
         );
-        replace(folder, "study.toml", "sigma = 0.05", "sigma = 0.0");
+        replace(folder, "study.toml", "sigma = 0.05", "sigma = 1e-4");
         change(folder);
     })
 }

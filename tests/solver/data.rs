@@ -1,6 +1,12 @@
 //! Equations, states and lists of a dataset at rest, and what is held or left out, against closed forms.
 
-use crate::deck::{Solved, solve};
+use admire::diagnostic::Code;
+use admire::model::{Ignore, Model};
+use admire::syntax::Dataset;
+use admire::system::System;
+use admire::text::Source;
+
+use crate::deck::{HEAD, Solved, solve};
 
 /// The value of a function in the equilibrium of a deck.
 fn value(deck: &str, function: &str) -> f64 {
@@ -164,24 +170,56 @@ fn forces_at_one_marker() {
     }
 }
 
-/// Friction is off, and the warning says what that means; one that is off in statics anyway is not worth a word.
+/// Stiction acts in statics and is not solved: refused, unless the deck or the user says that it does not count.
 #[test]
-fn friction_is_inactive() {
+fn friction_that_sticks_is_refused() {
     let spring = "SPRINGDAMPER/1, I=21, J=1, TRANSLATIONAL, K=10, LENGTH=25\n";
     let deck = format!("{RAIL}{spring}FRICTION/1, JOINT=1, MU_STATIC=0.5, MU_DYNAMIC=0.4");
-    let solved = shown(&deck, "DZ(21,1)");
-    close(solved.shown(0), 25.0);
+    let text = format!("{HEAD}{deck}\nEND\n");
+    let dataset = Dataset::parse(Source::new("stick.adm", text.into_bytes())).value;
+    let mut model = Model::lower(&dataset).value;
+    let compiled = System::compile(&model);
+    let said = &compiled.diagnostics[0];
     assert!(
-        solved
-            .told
-            .iter()
-            .any(|t| t.starts_with("FRICTION/1 is inactive")
-                && t.contains("move without resistance")),
-        "{:?}",
-        solved.told
+        compiled.has_errors()
+            && said
+                .message
+                .starts_with("FRICTION/1 is not solved: stiction")
     );
-    let deck = format!("{deck}, INACTIVE=STATIC");
-    assert!(solve(&deck).told.is_empty());
+    assert!(
+        said.message
+            .ends_with("; its stiction would hold the joint against forces")
+    );
+    assert!(
+        said.help
+            .as_ref()
+            .unwrap()
+            .contains("ADMIRE_IGNORE=FRICTION")
+    );
+    assert!(
+        model
+            .leave_out(&Ignore::parse("CONTACT, FRICTION/2").unwrap())
+            .is_empty()
+    );
+    assert_eq!(
+        model.leave_out(&Ignore::parse("FRICTION/1").unwrap()).len(),
+        1
+    );
+    assert!(!System::compile(&model).has_errors());
+    for off in [
+        "INACTIVE=STATIC",
+        "INACTIVE_DURING=STATIC",
+        "EFFECT=SLIDING",
+    ] {
+        let solved = shown(&format!("{deck}, {off}"), "DZ(21,1)");
+        close(solved.shown(0), 25.0);
+        assert!(solved.told.is_empty(), "{:?}", solved.told);
+    }
+    let unknown = Ignore::parse("CONTACT, BUSHING").unwrap_err();
+    assert!(
+        unknown.contains("`BUSHING`") && unknown.contains("UCON"),
+        "{unknown}"
+    );
 }
 
 /// An initial displacement of a joint is a start, not a condition; that it is not applied is said.
@@ -259,4 +297,85 @@ fn user_subroutines_are_refused_by_name() {
         help,
         Some("the command backend runs them with real ADAMS and the library")
     );
+}
+
+/// Sizes that do not fit are told at lowering, each at its place: nothing is solved, and nothing panics.
+#[test]
+fn matrices_and_arrays_of_other_sizes_are_told() {
+    let lse = "LSE/1, X=1, U=2, Y=3, IC=4, A=1, B=2, C=3, D=4";
+    let messages = |deck: &str| -> Vec<String> {
+        let text = format!("{HEAD}{deck}\nEND\n");
+        let dataset = Dataset::parse(Source::new("sizes.adm", text.into_bytes())).value;
+        let lowered = Model::lower(&dataset);
+        for diagnostic in &lowered.diagnostics {
+            assert_eq!(diagnostic.code, Code::WrongCount, "{diagnostic:?}");
+            assert!(!diagnostic.labels.is_empty());
+        }
+        if !lowered.has_errors() {
+            assert!(!System::compile(&lowered.value).has_errors());
+        }
+        lowered.diagnostics.into_iter().map(|d| d.message).collect()
+    };
+    let good = format!("{LSE}{lse}");
+    assert_eq!(messages(&good), [""; 0]);
+    for (part, other, told) in [
+        (
+            "A=1",
+            "A=3",
+            "A has 1 rows and 2 columns; it must be square",
+        ),
+        (
+            "X, SIZE=2",
+            "X, SIZE=3",
+            "the array of X has 3 elements, and there are 2 states of A",
+        ),
+        (
+            "NUMBERS=0.5,-0.25",
+            "NUMBERS=0.5",
+            "the array of IC has 1 elements",
+        ),
+        ("B=2", "B=3", "B has 1 rows, and there are 2 states"),
+        (
+            "B=2",
+            "B=1",
+            "B has 2 columns, and there are 1 elements in U",
+        ),
+        ("C=3", "C=4", "C has 1 columns, and there are 2 states"),
+        ("D=4", "D=2", "D has 2 rows, and there are 1 elements in Y"),
+        ("U=2, ", "", "B needs U, the array of inputs"),
+        (
+            "VALUES=-2,1,0,-4",
+            "VALUES=-2,1,0",
+            "2 rows and 2 columns need 4 values, not 3",
+        ),
+        ("X, SIZE=2", "X", ""),
+    ] {
+        let found = messages(&good.replacen(part, other, 1));
+        assert_eq!(found.is_empty(), told.is_empty(), "{other}: {found:?}");
+        assert!(
+            told.is_empty() || found.iter().any(|m| m.contains(told)),
+            "{other}: {found:?}"
+        );
+    }
+    let sparse = good.replace(
+        "FULL=RORDER, ROWS=2, COLUMNS=2, VALUES=-2,1,0,-4",
+        "SPARSE, ROWS=2, COLUMNS=2, I=1,3, J=1,2, VALUES=-2,-4",
+    );
+    assert_eq!(messages(&sparse), ["MATRIX/1: I names 3, and there are 2"]);
+    let transfer = "VARIABLE/1, FUNCTION=3\nVARIABLE/2, FUNCTION=3\nARRAY/1, X, SIZE=2\nARRAY/2, U, VARIABLES=1,2\n\
+        ARRAY/3, Y, SIZE=1\nTFSISO/1, X=1, U=2, Y=3, NUMERATOR=1, DENOMINATOR=1,2";
+    assert_eq!(
+        messages(transfer),
+        [
+            "TFSISO/1: the array of X has 2 elements, and there is 1 state of the denominator",
+            "TFSISO/1: the array of U has 2 elements, and there is 1 signal of a transfer function"
+        ]
+    );
+}
+
+/// Outputs need no matrix C: y = D u.
+#[test]
+fn outputs_by_the_inputs_alone() {
+    let deck = format!("{LSE}LSE/1, X=1, U=2, Y=3, IC=4, A=1, B=2, D=4");
+    close(value(&deck, "ARYVAL(3,1)"), 15.0);
 }

@@ -84,8 +84,8 @@ impl Solved {
     pub fn on(&self, part: u32, by: &str, about: &Vec3) -> (Vec3, Vec3) {
         let mut scratch = Scratch::new(&self.system);
         let (parameters, state) = (&self.parameters, &self.state);
-        self.system.look(parameters, state, &mut scratch).unwrap();
-        let loads = self.system.loads(parameters, state, &mut scratch).unwrap();
+        let mut here = self.system.look(parameters, state, &mut scratch).unwrap();
+        let loads = here.loads().unwrap();
         let (mut F, mut T) = (Vec3::zeros(), Vec3::zeros());
         for load in loads {
             let name = load.by.as_ref().map(|n| format!("{}/{}", n.kind, n.id));
@@ -102,10 +102,8 @@ impl Solved {
     pub fn shown(&self, index: usize) -> f64 {
         let mut scratch = Scratch::new(&self.system);
         let (parameters, state) = (&self.parameters, &self.state);
-        self.system.look(parameters, state, &mut scratch).unwrap();
+        let mut here = self.system.look(parameters, state, &mut scratch).unwrap();
         let request = &self.model.requests[index];
-        self.system
-            .read_request(request, index, parameters, state, &mut scratch)
-            .unwrap()[1]
+        here.read_request(request, index).unwrap()[1]
     }
 }

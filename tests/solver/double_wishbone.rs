@@ -64,15 +64,9 @@ fn wheel(
     request: usize,
 ) -> [f64; 5] {
     let mut scratch = Scratch::new(system);
-    system.look(parameters, state, &mut scratch).unwrap();
-    let all = system
-        .read_request(
-            &model.requests[request],
-            request,
-            parameters,
-            state,
-            &mut scratch,
-        )
+    let mut here = system.look(parameters, state, &mut scratch).unwrap();
+    let all = here
+        .read_request(&model.requests[request], request)
         .unwrap();
     [all[1], all[2], all[3], all[5], all[6]]
 }

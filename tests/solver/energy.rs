@@ -138,8 +138,8 @@ fn motions_feel_the_slope_of_the_potential() {
         parameters.set(*slot, value);
     }
     let mut scratch = Scratch::new(&system);
-    system.look(&parameters, &state, &mut scratch).unwrap();
-    let loads = system.loads(&parameters, &state, &mut scratch).unwrap();
+    let mut here = system.look(&parameters, &state, &mut scratch).unwrap();
+    let loads = here.loads().unwrap();
     for (id, slope) in (1..).zip(slopes) {
         let axis = if id == 1 { Vec3::y() } else { Vec3::z() };
         let force: f64 = loads

@@ -21,4 +21,5 @@ mod real_decks;
 mod reference;
 mod robust;
 mod sensitivity;
+mod stability;
 mod user_force;

@@ -76,13 +76,11 @@ fn compare(stem: &str) {
                 worst[1] = worst[1].max((pose.R[(k / 3, k % 3)] - a).abs());
             }
         }
-        system.look(&parameters, &state, &mut scratch).unwrap();
+        let mut here = system.look(&parameters, &state, &mut scratch).unwrap();
         for (name, bushing) in case["bushings"].as_object().unwrap() {
             let b = model.bushings.iter().find(|b| b.header.name == *name);
             let element = system.element("BUSHING", b.unwrap().header.id).unwrap();
-            let reading = system
-                .read_element(&parameters, &state, &mut scratch, element)
-                .unwrap();
+            let reading = here.read_element(element).unwrap();
             let f = numbers(&bushing["F_on_I_in_J"]);
             let g = numbers(&bushing["F_on_I_ground"]);
             for k in 0..3 {

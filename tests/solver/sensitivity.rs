@@ -40,9 +40,8 @@ fn values(
     quantities
         .iter()
         .map(|(q, w)| {
-            w * system
-                .quantity(*q, parameters, &state, &mut scratch)
-                .unwrap()
+            let mut here = system.look(parameters, &state, &mut scratch).unwrap();
+            w * here.quantity(*q).unwrap()
         })
         .collect()
 }

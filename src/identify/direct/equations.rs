@@ -2,11 +2,13 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::linear::Sink;
+use crate::mechanics::eigen::{pseudo_inverse, symmetric_eigen};
 use crate::mechanics::{Pose, Vec3, exp, log};
 use crate::model::{Model, PartIx};
 use crate::rig::Measurement;
 use crate::rig::orientation::absolute_orientation;
-use crate::system::{NoValue, Parameters, Scratch, Sink, Slot, State, System};
+use crate::system::{NoValue, Parameters, Scratch, Slot, State, System};
 
 /// The measured poses of all moving parts in one case, and the current estimate of where they really were.
 #[derive(Clone)]
@@ -191,15 +193,15 @@ fn split(a: &DMatrix<f64>) -> (DMatrix<f64>, DMatrix<f64>) {
     if a.ncols() == 0 {
         return (DMatrix::identity(rows, rows), DMatrix::zeros(0, rows));
     }
-    let eigen = (a * a.transpose()).symmetric_eigen();
+    let eigen = symmetric_eigen(a * a.transpose());
     let largest = eigen.eigenvalues.max();
     let open: Vec<usize> = (0..rows)
         .filter(|&k| eigen.eigenvalues[k] <= 1e-12 * largest)
         .collect();
     let basis = eigen.eigenvectors.select_columns(&open);
-    let pseudo = a.clone().pseudo_inverse(1e-9 * largest.sqrt());
+    let pseudo = pseudo_inverse(a.clone(), 1e-9 * largest.sqrt());
     (
         basis,
-        pseudo.unwrap_or_else(|_| DMatrix::zeros(a.ncols(), rows)),
+        pseudo.unwrap_or_else(|| DMatrix::zeros(a.ncols(), rows)),
     )
 }

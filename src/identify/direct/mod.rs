@@ -19,6 +19,7 @@ use self::equations::{CaseState, Linearised};
 use super::unknowns::stiffness;
 use super::{IdentifyError, Problem, Progress, bounded};
 use crate::backend::{compile, slot};
+use crate::mechanics::eigen::pseudo_inverse;
 use crate::rig::orientation::chi_square_p_value;
 use crate::rig::settings::Method;
 use crate::syntax::Address;
@@ -493,9 +494,7 @@ fn weigh(covariance: &DMatrix<f64>, x: &DMatrix<f64>) -> DMatrix<f64> {
     let mut solved = match scaled.clone().cholesky() {
         Some(factor) => factor.solve(&y),
         // Redundant constraints say the same thing twice.
-        None => scaled
-            .pseudo_inverse(1e-12)
-            .map_or_else(|_| y.clone(), |inverse| inverse * &y),
+        None => pseudo_inverse(scaled, 1e-12).map_or_else(|| y.clone(), |inverse| inverse * &y),
     };
     for (mut row, s) in solved.row_iter_mut().zip(scale.iter()) {
         row *= *s;
@@ -515,7 +514,7 @@ fn inverse(information: &DMatrix<f64>) -> DMatrix<f64> {
         .clone()
         .cholesky()
         .map(|factor| factor.inverse())
-        .or_else(|| scaled.pseudo_inverse(1e-13).ok());
+        .or_else(|| pseudo_inverse(scaled, 1e-13));
     let inverse = inverse.unwrap_or_else(|| DMatrix::zeros(count, count));
     DMatrix::from_fn(count, count, |i, j| inverse[(i, j)] * scale[i] * scale[j])
 }

@@ -27,7 +27,14 @@ pub fn identify(
     backend: &mut dyn Backend,
     progress: &mut Progress<'_>,
 ) -> Result<Fit, IdentifyError> {
-    let solution = solve(problem, &DirectSettings::default(), progress)?;
+    let mut interrupted = false;
+    let mut watch = |round: usize, values: &[f64], moves: f64| {
+        let goes_on = progress(round, values, moves);
+        interrupted |= goes_on.is_break();
+        goes_on
+    };
+    let solution = solve(problem, &DirectSettings::default(), &mut watch)?;
+    let interrupted = interrupted && !solution.settled;
     let before = problem.sweep(backend, &problem.initial())?;
     let after = problem.sweep(backend, &solution.values)?;
     let mut fit = Fit {
@@ -40,6 +47,12 @@ pub fn identify(
         parameters: parameters(problem, &solution),
         assembly_offsets: offsets(problem, &solution),
         unidentifiable_directions: directions(problem, &solution),
+        interrupted: false,
+        affected: Vec::new(),
+        tolerances: BTreeMap::new(),
+        noise: None,
+        fit_test: None,
+        structure: Vec::new(),
         marks: None,
         held_out: HeldOut {
             cases: Vec::new(),
@@ -51,6 +64,9 @@ pub fn identify(
         remarks: remarks(problem, &solution),
     };
     fill(&mut fit, problem, &before, &after, problem.unknowns.len());
+    if interrupted {
+        fit.cut_short();
+    }
     Ok(fit)
 }
 
@@ -86,6 +102,7 @@ fn parameters(problem: &Problem<'_>, solution: &DirectSolution) -> Vec<Parameter
             std_error: Some(value * sd),
             interval95: [side((-reach).exp()), side(reach.exp())],
             correlation: Some(correlation(k)),
+            tolerance_share: None,
             status: if solution.at_bound[k] {
                 Status::Bound
             } else if sd > UNIDENTIFIABLE {

@@ -58,11 +58,12 @@ impl Channels {
         scratch: &mut Scratch,
     ) -> Result<Vec<f64>, NoValue> {
         let mut values = Vec::with_capacity(self.count);
-        if self.count > 0 {
-            system.look(theta, state, scratch)?;
+        if self.count == 0 {
+            return Ok(values);
         }
+        let mut here = system.look(theta, state, scratch)?;
         for k in 0..self.count {
-            let read = system.read_function((self.first + k, 1), theta, state, scratch)?;
+            let read = here.read_function((self.first + k, 1))?;
             values.push(read.map_or(f64::NAN, |(value, _)| value));
         }
         Ok(values)
@@ -84,11 +85,9 @@ impl Channels {
         if self.count == 0 {
             return Ok(out);
         }
-        system.look(theta, state, scratch)?;
+        let mut here = system.look(theta, state, scratch)?;
         for k in 0..self.count {
-            let Some((_, gradient)) =
-                system.read_function((self.first + k, 1), theta, state, scratch)?
-            else {
+            let Some((_, gradient)) = here.read_function((self.first + k, 1))? else {
                 continue;
             };
             for (changes, response) in out.iter_mut().zip(responses) {
@@ -106,6 +105,9 @@ impl Channels {
                 let mut near = theta.clone();
                 for (slot, factor) in direction.in_case(case) {
                     near.set(slot, near.get(slot) + step * factor);
+                }
+                for (marker, axis) in &direction.turns {
+                    near.turn(*marker, axis, step);
                 }
                 self.values(system, &near, state, scratch)
             };

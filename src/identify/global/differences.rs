@@ -138,6 +138,9 @@ fn moved(numbers: &Numbers, direction: &Direction, step: f64) -> Numbers {
         next.per_case
             .push((*slot, factors.iter().map(|f| f * step).collect()));
     }
+    for (marker, axis) in &direction.turns {
+        next.theta.turn(*marker, axis, step);
+    }
     next
 }
 

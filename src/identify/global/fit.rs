@@ -3,27 +3,33 @@
 use std::collections::BTreeMap;
 
 use nalgebra::DMatrix;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use super::confidence::{NORMAL_975, covariance, open_directions, profile_interval};
+use super::confidence::{NORMAL_975, covariance, open_directions};
 use super::gauss_newton::{Ending, Minimum, Tolerances, minimise};
 use super::observation::{NuisanceLayout, Observations, Row};
 use super::predictor::{CasePrediction, Predictor};
 use super::problem::GlobalProblem;
+use super::profile::profile_interval;
 use super::unknown::{Component, FitUnknown, FitUnknowns, Meaning};
 use crate::backend::{CaseFailure, Sweep};
 use crate::identify::evaluation::fill;
+use crate::identify::goodness::{FitTest, Kind, Tally};
+use crate::identify::structure::{Residuals, structure};
 use crate::identify::unknowns::{Place, bushing_number};
 use crate::identify::{
     Fit, HeldOut, IdentifyError, Marks, OffsetFit, ParameterFit, Problem, Status,
     UnidentifiableDirection,
 };
-use crate::rig::settings::Method;
+use crate::rig::settings::{Loss, Method};
 use crate::system::{Equilibrium, System};
 
-/// sd of ln K above which a number counts as unidentifiable (STUDY-FORMAT).
+/// sd of ln K above which a number counts as unidentifiable (guide/study.md).
 pub const UNIDENTIFIABLE: f64 = 0.5;
 /// sd of ln K above which the normal interval is replaced by profile likelihood.
 pub const POOR_NORMAL: f64 = 0.3;
+/// A reading of pure noise is taken for an outlier in so many of the studies.
+const OUTLIER: f64 = 1e-3;
 /// ln K may move so far from where it starts.
 const REACH: f64 = 14.0;
 
@@ -218,6 +224,12 @@ pub fn identify<'a>(
     let history = std::mem::take(&mut global.history);
     let profile = profile && minimum.ending != Ending::Stopped;
     let mut fit = answer(problem, global, &minimum, &covariance, (backend, profile));
+    if fit.interrupted && minimum.ending != Ending::Stopped {
+        fit.remarks.push(format!(
+            "The run was interrupted before the intervals of {} were refined: theirs are those of the quadratic approximation.",
+            fit.affected.join(", ")
+        ));
+    }
     let count = problem.unknowns.len();
     fit.history = std::iter::once(&initial)
         .chain(&history)
@@ -225,14 +237,31 @@ pub fn identify<'a>(
         .collect();
     fit.history.dedup();
     // Wheel and held-out cases are compared with everything that was found, offsets included.
-    let (marks, end) = (fit.marks, minimum.x.clone());
+    let end = minimum.x.clone();
     let [before, after] = [&initial, &end].map(|x| swept(global, x));
     fill(&mut fit, problem, &before, &after, 0);
-    fit.marks = marks;
+    fit.marks = marks(global, &minimum);
+    fit.fit_test = tested(global, &minimum, &covariance, &mut fit.remarks);
+    if fit.fit_test.is_some() {
+        let left = Residuals::new(&global.observations.rows, &minimum, &covariance);
+        fit.structure = structure(problem, &left);
+    }
     fit.remarks.extend(left_out.iter().map(|case| {
         let label = &problem.measurement.cases[*case].label;
         format!("Load case {label} is left out: the solver finds no equilibrium for it.")
     }));
+    let unstated = problem.measurement.channels.iter();
+    fit.remarks.extend(
+        unstated
+            .filter(|channel| channel.sigma_estimated)
+            .map(|channel| {
+                let unit = channel.unit.as_deref().unwrap_or("");
+                format!(
+                    "The noise of {} is not stated: {:.3} {unit} is what the fit leaves of it.",
+                    channel.name, channel.sigma
+                )
+            }),
+    );
     Ok(Found {
         fit,
         minimum,
@@ -304,6 +333,8 @@ fn answer(
     let count = problem.unknowns.len();
     let (priors, scale, held) = (global.priors(), global.scale(), global.held());
     let mut parameters = Vec::with_capacity(count);
+    // Numbers whose values or intervals are not what the whole run would have given.
+    let mut unrefined = Vec::new();
     for (k, unknown) in problem.unknowns.iter().enumerate() {
         let (x, sd) = (minimum.x[k], covariance[(k, k)].max(0.0).sqrt());
         let value = x.exp();
@@ -311,13 +342,14 @@ fn answer(
             Some((x - NORMAL_975 * sd).exp()),
             Some((x + NORMAL_975 * sd).exp()),
         ];
-        let refine = profile && sd > POOR_NORMAL && global.goes_on(minimum);
-        let interval95 = if refine {
-            profile_interval(global, minimum, (k, covariance), &priors, &scale, &held)
-                .map(|side| side.map(f64::exp))
-        } else {
-            normal
-        };
+        let poor = profile && sd > POOR_NORMAL;
+        let refined = (poor && global.goes_on(minimum))
+            .then(|| profile_interval(global, minimum, (k, covariance), &priors, &scale, &held))
+            .filter(|_| global.goes_on(minimum));
+        if minimum.ending == Ending::Stopped || (poor && refined.is_none()) {
+            unrefined.push(unknown.address.to_string());
+        }
+        let interval95 = refined.map_or(normal, |sides| sides.map(|side| side.map(f64::exp)));
         let correlation = (0..count)
             .filter(|&j| j != k)
             .map(|j| covariance[(k, j)] / (sd * covariance[(j, j)].max(0.0).sqrt()))
@@ -332,6 +364,7 @@ fn answer(
             std_error: Some(value * sd),
             interval95,
             correlation,
+            tolerance_share: None,
             status: if (x - priors[k].mean).abs() >= REACH {
                 Status::Bound
             } else if sd > UNIDENTIFIABLE {
@@ -368,13 +401,19 @@ fn answer(
         method: Method::GaussNewton.as_str().to_string(),
         backend: backend.to_string(),
         converged,
+        interrupted: minimum.ending == Ending::Stopped || !unrefined.is_empty(),
+        affected: unrefined,
         iterations: minimum.iterations,
         solver_runs: global.predictor.solver_runs(),
         inputs_sha256: String::new(),
         parameters,
         assembly_offsets: offsets(problem, global, minimum, covariance),
         unidentifiable_directions,
-        marks: marks(global, minimum),
+        tolerances: BTreeMap::new(),
+        noise: None,
+        fit_test: None,
+        structure: Vec::new(),
+        marks: None,
         held_out: HeldOut {
             cases: Vec::new(),
             marks_rms_before: None,
@@ -446,6 +485,69 @@ fn marks(global: &GlobalProblem<'_>, minimum: &Minimum) -> Option<Marks> {
         chi2_per_dof: (observations.measurement().sigma > 0.0).then(|| sum / dof.max(1.0)),
         sigma: observations.measurement().sigma,
     })
+}
+
+/// The chi-square test of all rows of a fit. Where the loss allows for outliers they are left out of it, and counted in a remark.
+fn tested(
+    global: &GlobalProblem<'_>,
+    minimum: &Minimum,
+    covariance: &DMatrix<f64>,
+    remarks: &mut Vec<String>,
+) -> Option<FitTest> {
+    let observations = &global.observations;
+    let measurement = observations.measurement();
+    let mut tally = Tally::default();
+    let mut outliers = 0;
+    let r = &minimum.evaluation.residual;
+    let beyond = |count: f64| {
+        let far = ChiSquared::new(count).map_or(f64::INFINITY, |chi2| {
+            chi2.inverse_cdf(1.0 - OUTLIER / r.len() as f64)
+        });
+        if global.loss == Loss::Huber {
+            far
+        } else {
+            f64::INFINITY
+        }
+    };
+    let (of_three, of_one) = (beyond(3.0), beyond(1.0));
+    for (at, row) in observations.rows.iter().enumerate() {
+        let (kind, count, far) = match *row {
+            Row::Mark { axis: 0, .. } if measurement.sigma > 0.0 => (Kind::Marks, 3, of_three),
+            Row::Mark { .. } => continue,
+            Row::Wheel {
+                component: 0..=2, ..
+            } => (Kind::WheelPosition, 1, of_one),
+            Row::Wheel { .. } => (Kind::WheelAngles, 1, of_one),
+            Row::Channel { channel, .. } => (Kind::Channel(channel), 1, of_one),
+        };
+        let squares = r.rows(at, count).norm_squared();
+        if squares > far {
+            outliers += 1;
+        } else {
+            tally.add(kind, squares, count);
+        }
+    }
+    if outliers > 0 {
+        remarks.push(format!(
+            "{outliers} readings lie too far off for their noise (loss = \"huber\" counts them less); the test of the fit leaves them out."
+        ));
+    }
+    let (mut chi2, count) = tally.total();
+    let mut dof = count as f64;
+    let stiffnesses = global
+        .unknowns
+        .list()
+        .iter()
+        .map(|unknown| matches!(unknown.meaning, Meaning::Stiffness(_)));
+    let stiffnesses = stiffnesses.chain(std::iter::repeat(false));
+    for ((k, prior), stiffness) in global.priors().iter().enumerate().zip(stiffnesses) {
+        if stiffness {
+            dof -= (1.0 - covariance[(k, k)] / prior.sd.powi(2)).clamp(0.0, 1.0);
+        } else if prior.sd > 0.0 {
+            chi2 += 2.0 * prior.cost(minimum.x[k]);
+        }
+    }
+    FitTest::new(chi2, dof, tally.kinds(measurement))
 }
 
 /// Rows less the unknowns the data really determine: the trace of data information over total information.

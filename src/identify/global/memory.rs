@@ -82,6 +82,7 @@ impl<'a> Carried<'a> {
                 .filter(|(_, by)| *by != 0.0);
             Direction {
                 always: own.chain(carried).collect(),
+                turns: direction.turns.clone(),
                 ..Direction::default()
             }
         };

@@ -14,6 +14,7 @@ mod observation;
 mod predictor;
 mod prepared;
 mod problem;
+mod profile;
 mod study;
 mod unknown;
 
@@ -29,5 +30,6 @@ pub use observation::{Evaluation, NuisanceLayout, Observations, Row};
 pub use predictor::{CaseChange, CasePrediction, Observed, Prediction, Predictor};
 pub use prepared::Prepared;
 pub use problem::{GlobalProblem, Watch};
+pub use profile::profile_interval;
 pub use study::{Options, Start, fit_study};
 pub use unknown::{Component, Direction, FitUnknown, FitUnknowns, Meaning, Numbers};

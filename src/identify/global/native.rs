@@ -1,5 +1,8 @@
 //! The built-in solver as a predictor: each case starts from its own last answer, moved along the tangent.
 
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+
 use super::channel::Channels;
 use super::memory::{Carried, Memory};
 use super::predictor::{CaseChange, CasePrediction, Observed, Prediction, Predictor};
@@ -21,8 +24,10 @@ pub struct Loads {
 struct Answer {
     state: State,
     theta: Parameters,
-    /// Change of the unknowns of the system along each direction, with the directions they belong to.
-    response: Vec<(Vec<(Slot, f64)>, Vec<f64>)>,
+    /// The unknowns of the fit.
+    x: Vec<f64>,
+    /// Change of the unknowns of the system along each direction.
+    response: Vec<Vec<f64>>,
 }
 
 /// Predicts with the built-in solver.
@@ -79,6 +84,7 @@ impl<'a> NativePredictor<'a> {
         self.answers[case] = Some(Answer {
             state,
             theta,
+            x: Vec::new(),
             response: Vec::new(),
         });
     }
@@ -90,11 +96,11 @@ impl<'a> NativePredictor<'a> {
     }
 
     /// Solves one case from its own last answer, from the neighbour's, or from the design position, whichever is there and works.
-    fn solve(&mut self, case: usize, theta: &Parameters) -> Option<State> {
+    fn solve(&mut self, case: usize, theta: &Parameters, x: &[f64]) -> Option<State> {
         self.runs += 1;
         if let Some(answer) = &self.answers[case] {
             let mut state = answer.state.clone();
-            if let Some(correction) = predicted(answer, theta) {
+            if let Some(correction) = predicted(answer, x) {
                 self.system.advance(&mut state, &correction);
             }
             if self
@@ -128,16 +134,29 @@ impl<'a> NativePredictor<'a> {
     ) -> Option<Vec<Vec<f64>>> {
         let mut tangent = self.solver.tangent(self.system, theta, state).ok()?;
         let n = self.system.unknowns();
-        let mut by_slot = vec![0.0; n];
+        let mut column = vec![0.0; n];
+        let mut here = self.system.look(theta, state, &mut self.scratch).ok()?;
+        // Directions share numbers: a marker that moves along x and one that moves along y on a part that stands askew.
+        let mut known: BTreeMap<Slot, Vec<f64>> = BTreeMap::new();
         let mut out = Vec::with_capacity(directions.len());
         for direction in directions {
             let mut dg = vec![0.0; n];
-            for (slot, weight) in direction.in_case(case) {
-                self.system
-                    .residual_by_slot(theta, state, &mut self.scratch, slot, &mut by_slot)
-                    .ok()?;
-                for (sum, value) in dg.iter_mut().zip(&by_slot) {
+            for (slot, weight) in direction.in_case(case).filter(|(_, weight)| *weight != 0.0) {
+                let by_slot = match known.entry(slot) {
+                    Entry::Occupied(found) => found.into_mut(),
+                    Entry::Vacant(place) => {
+                        here.residual_by_slot(slot, &mut column).ok()?;
+                        place.insert(column.clone())
+                    }
+                };
+                for (sum, value) in dg.iter_mut().zip(&*by_slot) {
                     *sum += weight * value;
+                }
+            }
+            for (marker, axis) in &direction.turns {
+                here.residual_by_turn((*marker, axis), &mut column).ok()?;
+                for (sum, value) in dg.iter_mut().zip(&column) {
+                    *sum += value;
                 }
             }
             tangent.respond(&mut dg);
@@ -147,24 +166,24 @@ impl<'a> NativePredictor<'a> {
     }
 }
 
-/// First-order change of the unknowns since the last answer, if theta moved within the directions then asked for.
-fn predicted(answer: &Answer, theta: &Parameters) -> Option<Vec<f64>> {
-    let mut correction: Option<Vec<f64>> = None;
-    for (direction, response) in &answer.response {
-        let Some((slot, weight)) = direction.first().filter(|(_, weight)| *weight != 0.0) else {
-            continue;
-        };
-        let step = (theta.get(*slot) - answer.theta.get(*slot)) / weight;
+/// First-order change of the unknowns of the system since the last answer; `None` where the unknowns of the fit are not the same
+/// ones.
+fn predicted(answer: &Answer, x: &[f64]) -> Option<Vec<f64>> {
+    if answer.response.is_empty() || answer.response.len() > x.len() || answer.x.len() != x.len() {
+        return None;
+    }
+    let mut correction = vec![0.0; answer.response[0].len()];
+    for ((now, before), response) in x.iter().zip(&answer.x).zip(&answer.response) {
+        let step = now - before;
         // Far steps are better started from the old answer than from a wild extrapolation.
         if !step.is_finite() || step.abs() > 0.5 {
             return None;
         }
-        let sum = correction.get_or_insert_with(|| vec![0.0; response.len()]);
-        for (c, r) in sum.iter_mut().zip(response) {
+        for (c, r) in correction.iter_mut().zip(response) {
             *c += step * r;
         }
     }
-    correction
+    Some(correction)
 }
 
 impl Predictor for NativePredictor<'_> {
@@ -189,7 +208,7 @@ impl Predictor for NativePredictor<'_> {
                 theta.set(*slot, theta.get(*slot) + values[case]);
             }
             carried.apply(&mut theta);
-            let Some(state) = self.solve(case, &theta) else {
+            let Some(state) = self.solve(case, &theta, &numbers.x) else {
                 out.push(None);
                 continue;
             };
@@ -230,17 +249,14 @@ impl Predictor for NativePredictor<'_> {
                         observed_change(self.system, &self.observed, dx, channels)
                     })
                     .collect();
-                response = directions
-                    .iter()
-                    .map(|d| d.in_case(case).collect())
-                    .zip(responses)
-                    .collect();
+                response = responses;
             } else {
                 carried.advance(&theta, &prediction.channels, (&[], &[]));
             }
             self.answers[case] = Some(Answer {
                 state,
                 theta: theta.clone(),
+                x: numbers.x.clone(),
                 response,
             });
             out.push(Some(prediction));

@@ -218,7 +218,7 @@ impl<'a> Observations<'a> {
                 Row::Mark { .. } | Row::Wheel { .. } => {}
                 Row::Channel { channel, .. } => {
                     let info = &self.measurement.channels[channel];
-                    let other = match info.relative_to {
+                    let other = match info.reference(case) {
                         Some(zero) => Some(prediction[zero].as_ref()?),
                         None => None,
                     };

@@ -127,6 +127,10 @@ impl LeastSquares for GlobalProblem<'_> {
         self.unknowns.moved(x, step)
     }
 
+    fn step_to(&self, from: &[f64], to: &[f64]) -> DVector<f64> {
+        self.unknowns.step_to(from, to)
+    }
+
     fn limits(&self, scale: &[f64], reach: f64) -> (Vec<f64>, Vec<f64>) {
         self.unknowns.limits(scale, reach)
     }

@@ -4,6 +4,8 @@
 
 use nalgebra::DVector;
 
+use crate::mechanics::Vec3;
+use crate::model::MarkerIx;
 use crate::syntax::Address;
 use crate::system::{Parameters, Slot};
 
@@ -28,6 +30,8 @@ pub enum Meaning {
     Number(Vec<(Slot, f64)>),
     /// The same with a factor for every load case: a load's gain, a load along another direction.
     PerCase(Vec<(Slot, Vec<f64>)>),
+    /// x in radians by which markers turn on their parts, each about an axis of its own.
+    Turn(Vec<(MarkerIx, Vec3)>),
 }
 
 /// One unknown of the deck.
@@ -52,6 +56,8 @@ pub struct Direction {
     pub always: Vec<(Slot, f64)>,
     /// One factor for every load case.
     pub per_case: Vec<(Slot, Vec<f64>)>,
+    /// Markers that turn, about axes of their own.
+    pub turns: Vec<(MarkerIx, Vec3)>,
 }
 
 impl Direction {
@@ -72,6 +78,8 @@ pub struct Numbers {
     pub theta: Parameters,
     /// What is added to a slot in each load case, after the loads are set.
     pub per_case: Vec<(Slot, Vec<f64>)>,
+    /// The unknowns these belong to; empty if nobody says.
+    pub x: Vec<f64>,
 }
 
 /// The unknowns of a fit over the numbers of one deck.
@@ -80,6 +88,11 @@ pub struct FitUnknowns {
     list: Vec<FitUnknown>,
     /// Load share of each stiffness where it was asked for; springs in series else.
     shares: Vec<f64>,
+}
+
+/// The step of a spring with share `s` that changes its ln K by `change`.
+fn step_of(s: f64, change: f64) -> f64 {
+    change.exp_m1() / (1.0 + s * change.exp_m1())
 }
 
 /// Shares below this are round-off.
@@ -166,14 +179,20 @@ impl FitUnknowns {
         x.iter().zip(step.iter()).enumerate().map(to).collect()
     }
 
+    /// The step that [`Self::moved`] leads from one place to another.
+    pub fn step_to(&self, from: &[f64], to: &[f64]) -> DVector<f64> {
+        let of = |(k, (from, to)): (usize, (&f64, &f64))| match self.share(k) {
+            Some(s) => step_of(s, to - from),
+            None => to - from,
+        };
+        let steps = from.iter().zip(to).enumerate().map(of);
+        DVector::from_iterator(from.len(), steps)
+    }
+
     /// Lower and upper bound of a step that moves no unknown by more than `reach` natural units.
     pub fn limits(&self, scale: &[f64], reach: f64) -> (Vec<f64>, Vec<f64>) {
         let of = |(k, scale): (usize, &f64)| match self.share(k) {
-            Some(s) => {
-                // The step that changes ln K by `to`.
-                let step = |to: f64| to.exp_m1() / (1.0 + s * to.exp_m1());
-                (step(-reach), step(reach))
-            }
+            Some(s) => (step_of(s, -reach), step_of(s, reach)),
             None => (-reach * scale, reach * scale),
         };
         scale.iter().enumerate().map(of).unzip()
@@ -199,6 +218,11 @@ impl FitUnknowns {
                     let scaled = |factors: &[f64]| factors.iter().map(|f| f * value).collect();
                     per_case.extend(slots.iter().map(|(slot, factors)| (*slot, scaled(factors))));
                 }
+                Meaning::Turn(markers) => {
+                    for (marker, axis) in markers.iter().filter(|_| *value != 0.0) {
+                        theta.turn(*marker, axis, *value);
+                    }
+                }
                 Meaning::Offset(_) => {}
             }
         }
@@ -212,7 +236,11 @@ impl FitUnknowns {
                 theta.set(preload, theta.get(preload) + theta.get(stiffness) * value);
             }
         }
-        Numbers { theta, per_case }
+        Numbers {
+            theta,
+            per_case,
+            x: x.to_vec(),
+        }
     }
 
     /// For each unknown the change of theta per unit of it, at these unknowns.
@@ -244,7 +272,7 @@ impl FitUnknowns {
                 .map(|slot| (*slot, theta.get(*stiffness)))
                 .collect(),
             Meaning::Number(slots) => slots.clone(),
-            Meaning::PerCase(_) => Vec::new(),
+            Meaning::PerCase(_) | Meaning::Turn(_) => Vec::new(),
         };
         let per_case = |unknown: &FitUnknown| match &unknown.meaning {
             Meaning::PerCase(slots) => slots.clone(),
@@ -255,6 +283,10 @@ impl FitUnknowns {
             .map(|unknown| Direction {
                 always: of(unknown),
                 per_case: per_case(unknown),
+                turns: match &unknown.meaning {
+                    Meaning::Turn(markers) => markers.clone(),
+                    _ => Vec::new(),
+                },
             })
             .collect()
     }

@@ -1,13 +1,13 @@
 use super::Design;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::mechanics::projected_angles;
+use crate::mechanics::{Vec3, projected_angles};
 use crate::model::{Header, MarkerIx};
 
 /// Beyond this the projected angles are no longer the components of a rotation.
 const LARGEST: f64 = 10.0;
 
-/// Bushings, beams and fields whose markers are turned against each other about x or y at the design position. About z alone
-/// a large angle does no harm (ADAMS-FORMATS 2.7).
+/// Bushings, beams and fields that are turned about x or y at the design position, from where they carry no load: from J, or for a
+/// field from its LENGTH. About z alone a large angle does no harm (guide/formats.md 2.7).
 pub(super) fn check(design: &Design<'_>, found: &mut Vec<Diagnostic>) {
     let model = design.model;
     for bushing in &model.bushings {
@@ -16,17 +16,26 @@ pub(super) fn check(design: &Design<'_>, found: &mut Vec<Diagnostic>) {
                 design,
                 "BUSHING",
                 &bushing.header,
-                bushing.i,
-                bushing.j,
+                (bushing.i, bushing.j),
+                Vec3::zeros(),
                 found,
             );
         }
     }
-    for beam in &model.beams {
-        pair(design, "BEAM", &beam.header, beam.i, beam.j, found);
-    }
-    for field in &model.fields {
-        pair(design, "FIELD", &field.header, field.i, field.j, found);
+    for force in &model.pair_forces {
+        let relaxed = match (force.def.name, force.argument("LENGTH")) {
+            ("FIELD", Some(length)) => Vec3::from_column_slice(&length[3..]),
+            _ => Vec3::zeros(),
+        };
+        let markers = (force.i, force.j);
+        pair(
+            design,
+            force.def.name,
+            &force.header,
+            markers,
+            relaxed,
+            found,
+        );
     }
 }
 
@@ -34,20 +43,25 @@ fn pair(
     design: &Design<'_>,
     kind: &str,
     header: &Header,
-    i: MarkerIx,
-    j: MarkerIx,
+    (i, j): (MarkerIx, MarkerIx),
+    relaxed: Vec3,
     found: &mut Vec<Diagnostic>,
 ) {
     let Some((i, j)) = design.pair(i, j) else {
         return;
     };
-    let angles = projected_angles(&(j.R.transpose() * i.R)).map(f64::to_degrees);
+    let angles = (projected_angles(&(j.R.transpose() * i.R)) - relaxed).map(f64::to_degrees);
     let largest = angles.x.abs().max(angles.y.abs());
     if largest <= LARGEST {
         return;
     }
+    let (from, help) = if relaxed == Vec3::zeros() {
+        ("", "give I the orientation of J")
+    } else {
+        (" from LENGTH", "give LENGTH the angles of I in J")
+    };
     let message = format!(
-        "I of {} is turned by {:.1}, {:.1}, {:.1} degrees about the axes of J at the design position",
+        "I of {} is turned by {:.1}, {:.1}, {:.1} degrees{from} about the axes of J at the design position",
         design.title(kind, header),
         angles.x,
         angles.y,
@@ -56,6 +70,8 @@ fn pair(
     found.push(
         design
             .warning(Code::BushingAngle, header, message)
-            .help("angles about x and y must stay below 10 degrees; give I the orientation of J"),
+            .help(format!(
+                "angles about x and y must stay below 10 degrees; {help}"
+            )),
     );
 }

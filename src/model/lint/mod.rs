@@ -3,10 +3,11 @@
 //! Knows how the model lies before anything moves, not how it is solved. What statements alone show is in `syntax::lint`.
 
 mod bushing_angle;
+mod implausible_units;
 mod joint_aligned;
 
 use super::{Header, MarkerIx, Model, PartKind};
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::mechanics::Pose;
 use crate::syntax::Dataset;
 
@@ -16,8 +17,19 @@ pub fn check(dataset: &Dataset, model: &Model) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     bushing_angle::check(&design, &mut found);
     joint_aligned::check(&design, &mut found);
+    implausible_units::check(&design, &mut found);
     found.sort_by_key(|diagnostic| diagnostic.labels.first().map(|label| label.span.start()));
     found
+}
+
+/// What says that the numbers of a deck are in other units than its UNITS, if anything does: for commands that do not check, a
+/// warning in any case.
+pub fn implausible_units(dataset: &Dataset, model: &Model) -> Option<Diagnostic> {
+    let mut found = Vec::new();
+    implausible_units::check(&Design { dataset, model }, &mut found);
+    let mut warning = found.pop()?;
+    warning.severity = Severity::Warning;
+    Some(warning)
 }
 
 /// The model at its design position.

@@ -21,20 +21,21 @@ pub(super) fn joint(reader: &mut Reader, old: Option<&Joint>) -> Option<Joint> {
     let rack_pin = JointKind::RackPin {
         pitch_diameter: reader.real("PD", diameter),
     };
+    let kinds = [
+        JointKind::Spherical,
+        JointKind::Revolute,
+        JointKind::Translational,
+        JointKind::Cylindrical,
+        JointKind::Planar,
+        JointKind::Fixed,
+        JointKind::Hooke,
+        JointKind::Universal,
+        JointKind::Convel,
+        screw,
+        rack_pin,
+    ];
     let kind = reader
-        .first_flag(&[
-            ("SPHERICAL", JointKind::Spherical),
-            ("REVOLUTE", JointKind::Revolute),
-            ("TRANSLATIONAL", JointKind::Translational),
-            ("CYLINDRICAL", JointKind::Cylindrical),
-            ("PLANAR", JointKind::Planar),
-            ("FIXED", JointKind::Fixed),
-            ("HOOKE", JointKind::Hooke),
-            ("UNIVERSAL", JointKind::Universal),
-            ("CONVEL", JointKind::Convel),
-            ("SCREW", screw),
-            ("RACKPIN", rack_pin),
-        ])
+        .first_flag(&kinds.map(|kind| (kind.word(), kind)))
         .or(match old.map(|old| old.kind) {
             Some(JointKind::Screw { .. }) => Some(screw),
             Some(JointKind::RackPin { .. }) => Some(rack_pin),
@@ -66,15 +67,16 @@ pub(super) fn joint(reader: &mut Reader, old: Option<&Joint>) -> Option<Joint> {
 
 /// JPRIM.
 pub(super) fn primitive(reader: &mut Reader, old: Option<&Primitive>) -> Option<Primitive> {
+    let kinds = [
+        PrimitiveKind::AtPoint,
+        PrimitiveKind::Inline,
+        PrimitiveKind::Inplane,
+        PrimitiveKind::Orientation,
+        PrimitiveKind::ParallelAxes,
+        PrimitiveKind::Perpendicular,
+    ];
     let kind = reader
-        .first_flag(&[
-            ("ATPOINT", PrimitiveKind::AtPoint),
-            ("INLINE", PrimitiveKind::Inline),
-            ("INPLANE", PrimitiveKind::Inplane),
-            ("ORIENTATION", PrimitiveKind::Orientation),
-            ("PARALLEL_AXES", PrimitiveKind::ParallelAxes),
-            ("PERPENDICULAR", PrimitiveKind::Perpendicular),
-        ])
+        .first_flag(&kinds.map(|kind| (kind.word(), kind)))
         .or(old.map(|old| old.kind));
     let Some(kind) = kind else {
         return reader.missing("its type, such as INPLANE");
@@ -91,7 +93,7 @@ pub(super) fn primitive(reader: &mut Reader, old: Option<&Primitive>) -> Option<
 pub(super) fn coupler(reader: &mut Reader, old: Option<&Coupler>) -> Option<Coupler> {
     let joints = joints(reader, "JOINTS")?;
     let mut scales = reader.reals("SCALES").unwrap_or_default();
-    // One factor fewer than joints: the first is one (ADAMS-FORMATS 2.6).
+    // One factor fewer than joints: the first is one (guide/formats.md 2.6).
     if scales.len() + 1 == joints.len() {
         scales.insert(0, 1.0);
     }

@@ -140,7 +140,7 @@ pub(super) fn spline(reader: &mut Reader, old: Option<&Spline>) -> Option<Spline
     let surface = rows.len() > 1 || rows.first().is_some_and(|row| row.len() == x.len() + 1);
     let (z, y) = match (rows.is_empty(), old) {
         (true, Some(old)) => (old.z.clone(), old.y.clone()),
-        // Each row of a surface starts with its z (ADAMS-FORMATS 2.14).
+        // Each row of a surface starts with its z (guide/formats.md 2.14).
         (false, _) if surface => rows
             .into_iter()
             .map(|row| {

@@ -1,7 +1,8 @@
 use super::reader::Reader;
+use crate::grammar::{self, LawDef};
 use crate::model::{
-    Beam, BeamFormulation, Bushing, Field, Nforce, Sforce, SforceKind, SpringDamper, SpringKind,
-    VectorForce, VectorForceKind,
+    Bushing, Nforce, PairForce, Sforce, SforceKind, SpringDamper, SpringKind, VectorForce,
+    VectorForceKind, law_arguments,
 };
 
 /// BUSHING.
@@ -17,38 +18,33 @@ pub(super) fn bushing(reader: &mut Reader, old: Option<&Bushing>) -> Option<Bush
     })
 }
 
-/// FIELD, linear.
-pub(super) fn field(reader: &mut Reader, old: Option<&Field>) -> Option<Field> {
-    Some(Field {
-        header: reader.header(old.map(|old| &old.header)),
-        i: reader.marker("I", old.map(|old| old.i))?,
-        j: reader.marker("J", old.map(|old| old.j))?,
-        k: reader.array("KMATRIX", old.map(|old| old.k)),
-        length: reader.array("LENGTH", old.map(|old| old.length)),
-        force: reader.array("FORCE", old.map(|old| old.force)),
-    })
+/// True for statements with a law between two markers that have no type of their own in the model.
+pub(super) fn is_pair_force(kind: &str) -> bool {
+    !matches!(kind, "BUSHING" | "SPRINGDAMPER")
+        && grammar::statement(kind).is_some_and(|def| !def.laws.is_empty())
 }
 
-/// BEAM.
-pub(super) fn beam(reader: &mut Reader, old: Option<&Beam>) -> Option<Beam> {
-    const NAMES: [&str; 9] = [
-        "LENGTH", "AREA", "IXX", "IYY", "IZZ", "EMODULUS", "GMODULUS", "ASY", "ASZ",
-    ];
-    let mut properties = [0.0; 9];
-    for (k, name) in NAMES.iter().enumerate() {
-        properties[k] = reader.real(name, old.map(|old| old.properties[k]));
+/// A force by a law of the grammar: its numbers are where the grammar says.
+pub(super) fn pair_force(reader: &mut Reader, old: Option<&PairForce>) -> Option<PairForce> {
+    let def = reader.def;
+    let chosen = |law: &&LawDef| law.flag.is_none_or(|flag| reader.statement.has(flag));
+    let Some(law) = def.laws.iter().find(chosen).or(old.map(|old| old.law)) else {
+        let flags: Vec<&str> = def.laws.iter().filter_map(|law| law.flag).collect();
+        return reader.missing(&flags.join(" or "));
+    };
+    let mut values = Vec::new();
+    for argument in law_arguments(def, law) {
+        let count = argument.count.max.unwrap_or(1);
+        let before = old.and_then(|old| old.argument(argument.name));
+        values.extend(reader.numbers(argument.name, count, before));
     }
-    Some(Beam {
+    Some(PairForce {
         header: reader.header(old.map(|old| &old.header)),
+        def,
+        law,
         i: reader.marker("I", old.map(|old| old.i))?,
         j: reader.marker("J", old.map(|old| old.j))?,
-        properties,
-        formulation: match reader.choice("FORMULATION") {
-            Some("LINEAR") => BeamFormulation::Linear,
-            Some("STRING") => BeamFormulation::String,
-            Some(_) => BeamFormulation::Nonlinear,
-            None => old.map(|old| old.formulation).unwrap_or_default(),
-        },
+        values,
     })
 }
 

@@ -104,7 +104,7 @@ fn placed_marker(reader: &mut Reader, part: PartIx, old: Option<&Marker>) -> Opt
     })
 }
 
-/// The rotation by Euler angles or by points on the z axis and in the x-z plane (ADAMS-FORMATS 2.1, 2.2), and how it was given.
+/// The rotation by Euler angles or by points on the z axis and in the x-z plane (guide/formats.md 2.1, 2.2), and how it was given.
 fn orientation(
     reader: &mut Reader,
     euler: &str,
@@ -208,7 +208,7 @@ pub(super) fn place_in(model: &mut Model, marker: MarkerIx, parent: MarkerIx) {
 /// Brings inertia that was given about the marker IM to the origin and axes of the marker CM, where the model keeps it.
 pub(super) fn inertia_at_cm(part: &mut Part, cm: &Marker, im: &Marker) {
     let [xx, yy, zz, xy, xz, yz] = part.ip;
-    // IP holds products as positive integrals: the off-diagonal entries of the matrix are their negatives (ADAMS-FORMATS 2.1).
+    // IP holds products as positive integrals: the off-diagonal entries of the matrix are their negatives (guide/formats.md 2.1).
     let J_im = Mat3::new(xx, -xy, -xz, -xy, yy, -yz, -xz, -yz, zz);
     let d = cm.qp - im.qp;
     let steiner = Mat3::identity() * d.norm_squared() - d * d.transpose();
@@ -235,7 +235,7 @@ mod tests {
 
     #[test]
     fn points_give_axes_and_usexp_swaps_their_roles() {
-        // ADAMS-FORMATS 2.2: ZP lies on z, XP in the x-z plane; with USEXP XP lies on x.
+        // guide/formats.md 2.2: ZP lies on z, XP in the x-z plane; with USEXP XP lies on x.
         let z = Vec3::new(0.0, 0.0, 2.0);
         let x = Vec3::new(1.0, 0.0, 1.0);
         let R = axes(Some(z), Some(x), false).unwrap();

@@ -2,6 +2,7 @@
 
 mod constraint;
 mod data;
+mod dimensions;
 mod force;
 mod frame;
 mod ids;
@@ -33,8 +34,6 @@ macro_rules! in_list {
             "GCON" => $do!(gcons, constraint::gcon, $($arguments)*),
             "MOTION" => $do!(motions, constraint::motion, $($arguments)*),
             "BUSHING" => $do!(bushings, force::bushing, $($arguments)*),
-            "FIELD" => $do!(fields, force::field, $($arguments)*),
-            "BEAM" => $do!(beams, force::beam, $($arguments)*),
             "SPRINGDAMPER" => $do!(springdampers, force::springdamper, $($arguments)*),
             "SFORCE" => $do!(sforces, force::sforce, $($arguments)*),
             "GFORCE" | "VFORCE" | "VTORQUE" => {
@@ -50,6 +49,9 @@ macro_rules! in_list {
             "SENSOR" => $do!(sensors, data::sensor, $($arguments)*),
             "PINPUT" | "POUTPUT" => $do!(plant_ports, data::plant_port, $($arguments)*),
             "REQUEST" => $do!(requests, data::request, $($arguments)*),
+            kind if force::is_pair_force(kind) => {
+                $do!(pair_forces, force::pair_force, $($arguments)*)
+            }
             _ => $none,
         }
     };
@@ -69,7 +71,8 @@ pub fn lower_with(dataset: &Dataset, files: &Files) -> Checked<Model> {
         files,
         ids: Ids::of(dataset),
         model: Model {
-            title: dataset.title().into_owned(),
+            // A file without line ends is all title.
+            title: dataset.title().chars().take(LONGEST_TITLE).collect(),
             ..Model::default()
         },
         diagnostics: Vec::new(),
@@ -285,6 +288,7 @@ impl Lowering<'_> {
             true,
             &mut self.diagnostics,
         );
+        dimensions::check(source, statement, def, &self.ids, &mut self.diagnostics);
         let done =
             is_body(def) || def.name == "JOINT" || def.name == "MARKER" && !frame::moves(statement);
         if done && !matches!(def.solved, Solved::External(_)) {
@@ -379,6 +383,9 @@ fn ground() -> Part {
     }
 }
 
+/// More characters of a first line are no title.
+const LONGEST_TITLE: usize = 4096;
+
 impl Model {
     /// Resolves a dataset without looking at other files; see [`lower`].
     pub fn lower(dataset: &Dataset) -> Checked<Self> {
@@ -441,6 +448,13 @@ impl Model {
                 format!("{} is not solved: {}", reader.called(), unsolved.why),
             );
             reader.complain(diagnostic, command.keyword);
+            let friction = def.name == "FRICTION" && !command.sticks_in_statics(source);
+            if friction {
+                let all = self.unsolved.iter_mut();
+                for it in all.filter(|it| it.kind == "FRICTION" && it.header.id == id) {
+                    it.header.active = false;
+                }
+            }
             return;
         }
         macro_rules! replace {
@@ -529,9 +543,13 @@ impl Model {
 }
 
 fn undefined(reader: &mut Reader) {
-    let diagnostic = Diagnostic::error(
+    // The words of ADAMS, which goes on all the same.
+    let diagnostic = Diagnostic::warning(
         Code::UndefinedId,
-        format!("{} is not defined in the dataset", reader.called()),
+        format!(
+            "{} is not defined in the data set. Command ignored.",
+            reader.called()
+        ),
     );
     let span = reader
         .statement

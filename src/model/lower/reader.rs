@@ -107,6 +107,18 @@ impl Reader<'_> {
         values
     }
 
+    /// So many numbers; those that are not written keep their old value.
+    pub fn numbers(&self, name: &str, count: usize, old: Option<&[f64]>) -> Vec<f64> {
+        let written = self.statement.numbers(name);
+        let before = old.unwrap_or_else(|| self.default(name));
+        (0..count)
+            .map(|k| {
+                let written = written.get(k).map(|number| number.value);
+                written.or(before.get(k).copied()).unwrap_or(0.0)
+            })
+            .collect()
+    }
+
     pub fn vector(&self, name: &str, old: Option<Vec3>) -> Vec3 {
         Vec3::from(self.array(name, old.map(Into::into)))
     }
@@ -184,7 +196,11 @@ impl Reader<'_> {
             }
             return Some(matrix);
         }
-        if rows.checked_mul(columns) != Some(values.len()) || values.is_empty() {
+        if !values.is_empty() && rows.checked_mul(columns) != Some(values.len()) {
+            // The matrix itself is complained about.
+            return None;
+        }
+        if values.is_empty() {
             return self.missing(&format!(
                 "{name} as a MATRIX with all its VALUES in the dataset"
             ));

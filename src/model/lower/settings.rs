@@ -25,7 +25,7 @@ fn gravity(reader: &Reader, old: Vec3) -> Vec3 {
     )
 }
 
-/// UNITS: four units, a system, or a consistency factor alone (ADAMS-FORMATS 2.15).
+/// UNITS: four units, a system, or a consistency factor alone (guide/formats.md 2.15).
 fn units(reader: &mut Reader) -> Units {
     let named = |table: &[Unit], word: &str| {
         table
@@ -88,6 +88,7 @@ fn equilibrium(reader: &Reader, old: &EquilibriumSettings) -> EquilibriumSetting
         error: reader.real("ERROR", Some(old.error)),
         imbalance: reader.real("IMBALANCE", Some(old.imbalance)),
         maxit: reader.real("MAXIT", Some(old.maxit as f64)) as usize,
+        maxit_stated: old.maxit_stated || reader.given("MAXIT").is_some(),
         pattern: match reader.choices("PATTERN") {
             Some(words) if !words.is_empty() => words.iter().map(|word| *word == "TRUE").collect(),
             _ => old.pattern.clone(),

@@ -8,26 +8,31 @@ pub(super) fn unsolved(
     def: &'static StatementDef,
     source: &Source,
 ) -> Option<String> {
+    if def.name == "FRICTION" && !statement.sticks_in_statics(source) {
+        return None;
+    }
     if let Solved::External(why) = def.solved {
         return Some(why.to_string());
     }
     let user = statement
         .argument("FUNCTION")
         .is_some_and(|argument| matches!(argument.value, Value::User(_)));
-    let chosen = |name: &str| {
-        statement
-            .argument(name)
-            .is_some_and(|argument| argument.choices(source).contains(&"NONLINEAR"))
-    };
-    let inactive = || statement.has("INACTIVE") || statement.has("INACTIVE_DURING");
+    let formulation = statement
+        .argument("FORMULATION")
+        .and_then(|argument| argument.choices(source).first().copied());
     let reason = match def.name {
-        "FRICTION" if !inactive() => {
-            "stiction, which in ADAMS also acts in statics, is left out: joints move without resistance"
-        }
         "COUPLER" | "FIELD" | "SPLINE" | "GFORCE" | "VFORCE" | "VTORQUE" if user => {
             "its values come from a user subroutine"
         }
-        "FIELD" if chosen("FORMULATION") => "FORMULATION=NONLINEAR: its law is not published",
+        "FIELD" if formulation == Some("NONLINEAR") => {
+            "FORMULATION=NONLINEAR: its law is not published"
+        }
+        "BEAM" if formulation == Some("STRING") => {
+            "FORMULATION=STRING: its simplified non-linear law is not published"
+        }
+        "BEAM" if formulation == Some("NONLINEAR") => {
+            "FORMULATION=NONLINEAR: the discretisation of its Euler-Bernoulli law is not published"
+        }
         "MARKER" if statement.has("CURVE") || statement.has("SURFACE") => {
             "it moves along a curve or on a surface, which the built-in solver does not follow"
         }

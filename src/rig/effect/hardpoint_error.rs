@@ -1,11 +1,68 @@
-//! The connection point of a joint or spring is not where the deck puts it.
+//! A connection point is not where the deck puts it.
+//!
+//! `form=part`: a part was made wrong, its marker alone is elsewhere, and the axle is assembled under strain. `form=point`: a point
+//! of the car is elsewhere, on all parts that meet there, and the axle assembles without strain. Marks, mass centres and all other
+//! markers stay where they are on their parts.
 
+use super::point::{on_part, points};
 use super::{EffectSpec, Reality};
 use crate::diagnostic::Diagnostic;
+use crate::mechanics::Vec3;
+use crate::model::Model;
+use crate::syntax::Address;
 
-/// `x, y, z` in the axes of the marker's part.
+/// `x, y, z`: with `form=part` (the default) in the axes of the marker's part, with `form=point` in ground axes.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
     let marker = reality.object(spec, &["MARKER"])?;
     let shift = spec.shift()?;
-    reality.shift_marker(spec, &marker, &shift)
+    if spec.word("form", &["part", "point"])? == "part" {
+        return reality.shift_marker(spec, &marker, &shift);
+    }
+    let model = reality.model();
+    let id = marker.id.unwrap_or(0);
+    let found = points(&model)
+        .into_iter()
+        .find(|point| point.members.contains(&id));
+    let Some(point) = found else {
+        return Err(spec.refuse(format!("nothing holds parts together at MARKER/{id}")));
+    };
+    for id in point.members.iter().chain(&point.followers) {
+        let Some(shift) = on_part(&model, *id, &shift) else {
+            continue;
+        };
+        move_connection(spec, reality, (&model, *id), &shift)?;
+    }
+    Ok(())
+}
+
+/// Moves a marker of connections; where it is a mass centre as well, that one stays on a copy.
+fn move_connection(
+    spec: &EffectSpec,
+    reality: &mut Reality,
+    (model, id): (&Model, u32),
+    shift: &Vec3,
+) -> Result<(), Diagnostic> {
+    let at = model.marker(id);
+    for part in model
+        .parts
+        .iter()
+        .filter(|part| part.cm == at && at.is_some())
+    {
+        let (_, _, frame) = reality.marker(spec, id)?;
+        let copy = reality.add_marker(part.header.id, &frame);
+        let centre = Address {
+            kind: "PART".to_string(),
+            id: Some(part.header.id),
+            argument: Some("CM".to_string()),
+            index: None,
+        };
+        reality.set(&centre, f64::from(copy))?;
+    }
+    let address = Address {
+        kind: "MARKER".to_string(),
+        id: Some(id),
+        argument: None,
+        index: None,
+    };
+    reality.shift_marker(spec, &address, shift)
 }

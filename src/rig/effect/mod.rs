@@ -1,7 +1,8 @@
-//! Effects a model may lack, planted in the reality a virtual rig measures: one file per cause of STUDY-FORMAT.
+//! Effects a model may lack, planted in the reality a virtual rig measures: one file per cause of guide/study.md.
 //!
 //! The force laws of the effects live here, as edits of the deck: more statements, other numbers, other loads, faults of the
-//! readings. Knows nothing about how an effect is found again. Besides the causes of STUDY-FORMAT there are six outside of that
+//! readings, all before the deck is compiled. Only what remembers the path from case to case (friction, creep) is a law of its own,
+//! in `memory`. Knows nothing about how an effect is found again. Besides the causes of guide/study.md there are seven outside of that
 //! catalogue, against which a diagnosis must not name a cause of it with confidence.
 
 mod assembly_offset;
@@ -18,19 +19,23 @@ mod free_play;
 mod hardpoint_error;
 mod link_compliance;
 mod load_crosstalk;
+mod load_direction;
 mod load_gain;
 mod load_point_error;
 mod mark_outlier;
 mod marks_exchanged;
 mod memory;
 mod part_flexibility;
+mod point;
 mod progressive_stiffness;
 mod reality;
 mod spec;
 mod stop_contact;
 mod thermal_drift;
 
+pub(super) use load_direction::direction_of;
 pub use memory::{Memory, MemoryLaw};
+pub(super) use point::{held, points};
 pub use reality::{Marked, ReadingFault, Reality};
 pub use spec::EffectSpec;
 
@@ -38,7 +43,7 @@ use crate::diagnostic::Diagnostic;
 
 type Plant = fn(&EffectSpec, &mut Reality) -> Result<(), Diagnostic>;
 
-/// Every cause of STUDY-FORMAT, and what plants it.
+/// Every cause of guide/study.md, and what plants it.
 const CAUSES: &[(&str, Plant)] = &[
     ("progressive-stiffness", progressive_stiffness::plant),
     ("dry-friction", dry_friction::plant),
@@ -66,14 +71,15 @@ const OUTSIDE: &[(&str, Plant)] = &[
     ("asymmetric-friction", asymmetric_friction::plant),
     ("thermal-drift", thermal_drift::plant),
     ("marks-exchanged", marks_exchanged::plant),
+    ("load-direction", load_direction::plant),
 ];
 
-/// The causes of STUDY-FORMAT, all of which can be planted.
+/// The causes of guide/study.md, all of which can be planted.
 pub fn causes() -> impl Iterator<Item = &'static str> {
     CAUSES.iter().map(|(name, _)| *name)
 }
 
-/// What can be planted besides, and is no cause of STUDY-FORMAT.
+/// What can be planted besides, and is no cause of guide/study.md.
 pub fn outside_causes() -> impl Iterator<Item = &'static str> {
     OUTSIDE.iter().map(|(name, _)| *name)
 }

@@ -302,7 +302,7 @@ impl Reality {
         at.ok_or_else(|| spec.refuse(format!("no part `{text}` carries marks")))
     }
 
-    /// Moves a marker on its part.
+    /// Moves a marker on its part. Its axes stay: points that give them move as well.
     pub(super) fn shift_marker(
         &mut self,
         spec: &EffectSpec,
@@ -310,14 +310,25 @@ impl Reality {
         shift: &Vec3,
     ) -> Result<(), Diagnostic> {
         let (_, _, frame) = self.marker(spec, address.id.unwrap_or(0))?;
-        for k in 0..3 {
-            if shift[k] != 0.0 {
-                let number = Address {
-                    argument: Some("QP".to_string()),
-                    index: Some(k + 1),
-                    ..address.clone()
-                };
-                self.set(&number, frame.p[k] + shift[k])?;
+        let statement = self.dataset.find(address);
+        let points = ["XP", "ZP"].map(|name| {
+            let numbers = statement.map_or(&[][..], |s| s.numbers(name));
+            let at: Option<[f64; 3]> = match numbers {
+                [x, y, z] => Some([x.value, y.value, z.value]),
+                _ => None,
+            };
+            at.map(|at| (name, Vec3::from(at)))
+        });
+        for (name, at) in [Some(("QP", frame.p))].into_iter().chain(points).flatten() {
+            for k in 0..3 {
+                if shift[k] != 0.0 {
+                    let number = Address {
+                        argument: Some(name.to_string()),
+                        index: Some(k + 1),
+                        ..address.clone()
+                    };
+                    self.set(&number, at[k] + shift[k])?;
+                }
             }
         }
         Ok(())

@@ -9,7 +9,7 @@ use crate::mechanics::{Mat3, Vec3, exp};
 pub struct EffectSpec {
     /// As typed.
     pub text: String,
-    /// A cause of STUDY-FORMAT.
+    /// A cause of guide/study.md.
     pub cause: String,
     /// Where it sits: an address, `case 7`, `case 7 KNUCKLE 3`, `SFORCE/2<-SFORCE/3` or a channel.
     pub address: String,

@@ -76,3 +76,17 @@ pub enum Node {
         span: Span,
     },
 }
+
+impl Node {
+    /// What stands directly inside of it, in order.
+    pub fn children(&self) -> Vec<&Self> {
+        match self {
+            Self::Literal(_) | Self::Constant(_) | Self::Name(_) => Vec::new(),
+            Self::Negate(inner) => vec![inner],
+            Self::Binary(_, left, right) => vec![left, right],
+            Self::If(parts) => parts.iter().collect(),
+            Self::Vector(parts) => parts.iter().collect(),
+            Self::Call { arguments, .. } => arguments.iter().collect(),
+        }
+    }
+}

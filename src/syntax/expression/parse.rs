@@ -4,7 +4,8 @@ use super::super::{Number, Token, TokenKind, number::parse_number};
 use super::tokens::tokens_of;
 use super::{BinaryOperator, Constant, Expression, Node};
 use crate::diagnostic::{Checked, Code, Diagnostic};
-use crate::grammar::{Count, FUNCTIONS, FunctionDef, find_function, nearest};
+use crate::grammar::{Count, FUNCTIONS, FunctionDef, all_nearest, find_function};
+use crate::syntax::fix::did_you_mean;
 use crate::text::{Source, Span};
 
 /// How many parentheses, calls and signs may stand inside each other.
@@ -17,7 +18,7 @@ const LONGEST_NAME: usize = 24;
 /// The expression that `tokens` spell: those of one function text, blanks, line ends, comments and continuation marks included
 /// (all of these separate and mean nothing). `span` is the place of the whole text, used where nothing stands.
 ///
-/// The grammar is that of ADAMS-FORMATS 3.1. The first error ends the reading; the value is `None` then.
+/// The grammar is that of guide/formats.md 3.1. The first error ends the reading; the value is `None` then.
 pub fn parse(source: &Source, tokens: &[Token], span: Span) -> Checked<Option<Expression>> {
     let belongs = |token: &Token| is_significant(token) && span.contains(token.span);
     let tokens = if tokens.iter().all(belongs) {
@@ -475,7 +476,10 @@ impl Parser<'_> {
                 .iter()
                 .map(|function| function.name)
                 .chain(["IF", "PI", "RTOD", "DTOR"]);
-            error.help = nearest(&typed, known).map(|name| format!("did you mean {name}?"));
+            let near = all_nearest(&typed, known);
+            if !near.is_empty() {
+                *error = did_you_mean(*error, span, &near);
+            }
         }
         error
     }

@@ -55,7 +55,7 @@ fn vectors_are_read() {
 
 #[test]
 fn powers_bind_tighter_than_signs_and_to_the_right() {
-    // ADAMS-FORMATS 3.1: FORTRAN semantics.
+    // guide/formats.md 3.1: FORTRAN semantics.
     assert_eq!(tree("-2**2"), "-(Power(2, 2))");
     assert_eq!(tree("2**3**2"), "Power(2, Power(3, 2))");
     assert_eq!(tree("2**-1"), "Power(2, -(1))");

@@ -3,7 +3,7 @@ use std::collections::HashMap;
 use super::Options;
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::grammar::ValueKind;
-use crate::syntax::{Argument, Dataset, Number, Statement, Value};
+use crate::syntax::{Argument, Dataset, Number, Reference, Statement};
 use crate::text::Span;
 
 /// What the rules look at: the dataset, its statements by id space and id, and every reference.
@@ -13,17 +13,6 @@ pub(super) struct Context<'a> {
     by_id: HashMap<(&'static str, u32), &'a Statement>,
     /// The bodies of markers that name none, by the ids of the markers.
     before: HashMap<u32, (&'static str, u32)>,
-}
-
-/// One id that stands for an object: in an argument or in a function.
-#[derive(Clone, Copy)]
-pub(super) struct Reference {
-    /// The id space.
-    pub space: &'static str,
-    /// The id.
-    pub id: u32,
-    /// Where it stands.
-    pub span: Span,
 }
 
 impl<'a> Context<'a> {
@@ -89,32 +78,11 @@ impl<'a> Context<'a> {
 
     /// Every reference of a statement, those in functions included. Zeros stand for ground or for nothing and are left out.
     pub fn references(statement: &Statement) -> Vec<Reference> {
-        let mut found = Vec::new();
-        let mut push = |space, number: &Number| {
-            if let Some(id) = as_id(number).filter(|id| *id != 0) {
-                found.push(Reference {
-                    space,
-                    id,
-                    span: number.span,
-                });
-            }
-        };
-        for argument in &statement.arguments {
-            match (&argument.value, argument.def.map(|def| def.kind)) {
-                (Value::Numbers(numbers), Some(ValueKind::Reference(space))) => {
-                    for number in numbers {
-                        push(space, number);
-                    }
-                }
-                (Value::Function(expression), _) => {
-                    for (space, literal) in expression.references() {
-                        push(space, &expression.literals[literal]);
-                    }
-                }
-                _ => {}
-            }
-        }
-        found
+        statement
+            .arguments
+            .iter()
+            .flat_map(Argument::references)
+            .collect()
     }
 
     /// How a statement is called in a message: `BUSHING/3`, with its view name where it has one.

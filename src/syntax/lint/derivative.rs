@@ -64,7 +64,7 @@ fn first_bend(expression: &Expression) -> Option<(&'static str, Span)> {
         {
             found = Some(hit);
         }
-        open.extend(children(node));
+        open.extend(node.children());
     }
     found
 }
@@ -87,16 +87,5 @@ fn moves(node: &Node) -> bool {
         }
         _ => false,
     };
-    here || children(node).into_iter().any(moves)
-}
-
-fn children(node: &Node) -> Vec<&Node> {
-    match node {
-        Node::Literal(_) | Node::Constant(_) | Node::Name(_) => Vec::new(),
-        Node::Negate(inner) => vec![inner],
-        Node::Binary(_, left, right) => vec![left, right],
-        Node::If(parts) => parts.iter().collect(),
-        Node::Vector(parts) => parts.iter().collect(),
-        Node::Call { arguments, .. } => arguments.iter().collect(),
-    }
+    here || node.children().into_iter().any(moves)
 }

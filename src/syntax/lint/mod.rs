@@ -11,14 +11,22 @@ mod derivative;
 mod duplicate_id;
 mod floating;
 mod ground;
+mod inertia;
 mod kt_per_degree;
 mod line_length;
 mod mass_without_cm;
+mod massless;
+mod material;
+mod motion;
 mod native;
 mod one_part;
 mod presence;
 mod range;
+mod sequence;
 mod spline;
+mod step;
+mod suppressed;
+mod symmetry;
 mod tabs;
 mod undefined_id;
 mod unit_dimension;
@@ -27,7 +35,10 @@ mod value_type;
 
 use super::{CommandFile, Dataset};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::text::Span;
 use context::Context;
+
+pub use suppressed::Suppressed;
 
 /// What is looked for.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -58,6 +69,12 @@ pub static RULES: &[Rule] = &[
     rule(Code::FloatingMarker, floating::check),
     rule(Code::NoGround, ground::check),
     rule(Code::MassWithoutCm, mass_without_cm::check),
+    rule(Code::ImpossibleInertia, inertia::check),
+    rule(Code::FreeWithoutMass, massless::check),
+    rule(Code::UndefinedId, material::check),
+    rule(Code::WrongMotion, motion::check),
+    rule(Code::UnsymmetricStiffness, symmetry::check),
+    rule(Code::StepWithoutWidth, step::check),
     rule(Code::KtPerDegree, kt_per_degree::check),
     rule(Code::SplineNotIncreasing, spline::check),
     rule(Code::NoDerivative, derivative::check),
@@ -90,13 +107,14 @@ fn shortened(mut own: Vec<Diagnostic>, code: Code) -> Vec<Diagnostic> {
 }
 
 /// Rules that hold for a statement by itself: for commands, too, which give only what they change.
-const OF_COMMANDS: [Code; 6] = [
+const OF_COMMANDS: [Code; 7] = [
     Code::WrongCount,
     Code::WrongType,
     Code::OutOfRange,
     Code::WrongDimension,
     Code::ConflictingArguments,
     Code::RepeatedArgument,
+    Code::StepWithoutWidth,
 ];
 
 /// Runs the rules that need no dataset over the commands of a file. Complaints are in the order of their places in the file.
@@ -105,6 +123,16 @@ pub fn check_commands(file: &CommandFile) -> Vec<Diagnostic> {
     run(&commands, &Options::default(), |rule| {
         OF_COMMANDS.contains(&rule.code)
     })
+}
+
+/// Looks at the commands of a file in their order, against the decks they are run on: objects that are not there, and times
+/// that cannot be. `deck_of` gives the deck behind the name of a model at a place of the file, or `None` where it could not be
+/// read; then less is said. Complaints are in the order of the file.
+pub fn check_sequence(
+    file: &CommandFile,
+    deck_of: impl FnMut(Span) -> Option<Dataset>,
+) -> Vec<Diagnostic> {
+    sequence::check(file, deck_of)
 }
 
 /// Runs every rule over a dataset. Complaints are in the order of their places in the file.

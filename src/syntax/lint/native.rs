@@ -10,17 +10,20 @@ use crate::text::Span;
 /// What ADAMS solves and the built-in solver does not, once for each kind of statement and each function.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     let mut external: BTreeMap<&str, (usize, &Statement, &str)> = BTreeMap::new();
-    let mut inactive: BTreeMap<&str, (usize, &Statement, &str)> = BTreeMap::new();
+    let mut inactive: BTreeMap<&str, (usize, &Statement)> = BTreeMap::new();
     let mut users: BTreeMap<&str, (usize, Span)> = BTreeMap::new();
     let mut functions: BTreeMap<&str, (&FunctionDef, Span)> = BTreeMap::new();
     for statement in context.statements() {
         let Some(def) = statement.def else { continue };
         match def.solved {
+            Solved::External(_)
+                if def.name == "FRICTION"
+                    && !statement.sticks_in_statics(context.dataset.source()) =>
+            {
+                inactive.entry(def.name).or_insert((0, statement)).0 += 1;
+            }
             Solved::External(why) => {
                 external.entry(def.name).or_insert((0, statement, why)).0 += 1;
-            }
-            Solved::NoEffect(why) if def.name == "FRICTION" => {
-                inactive.entry(def.name).or_insert((0, statement, why)).0 += 1;
             }
             Solved::Native(_) | Solved::NoEffect(_) => {}
         }
@@ -50,13 +53,13 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
                 .help(format!("{why}; without them the answer is another one")),
         );
     }
-    for (kind, (count, first, why)) in inactive {
+    for (kind, (count, first)) in inactive {
         let are = if count == 1 { "is" } else { "are" };
         let message = format!("{count} {kind} of this dataset {are} off in statics");
         found.push(
             context
                 .note(Code::InactiveInStatics, Context::head(first), message)
-                .help(why.to_string()),
+                .help("as its INACTIVE or EFFECT says"),
         );
     }
     for (kind, (count, span)) in users {

@@ -6,9 +6,8 @@ use crate::syntax::Argument;
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     for statement in context.statements() {
         let second = match statement.kind() {
-            Some("JOINT" | "JPRIM" | "MOTION" | "BUSHING" | "BEAM" | "FIELD" | "SPRINGDAMPER") => {
-                "J"
-            }
+            Some("JOINT" | "JPRIM" | "MOTION") => "J",
+            Some(_) if statement.def.is_some_and(|def| !def.laws.is_empty()) => "J",
             // An action-only force may have its direction marker on the body it acts on: a follower force.
             Some("SFORCE") if !statement.has("ACTIONONLY") => "J",
             Some("GFORCE" | "VFORCE" | "VTORQUE" | "PTCV") => "JFLOAT",

@@ -1,10 +1,14 @@
 use super::context::{Context, known};
-use crate::diagnostic::{Code, Diagnostic};
-use crate::grammar::{ArgumentDef, Bound};
+use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::grammar::{ArgumentDef, Bound, Solved};
 
-/// Numbers outside of the range of their argument.
+/// Numbers outside of the range of their argument: a warning in what has no effect on the solution, such as a picture's radius.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     for statement in context.statements() {
+        let severity = match statement.def.map(|def| def.solved) {
+            Some(Solved::NoEffect(_)) => Severity::Warning,
+            _ => Severity::Error,
+        };
         for (argument, def) in known(statement) {
             if (def.lower, def.upper) == (Bound::Open, Bound::Open) {
                 continue;
@@ -19,7 +23,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
                     );
                     found.push(
                         context
-                            .error(Code::OutOfRange, number.span, message)
+                            .complain(severity, Code::OutOfRange, number.span, message)
                             .help(format!("{}: {}", def.name, def.doc)),
                     );
                 }

@@ -1,14 +1,14 @@
 //! Constraint statements to scalar equations.
 
-use super::{Compiler, Header, name};
+use super::{Compiler, Header, name, stated};
 use crate::constraint::{
-    Constraint, Convel, Drive as Driven, GearedJoint, Measure, PairConstraint, RackPinion, Screw,
-    gear_terms, joint, primitive,
+    Constraint, ConstraintEntry, Convel, Drive as Driven, GearedJoint, Measure, PairConstraint,
+    constraint, gear_terms,
 };
 use crate::diagnostic::{Code, Diagnostic};
 use crate::mechanics::{Pose, RelativeMotion, Vec3};
-use crate::model::{CouplerKind, JointKind, MotionAxis, MotionOrder, PrimitiveKind};
-use crate::system::catalogue::{Quantity, Role};
+use crate::model::{CouplerKind, JointKind, MotionAxis, MotionOrder};
+use crate::system::catalogue::Role;
 use crate::system::structure::{Condition, Drive, Joint, Term};
 use crate::units::Dimension;
 
@@ -37,36 +37,20 @@ impl Compiler<'_> {
         for j in &self.model.joints {
             let at = (j.i.0, j.j.0);
             let of = ("JOINT", Some(j.header.id));
-            let element = self.joints.len();
-            let length = (Quantity::Same(Dimension::LENGTH), f64::NEG_INFINITY);
-            let mut number = None;
-            let law = match j.kind {
-                JointKind::Spherical => PairConstraint::Locks(joint::SPHERICAL),
-                JointKind::Revolute => PairConstraint::Locks(joint::REVOLUTE),
-                JointKind::Translational => PairConstraint::Locks(joint::TRANSLATIONAL),
-                JointKind::Cylindrical => PairConstraint::Locks(joint::CYLINDRICAL),
-                JointKind::Planar => PairConstraint::Locks(joint::PLANAR),
-                JointKind::Fixed => PairConstraint::Locks(joint::FIXED),
-                JointKind::Hooke => PairConstraint::Locks(joint::HOOKE),
-                JointKind::Universal => PairConstraint::Locks(joint::UNIVERSAL),
-                JointKind::Convel => {
+            let entry = entry("JOINT", j.kind.word());
+            let law = match entry.constraint {
+                PairConstraint::Convel(_) => {
                     PairConstraint::Convel(Convel::for_design(&self.design_motion(at.0, at.1)))
                 }
-                JointKind::Screw { pitch } => {
-                    number = Some(("PITCH", pitch));
-                    PairConstraint::Screw(Screw)
-                }
-                JointKind::RackPin { pitch_diameter } => {
-                    number = Some(("PD", pitch_diameter));
-                    PairConstraint::RackPinion(RackPinion)
-                }
+                other => other,
             };
-            let theta = match number {
-                None => 0..0,
-                Some((argument, value)) => {
-                    let role = Role::Joint { joint: element };
-                    self.numbers(of, Some(argument), &[value], length, role)
+            let theta = match (entry.argument, j.kind.number()) {
+                (Some(argument), Some(value)) => {
+                    let argument = stated("JOINT", argument);
+                    let joint = self.joints.len();
+                    self.argument(of, argument, &[value], Role::Joint { joint })
                 }
+                _ => 0..0,
             };
             self.push_joint("JOINT", &j.header, at, law, Drive::Theta(theta));
         }
@@ -74,15 +58,7 @@ impl Compiler<'_> {
 
     fn primitives(&mut self) {
         for p in &self.model.primitives {
-            let law = match p.kind {
-                PrimitiveKind::AtPoint => primitive::AT_POINT,
-                PrimitiveKind::Inline => primitive::INLINE,
-                PrimitiveKind::Inplane => primitive::INPLANE,
-                PrimitiveKind::Orientation => primitive::ORIENTATION,
-                PrimitiveKind::ParallelAxes => primitive::PARALLEL_AXES,
-                PrimitiveKind::Perpendicular => primitive::PERPENDICULAR,
-            };
-            let law = PairConstraint::Locks(law);
+            let law = entry("JPRIM", p.kind.word()).constraint;
             self.push_joint("JPRIM", &p.header, (p.i.0, p.j.0), law, Drive::Theta(0..0));
         }
     }
@@ -187,10 +163,14 @@ impl Compiler<'_> {
         for m in &self.model.motions {
             let owner = name("MOTION", &m.header);
             let (i, j) = (m.i.0, m.j.0);
-            let (measure, dimension) = match m.axis {
-                MotionAxis::Translation(axis) => (Measure::Translation(axis), Dimension::LENGTH),
-                MotionAxis::RotationZ => (Measure::Angle(2), Dimension::ANGLE),
-                MotionAxis::Body123(axis) => (Measure::Body123(axis), Dimension::ANGLE),
+            let PairConstraint::Drive(Driven { measure }) =
+                entry("MOTION", m.axis.word()).constraint
+            else {
+                continue;
+            };
+            let dimension = match m.axis {
+                MotionAxis::Translation(_) => Dimension::LENGTH,
+                MotionAxis::RotationZ | MotionAxis::Body123(_) => Dimension::ANGLE,
             };
             let drive = if m.order == MotionOrder::Displacement {
                 Drive::Function(self.function(&m.function, &owner, None, dimension))
@@ -238,4 +218,9 @@ impl Compiler<'_> {
         });
         self.equations += count;
     }
+}
+
+/// The constraint of a statement's type word.
+fn entry(statement: &str, word: &str) -> &'static ConstraintEntry {
+    constraint(statement, word).expect("a constraint for every type of the model")
 }

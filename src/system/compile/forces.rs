@@ -2,48 +2,43 @@
 
 use super::{Compiler, Header, Name, name};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::element::{
-    Beam, Bushing, Field, ForceLaw, Law, RotationalSpring, ScalarForce, TranslationalSpring,
-};
-use crate::model::{SforceKind, SpringKind, VectorForceKind};
+use crate::element::{Law, ScalarForce};
+use crate::grammar::{self, Components, LawDef, StatementDef};
+use crate::model::{SforceKind, SpringKind, VectorForceKind, law_arguments};
 use crate::system::catalogue::{Quantity, Role};
 use crate::system::multi::Multi;
 use crate::system::structure::{Action, Drive, Element};
 use crate::units::Dimension;
 
-const STIFFNESS: Dimension = Dimension::new(1, 0, -1, 0, 0);
-const TURNING_STIFFNESS: Dimension = Dimension::new(1, 0, 1, 0, -1);
 const ANY: f64 = f64::NEG_INFINITY;
-
-/// An argument whose numbers a law takes: keyword, values, dimension, least value.
-type Argument<'a> = (&'static str, &'a [f64], Quantity, f64);
 
 impl Compiler<'_> {
     pub(super) fn forces(&mut self) {
-        self.connectors();
-        self.springs();
-        self.beams();
+        self.laws();
         self.scalar_forces();
         self.vector_forces();
         for n in &self.model.nforces {
             let of = ("NFORCE", Some(n.header.id));
             let size = 6 * n.i.len();
             let start = self.theta.len();
+            let role = Role::Multi {
+                multi: self.multis.len(),
+            };
             let stiffness = (Quantity::MultiStiffness(size), ANY);
-            self.numbers(of, Some("KMATRIX"), &n.k, stiffness, Role::Multi);
+            self.numbers(of, Some("KMATRIX"), &n.k, stiffness, role);
             self.numbers(
                 of,
                 Some("LENGTH"),
                 &n.length,
-                (Quantity::Motion, ANY),
-                Role::Multi,
+                (Quantity::Of(Components::Motion), ANY),
+                role,
             );
             self.numbers(
                 of,
                 Some("FORCE"),
                 &n.force,
-                (Quantity::Wrench, ANY),
-                Role::Multi,
+                (Quantity::Of(Components::Wrench), ANY),
+                role,
             );
             let whole = n.k.len() == size * size && n.length.len() == size && n.force.len() == size;
             if !whole {
@@ -69,26 +64,30 @@ impl Compiler<'_> {
         }
     }
 
+    /// A force by a law of the grammar, with the values of the law's arguments.
     fn law(
         &mut self,
-        kind: &'static str,
+        def: &'static StatementDef,
+        wanted: &'static LawDef,
         header: &Header,
         (i, j): (usize, usize),
-        law: ForceLaw,
-        arguments: &[Argument],
+        values: &[f64],
     ) {
         let element = self.elements.len();
         let start = self.theta.len();
-        for (argument, values, quantity, minimum) in arguments {
-            let of = (kind, Some(header.id));
-            let bounds = (*quantity, *minimum);
-            self.numbers(of, Some(argument), values, bounds, Role::Law { element });
+        let mut rest = values;
+        for argument in law_arguments(def, wanted) {
+            let (values, behind) = rest.split_at(argument.count.max.unwrap_or(0));
+            rest = behind;
+            let role = Role::Law { element };
+            self.argument((def.name, Some(header.id)), argument, values, role);
         }
-        debug_assert_eq!(law.parameter_count(), self.theta.len() - start, "{kind}");
+        let law = crate::element::law(wanted.name).expect("a law for every name of the grammar");
+        debug_assert_eq!(law.parameter_count(), values.len(), "{}", wanted.name);
         let drive = Drive::Theta(start..self.theta.len());
         let reaction = Some(self.part_of(j));
         let action = Action::Law(law, drive);
-        self.push_element((kind, header), (i, j, Some(j)), reaction, action);
+        self.push_element((def.name, header), (i, j, Some(j)), reaction, action);
     }
 
     fn push_element(
@@ -114,97 +113,35 @@ impl Compiler<'_> {
         });
     }
 
-    fn connectors(&mut self) {
-        let same = Quantity::Same;
+    /// Everything with a law of the grammar.
+    fn laws(&mut self) {
+        let stated = |kind| grammar::statement(kind).expect("a statement of the grammar");
+        let bushing = stated("BUSHING");
         for b in &self.model.bushings {
-            let arguments = [
-                ("K", &b.k[..], same(STIFFNESS), 0.0),
-                ("KT", &b.kt[..], same(TURNING_STIFFNESS), 0.0),
-                ("FORCE", &b.force[..], same(Dimension::FORCE), ANY),
-                ("TORQUE", &b.torque[..], same(Dimension::TORQUE), ANY),
-            ];
-            let law = ForceLaw::Bushing(Bushing);
-            self.law("BUSHING", &b.header, (b.i.0, b.j.0), law, &arguments);
+            let values = [b.k, b.kt, b.force, b.torque].concat();
+            let at = (b.i.0, b.j.0);
+            self.law(bushing, &bushing.laws[0], &b.header, at, &values);
         }
-        for f in &self.model.fields {
-            let arguments = [
-                ("KMATRIX", &f.k[..], Quantity::Stiffness, ANY),
-                ("LENGTH", &f.length[..], Quantity::Motion, ANY),
-                ("FORCE", &f.force[..], Quantity::Wrench, ANY),
-            ];
-            let law = ForceLaw::Field(Field);
-            self.law("FIELD", &f.header, (f.i.0, f.j.0), law, &arguments);
-        }
-    }
-
-    fn springs(&mut self) {
-        let same = Quantity::Same;
+        let spring = stated("SPRINGDAMPER");
         for s in &self.model.springdampers {
-            let (k, reference, preload) = (&[s.stiffness], &[s.reference], &[s.preload]);
-            let at = (s.i.0, s.j.0);
-            match s.kind {
-                SpringKind::Translational => {
-                    let arguments = [
-                        ("K", &k[..], same(STIFFNESS), 0.0),
-                        ("LENGTH", &reference[..], same(Dimension::LENGTH), 0.0),
-                        ("FORCE", &preload[..], same(Dimension::FORCE), ANY),
-                    ];
-                    let law = ForceLaw::TranslationalSpring(TranslationalSpring);
-                    self.law("SPRINGDAMPER", &s.header, at, law, &arguments);
-                }
-                SpringKind::Rotational => {
-                    let arguments = [
-                        ("KT", &k[..], same(TURNING_STIFFNESS), 0.0),
-                        ("ANGLE", &reference[..], same(Dimension::ANGLE), ANY),
-                        ("TORQUE", &preload[..], same(Dimension::TORQUE), ANY),
-                    ];
-                    let law = ForceLaw::RotationalSpring(RotationalSpring);
-                    self.law("SPRINGDAMPER", &s.header, at, law, &arguments);
-                }
-            }
+            let law = match s.kind {
+                SpringKind::Translational => &spring.laws[0],
+                SpringKind::Rotational => &spring.laws[1],
+            };
+            let values = [s.stiffness, s.reference, s.preload];
+            self.law(spring, law, &s.header, (s.i.0, s.j.0), &values);
         }
-    }
-
-    fn beams(&mut self) {
-        let area_moment = Dimension::new(0, 0, 4, 0, 0);
-        let modulus = Dimension::new(1, 0, -2, 0, 0);
-        let dimensions = [
-            ("LENGTH", Dimension::LENGTH),
-            ("AREA", Dimension::new(0, 0, 2, 0, 0)),
-            ("IXX", area_moment),
-            ("IYY", area_moment),
-            ("IZZ", area_moment),
-            ("EMODULUS", modulus),
-            ("GMODULUS", modulus),
-            ("ASY", Dimension::NONE),
-            ("ASZ", Dimension::NONE),
-        ];
-        for b in &self.model.beams {
-            if let Some(why) = Beam::refusal(b.formulation) {
-                self.diagnostics.push(Diagnostic::error(
-                    Code::NotSolvedNatively,
-                    format!("{} has {why}", name("BEAM", &b.header)),
-                ));
-            }
-            let arguments: Vec<Argument> = dimensions
-                .iter()
-                .enumerate()
-                .map(|(k, &(argument, dimension))| {
-                    let value = &b.properties[k..=k];
-                    (argument, value, Quantity::Same(dimension), 0.0)
-                })
-                .collect();
-            let law = ForceLaw::Beam(Beam);
-            self.law("BEAM", &b.header, (b.i.0, b.j.0), law, &arguments);
+        for f in &self.model.pair_forces {
+            self.law(f.def, f.law, &f.header, (f.i.0, f.j.0), &f.values);
         }
     }
 
     fn scalar_forces(&mut self) {
         for s in &self.model.sforces {
-            let (law, dimension) = match (s.kind, s.action_only) {
-                (SforceKind::Translational, false) => (ScalarForce::Line, Dimension::FORCE),
-                (SforceKind::Translational, true) => (ScalarForce::AlongZj, Dimension::FORCE),
-                (SforceKind::Rotational, _) => (ScalarForce::AboutZj, Dimension::TORQUE),
+            let (law, dimension): (&'static dyn Law, _) = match (s.kind, s.action_only) {
+                (SforceKind::Translational, false) => (&ScalarForce::Line, Dimension::FORCE),
+                (SforceKind::Translational, true) => (&ScalarForce::AlongZj, Dimension::FORCE),
+                (SforceKind::Rotational, _) => (&ScalarForce::AboutZj, Dimension::TORQUE),
             };
             let owner = name("SFORCE", &s.header);
             let function = self.function(&s.function, &owner, None, dimension);
@@ -213,7 +150,7 @@ impl Compiler<'_> {
                 ("SFORCE", &s.header),
                 (s.i.0, s.j.0, Some(s.j.0)),
                 reaction,
-                Action::Law(ForceLaw::ScalarForce(law), Drive::Function(function)),
+                Action::Law(law, Drive::Function(function)),
             );
         }
     }

@@ -1,11 +1,12 @@
 //! FUNCTIONs to programs whose inputs know where they stand in the system.
 
-use super::{Compiler, Function, Name, name};
+use super::{Compiler, Function, Name, name, way_out};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::function::{ElementIx, ForceMeasure, Input, MeasureKind};
-use crate::model::{ArrayKind, MarkerIx, RequestKind};
+use crate::model::{ArrayKind, MarkerIx, RequestKind, effect_of};
 use crate::system::catalogue::{Quantity, Role};
-use crate::system::force_measure::{Exerted, Force};
+use crate::system::contribution::Exerted;
+use crate::system::force_measure::Force;
 use crate::system::function::{CompiledFunction, Source};
 use crate::system::structure::{Action, Drive, Element, LinearRow, Rate};
 use crate::units::Dimension;
@@ -28,19 +29,22 @@ impl Compiler<'_> {
                     Ok(program) => (Some(program), literals),
                     Err(mut diagnostic) => {
                         diagnostic.message = format!("{owner}: {}", diagnostic.message);
-                        self.diagnostics.push(diagnostic);
+                        self.complain_of(owner, diagnostic);
                         (None, literals)
                     }
                 }
             }
             Function::User(text) => {
-                self.diagnostics.push(
-                    Diagnostic::error(
-                        Code::UserSubroutine,
-                        format!("{owner} calls a user-written subroutine: {text}"),
-                    )
-                    .help("the command backend runs it with real ADAMS"),
+                if !self.model.is_off(owner.kind, owner.id) {
+                    self.users.push(owner.clone());
+                }
+                let effect = effect_of(owner.kind).unwrap_or("others read it");
+                let diagnostic = Diagnostic::error(
+                    Code::UserSubroutine,
+                    format!("{owner} calls a user-written subroutine: {text}; {effect}"),
                 );
+                let help = way_out(owner.kind, "real ADAMS runs it");
+                self.complain_of(owner, diagnostic.help(help));
                 (None, Vec::new())
             }
         };
@@ -238,7 +242,7 @@ impl Compiler<'_> {
         let elements = elements.map(|(k, e)| (Exerted::Element(k), (e.i, e.reaction.map(|_| e.j))));
         let joints = self.joints.iter().enumerate();
         let joints = joints.filter_map(|(k, joint)| match joint.terms.as_slice() {
-            [term] => Some((Exerted::Joint(k), (term.i, Some(term.j)))),
+            [term] => Some((Exerted::Joint(k, 0), (term.i, Some(term.j)))),
             _ => None,
         });
         let multis = self.multis.iter().enumerate().flat_map(|(k, multi)| {
@@ -252,29 +256,28 @@ impl Compiler<'_> {
     fn exerted_by(&self, element: ElementIx) -> Exerted {
         let model = self.model;
         let bushings = model.bushings.len();
-        let fields = bushings + model.fields.len();
-        let springs = fields + model.springdampers.len();
-        let beams = springs + model.beams.len();
-        let sforces = beams + model.sforces.len();
+        let springs = bushings + model.springdampers.len();
+        let pairs = springs + model.pair_forces.len();
+        let sforces = pairs + model.sforces.len();
         match element {
             ElementIx::Bushing(k) => Exerted::Element(k),
-            ElementIx::Field(k) => Exerted::Element(bushings + k),
-            ElementIx::SpringDamper(k) => Exerted::Element(fields + k),
-            ElementIx::Beam(k) => Exerted::Element(springs + k),
-            ElementIx::Sforce(k) => Exerted::Element(beams + k),
+            ElementIx::SpringDamper(k) => Exerted::Element(bushings + k),
+            ElementIx::PairForce(k) => Exerted::Element(springs + k),
+            ElementIx::Sforce(k) => Exerted::Element(pairs + k),
             ElementIx::VectorForce(k) => Exerted::Element(sforces + k),
             ElementIx::Nforce { nforce, at } => {
                 let which = model.nforces[nforce].i.iter().position(|m| *m == at);
                 Exerted::Multi(nforce, which.unwrap_or(0))
             }
-            ElementIx::Joint(k) => Exerted::Joint(k),
-            ElementIx::Primitive(k) => Exerted::Joint(model.joints.len() + k),
+            ElementIx::Joint(k) => Exerted::Joint(k, 0),
+            ElementIx::Primitive(k) => Exerted::Joint(model.joints.len() + k, 0),
             ElementIx::Motion(k) => Exerted::Joint(
                 model.joints.len()
                     + model.primitives.len()
                     + model.couplers.len()
                     + model.gears.len()
                     + k,
+                0,
             ),
         }
     }
@@ -286,7 +289,9 @@ impl Compiler<'_> {
             out.states.push((l.x, first, l.a.len()));
             if let Some(y) = l.y {
                 let inputs = self.array_variables(l.u);
-                for (row, c) in l.c.iter().enumerate() {
+                // Either matrix may be absent.
+                for row in 0..l.c.len().max(l.d.len()) {
+                    let c = l.c.get(row).map_or(&[][..], Vec::as_slice);
                     let d = l.d.get(row).map_or(&[][..], Vec::as_slice);
                     let by_state = c.iter().enumerate().map(|(k, c)| (first + k, *c)).collect();
                     let by_variable = d
@@ -365,7 +370,7 @@ impl Compiler<'_> {
                                 Action::Law(..) => {}
                                 Action::Vector(c) => out.extend(c.iter().flatten()),
                             },
-                            Exerted::Joint(k) => {
+                            Exerted::Joint(k, _) => {
                                 if let Drive::Function(f) = self.joints[*k].drive {
                                     out.push(f);
                                 }

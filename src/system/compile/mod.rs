@@ -9,25 +9,38 @@ mod functions;
 use std::collections::BTreeMap;
 
 use super::catalogue::{Catalogue, Group, Quantity, Role};
-use super::force_measure::Exerted;
+use super::contribution::Exerted;
 use super::function::CompiledFunction;
 use super::multi::Multi;
 use super::structure::{
     Algebraic, Body, Condition, Element, Joint, Name, Rate, StateEquation, System,
 };
 use super::{Parameters, State};
-use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
+use crate::diagnostic::{Checked, Code, Diagnostic};
+use crate::grammar::{self, ArgumentDef};
 use crate::mechanics::{Mat3, Pose, Vec3};
-use crate::model::{ArrayKind, Function, Header, Model, Orientation, PartKind};
+use crate::model::{
+    ArrayKind, Function, Header, Model, Orientation, PartKind, effect_of, may_be_ignored,
+};
 use crate::units::Dimension;
 
-/// What helps where a subroutine is called: in general, and for a force.
-const USER_HELP: [&str; 2] = [
-    "the command backend runs it with real ADAMS",
-    "the command backend runs it with real ADAMS; if it only reads an Adams/Car property file, `admire fix --replace-user` puts its curves in its place",
-];
-
-const ACCELERATION: Dimension = Dimension::new(0, 0, 1, -2, 0);
+/// What helps where a statement is not solved.
+fn way_out(kind: &str, real: &str) -> String {
+    let property = match kind {
+        "GFORCE" | "SFORCE" | "VFORCE" | "VTORQUE" => {
+            "; if it only reads an Adams/Car property file, `admire fix --replace-user` puts its curves in its place"
+        }
+        _ => "",
+    };
+    let leave = if may_be_ignored(kind) {
+        format!(
+            "; `mdi` leaves it out with ADMIRE_IGNORE={kind}, `admire solve` with --ignore {kind}"
+        )
+    } else {
+        String::new()
+    };
+    format!("{real}{property}{leave}")
+}
 
 impl System {
     /// Compiles a model. Diagnostics tell what is not solved; with an error among them the answer would not be the model's.
@@ -69,6 +82,15 @@ struct Compiler<'a> {
     requests: Vec<[Option<usize>; 8]>,
     request_forces: Vec<Vec<(Exerted, bool)>>,
     sensors: Vec<(usize, Option<usize>)>,
+    /// What needs user-written subroutines.
+    users: Vec<Name>,
+}
+
+/// An argument of a statement as the grammar has it.
+fn stated(kind: &str, argument: &str) -> &'static ArgumentDef {
+    grammar::statement(kind)
+        .and_then(|def| def.argument(argument))
+        .expect("a statement and an argument of the grammar")
 }
 
 pub(crate) fn name(kind: &'static str, header: &Header) -> Name {
@@ -105,6 +127,7 @@ impl<'a> Compiler<'a> {
             requests: Vec::new(),
             request_forces: Vec::new(),
             sensors: Vec::new(),
+            users: Vec::new(),
         }
     }
 
@@ -132,19 +155,30 @@ impl<'a> Compiler<'a> {
         })
     }
 
+    /// Gives the values of an argument of the grammar a place in theta.
+    fn argument(
+        &mut self,
+        of: (&'static str, Option<u32>),
+        argument: &'static ArgumentDef,
+        values: &[f64],
+        role: Role,
+    ) -> std::ops::Range<usize> {
+        let bounds = (Quantity::of_argument(argument), argument.minimum());
+        self.numbers(of, Some(argument.name), values, bounds, role)
+    }
+
     fn markers(&mut self) {
+        let (position, angle) = (stated("MARKER", "QP"), stated("MARKER", "REULER"));
         // Six numbers per marker stand first, so that a slot tells its marker.
         for (k, marker) in self.model.markers.iter().enumerate() {
             let of = ("MARKER", Some(marker.header.id));
             let qp = [marker.qp.x, marker.qp.y, marker.qp.z];
-            let length = (Quantity::Same(Dimension::LENGTH), f64::NEG_INFINITY);
-            self.numbers(of, Some("QP"), &qp, length, Role::Marker(k));
+            self.argument(of, position, &qp, Role::Marker(k));
             let angles = match marker.orientation {
                 Orientation::Reuler(angles) => angles,
                 Orientation::Points => [0.0; 3],
             };
-            let angle = (Quantity::Same(Dimension::ANGLE), f64::NEG_INFINITY);
-            self.numbers(of, Some("REULER"), &angles, angle, Role::Marker(k));
+            self.argument(of, angle, &angles, Role::Marker(k));
         }
     }
 
@@ -152,15 +186,10 @@ impl<'a> Compiler<'a> {
         let gravity = self.model.gravity;
         self.gravity = self.theta.len();
         for (k, argument) in ["IGRAV", "JGRAV", "KGRAV"].into_iter().enumerate() {
-            let acceleration = (Quantity::Same(ACCELERATION), f64::NEG_INFINITY);
-            self.numbers(
-                ("ACCGRAV", None),
-                Some(argument),
-                &[gravity[k]],
-                acceleration,
-                Role::Gravity,
-            );
+            let argument = stated("ACCGRAV", argument);
+            self.argument(("ACCGRAV", None), argument, &[gravity[k]], Role::Gravity);
         }
+        let mass = [stated("PART", "MASS"), stated("POINT_MASS", "MASS")];
         let mut first = 0;
         for (k, part) in self.model.parts.iter().enumerate() {
             let (kind, freedoms) = match part.kind {
@@ -170,24 +199,12 @@ impl<'a> Compiler<'a> {
                 PartKind::External => ("FLEX_BODY", 0),
             };
             let mass = if part.kind == PartKind::External {
-                self.diagnostics.push(Diagnostic::error(
-                    Code::NotSolvedNatively,
-                    format!(
-                        "flexible body {} is solved by real ADAMS only",
-                        part.header.name
-                    ),
-                ));
+                // Refused with the statements that are not solved.
                 self.theta.len()
             } else {
-                let mass = (Quantity::Same(Dimension::MASS), 0.0);
-                self.numbers(
-                    (kind, Some(part.header.id)),
-                    Some("MASS"),
-                    &[part.mass],
-                    mass,
-                    Role::Mass(k),
-                )
-                .start
+                let mass = mass[usize::from(part.kind == PartKind::PointMass)];
+                let of = (kind, Some(part.header.id));
+                self.argument(of, mass, &[part.mass], Role::Mass(k)).start
             };
             let [xx, yy, zz, xy, xz, yz] = part.ip;
             let cm = part.cm.map(|m| m.0);
@@ -279,51 +296,40 @@ impl<'a> Compiler<'a> {
         self.state_values.push(ic);
     }
 
-    /// Statements that take no part. What only writes or draws is not missed.
+    /// A complaint about a statement with a function; one that is switched off is not missed.
+    fn complain_of(&mut self, owner: &Name, diagnostic: Diagnostic) {
+        if !self.model.is_off(owner.kind, owner.id) {
+            self.diagnostics.push(diagnostic);
+        }
+    }
+
+    /// Statements that take no part. What only writes or draws is not missed, nor what is switched off.
     fn left_out(&mut self) {
-        for u in &self.model.unsolved {
+        for u in self.model.unsolved.iter().filter(|u| u.header.active) {
+            let Some(effect) = effect_of(u.kind) else {
+                continue;
+            };
             let owner = name(u.kind, &u.header);
             let code = if u.why.contains("user subroutine") {
                 Code::UserSubroutine
             } else {
                 Code::NotSolvedNatively
             };
-            self.diagnostics.push(match u.kind {
-                // Bodies are refused where they are compiled.
-                "MREQUEST" | "FEMDATA" | "CURVE" | "SURFACE" | "CLEARANCE" | "FE_NODE"
-                | "SECTION" | "LINEAR" | "CONTROL" | "FLEX_BODY" | "FE_PART" => continue,
-                "CONTACT" => Diagnostic::warning(
-                    Code::InactiveInStatics,
-                    format!("{owner} is inactive: {}", u.why),
-                )
-                .help("parts pass through each other; the equilibrium is the model's only as long as nothing touches"),
-                "FRICTION" => Diagnostic::warning(
-                    Code::InactiveInStatics,
-                    format!("{owner} is inactive: {}", u.why),
-                )
-                .help("the equilibrium found is the one without friction; with it every position in a band around is one"),
-                _ => Diagnostic::error(code, format!("{owner} is not solved: {}", u.why))
-                    .help(USER_HELP[usize::from(u.kind == "GFORCE")]),
-            });
-        }
-        let mut users: Vec<&str> = Vec::new();
-        let all = self.diagnostics.iter();
-        for diagnostic in
-            all.filter(|d| d.code == Code::UserSubroutine && d.severity == Severity::Error)
-        {
-            users.extend(
-                diagnostic
-                    .message
-                    .split(" calls ")
-                    .next()
-                    .and_then(|w| w.split(" is not").next()),
+            if code == Code::UserSubroutine {
+                self.users.push(owner.clone());
+            }
+            let message = format!("{owner} is not solved: {}; {effect}", u.why);
+            self.diagnostics.push(
+                Diagnostic::error(code, message).help(way_out(u.kind, "real ADAMS solves it")),
             );
         }
+        let users = &self.users;
         if users.len() > 1 {
+            let names: Vec<String> = users.iter().map(ToString::to_string).collect();
             let message = format!(
                 "{} statements need user-written subroutines: {}",
                 users.len(),
-                users.join(", ")
+                names.join(", ")
             );
             self.diagnostics.push(
                 Diagnostic::error(Code::UserSubroutine, message)
@@ -418,13 +424,25 @@ impl<'a> Compiler<'a> {
     }
 }
 
+/// Markers nearer to the origin of their part than this share of the model's extent are at it.
+const NEAREST: f64 = 1e-9;
+
 /// The mean distance of used markers from the origin of their part: how far a radian reaches.
 fn size(used: &[usize], owners: &[usize], parameters: &Parameters, poses: &[Pose]) -> f64 {
+    let place = |marker: usize| poses[owners[marker]].point(&parameters.markers()[marker].p);
+    let first = used
+        .first()
+        .map_or_else(Vec3::zeros, |&marker| place(marker));
+    let extent = used
+        .iter()
+        .map(|&marker| (place(marker) - first).norm())
+        .fold(0.0, f64::max);
     let mut sum = 0.0;
     let mut count = 0;
     for &marker in used {
         let arm = (poses[owners[marker]].R * parameters.markers()[marker].p).norm();
-        if arm > 0.0 && owners[marker] != 0 {
+        // What is next to nothing beside the model is no length to measure it by.
+        if arm > NEAREST * extent && owners[marker] != 0 {
             sum += arm;
             count += 1;
         }

@@ -26,9 +26,27 @@ import deck as decks
 
 def adams_bushing(mbs, t, item, displacement, rotation, velocity, angular_velocity, stiffness, damping, R0, R1, offset):
     """The BUSHING law: projected angles AX AY AZ instead of Cardan angles."""
+    return np.diag(np.array(stiffness)) * deflection(displacement, rotation)
+
+
+def deflection(displacement, rotation):
+    """Six components of a bushing: displacements and projected angles."""
     a = RotXYZ2RotationMatrix(rotation)
     angles = [np.arctan2(-a[1, 2], a[2, 2]), np.arctan2(a[0, 2], a[2, 2]), np.arctan2(a[1, 0], a[0, 0])]
-    return np.diag(np.array(stiffness)) * np.concatenate([displacement, angles])
+    return np.concatenate([displacement, angles])
+
+
+def with_more(more):
+    """The BUSHING law and a force on single components besides: `more` by component, each a function of the displacement."""
+
+    def law(mbs, t, item, displacement, rotation, velocity, angular_velocity, stiffness, damping, R0, R1, offset):
+        u = deflection(displacement, rotation)
+        force = np.diag(np.array(stiffness)) * u
+        for axis, function in more.items():
+            force[axis] += function(u[axis])
+        return force
+
+    return law
 
 
 class Model:
@@ -39,10 +57,10 @@ class Model:
 
     Parts have Euler parameters where there are joints: the derivatives of joint reactions are not part of Exudyn's Jacobian, and
     with Cardan angles or rotation vectors its Newton iteration leaves the equilibria of the pseudo McPherson. Without joints
-    parts have Cardan angles, the fewest unknowns.
+    parts have Cardan angles, the fewest unknowns. `more` gives bushings, by id, forces besides.
     """
 
-    def __init__(self, path, adams_law=False):
+    def __init__(self, path, adams_law=False, more=None):
         begin = time.perf_counter()
         deck = decks.read(path)
         self.system = exu.SystemContainer()
@@ -73,13 +91,16 @@ class Model:
                 marker = mbs.AddMarker(MarkerBodyMass(bodyNumber=body))
                 mbs.AddLoad(LoadMassProportional(markerNumber=marker, loadVector=gravity))
         for bushing in deck.get("BUSHING", {}).values():
-            equal = len(set(bushing.numbers("K", 3))) == 1
+            stiffness = bushing.numbers("K", 3)
+            equal = len(set(stiffness)) == 1 or sum(k != 0 for k in stiffness) == 1
             assert not adams_law or equal or self.part(bushing, "J") == ground, "the laws differ by -delta x F on J"
+            own = (more or {}).get(bushing.id)
+            law = with_more(own) if own else adams_bushing if adams_law else 0
             mbs.AddObject(
                 ObjectConnectorRigidBodySpringDamper(
                     markerNumbers=[self.rigid(bushing, "J"), self.rigid(bushing, "I")],
                     stiffness=np.diag(bushing.numbers("K", 3) + bushing.numbers("KT", 3)),
-                    springForceTorqueUserFunction=adams_bushing if adams_law else 0,
+                    springForceTorqueUserFunction=law,
                 )
             )
         for spring in deck.get("SPRINGDAMPER", {}).values():
@@ -144,8 +165,9 @@ class Model:
         markers = [self.rigid(joint, "J", order_j), self.rigid(joint, "I", order_i)]
         self.mbs.AddObject(ObjectJointGeneric(markerNumbers=markers, constrainedAxes=axes))
 
-    def sweep(self, loads, cases, absolute_tolerance, keep=False):
-        """Seconds in the solver, Newton iterations and part poses per case; starts at the design position."""
+    def sweep(self, loads, cases, absolute_tolerance, keep=False, after=None):
+        """Seconds in the solver, Newton iterations and part poses per case; starts at the design position. `after` is told the poses of
+        each case."""
         mbs = self.mbs
         self.settings.staticSolver.newton.absoluteTolerance = absolute_tolerance
         mbs.systemData.SetSystemState(self.design(), exu.ConfigurationType.Initial)
@@ -160,6 +182,8 @@ class Model:
             iterations.append(mbs.sys["staticSolver"].it.newtonStepsCount)
             if keep:
                 parts.append(self.poses())
+            if after:
+                after(self.poses())
         return seconds, iterations, parts
 
     def design(self):

@@ -68,7 +68,7 @@ pub struct Plan {
     pub plants: Vec<Plant>,
 }
 
-/// Every cause of STUDY-FORMAT.
+/// Every cause of guide/study.md.
 pub const CAUSES: [&str; 16] = [
     "progressive-stiffness",
     "dry-friction",

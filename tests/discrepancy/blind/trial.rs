@@ -8,7 +8,7 @@ use admire::identify::LoadedStudy;
 use admire::mechanics::{Pose, RelativeMotion, Vec3};
 use admire::model::{MarkerIx, Model};
 use admire::rig::effect::EffectSpec;
-use admire::rig::{Background, RigOptions, RigRun, virtual_rig};
+use admire::rig::{RigOptions, RigRun, Tolerances, virtual_rig};
 
 use nalgebra::DVector;
 
@@ -119,12 +119,18 @@ fn measure(truth: &Truth, plan: &Plan, specs: &[&str], sigma: Option<f64>) -> Op
         seed: plan.seed,
         sigma,
         effects: effects.collect::<Result<_, _>>().expect("an effect"),
-        background: if plan.background {
-            Background::ORDINARY
+        sigma_on_parts: plan.background.then_some(0.02),
+        tolerances: if plan.background {
+            // Parts made to 0.1 mm and loads read to 0.3 percent.
+            Tolerances {
+                parts: 0.1,
+                load_gain: 0.003,
+                ..Tolerances::default()
+            }
         } else {
-            Background::default()
+            Tolerances::default()
         },
-        programme: None,
+        ..RigOptions::default()
     };
     let unreachable = |why: &[admire::diagnostic::Diagnostic]| {
         let only = why.iter().all(|d| d.code.as_str() == "unreachable-case");
@@ -193,7 +199,7 @@ fn left(truth: &Truth, plan: &Plan, spec: &str) -> Option<f64> {
             std::fs::write(&path, change(&text)).expect("written");
         };
         edit("study.toml", &|toml| {
-            toml.replace("\nsigma = 0.0\n", &format!("\nsigma = {}\n", plan.sigma))
+            toml.replace("\nsigma = 0.0001\n", &format!("\nsigma = {}\n", plan.sigma))
         });
         // The same loads twice give the same readings, which would look copied; a micrometre of a micrometre tells them apart.
         edit("marks_measured.csv", &|marks| {

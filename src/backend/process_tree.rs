@@ -1,0 +1,265 @@
+//! All processes a run starts, ended with it.
+//!
+//! ADAMS' own `mdi` is a script, and the solver behind it holds the licence; a program may also put itself into a session of its own.
+//! A run leads a process group, its processes carry a mark in their environment, and on Linux orphans become children of this
+//! process (PR_SET_CHILD_SUBREAPER), so that none is lost.
+
+use std::process::{Child, Command};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+/// Runs that go on now: the process that was started, and the mark of its processes.
+static RUNNING: Mutex<Vec<(u32, String)>> = Mutex::new(Vec::new());
+
+/// True if this process had children before its first run: a shell may have started some and become this program.
+#[cfg(unix)]
+static HAS_OTHERS: std::sync::OnceLock<bool> = std::sync::OnceLock::new();
+
+/// Carries the mark.
+const MARK: &str = "ADMIRE_RUN";
+
+/// The processes of one run; they end when it goes out of scope.
+#[derive(Debug)]
+pub(super) struct ProcessTree {
+    root: u32,
+    mark: String,
+}
+
+/// Starts a command that leads a tree of its own.
+///
+/// # Errors
+/// When it cannot be started.
+pub(super) fn start(command: &mut Command) -> std::io::Result<(Child, ProcessTree)> {
+    static COUNT: AtomicUsize = AtomicUsize::new(0);
+    let count = COUNT.fetch_add(1, Ordering::Relaxed);
+    let mark = format!("{}-{count}", std::process::id());
+    command.env(MARK, &mark);
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::process_group(command, 0);
+    #[cfg(target_os = "linux")]
+    {
+        // Without it orphans are found by their mark all the same.
+        let _ = nix::sys::prctl::set_child_subreaper(true);
+    }
+    // Known before anybody looks for orphans.
+    running(|runs| {
+        #[cfg(unix)]
+        HAS_OTHERS.get_or_init(|| {
+            let me = std::process::id();
+            processes(&mark).iter().any(|process| process.parent == me)
+        });
+        let child = command.spawn()?;
+        let root = child.id();
+        runs.push((root, mark.clone()));
+        Ok((child, ProcessTree { root, mark }))
+    })
+}
+
+impl Drop for ProcessTree {
+    fn drop(&mut self) {
+        end(self.root, &self.mark);
+        running(|runs| runs.retain(|(root, _)| *root != self.root));
+    }
+}
+
+/// Ends all runs that go on: before this process ends itself.
+pub fn end_runs() {
+    for (root, mark) in running(|runs| runs.clone()) {
+        end(root, &mark);
+    }
+}
+
+fn running<T>(work: impl FnOnce(&mut Vec<(u32, String)>) -> T) -> T {
+    work(&mut RUNNING.lock().unwrap_or_else(PoisonError::into_inner))
+}
+
+/// One process of the system.
+#[cfg(unix)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+struct Process {
+    id: u32,
+    parent: u32,
+    group: u32,
+    /// It carries the mark of the run.
+    marked: bool,
+}
+
+/// Kills what belongs to a run, again until nothing does: what is about to start another process is found the next time.
+#[cfg(unix)]
+fn end(root: u32, mark: &str) {
+    use nix::sys::signal::{Signal, kill};
+    use nix::sys::wait::{WaitPidFlag, waitpid};
+    use nix::unistd::Pid;
+    let me = std::process::id();
+    let pid = |id: u32| i32::try_from(id).ok().map(Pid::from_raw);
+    let mut ended: Vec<u32> = Vec::new();
+    for _ in 0..100 {
+        // While no other run begins.
+        let found = running(|runs| {
+            let others: Vec<u32> = runs
+                .iter()
+                .map(|run| run.0)
+                .filter(|id| *id != root)
+                .collect();
+            let alone = others.is_empty() && HAS_OTHERS.get() == Some(&false);
+            let found = members(&processes(mark), root, me, &others, alone);
+            for id in &found {
+                // What ended by itself just now is no error.
+                let _ = pid(*id).map(|id| kill(id, Signal::SIGKILL));
+            }
+            found
+        });
+        ended.extend(found.iter().filter(|id| **id != root));
+        for id in &ended {
+            // Orphans are children of this process now; the root is waited for by who started it.
+            let _ = pid(*id).map(|id| waitpid(id, Some(WaitPidFlag::WNOHANG)));
+        }
+        if found.is_empty() {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+}
+
+#[cfg(not(unix))]
+fn end(root: u32, _: &str) {
+    let id = root.to_string();
+    let _ = Command::new("taskkill")
+        .args(["/T", "/F", "/PID", &id])
+        .output();
+}
+
+/// The processes of a run: marked ones, the group of its root, all below these; and orphans that left the group, where the run is
+/// `alone` and they can be nobody else's.
+#[cfg(unix)]
+fn members(all: &[Process], root: u32, me: u32, others: &[u32], alone: bool) -> Vec<u32> {
+    let own_group = all.iter().find(|p| p.id == me).map(|p| p.group);
+    let mut found: Vec<u32> = Vec::new();
+    loop {
+        let before = found.len();
+        for process in all {
+            let orphan = process.parent == me
+                && own_group.is_some_and(|group| group != process.group)
+                && alone;
+            let belongs = process.marked
+                || process.id == root
+                || process.group == root
+                || found.contains(&process.parent)
+                || orphan;
+            let other = process.id == me || others.contains(&process.id);
+            if belongs && !other && !found.contains(&process.id) {
+                found.push(process.id);
+            }
+        }
+        if found.len() == before {
+            return found;
+        }
+    }
+}
+
+/// All processes of the system that have not ended.
+#[cfg(target_os = "linux")]
+fn processes(mark: &str) -> Vec<Process> {
+    let mark = format!("{MARK}={mark}");
+    let Ok(entries) = std::fs::read_dir("/proc") else {
+        return Vec::new();
+    };
+    entries
+        .flatten()
+        .filter_map(|entry| {
+            let id: u32 = entry.file_name().to_str()?.parse().ok()?;
+            let stat = std::fs::read(entry.path().join("stat")).ok()?;
+            let (parent, group) = parent_and_group(&stat)?;
+            let environment = std::fs::read(entry.path().join("environ")).unwrap_or_default();
+            let marked = environment
+                .split(|byte| *byte == 0)
+                .any(|word| word == mark.as_bytes());
+            Some(Process {
+                id,
+                parent,
+                group,
+                marked,
+            })
+        })
+        .collect()
+}
+
+/// Parent and group of a line of /proc: `id (name) state parent group`; the name may hold anything. `None` of one that has ended.
+#[cfg(target_os = "linux")]
+fn parent_and_group(stat: &[u8]) -> Option<(u32, u32)> {
+    let behind = stat.iter().rposition(|byte| *byte == b')')? + 1;
+    let mut words = std::str::from_utf8(&stat[behind..])
+        .ok()?
+        .split_whitespace();
+    let state = words.next()?;
+    let (parent, group) = (words.next()?.parse().ok()?, words.next()?.parse().ok()?);
+    (!matches!(state, "Z" | "X")).then_some((parent, group))
+}
+
+/// All processes of the system; nothing shows their marks.
+#[cfg(all(unix, not(target_os = "linux")))]
+fn processes(_: &str) -> Vec<Process> {
+    let listed = Command::new("ps")
+        .args(["-A", "-o", "pid=,ppid=,pgid=,stat="])
+        .output();
+    let table = listed.map(|listed| listed.stdout).unwrap_or_default();
+    String::from_utf8_lossy(&table)
+        .lines()
+        .filter_map(|line| {
+            let mut words = line.split_whitespace();
+            let mut number = || words.next()?.parse().ok();
+            let (id, parent, group) = (number()?, number()?, number()?);
+            let ended = words.next()?.starts_with('Z');
+            (!ended).then_some(Process {
+                id,
+                parent,
+                group,
+                marked: false,
+            })
+        })
+        .collect()
+}
+
+#[cfg(test)]
+#[cfg(unix)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_run_started_is_found_and_strangers_are_not() {
+        let process = |id, parent, group| Process {
+            id,
+            parent,
+            group,
+            marked: id == 40,
+        };
+        let all = [
+            process(1, 0, 1),
+            process(10, 1, 10),
+            // The run, its child, a grandchild in a session of its own, an orphan that left the group, and a marked one elsewhere.
+            process(20, 10, 20),
+            process(21, 20, 20),
+            process(22, 21, 22),
+            process(30, 10, 30),
+            process(40, 1, 40),
+            process(41, 40, 41),
+            // Another child of this process, in its own group; a stranger.
+            process(50, 10, 10),
+            process(60, 1, 60),
+        ];
+        let mut found = members(&all, 20, 10, &[], true);
+        found.sort_unstable();
+        assert_eq!(found, [20, 21, 22, 30, 40, 41]);
+        // Whose orphan 30 is cannot be told while run 30 goes on.
+        let mut found = members(&all, 20, 10, &[30], false);
+        found.sort_unstable();
+        assert_eq!(found, [20, 21, 22, 40, 41]);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn names_of_processes_may_hold_anything() {
+        assert_eq!(parent_and_group(b"7 (a) S 9 (b) S 3 5 5 0"), Some((3, 5)));
+        assert_eq!(parent_and_group(b"7 (a) Z 3 5 5 0"), None);
+    }
+}

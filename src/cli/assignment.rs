@@ -1,0 +1,208 @@
+//! What an assignment of the command line means: `BUSHING/*.K.1*=1.2` is one value for each of several addresses.
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::grammar::{ArgumentDef, STATEMENTS, ValueKind};
+use crate::syntax::{Address, Argument, Dataset, Value, number, spell_like};
+use crate::units::Dimension;
+
+use super::shell::{Exit, Shell};
+
+/// What stands in front of the equals sign.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Operator {
+    Set,
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+}
+
+/// The plain assignments that one of the command line stands for: an address and the text of its new value each. `degrees` says
+/// that plain numbers for angles are degrees.
+pub(super) fn expanded(
+    assignment: &str,
+    dataset: &Dataset,
+    degrees: bool,
+    shell: &Shell,
+) -> Result<Vec<(Address, String)>, Exit> {
+    let Some((left, value)) = assignment.split_once('=') else {
+        return Err(shell.usage(
+            Diagnostic::error(Code::BadNumber, format!("`{assignment}` has no `=`"))
+                .help("write ADDRESS=VALUE, or ADDRESS*=FACTOR, +=, -=, /="),
+        ));
+    };
+    let value = value.trim();
+    let (left, operator) = operator(left);
+    let refuse = |mut refused: Diagnostic| {
+        refused.labels.clear();
+        refused.message = format!("`{left}`: {}", refused.message);
+        shell.fail(refused)
+    };
+    let addresses = Address::matching(left, dataset).map_err(refuse)?;
+    if operator == Operator::Set {
+        return Ok(addresses
+            .into_iter()
+            .map(|address| {
+                let text = match plain_number(value) {
+                    Some(number) if degrees && is_angle(&address, dataset) => format!("{number}D"),
+                    _ => value.to_string(),
+                };
+                (address, text)
+            })
+            .collect());
+    }
+    let Some((operand, has_suffix)) = number::parse_number(value.as_bytes()) else {
+        return Err(shell.usage(Diagnostic::error(
+            Code::BadNumber,
+            format!("`{value}` is not a number to reckon with"),
+        )));
+    };
+    let mut all = Vec::new();
+    for address in addresses
+        .iter()
+        .flat_map(|address| places(address, dataset))
+    {
+        let Some(old) = dataset.value_at(&address) else {
+            let message = format!("{address} is not a number");
+            return Err(shell.fail(Diagnostic::error(Code::WrongType, message)));
+        };
+        // An angle that is written in degrees is reckoned in degrees: they have fewer digits.
+        let written = dataset
+            .number_at(&address)
+            .is_some_and(|number| number.degrees);
+        let in_degrees = written || degrees && is_angle(&address, dataset);
+        let old = if in_degrees {
+            rounded(old.to_degrees())
+        } else {
+            old
+        };
+        // A term has the unit of the value, a factor has none.
+        let term = match (in_degrees, degrees && !has_suffix) {
+            (true, false) => rounded(operand.to_degrees()),
+            _ => operand,
+        };
+        let new = match operator {
+            Operator::Add => old + term,
+            Operator::Subtract => old - term,
+            Operator::Multiply => old * operand,
+            Operator::Divide => old / operand,
+            Operator::Set => term,
+        };
+        if !new.is_finite() {
+            let message = format!("{address} cannot be {new}: it is not a number");
+            return Err(shell.fail(Diagnostic::error(Code::OutOfRange, message)));
+        }
+        let suffix = if in_degrees { "D" } else { "" };
+        let new = rounded(new);
+        // In the style of the old spelling, which holds an angle in radians.
+        let text = match dataset.number_at(&address) {
+            Some(number) if written || !in_degrees => {
+                let value = if in_degrees { new.to_radians() } else { new };
+                spell_like(value, dataset.source().slice(number.span))
+            }
+            _ => format!("{new}{suffix}"),
+        };
+        all.push((address, text));
+    }
+    Ok(all)
+}
+
+/// The address and the operator in front of the equals sign. A star behind a dot or slash is part of a pattern.
+fn operator(left: &str) -> (&str, Operator) {
+    let left = left.trim();
+    let Some(last) = left.chars().next_back() else {
+        return (left, Operator::Set);
+    };
+    let before = &left[..left.len() - last.len_utf8()];
+    let operator = match last {
+        '*' if before.ends_with(['.', '/']) => return (left, Operator::Set),
+        '*' => Operator::Multiply,
+        '/' => Operator::Divide,
+        '+' => Operator::Add,
+        '-' => Operator::Subtract,
+        _ => return (left, Operator::Set),
+    };
+    (before.trim_end(), operator)
+}
+
+/// An argument of several numbers is all of them.
+fn places(address: &Address, dataset: &Dataset) -> Vec<Address> {
+    let Some(name) = address
+        .argument
+        .as_deref()
+        .filter(|_| address.index.is_none())
+    else {
+        return vec![address.clone()];
+    };
+    let count = dataset.find(address).map_or(0, |statement| {
+        match statement.argument(name).map(|argument| &argument.value) {
+            Some(Value::Numbers(_)) => statement.all(name).flat_map(Argument::numbers).count(),
+            _ => 0,
+        }
+    });
+    if count < 2 {
+        return vec![address.clone()];
+    }
+    let place = |index| Address {
+        index: Some(index),
+        ..address.clone()
+    };
+    (1..=count).map(place).collect()
+}
+
+fn definition(address: &Address) -> Option<&'static ArgumentDef> {
+    let def = STATEMENTS.iter().find(|def| def.name == address.kind)?;
+    let name = address.argument.as_deref()?;
+    def.arguments.iter().find(|argument| argument.name == name)
+}
+
+/// True if an address is that of an angle. Numbers inside of functions have no unit but that of their suffix.
+pub(super) fn is_angle(address: &Address, dataset: &Dataset) -> bool {
+    match definition(address) {
+        Some(def) if def.kind == ValueKind::Real => def.dimension == Dimension::ANGLE,
+        Some(def) if def.kind == ValueKind::Function => {
+            address.index.is_some()
+                && dataset
+                    .number_at(address)
+                    .is_some_and(|number| number.degrees)
+        }
+        _ => false,
+    }
+}
+
+fn plain_number(value: &str) -> Option<f64> {
+    number::parse_number(value.as_bytes())
+        .filter(|(_, degrees)| !degrees)
+        .map(|(number, _)| number)
+}
+
+/// Fifteen digits: what is reckoned has rounding errors nobody wants in a deck.
+pub(super) fn rounded(value: f64) -> f64 {
+    format!("{value:.14e}").parse().unwrap_or(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stars_behind_dots_are_patterns() {
+        let read = |text| {
+            let (left, operator) = operator(text);
+            let mark = match operator {
+                Operator::Set => "=",
+                Operator::Add => "+",
+                Operator::Subtract => "-",
+                Operator::Multiply => "*",
+                Operator::Divide => "/",
+            };
+            format!("{left} {mark}")
+        };
+        assert_eq!(read("BUSHING/*.K.1*"), "BUSHING/*.K.1 *");
+        assert_eq!(read("BUSHING/1.K.*"), "BUSHING/1.K.* =");
+        assert_eq!(read("BUSHING/1.K.**"), "BUSHING/1.K.* *");
+        assert_eq!(read("BUSHING/1.K.* *"), "BUSHING/1.K.* *");
+        assert_eq!(read("arm.K /"), "arm.K /");
+        assert_eq!(read("MARKER/1.QP.3-"), "MARKER/1.QP.3 -");
+    }
+}

@@ -1,0 +1,160 @@
+//! `get` and `set` on command files: `SIMULATE#2.END`, `SFORCE/3.FUNCTION`.
+
+use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::grammar::{Lookup, Role, find_statement};
+use crate::syntax::{Address, CommandFile, Dataset, lint};
+use crate::text::{Source, Span, apply_edits};
+
+use super::set::edits;
+use super::shell::{Exit, Shell};
+
+/// What a text names among the commands of a file: for each of them its own name (`SIMULATE#2.END`), the command as the only
+/// statement of a dataset, and the address in that.
+///
+/// # Errors
+/// `undefined-id` if there is no such command, `ambiguous-keyword` if there are several and the text does not say which.
+pub(super) fn places(
+    file: &CommandFile,
+    text: &str,
+) -> Result<Vec<(String, Dataset, Address)>, Diagnostic> {
+    let (head, rest) = text.split_once('.').unwrap_or((text, ""));
+    let (head, which) = match head.split_once('#') {
+        Some((head, which)) => (head, Some(which.trim())),
+        None => (head, None),
+    };
+    let (keyword, id) = match head.split_once('/') {
+        Some((keyword, id)) => (keyword.trim(), id.trim()),
+        None => (head.trim(), ""),
+    };
+    let refuse = |code, message: String, help: String| {
+        Err(Diagnostic::error(code, message)
+            .label("address", Span::new(0, text.len()), "")
+            .help(help))
+    };
+    let Lookup::Found(def) = find_statement(keyword.as_bytes(), Role::Command) else {
+        return refuse(
+            Code::UnknownStatement,
+            format!("{keyword} is not a command"),
+            "write KIND.ARGUMENT, KIND/id.ARGUMENT, or KIND#2.ARGUMENT for the second one".into(),
+        );
+    };
+    let found: Vec<usize> = file
+        .commands()
+        .iter()
+        .enumerate()
+        .filter(|(_, command)| command.kind() == Some(def.name))
+        .filter(|(_, command)| {
+            id.is_empty() || id == "*" || command.number().is_some_and(|n| n.to_string() == id)
+        })
+        .map(|(at, _)| at)
+        .collect();
+    let chosen: Vec<(usize, usize)> = match which {
+        Some("*") => found.iter().copied().enumerate().collect(),
+        Some(number) => {
+            let at = number.parse::<usize>().ok().and_then(|n| n.checked_sub(1));
+            match at.and_then(|at| Some((at, *found.get(at)?))) {
+                Some(one) => vec![one],
+                None => {
+                    return refuse(
+                        Code::UndefinedId,
+                        format!("there is no {head}#{number}"),
+                        format!("the file has {} of them", found.len()),
+                    );
+                }
+            }
+        }
+        None if found.len() > 1 && id != "*" => {
+            return refuse(
+                Code::AmbiguousKeyword,
+                format!("the file has {} of {head}", found.len()),
+                format!(
+                    "write {head}#1 to {head}#{}, or {head}#* for all",
+                    found.len()
+                ),
+            );
+        }
+        None => found.iter().copied().enumerate().collect(),
+    };
+    if chosen.is_empty() {
+        return refuse(
+            Code::UndefinedId,
+            format!("the file has no {head}"),
+            "write KIND.ARGUMENT, KIND/id.ARGUMENT, or KIND#2.ARGUMENT for the second one".into(),
+        );
+    }
+    let mut all = Vec::new();
+    for (count, at) in chosen {
+        let one = Dataset::of_command(file, at);
+        let number = file.commands()[at].number();
+        let address = Address::of_kind(def, number, rest, text)?;
+        let object = match number {
+            Some(id) => format!("{}/{id}", def.name),
+            None => def.name.to_string(),
+        };
+        let behind = if rest.is_empty() { "" } else { "." };
+        all.push((
+            format!("{object}#{}{behind}{rest}", count + 1),
+            one,
+            address,
+        ));
+    }
+    Ok(all)
+}
+
+/// The command file after some assignments. One that would have a new fault is refused.
+pub(super) fn set(
+    source: Source,
+    assignments: &[String],
+    shell: &mut Shell,
+) -> Result<Vec<u8>, Exit> {
+    let mut file = source;
+    for assignment in assignments {
+        let Some((left, value)) = assignment.split_once('=') else {
+            return Err(shell.usage(
+                Diagnostic::error(Code::BadNumber, format!("`{assignment}` has no `=`"))
+                    .help("write ADDRESS=VALUE"),
+            ));
+        };
+        let commands = CommandFile::parse(file.clone());
+        let places = places(&commands.value, left.trim()).map_err(|mut refused| {
+            refused.labels.clear();
+            shell.fail(refused)
+        })?;
+        let mut all = Vec::new();
+        for (_, one, address) in &places {
+            all.extend(edits(one, address, value.trim()).map_err(|refused| {
+                shell
+                    .sources
+                    .add(Source::new("expression", value.as_bytes()));
+                shell.fail(refused)
+            })?);
+        }
+        let bytes = apply_edits(file.bytes(), &all).map_err(|conflict| {
+            shell.fail(Diagnostic::error(Code::CannotWrite, conflict.to_string()))
+        })?;
+        let new = Source::new(file.name(), bytes);
+        let before = errors(&file);
+        let worse: Vec<Diagnostic> = errors(&new)
+            .into_iter()
+            .filter(|found| !before.iter().any(|old| old.message == found.message))
+            .collect();
+        if !worse.is_empty() {
+            shell.sources.add(new);
+            shell.complain(&worse);
+            return Err(shell.fail(Diagnostic::error(
+                Code::WrongType,
+                format!("`{assignment}` is not written: the file would have a new fault"),
+            )));
+        }
+        file = new;
+    }
+    Ok(file.bytes().to_vec())
+}
+
+fn errors(source: &Source) -> Vec<Diagnostic> {
+    let file = CommandFile::parse(source.clone());
+    let mut found = file.diagnostics;
+    found.extend(lint::check_commands(&file.value));
+    found.retain(|found| found.severity == Severity::Error);
+    found
+}

@@ -1,0 +1,84 @@
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use clap_complete::ArgValueCompleter;
+
+use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::model::{Model, extract};
+use crate::syntax::{Address, Dataset};
+
+use super::Outcome;
+use super::addresses::complete;
+use super::edited::{edited, refuse_faults};
+use super::shell::{Exit, Shell};
+use super::target::Target;
+
+/// Take parts and what hangs on them out of a dataset as a dataset of its own.
+///
+/// Joints and forces of these parts stay, with all that their functions use. Their other ends are put on ground where the design puts
+/// them. Settings, gravity and units stay.
+#[derive(clap::Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct Arguments {
+    /// The dataset.
+    deck: PathBuf,
+    /// `PART/7`, `knuckle`, `front_*`, ...
+    #[arg(required = true, value_name = "PART", add = ArgValueCompleter::new(complete))]
+    parts: Vec<String>,
+    /// Write a dataset with new faults too.
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    target: Target,
+}
+
+const EXAMPLES: &str = "Examples:
+  admire extract car.adm knuckle -o knuckle.adm
+  admire extract car.adm PART/7 PART/8 | admire check -";
+
+/// Writes the smaller deck.
+pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    let source = shell.read(&arguments.deck)?;
+    let parsed = Dataset::parse(source);
+    let dataset = &parsed.value;
+    let mut bodies = BTreeSet::new();
+    for text in &arguments.parts {
+        let mut found = 0;
+        let addresses = Address::matching(text, dataset).map_err(|mut refused| {
+            refused.labels.clear();
+            refused.message = format!("`{text}`: {}", refused.message);
+            shell.fail(refused)
+        })?;
+        for address in addresses {
+            let statement = dataset
+                .find(&address)
+                .filter(|s| s.is_body() && !s.has("GROUND"));
+            if let Some(object) = statement.and_then(crate::syntax::Statement::object) {
+                bodies.insert(object);
+                found += 1;
+            }
+        }
+        if found == 0 {
+            let message = format!("`{text}` is no part that moves");
+            return Err(shell.fail(
+                Diagnostic::error(Code::UnknownTarget, message)
+                    .help("name parts, such as PART/7 or their view names"),
+            ));
+        }
+    }
+    let files = shell.read_files(dataset);
+    let model = Model::lower_with(dataset, &files.value);
+    let edits = extract(dataset, &model.value, &bodies).map_err(|refused| shell.fail(refused))?;
+    shell.complain(&edits.diagnostics);
+    let deck = edited(dataset, &edits.value, shell)?;
+    shell.sources.add(deck.value.source().clone());
+    refuse_faults(&parsed, &deck, arguments.force, shell)?;
+    arguments
+        .target
+        .deliver(&arguments.deck, deck.value.bytes(), shell)?;
+    let worst = edits.diagnostics.iter().map(|found| found.severity).max();
+    Ok(match worst {
+        Some(Severity::Error) => Exit::Findings,
+        _ => Exit::Fine,
+    })
+}

@@ -1,0 +1,51 @@
+use std::fmt::Write as _;
+
+use clap_complete::{ArgValueCompleter, CompletionCandidate};
+
+use crate::grammar::nearest;
+use crate::guide::{PAGES, page};
+
+use super::Outcome;
+use super::shell::{Exit, Shell};
+
+/// Show a page of the guide, or the list of its pages.
+///
+/// Examples: `admire guide`, `admire guide study`, `admire guide formats | less`.
+#[derive(clap::Args, Debug)]
+pub(super) struct Arguments {
+    /// The page; without it the list of pages.
+    #[arg(add = ArgValueCompleter::new(complete))]
+    topic: Option<String>,
+}
+
+/// Prints the page.
+pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    let Some(topic) = &arguments.topic else {
+        let mut out = String::new();
+        for page in PAGES {
+            writeln!(out, "  {:12} {}", page.topic, page.title()).expect("writing to a string");
+        }
+        shell.print(&out);
+        return Ok(Exit::Fine);
+    };
+    if let Some(page) = page(topic) {
+        shell.print(page.text);
+        return Ok(Exit::Fine);
+    }
+    let topics: Vec<String> = PAGES.iter().map(|page| page.topic.to_uppercase()).collect();
+    let help = nearest(topic, topics.iter().map(String::as_str)).map_or_else(
+        || format!("the pages are {}", topics.join(", ").to_lowercase()),
+        |near| format!("did you mean `{}`?", near.to_lowercase()),
+    );
+    shell.say(&format!("error: the guide has no page `{topic}`: {help}\n"));
+    Err(Exit::Usage)
+}
+
+fn complete(current: &std::ffi::OsStr) -> Vec<CompletionCandidate> {
+    let typed = current.to_string_lossy();
+    PAGES
+        .iter()
+        .filter(|page| page.topic.starts_with(&*typed))
+        .map(|page| CompletionCandidate::new(page.topic))
+        .collect()
+}

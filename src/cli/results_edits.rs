@@ -1,0 +1,129 @@
+//! New values in a results file: the file is written whole, and only the numbers that change are spelled anew.
+
+use std::path::Path;
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::results::{Change, ResultsError, StepFilter, rewrite_file};
+
+use super::Outcome;
+use super::results::{open, refused, selection};
+use super::shell::{Exit, Shell};
+use super::target::Target;
+
+/// One `COLUMN=VALUE`, with the operator in front of the equals sign.
+struct Assignment {
+    ids: Vec<usize>,
+    operator: Option<char>,
+    operand: f64,
+}
+
+/// Writes the file with the changes.
+pub(super) fn run(
+    file: &Path,
+    assignments: &[String],
+    filter: &StepFilter,
+    target: &Target,
+    shell: &mut Shell,
+) -> Outcome {
+    let to = target.file(file).filter(|path| *path != Path::new("-"));
+    let Some(to) = to else {
+        return Err(shell.usage(
+            Diagnostic::error(Code::CannotWrite, "results are written to a file")
+                .help("say where with -o FILE, or --in-place"),
+        ));
+    };
+    let mut reader = open(file, shell)?;
+    let mut all = Vec::new();
+    for text in assignments {
+        all.push(read(text, &reader, shell)?);
+    }
+    let time = reader
+        .catalogue()
+        .columns()
+        .find(|column| column.component.name.eq_ignore_ascii_case("TIME"))
+        .map(|column| column.component.id);
+    let (mut changes, mut last_step) = (Vec::new(), Vec::new());
+    let (mut values, mut now) = (Vec::new(), Vec::new());
+    while let Some(step) = reader.next_step().map_err(|error| refused(error, shell))? {
+        now.clear();
+        if let Some(time) = time {
+            step.pick(&[time], &mut now)
+                .map_err(|error| refused(error, shell))?;
+        }
+        if !filter.takes(step.index, step.kind, now.first().copied()) {
+            continue;
+        }
+        last_step.clear();
+        for assignment in &all {
+            values.clear();
+            step.pick(&assignment.ids, &mut values)
+                .map_err(|error| refused(error, shell))?;
+            for (id, old) in assignment.ids.iter().zip(&values) {
+                let operand = assignment.operand;
+                let value = match assignment.operator {
+                    None => operand,
+                    Some('*') => old * operand,
+                    Some('/') => old / operand,
+                    Some('+') => old + operand,
+                    Some(_) => old - operand,
+                };
+                last_step.push(Change {
+                    step: step.index,
+                    id: *id,
+                    value,
+                });
+            }
+        }
+        if !filter.last {
+            changes.append(&mut last_step);
+        }
+    }
+    changes.append(&mut last_step);
+    let written = rewrite_file(file, to, &changes).map_err(|error| match error {
+        ResultsError::Io(error) => shell.fail(Diagnostic::error(
+            Code::CannotWrite,
+            format!("`{}` cannot be written: {error}", to.display()),
+        )),
+        refusal @ ResultsError::Refused(_) => refused(refusal, shell),
+    })?;
+    shell.complain(&written.diagnostics);
+    shell.say(&format!("{} values changed\n", written.changed));
+    Ok(Exit::Fine)
+}
+
+fn read(
+    text: &str,
+    reader: &crate::results::AnyResults,
+    shell: &Shell,
+) -> Result<Assignment, Exit> {
+    let wrong = |message: String| {
+        shell.usage(
+            Diagnostic::error(Code::BadNumber, message)
+                .help("write COLUMN=VALUE, or COLUMN*=FACTOR, +=, -=, /="),
+        )
+    };
+    let Some((left, value)) = text.split_once('=') else {
+        return Err(wrong(format!("`{text}` has no `=`")));
+    };
+    let Some(operand) = value
+        .trim()
+        .parse::<f64>()
+        .ok()
+        .filter(|value| value.is_finite())
+    else {
+        return Err(wrong(format!("`{}` is not a number", value.trim())));
+    };
+    let left = left.trim();
+    // A star behind a dot stands for any component.
+    let operator = left
+        .chars()
+        .next_back()
+        .filter(|last| "*/+-".contains(*last) && !left.ends_with(".*"));
+    let column = operator.map_or(left, |last| left[..left.len() - last.len_utf8()].trim_end());
+    let selection = selection(reader, &[column.to_string()], shell)?;
+    Ok(Assignment {
+        ids: selection.ids(),
+        operator,
+        operand,
+    })
+}

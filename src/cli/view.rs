@@ -1,0 +1,177 @@
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::model::Model;
+use crate::report::scene::{bodies, motion};
+use crate::report::{Page, Scene};
+use crate::results::{AnyResults, Timestamp};
+use crate::syntax::Dataset;
+
+use super::Outcome;
+use super::results::{open, refused};
+use super::shell::{Exit, Shell, exit_of};
+
+/// Write a page that shows a mechanism in three dimensions, moving through the steps of a result.
+///
+/// Parts are drawn through the markers of their joints and forces, with the shapes of GRAPHICS statements that need no other file. The
+/// page is one file, needs no network, and enlarges displacements up to a thousand times. A results file alone shows its bodies as
+/// axes.
+#[derive(clap::Args, Debug)]
+#[command(
+    after_help = "Examples:\n  admire view model.adm\n  admire view model.adm run.res --out view.html\n  \
+                        admire view model.adm run.res --highlight BUSHING/2 --highlight JOINT/5"
+)]
+pub(super) struct Arguments {
+    /// The dataset; or a results file, if there is no dataset.
+    deck: PathBuf,
+    /// Results to move through: XRF (.res) or formatted results.
+    run: Option<PathBuf>,
+    /// The page to write; without it the name of the deck with `.html`, which must not exist yet.
+    #[arg(long, short, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// An object to mark, such as `BUSHING/2` or `PART/4`.
+    #[arg(long, value_name = "ADDRESS")]
+    highlight: Vec<String>,
+}
+
+/// Writes the page.
+pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    let target = target(arguments, shell)?;
+    let alone = is_results(&arguments.deck);
+    let mut exit = Exit::Fine;
+    let mut scene = if alone {
+        if arguments.run.is_some() {
+            let message = format!("`{}` is a results file", arguments.deck.display());
+            return Err(shell.usage(
+                Diagnostic::error(Code::UnsupportedResults, message)
+                    .help("the deck comes first, its results second"),
+            ));
+        }
+        let mut reader = open(&arguments.deck, shell)?;
+        let mut scene = bodies(&name(&arguments.deck), &reader);
+        moved(&mut scene, &mut reader, shell)?;
+        scene.notes.push(
+            "Without its deck a results file tells only where the frames of its bodies are."
+                .to_string(),
+        );
+        scene
+    } else {
+        let parsed = Dataset::parse(shell.read(&arguments.deck)?);
+        let files = shell.read_files(&parsed.value);
+        let lowered = Model::lower_with(&parsed.value, &files.value);
+        let mut complaints = parsed.diagnostics;
+        complaints.extend(lowered.diagnostics);
+        // A deck with errors is shown as far as it can be understood.
+        exit = exit_of(&complaints);
+        complaints.retain(|d| d.severity == Severity::Error);
+        shell.complain(&complaints);
+        let mut scene = Scene::of(&lowered.value, Some(&parsed.value));
+        if let Some(run) = &arguments.run {
+            let mut reader = open(run, shell)?;
+            moved(&mut scene, &mut reader, shell)?;
+        }
+        scene
+    };
+    if scene.title.is_empty() {
+        scene.title = name(&arguments.deck);
+    }
+    for address in &arguments.highlight {
+        if !scene.highlight(address, address) {
+            let message = format!("{address} is no part, joint or force that is drawn");
+            return Err(shell.fail(Diagnostic::error(Code::UndefinedId, message)));
+        }
+    }
+    let html = Page::of_scene(&scene, &lead(&scene), &footer(arguments));
+    shell.write(&target, html.as_bytes())?;
+    shell.print(&format!("view: {}\n", target.display()));
+    Ok(exit)
+}
+
+/// Whether a file is a results file, by how it begins; those may be too large to be read whole.
+fn is_results(path: &Path) -> bool {
+    let mut head = Vec::new();
+    let read = std::fs::File::open(path).and_then(|file| file.take(64).read_to_end(&mut head));
+    let begins = head.trim_ascii_start();
+    read.is_ok() && (begins.starts_with(b"<?xml") || begins.starts_with(b"FILE TYPE AND SOURCE"))
+}
+
+/// Where the page goes; a file that is there is only replaced where the user names it.
+fn target(arguments: &Arguments, shell: &Shell) -> Result<PathBuf, Exit> {
+    if let Some(out) = &arguments.out {
+        return Ok(out.clone());
+    }
+    if arguments.deck == Path::new("-") {
+        let message = "a deck from standard input has no name";
+        return Err(shell.usage(
+            Diagnostic::error(Code::CannotWrite, message).help("name the page: --out view.html"),
+        ));
+    }
+    let target = PathBuf::from(name(&arguments.deck)).with_extension("html");
+    if target.exists() {
+        let message = format!("`{}` exists", target.display());
+        let help = format!("--out {} replaces it", target.display());
+        return Err(shell.fail(Diagnostic::error(Code::CannotWrite, message).help(help)));
+    }
+    Ok(target)
+}
+
+fn name(path: &Path) -> String {
+    path.file_name().map_or_else(
+        || "deck".to_string(),
+        |name| name.to_string_lossy().into_owned(),
+    )
+}
+
+/// Gives the scene the steps of a results file.
+fn moved(scene: &mut Scene, reader: &mut AnyResults, shell: &Shell) -> Result<(), Exit> {
+    let found = motion(scene, reader).map_err(|error| refused(error, shell))?;
+    shell.complain(&reader.take_diagnostics());
+    let bodies = scene.parts.iter().filter(|part| !part.ground).count();
+    if bodies > 0 && found.missing.len() == bodies {
+        let message = "the results hold no position of any part of the deck";
+        return Err(shell.fail(Diagnostic::error(Code::UndefinedId, message)));
+    }
+    if !found.missing.is_empty() {
+        scene.notes.push(format!(
+            "The results hold no position of {}; they stay where the deck puts them.",
+            found.missing.join(", ")
+        ));
+    }
+    if found.others {
+        scene
+            .notes
+            .push("The results hold bodies that the deck does not have.".to_string());
+    }
+    if found.frames.len() < found.steps {
+        scene.notes.push(format!(
+            "{} of {} steps are shown, evenly spread.",
+            found.frames.len(),
+            found.steps
+        ));
+    }
+    scene.frames = found.frames;
+    Ok(())
+}
+
+fn lead(scene: &Scene) -> String {
+    let parts = scene.parts.iter().filter(|part| !part.ground).count();
+    let mut text = format!("{parts} parts, {} joints and forces", scene.objects.len());
+    if !scene.frames.is_empty() {
+        text += &format!(", {} steps", scene.frames.len());
+    }
+    text + &format!("; lengths in {}", scene.length)
+}
+
+fn footer(arguments: &Arguments) -> String {
+    let run = arguments
+        .run
+        .as_ref()
+        .map_or_else(String::new, |run| format!(" with {}", run.display()));
+    format!(
+        "{}{run} · admire {} · {} UTC",
+        arguments.deck.display(),
+        env!("CARGO_PKG_VERSION"),
+        Timestamp::now().date_time()
+    )
+}

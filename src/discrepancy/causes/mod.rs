@@ -1,0 +1,65 @@
+//! One file per cause: where in this deck it can occur, what it does to first order, and how the deck is extended by it.
+//!
+//! Knows the deck, the measurement and the state of every load case at the fit; not how hypotheses are compared.
+
+mod assembly_offset;
+mod body_compliance;
+mod bushing_coupling;
+mod bushing_orientation;
+mod channel_fault;
+mod dry_friction;
+mod element_parameter;
+mod frame_drift;
+mod hardpoint_error;
+mod link_compliance;
+mod load_crosstalk;
+mod load_gain;
+mod load_point_error;
+mod progressive_stiffness;
+mod stop_contact;
+
+use super::cause::Cause;
+use super::hypothesis::Hypothesis;
+use super::survey::Survey;
+
+/// Each class of causes is there with this probability, divided equally among its places and forms.
+pub const PRESENT: f64 = 0.05;
+
+/// Every hypothesis at every place of the deck, in a fixed order.
+pub fn all(survey: &Survey<'_>) -> Vec<Hypothesis> {
+    let mut out = Vec::new();
+    progressive_stiffness::hypotheses(survey, &mut out);
+    dry_friction::hypotheses(survey, &mut out);
+    link_compliance::hypotheses(survey, &mut out);
+    body_compliance::hypotheses(survey, &mut out);
+    assembly_offset::hypotheses(survey, &mut out);
+    hardpoint_error::hypotheses(survey, &mut out);
+    bushing_orientation::hypotheses(survey, &mut out);
+    bushing_coupling::hypotheses(survey, &mut out);
+    element_parameter::hypotheses(survey, &mut out);
+    stop_contact::hypotheses(survey, &mut out);
+    load_gain::hypotheses(survey, &mut out);
+    load_crosstalk::hypotheses(survey, &mut out);
+    load_point_error::hypotheses(survey, &mut out);
+    frame_drift::hypotheses(survey, &mut out);
+    channel_fault::hypotheses(survey, &mut out);
+    let class = |h: &Hypothesis| match h.cause {
+        // A link that yields and what it is fixed to are one class: often they are the same in the data.
+        Cause::BodyCompliance => (Cause::LinkCompliance, ""),
+        cause => (cause, h.side),
+    };
+    let classes: Vec<_> = out.iter().map(class).collect();
+    for h in &mut out {
+        let count = classes.iter().filter(|of| **of == class(h)).count();
+        h.ln_prior = (PRESENT / count as f64).ln();
+        if h.form == body_compliance::IN_LINE {
+            h.ln_prior -= std::f64::consts::LN_2;
+        }
+    }
+    out
+}
+
+/// How the address of a bushing's component ends.
+fn component(axis: usize) -> String {
+    format!("{}.{}", ["K", "KT"][axis / 3], axis % 3 + 1)
+}

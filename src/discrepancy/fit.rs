@@ -1,0 +1,535 @@
+//! The deck with some causes in it, fitted jointly with stiffnesses, tolerances and their sizes.
+
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::extended_deck::{ExtendedDeck, deck_of, like};
+use super::hypothesis::{Hypothesis, Unknown};
+use super::subject::{Data, Subject};
+use super::unknowns::{Known, Unknowns};
+use crate::identify::Problem;
+use crate::identify::global::gauss_newton::{Ending, LeastSquares, Tolerances, minimise};
+use crate::identify::global::{
+    Evaluation, FitUnknowns, Memory, NativePredictor, NuisanceLayout, Observations, Predictor,
+};
+use crate::system::{Parameters, State};
+use crate::tolerance::{self, Linear, Posterior, Sizes, Whitening};
+
+/// The longest step of the logarithm of a stiffness, at first and later.
+const REACH: [f64; 2] = [0.8, 1.2];
+/// A step that promises less than so many nats was the last one.
+const ENOUGH: f64 = 0.05;
+/// Steps of a fit at most.
+const STEPS: usize = 12;
+/// Steps that led uphill are shortened so often.
+const SHORTER: usize = 8;
+
+/// A model linearised where its fit ended, and what the readings say there.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// The deck; fits of the same structure share it.
+    pub deck: Arc<ExtendedDeck>,
+    /// What is in it.
+    pub chosen: Vec<Hypothesis>,
+    /// Unknowns of the deck: stiffnesses, members of the tolerance layer, numbers of causes.
+    pub unknowns: FitUnknowns,
+    /// Unknowns of the measurement.
+    pub layout: NuisanceLayout,
+    /// Values of all unknowns.
+    pub x: Vec<f64>,
+    /// Priors of all unknowns.
+    pub priors: Vec<tolerance::Unknown>,
+    /// Prediction minus reading of all rows in units of the declared noise.
+    pub misfit: DVector<f64>,
+    /// Its derivative by all unknowns.
+    pub jacobian: DMatrix<f64>,
+    /// What turned the rows.
+    pub whitening: Arc<Whitening>,
+    /// The Jacobian of turned rows.
+    pub turned: DMatrix<f64>,
+    /// The linear model.
+    pub linear: Arc<Linear>,
+    /// Sizes of tolerances.
+    pub sizes: Sizes,
+    /// What the readings say.
+    pub posterior: Posterior,
+    /// Where each number of each chosen hypothesis is among the unknowns.
+    pub places: Vec<Vec<usize>>,
+    /// Numbers of each case.
+    pub thetas: Vec<Parameters>,
+    /// Equilibrium of each case.
+    pub states: Vec<State>,
+    /// Contacts that remember.
+    pub memories: Vec<Memory>,
+}
+
+/// A number's estimate and its standard error in the units of `diagnosis.json`.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Estimate {
+    /// Its name.
+    pub name: String,
+    /// Value.
+    pub value: f64,
+    /// Standard error.
+    pub std_error: f64,
+}
+
+impl Fitted {
+    /// Turned residual (reading minus prediction) and Jacobian, whitened at the fit's sizes.
+    pub fn whitened(&self) -> (DVector<f64>, DMatrix<f64>) {
+        let weights = self.whitening.weights(&self.sizes.ln);
+        let residual = self
+            .whitening
+            .apply_vector(&-&self.misfit)
+            .component_mul(&weights);
+        let mut jacobian = self.turned.clone();
+        for (mut row, weight) in jacobian.row_iter_mut().zip(weights.iter()) {
+            row *= *weight;
+        }
+        (residual, jacobian)
+    }
+
+    /// True for a stiffness or a number of a cause, false for a small error.
+    pub fn is_of_the_model(&self, unknown: usize) -> bool {
+        self.priors[unknown].group.is_none()
+            || self.places.iter().flatten().any(|at| *at == unknown)
+    }
+
+    /// Logarithm of the prior odds of what is in it.
+    pub fn ln_prior(&self) -> f64 {
+        self.chosen.iter().map(|h| h.ln_prior).sum()
+    }
+
+    /// Logarithm of evidence and prior. What the linear model promises beyond where the fit could go does not count.
+    pub fn ln_posterior(&self) -> f64 {
+        self.posterior.ln_z - self.posterior.gain + self.ln_prior()
+    }
+
+    /// Numbers of a chosen hypothesis.
+    pub fn estimates(&self, chosen: usize) -> Vec<Estimate> {
+        let hypothesis = &self.chosen[chosen];
+        let covariance = &self.posterior.covariance;
+        hypothesis
+            .numbers
+            .iter()
+            .zip(&self.places[chosen])
+            .map(|(number, &at)| {
+                let (x, sd) = (self.x[at], covariance[(at, at)].max(0.0).sqrt());
+                let (value, std_error) = match number.unknown {
+                    Unknown::Compliance(_) => ((-x).exp(), (-x).exp() * sd),
+                    Unknown::SlipLength { .. } => {
+                        let first = self.places[chosen][0];
+                        let force = self.x[first];
+                        let scale = hypothesis.numbers[0].sd;
+                        let stiffness = force * scale / x.exp();
+                        // d ln(force / length) = d force / force - d ln length.
+                        let relative = covariance[(first, first)] / (force * force)
+                            + covariance[(at, at)]
+                            - 2.0 * covariance[(first, at)] / force;
+                        (stiffness, stiffness.abs() * relative.max(0.0).sqrt())
+                    }
+                    Unknown::Offset { .. } | Unknown::Member(_) => (x, sd),
+                    _ => (x * number.sd, sd * number.sd),
+                };
+                Estimate {
+                    name: number.name.clone(),
+                    value: value * number.unit,
+                    std_error: std_error * number.unit,
+                }
+            })
+            .collect()
+    }
+
+    /// Whether the data contradict the sign a chosen hypothesis must have.
+    pub fn has_wrong_sign(&self, chosen: usize) -> bool {
+        let hypothesis = &self.chosen[chosen];
+        hypothesis.one_sided
+            && !matches!(hypothesis.numbers[0].unknown, Unknown::Compliance(_))
+            && self.x[self.places[chosen][0]] < 0.0
+    }
+
+    /// Estimate and standard error of stiffness `k` of the study, in units of the deck.
+    pub fn stiffness(&self, k: usize) -> (f64, f64) {
+        let value = self.x[k].exp();
+        (
+            value,
+            value * self.posterior.covariance[(k, k)].max(0.0).sqrt(),
+        )
+    }
+
+    /// Prediction minus reading where the linear model would end with other sizes of tolerances.
+    pub fn at_sizes(&self, sizes: &Sizes) -> DVector<f64> {
+        match self.linear.posterior(sizes) {
+            Some(posterior) => &self.misfit + &self.jacobian * &posterior.step,
+            None => self.misfit.clone(),
+        }
+    }
+
+    /// Prediction minus reading without what a chosen hypothesis does to first order, `stiffnesses` refitted and all else as it is.
+    pub fn misfit_without(&self, chosen: usize, stiffnesses: usize) -> DVector<f64> {
+        let mut effect = DVector::zeros(self.misfit.len());
+        for at in &self.places[chosen] {
+            effect.axpy(self.x[*at], &self.jacobian.column(*at), 1.0);
+        }
+        let weights = self.whitening.weights(&self.sizes.ln);
+        let mut own = self.turned.columns(0, stiffnesses).into_owned();
+        for (mut row, weight) in own.row_iter_mut().zip(weights.iter()) {
+            row *= *weight;
+        }
+        let target = self.whitening.apply_vector(&effect).component_mul(&weights);
+        let information = own.tr_mul(&own) + DMatrix::identity(stiffnesses, stiffnesses);
+        let taken = match nalgebra::Cholesky::new(information) {
+            Some(factor) => factor.solve(&own.tr_mul(&target)),
+            None => DVector::zeros(stiffnesses),
+        };
+        &self.misfit - effect + self.jacobian.columns(0, stiffnesses) * taken
+    }
+
+    /// The same linear model on other rows, at the same sizes: unknowns and their covariance, without any new solution.
+    pub fn linearly(&self, whitening: &Whitening) -> Option<(DVector<f64>, Posterior)> {
+        let linear = Linear::new(
+            whitening,
+            &whitening.apply(&self.jacobian),
+            &whitening.apply_vector(&-&self.misfit),
+            self.priors.clone(),
+            DVector::from_column_slice(&self.x),
+        );
+        let posterior = linear.posterior(&self.sizes)?;
+        let misfit = &self.misfit + &self.jacobian * &posterior.step;
+        Some((misfit, posterior))
+    }
+}
+
+/// Fits the deck extended by some hypotheses; `guesses` of their numbers are in units of their priors. What `warm` knows better is
+/// taken from there. `None` where the extended deck cannot be compiled or solved.
+pub fn fit(
+    subject: &Subject<'_>,
+    chosen: &[(Hypothesis, Vec<f64>)],
+    warm: Option<(&Fitted, &[f64])>,
+    data: Data,
+    steps: usize,
+) -> Option<Fitted> {
+    let deck = deck_of(
+        subject,
+        chosen,
+        warm.map(|(fitted, _)| (fitted.chosen.as_slice(), &fitted.deck)),
+    )?;
+    let problem = Problem {
+        dataset: &deck.dataset,
+        model: &deck.model,
+        ..subject.problem.clone()
+    };
+    let known = warm.map(|(fitted, x)| Known {
+        unknowns: &fitted.unknowns,
+        chosen: &fitted.chosen,
+        places: &fitted.places,
+        x,
+    });
+    let unknowns = Unknowns::new((subject, &problem), &deck.prepared, chosen, known)?;
+    let cases: Vec<usize> = (0..problem.measurement.cases.len()).collect();
+    let observations = Observations::new(problem.measurement, &deck.model, &cases);
+    let mut predictor = deck
+        .prepared
+        .native(&problem, observations.observed.clone())
+        .ok()?
+        .remembering(unknowns.memories.clone());
+    if let Some((warm, _)) = warm {
+        for (case, state) in warm.states.iter().enumerate() {
+            let state = like(&deck, state, &warm.deck);
+            predictor.start_from(case, state, unknowns.deck.clone());
+        }
+    }
+    let whitening = Arc::new(subject.whitening(data));
+    let mut sweep = Sweep {
+        unknowns: &unknowns,
+        observations,
+        predictor,
+        whitening: &whitening,
+        stiffnesses: subject.problem.unknowns.len(),
+    };
+    let mut x = unknowns.start.clone();
+    if warm.is_none() {
+        sweep.stiffnesses_alone(&mut x);
+    }
+    let first = match warm {
+        Some((warm, _)) => warm.sizes.at(warm.sizes.modest(1.0)),
+        None => subject.sizes.clone(),
+    };
+    let settled = sweep.settle(x, &first, steps);
+    subject.spend(sweep.predictor.sweeps());
+    let settled = settled?;
+    let (mut thetas, mut states) = (Vec::new(), Vec::new());
+    for case in cases {
+        let (state, theta) = sweep.predictor.answer(case)?;
+        states.push(state.clone());
+        thetas.push(theta.clone());
+    }
+    Some(Fitted {
+        chosen: chosen.iter().map(|(h, _)| h.clone()).collect(),
+        x: settled.x,
+        turned: whitening.apply(&settled.evaluation.jacobian),
+        misfit: settled.evaluation.residual,
+        jacobian: settled.evaluation.jacobian,
+        linear: Arc::new(settled.linear),
+        sizes: settled.sizes,
+        posterior: settled.posterior,
+        priors: unknowns.priors,
+        unknowns: unknowns.list,
+        layout: unknowns.layout,
+        places: unknowns.places,
+        memories: unknowns.memories,
+        whitening,
+        thetas,
+        states,
+        deck,
+    })
+}
+
+/// A model as it is written for others: causes and stiffnesses, small errors of everything else left out.
+#[derive(Clone, Debug)]
+pub struct Plain {
+    /// Numbers of each case.
+    pub thetas: Vec<Parameters>,
+    /// Equilibrium of each case.
+    pub states: Vec<State>,
+}
+
+impl Plain {
+    /// Of a fit; `None` where a case cannot be solved.
+    pub fn new(subject: &Subject<'_>, fitted: &Fitted) -> Option<Self> {
+        let deck = &fitted.deck;
+        let problem = Problem {
+            dataset: &deck.dataset,
+            model: &deck.model,
+            ..subject.problem.clone()
+        };
+        let cases: Vec<usize> = (0..problem.measurement.cases.len()).collect();
+        let observations = Observations::new(problem.measurement, &deck.model, &cases);
+        let mut predictor = deck
+            .prepared
+            .native(&problem, observations.observed)
+            .ok()?
+            .remembering(fitted.memories.clone());
+        let parameters = deck.prepared.system.parameters();
+        for (case, state) in fitted.states.iter().enumerate() {
+            predictor.start_from(case, state.clone(), parameters.clone());
+        }
+        let mut x = fitted.x[..fitted.unknowns.len()].to_vec();
+        for (k, x) in x.iter_mut().enumerate() {
+            if !fitted.is_of_the_model(k) {
+                *x = 0.0;
+            }
+        }
+        predictor.predict(&fitted.unknowns.numbers(&parameters, &x), None);
+        subject.spend(1);
+        let (mut thetas, mut states) = (Vec::new(), Vec::new());
+        for case in cases {
+            let (state, theta) = predictor.answer(case)?;
+            states.push(state.clone());
+            thetas.push(theta.clone());
+        }
+        Some(Self { thetas, states })
+    }
+}
+
+/// Steps of an ordinary fit.
+pub const FULL: usize = STEPS;
+
+/// The model of a fit on other data or with other weights, from where it ended.
+pub fn refit(subject: &Subject<'_>, fitted: &Fitted, data: Data) -> Option<Fitted> {
+    fit(
+        subject,
+        &unguessed(fitted),
+        Some((fitted, &fitted.x)),
+        data,
+        FULL,
+    )
+}
+
+/// What is in a fit, with guesses that its own values replace.
+pub fn unguessed(fitted: &Fitted) -> Vec<(Hypothesis, Vec<f64>)> {
+    let chosen = fitted.chosen.iter();
+    chosen
+        .map(|h| (h.clone(), vec![0.0; h.numbers.len()]))
+        .collect()
+}
+
+/// The end of a fit.
+struct Settled {
+    x: Vec<f64>,
+    evaluation: Evaluation,
+    linear: Linear,
+    sizes: Sizes,
+    posterior: Posterior,
+}
+
+/// Residuals as a function of the unknowns.
+struct Sweep<'a> {
+    unknowns: &'a Unknowns,
+    observations: Observations<'a>,
+    predictor: NativePredictor<'a>,
+    whitening: &'a Whitening,
+    /// How many unknowns are stiffnesses; they come first.
+    stiffnesses: usize,
+}
+
+impl Sweep<'_> {
+    /// Solves all cases; derivatives by the first `active` unknowns of the deck, by all if it is `None`.
+    fn evaluate(&mut self, x: &[f64], active: Option<usize>) -> Option<Evaluation> {
+        let own = &self.unknowns.list;
+        let count = own.len();
+        let numbers = own.numbers(&self.unknowns.deck, &x[..count]);
+        let mut directions = own.directions(&numbers.theta, &x[..count]);
+        directions.truncate(active.unwrap_or(count));
+        let prediction = self.predictor.predict(&numbers, Some(&directions));
+        let inner = count + self.unknowns.layout.sd.len();
+        let mut out =
+            self.observations
+                .evaluate(&prediction, &self.unknowns.layout, &x[..inner], true)?;
+        let rows = &self.unknowns.rows;
+        out.jacobian = out.jacobian.resize_horizontally(inner + rows.len(), 0.0);
+        for (k, column) in rows.iter().enumerate() {
+            for (row, value) in column {
+                out.residual[*row] += value * x[inner + k];
+                out.jacobian[(*row, inner + k)] = *value;
+            }
+        }
+        Some(out)
+    }
+
+    /// Stiffnesses first, from the deck, as if all else were exact.
+    fn stiffnesses_alone(&mut self, x: &mut [f64]) {
+        let count = self.stiffnesses;
+        if count == 0 {
+            return;
+        }
+        let priors = &self.unknowns.priors[..count];
+        let priors: Vec<_> = priors
+            .iter()
+            .map(|prior| crate::identify::global::gauss_newton::Prior {
+                mean: prior.mean,
+                sd: prior.sd,
+            })
+            .collect();
+        let scale: Vec<f64> = priors.iter().map(|prior| prior.sd.min(1.0)).collect();
+        let start = x[..count].to_vec();
+        let tolerances = Tolerances {
+            decrement: 0.1,
+            step: 1e-3,
+            max_iterations: 40,
+        };
+        let mut alone = Alone {
+            sweep: self,
+            rest: x.to_vec(),
+        };
+        let held = vec![false; count];
+        let found = minimise(&mut alone, &start, &priors, &scale, &held, tolerances);
+        if let Some(found) = found.filter(|found| found.ending != Ending::NoAnswer) {
+            x[..count].copy_from_slice(&found.x);
+        }
+    }
+
+    /// Gauss-Newton over everything, the sizes by their evidence at every step.
+    fn settle(&mut self, start: Vec<f64>, first: &Sizes, steps: usize) -> Option<Settled> {
+        let mut sizes = first.clone();
+        let mut x = start;
+        let mut evaluation = self.evaluate(&x, None)?;
+        // Steps of stiffnesses are made in what the deflections are linear in.
+        let mut list = self.unknowns.list.clone();
+        list.set_shares(&self.predictor.shares(&list.springs()).unwrap_or_default());
+        let count = list.len();
+        for step_number in 0.. {
+            let linear = self.linear(&evaluation, &x);
+            sizes = linear.sized(&sizes);
+            let posterior = linear.posterior(&sizes)?;
+            let objective = linear.objective(&sizes);
+            if posterior.gain < ENOUGH || step_number >= steps {
+                return Some(Settled {
+                    x,
+                    evaluation,
+                    linear,
+                    sizes,
+                    posterior,
+                });
+            }
+            let reach = REACH[step_number.min(1)];
+            let (low, high) = list.limits(&vec![1.0; count], reach);
+            let limited: Vec<(usize, f64)> = (0..count)
+                .filter(|k| self.unknowns.is_logarithm(*k))
+                .map(|k| (k, posterior.step[k].clamp(low[k], high[k])))
+                .filter(|(k, step)| *step != posterior.step[*k])
+                .collect();
+            let mut step = posterior.step_with(&limited);
+            for (k, (low, high)) in low.iter().zip(&high).enumerate() {
+                if self.unknowns.is_logarithm(k) {
+                    step[k] = step[k].clamp(*low, *high);
+                }
+            }
+            let mut next = None;
+            for _ in 0..SHORTER {
+                let mut there = list.moved(&x, &step.rows(0, count).into_owned());
+                there.extend(x.iter().zip(step.iter()).skip(count).map(|(x, s)| x + s));
+                if let Some(found) = self.evaluate(&there, None) {
+                    let value = self.linear(&found, &there).objective(&sizes);
+                    if value <= objective + ENOUGH {
+                        next = Some((there, found));
+                        break;
+                    }
+                }
+                step *= 0.35;
+            }
+            let Some((there, found)) = next else {
+                // Where no step leads down the answers are those of the last trial; go back.
+                let evaluation = self.evaluate(&x, None)?;
+                return Some(Settled {
+                    linear: self.linear(&evaluation, &x),
+                    x,
+                    evaluation,
+                    sizes,
+                    posterior,
+                });
+            };
+            (x, evaluation) = (there, found);
+        }
+        None
+    }
+
+    fn linear(&self, evaluation: &Evaluation, x: &[f64]) -> Linear {
+        Linear::new(
+            self.whitening,
+            &self.whitening.apply(&evaluation.jacobian),
+            &self.whitening.apply_vector(&-&evaluation.residual),
+            self.unknowns.priors.clone(),
+            DVector::from_column_slice(x),
+        )
+    }
+}
+
+/// Stiffnesses alone, the rest where it is.
+struct Alone<'a, 'b> {
+    sweep: &'a mut Sweep<'b>,
+    rest: Vec<f64>,
+}
+
+impl LeastSquares for Alone<'_, '_> {
+    fn evaluate(&mut self, x: &[f64], with_jacobian: bool) -> Option<Evaluation> {
+        let mut all = self.rest.clone();
+        all[..x.len()].copy_from_slice(x);
+        let active = if with_jacobian { x.len() } else { 0 };
+        let out = self.sweep.evaluate(&all, Some(active))?;
+        let jacobian = out.jacobian.columns(0, active).into_owned();
+        Some(Evaluation {
+            residual: self.sweep.whitening.apply_vector(&out.residual),
+            jacobian: self.sweep.whitening.apply(&jacobian),
+        })
+    }
+
+    fn moved(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
+        self.sweep.unknowns.list.moved(x, step)
+    }
+
+    fn limits(&self, scale: &[f64], reach: f64) -> (Vec<f64>, Vec<f64>) {
+        self.sweep.unknowns.list.limits(scale, reach)
+    }
+}

@@ -1,0 +1,182 @@
+//! Cases no fit saw: what a model says of them, and how much better it says it with the causes found.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use super::fit::Fitted;
+use super::subject::{Data, Subject};
+use crate::identify::global::Row;
+use crate::rig::orientation::chi_square_p_value;
+use crate::tolerance::Whitening;
+
+/// How held-out readings agree with a model.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct HeldOutTest {
+    /// Rms of one mark coordinate, outliers left out.
+    pub marks_rms: Option<f64>,
+    /// Rms of camber and steer of the wheel, degrees.
+    pub wheel_deg_rms: Option<[f64; 2]>,
+    /// Chi-square with the prediction's own covariance.
+    pub chi_square: f64,
+    /// Readings in it.
+    pub dof: usize,
+    /// Its p-value.
+    pub p_value: f64,
+}
+
+/// A model that has not seen the cases held out.
+#[derive(Clone, Debug)]
+pub struct Blind {
+    /// Prediction minus reading of all rows.
+    pub misfit: DVector<f64>,
+    /// Covariance of its unknowns.
+    covariance: DMatrix<f64>,
+}
+
+impl Blind {
+    /// A fit without the cases held out, in the linear model of all. What acts on single rows alone is as it was.
+    pub fn new(subject: &Subject<'_>, fitted: &Fitted) -> Option<Self> {
+        if !subject.holds_out() {
+            return None;
+        }
+        let (misfit, posterior) = fitted.linearly(&subject.whitening(Data::Fitted))?;
+        Some(Self {
+            misfit,
+            covariance: posterior.covariance,
+        })
+    }
+
+    /// Tests the held-out rows; `None` where there are none.
+    pub fn test(&self, subject: &Subject<'_>, fitted: &Fitted) -> Option<HeldOutTest> {
+        let rows = unseen(subject);
+        let (chi_square, dof) = self.chi_square(subject, fitted, &rows)?;
+        Some(HeldOutTest {
+            marks_rms: self.marks_rms(subject, &rows),
+            wheel_deg_rms: self.wheel_rms(subject, &rows),
+            chi_square,
+            dof,
+            p_value: chi_square_p_value(chi_square, dof),
+        })
+    }
+
+    fn chi_square(
+        &self,
+        subject: &Subject<'_>,
+        fitted: &Fitted,
+        rows: &[usize],
+    ) -> Option<(f64, usize)> {
+        let mut only = vec![false; subject.rows.len()];
+        for row in rows {
+            only[*row] = true;
+        }
+        let whitening: &Whitening = &fitted.whitening;
+        let weights = whitening.weights(&fitted.sizes.ln);
+        let turned: Vec<usize> = (0..only.len())
+            .filter(|k| only[*k] && weights[*k] > 0.0)
+            .collect();
+        if turned.is_empty() {
+            return None;
+        }
+        let r = whitening.apply_vector(&self.misfit).component_mul(&weights);
+        let mut J = fitted.turned.clone();
+        for (mut row, weight) in J.row_iter_mut().zip(weights.iter()) {
+            row *= *weight;
+        }
+        let (r, J) = (r.select_rows(&turned), J.select_rows(&turned));
+        let n = turned.len();
+        let S = &J * &self.covariance * J.transpose() + DMatrix::identity(n, n);
+        Some((r.dot(&Cholesky::new(S)?.solve(&r)), n))
+    }
+
+    fn marks_rms(&self, subject: &Subject<'_>, rows: &[usize]) -> Option<f64> {
+        let marks = rows.iter().filter(|k| {
+            matches!(subject.rows[**k], Row::Mark { .. }) && subject.precision[**k] > 0.0
+        });
+        let squares: Vec<f64> = marks.map(|k| self.misfit[*k].powi(2)).collect();
+        let mean = squares.iter().sum::<f64>() / squares.len().max(1) as f64;
+        (!squares.is_empty()).then(|| mean.sqrt() * subject.sigma)
+    }
+
+    fn wheel_rms(&self, subject: &Subject<'_>, rows: &[usize]) -> Option<[f64; 2]> {
+        let sigma = subject.problem.measurement.wheel.as_ref()?.sigma_angle_deg;
+        let rms = |component: usize| {
+            let of = |k: &&usize| matches!(subject.rows[**k], Row::Wheel { component: c, .. } if c == component);
+            let squares: Vec<f64> = rows
+                .iter()
+                .filter(of)
+                .map(|k| (self.misfit[*k] * sigma).powi(2))
+                .collect();
+            (!squares.is_empty())
+                .then(|| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
+        };
+        Some([rms(3)?, rms(4)?])
+    }
+}
+
+fn unseen(subject: &Subject<'_>) -> Vec<usize> {
+    (0..subject.rows.len())
+        .filter(|k| subject.is_held_out(subject.rows[*k].case()))
+        .collect()
+}
+
+/// By how much the rms of marks held out falls from one model to another, with its standard error: the cases are left out one after
+/// the other (jackknife), because the readings of one case share their errors.
+pub fn marks_gain(subject: &Subject<'_>, before: &Blind, after: &Blind) -> Option<(f64, f64)> {
+    let mut by_case = BTreeMap::new();
+    for k in unseen(subject) {
+        let Row::Mark { case, .. } = subject.rows[k] else {
+            continue;
+        };
+        if subject.precision[k] == 0.0 {
+            continue;
+        }
+        let sums = by_case.entry(case).or_insert([0.0; 3]);
+        sums[0] += before.misfit[k].powi(2);
+        sums[1] += after.misfit[k].powi(2);
+        sums[2] += 1.0;
+    }
+    let gain = |without: Option<usize>| {
+        let mut sums = [0.0; 3];
+        for (_, own) in by_case.iter().filter(|(case, _)| Some(**case) != without) {
+            for (sum, own) in sums.iter_mut().zip(own) {
+                *sum += own;
+            }
+        }
+        ((sums[0] / sums[2]).sqrt() - (sums[1] / sums[2]).sqrt()) * subject.sigma
+    };
+    let n = by_case.len() as f64;
+    if by_case.is_empty() {
+        return None;
+    }
+    let left: Vec<f64> = by_case.keys().map(|case| gain(Some(*case))).collect();
+    let mean = left.iter().sum::<f64>() / n;
+    let spread: f64 = left.iter().map(|g| (g - mean).powi(2)).sum();
+    let error = if n > 1.0 {
+        (spread * (n - 1.0) / n).sqrt()
+    } else {
+        f64::NAN
+    };
+    Some((gain(None), error))
+}
+
+/// By how much two models differ in their readings: rms of marks and channels in units of their noise, and of wheel angles in degrees.
+pub fn moved(subject: &Subject<'_>, a: &DVector<f64>, b: &DVector<f64>) -> (f64, f64) {
+    let (mut marks, mut angles) = ((0.0, 0), (0.0, 0));
+    let wheel = subject.problem.measurement.wheel.as_ref();
+    let angle = wheel.map_or(0.0, |w| w.sigma_angle_deg);
+    let unit = subject.sigma / subject.mark_sigma();
+    for (k, row) in subject.rows.iter().enumerate() {
+        let change = a[k] - b[k];
+        let (sum, scale) = match row {
+            Row::Mark { .. } => (&mut marks, unit),
+            Row::Channel { .. } => (&mut marks, 1.0),
+            Row::Wheel { component: 3.., .. } => (&mut angles, angle),
+            Row::Wheel { .. } => continue,
+        };
+        sum.0 += (change * scale).powi(2);
+        sum.1 += 1;
+    }
+    let rms = |(sum, count): (f64, i32)| (sum / f64::from(count.max(1))).sqrt();
+    (rms(marks), rms(angles))
+}

@@ -1,0 +1,232 @@
+//! A hypothesis as data: what would be wrong, what that does to first order, and how a fit takes it in.
+
+use super::cause::Cause;
+use crate::identify::global::Row;
+use crate::mechanics::Vec6;
+use crate::model::MarkerIx;
+use crate::syntax::{Address, NewStatement};
+
+/// The effect of one number of a hypothesis to first order, per unit of the number.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Column {
+    /// None of its own: it is a member of the tolerance layer, or is found by fitting alone.
+    None,
+    /// Numbers of the deck change by these amounts in every load case.
+    Always(Vec<(Address, f64)>),
+    /// Numbers of the deck change by these amounts, one per load case.
+    PerCase(Vec<(Address, Vec<f64>)>),
+    /// A wrench in J axes acts on marker I, its opposite on the part of J; one per load case.
+    Wrench((MarkerIx, MarkerIx), Vec<Vec6>),
+    /// Rows of the residual change.
+    Rows(Vec<(usize, f64)>),
+}
+
+/// How the number becomes an unknown of a fit.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Unknown {
+    /// As the column says, which holds for any size.
+    Linear,
+    /// This member of the tolerance layer: it may be larger than others of its group by the number's standard deviation.
+    Member(usize),
+    /// Numbers of the extended deck.
+    Extended(Vec<(Address, f64)>),
+    /// The number is a compliance: its inverse is each of these stiffnesses of the extended deck.
+    Compliance(Vec<Address>),
+    /// A displacement of the two sides of a bushing along one of its components: the preload follows the stiffness.
+    Offset {
+        /// K or KT.
+        stiffness: Address,
+        /// FORCE or TORQUE.
+        preload: Address,
+    },
+    /// The logarithm of the length a friction spring stretches before it slips, with its first guess and its usual size; the first
+    /// number of the hypothesis over this length is what is reported, as a stiffness.
+    SlipLength {
+        /// Where the length stands.
+        address: Address,
+        /// First guess.
+        start: f64,
+        /// Median of its prior.
+        usual: f64,
+    },
+}
+
+/// One number of a hypothesis.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Number {
+    /// Its name in `diagnosis.json`.
+    pub name: String,
+    /// Prior mean, where the fit starts; zero for everything that is not there in a sound model.
+    pub mean: f64,
+    /// Prior standard deviation: the size such an effect may well have.
+    pub sd: f64,
+    /// What one unit of it is in the units of `diagnosis.json`.
+    pub unit: f64,
+    /// First-order effect.
+    pub column: Column,
+    /// How a fit sets it.
+    pub unknown: Unknown,
+}
+
+/// A change of the deck's structure.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Change {
+    /// A new statement.
+    Add(NewStatement),
+    /// The text of an argument.
+    Text(Address, String),
+}
+
+/// A cause at a place.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Hypothesis {
+    /// What.
+    pub cause: Cause,
+    /// Where.
+    pub address: String,
+    /// All addresses of the same thing, if there are several.
+    pub members: Vec<String>,
+    /// `point` if all parts that meet there go together, `part` if one side does; empty where that says nothing.
+    pub side: &'static str,
+    /// Distinguishes several forms of the same cause at the same place.
+    pub form: &'static str,
+    /// Its numbers.
+    pub numbers: Vec<Number>,
+    /// Logarithm of its prior odds.
+    pub ln_prior: f64,
+    /// True if the first number can only be positive.
+    pub one_sided: bool,
+    /// What it adds to the deck before its numbers exist; they are zero there in effect.
+    pub changes: Vec<Change>,
+    /// What it carries from case to case.
+    pub memory: Option<MemoryPlan>,
+}
+
+/// A slider: its anchor before the first case, the length of its spring, and the function that measures its displacement.
+#[derive(Clone, PartialEq, Debug)]
+pub struct MemoryPlan {
+    /// A number of the extended deck.
+    pub anchor: Address,
+    /// A number of the extended deck.
+    pub length: Address,
+    /// A function of the extended deck.
+    pub measure: String,
+}
+
+impl Hypothesis {
+    /// One that needs no change of the deck's structure.
+    pub fn plain(cause: Cause, address: String, form: &'static str, numbers: Vec<Number>) -> Self {
+        Self {
+            cause,
+            address,
+            members: Vec::new(),
+            side: "",
+            form,
+            numbers,
+            ln_prior: 0.0,
+            one_sided: false,
+            changes: Vec::new(),
+            memory: None,
+        }
+    }
+
+    /// Members of the tolerance layer that stand out of their groups.
+    pub fn outstanding(
+        cause: Cause,
+        address: String,
+        form: &'static str,
+        members: impl IntoIterator<Item = (usize, String)>,
+        sd: f64,
+    ) -> Self {
+        let numbers = members.into_iter().map(|(member, name)| Number {
+            name,
+            mean: 0.0,
+            sd,
+            unit: 1.0,
+            column: Column::None,
+            unknown: Unknown::Member(member),
+        });
+        Self::plain(cause, address, form, numbers.collect())
+    }
+
+    /// True if both say the same of the same place, in whatever form.
+    pub fn same_place(&self, other: &Self) -> bool {
+        self.cause == other.cause && self.address == other.address && self.side == other.side
+    }
+
+    /// The case in which alone it acts, if it is a fault of readings of one case.
+    pub fn only_case(&self, rows: &[Row]) -> Option<usize> {
+        let mut cases = self
+            .numbers
+            .iter()
+            .flat_map(|number| match &number.column {
+                Column::Rows(column) if self.cause.of_the_measurement() => column.as_slice(),
+                _ => &[],
+            })
+            .map(|(row, _)| rows[*row].case());
+        let first = cases.next()?;
+        cases.all(|case| case == first).then_some(first)
+    }
+
+    /// True if both are the same in the same form.
+    pub fn same(&self, other: &Self) -> bool {
+        self.same_place(other)
+            && self.form == other.form
+            && self.numbers.len() == other.numbers.len()
+    }
+
+    /// The members of the tolerance layer it lets stand out, with how far they may.
+    pub fn slab(&self) -> Vec<(usize, f64)> {
+        let member = |number: &Number| match number.unknown {
+            Unknown::Member(at) => Some((at, number.sd)),
+            _ => None,
+        };
+        self.numbers.iter().filter_map(member).collect()
+    }
+
+    /// True if all it says is that members of the tolerance layer stand out.
+    pub fn is_slab(&self) -> bool {
+        self.numbers
+            .iter()
+            .all(|number| matches!(number.unknown, Unknown::Member(_)))
+    }
+}
+
+impl Number {
+    /// A number whose column holds for any size.
+    pub fn linear(name: impl Into<String>, sd: f64, column: Column) -> Self {
+        Self {
+            column,
+            ..Self::new(name, sd, Unknown::Linear)
+        }
+    }
+
+    /// A number without any first-order effect of its own, which is found by fitting alone.
+    pub fn new(name: impl Into<String>, sd: f64, unknown: Unknown) -> Self {
+        Self {
+            name: name.into(),
+            mean: 0.0,
+            sd,
+            unit: 1.0,
+            column: Column::None,
+            unknown,
+        }
+    }
+}
+
+/// The address of one number.
+pub fn number(kind: &str, id: u32, argument: &str, index: Option<usize>) -> Address {
+    Address {
+        kind: kind.to_string(),
+        id: Some(id),
+        argument: Some(argument.to_string()),
+        index,
+    }
+}
+
+/// Names of six components.
+pub const SIX: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
+/// Components of a vector force.
+pub const FORCES: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
+/// Stiffness of the directions in which a split part does not yield.
+pub const RIGID: [f64; 2] = [1e7, 1e11];

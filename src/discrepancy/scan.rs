@@ -1,0 +1,238 @@
+//! What each hypothesis would gain, by projection: all from one matrix product, without any refit.
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use super::causes;
+use super::fit::Fitted;
+use super::hypothesis::Hypothesis;
+use super::subject::Subject;
+use super::survey::Survey;
+use crate::tolerance::{Posterior, Sizes, Unknown};
+
+/// Every hypothesis at a fit, with what each does to the turned rows.
+pub struct Catalogue {
+    /// Hypotheses that are not in the fit.
+    pub hypotheses: Vec<Hypothesis>,
+    /// Columns of each among `turned`.
+    ranges: Vec<std::ops::Range<usize>>,
+    /// Effects on reading minus prediction per unit of the prior, turned; of hypotheses that are no slabs.
+    turned: DMatrix<f64>,
+}
+
+/// What a hypothesis promises.
+#[derive(Clone, Debug)]
+pub struct Promise {
+    /// Which, in the catalogue.
+    pub at: usize,
+    /// Logarithm of the evidence with it over that without, and of its prior odds.
+    pub gain: f64,
+}
+
+impl Catalogue {
+    /// At a fit.
+    pub fn new(subject: &Subject<'_>, fitted: &Fitted) -> Self {
+        let survey = Survey::new(subject, fitted);
+        let mut hypotheses = causes::all(&survey);
+        hypotheses.retain(|h| !fitted.chosen.iter().any(|chosen| chosen.same_place(h)));
+        let own: Vec<Hypothesis> = hypotheses
+            .iter()
+            .filter(|h| !h.is_slab())
+            .cloned()
+            .collect();
+        let turned = fitted.whitening.apply(&survey.columns(&own));
+        let mut next = 0;
+        let range = |h: &Hypothesis| {
+            let count = if h.is_slab() { 0 } else { h.numbers.len() };
+            next += count;
+            next - count..next
+        };
+        Self {
+            ranges: hypotheses.iter().map(range).collect(),
+            hypotheses,
+            turned,
+        }
+    }
+
+    /// What all of them promise at these sizes, best first.
+    pub fn scan(&self, fitted: &Fitted, sizes: &Sizes) -> Vec<Promise> {
+        let Some(posterior) = fitted.linear.posterior(sizes) else {
+            return Vec::new();
+        };
+        let weights = fitted.whitening.weights(&sizes.ln);
+        // The residual where the linear model is best, and all columns, whitened.
+        let step = &fitted.misfit + &fitted.jacobian * &posterior.step;
+        let r = fitted
+            .whitening
+            .apply_vector(&-step)
+            .component_mul(&weights);
+        let mut A = fitted.turned.clone();
+        let mut E = self.turned.clone();
+        for (row, weight) in weights.iter().enumerate() {
+            A.row_mut(row).scale_mut(*weight);
+            E.row_mut(row).scale_mut(*weight);
+        }
+        let cross = A.transpose() * &E;
+        let through = &posterior.covariance * &cross;
+        let g = E.transpose() * &r;
+        let of = |(at, h): (usize, &Hypothesis)| {
+            let gain = if h.is_slab() {
+                slab(fitted, &posterior, sizes, h)?
+            } else {
+                let range = self.ranges[at].clone();
+                let (from, count) = (range.start, range.len());
+                let own = E.columns(from, count);
+                let mut M = own.transpose() * own;
+                M -= cross.columns(from, count).transpose() * through.columns(from, count);
+                projected(&M, &g.rows(from, count).into_owned(), h.one_sided)?
+            };
+            let gain = gain + h.ln_prior;
+            gain.is_finite().then_some(Promise { at, gain })
+        };
+        let mut out: Vec<Promise> = self.hypotheses.iter().enumerate().filter_map(of).collect();
+        out.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        out
+    }
+
+    /// A hypothesis with sizes of its own in the linear model: evidence and prior, and guesses of its numbers in units of their priors.
+    pub fn weigh(&self, fitted: &Fitted, at: usize, start: &Sizes) -> Option<Weighed> {
+        let h = &self.hypotheses[at];
+        let linear = if h.is_slab() {
+            let mut linear = (*fitted.linear).clone();
+            let first = first_member(fitted);
+            for (member, sd) in h.slab() {
+                let unknown = &mut linear.unknowns[first + member];
+                unknown.sd = unknown.sd.hypot(sd);
+            }
+            linear
+        } else {
+            let range = self.ranges[at].clone();
+            let columns = self.turned.columns(range.start, range.len()).into_owned();
+            let residual = fitted.whitening.apply_vector(&-&fitted.misfit);
+            let own = Unknown {
+                mean: 0.0,
+                sd: 1.0,
+                group: None,
+            };
+            fitted.linear.with(
+                &fitted.whitening,
+                (&fitted.turned, &residual),
+                &columns,
+                &vec![own; range.len()],
+            )
+        };
+        let sizes = linear.sized(start);
+        let posterior = linear.posterior(&sizes)?;
+        let guesses: Vec<f64> = if h.is_slab() {
+            let first = first_member(fitted);
+            h.slab()
+                .iter()
+                .map(|(member, sd)| {
+                    (fitted.x[first + member] + posterior.step[first + member]) / sd
+                })
+                .collect()
+        } else {
+            let n = fitted.x.len();
+            posterior
+                .step
+                .rows(n, h.numbers.len())
+                .iter()
+                .copied()
+                .collect()
+        };
+        if h.one_sided && guesses[0] <= 0.0 {
+            return None;
+        }
+        let x = fitted
+            .x
+            .iter()
+            .zip(posterior.step.iter())
+            .zip(&fitted.priors)
+            .map(|((x, step), prior)| {
+                // A linear step from where a cause was swallowed overshoots.
+                let most = if prior.group.is_none() {
+                    0.8
+                } else {
+                    f64::INFINITY
+                };
+                x + step.clamp(-most, most)
+            })
+            .collect();
+        Some(Weighed {
+            ln_posterior: posterior.ln_z + h.ln_prior + fitted.ln_prior(),
+            guesses,
+            x,
+            sizes,
+        })
+    }
+}
+
+/// A hypothesis in the linear model.
+#[derive(Clone, Debug)]
+pub struct Weighed {
+    /// Logarithm of evidence and prior, of all that is in the model.
+    pub ln_posterior: f64,
+    /// Its numbers in units of their priors.
+    pub guesses: Vec<f64>,
+    /// The fit's unknowns with it.
+    pub x: Vec<f64>,
+    /// Sizes with it.
+    pub sizes: Sizes,
+}
+
+/// Where members of the layer begin among the unknowns.
+pub fn first_member(fitted: &Fitted) -> usize {
+    fitted
+        .priors
+        .iter()
+        .position(|prior| prior.group.is_some())
+        .unwrap_or(0)
+}
+
+/// `1/2 g' M^-1 g - 1/2 ln det M` with `M = 1 + E'E - E'A C A'E`.
+fn projected(information: &DMatrix<f64>, g: &DVector<f64>, one_sided: bool) -> Option<f64> {
+    let k = g.len();
+    let factor = Cholesky::new(information + DMatrix::identity(k, k))?;
+    let estimate = factor.solve(g);
+    if one_sided && estimate[0] <= 0.0 {
+        return None;
+    }
+    let log_det: f64 = factor
+        .l_dirty()
+        .diagonal()
+        .iter()
+        .map(|d| d.ln())
+        .sum::<f64>()
+        * 2.0;
+    Some(0.5 * g.dot(&estimate) - 0.5 * log_det)
+}
+
+/// Logarithm of the evidence when members of a group may be larger than the others, over that when they may not: with their posterior
+/// `N(m, C)`, `T` their variances now and then, `D = T0^-1 - T1^-1`,
+/// `1/2 ln det T0/T1 - 1/2 ln det(1 - C D) + 1/2 m' D (1 - C D)^-1 m`.
+fn slab(fitted: &Fitted, posterior: &Posterior, sizes: &Sizes, h: &Hypothesis) -> Option<f64> {
+    let first = first_member(fitted);
+    let slab = h.slab();
+    let places: Vec<usize> = slab.iter().map(|(member, _)| first + member).collect();
+    let k = places.len();
+    let C = posterior
+        .covariance
+        .select_rows(&places)
+        .select_columns(&places);
+    let m = DVector::from_iterator(
+        k,
+        places.iter().map(|at| fitted.x[*at] + posterior.step[*at]),
+    );
+    let mut D = DMatrix::zeros(k, k);
+    let mut logs = 0.0;
+    for (at, (place, (_, sd))) in places.iter().zip(&slab).enumerate() {
+        let before = fitted.priors[*place].prior_sd(sizes).powi(2);
+        let after = before + sd * sd;
+        D[(at, at)] = 1.0 / before - 1.0 / after;
+        logs += 0.5 * (before / after).ln();
+    }
+    let rest = DMatrix::identity(k, k) - &C * &D;
+    let lu = rest.lu();
+    let determinant = lu.determinant();
+    let right = lu.solve(&m)?;
+    (determinant > 0.0).then(|| logs - 0.5 * determinant.ln() + 0.5 * m.dot(&(&D * right)))
+}

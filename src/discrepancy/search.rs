@@ -1,0 +1,330 @@
+//! Which causes act: models are grown and pruned by their evidence, and every model that was looked at counts.
+
+use std::sync::Arc;
+
+use super::fit::{FULL, Fitted, fit, unguessed};
+use super::hypothesis::{Hypothesis, Number, Unknown};
+use super::scan::{Catalogue, Weighed};
+use super::subject::{Data, Subject};
+use crate::tolerance::Sizes;
+
+/// From each scan so many are weighed with sizes of their own,
+const WEIGHED: usize = 7;
+/// and of those so many places are refitted,
+const REFITTED: usize = 3;
+/// where they are within so many nats of the best; friction, whose first guess is rough, within so many more.
+const WITHIN: (f64, f64) = (30.0, 600.0);
+/// A model that would lose so many nats is not refitted.
+const HOPELESS: f64 = -6.0;
+/// A model known only by its linear approximation counts when it is so close to the best one.
+const LINEAR: f64 = 8.0;
+/// Causes at most: a search that goes on further explains noise.
+const MOST: usize = 12;
+/// Forms of one cause at one place that are looked at; laws of different shape are all fitted.
+const FORMS: usize = 3;
+/// Slip lengths are tried again at these parts of themselves.
+const SLIPS: [f64; 2] = [0.4, 2.0];
+/// A model has to be better by so many nats.
+const BETTER: f64 = 0.05;
+
+/// A model that was looked at.
+#[derive(Clone, Debug)]
+pub struct Visited {
+    /// What is in it.
+    pub causes: Vec<Hypothesis>,
+    /// Logarithm of evidence and prior.
+    pub ln_posterior: f64,
+    /// The model, if it was fitted and not only weighed in the linear model of another.
+    pub fitted: Option<Arc<Fitted>>,
+}
+
+/// The end of a search.
+#[derive(Debug)]
+pub struct Found {
+    /// The model without any cause.
+    pub none: Arc<Fitted>,
+    /// The model of greatest posterior probability.
+    pub best: Arc<Fitted>,
+    /// All that were looked at and count, with probabilities that add up to one.
+    pub models: Vec<(Visited, f64)>,
+    /// How many hypotheses there were.
+    pub places: usize,
+    /// True if the search had spent its budget.
+    pub cut_short: bool,
+}
+
+/// Searches from the model without any cause.
+pub fn search(subject: &Subject<'_>, none: Fitted) -> Found {
+    let none = Arc::new(none);
+    let mut search = Search {
+        subject,
+        visited: Vec::new(),
+        places: 0,
+    };
+    search.note(&none);
+    let mut best = Arc::clone(&none);
+    loop {
+        if best.chosen.len() >= MOST || subject.is_spent() {
+            break;
+        }
+        let Some(next) = search.grown(&best) else {
+            break;
+        };
+        let next = search.restarted(next);
+        best = search.pruned(next);
+    }
+    best = search.exchanged(best);
+    let models = search.probabilities();
+    Found {
+        none,
+        best,
+        models,
+        places: search.places,
+        cut_short: subject.is_spent(),
+    }
+}
+
+struct Search<'a, 'b> {
+    subject: &'a Subject<'b>,
+    visited: Vec<Visited>,
+    places: usize,
+}
+
+impl Search<'_, '_> {
+    fn note(&mut self, fitted: &Arc<Fitted>) {
+        self.visited.push(Visited {
+            causes: fitted.chosen.clone(),
+            ln_posterior: fitted.ln_posterior(),
+            fitted: Some(Arc::clone(fitted)),
+        });
+    }
+
+    /// Candidates for one more cause, weighed with their own sizes, best first.
+    fn candidates(&mut self, catalogue: &Catalogue, base: &Fitted) -> Vec<(usize, Weighed)> {
+        self.places = self.places.max(catalogue.hypotheses.len());
+        let modest = base.sizes.at(base.sizes.modest(0.0));
+        let mut union: Vec<usize> = Vec::new();
+        for sizes in [&base.sizes, &modest] {
+            let mut taken = 0;
+            for promise in catalogue.scan(base, sizes) {
+                if taken == WEIGHED {
+                    break;
+                }
+                // Forms of one place differ little.
+                let h = &catalogue.hypotheses[promise.at];
+                let forms = union
+                    .iter()
+                    .filter(|k| catalogue.hypotheses[**k].same_place(h));
+                if union.contains(&promise.at) || forms.count() < FORMS {
+                    taken += 1;
+                    if !union.contains(&promise.at) {
+                        union.push(promise.at);
+                    }
+                }
+            }
+        }
+        let start: Sizes = base.sizes.at(base.sizes.modest(1.0));
+        let mut out: Vec<(usize, Weighed)> = union
+            .into_iter()
+            .filter_map(|at| Some((at, catalogue.weigh(base, at, &start)?)))
+            .collect();
+        out.sort_by(|a, b| b.1.ln_posterior.total_cmp(&a.1.ln_posterior));
+        for (at, weighed) in &out {
+            let mut causes = base.chosen.clone();
+            causes.push(catalogue.hypotheses[*at].clone());
+            self.visited.push(Visited {
+                causes,
+                ln_posterior: weighed.ln_posterior,
+                fitted: None,
+            });
+        }
+        out
+    }
+
+    /// Fits `base` with one more cause from where the linear model puts it.
+    fn with(&self, base: &Fitted, h: &Hypothesis, weighed: &Weighed) -> Option<Arc<Fitted>> {
+        let mut all = unguessed(base);
+        all.push((h.clone(), weighed.guesses.clone()));
+        let mut start = base.clone();
+        start.sizes = weighed.sizes.clone();
+        let from = |x: &[f64]| fit(self.subject, &all, Some((&start, x)), Data::All, FULL);
+        let found = from(&weighed.x).or_else(|| from(&base.x))?;
+        let last = found.chosen.len() - 1;
+        (!found.has_wrong_sign(last)).then(|| Arc::new(found))
+    }
+
+    /// Refits of candidates that may be better than `least`.
+    fn refitted(
+        &mut self,
+        base: &Fitted,
+        catalogue: &Catalogue,
+        candidates: &[(usize, Weighed)],
+        least: f64,
+    ) -> Option<Arc<Fitted>> {
+        let best = candidates.first()?.1.ln_posterior;
+        let mut places: Vec<&Hypothesis> = Vec::new();
+        let mut winner: Option<Arc<Fitted>> = None;
+        for (at, weighed) in candidates {
+            let h = &catalogue.hypotheses[*at];
+            let friction = h.memory.is_some();
+            let forms = if h.cause.has_rough_law() { FORMS } else { 1 };
+            let within = if friction { WITHIN.1 } else { WITHIN.0 };
+            let known = places.iter().filter(|p| p.same_place(h)).count();
+            let new = places
+                .iter()
+                .fold(0, |count, p| count + usize::from(!p.same_place(h)));
+            if weighed.ln_posterior < (best - within).max(least + HOPELESS)
+                || (known == 0 && new >= REFITTED)
+                || known >= forms
+            {
+                continue;
+            }
+            places.push(h);
+            let Some(found) = self.with(base, h, weighed) else {
+                continue;
+            };
+            self.note(&found);
+            if winner
+                .as_ref()
+                .is_none_or(|w| found.ln_posterior() > w.ln_posterior())
+            {
+                winner = Some(found);
+            }
+        }
+        winner
+    }
+
+    /// The best model with one more cause, if it is better.
+    fn grown(&mut self, base: &Arc<Fitted>) -> Option<Arc<Fitted>> {
+        let catalogue = Catalogue::new(self.subject, base);
+        let candidates = self.candidates(&catalogue, base);
+        let least = base.ln_posterior();
+        let winner = self.refitted(base, &catalogue, &candidates, least)?;
+        (winner.ln_posterior() > least + BETTER).then_some(winner)
+    }
+
+    /// Fits models with friction anew from slip lengths on both sides of where they ended: sliders that stick or slip in another case
+    /// lie beyond kinks that no step crosses.
+    fn restarted(&mut self, mut current: Arc<Fitted>) -> Arc<Fitted> {
+        for at in 0..current.chosen.len() {
+            let numbers = current.chosen[at].numbers.iter();
+            let mut lengths = numbers.zip(&current.places[at]);
+            let is_length =
+                |(n, _): &(&Number, &usize)| matches!(n.unknown, Unknown::SlipLength { .. });
+            let Some(place) = lengths.find(is_length).map(|(_, place)| *place) else {
+                continue;
+            };
+            for factor in SLIPS {
+                let mut x = current.x.clone();
+                x[place] += f64::ln(factor);
+                let chosen = unguessed(&current);
+                let found = fit(self.subject, &chosen, Some((&current, &x)), Data::All, FULL);
+                let Some(found) = found.filter(|found| !found.has_wrong_sign(at)) else {
+                    continue;
+                };
+                if found.ln_posterior() > current.ln_posterior() + BETTER {
+                    current = Arc::new(found);
+                    self.note(&current);
+                }
+            }
+        }
+        current
+    }
+
+    /// Fits a model without one of its causes.
+    fn without(&mut self, fitted: &Fitted, at: usize) -> Option<Arc<Fitted>> {
+        let mut all = unguessed(fitted);
+        all.remove(at);
+        if all.is_empty() {
+            return None;
+        }
+        let found = fit(
+            self.subject,
+            &all,
+            Some((fitted, &fitted.x)),
+            Data::All,
+            FULL,
+        )?;
+        let found = Arc::new(found);
+        self.note(&found);
+        Some(found)
+    }
+
+    /// Drops what the other causes of a model make needless; the last one in stays.
+    fn pruned(&mut self, mut current: Arc<Fitted>) -> Arc<Fitted> {
+        let mut at = 0;
+        while at + 1 < current.chosen.len() {
+            match self.without(&current, at) {
+                Some(found) if found.ln_posterior() > current.ln_posterior() => {
+                    current = found;
+                    at = 0;
+                }
+                _ => at += 1,
+            }
+        }
+        current
+    }
+
+    /// Holds each cause against what else could stand in its place.
+    fn exchanged(&mut self, mut current: Arc<Fitted>) -> Arc<Fitted> {
+        let mut at = 0;
+        while at < current.chosen.len() && current.chosen.len() > 1 && !self.subject.is_spent() {
+            let Some(base) = self.without(&current, at) else {
+                at += 1;
+                continue;
+            };
+            let catalogue = Catalogue::new(self.subject, &base);
+            let mut candidates = self.candidates(&catalogue, &base);
+            candidates.retain(|(k, _)| !catalogue.hypotheses[*k].same(&current.chosen[at]));
+            let least = current.ln_posterior();
+            match self.refitted(&base, &catalogue, &candidates, least) {
+                Some(found) if found.ln_posterior() > least + BETTER => {
+                    current = self.pruned(found);
+                    at = 0;
+                }
+                _ => at += 1,
+            }
+        }
+        current
+    }
+
+    /// Models that count and their probabilities. Of a set that was looked at several times the best counts; one that was only weighed
+    /// counts where it is close, and not beside its own fit.
+    fn probabilities(&self) -> Vec<(Visited, f64)> {
+        let mut fitted: Vec<&Visited> = Vec::new();
+        for visited in self.visited.iter().filter(|v| v.fitted.is_some()) {
+            match fitted.iter_mut().find(|other| same_set(other, visited)) {
+                Some(other) if other.ln_posterior < visited.ln_posterior => *other = visited,
+                Some(_) => {}
+                None => fitted.push(visited),
+            }
+        }
+        let best = fitted
+            .iter()
+            .map(|v| v.ln_posterior)
+            .fold(f64::NEG_INFINITY, f64::max);
+        let mut models = fitted;
+        for visited in self.visited.iter().filter(|v| v.fitted.is_none()) {
+            if visited.ln_posterior > best - LINEAR
+                && visited.ln_posterior < best
+                && !models.iter().any(|other| same_set(other, visited))
+            {
+                models.push(visited);
+            }
+        }
+        let sum: f64 = models.iter().map(|v| (v.ln_posterior - best).exp()).sum();
+        let mut out: Vec<(Visited, f64)> = models
+            .into_iter()
+            .map(|v| (v.clone(), (v.ln_posterior - best).exp() / sum))
+            .collect();
+        out.sort_by(|a, b| b.1.total_cmp(&a.1));
+        out
+    }
+}
+
+/// True if both hold the same causes in the same forms.
+fn same_set(a: &Visited, b: &Visited) -> bool {
+    let within =
+        |a: &Visited, b: &Visited| a.causes.iter().all(|h| b.causes.iter().any(|o| o.same(h)));
+    a.causes.len() == b.causes.len() && within(a, b) && within(b, a)
+}

@@ -1,0 +1,103 @@
+//! An identification among tolerances: the model without any cause, its noise from the marks, sizes of tolerances by evidence.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::averaged::averaged;
+use super::diagnose::tolerances;
+use super::diagnosis::{NoiseFound, Parameter, ToleranceFound};
+use super::fit::{FULL, fit, refit};
+use super::search::Visited;
+use super::structure::structure;
+use super::subject::{Data, Subject};
+use crate::identify::{Fit, FitTest, Problem, Status, StructureTest, Verdict};
+
+/// What a study says of its stiffnesses if nothing is wrong but noise and tolerances.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Tolerant {
+    /// The stiffnesses, their intervals with tolerances marginalised.
+    pub parameters: Vec<Parameter>,
+    /// Sizes of tolerances.
+    pub tolerances: BTreeMap<String, ToleranceFound>,
+    /// Noise of marks.
+    pub noise: NoiseFound,
+    /// Chi-square of what is left at these sizes and its degrees of freedom.
+    pub chi_square: (f64, f64),
+    /// Tests of structure in what is left.
+    pub structure: Vec<StructureTest>,
+}
+
+/// Fits stiffnesses and tolerances to the cases that are not held out. `None` where the built-in solver cannot.
+pub fn tolerant(problem: &Problem<'_>) -> Option<Tolerant> {
+    let cases = problem.measurement.cases.iter();
+    let mut subject = Subject::new(problem, cases.map(|case| case.held_out).collect());
+    let mut found = fit(&subject, &[], None, Data::Fitted, FULL)?;
+    let judged = subject.judge_suspects(&found.misfit);
+    subject.weigh(Some(&found.misfit));
+    if judged || subject.is_reweighed() {
+        found = refit(&subject, &found, Data::Fitted)?;
+    }
+    let tests = structure(&subject, &found).into_iter();
+    let structure = tests
+        .map(|test| StructureTest {
+            what: test.what,
+            p_value: test.p_value,
+        })
+        .collect();
+    let posterior = &found.posterior;
+    let chi_square = (
+        posterior.chi_square * subject.normal(),
+        posterior.count - posterior.effective,
+    );
+    let sizes = tolerances(&subject, &found);
+    let noise = NoiseFound {
+        declared: subject.noise.declared,
+        estimated: subject.noise.estimated,
+        dof: subject.tails.map(|tails| tails.nu),
+    };
+    let only = Visited {
+        causes: Vec::new(),
+        ln_posterior: 0.0,
+        fitted: Some(Arc::new(found)),
+    };
+    Some(Tolerant {
+        parameters: averaged(&subject, &[(only, 1.0)]),
+        tolerances: sizes,
+        noise,
+        chi_square,
+        structure,
+    })
+}
+
+impl Tolerant {
+    /// Puts it into the answer of an identification, whose own fit took everything but the marks for exact.
+    pub fn apply(self, fit: &mut Fit) {
+        for (own, found) in fit.parameters.iter_mut().zip(self.parameters) {
+            own.value = found.value;
+            own.std_error = Some(found.std_error);
+            own.interval95 = found.interval95;
+            own.tolerance_share = Some(found.tolerance_share);
+            if own.status != Status::Bound {
+                own.status = found.status;
+            }
+        }
+        if let (Some(declared), Some(estimated)) = (self.noise.declared, self.noise.estimated)
+            && fit
+                .fit_test
+                .as_ref()
+                .is_some_and(|test| test.verdict != Verdict::Noise)
+        {
+            fit.remarks.push(format!(
+                "The study states a noise of {declared:.3}; the marks of rigid parts show {estimated:.3}, which is used."
+            ));
+        }
+        let readings = fit
+            .fit_test
+            .take()
+            .map_or_else(Vec::new, |test| test.readings);
+        fit.fit_test = FitTest::new(self.chi_square.0, self.chi_square.1, readings);
+        fit.structure = self.structure;
+        fit.tolerances = self.tolerances;
+        fit.noise = Some(self.noise);
+    }
+}

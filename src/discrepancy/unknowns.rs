@@ -1,0 +1,287 @@
+//! The unknowns of a fit with their priors: stiffnesses, tolerances, numbers of causes, places of marks, and what acts on rows alone.
+
+use super::hypothesis::{Column, Hypothesis, Unknown};
+use super::subject::Subject;
+use crate::identify::Problem;
+use crate::identify::global::{
+    Component, FitUnknown, FitUnknowns, Meaning, Memory, NuisanceLayout, Prepared, fit_unknowns,
+};
+use crate::syntax::Address;
+use crate::system::{Parameters, Slot};
+use crate::tolerance::{self, Effect, Group};
+
+/// What another fit found.
+#[derive(Clone, Copy)]
+pub struct Known<'a> {
+    /// Its unknowns of the deck.
+    pub unknowns: &'a FitUnknowns,
+    /// What was in it.
+    pub chosen: &'a [Hypothesis],
+    /// Where.
+    pub places: &'a [Vec<usize>],
+    /// Values of all unknowns.
+    pub x: &'a [f64],
+}
+
+/// Unknowns of a fit.
+pub struct Unknowns {
+    /// The deck's numbers as they were.
+    pub deck: Parameters,
+    /// Stiffnesses, members of the layer in its order, numbers of causes.
+    pub list: FitUnknowns,
+    /// Places of marks.
+    pub layout: NuisanceLayout,
+    /// Columns that act on rows directly.
+    pub rows: Vec<Vec<(usize, f64)>>,
+    /// Contacts that remember.
+    pub memories: Vec<Memory>,
+    /// Where each number of each hypothesis is.
+    pub places: Vec<Vec<usize>>,
+    /// Where the fit starts.
+    pub start: Vec<f64>,
+    /// Priors of all.
+    pub priors: Vec<tolerance::Unknown>,
+}
+
+impl Unknowns {
+    /// Of a deck extended by `chosen`, whose guesses are in units of their priors.
+    pub fn new(
+        (subject, problem): (&Subject<'_>, &Problem<'_>),
+        prepared: &Prepared,
+        chosen: &[(Hypothesis, Vec<f64>)],
+        known: Option<Known<'_>>,
+    ) -> Option<Self> {
+        let system = &prepared.system;
+        let slot = |address: &Address| system.catalogue().slot(address);
+        let mut list = fit_unknowns(problem, system, None).list().to_vec();
+        list.retain(|unknown| !matches!(unknown.meaning, Meaning::Offset(_)));
+        let mut priors: Vec<tolerance::Unknown> = list
+            .iter()
+            .map(|unknown| own(unknown.mean, unknown.sd))
+            .collect();
+        let stiffnesses = list.len();
+        for member in &subject.layer.members {
+            let meaning = match &member.effect {
+                Effect::Always(pairs) => Meaning::Number(slots(pairs, &slot).unwrap_or_default()),
+                Effect::PerCase(pairs) => {
+                    Meaning::PerCase(per_case(pairs, 1.0, &slot).unwrap_or_default())
+                }
+                Effect::Turn(markers) => Meaning::Turn(markers.clone()),
+                Effect::Offset { bushing, axis } => {
+                    let id = problem.model.bushings[*bushing].header.id;
+                    let of = |word| super::hypothesis::number("BUSHING", id, word, Some(axis + 1));
+                    Meaning::Offset(Component {
+                        stiffness: slot(&of("K"))?,
+                        preload: Some(slot(&of("FORCE"))?),
+                    })
+                }
+            };
+            list.push(FitUnknown {
+                addresses: Vec::new(),
+                meaning,
+                start: 0.0,
+                mean: 0.0,
+                sd: 1.0,
+            });
+            priors.push(tolerance::Unknown::member(member.group));
+        }
+        let members = list.len();
+        // What another fit says of the same unknown: stiffnesses and members are the same everywhere.
+        let mut start: Vec<f64> = match known {
+            Some(known) => known.x[..members].to_vec(),
+            None => list.iter().map(|unknown| unknown.start).collect(),
+        };
+        let (mut rows, mut row_starts) = (Vec::new(), Vec::new());
+        let (mut memories, mut places) = (Vec::new(), Vec::new());
+        for (hypothesis, guesses) in chosen {
+            let before = known.and_then(|known| {
+                let at = known.chosen.iter().position(|h| h.same(hypothesis))?;
+                Some(
+                    known.places[at]
+                        .iter()
+                        .map(|k| known.x[*k])
+                        .collect::<Vec<_>>(),
+                )
+            });
+            if let Some(plan) = &hypothesis.memory {
+                memories.push(Memory {
+                    anchor: slot(&plan.anchor)?,
+                    length: slot(&plan.length)?,
+                    channel: problem.measurement.channels.len() + memories.len(),
+                });
+            }
+            let mut place = Vec::new();
+            for (k, number) in hypothesis.numbers.iter().enumerate() {
+                let (mut mean, mut sd) = (number.mean / number.sd, 1.0);
+                let mut guess = before
+                    .as_ref()
+                    .map_or(guesses[k] + mean, |before| before[k]);
+                let meaning = match (&number.unknown, &number.column) {
+                    (Unknown::Member(member), _) => {
+                        let at = stiffnesses + member;
+                        priors[at].sd = priors[at].sd.hypot(number.sd);
+                        if before.is_none() && guesses[k] != 0.0 {
+                            start[at] = guesses[k] * number.sd;
+                        }
+                        place.push(at);
+                        continue;
+                    }
+                    (Unknown::Linear, Column::Rows(column)) => {
+                        let column = column.iter().map(|(at, v)| (*at, v * number.sd));
+                        place.push(usize::MAX - rows.len());
+                        rows.push(column.collect::<Vec<_>>());
+                        row_starts.push(guess);
+                        continue;
+                    }
+                    (Unknown::Linear, Column::Always(pairs)) | (Unknown::Extended(pairs), _) => {
+                        let scaled: Vec<_> = pairs
+                            .iter()
+                            .map(|(address, factor)| (address.clone(), factor * number.sd))
+                            .collect();
+                        Meaning::Number(slots(&scaled, &slot)?)
+                    }
+                    (Unknown::Linear, Column::PerCase(pairs)) => {
+                        Meaning::PerCase(per_case(pairs, number.sd, &slot)?)
+                    }
+                    // A wrench is no number of a deck.
+                    (Unknown::Linear, Column::Wrench(..) | Column::None) => return None,
+                    (Unknown::Compliance(addresses), _) => {
+                        if before.is_none() {
+                            guess = -(guess.max(1e-3) * number.sd).ln();
+                        }
+                        (mean, sd) = (-number.sd.ln(), 2.0);
+                        Meaning::Stiffness(components(addresses, &slot)?)
+                    }
+                    (Unknown::Offset { stiffness, preload }, _) => {
+                        if before.is_none() {
+                            guess *= number.sd;
+                        }
+                        sd = number.sd;
+                        Meaning::Offset(Component {
+                            stiffness: slot(stiffness)?,
+                            preload: Some(slot(preload)?),
+                        })
+                    }
+                    (
+                        Unknown::SlipLength {
+                            address,
+                            start,
+                            usual,
+                        },
+                        _,
+                    ) => {
+                        if before.is_none() {
+                            guess = start.ln();
+                        }
+                        (mean, sd) = (usual.ln(), number.sd);
+                        Meaning::Stiffness(components(std::slice::from_ref(address), &slot)?)
+                    }
+                };
+                place.push(list.len());
+                start.push(guess);
+                priors.push(own(mean, sd));
+                list.push(FitUnknown {
+                    addresses: Vec::new(),
+                    meaning,
+                    start: guess,
+                    mean,
+                    sd,
+                });
+            }
+            places.push(place);
+        }
+        let list = FitUnknowns::new(list);
+        let layout = marks(subject, list.len());
+        let first_mark = list.len();
+        start.extend(
+            (0..layout.sd.len())
+                .map(|k| known.map_or(0.0, |known| known.x[known.unknowns.len() + k])),
+        );
+        priors.extend(
+            layout
+                .sd
+                .iter()
+                .map(|_| tolerance::Unknown::member(Group::Marks)),
+        );
+        let first_row = first_mark + layout.sd.len();
+        for at in places
+            .iter_mut()
+            .flatten()
+            .filter(|at| **at > usize::MAX / 2)
+        {
+            *at = first_row + (usize::MAX - *at);
+        }
+        start.extend(row_starts);
+        priors.extend(rows.iter().map(|_| own(0.0, 1.0)));
+        Some(Self {
+            deck: system.parameters(),
+            list,
+            layout,
+            rows,
+            memories,
+            places,
+            start,
+            priors,
+        })
+    }
+
+    /// True for the logarithm of a stiffness.
+    pub fn is_logarithm(&self, k: usize) -> bool {
+        matches!(self.list.list()[k].meaning, Meaning::Stiffness(_))
+    }
+}
+
+const fn own(mean: f64, sd: f64) -> tolerance::Unknown {
+    tolerance::Unknown {
+        mean,
+        sd,
+        group: None,
+    }
+}
+
+/// Places of marks on their parts, unless the user says they are exact.
+fn marks(subject: &Subject<'_>, first: usize) -> NuisanceLayout {
+    let mut layout = NuisanceLayout::default();
+    let mut count = 0;
+    for part in &subject.problem.measurement.parts {
+        layout.first_mark.push(count);
+        count += part.marks.len();
+    }
+    if subject.sizes.group(Group::Marks).is_some() && count > 0 {
+        layout.marks = Some(first);
+        layout.sd = vec![1.0; 3 * count];
+    }
+    layout
+}
+
+fn slots(
+    pairs: &[(Address, f64)],
+    slot: &dyn Fn(&Address) -> Option<Slot>,
+) -> Option<Vec<(Slot, f64)>> {
+    pairs.iter().map(|(a, f)| Some((slot(a)?, *f))).collect()
+}
+
+fn per_case(
+    pairs: &[(Address, Vec<f64>)],
+    scale: f64,
+    slot: &dyn Fn(&Address) -> Option<Slot>,
+) -> Option<Vec<(Slot, Vec<f64>)>> {
+    let of = |(address, factors): &(Address, Vec<f64>)| {
+        let factors = factors.iter().map(|f| f * scale).collect();
+        Some((slot(address)?, factors))
+    };
+    pairs.iter().map(of).collect()
+}
+
+fn components(
+    addresses: &[Address],
+    slot: &dyn Fn(&Address) -> Option<Slot>,
+) -> Option<Vec<Component>> {
+    let of = |address: &Address| {
+        Some(Component {
+            stiffness: slot(address)?,
+            preload: None,
+        })
+    };
+    addresses.iter().map(of).collect()
+}

@@ -1,0 +1,337 @@
+//! Intervals by profile likelihood: where the objective, minimised over all other unknowns, has risen by 1.92.
+//!
+//! The path to the end of an interval is laid out in the steps in which the model is nearly linear, see [`LeastSquares::moved`]: there
+//! the quadratic form is good much further than in ln K. One evaluation without derivatives at the end it predicts says how good: by
+//! the rise it finds less what one constrained step with the Jacobian of the estimate would still gain. Where that is not 1.92,
+//! further steps follow, the Jacobian corrected by what they find (Broyden 1965); only where these do not settle, a fit with derivatives.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::confidence::{HALF_CHI2_95, NORMAL_975};
+use super::gauss_newton::{LeastSquares, Minimum, Prior, Tolerances, minimise, objective};
+use crate::identify::bounded;
+
+/// A side of an interval that reaches further than this from the estimate, in e-folds, has no bound.
+const UNBOUNDED: f64 = 7.0;
+/// The other unknowns move by no more natural units than this on the way.
+const OTHERS: f64 = 3.0;
+/// How near to 1.92 a rise must be for the end to be read off from it: between points its square root is taken as linear.
+const NEAR: f64 = 0.4;
+/// Points of a profile on one side.
+const POINTS: usize = 10;
+/// Evaluations for one point before a fit takes over.
+const ROUNDS: usize = 6;
+/// More evaluations than this for one point: the quadratic form is not good, and there may be several ways to give way.
+const FEW: usize = 2;
+/// What a constrained step may still gain at a point.
+const SETTLED: f64 = 0.05;
+
+/// 95 percent interval of unknown `k` around a minimum with this posterior covariance.
+///
+/// The prior of `k` itself is left out, so that a side the data do not bound is `None`. Near the end a point is made from the estimate
+/// too where it took more than a few evaluations, and the lower of both counts.
+pub fn profile_interval(
+    problem: &mut dyn LeastSquares,
+    minimum: &Minimum,
+    (k, covariance): (usize, &DMatrix<f64>),
+    priors: &[Prior],
+    scale: &[f64],
+    held: &[bool],
+) -> [Option<f64>; 2] {
+    let variance = covariance[(k, k)];
+    if !(variance > 0.0) {
+        return [Some(minimum.x[k]); 2];
+    }
+    let mut priors = priors.to_vec();
+    priors[k].sd = f64::INFINITY;
+    let mut held = held.to_vec();
+    held[k] = true;
+    let weight = |j: usize| {
+        let variance = covariance[(j, j)];
+        if variance > 0.0 { 1.0 / variance } else { 0.0 }
+    };
+    let count = minimum.x.len();
+    let base = objective(&minimum.evaluation, &minimum.weights, &minimum.x, &priors);
+    let mut profile = Profile {
+        problem,
+        minimum,
+        k,
+        along: covariance.column(k) / variance,
+        metric: DVector::from_fn(count, |j, _| weight(j)),
+        priors,
+        scale,
+        held,
+        base,
+    };
+    [-1.0, 1.0].map(|direction| {
+        let step = profile.side(direction, variance.sqrt())?;
+        Some(profile.place(&profile.alone(step))[k])
+    })
+}
+
+/// Unknown `k` and what the others do when it moves.
+struct Profile<'a> {
+    problem: &'a mut dyn LeastSquares,
+    minimum: &'a Minimum,
+    k: usize,
+    /// Step of each unknown per step of `k`, as the covariance expects.
+    along: DVector<f64>,
+    /// One over the variance of each unknown.
+    metric: DVector<f64>,
+    priors: Vec<Prior>,
+    scale: &'a [f64],
+    held: Vec<bool>,
+    /// The least objective so far, the prior of `k` left out.
+    base: f64,
+}
+
+/// Where the others are best for a step of `k`.
+struct Point {
+    step: DVector<f64>,
+    /// Objective less what one more step would gain.
+    value: f64,
+    /// Evaluations it took.
+    rounds: usize,
+}
+
+/// The Jacobian of the estimate with what steps have taught: `J = J0 + sum d v'`.
+struct Learnt<'a> {
+    minimum: &'a Minimum,
+    updates: Vec<(DVector<f64>, DVector<f64>)>,
+    /// `J' W J` plus the information of the priors.
+    information: DMatrix<f64>,
+}
+
+impl<'a> Learnt<'a> {
+    fn new(minimum: &'a Minimum) -> Self {
+        Self {
+            minimum,
+            updates: Vec::new(),
+            information: minimum.information.clone(),
+        }
+    }
+
+    /// `J s`.
+    fn times(&self, step: &DVector<f64>) -> DVector<f64> {
+        let mut out = &self.minimum.evaluation.jacobian * step;
+        for (d, v) in &self.updates {
+            out.axpy(v.dot(step), d, 1.0);
+        }
+        out
+    }
+
+    /// `J' r`.
+    fn transposed(&self, r: &DVector<f64>) -> DVector<f64> {
+        let mut out = self.minimum.evaluation.jacobian.tr_mul(r);
+        for (d, v) in &self.updates {
+            out.axpy(d.dot(r), v, 1.0);
+        }
+        out
+    }
+
+    /// A step really changed the residuals by so much.
+    fn learn(&mut self, step: &DVector<f64>, change: &DVector<f64>, metric: &DVector<f64>) {
+        let v = step.component_mul(metric);
+        let size = v.dot(step);
+        if !(size > 0.0) {
+            return;
+        }
+        let v = v / size;
+        let d = change - self.times(step);
+        let weighted = d.component_mul(&self.minimum.weights);
+        let a = self.transposed(&weighted);
+        self.information += &a * v.transpose() + &v * a.transpose();
+        self.information.ger(d.dot(&weighted), &v, &v, 1.0);
+        self.updates.push((d, v));
+    }
+}
+
+impl Profile<'_> {
+    /// Unknowns after a step from the estimate.
+    fn place(&self, step: &DVector<f64>) -> Vec<f64> {
+        self.problem.moved(&self.minimum.x, step)
+    }
+
+    /// A step of `k` alone.
+    fn alone(&self, size: f64) -> DVector<f64> {
+        let mut step = DVector::zeros(self.along.len());
+        step[self.k] = size;
+        step
+    }
+
+    /// The step of `k` at the end of one side; `None` without one.
+    fn side(&mut self, direction: f64, sd: f64) -> Option<f64> {
+        let k = self.k;
+        let (lower, upper) = self.problem.limits(self.scale, UNBOUNDED);
+        let farthest = if direction > 0.0 { upper[k] } else { -lower[k] };
+        let target = HALF_CHI2_95.sqrt();
+        let mut learnt = Learnt::new(self.minimum);
+        // Size of the step and square root of the rise: the last point inside, the first outside.
+        let (mut inner, mut outer) = ((0.0, 0.0), None::<(f64, f64)>);
+        let mut from = self.alone(0.0);
+        let mut reach = (NORMAL_975 * sd).min(farthest);
+        for _ in 0..POINTS {
+            let start = &from + &self.along * (direction * (reach - inner.0));
+            let mut found = self.point(direction * reach, start, &mut learnt);
+            let rise = |value: f64, base: f64| (value - base).max(0.0);
+            let near_end = |point: &Point, base: f64| rise(point.value, base) > HALF_CHI2_95 - NEAR;
+            if found
+                .as_ref()
+                .is_none_or(|point| point.rounds > FEW && near_end(point, self.base))
+            {
+                // The others may do better from where they are at the estimate than from where the path has led them.
+                let other = self.point(
+                    direction * reach,
+                    self.alone(0.0),
+                    &mut Learnt::new(self.minimum),
+                );
+                let value =
+                    |point: &Option<Point>| point.as_ref().map_or(f64::INFINITY, |p| p.value);
+                if value(&other) < value(&found) {
+                    found = other;
+                }
+            }
+            if let Some(point) = &found {
+                self.base = self.base.min(point.value);
+            }
+            let height = found
+                .as_ref()
+                .map(|point| rise(point.value, self.base).sqrt());
+            match (height, found) {
+                (Some(height), Some(point)) if height < target => {
+                    if reach >= farthest {
+                        return None;
+                    }
+                    inner = (reach, height);
+                    from = point.step;
+                }
+                (Some(height), _) => outer = Some((reach, height)),
+                // Where the model has no answer the interval has surely ended.
+                (None, _) => outer = Some((reach, 3.0 * target)),
+            }
+            let near = height.is_some_and(|height| (height * height - HALF_CHI2_95).abs() < NEAR);
+            reach = match outer {
+                // From a point this near the line through the minimum leads to the end.
+                None if near => {
+                    let end = reach * target / inner.1;
+                    return (end < farthest).then_some(direction * end);
+                }
+                None => (reach * (target / inner.1.max(0.1)).clamp(1.15, 3.0)).min(farthest),
+                Some(outer) => {
+                    let share = (target - inner.1) / (outer.1 - inner.1);
+                    let next = inner.0 + share * (outer.0 - inner.0);
+                    if near || outer.0 - inner.0 < 0.05 * outer.0 {
+                        return Some(direction * next);
+                    }
+                    // A wall outside draws the straight line to the inner point: the bracket shrinks by a quarter at least.
+                    next.max(inner.0 + 0.25 * (outer.0 - inner.0))
+                }
+            };
+        }
+        Some(direction * reach)
+    }
+
+    /// The others at their best for a step of `k`, from `start`. `None` where the model has no answer.
+    fn point(
+        &mut self,
+        size: f64,
+        mut start: DVector<f64>,
+        learnt: &mut Learnt<'_>,
+    ) -> Option<Point> {
+        let k = self.k;
+        let (lower, upper) = self.problem.limits(self.scale, OTHERS);
+        for j in 0..start.len() {
+            start[j] = start[j].clamp(lower[j], upper[j]);
+        }
+        start[k] = size;
+        let mut last = (self.alone(0.0), self.minimum.evaluation.residual.clone());
+        let mut best: Option<(DVector<f64>, DVector<f64>, f64)> = None;
+        let mut step = start;
+        let mut shorter = 1.0;
+        for round in 1..=ROUNDS {
+            let x = self.place(&step);
+            let evaluation = self.problem.evaluate(&x, false)?;
+            let weights = self.problem.weights(&evaluation.residual);
+            let value = objective(&evaluation, &weights, &x, &self.priors);
+            let r = evaluation.residual;
+            learnt.learn(&(&step - &last.0), &(&r - &last.1), &self.metric);
+            last = (step.clone(), r.clone());
+            if best.as_ref().is_none_or(|(_, _, least)| value < *least) {
+                best = Some((step, r.component_mul(&weights), value));
+                shorter = 1.0;
+            } else {
+                shorter *= 0.5;
+            }
+            let (at, weighted, least) = best.as_ref().expect("set in the first round");
+            let room = |bounds: &[f64], none: f64| -> Vec<f64> {
+                let each = bounds.iter().zip(at).zip(&self.held);
+                each.map(|((bound, at), held)| if *held { none } else { bound - at })
+                    .collect()
+            };
+            let bounds = (room(&lower, f64::NEG_INFINITY), room(&upper, f64::INFINITY));
+            let (next, gain) = self.constrained(at, weighted, &bounds, learnt);
+            if gain < SETTLED {
+                let value = least - gain;
+                return Some(Point {
+                    step: at.clone(),
+                    value,
+                    rounds: round,
+                });
+            }
+            step = at + next * shorter;
+        }
+        let (at, _, least) = best?;
+        self.fitted(&at, least)
+    }
+
+    /// The step of the others that the learnt model says is best, and what it gains.
+    fn constrained(
+        &self,
+        at: &DVector<f64>,
+        weighted: &DVector<f64>,
+        (lower, upper): &(Vec<f64>, Vec<f64>),
+        learnt: &Learnt<'_>,
+    ) -> (DVector<f64>, f64) {
+        const H: f64 = 1e-6;
+        let mut right = -learnt.transposed(weighted);
+        let [x, up, down] = [0.0, H, -H].map(|h| self.place(&at.add_scalar(h)));
+        for (j, prior) in self.priors.iter().enumerate() {
+            right[j] -= prior.pull(x[j]) * (up[j] - down[j]) / (2.0 * H);
+        }
+        let mut information = learnt.information.clone();
+        for (j, held) in self.held.iter().enumerate() {
+            if *held {
+                information.fill_row(j, 0.0);
+                information.fill_column(j, 0.0);
+                information[(j, j)] = 1.0;
+                right[j] = 0.0;
+            }
+        }
+        let (step, _) = bounded::solve(&information, &right, lower, upper);
+        let gain = step.dot(&right) - 0.5 * step.dot(&(&information * &step));
+        (step, gain)
+    }
+
+    /// The same by a fit with derivatives.
+    fn fitted(&mut self, from: &DVector<f64>, least: f64) -> Option<Point> {
+        let tolerances = Tolerances {
+            decrement: SETTLED,
+            step: 1e-4,
+            max_iterations: 25,
+        };
+        let start = self.place(from);
+        let found = minimise(
+            self.problem,
+            &start,
+            &self.priors,
+            self.scale,
+            &self.held,
+            tolerances,
+        )?;
+        Some(Point {
+            step: self.problem.step_to(&self.minimum.x, &found.x),
+            value: (found.objective - found.decrement).min(least),
+            rounds: ROUNDS + found.iterations,
+        })
+    }
+}

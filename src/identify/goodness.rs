@@ -1,0 +1,163 @@
+//! Whether a fit leaves no more than noise: the chi-square test of its residuals.
+
+use serde::Serialize;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+use crate::rig::Measurement;
+
+/// A verdict against the fit is wrong in so many of its cases: one in a thousand.
+pub const LEVEL: f64 = 1e-3;
+
+/// What the test says.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// Residuals of the size of the stated noise.
+    Noise,
+    /// Larger residuals than the stated noise leaves: the model lacks something, or the noise is larger.
+    Misfit,
+    /// Smaller residuals than the stated noise would leave: the noise is overstated, and so are the intervals.
+    NoiseOverstated,
+}
+
+/// One kind of readings.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct ReadingsLeft {
+    /// `marks`, `wheel position`, `wheel angles` or a channel's name.
+    pub kind: String,
+    /// How many numbers were read.
+    pub count: usize,
+    /// Rms of what is left of them over their noise.
+    pub rms_over_sigma: f64,
+}
+
+/// The chi-square test of all readings a fit used.
+///
+/// The statistic is the sum of squared residuals over their variances plus what the priors of the measurement's own errors cost. It has
+/// the chi-square distribution with one degree of freedom per reading less the stiffnesses that the readings determine; a stiffness they
+/// determine in part counts by that part.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct FitTest {
+    /// The statistic.
+    pub chi2: f64,
+    /// Its degrees of freedom.
+    pub dof: f64,
+    /// Probability of a larger statistic if there is nothing but the stated noise.
+    pub p_value: f64,
+    /// What it says.
+    pub verdict: Verdict,
+    /// Each kind of readings.
+    pub readings: Vec<ReadingsLeft>,
+}
+
+impl FitTest {
+    /// Tests a statistic. `None` without a degree of freedom.
+    pub fn new(chi2: f64, dof: f64, readings: Vec<ReadingsLeft>) -> Option<Self> {
+        let distribution = ChiSquared::new(dof).ok().filter(|_| chi2.is_finite())?;
+        let (above, below) = (distribution.sf(chi2), distribution.cdf(chi2));
+        Some(Self {
+            chi2,
+            dof,
+            p_value: above,
+            verdict: if above < LEVEL {
+                Verdict::Misfit
+            } else if below < LEVEL {
+                Verdict::NoiseOverstated
+            } else {
+                Verdict::Noise
+            },
+            readings,
+        })
+    }
+
+    /// By which factor the noise would have to be larger for the statistic to be what it should be.
+    pub fn noise_factor(&self) -> f64 {
+        (self.chi2 / self.dof).sqrt()
+    }
+}
+
+/// Sums of squared residuals over sigma, by kind of reading.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub(super) struct Tally(Vec<(Kind, f64, usize)>);
+
+/// A kind of reading.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub(super) enum Kind {
+    Marks,
+    WheelPosition,
+    WheelAngles,
+    Channel(usize),
+}
+
+impl Tally {
+    /// Counts `count` readings with this sum of squared residuals over sigma.
+    pub(super) fn add(&mut self, kind: Kind, squares: f64, count: usize) {
+        match self.0.iter_mut().find(|(of, _, _)| *of == kind) {
+            Some((_, sum, counted)) => {
+                *sum += squares;
+                *counted += count;
+            }
+            None => self.0.push((kind, squares, count)),
+        }
+    }
+
+    /// Sum over all kinds, and how many readings.
+    pub(super) fn total(&self) -> (f64, usize) {
+        let (mut sum, mut count) = (0.0, 0);
+        for (_, squares, readings) in &self.0 {
+            sum += squares;
+            count += readings;
+        }
+        (sum, count)
+    }
+
+    /// Each kind for a person.
+    pub(super) fn kinds(&self, measurement: &Measurement) -> Vec<ReadingsLeft> {
+        let mut kinds = self.0.clone();
+        kinds.sort_by_key(|(kind, _, _)| *kind);
+        let of = |(kind, squares, count): (Kind, f64, usize)| ReadingsLeft {
+            kind: match kind {
+                Kind::Marks => "marks".to_string(),
+                Kind::WheelPosition => "wheel position".to_string(),
+                Kind::WheelAngles => "wheel angles".to_string(),
+                Kind::Channel(channel) => measurement.channels[channel].name.clone(),
+            },
+            count,
+            rms_over_sigma: (squares / count as f64).sqrt(),
+        };
+        kinds.into_iter().map(of).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Upper 0.1 percent points from tables of chi-square: 29.588 at 10 degrees of freedom, 149.449 at 100.
+    #[test]
+    fn the_exact_distribution_decides() {
+        for (chi2, dof) in [(29.588, 10.0), (149.449, 100.0)] {
+            let verdict = |factor: f64| {
+                FitTest::new(factor * chi2, dof, Vec::new())
+                    .unwrap()
+                    .verdict
+            };
+            assert_eq!(verdict(0.999), Verdict::Noise, "{dof}");
+            assert_eq!(verdict(1.001), Verdict::Misfit, "{dof}");
+        }
+        // 1.29 per degree of freedom is nothing at 10, and 9 standard deviations at 1,850.
+        let p = |dof: f64| FitTest::new(1.29 * dof, dof, Vec::new()).unwrap();
+        assert_eq!(p(10.0).verdict, Verdict::Noise);
+        assert_eq!(p(1850.0).verdict, Verdict::Misfit);
+        assert!(p(1850.0).p_value < 1e-15);
+        let overstated = FitTest::new(0.25 * 1850.0, 1850.0, Vec::new()).unwrap();
+        assert_eq!(overstated.verdict, Verdict::NoiseOverstated);
+        assert!((overstated.noise_factor() - 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn without_degrees_of_freedom_there_is_no_test() {
+        assert!(FitTest::new(1.0, 0.0, Vec::new()).is_none());
+        assert!(FitTest::new(f64::NAN, 3.0, Vec::new()).is_none());
+    }
+}

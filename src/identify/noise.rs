@@ -1,0 +1,75 @@
+//! The noise of sensors whose study does not state it, from what a fit leaves of their readings.
+
+use super::LoadedStudy;
+use super::global::{GlobalFit, Observations, Options, Prepared, Row, effective_dof, fit_study};
+use crate::backend::Backend;
+use crate::identify::IdentifyError;
+
+/// Fits until the noise moves by less than this part of itself, or so often.
+const SETTLED: f64 = 0.01;
+const ROUNDS: usize = 5;
+
+/// Replaces the noise of every channel without a stated one by the root of its squared residuals over their degrees of freedom, each
+/// channel bearing its share of the unknowns, and fits again until that settles. What a model cannot follow counts as noise here.
+///
+/// # Errors
+/// As a fit.
+pub fn estimate_noise(
+    loaded: &mut LoadedStudy,
+    mut backend: Option<&mut (dyn Backend + '_)>,
+) -> Result<(), IdentifyError> {
+    let channels = loaded.measurement.channels.len();
+    let stated = loaded
+        .measurement
+        .channels
+        .iter()
+        .all(|channel| !channel.sigma_estimated);
+    if loaded.unknowns.is_empty() || stated {
+        return Ok(());
+    }
+    for _ in 0..ROUNDS {
+        let sizes = {
+            let problem = loaded.problem();
+            let prepared = match backend {
+                Some(_) => Prepared::external(&problem)?,
+                None => Prepared::new(&problem)?,
+            };
+            let options = Options::default();
+            let found = match &mut backend {
+                Some(backend) => fit_study(&problem, &prepared, Some(&mut **backend), options)?,
+                None => fit_study(&problem, &prepared, None, options)?,
+            };
+            sizes(&found, channels)
+        };
+        let mut moved: f64 = 0.0;
+        for (channel, size) in loaded.measurement.channels.iter_mut().zip(sizes) {
+            if let (true, Some(size)) = (channel.sigma_estimated, size) {
+                moved = moved.max((size - 1.0).abs());
+                channel.sigma *= size;
+            }
+        }
+        if moved < SETTLED {
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// Sd of the whitened residuals of each channel.
+fn sizes(found: &GlobalFit<'_>, channels: usize) -> Vec<Option<f64>> {
+    let observations = &found.problem.observations;
+    let share = effective_dof(&found.problem, &found.minimum) / observations.rows.len() as f64;
+    let residual = found.minimum.evaluation.residual.as_slice();
+    (0..channels)
+        .map(|k| spread(observations, residual, k, share))
+        .collect()
+}
+
+/// `None` where there are too few, or they vanish.
+fn spread(observations: &Observations<'_>, residual: &[f64], k: usize, share: f64) -> Option<f64> {
+    let of = observations.rows.iter().zip(residual);
+    let of = of.filter(|(row, _)| matches!(row, Row::Channel { channel, .. } if *channel == k));
+    let (count, sum) = of.fold((0, 0.0), |(n, sum), (_, r)| (n + 1, sum + r * r));
+    let dof = share * f64::from(count);
+    (dof >= 1.0 && sum > 1e-24).then(|| (sum / dof).sqrt())
+}

@@ -1,0 +1,423 @@
+//! Structure in what a fit leaves of the readings: what noise alone would not show.
+//!
+//! A model that lacks something may still pass the test of its chi-square: a small error that is the same in all cases drowns in the
+//! noise of many readings. These tests look where such errors gather. Knows no cause of any: that is diagnosis.
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+use serde::Serialize;
+use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal};
+
+use super::Problem;
+use super::global::Row;
+use super::global::gauss_newton::Minimum;
+use super::goodness::LEVEL;
+use crate::mechanics::Vec3;
+use crate::mechanics::eigen::symmetric_eigen;
+
+/// One test.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct StructureTest {
+    /// What it looks at.
+    pub what: String,
+    /// Probability of as much structure from noise alone.
+    pub p_value: f64,
+}
+
+/// True if the tests together show structure: the smallest p-value, corrected for their number, is below one in a thousand.
+pub fn is_structured(tests: &[StructureTest]) -> bool {
+    worst(tests).is_some_and(|worst| worst.p_value * (tests.len() as f64) < LEVEL)
+}
+
+/// The test with the smallest p-value.
+pub fn worst(tests: &[StructureTest]) -> Option<&StructureTest> {
+    tests.iter().min_by(|a, b| a.p_value.total_cmp(&b.p_value))
+}
+
+/// Directions of which the fit has taken all but so little are no test of it.
+const ABSORBED: f64 = 0.01;
+/// Marks of a part in a case that tell its pose apart from their noise.
+const MARKS: usize = 3;
+/// Degrees of freedom of the marks' own scatter below which nothing is compared with it.
+const SCATTER: f64 = 12.0;
+/// Runs are counted in sequences of at least so many cases.
+const SEQUENCE: usize = 6;
+
+/// Weights of rows.
+type Contrast = Vec<(usize, f64)>;
+
+/// Whitened residuals of a fit. Their covariance is `I - Q Q'` with `Q = J L`, `L L'` the posterior covariance: that of a linear
+/// model with Gaussian priors.
+pub struct Residuals<'a> {
+    rows: &'a [Row],
+    r: &'a DVector<f64>,
+    Q: DMatrix<f64>,
+}
+
+impl<'a> Residuals<'a> {
+    /// Of a minimum with its posterior covariance.
+    pub fn new(rows: &'a [Row], minimum: &'a Minimum, covariance: &DMatrix<f64>) -> Self {
+        Self {
+            rows,
+            r: &minimum.evaluation.residual,
+            Q: &minimum.evaluation.jacobian * root(covariance),
+        }
+    }
+
+    /// Chi-square of the residuals along these contrasts, and its degrees of freedom. Directions that the fit has absorbed do not
+    /// count.
+    fn along(&self, contrasts: &[Contrast]) -> (f64, f64) {
+        let mut C = DMatrix::zeros(self.rows.len(), contrasts.len());
+        for (k, contrast) in contrasts.iter().enumerate() {
+            for (row, weight) in contrast {
+                C[(*row, k)] += weight;
+            }
+        }
+        let C = &orthonormal(C);
+        if C.ncols() == 0 {
+            return (0.0, 0.0);
+        }
+        let s = C.tr_mul(self.r);
+        let taken = self.Q.tr_mul(C);
+        let covariance = DMatrix::identity(C.ncols(), C.ncols()) - taken.tr_mul(&taken);
+        let eigen = symmetric_eigen(covariance);
+        let (mut chi2, mut dof) = (0.0, 0.0);
+        for (direction, left) in eigen
+            .eigenvectors
+            .column_iter()
+            .zip(eigen.eigenvalues.iter())
+        {
+            if *left > ABSORBED {
+                chi2 += direction.dot(&s).powi(2) / left;
+                dof += 1.0;
+            }
+        }
+        (chi2, dof)
+    }
+}
+
+/// Tests of the residuals of a fit over the cases it used: constant errors of parts, runs of signs and trends over the order of the
+/// cases, loading against unloading, and errors that the marks of a part share.
+pub fn structure(problem: &Problem<'_>, left: &Residuals<'_>) -> Vec<StructureTest> {
+    let mut tests = Tests {
+        problem,
+        left,
+        out: Vec::new(),
+    };
+    tests.parts();
+    tests.poses();
+    tests.hysteresis();
+    tests.out
+}
+
+struct Tests<'a> {
+    problem: &'a Problem<'a>,
+    left: &'a Residuals<'a>,
+    out: Vec<StructureTest>,
+}
+
+impl Tests<'_> {
+    fn put(&mut self, what: String, (chi2, dof): (f64, f64)) {
+        if let Ok(distribution) = ChiSquared::new(dof) {
+            self.out.push(StructureTest {
+                what,
+                p_value: distribution.sf(chi2),
+            });
+        }
+    }
+
+    /// Which quantity a row reads, the same in all cases: direction of a part, of the wheel, or a channel.
+    fn sequence(&self, row: Row) -> usize {
+        let measurement = self.problem.measurement;
+        let parts = 3 * measurement.parts.len();
+        match row {
+            Row::Mark {
+                case,
+                reading,
+                axis,
+            } => 3 * measurement.cases[case].marks[reading].part + axis,
+            Row::Wheel { component, .. } => parts + component,
+            Row::Channel { channel, .. } => parts + 5 + channel,
+        }
+    }
+
+    /// A part, the wheel or a channel, and the first and last of its sequences.
+    fn owners(&self) -> Vec<(String, std::ops::Range<usize>)> {
+        let measurement = self.problem.measurement;
+        let mut owners = Vec::new();
+        for (k, part) in measurement.parts.iter().enumerate() {
+            owners.push((part.name.clone(), 3 * k..3 * k + 3));
+        }
+        let next = 3 * measurement.parts.len();
+        if measurement.wheel.is_some() {
+            owners.push(("the wheel".to_string(), next..next + 5));
+        }
+        for (k, channel) in measurement.channels.iter().enumerate() {
+            owners.push((
+                format!("channel {}", channel.name),
+                next + 5 + k..next + 6 + k,
+            ));
+        }
+        owners
+    }
+
+    /// One contrast for each sequence of a range, its rows weighted by a number of each case.
+    fn contrasts(&self, range: &std::ops::Range<usize>, by_case: &[f64]) -> Vec<Contrast> {
+        let mut contrasts = vec![Contrast::new(); range.len()];
+        for (at, row) in self.left.rows.iter().enumerate() {
+            let sequence = self.sequence(*row);
+            if range.contains(&sequence) {
+                contrasts[sequence - range.start].push((at, by_case[row.case()]));
+            }
+        }
+        contrasts
+    }
+
+    /// Constant errors, trends over the order of the cases, and runs of signs, of each part, the wheel and each channel.
+    fn parts(&mut self) {
+        let cases = self.problem.measurement.cases.len();
+        let constant = vec![1.0; cases];
+        let order: Vec<f64> = (0..cases)
+            .map(|case| case as f64 - 0.5 * (cases as f64 - 1.0))
+            .collect();
+        for (name, range) in self.owners() {
+            let constant = self.contrasts(&range, &constant);
+            self.put(
+                format!("{name}: the same error in all cases"),
+                self.left.along(&constant),
+            );
+            let order = self.contrasts(&range, &order);
+            self.put(
+                format!("{name}: an error that grows from case to case"),
+                self.left.along(&order),
+            );
+            if let Some(p_value) = self.runs(&range) {
+                let what = format!("{name}: signs of the errors over the order of the cases");
+                self.out.push(StructureTest { what, p_value });
+            }
+        }
+    }
+
+    /// Test of Wald and Wolfowitz: fewer runs of equal signs than chance gives, over all sequences of a range together.
+    fn runs(&self, range: &std::ops::Range<usize>) -> Option<f64> {
+        let (mut less, mut variance) = (0.0, 0.0);
+        for sequence in range.clone() {
+            let mut by_case = std::collections::BTreeMap::new();
+            for (at, row) in self.left.rows.iter().enumerate() {
+                if self.sequence(*row) == sequence {
+                    *by_case.entry(row.case()).or_insert(0.0) += self.left.r[at];
+                }
+            }
+            let signs: Vec<bool> = by_case.values().map(|sum| *sum > 0.0).collect();
+            let n = signs.len() as f64;
+            let up = signs.iter().filter(|sign| **sign).count() as f64;
+            let pairs = 2.0 * up * (n - up);
+            if signs.len() < SEQUENCE || pairs == 0.0 {
+                continue;
+            }
+            let runs = 1 + signs.windows(2).filter(|pair| pair[0] != pair[1]).count();
+            less += pairs / n + 1.0 - runs as f64;
+            variance += pairs * (pairs - n) / (n * n * (n - 1.0));
+        }
+        let z = less / f64::sqrt(variance);
+        Normal::new(0.0, 1.0)
+            .ok()
+            .filter(|_| z.is_finite())
+            .map(|normal| normal.sf(z))
+    }
+
+    /// Errors that all marks of a part share in a case are errors of its pose: the model can only err so, while the noise of the
+    /// marks goes all ways alike. Their mean squares are compared, so that the stated noise does not matter.
+    fn poses(&mut self) {
+        let measurement = self.problem.measurement;
+        let left = self.left;
+        let mut blocks = std::collections::BTreeMap::<(usize, usize), Vec<(usize, Vec3)>>::new();
+        for (at, row) in left.rows.iter().enumerate() {
+            if let Row::Mark {
+                case,
+                reading,
+                axis: 0,
+            } = *row
+            {
+                let read = &measurement.cases[case].marks[reading];
+                blocks
+                    .entry((case, read.part))
+                    .or_default()
+                    .push((at, read.x));
+            }
+        }
+        // Squares and how many of them noise of unit variance would leave: of whole parts, of all.
+        let (mut whole, mut all) = ((0.0, 0.0), (0.0, 0.0));
+        for block in blocks.values().filter(|block| block.len() >= MARKS) {
+            let rows: Vec<usize> = block.iter().flat_map(|(at, _)| *at..at + 3).collect();
+            let centre = block.iter().map(|(_, x)| x).sum::<Vec3>() / block.len() as f64;
+            let size = block
+                .iter()
+                .map(|(_, x)| (x - centre).norm())
+                .fold(0.0, f64::max);
+            let rigid = orthonormal(DMatrix::from_fn(rows.len(), 6, |row, k| {
+                let along = Vec3::ith(k % 3, 1.0);
+                let x = block[row / 3].1 - centre;
+                if k < 3 {
+                    along[row % 3]
+                } else {
+                    along.cross(&x)[row % 3] / size
+                }
+            }));
+            let r = left.r.select_rows(&rows);
+            let Q = left.Q.select_rows(&rows);
+            whole.0 += rigid.tr_mul(&r).norm_squared();
+            whole.1 += rigid.ncols() as f64 - rigid.tr_mul(&Q).norm_squared();
+            all.0 += r.norm_squared();
+            all.1 += r.len() as f64 - Q.norm_squared();
+        }
+        let scatter = (all.0 - whole.0, all.1 - whole.1);
+        if scatter.1 >= SCATTER
+            && scatter.0 > 0.0
+            && let Ok(distribution) = FisherSnedecor::new(whole.1, scatter.1)
+        {
+            let ratio = (whole.0 / whole.1) / (scatter.0 / scatter.1);
+            self.out.push(StructureTest {
+                what: "errors of whole parts against the scatter of their marks".to_string(),
+                p_value: distribution.sf(ratio),
+            });
+        }
+    }
+
+    /// Loading against unloading, for each load that does both.
+    fn hysteresis(&mut self) {
+        let programme = self.problem.programme;
+        let last = self.owners().last().map_or(0, |(_, range)| range.end);
+        for (k, load) in programme.loads.iter().enumerate() {
+            let values: Vec<f64> = programme.cases.iter().map(|case| case.values[k]).collect();
+            if let Some(by_case) = unloading(&values) {
+                let contrasts = self.contrasts(&(0..last), &by_case);
+                let what = format!("loading against unloading of {}", load.target);
+                self.put(what, self.left.along(&contrasts));
+            }
+        }
+    }
+}
+
+/// +1 where a load grows, -1 where it has come down and is not gone, less what is a straight line or a parabola over the load.
+/// `None` unless both happen and something is left.
+fn unloading(values: &[f64]) -> Option<Vec<f64>> {
+    let before = std::iter::once(0.0).chain(values.iter().copied());
+    let steps: Vec<f64> = before
+        .zip(values)
+        .map(|(before, now)| {
+            let grows = now.abs() - before.abs();
+            if *now == 0.0 || grows == 0.0 || (before * now < 0.0 && grows < 0.0) {
+                0.0
+            } else {
+                grows.signum()
+            }
+        })
+        .collect();
+    if !steps.contains(&1.0) || !steps.contains(&-1.0) {
+        return None;
+    }
+    let size = values
+        .iter()
+        .fold(0.0_f64, |size, value| size.max(value.abs()));
+    let known = DMatrix::from_fn(values.len(), 3, |case, power| {
+        (values[case] / size).powi(power as i32)
+    });
+    let known = orthonormal(known);
+    let mut left = DVector::from_vec(steps);
+    let before = left.norm();
+    for _ in 0..2 {
+        left -= &known * known.tr_mul(&left);
+    }
+    (left.norm() > 0.1 * before).then(|| left.as_slice().to_vec())
+}
+
+/// An orthonormal basis of the columns.
+fn orthonormal(columns: DMatrix<f64>) -> DMatrix<f64> {
+    let mut basis: Vec<DVector<f64>> = Vec::new();
+    for column in columns.column_iter() {
+        let mut rest = column.into_owned();
+        let size = rest.norm();
+        for _ in 0..2 {
+            for known in &basis {
+                let along = known.dot(&rest);
+                rest.axpy(-along, known, 1.0);
+            }
+        }
+        let left = rest.norm();
+        if left > 1e-6 * size && left > 0.0 {
+            basis.push(rest / left);
+        }
+    }
+    if basis.is_empty() {
+        return DMatrix::zeros(columns.nrows(), 0);
+    }
+    DMatrix::from_columns(&basis)
+}
+
+/// `L` with `L L' = C`, by Cholesky where it is definite.
+fn root(C: &DMatrix<f64>) -> DMatrix<f64> {
+    if let Some(factor) = Cholesky::new(C.clone()) {
+        return factor.l();
+    }
+    if C.is_empty() {
+        return C.clone();
+    }
+    let eigen = symmetric_eigen(C.clone());
+    let mut L = eigen.eigenvectors;
+    for (mut column, lambda) in L.column_iter_mut().zip(eigen.eigenvalues.iter()) {
+        column *= lambda.max(0.0).sqrt();
+    }
+    L
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_load_that_only_grows_is_not_unloaded() {
+        assert!(unloading(&[1.0, 2.0, 3.0, 4.0]).is_none());
+        // Back to nothing while another load begins: no unloading of anything.
+        assert!(unloading(&[1.0, 2.0, 3.0, 0.0, 0.0, -1.0, -2.0]).is_none());
+        // To the other side: it grows there.
+        assert!(unloading(&[1.0, 2.0, -2.5, -3.0]).is_none());
+        let loop_ =
+            unloading(&[1.0, 2.0, 3.0, 2.0, 1.0, 0.0, -1.0, -2.0, -3.0, -2.0, -1.0]).unwrap();
+        assert!(loop_[0] > 0.5 && loop_[4] < -0.5, "{loop_:?}");
+    }
+
+    /// The p-value of structure that is not there is uniform; of structure that is, it is tiny.
+    #[test]
+    fn a_contrast_is_tested_against_what_the_fit_left() {
+        let rows: Vec<Row> = (0..400)
+            .map(|case| Row::Channel { case, channel: 0 })
+            .collect();
+        let mut noise = crate::rig::noise::Noise::new(3, "structure");
+        let jacobian = DMatrix::from_fn(
+            400,
+            2,
+            |row, k| if k == 0 { 1.0 } else { row as f64 / 400.0 },
+        );
+        let covariance = (jacobian.tr_mul(&jacobian)).try_inverse().unwrap();
+        let contrast: Contrast = (0..400)
+            .map(|row| (row, (row as f64 / 9.0).sin()))
+            .collect();
+        let absorbed: Contrast = (0..400).map(|row| (row, 1.0)).collect();
+        let (mut sum, trials) = (0.0, 300);
+        for _ in 0..trials {
+            let read = DVector::from_fn(400, |_, _| noise.normal());
+            let r = &read - &jacobian * (&covariance * jacobian.tr_mul(&read));
+            let left = Residuals {
+                rows: &rows,
+                r: &r,
+                Q: &jacobian * root(&covariance),
+            };
+            let (chi2, dof) = left.along(std::slice::from_ref(&contrast));
+            assert_eq!(dof, 1.0);
+            sum += chi2;
+            assert_eq!(left.along(std::slice::from_ref(&absorbed)).1, 0.0);
+        }
+        // The mean of chi-square with one degree of freedom is 1, its standard deviation sqrt(2 / 300).
+        assert!((sum / f64::from(trials) - 1.0).abs() < 0.25, "{sum}");
+    }
+}

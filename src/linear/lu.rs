@@ -1,0 +1,277 @@
+//! Sparse LU factors with an elimination order that is found once.
+//!
+//! The first factorisation takes the columns in faer's approximate minimum degree order, or searches them by sparsity in small systems
+//! (Markowitz), chooses the shortest row among those large enough for stability, and writes down every
+//! operation. Later ones with the same pattern only run through the operations. A pivot that has shrunk makes it choose anew. Columns without
+//! any pivot (motions nothing resists) are put aside and their unknowns held at zero.
+//!
+//! Why not all of faer's sparse LU: it has neither a repetition with the pivots frozen nor a word about columns without one. On chains of
+//! 100, 1,000 and 10,000 links (670 to 67,140 unknowns) a repeated factorisation takes it 20, 7 and 4 times as long; its first one, the
+//! order included, is up to twice as fast: `cargo test --lib compared_with_faer -- --nocapture`.
+
+use super::matrix::Matrix;
+use super::ordering::columns_of;
+use super::pivoting::Elimination;
+
+/// A pivot may shrink by this against the one it was when the order was chosen.
+const SHRUNK: f64 = 1e-3;
+
+/// One step of the elimination. Its pivot, row of U and column of L stand one after the other in the values.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Step {
+    pub row: u32,
+    pub column: u32,
+    /// Place of the pivot; U follows, then L.
+    pub at: u32,
+    pub upper: u32,
+    pub lower: u32,
+    /// Size of the pivot when it was chosen.
+    pub size: f64,
+}
+
+/// Sparse LU factors.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Lu {
+    n: usize,
+    pub(super) steps: Vec<Step>,
+    /// Where each entry of the matrix goes.
+    pub(super) entries: Vec<u32>,
+    /// Column (of U entries) or row (of L entries) of every value.
+    pub(crate) index: Vec<u32>,
+    pub(super) values: Vec<f64>,
+    /// For every step, row by row of L: where the products go.
+    pub(super) targets: Vec<u32>,
+    /// Columns without a pivot.
+    pub(super) free: Vec<u32>,
+    /// Rows without a pivot.
+    pub(super) idle: Vec<u32>,
+    pub(super) row_scale: Vec<f64>,
+    pub(super) column_scale: Vec<f64>,
+    work: Vec<f64>,
+    row: Vec<f64>,
+    /// How often an order was chosen.
+    pub(crate) orders: usize,
+}
+
+impl Lu {
+    pub fn new(n: usize) -> Self {
+        Self {
+            n,
+            row_scale: vec![1.0; n],
+            column_scale: vec![1.0; n],
+            work: vec![0.0; n],
+            ..Self::default()
+        }
+    }
+
+    /// Factors a matrix. All matrices given to one object must have the same pattern.
+    pub fn factor(&mut self, matrix: &Matrix) {
+        if self.orders > 0 && self.free.is_empty() && self.repeat(matrix) {
+            return;
+        }
+        Elimination::run(matrix, self, columns_of(matrix));
+        self.orders += 1;
+        self.work.resize(self.n, 0.0);
+    }
+
+    /// Runs through the known operations; false if a pivot has shrunk too far.
+    fn repeat(&mut self, matrix: &Matrix) -> bool {
+        self.values.fill(0.0);
+        for (&at, value) in self.entries.iter().zip(matrix.values()) {
+            self.values[at as usize] = *value;
+        }
+        let mut targets = self.targets.as_slice();
+        for step in &self.steps {
+            let at = step.at as usize;
+            let pivot = self.values[at];
+            // Written so that a NaN fails.
+            let sound = pivot.abs() >= SHRUNK * step.size;
+            if !sound {
+                return false;
+            }
+            let inverse = 1.0 / pivot;
+            let upper = step.upper as usize;
+            let lower = at + 1 + upper;
+            self.row.clear();
+            self.row.extend_from_slice(&self.values[at + 1..lower]);
+            for k in lower..lower + step.lower as usize {
+                let (now, later) = targets.split_at(upper);
+                targets = later;
+                let multiplier = self.values[k] * inverse;
+                self.values[k] = multiplier;
+                if multiplier == 0.0 {
+                    continue;
+                }
+                for (&target, factor) in now.iter().zip(&self.row) {
+                    self.values[target as usize] -= multiplier * factor;
+                }
+            }
+        }
+        true
+    }
+
+    /// Solves for the right side given; unknowns without a pivot are zero.
+    pub fn solve(&mut self, b: &mut [f64]) {
+        for step in &self.steps {
+            let value = b[step.row as usize];
+            if value == 0.0 {
+                continue;
+            }
+            let from = step.at as usize + 1 + step.upper as usize;
+            let to = from + step.lower as usize;
+            for (&row, multiplier) in self.index[from..to].iter().zip(&self.values[from..to]) {
+                b[row as usize] -= multiplier * value;
+            }
+        }
+        let x = &mut self.work;
+        for &column in &self.free {
+            x[column as usize] = 0.0;
+        }
+        for step in self.steps.iter().rev() {
+            let at = step.at as usize;
+            let to = at + 1 + step.upper as usize;
+            let mut value = b[step.row as usize];
+            for (&column, factor) in self.index[at + 1..to].iter().zip(&self.values[at + 1..to]) {
+                value -= factor * x[column as usize];
+            }
+            x[step.column as usize] = value / self.values[at];
+        }
+        b.copy_from_slice(x);
+    }
+
+    /// Solves with the transposed matrix.
+    pub fn solve_transposed(&mut self, b: &mut [f64]) {
+        // U' first: the columns of the matrix are its rows now.
+        let y = &mut self.work;
+        for &row in &self.idle {
+            y[row as usize] = 0.0;
+        }
+        for step in &self.steps {
+            let at = step.at as usize;
+            let to = at + 1 + step.upper as usize;
+            let value = b[step.column as usize] / self.values[at];
+            y[step.row as usize] = value;
+            if value == 0.0 {
+                continue;
+            }
+            for (&column, factor) in self.index[at + 1..to].iter().zip(&self.values[at + 1..to]) {
+                b[column as usize] -= factor * value;
+            }
+        }
+        for step in self.steps.iter().rev() {
+            let from = step.at as usize + 1 + step.upper as usize;
+            let to = from + step.lower as usize;
+            let mut value = y[step.row as usize];
+            for (&row, multiplier) in self.index[from..to].iter().zip(&self.values[from..to]) {
+                value -= multiplier * y[row as usize];
+            }
+            y[step.row as usize] = value;
+        }
+        b.copy_from_slice(y);
+    }
+
+    /// How many motions nothing resists.
+    pub fn deficiency(&self) -> usize {
+        self.free.len()
+    }
+
+    /// The m-th motion of the unknowns that nothing resists.
+    pub fn null_vector(&self, m: usize) -> Vec<f64> {
+        let mut x = vec![0.0; self.n];
+        x[self.free[m] as usize] = 1.0;
+        for step in self.steps.iter().rev() {
+            let at = step.at as usize;
+            let to = at + 1 + step.upper as usize;
+            let mut value = 0.0;
+            for (&column, factor) in self.index[at + 1..to].iter().zip(&self.values[at + 1..to]) {
+                value -= factor * x[column as usize];
+            }
+            x[step.column as usize] = value / self.values[at];
+        }
+        x
+    }
+
+    /// Length of a residual in the scale of its rows.
+    pub fn scaled_norm(&self, g: &[f64]) -> f64 {
+        let sum: f64 = g
+            .iter()
+            .zip(&self.row_scale)
+            .map(|(g, s)| (g * s).powi(2))
+            .sum();
+        sum.sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linear::Sink;
+
+    fn matrix(rows: &[&[f64]]) -> Matrix {
+        let mut m = Matrix::new(rows.len());
+        for (i, row) in rows.iter().enumerate() {
+            for (j, value) in row.iter().enumerate() {
+                m.add(i, j, *value);
+            }
+        }
+        m.finish();
+        m
+    }
+
+    #[test]
+    fn solves_both_ways_and_again() {
+        let rows: &[&[f64]] = &[&[0.0, 2e5, 1.0], &[3.0, 1e5, -1.0], &[1e-3, 4.0, 0.0]];
+        let x = [0.3, -1e-5, 7.0];
+        let m = matrix(rows);
+        let mut lu = Lu::new(3);
+        for _ in 0..2 {
+            lu.factor(&m);
+            assert_eq!(lu.orders, 1);
+            let mut b: Vec<f64> = rows
+                .iter()
+                .map(|r| r.iter().zip(&x).map(|(a, b)| a * b).sum())
+                .collect();
+            lu.solve(&mut b);
+            let mut t: Vec<f64> = (0..3)
+                .map(|j| (0..3).map(|i| rows[i][j] * x[i]).sum())
+                .collect();
+            lu.solve_transposed(&mut t);
+            // Elimination is stable by the norm of the solution, not by each of its components.
+            for k in 0..3 {
+                assert!((b[k] - x[k]).abs() < 1e-12 * 7.0, "{b:?}");
+                assert!((t[k] - x[k]).abs() < 1e-12 * 7.0, "{t:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_motion_without_resistance_is_found_and_held() {
+        // The motion (1, 2, 1) is free; the load is balanced otherwise.
+        let rows: &[&[f64]] = &[&[2.0, -1.0, 0.0], &[-1.0, 1.0, -1.0], &[0.0, -1.0, 2.0]];
+        let mut lu = Lu::new(3);
+        lu.factor(&matrix(rows));
+        assert_eq!(lu.deficiency(), 1);
+        let z = lu.null_vector(0);
+        for row in rows {
+            let sum: f64 = row.iter().zip(&z).map(|(a, b)| a * b).sum();
+            assert!(sum.abs() < 1e-14, "{z:?}");
+        }
+        let mut b = [2.0, -2.0, 2.0];
+        lu.solve(&mut b);
+        for (k, row) in rows.iter().enumerate() {
+            let sum: f64 = row.iter().zip(&b).map(|(a, b)| a * b).sum();
+            assert!((sum - [2.0, -2.0, 2.0][k]).abs() < 1e-14, "{b:?}");
+        }
+    }
+
+    #[test]
+    fn a_pivot_that_vanishes_makes_it_choose_anew() {
+        let mut lu = Lu::new(2);
+        lu.factor(&matrix(&[&[1.0, 1.0], &[1.0, 2.0]]));
+        lu.factor(&matrix(&[&[0.0, 1.0], &[1.0, 0.0]]));
+        assert_eq!(lu.orders, 2);
+        let mut b = [3.0, 5.0];
+        lu.solve(&mut b);
+        assert_eq!(b, [5.0, 3.0]);
+    }
+}

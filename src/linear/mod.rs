@@ -1,0 +1,17 @@
+//! Sparse linear algebra: a matrix that is assembled again and again, its LU factors and their order.
+//!
+//! Knows no equations and no units.
+
+mod lu;
+mod matrix;
+mod ordering;
+mod pivoting;
+mod sink;
+
+pub(crate) use lu::Lu;
+pub(crate) use matrix::Matrix;
+#[cfg(test)]
+pub(crate) use ordering::minimum_degree;
+#[cfg(test)]
+pub(crate) use pivoting::Elimination;
+pub(crate) use sink::{NoMatrix, Sink};

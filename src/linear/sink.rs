@@ -1,0 +1,16 @@
+/// Receives the entries of a matrix. Entries of one place add up.
+pub(crate) trait Sink {
+    /// False if nobody wants the entries: they need not be worked out.
+    const WANTED: bool = true;
+
+    /// Adds to one entry.
+    fn add(&mut self, row: usize, column: usize, value: f64);
+}
+
+/// No matrix is wanted.
+pub(crate) struct NoMatrix;
+
+impl Sink for NoMatrix {
+    const WANTED: bool = false;
+    fn add(&mut self, _: usize, _: usize, _: f64) {}
+}

@@ -1,0 +1,140 @@
+/// One axis of a chart: the range of its values and where its ticks are.
+#[derive(Clone, PartialEq, Debug)]
+pub(super) struct Axis {
+    low: f64,
+    high: f64,
+    log: bool,
+    /// Values with a grid line and a label.
+    pub ticks: Vec<f64>,
+}
+
+impl Axis {
+    /// An axis that shows all these values, with about `wanted` ticks. Values that are not finite, or not positive on a logarithmic
+    /// axis, count for nothing.
+    pub fn over(values: impl Iterator<Item = f64>, log: bool, wanted: usize) -> Self {
+        let (low, high) = values
+            .filter(|v| v.is_finite() && (!log || *v > 0.0))
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+                (low.min(v), high.max(v))
+            });
+        if log {
+            Self::logarithmic(low, high, wanted)
+        } else {
+            Self::linear(low, high, wanted)
+        }
+    }
+
+    fn linear(low: f64, high: f64, wanted: usize) -> Self {
+        let (mut low, mut high) = if low > high { (0.0, 1.0) } else { (low, high) };
+        // Nothing narrower than what doubles can count in.
+        let least = 1e-9 * low.abs().max(high.abs()).max(1e-300);
+        if high - low <= least {
+            let room = if low == 0.0 { 1.0 } else { low.abs() * 0.1 };
+            (low, high) = (low - room, high + room);
+        }
+        let room = 0.05 * (high - low);
+        (low, high) = (low - room, high + room);
+        let rough = (high - low) / wanted as f64;
+        let power = 10f64.powf(rough.log10().floor());
+        let step = [1.0, 2.0, 5.0, 10.0]
+            .map(|k| k * power)
+            .into_iter()
+            .find(|step| *step >= rough)
+            .unwrap_or(10.0 * power);
+        let first = (low / step).ceil() as i64;
+        let last = (high / step).floor() as i64;
+        Self {
+            low,
+            high,
+            log: false,
+            ticks: (first..=last).map(|k| k as f64 * step).collect(),
+        }
+    }
+
+    fn logarithmic(low: f64, high: f64, wanted: usize) -> Self {
+        let (low, high) = if low > high { (0.1, 10.0) } else { (low, high) };
+        let (low, high) = (low / 1.25, high * 1.25);
+        let decades = (high / low).log10();
+        // The fewer decades there are, the more of each is labelled.
+        let steps: &[f64] = if decades < 1.2 {
+            &[1.0, 1.5, 2.0, 3.0, 5.0, 7.0]
+        } else if decades < 3.0 {
+            &[1.0, 2.0, 5.0]
+        } else {
+            &[1.0]
+        };
+        let every = ((decades / wanted as f64).ceil() as i32).max(1);
+        let from = low.log10().floor() as i32;
+        let to = high.log10().ceil() as i32;
+        let ticks = (from..=to)
+            .filter(|power| steps.len() > 1 || power % every == 0)
+            .flat_map(|power| steps.iter().map(move |k| k * 10f64.powi(power)))
+            .filter(|tick| (low..=high).contains(tick));
+        Self {
+            low,
+            high,
+            log: true,
+            ticks: ticks.collect(),
+        }
+    }
+
+    /// Where a value is between the ends of the axis, 0 to 1; `None` if it cannot be shown.
+    pub fn share(&self, value: f64) -> Option<f64> {
+        let share = if self.log {
+            (value / self.low).ln() / (self.high / self.low).ln()
+        } else {
+            (value - self.low) / (self.high - self.low)
+        };
+        share.is_finite().then_some(share)
+    }
+}
+
+/// A tick label without needless digits.
+pub(super) fn short(value: f64) -> String {
+    // Ticks are multiples of steps: what should be zero may be left with their round-off.
+    if value.abs() < 1e-12 {
+        return "0".to_string();
+    }
+    let size = value.abs();
+    if !(1e-3..1e6).contains(&size) {
+        return format!("{value:.1e}").replace(".0e", "e");
+    }
+    let digits = (3 - size.log10().floor() as i32).clamp(0, 6) as usize;
+    let text = format!("{value:.digits$}");
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_string()
+    } else {
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_round_and_inside() {
+        let axis = Axis::over([0.0, 3.7].into_iter(), false, 5);
+        assert_eq!(axis.ticks, [0.0, 1.0, 2.0, 3.0]);
+        let narrow = Axis::over([0.9, 1.3].into_iter(), true, 4);
+        assert_eq!(narrow.ticks, [1.0, 1.5]);
+        let wide = Axis::over([1e-3, 1e9].into_iter(), true, 4);
+        assert!((3..=6).contains(&wide.ticks.len()), "{:?}", wide.ticks);
+    }
+
+    #[test]
+    fn nothing_and_one_value_still_make_an_axis() {
+        for log in [false, true] {
+            for values in [vec![], vec![f64::NAN], vec![5.0], vec![0.0, -1.0]] {
+                let axis = Axis::over(values.into_iter(), log, 5);
+                assert!(axis.low < axis.high && axis.low.is_finite());
+            }
+        }
+    }
+
+    #[test]
+    fn tick_labels_are_short() {
+        let shown = [0.0, 0.5, 1200.0, 1e-5, 2e6].map(short);
+        assert_eq!(shown, ["0", "0.5", "1200", "1e-5", "2e6"]);
+    }
+}

@@ -1,0 +1,52 @@
+use super::{Chart, DrawingError, Figure, Mark, Series};
+use crate::identify::{Fit, LoadedStudy};
+
+/// How every number went to its value: one picture per element, so that those of many unknowns stay readable. `named` gives the name of
+/// an element and of one of its numbers.
+pub(super) fn convergence(
+    loaded: &LoadedStudy,
+    fit: &Fit,
+    named: impl Fn(&str) -> (String, String),
+) -> Result<Vec<Figure>, DrawingError> {
+    if fit.history.len() < 2 {
+        return Ok(Vec::new());
+    }
+    let reference = loaded.reference_values();
+    let known = reference.iter().any(Option::is_some);
+    let mut groups: Vec<(String, Vec<Series>)> = Vec::new();
+    for (k, parameter) in fit.parameters.iter().enumerate() {
+        let over = reference
+            .get(k)
+            .copied()
+            .flatten()
+            .unwrap_or(parameter.value);
+        let points = fit.history.iter().enumerate();
+        let points = points
+            .map(|(i, values)| (i as f64, values[k] / over))
+            .collect();
+        let (element, number) = named(&parameter.address);
+        let series = Series {
+            name: number,
+            points,
+            mark: Mark::LinePoints,
+        };
+        match groups.iter_mut().find(|(name, _)| *name == element) {
+            Some((_, list)) => list.push(series),
+            None => groups.push((element, vec![series])),
+        }
+    }
+    let charts = groups.into_iter().map(|(element, series)| Chart {
+        title: element,
+        x: "iteration".to_string(),
+        y: if known {
+            "value / reference"
+        } else {
+            "value / final value"
+        }
+        .to_string(),
+        series,
+        log_y: true,
+        level: Some(1.0),
+    });
+    charts.map(|chart| Figure::chart(&chart, "")).collect()
+}

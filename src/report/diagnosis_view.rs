@@ -1,0 +1,94 @@
+use super::scene::Role;
+use super::{Positions, Scene, number, study_scene};
+use crate::discrepancy::{Fitted, Outcome, Verdict};
+use crate::identify::LoadedStudy;
+use crate::model::Model;
+
+/// The mechanism with what was found marked: as measured, as the model was, and as it is extended.
+pub(super) fn diagnosis_scene(loaded: &LoadedStudy, outcome: &Outcome<'_>) -> Scene {
+    let before = positions(
+        "as the model was",
+        Role::Initial,
+        &loaded.model,
+        &outcome.baseline,
+    );
+    let after = positions(
+        "as it is extended",
+        Role::Extended,
+        &loaded.model,
+        &outcome.extended,
+    );
+    let mut scene = study_scene(loaded, &[before, after]);
+    for finding in &outcome.diagnosis.findings {
+        let label = finding.cause.to_string().replace('-', " ");
+        for address in std::iter::once(&finding.address).chain(&finding.members) {
+            scene.highlight(address, &label);
+        }
+    }
+    scene
+}
+
+/// Where a fit puts the parts of the study's own deck; the parts that an extension adds are not among them.
+fn positions(name: &str, role: Role, model: &Model, fitted: &Fitted) -> Positions {
+    let of = |part: &crate::model::Part| {
+        let mut others = fitted.deck.model.parts.iter();
+        others.position(|other| other.header.id == part.header.id && other.kind == part.kind)
+    };
+    let places: Vec<Option<usize>> = model.parts.iter().map(of).collect();
+    let cases = fitted.states.iter().map(|state| {
+        let parts = model.parts.iter().zip(&places);
+        let pose = parts.map(|(part, place)| {
+            let found = place.and_then(|place| state.poses.get(place));
+            found.copied().unwrap_or(part.pose)
+        });
+        Some(pose.collect::<Vec<_>>())
+    });
+    Positions {
+        name: name.to_string(),
+        role,
+        cases: cases.collect(),
+    }
+}
+
+/// The answer in a sentence or two for someone who decides: problem, cause, place, gain.
+pub(super) fn headline(loaded: &LoadedStudy, outcome: &Outcome<'_>, scene: &Scene) -> String {
+    let diagnosis = &outcome.diagnosis;
+    let length = loaded.model.units.length.word;
+    let Some(finding) = diagnosis.findings.iter().find(|finding| !finding.minor) else {
+        return match diagnosis.verdict {
+            Verdict::Unexplained => "The measurement holds something that the model does not have and that no known cause explains.",
+            Verdict::Consistent | Verdict::Discrepancy => "The model explains what was measured; nothing in it needs to be changed.",
+        }
+        .to_string();
+    };
+    let mut text = format!(
+        "The model does not behave like the car: the cause is {} at {}, with a probability of {:.0} %.",
+        finding.cause.to_string().replace('-', " "),
+        scene.named(&finding.address),
+        (100.0 * finding.probability).min(99.0)
+    );
+    if let (Some(before), Some(after)) = (
+        finding.gain.held_out_rms_before,
+        finding.gain.held_out_rms_after,
+    ) {
+        let digits = |value: f64| number(value, Some(value.abs() * 0.1));
+        text += &format!(
+            " With it the error on load cases that the fit did not see falls from {} to {} {length}.",
+            digits(before),
+            digits(after)
+        );
+    }
+    let others = diagnosis
+        .findings
+        .iter()
+        .filter(|finding| !finding.minor)
+        .count()
+        - 1;
+    if others > 0 {
+        text += &format!(" {others} more below.");
+    }
+    if diagnosis.verdict == Verdict::Unexplained {
+        text += " Something remains that no known cause explains.";
+    }
+    text
+}

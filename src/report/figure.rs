@@ -1,0 +1,77 @@
+use super::{Chart, DrawingError, HeatMap, escape};
+
+/// A picture of a page: drawing, caption and the data behind it.
+#[derive(Clone, Debug)]
+pub struct Figure {
+    svg: String,
+    caption: String,
+    name: String,
+    csv: String,
+}
+
+impl Figure {
+    /// A chart with a caption.
+    ///
+    /// # Errors
+    /// When it cannot be drawn.
+    pub fn chart(chart: &Chart, caption: &str) -> Result<Self, DrawingError> {
+        Ok(Self {
+            svg: chart.svg()?,
+            caption: caption.to_string(),
+            name: chart.title.clone(),
+            csv: chart.csv(),
+        })
+    }
+
+    /// A map with a caption.
+    pub fn map(map: &HeatMap, caption: &str) -> Self {
+        Self {
+            svg: map.svg(),
+            caption: caption.to_string(),
+            name: map.title.clone(),
+            csv: map.csv(),
+        }
+    }
+
+    /// The `<figure>` element. Its data are a link that holds them, so that the page stays one file.
+    pub(super) fn html(&self) -> String {
+        format!(
+            "<figure>{}<figcaption>{} <a download=\"{}.csv\" href=\"data:text/csv;charset=utf-8,{}\">Data (CSV)</a></figcaption></figure>\n",
+            self.svg,
+            escape(&self.caption),
+            file_name(&self.name),
+            percent(&self.csv)
+        )
+    }
+}
+
+/// Letters and digits of a title, words joined by hyphens.
+fn file_name(title: &str) -> String {
+    let words = title.split(|c: char| !c.is_ascii_alphanumeric());
+    let name: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
+    name.join("-").to_lowercase()
+}
+
+/// Everything but what a data address may hold as it is.
+fn percent(text: &str) -> String {
+    let mut out = String::with_capacity(text.len() * 5 / 4);
+    for byte in text.bytes() {
+        if byte.is_ascii_alphanumeric() || b",.-_;:/()+*=".contains(&byte) {
+            out.push(char::from(byte));
+        } else {
+            out.push_str(&format!("%{byte:02X}"));
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn data_cannot_leave_their_link() {
+        assert_eq!(percent("a,1\n\"<b>&'"), "a,1%0A%22%3Cb%3E%26%27");
+        assert_eq!(file_name("Steer of \"A\" / <deg>"), "steer-of-a-deg");
+    }
+}

@@ -1,0 +1,331 @@
+use super::hull::hull;
+use super::shapes::{Shape, shapes};
+use super::{Body, End, Highlight, Kind, Object, Placed, Role, Scene, Set, point};
+use crate::mechanics::{Pose, Vec3};
+use crate::model::{
+    JointKind, MarkerIx, Model, PartKind, PrimitiveKind, SforceKind, SpringKind, VectorForceKind,
+};
+use crate::syntax::Dataset;
+
+impl Scene {
+    /// The geometry of a model, standing where its deck puts it. With its dataset also the shapes of GRAPHICS statements are drawn.
+    pub fn of(model: &Model, dataset: Option<&Dataset>) -> Self {
+        let objects = objects(model);
+        let shapes = dataset.map(|dataset| shapes(dataset, model));
+        let gravity = model.gravity;
+        let up = if gravity.norm() > 0.0 && gravity.iter().all(|g| g.is_finite()) {
+            -gravity.normalize()
+        } else {
+            Vec3::z()
+        };
+        Self {
+            title: model.title.trim().to_string(),
+            length: model.units.length.word.to_string(),
+            force: model.units.force.word.to_string(),
+            up: point(&up),
+            parts: bodies(model, &objects, &shapes.unwrap_or_default()),
+            objects,
+            marks: Vec::new(),
+            sets: vec![Set {
+                name: "deck".to_string(),
+                role: Role::Model,
+            }],
+            per: "step".to_string(),
+            frames: Vec::new(),
+            highlight: Vec::new(),
+            notes: Vec::new(),
+        }
+    }
+
+    /// Marks what stands at an address such as `BUSHING/2.K.1`, `PART/4`, `MARKER/7` or `SFORCE/2<-SFORCE/3`. False if nothing of it is
+    /// drawn.
+    pub fn highlight(&mut self, address: &str, label: &str) -> bool {
+        let found = self.owner(address);
+        if let Some(address) = &found
+            && self.highlight.iter().all(|mark| mark.address != *address)
+        {
+            self.highlight.push(Highlight {
+                address: address.clone(),
+                label: label.to_string(),
+            });
+        }
+        found.is_some()
+    }
+
+    /// The view name of what stands at an address, and the address: `A (BUSHING/1.K.1)`.
+    pub fn named(&self, address: &str) -> String {
+        let owner = self.owner(address);
+        let objects = self
+            .objects
+            .iter()
+            .map(|object| (&object.address, &object.name));
+        let parts = self.parts.iter().map(|part| (&part.address, &part.name));
+        let mut all = objects.chain(parts);
+        match owner.and_then(|owner| all.find(|(of, _)| **of == owner)) {
+            Some((_, name)) => format!("{name} ({address})"),
+            None => address.to_string(),
+        }
+    }
+
+    /// The address of the object or part that is drawn for an address.
+    fn owner(&self, address: &str) -> Option<String> {
+        let address = address.split("<-").next()?.to_ascii_uppercase();
+        let address = address.split('.').next()?.to_string();
+        if self.object(&address).is_some() || self.parts.iter().any(|part| part.address == address)
+        {
+            return Some(address);
+        }
+        let id: u32 = address.strip_prefix("MARKER/")?.parse().ok()?;
+        let holder = self
+            .objects
+            .iter()
+            .find(|object| object.markers.contains(&id))?;
+        Some(holder.address.clone())
+    }
+
+    /// Index of the object with an address such as `BUSHING/1`.
+    pub fn object(&self, address: &str) -> Option<usize> {
+        self.objects
+            .iter()
+            .position(|object| object.address == address)
+    }
+}
+
+/// The frame of a marker in its part.
+fn frame(model: &Model, marker: MarkerIx) -> Pose {
+    let marker = &model.markers[marker.0];
+    Pose {
+        p: marker.qp,
+        R: marker.R,
+    }
+}
+
+fn end(model: &Model, marker: MarkerIx) -> Option<End> {
+    // A floating marker has no place of its own.
+    let of = &model.markers[marker.0];
+    (!of.floating).then(|| End {
+        part: of.part.0,
+        at: Placed::new(&frame(model, marker)),
+    })
+}
+
+fn objects(model: &Model) -> Vec<Object> {
+    let mut out = Vec::new();
+    let mut add = |header: &crate::model::Header,
+                   statement: &str,
+                   kind: Kind,
+                   form: &str,
+                   i: MarkerIx,
+                   j: Option<MarkerIx>| {
+        let marker = i;
+        let Some(i) = end(model, i).filter(|_| header.active) else {
+            return;
+        };
+        let ids = std::iter::once(marker).chain(j);
+        let markers = ids
+            .map(|marker| model.markers[marker.0].header.id)
+            .collect();
+        out.push(Object {
+            name: header.name.clone(),
+            address: format!("{statement}/{}", header.id),
+            kind,
+            form: form.to_string(),
+            i,
+            j: j.and_then(|j| end(model, j)),
+            markers,
+        });
+    };
+    for joint in &model.joints {
+        let form = match joint.kind {
+            JointKind::Spherical => "spherical",
+            JointKind::Revolute => "revolute",
+            JointKind::Translational => "translational",
+            JointKind::Cylindrical => "cylindrical",
+            JointKind::Planar => "planar",
+            JointKind::Fixed => "fixed",
+            JointKind::Hooke => "hooke",
+            JointKind::Universal => "universal",
+            JointKind::Convel => "convel",
+            JointKind::Screw { .. } => "screw",
+            JointKind::RackPin { .. } => "rackpin",
+        };
+        add(
+            &joint.header,
+            "JOINT",
+            Kind::Joint,
+            form,
+            joint.i,
+            Some(joint.j),
+        );
+    }
+    for primitive in &model.primitives {
+        let form = match primitive.kind {
+            PrimitiveKind::AtPoint => "atpoint",
+            PrimitiveKind::Inline => "inline",
+            PrimitiveKind::Inplane => "inplane",
+            PrimitiveKind::Orientation => "orientation",
+            PrimitiveKind::ParallelAxes => "parallel axes",
+            PrimitiveKind::Perpendicular => "perpendicular",
+        };
+        let (i, j) = (primitive.i, primitive.j);
+        add(
+            &primitive.header,
+            "JPRIM",
+            Kind::Primitive,
+            form,
+            i,
+            Some(j),
+        );
+    }
+    for motion in &model.motions {
+        add(
+            &motion.header,
+            "MOTION",
+            Kind::Motion,
+            "motion",
+            motion.i,
+            Some(motion.j),
+        );
+    }
+    for bushing in &model.bushings {
+        add(
+            &bushing.header,
+            "BUSHING",
+            Kind::Bushing,
+            "bushing",
+            bushing.i,
+            Some(bushing.j),
+        );
+    }
+    for force in &model.pair_forces {
+        let kind = match force.def.name {
+            "BEAM" => Kind::Beam,
+            _ => Kind::Field,
+        };
+        add(
+            &force.header,
+            force.def.name,
+            kind,
+            force.law.name,
+            force.i,
+            Some(force.j),
+        );
+    }
+    for force in &model.nforces {
+        for i in &force.i {
+            add(
+                &force.header,
+                "NFORCE",
+                Kind::Field,
+                "nforce",
+                *i,
+                Some(force.j),
+            );
+        }
+    }
+    for spring in &model.springdampers {
+        let form = match spring.kind {
+            SpringKind::Translational => "translational",
+            SpringKind::Rotational => "rotational",
+        };
+        add(
+            &spring.header,
+            "SPRINGDAMPER",
+            Kind::Spring,
+            form,
+            spring.i,
+            Some(spring.j),
+        );
+    }
+    for force in &model.sforces {
+        let form = match (force.kind, force.action_only) {
+            (SforceKind::Translational, false) => "translational",
+            (SforceKind::Translational, true) => "translational, action only",
+            (SforceKind::Rotational, false) => "rotational",
+            (SforceKind::Rotational, true) => "rotational, action only",
+        };
+        add(
+            &force.header,
+            "SFORCE",
+            Kind::Force,
+            form,
+            force.i,
+            Some(force.j),
+        );
+    }
+    for force in &model.vector_forces {
+        let (statement, form) = match force.kind {
+            VectorForceKind::Gforce => ("GFORCE", "force and torque"),
+            VectorForceKind::Vforce => ("VFORCE", "force"),
+            VectorForceKind::Vtorque => ("VTORQUE", "torque"),
+        };
+        add(
+            &force.header,
+            statement,
+            Kind::Force,
+            form,
+            force.i,
+            force.rm,
+        );
+    }
+    out
+}
+
+fn bodies(model: &Model, objects: &[Object], shapes: &[Shape]) -> Vec<Body> {
+    let mut corners: Vec<Vec<Vec3>> = vec![Vec::new(); model.parts.len()];
+    for object in objects {
+        for end in std::iter::once(&object.i).chain(&object.j) {
+            let [x, y, z, ..] = end.at.0;
+            corners[end.part].push(Vec3::new(x, y, z));
+        }
+    }
+    let mut of = |k: usize, part: &crate::model::Part| {
+        let ground = part.kind == PartKind::Ground;
+        let mut points = std::mem::take(&mut corners[k]);
+        points.retain(|p| p.iter().all(|x| x.is_finite()));
+        let cm = part.cm.map(|marker| model.markers[marker.0].qp);
+        // The centre of mass is a corner of parts that would have no extent otherwise.
+        if !ground && hull(&points).edges.is_empty() {
+            points.extend(cm);
+            if points.is_empty() && !shapes.iter().any(|shape| shape.part == k) {
+                let own = model
+                    .markers
+                    .iter()
+                    .filter(|m| m.part.0 == k && !m.floating);
+                points.extend(own.map(|marker| marker.qp));
+            }
+        }
+        let outline = if ground {
+            super::Hull::default()
+        } else {
+            hull(&points)
+        };
+        let mut body = Body {
+            name: part.header.name.clone(),
+            address: match part.kind {
+                PartKind::PointMass => format!("POINT_MASS/{}", part.header.id),
+                _ => format!("PART/{}", part.header.id),
+            },
+            ground,
+            design: Placed::new(&part.pose),
+            points: points.iter().map(point).collect(),
+            faces: outline.faces,
+            edges: outline.edges,
+            lines: Vec::new(),
+        };
+        for shape in shapes.iter().filter(|shape| shape.part == k) {
+            for line in &shape.lines {
+                let first = body.points.len();
+                body.points.extend(line.iter().map(point));
+                body.lines.push((first..body.points.len()).collect());
+            }
+        }
+        body
+    };
+    model
+        .parts
+        .iter()
+        .enumerate()
+        .map(|(k, part)| of(k, part))
+        .collect()
+}

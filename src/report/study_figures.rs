@@ -1,0 +1,344 @@
+use super::{Chart, DrawingError, Figure, HeatMap, Mark, Positions, Series};
+use crate::identify::LoadedStudy;
+use crate::mechanics::{Pose, Vec3, Vec6};
+use crate::model::MarkerIx;
+use crate::rig::deflection::{DeflectionForm, deflection};
+use crate::rig::wheel::WheelReading;
+
+/// Up to so many cases a map of them can be read.
+const MAPPED: usize = 60;
+/// Axes of a bushing.
+const AXES: [&str; 6] = ["x", "y", "z", "about x", "about y", "about z"];
+
+/// The pictures of a study that need where its model stands: `positions` in the order in which models are compared, the last the best.
+pub(super) struct StudyFigures<'a> {
+    pub loaded: &'a LoadedStudy,
+    pub positions: &'a [Positions],
+}
+
+impl StudyFigures<'_> {
+    fn mark(&self, set: usize) -> Mark {
+        if set + 1 == self.positions.len() {
+            Mark::Line
+        } else {
+            Mark::Dashed
+        }
+    }
+
+    /// Rms residual of each case, and which of them no fit saw.
+    pub fn by_case(&self) -> Result<Option<Figure>, DrawingError> {
+        let measurement = &self.loaded.measurement;
+        if measurement.cases.iter().all(|case| case.marks.is_empty()) || self.positions.is_empty() {
+            return Ok(None);
+        }
+        let rms = |set: usize, case: usize| {
+            let squares: Vec<f64> = self
+                .misfits(set, case)
+                .map(|(_, r)| r.norm_squared())
+                .collect();
+            let count = 3.0 * squares.len() as f64;
+            (count > 0.0).then(|| {
+                (
+                    (case + 1) as f64,
+                    (squares.iter().sum::<f64>() / count).sqrt(),
+                )
+            })
+        };
+        let cases = || 0..measurement.cases.len();
+        let mut series: Vec<Series> = self
+            .positions
+            .iter()
+            .enumerate()
+            .map(|(set, positions)| Series {
+                name: positions.name.clone(),
+                points: cases().filter_map(|case| rms(set, case)).collect(),
+                mark: self.mark(set),
+            })
+            .collect();
+        let last = self.positions.len() - 1;
+        let held: Vec<(f64, f64)> = cases()
+            .filter(|case| measurement.cases[*case].held_out)
+            .filter_map(|case| rms(last, case))
+            .collect();
+        if !held.is_empty() {
+            series.push(Series {
+                name: format!("{}, cases no fit saw", self.positions[last].name),
+                points: held,
+                mark: Mark::Points,
+            });
+        }
+        let chart = Chart {
+            title: "Error of the model, case by case".to_string(),
+            x: "case, in the order of application".to_string(),
+            y: format!("rms of one mark coordinate, {}", self.length()),
+            series,
+            log_y: true,
+            level: (measurement.sigma > 0.0).then_some(measurement.sigma),
+        };
+        let caption = "Prediction minus reading of the marks. The dotted line is the standard deviation of one reading.";
+        Figure::chart(&chart, caption).map(Some)
+    }
+
+    /// Rms of one mark coordinate over all cases that were fitted.
+    pub fn rms(&self, set: usize) -> Option<f64> {
+        self.positions.get(set)?;
+        let (mut sum, mut count) = (0.0, 0.0);
+        for case in self.loaded.measurement.fitted_cases() {
+            for (_, misfit) in self.misfits(set, case) {
+                sum += misfit.norm_squared();
+                count += 3.0;
+            }
+        }
+        (count > 0.0).then(|| (sum / count).sqrt())
+    }
+
+    fn length(&self) -> &'static str {
+        self.loaded.model.units.length.word
+    }
+
+    /// Prediction minus reading of every mark read in a case: column of the map and vector in ground.
+    fn misfits(
+        &self,
+        set: usize,
+        case: usize,
+    ) -> impl Iterator<Item = ((usize, usize), Vec3)> + '_ {
+        let measurement = &self.loaded.measurement;
+        let poses = self.positions[set].cases.get(case).and_then(Option::as_ref);
+        poses.into_iter().flat_map(move |poses| {
+            measurement.cases[case].marks.iter().map(move |reading| {
+                let part = &measurement.parts[reading.part];
+                let predicted = poses[part.part.0].point(&part.marks[reading.mark].p);
+                ((reading.part, reading.mark), predicted - reading.x)
+            })
+        })
+    }
+
+    /// Maps of the residuals, case by mark, one for each model.
+    pub fn maps(&self) -> Vec<Figure> {
+        let measurement = &self.loaded.measurement;
+        let mut first = Vec::new();
+        let mut columns = Vec::new();
+        for part in &measurement.parts {
+            first.push(columns.len());
+            columns.extend(
+                part.marks
+                    .iter()
+                    .map(|mark| format!("{} {}", part.name, mark.label)),
+            );
+        }
+        if measurement.cases.len() > MAPPED || columns.is_empty() {
+            return Vec::new();
+        }
+        let sigma = measurement.sigma;
+        let (unit, scale) = if sigma > 0.0 {
+            ("sigmas".to_string(), sigma)
+        } else {
+            (self.length().to_string(), 1.0)
+        };
+        let map = |set: usize| {
+            let mut largest = 0.0_f64;
+            let values: Vec<Vec<Option<f64>>> = (0..measurement.cases.len())
+                .map(|case| {
+                    let mut row = vec![None; columns.len()];
+                    for ((part, mark), misfit) in self.misfits(set, case) {
+                        // The coordinate that is worst, with its sign.
+                        let value = misfit
+                            .iter()
+                            .copied()
+                            .max_by(|a, b| a.abs().total_cmp(&b.abs()));
+                        let value = value.map(|value| value / scale);
+                        largest = largest.max(value.map_or(0.0, f64::abs));
+                        row[first[part] + mark] = value;
+                    }
+                    row
+                })
+                .collect();
+            let name = &self.positions[set].name;
+            let map = HeatMap {
+                title: format!("Residuals, {name}"),
+                rows: measurement
+                    .cases
+                    .iter()
+                    .map(|case| format!("case {}", case.label))
+                    .collect(),
+                columns: columns.clone(),
+                values,
+                limit: if sigma > 0.0 { 6.0 } else { largest },
+                what: format!("prediction minus reading, worst coordinate, {unit}"),
+            };
+            Figure::map(
+                &map,
+                "Blue is negative, red positive, blank is zero. Point at a cell for its value.",
+            )
+        };
+        (0..self.positions.len()).map(map).collect()
+    }
+
+    /// Force against deflection of one bushing, in each of its directions that moves: the laws as lines, what was measured as points.
+    pub fn bushing(
+        &self,
+        bushing: usize,
+        stiffness: [[f64; 6]; 2],
+    ) -> Result<Vec<Figure>, DrawingError> {
+        let (model, measurement) = (&self.loaded.model, &self.loaded.measurement);
+        let law = &model.bushings[bushing];
+        let Some(fitted) = self.positions.last() else {
+            return Ok(Vec::new());
+        };
+        let mut preload = [0.0; 6];
+        preload[..3].copy_from_slice(&law.force);
+        preload[3..].copy_from_slice(&law.torque);
+        let mut found: Vec<(Option<Vec6>, Vec6)> = Vec::new();
+        for case in 0..measurement.cases.len() {
+            let Some(poses) = fitted.cases.get(case).and_then(Option::as_ref) else {
+                continue;
+            };
+            let part = |marker: MarkerIx| model.markers[marker.0].part.0;
+            let at = |i: &Pose, j: &Pose| {
+                let own = |marker: MarkerIx| Pose {
+                    p: model.markers[marker.0].qp,
+                    R: model.markers[marker.0].R,
+                };
+                deflection(i, &own(law.i), j, &own(law.j), DeflectionForm::Corrected)
+            };
+            let read = measurement.poses(case, model);
+            let both = read[part(law.i)].as_ref().zip(read[part(law.j)].as_ref());
+            let read = both.map(|(i, j)| at(&i.pose, &j.pose));
+            found.push((read, at(&poses[part(law.i)], &poses[part(law.j)])));
+        }
+        let force = model.units.force.word;
+        let mut out = Vec::new();
+        for axis in 0..6 {
+            let turning = axis >= 3;
+            let scale = if turning { 1f64.to_degrees() } else { 1.0 };
+            // What acts on J: it grows with the deflection.
+            let load = |stiffness: f64, d: f64| stiffness * d - preload[axis];
+            let [initial, identified] = [stiffness[0][axis], stiffness[1][axis]];
+            let read: Vec<(f64, f64)> = found
+                .iter()
+                .filter_map(|(read, model)| {
+                    Some((read.as_ref()?[axis] * scale, load(identified, model[axis])))
+                })
+                .collect();
+            let reach = found.iter().flat_map(|(read, model)| {
+                [Some(model[axis]), read.as_ref().map(|read| read[axis])]
+            });
+            let (low, high) = reach.flatten().fold((0.0_f64, 0.0_f64), |(low, high), d| {
+                (low.min(d), high.max(d))
+            });
+            if high - low < 1e-12 {
+                continue;
+            }
+            let line = |name: &str, stiffness: f64, mark| Series {
+                name: name.to_string(),
+                points: [low, high]
+                    .map(|d| (d * scale, load(stiffness, d)))
+                    .to_vec(),
+                mark,
+            };
+            let mut series = vec![line("identified law", identified, Mark::Line)];
+            if initial != identified {
+                series.push(line("initial law", initial, Mark::Dashed));
+            }
+            if !read.is_empty() {
+                series.push(Series {
+                    name: "measured deflection, force of the model".to_string(),
+                    points: read,
+                    mark: Mark::Points,
+                });
+            }
+            let unit = if turning {
+                format!("torque on J, {force}-{}", self.length())
+            } else {
+                format!("force on J, {force}")
+            };
+            let chart = Chart {
+                title: format!("{} {}", law.header.name, AXES[axis]),
+                x: format!(
+                    "deflection {}, {}",
+                    AXES[axis],
+                    if turning { "deg" } else { self.length() }
+                ),
+                y: unit,
+                series,
+                log_y: false,
+                level: Some(0.0),
+            };
+            out.push(Figure::chart(&chart, "")?);
+        }
+        Ok(out)
+    }
+
+    /// Camber, steer and the place of the wheel against each load that changes alone, in the order of application.
+    pub fn wheel(&self) -> Result<Vec<Figure>, DrawingError> {
+        let (measurement, programme) = (&self.loaded.measurement, &self.loaded.programme);
+        let Some(wheel) = &measurement.wheel else {
+            return Ok(Vec::new());
+        };
+        let model = &self.loaded.model;
+        let marker = &model.markers[wheel.marker.0];
+        let own = Pose {
+            p: marker.qp,
+            R: marker.R,
+        };
+        let length = self.length();
+        let channels: [(&str, &str, fn(&WheelReading) -> f64); 4] = [
+            ("Camber", "deg", |reading| reading.camber_deg),
+            ("Steer", "deg", |reading| reading.steer_deg),
+            ("Wheel x", length, |reading| reading.position.x),
+            ("Wheel z", length, |reading| reading.position.z),
+        ];
+        let mut out = Vec::new();
+        for (load, of) in programme.loads.iter().enumerate() {
+            // The cases in which the other loads are what they are in the first.
+            let Some(rest) = programme.cases.first().map(|case| case.values.clone()) else {
+                continue;
+            };
+            let alone = |case: &usize| {
+                let values = programme.cases[*case].values.iter().zip(&rest);
+                values.enumerate().all(|(k, (a, b))| k == load || a == b)
+            };
+            let cases: Vec<usize> = (0..programme.cases.len()).filter(alone).collect();
+            let value = |case: usize| programme.cases[case].values[load];
+            let mut levels: Vec<f64> = cases.iter().map(|case| value(*case)).collect();
+            levels.sort_by(f64::total_cmp);
+            levels.dedup();
+            if levels.len() < 3 {
+                continue;
+            }
+            for (name, unit, of_reading) in channels {
+                let read = cases.iter().filter_map(|case| {
+                    let reading = measurement.cases[*case].wheel.as_ref()?;
+                    Some((value(*case), of_reading(reading)))
+                });
+                let mut series = vec![Series {
+                    name: "measured".to_string(),
+                    points: read.collect(),
+                    mark: Mark::Points,
+                }];
+                series.extend(self.positions.iter().enumerate().map(|(set, positions)| {
+                    let points = cases.iter().filter_map(|case| {
+                        let poses = positions.cases.get(*case)?.as_ref()?;
+                        let at = poses[marker.part.0].compose(&own);
+                        Some((value(*case), of_reading(&wheel.spin.reading(&at))))
+                    });
+                    Series {
+                        name: positions.name.clone(),
+                        points: points.collect(),
+                        mark: self.mark(set),
+                    }
+                }));
+                let chart = Chart {
+                    title: format!("{name} against {}", of.name),
+                    x: of.name.clone(),
+                    y: format!("{}, {unit}", name.to_lowercase()),
+                    series,
+                    log_y: false,
+                    level: None,
+                };
+                out.push(Figure::chart(&chart, "The other loads stand still.")?);
+            }
+        }
+        Ok(out)
+    }
+}

@@ -1,0 +1,192 @@
+use super::Scene;
+use super::scene::{Arrow, Frame, Mark, Placed, Role, Set, point};
+use crate::backend::Sweep;
+use crate::identify::LoadedStudy;
+use crate::mechanics::{Pose, Vec3};
+
+/// Where a model stands in every load case of a study.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Positions {
+    /// Name for a legend.
+    pub name: String,
+    /// Whose positions.
+    pub role: Role,
+    /// Per case the pose of each part of the model; `None` without an equilibrium.
+    pub cases: Vec<Option<Vec<Pose>>>,
+}
+
+impl Positions {
+    /// Those of a sweep over the cases of a study.
+    pub fn of(name: &str, role: Role, sweep: &Sweep) -> Self {
+        let cases = 0..sweep.cases.len();
+        Self {
+            name: name.to_string(),
+            role,
+            cases: cases
+                .map(|case| sweep.equilibrium(case).map(|found| found.poses.clone()))
+                .collect(),
+        }
+    }
+}
+
+/// The mechanism of a study: as measured, and where these models put it, case by case. Loads are arrows.
+pub fn study_scene(loaded: &LoadedStudy, positions: &[Positions]) -> Scene {
+    let model = &loaded.model;
+    let measurement = &loaded.measurement;
+    let mut scene = Scene::of(model, Some(&loaded.dataset));
+    scene.per = "case".to_string();
+    let mut marks = Vec::new();
+    for (part, marked) in measurement.parts.iter().enumerate() {
+        for (mark, on_part) in marked.marks.iter().enumerate() {
+            marks.push((part, mark));
+            scene.marks.push(Mark {
+                label: on_part.label.clone(),
+                part: marked.part.0,
+                p: point(&on_part.p),
+            });
+        }
+    }
+    let read = !marks.is_empty();
+    scene.sets = Vec::new();
+    if read {
+        scene.sets.push(Set {
+            name: "measured".to_string(),
+            role: Role::Measured,
+        });
+    }
+    scene.sets.extend(positions.iter().map(|set| Set {
+        name: set.name.clone(),
+        role: set.role,
+    }));
+    if scene.sets.is_empty() {
+        scene.sets.push(Set {
+            name: "deck".to_string(),
+            role: Role::Model,
+        });
+        return scene;
+    }
+    for (case, of) in measurement.cases.iter().enumerate() {
+        let mut poses = Vec::new();
+        if read {
+            let measured = measurement.poses(case, model);
+            poses.push(
+                measured
+                    .iter()
+                    .map(|pose| pose.as_ref().map(|found| Placed::new(&found.pose)))
+                    .collect(),
+            );
+        }
+        let shown = |set: &Positions| -> Vec<Option<Placed>> {
+            match set.cases.get(case).and_then(Option::as_ref) {
+                Some(poses) => poses.iter().map(|pose| Some(Placed::new(pose))).collect(),
+                None => vec![None; model.parts.len()],
+            }
+        };
+        poses.extend(positions.iter().map(shown));
+        let place = |&(part, mark): &(usize, usize)| {
+            let mut readings = of.marks.iter();
+            let reading = readings.find(|reading| reading.part == part && reading.mark == mark)?;
+            Some(point(&reading.x))
+        };
+        let stands = positions
+            .last()
+            .and_then(|set| set.cases.get(case)?.as_ref());
+        let held = if of.held_out { " (held out)" } else { "" };
+        let arrows = arrows(loaded, &scene, case, stands);
+        scene.frames.push(Frame {
+            label: of.label.clone(),
+            note: format!("{}{held}", loads(loaded, case)),
+            poses,
+            marks: marks.iter().map(place).collect(),
+            arrows,
+        });
+    }
+    scene
+}
+
+/// The loads of a case in words.
+fn loads(loaded: &LoadedStudy, case: usize) -> String {
+    let programme = &loaded.programme;
+    let Some(case) = programme.cases.get(case) else {
+        return String::new();
+    };
+    let texts = programme.loads.iter().zip(&case.values);
+    let texts: Vec<String> = texts
+        .map(|(load, value)| format!("{} {}", load.name, super::number(*value, None)))
+        .collect();
+    texts.join(", ")
+}
+
+/// The forces among the loads of a case, in ground axes: SFORCE along its line or the z axis of J, GFORCE and VFORCE by component.
+fn arrows(
+    loaded: &LoadedStudy,
+    scene: &Scene,
+    case: usize,
+    stands: Option<&Vec<Pose>>,
+) -> Vec<Arrow> {
+    let model = &loaded.model;
+    let frame = |marker: crate::model::MarkerIx| {
+        let marker = &model.markers[marker.0];
+        let part = stands.map_or(model.parts[marker.part.0].pose, |poses| {
+            poses[marker.part.0]
+        });
+        part.compose(&Pose {
+            p: marker.qp,
+            R: marker.R,
+        })
+    };
+    let mut out: Vec<(usize, Vec3)> = Vec::new();
+    let Some(values) = loaded.programme.cases.get(case) else {
+        return Vec::new();
+    };
+    for (load, value) in loaded.programme.loads.iter().zip(&values.values) {
+        let Some(id) = load.target.id else { continue };
+        let Some(object) = scene.object(&format!("{}/{id}", load.target.kind)) else {
+            continue;
+        };
+        let force = match load.target.kind.as_str() {
+            "SFORCE" => {
+                let found = model.sforces.iter().find(|force| force.header.id == id);
+                let Some(force) =
+                    found.filter(|force| force.kind == crate::model::SforceKind::Translational)
+                else {
+                    continue;
+                };
+                let (i, j) = (frame(force.i), frame(force.j));
+                let line = i.p - j.p;
+                if force.action_only || line.norm() == 0.0 {
+                    j.R.column(2) * *value
+                } else {
+                    line.normalize() * *value
+                }
+            }
+            "GFORCE" | "VFORCE" => {
+                let found = model
+                    .vector_forces
+                    .iter()
+                    .find(|force| force.header.id == id);
+                let argument = load.target.argument.as_deref();
+                let axis = ["FX", "FY", "FZ"]
+                    .iter()
+                    .position(|name| Some(*name) == argument);
+                let (Some(force), Some(axis)) = (found, axis) else {
+                    continue;
+                };
+                let axes = force.rm.map_or_else(Pose::identity, frame).R;
+                axes.column(axis) * *value
+            }
+            _ => continue,
+        };
+        match out.iter_mut().find(|(of, _)| *of == object) {
+            Some((_, sum)) => *sum += force,
+            None => out.push((object, force)),
+        }
+    }
+    out.into_iter()
+        .filter(|(_, force)| force.norm() > 0.0 && force.iter().all(|x| x.is_finite()))
+        .map(|(object, force)| Arrow {
+            object,
+            force: point(&force),
+        })
+        .collect()
+}

@@ -1,0 +1,41 @@
+//! Outside the catalogue: the rig pulls in another direction than the deck says.
+
+use super::{EffectSpec, Reality};
+use crate::diagnostic::Diagnostic;
+use crate::mechanics::Vec3;
+use crate::syntax::Address;
+
+/// `ax_deg, ay_deg, az_deg`: a rotation vector in the axes of the marker that gives the direction: J of an action-only SFORCE, RM of a
+/// GFORCE or VFORCE.
+pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+    let load = reality.load(spec, &spec.address)?;
+    let turn = spec.turn()?;
+    let target = reality.programme.loads[load].target.clone();
+    let Some(argument) = direction_of(reality, &target) else {
+        return Err(spec.refuse(format!("{target} has no direction of its own")));
+    };
+    let object = Address {
+        argument: None,
+        index: None,
+        ..target
+    };
+    let still = Vec3::zeros();
+    reality
+        .rehang(spec, (&object, argument), None, (&still, &turn))
+        .map(drop)
+}
+
+/// The argument that names the marker whose axes give the direction of a load.
+pub(in crate::rig) fn direction_of(reality: &Reality, target: &Address) -> Option<&'static str> {
+    let object = Address {
+        argument: None,
+        index: None,
+        ..target.clone()
+    };
+    let statement = reality.dataset.find(&object)?;
+    match target.kind.as_str() {
+        "SFORCE" if statement.has("ACTIONONLY") => Some("J"),
+        "GFORCE" | "VFORCE" if statement.first("RM").is_some() => Some("RM"),
+        _ => None,
+    }
+}

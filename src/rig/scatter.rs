@@ -1,0 +1,125 @@
+//! How mark readings scatter, where that is not a normal distribution of the declared width.
+
+use super::effect::{EffectSpec, Reality};
+use super::noise::Noise;
+use crate::diagnostic::{Code, Diagnostic};
+
+/// What is unusual about the noise of marks.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Scatter {
+    /// Degrees of freedom of a Student t whose scale is the noise; infinite for a normal distribution.
+    pub tails: f64,
+    /// Readings that are wrong.
+    pub outliers: usize,
+    /// By how much, in the deck's length unit, in any direction.
+    pub outlier_size: f64,
+    /// What the folder says of the noise, as a part of what it is.
+    pub declared: f64,
+}
+
+impl Default for Scatter {
+    fn default() -> Self {
+        Self {
+            tails: f64::INFINITY,
+            outliers: 0,
+            outlier_size: 2.0,
+            declared: 1.0,
+        }
+    }
+}
+
+impl Scatter {
+    /// Reads `tails=3,outliers=6,outlier_size=2,declared=0.5`.
+    ///
+    /// # Errors
+    /// `bad-effect` when it is something else.
+    pub fn parse(text: &str) -> Result<Self, Diagnostic> {
+        let mut scatter = Self::default();
+        for item in text.split(',').filter(|item| !item.trim().is_empty()) {
+            let (name, value) = item.split_once('=').unwrap_or((item, ""));
+            let size = value.trim().parse::<f64>().ok();
+            let Some(size) = size.filter(|size| *size > 0.0) else {
+                return Err(refuse(item));
+            };
+            match name.trim() {
+                "tails" => scatter.tails = size,
+                "outliers" if size.fract() == 0.0 && size < 1e6 => scatter.outliers = size as usize,
+                "outlier_size" if size.is_finite() => scatter.outlier_size = size,
+                "declared" if size.is_finite() => scatter.declared = size,
+                _ => return Err(refuse(item)),
+            }
+        }
+        Ok(scatter)
+    }
+
+    /// The wrong readings as effects, no two at one mark of one case.
+    ///
+    /// # Errors
+    /// `bad-effect` when there are fewer readings than wrong ones asked for.
+    pub(super) fn drawn(
+        &self,
+        seed: u64,
+        reality: &Reality,
+    ) -> Result<Vec<EffectSpec>, Diagnostic> {
+        let mut places: Vec<(usize, usize, usize)> = Vec::new();
+        for case in 0..reality.programme.cases.len() {
+            for (part, marked) in reality.marks.iter().enumerate() {
+                places.extend((0..marked.labels.len()).map(|mark| (case, part, mark)));
+            }
+        }
+        let mut noise = Noise::new(seed, "outliers");
+        let mut specs = Vec::new();
+        for _ in 0..self.outliers {
+            if places.is_empty() {
+                return Err(Diagnostic::error(
+                    Code::BadEffect,
+                    format!(
+                        "{} outliers are more than there are readings",
+                        self.outliers
+                    ),
+                ));
+            }
+            let (case, part, mark) = places.swap_remove(noise.below(places.len()));
+            let shift = noise.vector(1.0).normalize() * self.outlier_size;
+            let marked = &reality.marks[part];
+            specs.push(EffectSpec::parse(&format!(
+                "mark-outlier@case {} {} {}:x={:e},y={:e},z={:e}",
+                reality.programme.cases[case].label,
+                marked.name,
+                marked.labels[mark],
+                shift.x,
+                shift.y,
+                shift.z
+            ))?);
+        }
+        Ok(specs)
+    }
+}
+
+fn refuse(item: &str) -> Diagnostic {
+    Diagnostic::error(
+        Code::BadEffect,
+        format!("`{item}` says nothing of how marks scatter"),
+    )
+    .help("for example tails=3,outliers=6,outlier_size=2,declared=0.5")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_numbers_and_their_ranges() {
+        let found = Scatter::parse("tails=3, declared=0.5").unwrap();
+        assert_eq!((found.tails, found.declared, found.outliers), (3.0, 0.5, 0));
+        for text in [
+            "tails",
+            "outliers=1.5",
+            "declared=0",
+            "noise=1",
+            "tails=NaN",
+        ] {
+            assert!(Scatter::parse(text).is_err(), "{text}");
+        }
+    }
+}

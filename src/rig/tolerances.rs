@@ -1,0 +1,193 @@
+//! Small errors that every axle and every rig has besides the one that is looked for.
+
+use super::effect::{EffectSpec, Reality, direction_of, held, points};
+use super::noise::Noise;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::mechanics::Vec3;
+use crate::syntax::Address;
+
+/// Standard deviations of small errors in many places at once. Each is drawn as an effect and planted like one, so that `--truth` can
+/// tell them all; the folder tells none of them.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Tolerances {
+    /// Of each coordinate of each point of the car, on all parts that meet there, in the deck's length unit.
+    pub hardpoints: f64,
+    /// Of each coordinate of each marker at which a joint or a spring holds a part: one part made wrong.
+    pub parts: f64,
+    /// Of each coordinate of the assembly offset of each bushing, in the deck's length unit.
+    pub assembly_offset: f64,
+    /// Of the turn of each bushing about each axis, degrees.
+    pub bushing_axis_deg: f64,
+    /// Of the preload of each spring, relative.
+    pub preload: f64,
+    /// Of the gain of each load, relative.
+    pub load_gain: f64,
+    /// Of the turn of each load about each axis across it, degrees.
+    pub load_direction_deg: f64,
+    /// Of one coordinate of each mark on its part, constant over cases.
+    pub marks_on_parts: f64,
+    /// Of each coordinate of the pose of each part in each case, in the deck's length unit.
+    pub pose: f64,
+    /// Of the turn of each part in each case about each axis, through the mean of its marks, degrees.
+    pub pose_deg: f64,
+}
+
+impl Tolerances {
+    /// Reads `hardpoints=0.3,load_gain=0.005`; what is not given is zero.
+    ///
+    /// # Errors
+    /// `bad-effect` when it is something else.
+    pub fn parse(text: &str) -> Result<Self, Diagnostic> {
+        let mut tolerances = Self::default();
+        for item in text.split(',').filter(|item| !item.trim().is_empty()) {
+            let (name, value) = item.split_once('=').unwrap_or((item, ""));
+            let size = value.trim().parse::<f64>().ok();
+            let size = size.filter(|size| size.is_finite() && *size >= 0.0);
+            let mut named = tolerances.named();
+            let place = named.iter_mut().find(|(own, _)| *own == name.trim());
+            let (Some((_, place)), Some(size)) = (place, size) else {
+                return Err(refuse(item));
+            };
+            **place = size;
+        }
+        Ok(tolerances)
+    }
+
+    /// Every size with its name.
+    fn named(&mut self) -> [(&'static str, &mut f64); 10] {
+        [
+            ("hardpoints", &mut self.hardpoints),
+            ("parts", &mut self.parts),
+            ("assembly_offset", &mut self.assembly_offset),
+            ("bushing_axis_deg", &mut self.bushing_axis_deg),
+            ("preload", &mut self.preload),
+            ("load_gain", &mut self.load_gain),
+            ("load_direction_deg", &mut self.load_direction_deg),
+            ("marks_on_parts", &mut self.marks_on_parts),
+            ("pose", &mut self.pose),
+            ("pose_deg", &mut self.pose_deg),
+        ]
+    }
+
+    /// The errors of the deck and of the loads as effects. Each group has its own stream: its size, and no other, scales it.
+    ///
+    /// # Errors
+    /// `bad-effect` never, unless an effect has no text that can be read back.
+    pub(super) fn drawn(
+        &self,
+        seed: u64,
+        reality: &Reality,
+    ) -> Result<Vec<EffectSpec>, Diagnostic> {
+        let model = reality.model();
+        let mut texts = Vec::new();
+        if self.hardpoints > 0.0 {
+            let mut noise = Noise::new(seed, "points");
+            for point in points(&model) {
+                let shift = shift(noise.vector(self.hardpoints));
+                let id = point.id();
+                texts.push(format!("hardpoint-error@MARKER/{id}:form=point,{shift}"));
+            }
+        }
+        if self.parts > 0.0 {
+            let mut noise = Noise::new(seed, "hardpoints");
+            for (id, _) in held(&model) {
+                let shift = shift(noise.vector(self.parts));
+                texts.push(format!("hardpoint-error@MARKER/{id}:form=part,{shift}"));
+            }
+        }
+        let mut offsets = Noise::new(seed, "assembly offsets");
+        let mut axes = Noise::new(seed, "bushing axes");
+        for bushing in &model.bushings {
+            let id = bushing.header.id;
+            let offset = offsets.vector(self.assembly_offset);
+            if self.assembly_offset > 0.0 {
+                texts.push(format!("assembly-offset@BUSHING/{id}:{}", shift(offset)));
+            }
+            let turn = axes.vector(self.bushing_axis_deg);
+            if self.bushing_axis_deg > 0.0 {
+                texts.push(format!("bushing-orientation@BUSHING/{id}:{}", turned(turn)));
+            }
+        }
+        let mut noise = Noise::new(seed, "preload");
+        for spring in &model.springdampers {
+            let factor = 1.0 + self.preload * noise.normal();
+            if self.preload > 0.0 {
+                let id = spring.header.id;
+                texts.push(format!(
+                    "element-parameter@SPRINGDAMPER/{id}.FORCE:factor={factor:e}"
+                ));
+            }
+        }
+        let mut gains = Noise::new(seed, "load gain");
+        let mut directions = Noise::new(seed, "load direction");
+        let mut turned_already: Vec<Address> = Vec::new();
+        for load in &reality.programme.loads {
+            let gain = 1.0 + self.load_gain * gains.normal();
+            if self.load_gain > 0.0 {
+                texts.push(format!("load-gain@{}:gain={gain:e}", load.target));
+            }
+            let turn = directions.vector(self.load_direction_deg);
+            let object = Address {
+                argument: None,
+                index: None,
+                ..load.target.clone()
+            };
+            let fresh = !turned_already.contains(&object);
+            if self.load_direction_deg > 0.0 && fresh && direction_of(reality, &object).is_some() {
+                // About its own line an action-only force does not turn.
+                texts.push(format!("load-direction@{}:{}", load.target, turned(turn)));
+                turned_already.push(object);
+            }
+        }
+        texts.iter().map(|text| EffectSpec::parse(text)).collect()
+    }
+
+    /// The names of `[tolerances]` with what was asked for, for the truth.
+    pub(super) fn told(mut self) -> String {
+        let asked = self.named().into_iter();
+        let asked = asked.filter(|(_, size)| **size > 0.0);
+        let items: Vec<String> = asked.map(|(name, size)| format!("{name}={size}")).collect();
+        items.join(",")
+    }
+}
+
+/// A vector as the values of an effect.
+fn shift(v: Vec3) -> String {
+    format!("x={:e},y={:e},z={:e}", v.x, v.y, v.z)
+}
+
+fn turned(v: Vec3) -> String {
+    format!("ax_deg={:e},ay_deg={:e},az_deg={:e}", v.x, v.y, v.z)
+}
+
+fn refuse(item: &str) -> Diagnostic {
+    let names: Vec<&str> = Tolerances::default()
+        .named()
+        .iter()
+        .map(|(name, _)| *name)
+        .collect();
+    Diagnostic::error(Code::BadEffect, format!("`{item}` is no tolerance")).help(format!(
+        "for example hardpoints=0.3,load_gain=0.005; there are {}",
+        names.join(", ")
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_given_is_zero_and_what_is_unknown_is_refused() {
+        let found = Tolerances::parse("hardpoints=0.1, load_gain=0.003").unwrap();
+        assert_eq!((found.hardpoints, found.load_gain), (0.1, 0.003));
+        assert_eq!(found.marks_on_parts, 0.0);
+        assert_eq!(found.told(), "hardpoints=0.1,load_gain=0.003");
+        for text in ["hardpoints", "rust=1", "load_gain=-1", "hardpoints=NaN"] {
+            assert_eq!(
+                Tolerances::parse(text).unwrap_err().code,
+                Code::BadEffect,
+                "{text}"
+            );
+        }
+    }
+}

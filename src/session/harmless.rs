@@ -1,0 +1,50 @@
+//! Commands and complaints that change nothing in a static run.
+
+use crate::diagnostic::Diagnostic;
+use crate::grammar::{Role, find_statement};
+use crate::syntax::Statement;
+use crate::text::Source;
+
+/// True for commands that only print, or concern other analyses: they change nothing here.
+pub(super) fn is_harmless(kind: Option<&str>) -> bool {
+    matches!(
+        kind,
+        Some(
+            "INFO"
+                | "SHOW"
+                | "HELP"
+                | "MENU"
+                | "ENVIRONMENT"
+                | "DEBUG"
+                | "INTEGRATOR"
+                | "LSOLVER"
+                | "IC"
+                | "KINEMATICS"
+                | "TIME"
+                | "LIST"
+                | "NOLIST"
+        )
+    )
+}
+
+/// True for RESULTS among commands, which has effect in a dataset only.
+pub(super) fn asks_for_results(complaint: &Diagnostic, source: &Source) -> bool {
+    complaint.labels.first().is_some_and(|label| {
+        let word = source.text(label.span);
+        let found = find_statement(word.as_bytes(), Role::Dataset).found();
+        found.is_some_and(|def| def.name == "RESULTS")
+    })
+}
+
+/// True where a complaint lies in a command.
+pub(super) fn is_in(command: &Statement, complaint: &Diagnostic) -> bool {
+    (command.span.start()..=command.span.end()).contains(&place_in_file(complaint))
+}
+
+/// Where a complaint begins, in bytes.
+pub(super) fn place_in_file(diagnostic: &Diagnostic) -> usize {
+    diagnostic
+        .labels
+        .first()
+        .map_or(0, |label| label.span.start())
+}

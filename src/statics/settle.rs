@@ -1,0 +1,216 @@
+//! From an unstable equilibrium on to a stable one.
+
+use super::measures::{distance, force_imbalance, largest, limit};
+use super::newton::Solver;
+use super::path::add_damping;
+use super::{Report, Settings, Softest, SolveError};
+use crate::system::{NoValue, Parameters, State, System};
+
+/// The first push, as a part of the model's length.
+const PUSH: f64 = 1e-2;
+/// Steps of one descent.
+const STEPS: usize = 400;
+/// A descent that leads further than this many lengths of the model ends nowhere.
+const FAR: f64 = 1e4;
+
+/// How a stable equilibrium was reached from an unstable one.
+#[derive(Clone, Debug)]
+pub struct Settled {
+    /// 1 along the unstable motion, -1 against it.
+    pub way: f64,
+    /// Largest motion of a part from the unstable equilibrium: length units, rotations times the model's length.
+    pub moved: f64,
+    /// The same of the stable equilibrium that the other way leads to, if it leads to one.
+    pub other: Option<f64>,
+    /// How the stable equilibrium was found.
+    pub report: Report,
+    /// Its softest motion; `None` if nothing can move.
+    pub softest: Option<Softest>,
+}
+
+/// Why neither way leads to a stable equilibrium.
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+#[error("no stable equilibrium was found: one way {0}, the other way {1}")]
+pub struct Unsettled(pub String, pub String);
+
+impl From<NoValue> for Descent {
+    fn from(reason: NoValue) -> Self {
+        Self(format!("ends where {reason}"))
+    }
+}
+
+impl From<SolveError> for Descent {
+    fn from(reason: SolveError) -> Self {
+        Self(format!("ends where {reason}"))
+    }
+}
+
+/// Why a descent ended without an answer.
+struct Descent(String);
+
+impl Solver {
+    /// Goes on from an unstable equilibrium to a stable one: pushed along the softest motion, then the way parts would take in thick
+    /// honey, by implicit steps damped by more than the negative stiffness, and where no stiffness is negative any more by
+    /// Newton's method. Both ways are gone; the nearer equilibrium is taken, and its stability is checked.
+    ///
+    /// # Errors
+    /// [`Unsettled`]; the state is then as it was.
+    pub fn settle(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &mut State,
+        settings: &Settings,
+        softest: &Softest,
+    ) -> Result<Settled, Unsettled> {
+        let mut found = Vec::new();
+        let mut failures = Vec::new();
+        for way in [1.0, -1.0] {
+            let mut trial = state.clone();
+            match self.descend(system, parameters, &mut trial, settings, (softest, way)) {
+                Ok((report, softest)) => {
+                    let moved = distance(system, state, &trial);
+                    found.push((way, moved, trial, report, softest));
+                }
+                Err(Descent(reason)) => failures.push(reason),
+            }
+        }
+        found.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let other = found.get(1).map(|second| second.1);
+        match found.into_iter().next() {
+            Some((way, moved, settled, report, softest)) => {
+                *state = settled;
+                Ok(Settled {
+                    way,
+                    moved,
+                    other,
+                    report,
+                    softest,
+                })
+            }
+            None => Err(Unsettled(failures.remove(0), failures.remove(0))),
+        }
+    }
+
+    fn descend(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &mut State,
+        settings: &Settings,
+        (softest, way): (&Softest, f64),
+    ) -> Result<(Report, Option<Softest>), Descent> {
+        let start = state.clone();
+        let newton = Settings {
+            continuation: false,
+            budget: None,
+            ..settings.clone()
+        };
+        self.push(system, parameters, state, settings, (softest, way));
+        for _ in 0..STEPS {
+            let here = Softest::of(system, parameters, state)?;
+            let softness = here
+                .as_ref()
+                .map_or(0.0, |softest| softest.stiffness.min(0.0));
+            if softness == 0.0 {
+                let mut trial = state.clone();
+                trial.redundant.clear();
+                if let Ok(report) = self.solve(system, parameters, &mut trial, &newton) {
+                    let there = Softest::of(system, parameters, &trial)?;
+                    *state = trial;
+                    match there.filter(Softest::is_unstable) {
+                        None => return Ok((report, Softest::of(system, parameters, state)?)),
+                        // Another one that does not last: on from there, away from the start.
+                        Some(saddle) => {
+                            let way = self.onwards(system, parameters, &start, state, &saddle);
+                            self.push(system, parameters, state, settings, (&saddle, way));
+                            continue;
+                        }
+                    }
+                }
+            }
+            self.flow(system, parameters, state, settings, -softness)?;
+            let moved = distance(system, &start, state);
+            if !moved.is_finite() || moved > FAR * system.length.max(settings.tlimit) {
+                return Err(Descent("the parts move ever further".to_string()));
+            }
+        }
+        Err(Descent(format!("none is found in {STEPS} steps")))
+    }
+
+    /// Moves the parts along a motion.
+    fn push(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &mut State,
+        settings: &Settings,
+        (softest, way): (&Softest, f64),
+    ) {
+        let mut dx = softest.motion.clone();
+        dx.resize(system.unknowns(), 0.0);
+        let size = way * PUSH * system.length;
+        for x in &mut dx {
+            *x *= size;
+        }
+        let limit = limit(system, settings, &dx);
+        for x in &mut dx {
+            *x *= limit;
+        }
+        system.advance(state, &dx);
+        system.accept(parameters, state, &mut self.scratch);
+    }
+
+    /// Which way along a motion leads away from the start.
+    fn onwards(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        start: &State,
+        state: &State,
+        softest: &Softest,
+    ) -> f64 {
+        let after = |solver: &mut Self, way: f64| {
+            let mut trial = state.clone();
+            let settings = Settings::default();
+            solver.push(system, parameters, &mut trial, &settings, (softest, way));
+            distance(system, start, &trial)
+        };
+        if after(self, 1.0) >= after(self, -1.0) {
+            1.0
+        } else {
+            -1.0
+        }
+    }
+
+    /// One implicit step of motion in honey; `negative` is the size of the negative stiffness.
+    fn flow(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &mut State,
+        settings: &Settings,
+        negative: f64,
+    ) -> Result<(), NoValue> {
+        self.next.clear();
+        let (scratch, g, next) = (&mut self.scratch, &mut self.g, &mut self.next);
+        system.assemble(parameters, state, scratch, g, next)?;
+        next.finish();
+        let pull = force_imbalance(system, g) / settings.tlimit;
+        add_damping(system, 2.0 * negative + pull, next);
+        self.matrix.factor(next);
+        // These factors are the tangent of no equilibrium.
+        self.poses.clear();
+        let mut dx: Vec<f64> = self.g.iter().map(|g| -g).collect();
+        self.matrix.solve(&mut dx);
+        let limit = limit(system, settings, &dx);
+        if limit * largest(&dx) > 0.0 {
+            for x in &mut dx {
+                *x *= limit;
+            }
+            system.advance(state, &dx);
+            system.accept(parameters, state, &mut self.scratch);
+        }
+        Ok(())
+    }
+}

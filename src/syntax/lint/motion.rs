@@ -1,0 +1,100 @@
+use std::collections::HashMap;
+
+use super::context::{Context, as_id};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::syntax::Statement;
+
+/// What a motion drives: a joint or a pair of markers, and along or about which axis.
+type Freedom = (Option<u32>, Option<(u32, u32)>, &'static str);
+
+/// Motions on joints that have no such freedom (`state_motion`: translational, revolute and cylindrical joints can be driven), and
+/// second motions on one freedom.
+pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
+    let file = context.dataset.source().name();
+    let mut driven: HashMap<Freedom, &Statement> = HashMap::new();
+    for motion in context.of_kind("MOTION") {
+        let title = context.title(motion);
+        let id = |name| motion.numbers(name).first().and_then(as_id);
+        let asked = [
+            "TRANSLATIONAL",
+            "ROTATIONAL",
+            "X",
+            "Y",
+            "Z",
+            "B1",
+            "B2",
+            "B3",
+        ]
+        .into_iter()
+        .find(|axis| motion.has(axis));
+        let mut axis = asked;
+        if let Some(joint) = id("JOINT").and_then(|id| context.find("joint", id)) {
+            let (kind, freedoms) = freedoms_of(joint);
+            let fits = match asked {
+                Some(asked @ ("TRANSLATIONAL" | "ROTATIONAL")) => freedoms.contains(&asked),
+                _ => !freedoms.is_empty(),
+            };
+            if !fits && !kind.is_empty() {
+                let message = match asked {
+                    Some(asked) if !freedoms.is_empty() => {
+                        format!("{title} is {asked}, and {} is {kind}", context.title(joint))
+                    }
+                    _ => format!(
+                        "{title} drives {}, which is {kind} and cannot be driven",
+                        context.title(joint)
+                    ),
+                };
+                found.push(
+                    context
+                        .error(Code::WrongMotion, Context::head(motion), message)
+                        .label(file, Context::head(joint), "the joint")
+                        .help("a MOTION drives a REVOLUTE, TRANSLATIONAL or CYLINDRICAL joint, or a pair of markers"),
+                );
+                continue;
+            }
+            axis = asked.or(freedoms.first().copied());
+        }
+        let Some(axis) = axis else { continue };
+        let pair = id("I").zip(id("J"));
+        if id("JOINT").is_none() && pair.is_none() {
+            continue;
+        }
+        let freedom = (id("JOINT"), pair, axis);
+        if let Some(first) = driven.get(&freedom) {
+            let message = format!(
+                "{title} and {} drive the same freedom: one of them is redundant, or they contradict each other",
+                context.title(first)
+            );
+            found.push(
+                context
+                    .warning(Code::WrongMotion, Context::head(motion), message)
+                    .label(file, Context::head(first), "the other one")
+                    .help("remove one of them, or deactivate one in the command file"),
+            );
+        } else {
+            driven.insert(freedom, motion);
+        }
+    }
+}
+
+/// The type of a joint, empty if it is not known, and what a motion can drive of it.
+fn freedoms_of(joint: &Statement) -> (&'static str, &'static [&'static str]) {
+    const DRIVEN: [(&str, &[&str]); 4] = [
+        ("REVOLUTE", &["ROTATIONAL"]),
+        ("TRANSLATIONAL", &["TRANSLATIONAL"]),
+        ("CYLINDRICAL", &["TRANSLATIONAL", "ROTATIONAL"]),
+        ("SCREW", &["TRANSLATIONAL", "ROTATIONAL"]),
+    ];
+    const NOT_DRIVEN: [&str; 7] = [
+        "FIXED",
+        "SPHERICAL",
+        "PLANAR",
+        "HOOKE",
+        "UNIVERSAL",
+        "CONVEL",
+        "RACKPIN",
+    ];
+    let driven = DRIVEN.into_iter().find(|(kind, _)| joint.has(kind));
+    let other = NOT_DRIVEN.into_iter().find(|kind| joint.has(kind));
+    driven.unwrap_or((other.unwrap_or(""), &[]))
+}

@@ -1,0 +1,263 @@
+//! The commands of a file in their order, against the deck they are run on: which objects they name and where time stands.
+//!
+//! Knows no files: whoever calls finds the decks.
+
+use super::context::{Context, as_id};
+use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::grammar::{STATEMENTS, nearest};
+use crate::syntax::{Argument, CommandFile, Dataset, Statement};
+use crate::text::Span;
+
+/// The rules of one command file; `deck_of` gives the deck that stands behind the name of a model at a place of the file, if
+/// it could be read. Complaints are in the order of the file.
+pub(super) fn check(
+    file: &CommandFile,
+    mut deck_of: impl FnMut(Span) -> Option<Dataset>,
+) -> Vec<Diagnostic> {
+    let mut walk = Walk {
+        file,
+        found: Vec::new(),
+    };
+    let mut deck = file.head().and_then(|head| deck_of(head.model));
+    let mut clock = Clock::start(deck.as_ref());
+    for command in file.commands() {
+        match command.kind() {
+            Some("FILE") => {
+                deck = command
+                    .argument("MODEL")
+                    .and_then(|model| deck_of(model.value_span()));
+                clock = Clock::start(deck.as_ref());
+            }
+            Some("RELOAD") => {
+                // The states of a file have their own time, and a system its own objects.
+                clock = Clock::start(None);
+                if command.has("SYSTEM") {
+                    deck = None;
+                }
+            }
+            Some("SIMULATE") => walk.simulate(command, &mut clock),
+            Some("ACTIVATE" | "DEACTIVATE") => {
+                if let Some(deck) = &deck {
+                    walk.switched(command, deck);
+                }
+            }
+            _ => {
+                if let Some(deck) = &deck {
+                    walk.objects(command, deck);
+                }
+            }
+        }
+    }
+    walk.found
+}
+
+/// What is known of the time before a command.
+struct Clock {
+    /// It is at least this.
+    earliest: f64,
+    /// The latest END asked for so far.
+    asked: f64,
+    /// A sensor may end a simulation before its END, and so may what nobody knows about the deck.
+    may_end_early: bool,
+}
+
+impl Clock {
+    fn start(deck: Option<&Dataset>) -> Self {
+        let has_sensor = |deck: &Dataset| {
+            deck.statements()
+                .iter()
+                .any(|statement| statement.kind() == Some("SENSOR"))
+        };
+        Self {
+            earliest: 0.0,
+            asked: 0.0,
+            may_end_early: deck.is_none_or(has_sensor),
+        }
+    }
+}
+
+struct Walk<'a> {
+    file: &'a CommandFile,
+    found: Vec<Diagnostic>,
+}
+
+impl Walk<'_> {
+    fn complain(
+        &mut self,
+        severity: Severity,
+        code: Code,
+        span: Span,
+        message: String,
+        help: &str,
+    ) {
+        let mut diagnostic =
+            Diagnostic::error(code, message).label(self.file.source().name(), span, "");
+        diagnostic.severity = severity;
+        self.found.push(diagnostic.help(help));
+    }
+
+    /// Times of one SIMULATE (`com_simulate`: END > begin time).
+    fn simulate(&mut self, command: &Statement, clock: &mut Clock) {
+        let typed = command
+            .argument("TYPE")
+            .map(|argument| argument.choices(self.file.source()))
+            .unwrap_or_default();
+        let asks = |name: &str| command.has(name) || typed.contains(&name);
+        let place = command.keyword;
+        let timed = |name| {
+            let number = *command.numbers(name).first()?;
+            Some((number.value, number.span))
+        };
+        let (end, duration) = (timed("END"), timed("DURATION"));
+        let counted = command.has("STEPS") || command.has("DTOUT");
+        let moves = asks("DYNAMICS") || asks("KINEMATICS") || asks("TRANSIENT");
+        if (moves || asks("STATICS") && counted) && end.is_none() && duration.is_none() {
+            let help = if moves {
+                "add END= or DURATION="
+            } else {
+                "add END= or DURATION=; a single equilibrium has no STEPS or DTOUT"
+            };
+            let message = "the simulation has no END or DURATION".to_string();
+            self.complain(Severity::Error, Code::MissingArgument, place, message, help);
+        }
+        if asks("STATICS") && !counted && (end.is_some() || duration.is_some()) {
+            self.complain(
+                Severity::Warning,
+                Code::MissingArgument,
+                place,
+                "the quasi-static simulation has no STEPS or DTOUT: it is one equilibrium at its end, reached in one step"
+                    .to_string(),
+                "add STEPS= or DTOUT=, or remove END for an equilibrium at the current time",
+            );
+        }
+        if let Some((end, span)) = end {
+            if end < clock.asked || end == clock.earliest && !clock.may_end_early {
+                // Only a simulation that a sensor ended before its END leaves room for an earlier one.
+                let sure = end <= clock.earliest && !clock.may_end_early;
+                let (severity, message) = if sure {
+                    let now = clock.earliest;
+                    (
+                        Severity::Error,
+                        format!("the simulation ends at time {end}, and it is {now} already"),
+                    )
+                } else {
+                    let asked = clock.asked;
+                    (
+                        Severity::Warning,
+                        format!(
+                            "the simulation ends at time {end}, and one before it was to end at {asked}"
+                        ),
+                    )
+                };
+                let help = "END is a time, not a duration: give a later one, or write DURATION=";
+                self.complain(severity, Code::OutOfRange, span, message, help);
+            }
+            clock.asked = clock.asked.max(end);
+            if !clock.may_end_early {
+                clock.earliest = clock.earliest.max(end);
+            }
+        } else if let Some((duration, _)) = duration.filter(|(duration, _)| *duration > 0.0)
+            && !clock.may_end_early
+        {
+            clock.earliest += duration;
+            clock.asked = clock.earliest;
+        }
+    }
+
+    /// ACTIVATE and DEACTIVATE: every ID is there, and RANGE holds something.
+    fn switched(&mut self, command: &Statement, deck: &Dataset) {
+        let kinds: Vec<&'static str> = command
+            .arguments
+            .iter()
+            .filter_map(Argument::kind)
+            .filter(|kind| {
+                STATEMENTS
+                    .iter()
+                    .any(|def| def.name == *kind && def.id.is_some())
+            })
+            .collect();
+        let [kind] = kinds.as_slice() else {
+            return;
+        };
+        for number in command.numbers("ID") {
+            if as_id(number).is_some_and(|id| deck.statement(kind, Some(id)).is_none()) {
+                self.absent(kind, number.value, number.span, deck);
+            }
+        }
+        if let [from, to] = command.numbers("RANGE") {
+            let inside = |statement: &Statement| {
+                statement.kind() == Some(kind)
+                    && statement
+                        .number()
+                        .is_some_and(|id| (from.value..=to.value).contains(&f64::from(id)))
+            };
+            if !deck.statements().iter().any(inside) {
+                let message = format!(
+                    "no {kind} of {} has an id from {} to {}",
+                    deck.source().name(),
+                    from.value,
+                    to.value
+                );
+                let help = in_deck(kind, deck);
+                let span = from.span.join(to.span);
+                self.complain(Severity::Warning, Code::UndefinedId, span, message, &help);
+            }
+        }
+    }
+
+    /// A redefinition: what it redefines and what it names is in the deck.
+    fn objects(&mut self, command: &Statement, deck: &Dataset) {
+        let Some(def) = command.def else { return };
+        if let (Some(_), Some((id, span))) = (def.id, command.id)
+            && STATEMENTS.iter().any(|other| other.name == def.name)
+            && deck.statement(def.name, Some(id)).is_none()
+        {
+            self.absent(def.name, f64::from(id), span, deck);
+        }
+        for reference in Context::references(command) {
+            let there = deck.statements().iter().any(|statement| {
+                statement.number() == Some(reference.id)
+                    && statement.def.and_then(|def| def.id) == Some(reference.space)
+            });
+            if !there {
+                let object = format!("{}/{}", reference.space.to_uppercase(), reference.id);
+                let message = format!(
+                    "{} names {object}, which is not in {}",
+                    def.name,
+                    deck.source().name()
+                );
+                let help = format!("add {object} to the deck, or name one that is there");
+                let span = reference.span;
+                self.complain(Severity::Error, Code::UndefinedId, span, message, &help);
+            }
+        }
+    }
+
+    fn absent(&mut self, kind: &str, id: f64, span: Span, deck: &Dataset) {
+        let message = format!("{kind}/{id} is not in {}", deck.source().name());
+        let ids = ids(kind, deck);
+        let help = match nearest(&id.to_string(), ids.iter().map(String::as_str)) {
+            Some(near) => format!("did you mean {kind}/{near}?"),
+            None => in_deck(kind, deck),
+        };
+        self.complain(Severity::Error, Code::UndefinedId, span, message, &help);
+    }
+}
+
+fn ids(kind: &str, deck: &Dataset) -> Vec<String> {
+    deck.statements()
+        .iter()
+        .filter(|statement| statement.kind() == Some(kind))
+        .filter_map(|statement| Some(statement.number()?.to_string()))
+        .collect()
+}
+
+/// What of a kind a deck has.
+fn in_deck(kind: &str, deck: &Dataset) -> String {
+    const SHOWN: usize = 8;
+    match ids(kind, deck).as_slice() {
+        [] => format!("it has no {kind} at all"),
+        all if all.len() <= SHOWN => format!("it has {kind}/{}", all.join(", ")),
+        all => format!("it has {} of them, from {kind}/{} on", all.len(), all[0]),
+    }
+}

@@ -1,0 +1,149 @@
+use std::ops::Range;
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::syntax::Statement;
+use crate::syntax::lines::{comment_start, physical_line};
+use crate::text::{Source, Span};
+
+/// Complaints that comments of a file silence: `! admire: ignore[tab, unreferenced]` behind a statement or on a line above it
+/// silences these codes there, without a list all of them; `! admire: ignore-file[tab]` silences them in the whole file.
+#[derive(Clone, Debug, Default)]
+pub struct Suppressed {
+    silences: Vec<Silence>,
+    /// Codes in such comments that do not exist.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+#[derive(Clone, Debug)]
+struct Silence {
+    place: Range<usize>,
+    /// All of them if there is no list.
+    codes: Option<Vec<Code>>,
+}
+
+/// What such a comment begins with.
+const MARK: &[u8] = b"admire:";
+
+impl Suppressed {
+    /// Reads the comments of a file with these statements or commands, in the order of the file.
+    pub fn of(source: &Source, statements: &[Statement]) -> Self {
+        let bytes = source.bytes();
+        let mut found = Self::default();
+        for at in memchr::memmem::find_iter(bytes, MARK) {
+            let start = memchr::memrchr2(b'\n', b'\r', &bytes[..at]).map_or(0, |end| end + 1);
+            let line = physical_line(bytes, start).span;
+            let comment = start + comment_start(&bytes[line.range()]);
+            let said = Span::new(at + MARK.len(), line.end());
+            if comment >= at || !bytes[comment + 1..at].trim_ascii().is_empty() {
+                continue;
+            }
+            let Some((whole_file, codes)) = found.words(source, said) else {
+                continue;
+            };
+            let place = if whole_file {
+                Some(0..bytes.len() + 1)
+            } else {
+                statement_of(statements, line, comment)
+            };
+            if let Some(place) = place {
+                found.silences.push(Silence { place, codes });
+            }
+        }
+        found
+    }
+
+    /// True if a comment of the file silences a complaint about it.
+    pub fn covers(&self, diagnostic: &Diagnostic) -> bool {
+        let Some(label) = diagnostic.labels.first() else {
+            return false;
+        };
+        self.silences.iter().any(|silence| {
+            silence.place.contains(&label.span.start())
+                && silence
+                    .codes
+                    .as_ref()
+                    .is_none_or(|codes| codes.contains(&diagnostic.code))
+        })
+    }
+
+    /// What stands behind the mark: whether it is about the whole file, and the codes.
+    fn words(&mut self, source: &Source, said: Span) -> Option<(bool, Option<Vec<Code>>)> {
+        let text = source.text(said);
+        let text = text.trim();
+        let rest = text.strip_prefix("ignore")?;
+        let (whole_file, rest) = match rest.strip_prefix("-file") {
+            Some(rest) => (true, rest),
+            None => (false, rest),
+        };
+        let Some((list, _)) = rest
+            .trim_start()
+            .strip_prefix('[')
+            .and_then(|list| list.split_once(']'))
+        else {
+            return Some((whole_file, None));
+        };
+        let mut codes = Vec::new();
+        for word in list.split([',', ' ']).filter(|word| !word.is_empty()) {
+            match Code::parse(word) {
+                Some(code) => codes.push(code),
+                None => self.diagnostics.push(
+                    Diagnostic::warning(
+                        Code::UnknownKey,
+                        format!("`{word}` is not a code of a complaint: nothing is ignored by it"),
+                    )
+                    .label(source.name(), said, "")
+                    .help("a complaint shows its code: error[undefined-id]"),
+                ),
+            }
+        }
+        Some((whole_file, Some(codes)))
+    }
+}
+
+/// The place a comment speaks of: the statement it stands in or behind, or else the next one.
+fn statement_of(statements: &[Statement], line: Span, comment: usize) -> Option<Range<usize>> {
+    let behind = statements
+        .iter()
+        .rev()
+        .skip_while(|statement| statement.span.start() > comment)
+        .find(|statement| statement.span.end() > line.start())
+        .filter(|statement| statement.span.start() < comment);
+    let next = || {
+        statements
+            .iter()
+            .find(|statement| statement.span.start() > comment)
+    };
+    let statement = behind.or_else(next)?;
+    Some(statement.span.start()..statement.span.end() + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::syntax::Dataset;
+    use crate::syntax::lint::{Options, check};
+
+    #[test]
+    fn comments_silence_the_statement_they_stand_at() {
+        let text = "t\nPART/1, GROUND\nMARKER/1, PART=8 ! admire: ignore[undefined-id]\n! admire: ignore\nMARKER/2, PART=8\nMARKER/3,\
+                    \n! admire: ignore[tab]\n, PART=8\nMARKER/4, PART=8 ! \"admire: ignore\"\nEND ! admire: ignore[undefind-id]\n";
+        let dataset = Dataset::parse(Source::new("a", text.as_bytes())).value;
+        let suppressed = Suppressed::of(dataset.source(), dataset.statements());
+        let left: Vec<String> = check(&dataset, &Options::default())
+            .into_iter()
+            .filter(|found| !suppressed.covers(found))
+            .map(|found| found.message)
+            .collect();
+        assert_eq!(left.len(), 2, "{left:?}");
+        assert!(left[0].starts_with("MARKER/3") && left[1].starts_with("MARKER/4"));
+        assert_eq!(suppressed.diagnostics.len(), 1);
+        let text = format!("{text}! admire: ignore-file[undefined-id]\n");
+        let dataset = Dataset::parse(Source::new("a", text.as_bytes())).value;
+        let suppressed = Suppressed::of(dataset.source(), dataset.statements());
+        let found = check(&dataset, &Options::default());
+        assert!(
+            found.iter().all(|found| suppressed.covers(found)),
+            "{found:?}"
+        );
+    }
+}

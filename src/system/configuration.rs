@@ -1,0 +1,120 @@
+use super::assemble::NoValue;
+use super::chain::Place;
+use super::{Parameters, Scratch, State, System};
+use crate::mechanics::{Pose, RelativeMotion, Vec3};
+
+/// A system with its numbers in one state, and the memory to work with: what everything is evaluated in.
+///
+/// [`System::look`] makes one that may be read at once. [`System::at`] makes one whose memory holds what was looked at before.
+#[derive(Debug)]
+pub struct Configuration<'a> {
+    pub(crate) system: &'a System,
+    pub(crate) parameters: &'a Parameters,
+    pub(crate) state: &'a State,
+    pub(crate) scratch: &'a mut Scratch,
+}
+
+impl System {
+    /// A configuration, with nothing evaluated: `scratch` holds what the last [`Configuration::look`] put there.
+    pub fn at<'a>(
+        &'a self,
+        parameters: &'a Parameters,
+        state: &'a State,
+        scratch: &'a mut Scratch,
+    ) -> Configuration<'a> {
+        Configuration {
+            system: self,
+            parameters,
+            state,
+            scratch,
+        }
+    }
+
+    /// A configuration with its marker poses and function values, ready to be read.
+    ///
+    /// # Errors
+    /// [`NoValue`] if a function, or an element that a function measures, is undefined in this configuration.
+    pub fn look<'a>(
+        &'a self,
+        parameters: &'a Parameters,
+        state: &'a State,
+        scratch: &'a mut Scratch,
+    ) -> Result<Configuration<'a>, NoValue> {
+        let mut here = self.at(parameters, state, scratch);
+        here.look()?;
+        Ok(here)
+    }
+
+    pub(crate) fn place(&self, part: usize) -> Place {
+        Place {
+            first: self.bodies[part].first,
+            freedoms: self.bodies[part].freedoms,
+        }
+    }
+
+    /// Gravity over the units consistency factor: weight per mass.
+    pub(crate) fn gravity_vector(&self, theta: &[f64]) -> Vec3 {
+        Vec3::from_column_slice(&theta[self.gravity..self.gravity + 3]) / self.ucf
+    }
+}
+
+impl Configuration<'_> {
+    /// Evaluates the poses of the markers and the functions of the equilibrium.
+    ///
+    /// # Errors
+    /// [`NoValue`] if a function, or an element that a function measures, is undefined in this configuration.
+    pub fn look(&mut self) -> Result<(), NoValue> {
+        self.place_markers();
+        self.evaluate_functions()
+    }
+
+    /// Pose of a marker in ground.
+    pub fn marker(&self, marker: crate::model::MarkerIx) -> &Pose {
+        &self.scratch.markers[marker.0]
+    }
+
+    /// Poses of the used markers in ground, and their arms.
+    pub(crate) fn place_markers(&mut self) {
+        for &marker in &self.system.used {
+            self.place_marker(marker);
+        }
+    }
+
+    pub(crate) fn place_marker(&mut self, marker: usize) {
+        let part = &self.state.poses[self.system.owners[marker]];
+        let local = &self.parameters.markers()[marker];
+        let arm = part.R * local.p;
+        self.scratch.arms[marker] = arm;
+        self.scratch.markers[marker] = Pose {
+            p: part.p + arm,
+            R: part.R * local.R,
+        };
+    }
+
+    /// From the origin of a part to the origin of a marker that may be on another part.
+    pub(crate) fn arm_to(&self, marker: usize, part: usize) -> Vec3 {
+        if self.system.owners[marker] == part {
+            self.scratch.arms[marker]
+        } else {
+            self.scratch.markers[marker].p - self.state.poses[part].p
+        }
+    }
+
+    /// The motion of I in J. Angles only where somebody reads them.
+    pub(crate) fn motion(
+        &self,
+        (i, j, pair): (usize, usize, usize),
+        angles: bool,
+    ) -> RelativeMotion {
+        let (i, j) = (&self.scratch.markers[i], &self.scratch.markers[j]);
+        if angles {
+            return RelativeMotion::between(i, j, &self.state.pair_angles[pair]);
+        }
+        let R_jg = j.R.transpose();
+        RelativeMotion {
+            p_ij_j: R_jg * (i.p - j.p),
+            R_ji: R_jg * i.R,
+            angles: Vec3::zeros(),
+        }
+    }
+}

@@ -1,0 +1,389 @@
+//! One wrench between parts and all that follows from it: the one place with the chain rule from relative motion to part coordinates.
+//!
+//! A wrench w = (F, T) acts on part A at the origin of marker I, its opposite at the same point on part B (absent for ACTIONONLY).
+//! Marker C on part C is the frame it is given in and that sees I move. With r, s_B, s_C from the origins of A, B, C to the I origin,
+//! and q = (dp, dphi) in ground axes,
+//!
+//! ```text
+//! motion of I in C     m  = X_r q_A - X_sC q_C,       X_r = [1, -r x; 0, 1]
+//! change of w          dw = D m + (dphi_C x F, dphi_C x T) + sum u ds
+//! balance of A         X_r' w,    balance of B  -X_sB' w
+//! change of the arms   d(r x F)   = (dphi_A x r) x F
+//!                      d(s_B x F) = (dp_A + dphi_A x r - dp_B) x F
+//! ```
+//!
+//! s are scalars that w is proportional to: functions and multipliers, u the wrench per unit. An NFORCE at one of its markers has
+//! further terms `D_k m_k` by the motions of its other markers in C.
+
+use super::Configuration;
+use super::chain::{Place, add_block, add_wrench, add33, moved_columns, moved_rows, seen_motion};
+use super::scratch::FunctionValue;
+use crate::linear::Sink;
+use crate::mechanics::{Mat3, Mat6, Pose, Vec3, Vec6, skew};
+
+/// What exerts a wrench.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Exerted {
+    Element(usize),
+    /// A constraint by one of its terms.
+    Joint(usize, usize),
+    /// An NFORCE at one of its markers.
+    Multi(usize, usize),
+}
+
+/// What a wrench is proportional to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Of {
+    /// The value of a function.
+    Function(usize),
+    /// An unknown: a multiplier.
+    Unknown(usize),
+}
+
+/// A scalar that a wrench is proportional to, and the wrench per unit, ground axes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scalar {
+    pub of: Of,
+    pub F: Vec3,
+    pub T: Vec3,
+}
+
+/// The motion of a further marker that a wrench depends on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cross {
+    pub marker: usize,
+    pub place: Place,
+    /// From the origin of the marker's part to the marker.
+    pub r: Vec3,
+    /// From the origin of the part of C to the marker.
+    pub s: Vec3,
+    /// Derivative by its motion in C, ground axes.
+    pub D: Mat6,
+}
+
+/// One wrench in one configuration. Ground axes, except for `w`.
+#[derive(Clone, Debug)]
+pub(crate) struct Contribution {
+    /// Marker at whose origin it acts.
+    pub i: usize,
+    /// J, or JFLOAT.
+    pub j: usize,
+    /// Index into the angle references.
+    pub pair: usize,
+    /// Marker C; `None` means ground.
+    pub frame: Option<usize>,
+    /// Rotation of C in ground.
+    pub R: Mat3,
+    /// (force, torque) in C axes.
+    pub w: Vec6,
+    pub F: Vec3,
+    pub T: Vec3,
+    /// Derivative by the motion of I as C sees it; `None` if the wrench is fixed in C.
+    pub D: Option<Mat6>,
+    pub cross: Vec<Cross>,
+    pub scalars: Vec<Scalar>,
+    /// Part A and r.
+    pub a: (Place, Vec3),
+    /// Part B and s_B.
+    pub b: Option<(Place, Vec3)>,
+    /// Part C and s_C.
+    pub c: Option<(Place, Vec3)>,
+}
+
+impl Default for Contribution {
+    fn default() -> Self {
+        let nowhere = Place {
+            first: 0,
+            freedoms: 0,
+        };
+        Self {
+            i: 0,
+            j: 0,
+            pair: 0,
+            frame: None,
+            R: Mat3::identity(),
+            w: Vec6::zeros(),
+            F: Vec3::zeros(),
+            T: Vec3::zeros(),
+            D: None,
+            cross: Vec::new(),
+            scalars: Vec::new(),
+            a: (nowhere, Vec3::zeros()),
+            b: None,
+            c: None,
+        }
+    }
+}
+
+/// Markers and parts of a wrench.
+#[derive(Clone, Copy)]
+pub(crate) struct Ends {
+    pub i: usize,
+    pub j: usize,
+    pub pair: usize,
+    pub frame: Option<usize>,
+    /// Part that takes the opposite wrench.
+    pub reaction: Option<usize>,
+}
+
+/// A small motion of a frame, in ground axes.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Twist {
+    /// Displacement of the origin.
+    pub shift: Vec3,
+    /// Rotation vector.
+    pub turn: Vec3,
+}
+
+impl Twist {
+    /// No motion.
+    pub const fn zero() -> Self {
+        Self {
+            shift: Vec3::new(0.0, 0.0, 0.0),
+            turn: Vec3::new(0.0, 0.0, 0.0),
+        }
+    }
+}
+
+impl Configuration<'_> {
+    /// Begins `scratch.contribution` with a wrench in the axes of the frame; no derivatives yet.
+    pub(super) fn begin(&mut self, ends: Ends, w: Vec6) {
+        let system = self.system;
+        let a = (
+            system.place(system.owners[ends.i]),
+            self.scratch.arms[ends.i],
+        );
+        let b = ends
+            .reaction
+            .map(|b| (system.place(b), self.arm_to(ends.i, b)));
+        let c = ends.frame.map(|frame| {
+            let c = system.owners[frame];
+            (system.place(c), self.arm_to(ends.i, c))
+        });
+        let R = ends
+            .frame
+            .map_or_else(Mat3::identity, |m| self.scratch.markers[m].R);
+        let out = &mut self.scratch.contribution;
+        (out.i, out.j, out.pair, out.frame) = (ends.i, ends.j, ends.pair, ends.frame);
+        (out.a, out.b, out.c) = (a, b, c);
+        out.R = R;
+        out.w = w;
+        (out.F, out.T) = halves(&R, &w);
+        out.D = None;
+        out.cross.clear();
+        out.scalars.clear();
+    }
+}
+
+impl Contribution {
+    /// Adds a scalar by the wrench per unit in the axes of the frame.
+    pub(super) fn push_scalar(&mut self, of: Of, unit: &Vec6) {
+        let (F, T) = halves(&self.R, unit);
+        self.scalars.push(Scalar { of, F, T });
+    }
+
+    /// The size of the wrench as a force.
+    pub fn size(&self, length: f64) -> f64 {
+        self.F.amax().max(self.T.amax() / length)
+    }
+
+    /// Adds the wrench to the balances of its parts.
+    pub fn balance(&self, g: &mut [f64]) {
+        self.spread(&self.F, &self.T, g);
+    }
+
+    /// Adds another wrench at the same place to the balances of its parts.
+    pub fn spread(&self, F: &Vec3, T: &Vec3, g: &mut [f64]) {
+        add_wrench(g, self.a.0, 1.0, F, T, &self.a.1);
+        if let Some((b, s)) = &self.b {
+            add_wrench(g, *b, -1.0, F, T, s);
+        }
+    }
+
+    /// Adds a wrench given in the axes of the frame.
+    pub fn spread_local(&self, w: &Vec6, g: &mut [f64]) {
+        let (F, T) = halves(&self.R, w);
+        self.spread(&F, &T, g);
+    }
+
+    /// The balances that a scalar acts on, per unit: places and their six numbers.
+    pub fn column(&self, scalar: &Scalar) -> impl Iterator<Item = (Place, [f64; 6])> {
+        let on = |(place, arm): (Place, Vec3), sign: f64| {
+            let mut column = [0.0; 6];
+            let local = Place { first: 0, ..place };
+            add_wrench(&mut column, local, sign, &scalar.F, &scalar.T, &arm);
+            (place, column)
+        };
+        let a = on(self.a, 1.0);
+        let b = self.b.map(|b| on(b, -1.0));
+        std::iter::once(a).chain(b)
+    }
+
+    /// Adds the derivative of the balances by the motions of the parts.
+    pub fn tangent_by_motion<S: Sink>(&self, sink: &mut S) {
+        let ((on_a, r), F) = (self.a, &self.F);
+        let (r, Fx) = (skew(&r), skew(F));
+        let b = self.b.filter(|(place, _)| place.freedoms > 0);
+        let c = self.c.filter(|(place, _)| place.freedoms > 0);
+        let a_moves = on_a.freedoms > 0;
+        let s_b = b.map_or_else(Mat3::zeros, |(_, s)| skew(&s));
+
+        // dw by q_A and the turning of the arms.
+        if a_moves {
+            let N = self
+                .D
+                .as_ref()
+                .map_or_else(Mat6::zeros, |D| moved_columns(D, &r));
+            let mut block = moved_rows(&r, &N);
+            add33(&mut block, 3, 3, &(Fx * r));
+            add_block(sink, on_a, on_a, &block);
+            if let Some((place, _)) = b {
+                let mut block = -moved_rows(&s_b, &N);
+                add33(&mut block, 3, 0, &Fx);
+                add33(&mut block, 3, 3, &(-Fx * r));
+                add_block(sink, place, on_a, &block);
+            }
+        }
+        if let Some((place, s)) = c {
+            let N = self.by_frame(&skew(&s));
+            if a_moves {
+                add_block(sink, on_a, place, &moved_rows(&r, &N));
+            }
+            if let Some((row, _)) = b {
+                add_block(sink, row, place, &-moved_rows(&s_b, &N));
+            }
+        }
+        if let Some((place, _)) = b {
+            let mut block = Mat6::zeros();
+            add33(&mut block, 3, 0, &-Fx);
+            add_block(sink, place, place, &block);
+        }
+        for cross in &self.cross {
+            let by_k = moved_columns(&cross.D, &skew(&cross.r));
+            let by_c = -moved_columns(&cross.D, &skew(&cross.s));
+            let on_b = self.b.map(|(place, s)| (place, -1.0, s));
+            for (row, sign, arm) in [Some((on_a, 1.0, self.a.1)), on_b].into_iter().flatten() {
+                let arm = skew(&arm);
+                add_block(sink, row, cross.place, &(moved_rows(&arm, &by_k) * sign));
+                if let Some((c, _)) = self.c {
+                    add_block(sink, row, c, &(moved_rows(&arm, &by_c) * sign));
+                }
+            }
+        }
+    }
+
+    /// dw by q_C, but for what other markers do: `-D X_sC` and the turning of the wrench with its frame.
+    fn by_frame(&self, s: &Mat3) -> Mat6 {
+        let mut N = self
+            .D
+            .as_ref()
+            .map_or_else(Mat6::zeros, |D| -moved_columns(D, s));
+        add33(&mut N, 0, 3, &-skew(&self.F));
+        add33(&mut N, 3, 3, &-skew(&self.T));
+        N
+    }
+
+    /// Adds the derivative of the balances by the unknowns that functions depend on.
+    pub fn tangent_by_functions<S: Sink>(
+        &self,
+        functions: &[FunctionValue],
+        gradient: &[(usize, f64)],
+        sink: &mut S,
+    ) {
+        for scalar in &self.scalars {
+            let Of::Function(function) = scalar.of else {
+                continue;
+            };
+            let value = &functions[function];
+            for (place, column) in self.column(scalar) {
+                for &(unknown, derivative) in &gradient[value.first..value.last] {
+                    for k in 0..place.freedoms {
+                        sink.add(place.first + k, unknown, column[k] * derivative);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Appends the gradient of `weight . w` by the unknowns, w in ground axes; with the tangent only.
+    pub fn pullback(
+        &self,
+        weight: &Vec6,
+        functions: &[FunctionValue],
+        gradient: &mut Vec<(usize, f64)>,
+    ) {
+        let mut push = |place: Place, row: &nalgebra::RowVector6<f64>| {
+            for k in 0..place.freedoms {
+                gradient.push((place.first + k, row[k]));
+            }
+        };
+        let weight = weight.transpose();
+        if let Some(D) = &self.D {
+            push(self.a.0, &(weight * moved_columns(D, &skew(&self.a.1))));
+        }
+        for cross in &self.cross {
+            push(
+                cross.place,
+                &(weight * moved_columns(&cross.D, &skew(&cross.r))),
+            );
+        }
+        if let Some((place, s)) = self.c {
+            let mut N = self.by_frame(&skew(&s));
+            for cross in &self.cross {
+                N -= moved_columns(&cross.D, &skew(&cross.s));
+            }
+            push(place, &(weight * N));
+        }
+        for scalar in &self.scalars {
+            let (F, T) = (&scalar.F, &scalar.T);
+            let by: f64 = (0..3)
+                .map(|k| weight[k] * F[k] + weight[3 + k] * T[k])
+                .sum();
+            match scalar.of {
+                Of::Unknown(unknown) => gradient.push((unknown, by)),
+                Of::Function(function) => {
+                    let value = functions[function];
+                    for at in value.first..value.last {
+                        let (unknown, derivative) = gradient[at];
+                        gradient.push((unknown, by * derivative));
+                    }
+                }
+            }
+        }
+    }
+
+    /// The motion of I as C sees it when markers move on their parts, ground axes.
+    pub fn seen(&self, moved: impl Fn(usize) -> Twist, markers: &[Pose]) -> Vec6 {
+        let frame = self.frame.map(|m| (moved(m), &markers[m].p));
+        seen_motion((&moved(self.i), &markers[self.i].p), frame)
+    }
+
+    /// Adds the change of the balances when markers move on their parts: `d(r x F) = r x dF + dp_i x F`; with the tangent only.
+    pub fn by_marker(&self, moved: impl Fn(usize) -> Twist, markers: &[Pose], dg: &mut [f64]) {
+        let (i, c) = (moved(self.i), self.frame.map_or_else(Twist::zero, &moved));
+        let mut dF = c.turn.cross(&self.F);
+        let mut dT = c.turn.cross(&self.T);
+        let mut add = |dw: Vec6| {
+            dF += dw.fixed_rows::<3>(0);
+            dT += dw.fixed_rows::<3>(3);
+        };
+        if let Some(D) = &self.D {
+            add(D * self.seen(&moved, markers));
+        }
+        let frame = self.frame.map(|m| (moved(m), &markers[m].p));
+        for cross in &self.cross {
+            let k = (&moved(cross.marker), &markers[cross.marker].p);
+            add(cross.D * seen_motion(k, frame));
+        }
+        dT += i.shift.cross(&self.F);
+        self.spread(&dF, &dT, dg);
+    }
+}
+
+/// Force and torque of a wrench in the axes R, turned to ground.
+pub(crate) fn halves(R: &Mat3, w: &Vec6) -> (Vec3, Vec3) {
+    (
+        R * Vec3::new(w[0], w[1], w[2]),
+        R * Vec3::new(w[3], w[4], w[5]),
+    )
+}

@@ -1,0 +1,101 @@
+//! Wrenches of force elements: laws between two markers and vectors of functions.
+
+use super::Configuration;
+use super::assemble::NoValue;
+use super::chain::turn;
+use super::contribution::{Ends, Of};
+use super::structure::{Action, Drive, Element};
+use crate::element::Wrench;
+use crate::mechanics::Vec6;
+
+/// What is asked of a wrench besides its value.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Ask {
+    /// Nothing.
+    Value,
+    /// Derivatives by what the unknowns change.
+    Tangent,
+    /// Derivatives by the parameters of the law, left in `scratch.wrench`.
+    Parameters,
+}
+
+impl Configuration<'_> {
+    /// The wrench of an element, into `scratch.contribution`; zero, with the same pattern, if it is deactivated.
+    pub(super) fn element(&mut self, number: usize, ask: Ask) -> Result<(), NoValue> {
+        let element = &self.system.elements[number];
+        let ends = Ends {
+            i: element.i,
+            j: element.j,
+            pair: element.pair,
+            frame: element.frame,
+            reaction: element.reaction,
+        };
+        match &element.action {
+            Action::Law(_, drive) => {
+                if element.active {
+                    self.evaluate_law(element, ask == Ask::Parameters)?;
+                } else {
+                    self.scratch.wrench.clear();
+                }
+                self.begin(ends, self.scratch.wrench.value);
+                if ask != Ask::Tangent {
+                    return Ok(());
+                }
+                let scratch = &mut *self.scratch;
+                let out = &mut scratch.contribution;
+                out.D = Some(turn(&out.R, &scratch.wrench.by_motion));
+                if let (Drive::Function(function), Some(unit)) =
+                    (drive, scratch.wrench.by_parameter.first())
+                {
+                    out.push_scalar(Of::Function(*function), unit);
+                }
+            }
+            Action::Vector(components) => {
+                let mut w = Vec6::zeros();
+                if element.active {
+                    for k in 0..6 {
+                        w[k] = components[k].map_or(0.0, |f| self.scratch.functions[f].value);
+                    }
+                }
+                self.begin(ends, w);
+                if ask != Ask::Tangent {
+                    return Ok(());
+                }
+                let out = &mut self.scratch.contribution;
+                for k in 0..6 {
+                    if let Some(function) = components[k] {
+                        let on = f64::from(u8::from(element.active));
+                        out.push_scalar(Of::Function(function), &Vec6::ith(k, on));
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Evaluates the law of an element; the result is in `scratch.wrench`, in J axes.
+    fn evaluate_law(&mut self, element: &Element, with_parameters: bool) -> Result<(), NoValue> {
+        let Action::Law(law, drive) = &element.action else {
+            return Ok(());
+        };
+        let motion = self.motion((element.i, element.j, element.pair), law.uses_angles());
+        let value;
+        let (theta, with_parameters) = match drive {
+            Drive::Theta(range) => (&self.parameters.theta()[range.clone()], with_parameters),
+            Drive::Function(function) => {
+                value = [self.scratch.functions[*function].value];
+                (&value[..], true)
+            }
+            Drive::Held(held) => {
+                value = [*held];
+                (&value[..], true)
+            }
+        };
+        let wrench: &mut Wrench = &mut self.scratch.wrench;
+        law.evaluate(&motion, theta, with_parameters, wrench)
+            .map_err(|reason| NoValue {
+                element: element.name.clone(),
+                reason: reason.into(),
+            })
+    }
+}

@@ -1,0 +1,94 @@
+//! Wrenches of constraints: reactions to multipliers.
+
+use super::Configuration;
+use super::State;
+use super::contribution::{Ends, Of};
+use super::structure::{Drive, Joint};
+use crate::constraint::Constraint;
+use crate::mechanics::{Mat6, Vec6};
+
+impl Joint {
+    /// Which of its equations take no part: all if it is deactivated, and redundant ones.
+    pub(super) fn out(&self, state: &State) -> [bool; 6] {
+        let mut out = [false; 6];
+        for (k, out) in out.iter_mut().enumerate().take(self.count) {
+            *out = !self.active || state.redundant.get(self.first + k) == Some(&true);
+        }
+        out
+    }
+}
+
+impl Configuration<'_> {
+    /// The reaction of one term of a constraint, into `scratch.contribution`; its equations stay in `scratch.equations`. A deactivated
+    /// constraint has the same pattern, all zero.
+    pub(super) fn term(&mut self, number: usize, term: usize, tangent: bool) {
+        let joint = &self.system.joints[number];
+        let out = joint.out(self.state);
+        let scale = joint.terms[term].scale;
+        let mut multipliers = [0.0; 6];
+        for k in 0..joint.count {
+            if !out[k] {
+                multipliers[k] = scale * self.state.multipliers[joint.first + k];
+            }
+        }
+        if joint.active {
+            self.evaluate_term(joint, term, &multipliers);
+        } else {
+            self.scratch.equations = crate::constraint::Equations {
+                count: joint.count,
+                ..Default::default()
+            };
+        }
+        let term = &joint.terms[term];
+        let mut w = Vec6::zeros();
+        for k in 0..joint.count {
+            w -= self.scratch.equations.jacobian[k] * multipliers[k];
+        }
+        let ends = Ends {
+            i: term.i,
+            j: term.j,
+            pair: term.pair,
+            frame: Some(term.j),
+            reaction: Some(self.system.owners[term.j]),
+        };
+        self.begin(ends, w);
+        if !tangent {
+            return;
+        }
+        let scratch = &mut *self.scratch;
+        let (equations, reaction) = (&scratch.equations, &mut scratch.contribution);
+        for k in 0..joint.count {
+            let of = Of::Unknown(self.system.first_equation + joint.first + k);
+            let unit = if out[k] {
+                Vec6::zeros()
+            } else {
+                equations.jacobian[k] * -scale
+            };
+            reaction.push_scalar(of, &unit);
+        }
+        let mut D = Mat6::zeros();
+        let curvature = reaction.R * equations.curvature * reaction.R.transpose();
+        D.fixed_view_mut::<3, 3>(3, 3).copy_from(&-curvature);
+        reaction.D = Some(D);
+    }
+
+    /// Evaluates one term of a constraint into `scratch.equations`.
+    fn evaluate_term(&mut self, joint: &Joint, number: usize, multipliers: &[f64; 6]) {
+        let term = &joint.terms[number];
+        let motion = self.motion((term.i, term.j, term.pair), term.law.uses_angles());
+        let value;
+        let theta = match &joint.drive {
+            Drive::Theta(range) => &self.parameters.theta()[range.clone()],
+            Drive::Function(function) => {
+                value = [self.scratch.functions[*function].value];
+                &value[..]
+            }
+            Drive::Held(held) => {
+                value = [*held];
+                &value[..]
+            }
+        };
+        term.law
+            .evaluate(&motion, theta, multipliers, &mut self.scratch.equations);
+    }
+}

@@ -1,0 +1,223 @@
+//! Groups of tolerances, their usual sizes, and how far the readings may move those.
+
+use crate::rig::{Stated, ToleranceSettings};
+
+/// What belongs together because it is made, or measured, in the same way.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub enum Group {
+    /// Connection points, all parts that meet there together.
+    Hardpoints,
+    /// Points where the rig's loads act.
+    LoadPoints,
+    /// Bushings whose two sides sit displaced.
+    Offsets,
+    /// Axes of bushings and joints.
+    Axes,
+    /// Factors of loads.
+    LoadGains,
+    /// Parts of one load that act along another.
+    LoadDirections,
+    /// Places of marks on their parts.
+    Marks,
+    /// Forces of springs at design.
+    Preloads,
+    /// Stiffnesses taken as known.
+    KnownStiffnesses,
+}
+
+/// What noise there is beside that of single coordinates.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub enum Scale {
+    /// A rigid shift of all marks of a part in a case.
+    PoseShift,
+    /// A rigid turn of all marks of a part in a case.
+    PoseTurn,
+    /// Mark coordinates over what is declared, where the marks themselves do not tell.
+    Marks,
+    /// Coordinates of the wheel over what is declared.
+    WheelPosition,
+    /// Angles of the wheel over what is declared.
+    WheelAngles,
+    /// A channel over what is declared.
+    Channel(usize),
+}
+
+/// A size: median and standard deviation of the logarithm of its lognormal prior, and the most it may be.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Size {
+    /// Median.
+    pub usual: f64,
+    /// Standard deviation of the logarithm.
+    pub ln_sd: f64,
+    /// Natural logarithms of the bounds.
+    pub bounds: (f64, f64),
+}
+
+/// Sizes that the user states are known so well.
+const STATED: f64 = 0.25;
+
+impl Size {
+    fn new(usual: f64, ln_sd: f64) -> Self {
+        let middle = usual.ln();
+        Self {
+            usual,
+            ln_sd,
+            bounds: (middle - 4.0 * ln_sd, middle + 2.5 * ln_sd),
+        }
+    }
+
+    fn at_most(mut self, most: f64) -> Self {
+        self.bounds.1 = self.bounds.1.min(most.ln());
+        self
+    }
+
+    /// Logarithm of the prior's density, constants left out.
+    pub fn ln_prior(&self, ln: f64) -> f64 {
+        let z = (ln - self.usual.ln()) / self.ln_sd;
+        -0.5 * z * z - self.ln_sd.ln()
+    }
+}
+
+/// Sizes of groups and noises: which there are, what is usual, and in [`Sizes::ln`] what they are taken to be.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Sizes {
+    /// Groups, then scales; in the order of `ln`.
+    pub groups: Vec<(Group, Size)>,
+    /// Noises beside that of single coordinates.
+    pub scales: Vec<(Scale, Size)>,
+    /// Natural logarithms.
+    pub ln: Vec<f64>,
+}
+
+impl Sizes {
+    /// All groups and scales a study may need; `None` where the user has switched one off. `millimetre` is one in the deck's unit.
+    pub fn new(settings: &ToleranceSettings, sigma_on_parts: f64, millimetre: f64) -> Self {
+        let degree = 1f64.to_radians();
+        let mm = millimetre;
+        let of = |stated: Stated, unit: f64, usual: Size| match stated {
+            Stated::Estimate => Some(usual),
+            Stated::Size(size) if size > 0.0 => Some(Size::new(size * unit, STATED)),
+            Stated::Size(_) => None,
+        };
+        let marks = if sigma_on_parts > 0.0 {
+            Size::new(sigma_on_parts, STATED)
+        } else {
+            Size::new(0.01 * mm, 0.7)
+        };
+        let s = settings;
+        let groups = [
+            (
+                Group::Hardpoints,
+                of(s.hardpoints, mm, Size::new(0.2 * mm, 0.7)),
+            ),
+            (Group::LoadPoints, Some(Size::new(0.5 * mm, 0.7))),
+            (
+                Group::Offsets,
+                of(s.hardpoints, 0.25 * mm, Size::new(0.05 * mm, 0.7)),
+            ),
+            (Group::Axes, Some(Size::new(0.1 * degree, 0.7))),
+            (
+                Group::LoadGains,
+                of(s.load_gain, 1.0, Size::new(0.003, 0.7).at_most(0.02)),
+            ),
+            (
+                Group::LoadDirections,
+                of(s.load_direction_deg, degree, Size::new(0.001, 0.7)),
+            ),
+            (Group::Marks, of(s.marks_on_parts, mm, marks)),
+            (Group::Preloads, Some(Size::new(0.003, 0.5).at_most(0.01))),
+            (
+                Group::KnownStiffnesses,
+                Some(Size::new(0.03, 0.5).at_most(0.1)),
+            ),
+        ];
+        let groups = groups
+            .into_iter()
+            .filter_map(|(group, size)| Some((group, size?)));
+        let arm = 100.0 * mm;
+        let pose = [
+            (Scale::PoseShift, of(s.pose, mm, Size::new(0.003 * mm, 1.5))),
+            (Scale::PoseTurn, of(s.pose, mm / arm, Size::new(3e-5, 1.5))),
+        ];
+        let scales = pose
+            .into_iter()
+            .filter_map(|(scale, size)| Some((scale, size?)));
+        let mut new = Self {
+            groups: groups.collect(),
+            scales: scales.collect(),
+            ln: Vec::new(),
+        };
+        new.ln = new.usual();
+        new
+    }
+
+    /// With one more noise, over what is declared or, where nothing is, over a guess.
+    pub fn add_scale(&mut self, scale: Scale, declared: bool) {
+        let size = Size::new(1.0, if declared { 0.5 } else { 3.0 });
+        self.scales.push((scale, size));
+        self.ln.push(size.usual.ln());
+    }
+
+    /// Logarithms of the usual sizes.
+    pub fn usual(&self) -> Vec<f64> {
+        self.each().map(|size| size.usual.ln()).collect()
+    }
+
+    /// Prior and bounds of each, in the order of `ln`.
+    pub fn each(&self) -> impl Iterator<Item = &Size> {
+        let groups = self.groups.iter().map(|(_, size)| size);
+        groups.chain(self.scales.iter().map(|(_, size)| size))
+    }
+
+    /// Where a group is in `ln`.
+    pub fn group(&self, group: Group) -> Option<usize> {
+        self.groups.iter().position(|(of, _)| *of == group)
+    }
+
+    /// Where a scale is in `ln`.
+    pub fn scale(&self, scale: Scale) -> Option<usize> {
+        let at = self.scales.iter().position(|(of, _)| *of == scale)?;
+        Some(self.groups.len() + at)
+    }
+
+    /// The size of a group.
+    pub fn of(&self, group: Group) -> Option<f64> {
+        self.group(group).map(|at| self.ln[at].exp())
+    }
+
+    /// The size of a scale.
+    pub fn of_scale(&self, scale: Scale) -> Option<f64> {
+        self.scale(scale).map(|at| self.ln[at].exp())
+    }
+
+    /// The same with other values.
+    #[must_use]
+    pub fn at(&self, ln: Vec<f64>) -> Self {
+        Self { ln, ..self.clone() }
+    }
+
+    /// Where a candidate's sizes start: not above what is usual by more than a factor e, so that sizes that have swallowed a cause
+    /// let it go.
+    pub fn modest(&self, over: f64) -> Vec<f64> {
+        let each = self.ln.iter().zip(self.each());
+        each.map(|(ln, size)| ln.min(size.usual.ln() + over))
+            .collect()
+    }
+}
+
+impl Group {
+    /// Its name in `diagnosis.json`.
+    pub const fn as_str(self) -> &'static str {
+        match self {
+            Self::Hardpoints => "hardpoints",
+            Self::LoadPoints => "load-points",
+            Self::Offsets => "assembly-offsets",
+            Self::Axes => "axes",
+            Self::LoadGains => "load-gains",
+            Self::LoadDirections => "load-directions",
+            Self::Marks => "marks-on-parts",
+            Self::Preloads => "spring-preloads",
+            Self::KnownStiffnesses => "known-stiffnesses",
+        }
+    }
+}

@@ -1,0 +1,27 @@
+//! What every real axle and every real rig has beside the causes one looks for: noise and tolerances.
+//!
+//! [`Noise`] says how exact the readings are, from the readings alone. [`Layer`] holds the small errors of all hardpoints, loads, axes
+//! and marks as numbers of the deck with Gaussian priors, whose sizes [`Group`] describes. [`Whitening`] brings readings to independent
+//! rows; [`Linear`] holds the linearised problem as Gram matrices; [`Linear::evidence`] gives the evidence, the posterior and the
+//! gradient by the sizes, and [`Linear::sized`] the sizes that the readings ask for. Knows neither fits nor causes.
+//!
+//! To use it at a fit: take the Jacobian of all rows by the unknowns and by the members of a [`Layer`], [`Whitening::apply`] it to
+//! residual and Jacobian, build a [`Linear`] with one [`Unknown`] per column, and ask [`Linear::sized`]. Its `Posterior::covariance`
+//! holds the intervals with tolerances marginalised; [`Posterior::without`] the part of a variance that is not due to them.
+
+mod group;
+mod layer;
+mod linear;
+mod noise;
+mod point;
+mod sizes;
+mod tails;
+mod whitening;
+
+pub use group::{Group, Scale, Size, Sizes};
+pub use layer::{Effect, Layer, LayerOf, Member};
+pub use linear::{Linear, Posterior, Unknown};
+pub use noise::{MarkOutlier, Noise};
+pub use point::{Point, points};
+pub use tails::Tails;
+pub use whitening::{MarkBlock, Whitening};

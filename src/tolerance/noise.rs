@@ -1,0 +1,406 @@
+//! Noise of mark readings without any model: the marks of a rigid part keep their distances.
+//!
+//! Of the 3 m coordinates of m marks six tell the pose; the others are noise and the marks' places on the part, which are the same in
+//! every case and cancel against their mean.
+
+use std::collections::BTreeMap;
+
+use nalgebra::DVector;
+
+use crate::mechanics::Vec3;
+use crate::rig::Measurement;
+use crate::rig::orientation::absolute_orientation;
+
+/// A reading is looked at as an outlier from so many standard deviations on,
+const SUSPECT: f64 = 6.0;
+/// and is one from so many on, where the other marks of its part agree among themselves.
+const OUTLIER: f64 = 8.0;
+/// A model shows a mark to be wrong that is off by this part of the worst of its part.
+const APART: f64 = 0.4;
+/// Marks agree when the sum of their squares per degree of freedom is below this.
+const AGREE: f64 = 12.0;
+/// The declared noise is contradicted from so many standard deviations of its logarithm on.
+const CONTRADICTED: f64 = 4.0;
+/// With heavy tails its logarithm may be off by so much more.
+const TAILED: f64 = 0.3;
+/// Scale of the median of absolute values for a Gaussian.
+const MAD: f64 = 1.4826;
+
+/// One reading of one mark that is wrong.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct MarkOutlier {
+    /// Load case.
+    pub case: usize,
+    /// Index into the readings of the case.
+    pub reading: usize,
+    /// How far it lies from where the other marks put it, ground axes.
+    pub error: Vec3,
+}
+
+/// How exact mark coordinates are.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Noise {
+    /// Standard deviation of a coordinate as the study states it; `None` if it states none.
+    pub declared: Option<f64>,
+    /// The same from the readings, where parts carry four marks or more in several cases.
+    pub estimated: Option<f64>,
+    /// Standard deviation of the logarithm of the estimate.
+    pub ln_sd: f64,
+    /// Fourth moment of the residuals over the square of the second; three for a Gaussian.
+    pub kurtosis: f64,
+    /// How many residuals that was taken from.
+    pub count: usize,
+    /// Readings that are plainly wrong.
+    pub outliers: Vec<MarkOutlier>,
+    /// Case and part of marks of which several are wrong, so that they do not tell themselves which: a model has to.
+    pub suspects: Vec<(usize, usize)>,
+}
+
+/// Marks of one part in one case.
+struct Block {
+    case: usize,
+    part: usize,
+    /// Indices of readings.
+    readings: Vec<usize>,
+}
+
+impl Noise {
+    /// From the marks of a measurement.
+    pub fn of(measurement: &Measurement) -> Self {
+        let declared = (!measurement.sigma_estimated).then_some(measurement.sigma);
+        let mut blocks = blocks(measurement);
+        let (mut outliers, mut suspects) = (Vec::new(), Vec::new());
+        let none = BTreeMap::new();
+        // Robust first: what is plainly wrong must not decide what plain is.
+        let rough = residuals(measurement, &blocks, &none);
+        let centre = centres(&rough, true);
+        let mut sizes: Vec<f64> = coordinates(measurement, &rough, &centre)
+            .into_iter()
+            .map(f64::abs)
+            .collect();
+        sizes.sort_by(f64::total_cmp);
+        let sigma = MAD * sizes.get(sizes.len() / 2).copied().unwrap_or(0.0);
+        if sigma > 0.0 {
+            blocks.retain_mut(|block| {
+                loop {
+                    match worst(measurement, block, &centre, sigma) {
+                        Looks::Fine => return true,
+                        Looks::Wrong(at, error) => outliers.push(MarkOutlier {
+                            case: block.case,
+                            reading: block.readings.remove(at),
+                            error,
+                        }),
+                        Looks::Mixed => {
+                            suspects.push((block.case, block.part));
+                            return false;
+                        }
+                    }
+                }
+            });
+        }
+        let clean = residuals(measurement, &blocks, &none);
+        let centre = centres(&clean, false);
+        let (mut squares, mut fourths, mut count) = (0.0, 0.0, 0usize);
+        for value in coordinates(measurement, &clean, &centre) {
+            squares += value * value;
+            fourths += value.powi(4);
+            count += 1;
+        }
+        // Six of each block told its pose, and as many coordinates of each part as are left its mean.
+        let mut dof: f64 = blocks
+            .iter()
+            .map(|b| 3.0 * b.readings.len() as f64 - 6.0)
+            .sum();
+        let mut parts = BTreeMap::new();
+        for block in &blocks {
+            let most = parts.entry(block.part).or_insert(0.0_f64);
+            *most = most.max(3.0 * block.readings.len() as f64 - 6.0);
+        }
+        if !centre.is_empty() {
+            dof -= parts.values().sum::<f64>();
+        }
+        let usable = dof >= 6.0 && squares > 0.0;
+        let mean = squares / count.max(1) as f64;
+        Self {
+            declared,
+            estimated: usable.then(|| (squares / dof).sqrt()),
+            ln_sd: (1.0 / (2.0 * dof.max(1.0))).sqrt(),
+            kurtosis: if mean > 0.0 {
+                fourths / count as f64 / (mean * mean)
+            } else {
+                3.0
+            },
+            count,
+            outliers,
+            suspects,
+        }
+    }
+
+    /// Marks under suspicion judged by a model: `misfit` is reading minus prediction of a reading in a case.
+    pub fn judge(
+        &mut self,
+        measurement: &Measurement,
+        misfit: &dyn Fn(usize, usize) -> Option<Vec3>,
+    ) {
+        let sigma = self.sigma().unwrap_or(0.0);
+        for (case, part) in std::mem::take(&mut self.suspects) {
+            let readings = measurement.cases[case].marks.iter().enumerate();
+            let errors: Vec<(usize, Vec3)> = readings
+                .filter(|(_, mark)| mark.part == part)
+                .filter_map(|(reading, _)| Some((reading, misfit(case, reading)?)))
+                .collect();
+            let largest = errors.iter().map(|(_, e)| e.norm()).fold(0.0, f64::max);
+            let least = (OUTLIER * sigma).max(APART * largest);
+            let wrong = errors.into_iter().filter(|(_, e)| e.norm() > least);
+            self.outliers
+                .extend(wrong.map(|(reading, error)| MarkOutlier {
+                    case,
+                    reading,
+                    error,
+                }));
+        }
+        self.outliers
+            .sort_by_key(|outlier| (outlier.case, outlier.reading));
+    }
+
+    /// The standard deviation a fit should use: the estimate where there is one.
+    pub fn sigma(&self) -> Option<f64> {
+        self.estimated.or(self.declared)
+    }
+
+    /// True if the declared noise is not the noise of the readings.
+    pub fn contradicts(&self) -> bool {
+        match (self.declared, self.estimated) {
+            (Some(declared), Some(estimated)) if declared > 0.0 => {
+                // With heavy tails a standard deviation says little.
+                let loose = if self.has_tails() { TAILED } else { 0.0 };
+                (estimated / declared).ln().abs() > CONTRADICTED * self.ln_sd + loose
+            }
+            _ => false,
+        }
+    }
+
+    /// True if the residuals are further out than those of a Gaussian, by four standard deviations of the kurtosis.
+    pub fn has_tails(&self) -> bool {
+        self.count > 50 && self.kurtosis > 3.0 + 4.0 * (24.0 / self.count as f64).sqrt()
+    }
+}
+
+/// Parts with more marks than a pose needs.
+fn blocks(measurement: &Measurement) -> Vec<Block> {
+    let mut out = Vec::new();
+    for (case, read) in measurement.cases.iter().enumerate() {
+        for part in 0..measurement.parts.len() {
+            let readings: Vec<usize> = (0..read.marks.len())
+                .filter(|k| read.marks[*k].part == part)
+                .collect();
+            if readings.len() > 2 {
+                out.push(Block {
+                    case,
+                    part,
+                    readings,
+                });
+            }
+        }
+    }
+    out
+}
+
+/// (case, reading, (part, mark)).
+type Key = (usize, usize, (usize, usize));
+
+/// Residuals of each part in each case.
+fn by_block(residuals: &[(Key, Vec3)]) -> BTreeMap<(usize, usize), Vec<(Key, Vec3)>> {
+    let mut out: BTreeMap<_, Vec<_>> = BTreeMap::new();
+    for (key, e) in residuals {
+        let block: &mut Vec<(Key, Vec3)> = out.entry((key.0, key.2.0)).or_default();
+        block.push((*key, *e));
+    }
+    out
+}
+
+/// What is left of all blocks, the centres taken off, along directions that no rigid motion changes.
+fn coordinates(
+    measurement: &Measurement,
+    residuals: &[(Key, Vec3)],
+    centre: &BTreeMap<(usize, usize), Vec3>,
+) -> Vec<f64> {
+    let mut out = Vec::new();
+    for (block, own) in by_block(residuals) {
+        let marks = &measurement.cases[block.0].marks;
+        let place = |reading: usize| measurement.parts[block.1].marks[marks[reading].mark].p;
+        let places: Vec<Vec3> = own.iter().map(|(key, _)| place(key.1)).collect();
+        let e: Vec<f64> = own
+            .iter()
+            .flat_map(|(key, e)| {
+                let e = e - centre.get(&key.2).copied().unwrap_or_default();
+                [e.x, e.y, e.z]
+            })
+            .collect();
+        out.extend(internal(&places, &DVector::from_vec(e)));
+    }
+    out
+}
+
+/// Coordinates of residuals that no rigid motion of the marks changes, along an orthonormal basis: all of the same variance.
+fn internal(places: &[Vec3], e: &DVector<f64>) -> Vec<f64> {
+    let n = e.len();
+    let centroid = places.iter().sum::<Vec3>() / places.len() as f64;
+    let mut basis: Vec<DVector<f64>> = Vec::new();
+    let mut orthogonal = |mut column: DVector<f64>, least: f64| {
+        let size = column.norm();
+        for _ in 0..2 {
+            for known in &basis {
+                let along = known.dot(&column);
+                column -= known * along;
+            }
+        }
+        let left = column.norm();
+        if left > least * size {
+            basis.push(column / left);
+        }
+        basis.len()
+    };
+    let mut rigid = 0;
+    for k in 0..6 {
+        let of = |mark: &Vec3| {
+            if k < 3 {
+                Vec3::ith(k, 1.0)
+            } else {
+                Vec3::ith(k - 3, 1.0).cross(&(mark - centroid))
+            }
+        };
+        let column = places.iter().flat_map(|mark| {
+            let v = of(mark);
+            [v.x, v.y, v.z]
+        });
+        rigid = orthogonal(DVector::from_iterator(n, column), 1e-9);
+    }
+    for k in 0..n {
+        let mut unit = DVector::zeros(n);
+        unit[k] = 1.0;
+        orthogonal(unit, 1e-3);
+    }
+    basis[rigid..]
+        .iter()
+        .map(|direction| direction.dot(e))
+        .collect()
+}
+
+/// What the best rigid motion leaves of each reading, in part axes.
+fn residuals(
+    measurement: &Measurement,
+    blocks: &[Block],
+    centre: &BTreeMap<(usize, usize), Vec3>,
+) -> Vec<(Key, Vec3)> {
+    let mut out = Vec::new();
+    for block in blocks {
+        let marks = &measurement.cases[block.case].marks;
+        let read: Vec<_> = block.readings.iter().map(|k| marks[*k]).collect();
+        let local = |mark: usize| {
+            let shift = centre.get(&(block.part, mark)).copied().unwrap_or_default();
+            measurement.parts[block.part].marks[mark].p + shift
+        };
+        let on_part: Vec<Vec3> = read.iter().map(|mark| local(mark.mark)).collect();
+        let measured: Vec<Vec3> = read.iter().map(|mark| mark.x).collect();
+        let Ok(fit) = absolute_orientation(&on_part, &measured, 1.0) else {
+            continue;
+        };
+        for ((k, mark), e) in block.readings.iter().zip(&read).zip(&fit.residuals) {
+            let key = (block.case, *k, (block.part, mark.mark));
+            out.push((key, fit.pose.R.transpose() * e));
+        }
+    }
+    out
+}
+
+/// Mean or median of each mark's residual over the cases; empty with fewer than three cases, where they would take most of the noise.
+fn centres(residuals: &[(Key, Vec3)], median: bool) -> BTreeMap<(usize, usize), Vec3> {
+    let mut by_mark: BTreeMap<(usize, usize), Vec<Vec3>> = BTreeMap::new();
+    for (key, e) in residuals {
+        by_mark.entry(key.2).or_default().push(*e);
+    }
+    let cases = by_mark.values().map(Vec::len).max().unwrap_or(0);
+    if cases < 3 {
+        return BTreeMap::new();
+    }
+    let centre = |list: Vec<Vec3>| {
+        Vec3::from_fn(|axis, _| {
+            let mut values: Vec<f64> = list.iter().map(|e| e[axis]).collect();
+            if median {
+                values.sort_by(f64::total_cmp);
+                values[values.len() / 2]
+            } else {
+                values.iter().sum::<f64>() / values.len() as f64
+            }
+        })
+    };
+    by_mark
+        .into_iter()
+        .map(|(key, list)| (key, centre(list)))
+        .collect()
+}
+
+/// How the marks of a part in a case look.
+enum Looks {
+    /// As one rigid part.
+    Fine,
+    /// The others, which agree among themselves, show this one to be wrong, by so much.
+    Wrong(usize, Vec3),
+    /// No single one is.
+    Mixed,
+}
+
+/// Looks for a wrong mark in a block.
+fn worst(
+    measurement: &Measurement,
+    block: &Block,
+    centre: &BTreeMap<(usize, usize), Vec3>,
+    sigma: f64,
+) -> Looks {
+    let count = block.readings.len();
+    if count < 4 {
+        return Looks::Fine;
+    }
+    let marks = &measurement.cases[block.case].marks;
+    let read: Vec<_> = block.readings.iter().map(|k| marks[*k]).collect();
+    let local = |mark: usize| {
+        let shift = centre.get(&(block.part, mark)).copied().unwrap_or_default();
+        measurement.parts[block.part].marks[mark].p + shift
+    };
+    let on_part: Vec<Vec3> = read.iter().map(|mark| local(mark.mark)).collect();
+    let measured: Vec<Vec3> = read.iter().map(|mark| mark.x).collect();
+    let Ok(all) = absolute_orientation(&on_part, &measured, 1.0) else {
+        return Looks::Fine;
+    };
+    let largest = all.residuals.iter().map(Vec3::amax).fold(0.0, f64::max);
+    if largest < SUSPECT * sigma * (1.0 - 6.0 / (3.0 * count as f64)).sqrt() {
+        return Looks::Fine;
+    }
+    let mut best: Option<(f64, usize, Vec3)> = None;
+    for out in 0..count {
+        let keep = |list: &[Vec3]| -> Vec<Vec3> {
+            let kept = list.iter().enumerate().filter(|(k, _)| *k != out);
+            kept.map(|(_, v)| *v).collect()
+        };
+        let Ok(fit) = absolute_orientation(&keep(&on_part), &keep(&measured), 1.0) else {
+            continue;
+        };
+        let rest: f64 = fit.residuals.iter().map(Vec3::norm_squared).sum();
+        if best.as_ref().is_none_or(|(least, ..)| rest < *least) {
+            let error = measured[out] - fit.pose.point(&on_part[out]);
+            best = Some((rest, out, error));
+        }
+    }
+    let Some((rest, at, error)) = best else {
+        return Looks::Fine;
+    };
+    let freedom = (3 * (count - 1) - 6) as f64;
+    let agree = rest < AGREE * freedom * sigma * sigma;
+    match (agree, error.amax() > OUTLIER * sigma) {
+        (true, true) => Looks::Wrong(at, error),
+        // Noise with tails has such blocks, too; only what is far out is kept from the fit.
+        (false, _) if largest > 2.0 * SUSPECT * sigma => Looks::Mixed,
+        _ => Looks::Fine,
+    }
+}

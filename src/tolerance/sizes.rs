@@ -1,0 +1,116 @@
+//! The sizes of greatest evidence: quasi-Newton steps between bounds.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::group::Sizes;
+
+/// Evaluations at most,
+const MOST: usize = 30;
+/// and what an evaluation has to gain for another one.
+const ENOUGH: f64 = 0.02;
+/// The longest step of any logarithm.
+const LONGEST: f64 = 1.5;
+
+/// Climbs from where the sizes are; `evidence` gives value, gradient and information. (Broyden, Fletcher, Goldfarb and Shanno's update of the
+/// inverse curvature; sizes at a bound that the gradient pushes against stay there.)
+pub fn climb(
+    start: &Sizes,
+    mut evidence: impl FnMut(&Sizes) -> Option<(f64, Vec<f64>, Vec<f64>)>,
+) -> Sizes {
+    let bounds: Vec<(f64, f64)> = start.each().map(|size| size.bounds).collect();
+    let clamp = |ln: &mut [f64]| {
+        for (ln, (low, high)) in ln.iter_mut().zip(&bounds) {
+            *ln = ln.clamp(*low, *high);
+        }
+    };
+    let mut ln = start.ln.clone();
+    clamp(&mut ln);
+    let n = ln.len();
+    let mut here = start.at(ln);
+    let Some((mut value, gradient, information)) = evidence(&here) else {
+        return start.clone();
+    };
+    let mut gradient = DVector::from_vec(gradient);
+    let first = || {
+        DMatrix::from_diagonal(&DVector::from_iterator(
+            n,
+            information.iter().map(|i| 1.0 / i),
+        ))
+    };
+    let mut inverse = first();
+    let mut evaluations = 1;
+    let mut stuck = false;
+    while evaluations < MOST {
+        let free: Vec<bool> = (0..n)
+            .map(|k| {
+                let low = here.ln[k] <= bounds[k].0 && gradient[k] < 0.0;
+                let high = here.ln[k] >= bounds[k].1 && gradient[k] > 0.0;
+                !(low || high)
+            })
+            .collect();
+        let mut uphill = gradient.clone();
+        for k in (0..n).filter(|k| !free[*k]) {
+            uphill[k] = 0.0;
+        }
+        let mut step = &inverse * &uphill;
+        for k in (0..n).filter(|k| !free[*k]) {
+            step[k] = 0.0;
+        }
+        if step.dot(&uphill) <= 0.0 {
+            inverse = first();
+            step = &inverse * &uphill;
+        }
+        let longest = step.amax();
+        if longest > LONGEST {
+            step *= LONGEST / longest;
+        }
+        let promised = step.dot(&uphill);
+        if promised < ENOUGH {
+            break;
+        }
+        let mut scale = 1.0;
+        let mut next = None;
+        while evaluations < MOST && scale > 1e-3 {
+            let mut ln: Vec<f64> = here
+                .ln
+                .iter()
+                .zip(step.iter())
+                .map(|(ln, s)| ln + scale * s)
+                .collect();
+            clamp(&mut ln);
+            let there = start.at(ln);
+            evaluations += 1;
+            match evidence(&there) {
+                Some((better, gradient, _)) if better > value => {
+                    next = Some((there, better, DVector::from_vec(gradient)));
+                    break;
+                }
+                _ => scale *= 0.3,
+            }
+        }
+        let Some((there, better, slope)) = next else {
+            if stuck {
+                break;
+            }
+            stuck = true;
+            inverse = first();
+            continue;
+        };
+        stuck = false;
+        let moved = DVector::from_iterator(n, there.ln.iter().zip(&here.ln).map(|(a, b)| a - b));
+        let bent = &gradient - &slope;
+        let curve = moved.dot(&bent);
+        if curve > 1e-9 * moved.norm() * bent.norm() {
+            let rho = 1.0 / curve;
+            let unit = DMatrix::identity(n, n);
+            let left = &unit - &moved * bent.transpose() * rho;
+            inverse = &left * &inverse * left.transpose() + &moved * moved.transpose() * rho;
+        }
+        let gained = better - value;
+        (here, value, gradient) = (there, better, slope);
+        if gained < ENOUGH {
+            break;
+        }
+    }
+    here
+}

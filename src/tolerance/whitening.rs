@@ -1,0 +1,282 @@
+//! Readings brought to independent rows.
+//!
+//! The coordinates of the marks of one part in one case share a small rigid motion that is no motion of the axle: fixtures,
+//! photogrammetry, temperature. With the precision `D` of the coordinates, `D^1/2 C D^1/2 = I + tau_t^2 T T' + tau_r^2 R R'`, `T` the
+//! three shifts and `R` the three turns less their share of the shifts. An orthonormal basis of `T`, `R` and the rest makes that
+//! diagonal for all sizes at once.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::group::{Scale, Sizes};
+use crate::mechanics::Vec3;
+use crate::mechanics::eigen::symmetric_eigen;
+
+/// Directions shorter than this part of the longest are none.
+const LEAST: f64 = 1e-6;
+/// Rigid directions whose squares differ by less than this factor share a class.
+const ALIKE: f64 = 1.05;
+
+/// The mark coordinates of one part in one case.
+#[derive(Clone, PartialEq, Debug)]
+pub struct MarkBlock {
+    /// The first row of each mark; its other two follow.
+    pub rows: Vec<usize>,
+    /// From a common point to each mark, ground axes.
+    pub levers: Vec<Vec3>,
+    /// What one unit of a row is in length units.
+    pub unit: f64,
+}
+
+/// Rows whose variance is `scale^2 + mu tau^2`.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Class {
+    /// Scale of the row's own noise; `None` for one.
+    pub scale: Option<usize>,
+    /// Size of the rigid motion, and the square of its direction.
+    pub rigid: Option<(usize, f64)>,
+}
+
+impl Class {
+    /// Variance at these sizes.
+    pub fn variance(&self, ln: &[f64]) -> f64 {
+        let own = self.scale.map_or(1.0, |at| (2.0 * ln[at]).exp());
+        own + self.rigid.map_or(0.0, |(at, mu)| mu * (2.0 * ln[at]).exp())
+    }
+
+    /// Its derivatives by the logarithms of the sizes.
+    pub fn by_size(&self, ln: &[f64]) -> [Option<(usize, f64)>; 2] {
+        [
+            self.scale.map(|at| (at, 2.0 * (2.0 * ln[at]).exp())),
+            self.rigid
+                .map(|(at, mu)| (at, 2.0 * mu * (2.0 * ln[at]).exp())),
+        ]
+    }
+}
+
+/// An orthonormal change of rows with their precisions, and the class of each new row.
+#[derive(Clone, Debug)]
+pub struct Whitening {
+    /// Rows that are turned together, their places and the matrix.
+    blocks: Vec<(Vec<usize>, DMatrix<f64>)>,
+    /// Square root of the precision of each old row that stands alone.
+    alone: Vec<(usize, f64)>,
+    /// Classes, and the class of each new row; `None` where it is not used.
+    pub classes: Vec<Class>,
+    /// Class of each row.
+    pub class_of: Vec<Option<usize>>,
+    /// Block of each row, `None` if it stands alone, and its place there.
+    place_of: Vec<Option<(Option<usize>, usize)>>,
+}
+
+impl Whitening {
+    /// Of `marks` and of single rows with their scales; `precision` belongs to all rows, zero where a row is not used.
+    pub fn new(
+        marks: &[MarkBlock],
+        single: &[(usize, Option<Scale>)],
+        precision: &[f64],
+        sizes: &Sizes,
+    ) -> Self {
+        let mut new = Self {
+            blocks: Vec::new(),
+            alone: Vec::new(),
+            classes: Vec::new(),
+            class_of: vec![None; precision.len()],
+            place_of: vec![None; precision.len()],
+        };
+        let mut known: BTreeMap<(usize, usize, i64), usize> = BTreeMap::new();
+        let mut class =
+            |classes: &mut Vec<Class>, scale: Option<usize>, rigid: Option<(usize, f64)>| {
+                let bin = rigid.map_or(0, |(_, mu)| (mu.ln() / ALIKE.ln()).round() as i64);
+                let at = |of: Option<usize>| of.map_or(usize::MAX, |at| at);
+                let key = (at(scale), at(rigid.map(|(at, _)| at)), bin);
+                *known.entry(key).or_insert_with(|| {
+                    classes.push(Class { scale, rigid });
+                    classes.len() - 1
+                })
+            };
+        let own = sizes.scale(Scale::Marks);
+        for block in marks {
+            let (places, matrix, squares) = turned(block, precision);
+            for (k, place) in places.iter().enumerate() {
+                let rigid = squares.get(k).and_then(|(turn, mu)| {
+                    let scale = [Scale::PoseShift, Scale::PoseTurn][usize::from(*turn)];
+                    Some((sizes.scale(scale)?, *mu))
+                });
+                new.class_of[*place] = Some(class(&mut new.classes, own, rigid));
+                new.place_of[*place] = Some((Some(new.blocks.len()), k));
+            }
+            new.blocks.push((places, matrix));
+        }
+        for (row, scale) in single {
+            if precision[*row] > 0.0 {
+                let scale = scale.and_then(|scale| sizes.scale(scale));
+                new.place_of[*row] = Some((None, new.alone.len()));
+                new.alone.push((*row, precision[*row].sqrt()));
+                new.class_of[*row] = Some(class(&mut new.classes, scale, None));
+            }
+        }
+        new
+    }
+
+    /// Turns and scales the rows of a matrix; rows that are not used become zero.
+    pub fn apply(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        let rows = columns.nrows();
+        let mut out = DMatrix::zeros(rows, columns.ncols());
+        if rows == 0 {
+            return out;
+        }
+        let mut gathered = Vec::new();
+        let each = columns
+            .as_slice()
+            .chunks_exact(rows)
+            .zip(out.as_mut_slice().chunks_exact_mut(rows));
+        for (from, to) in each {
+            for (places, matrix) in &self.blocks {
+                gathered.clear();
+                gathered.extend(places.iter().map(|place| from[*place]));
+                if gathered.iter().all(|value| *value == 0.0) {
+                    continue;
+                }
+                let directions = matrix.as_slice().chunks_exact(places.len());
+                for (place, direction) in places.iter().zip(directions) {
+                    to[*place] = direction.iter().zip(&gathered).map(|(a, b)| a * b).sum();
+                }
+            }
+            for (row, scale) in &self.alone {
+                to[*row] = from[*row] * scale;
+            }
+        }
+        out
+    }
+
+    /// The same of one column.
+    pub fn apply_vector(&self, column: &DVector<f64>) -> DVector<f64> {
+        let out = self.apply(&DMatrix::from_column_slice(
+            column.len(),
+            1,
+            column.as_slice(),
+        ));
+        out.column(0).into_owned()
+    }
+
+    /// The same of a column that is zero but for a few rows.
+    pub fn apply_sparse(&self, column: &[(usize, f64)]) -> BTreeMap<usize, f64> {
+        let mut out = BTreeMap::new();
+        for (row, value) in column {
+            match self.place_of[*row] {
+                Some((Some(block), at)) => {
+                    let (places, matrix) = &self.blocks[block];
+                    for (k, place) in places.iter().enumerate() {
+                        *out.entry(*place).or_insert(0.0) += matrix[(at, k)] * value;
+                    }
+                }
+                Some((None, at)) => {
+                    *out.entry(*row).or_insert(0.0) += self.alone[at].1 * value;
+                }
+                None => {}
+            }
+        }
+        out
+    }
+
+    /// One over the standard deviation of each new row at these sizes; zero where it is not used.
+    pub fn weights(&self, ln: &[f64]) -> DVector<f64> {
+        let of: Vec<f64> = self
+            .classes
+            .iter()
+            .map(|class| class.variance(ln).sqrt().recip())
+            .collect();
+        DVector::from_iterator(
+            self.class_of.len(),
+            self.class_of
+                .iter()
+                .map(|class| class.map_or(0.0, |class| of[class])),
+        )
+    }
+
+    /// How many rows are used.
+    pub fn count(&self) -> usize {
+        self.class_of.iter().flatten().count()
+    }
+}
+
+/// Used rows of a block, the matrix whose columns are the new rows' directions times the root of the precision, and the squares of
+/// the leading, rigid ones with whether they turn.
+fn turned(block: &MarkBlock, precision: &[f64]) -> (Vec<usize>, DMatrix<f64>, Vec<(bool, f64)>) {
+    let mut places = Vec::new();
+    let mut rigid: Vec<[f64; 6]> = Vec::new();
+    for (first, lever) in block.rows.iter().zip(&block.levers) {
+        for axis in 0..3 {
+            let root = precision[first + axis].sqrt();
+            if root == 0.0 {
+                continue;
+            }
+            places.push(first + axis);
+            let mut row = [0.0; 6];
+            row[axis] = root / block.unit;
+            for k in 0..3 {
+                row[3 + k] = Vec3::ith(k, 1.0).cross(lever)[axis] * root / block.unit;
+            }
+            rigid.push(row);
+        }
+    }
+    let m = places.len();
+    let mut basis: Vec<DVector<f64>> = Vec::new();
+    let mut squares = Vec::new();
+    let column = |k: usize| DVector::from_iterator(m, rigid.iter().map(|row| row[k]));
+    for k in 0..3 {
+        let shift = column(k);
+        let norm = shift.norm();
+        if norm > 0.0 {
+            squares.push((false, norm * norm));
+            basis.push(shift / norm);
+        }
+    }
+    // Turns less what shifts do.
+    let mut turns = DMatrix::zeros(m, 3);
+    for k in 0..3 {
+        let mut turn = column(3 + k);
+        for shift in &basis {
+            let along = shift.dot(&turn);
+            turn -= shift * along;
+        }
+        turns.set_column(k, &turn);
+    }
+    let eigen = symmetric_eigen(turns.tr_mul(&turns));
+    let largest = eigen.eigenvalues.max();
+    for k in 0..3 {
+        let mu = eigen.eigenvalues[k];
+        if mu > LEAST * largest && mu > 0.0 {
+            let direction = &turns * eigen.eigenvectors.column(k) / mu.sqrt();
+            squares.push((true, mu));
+            basis.push(direction);
+        }
+    }
+    // The rest, by Gram and Schmidt with repetition.
+    for k in 0..m {
+        if basis.len() >= m {
+            break;
+        }
+        let mut unit = DVector::zeros(m);
+        unit[k] = 1.0;
+        for _ in 0..2 {
+            for known in &basis {
+                let along = known.dot(&unit);
+                unit -= known * along;
+            }
+        }
+        let norm = unit.norm();
+        if norm > 1e-3 {
+            basis.push(unit / norm);
+        }
+    }
+    let mut matrix = DMatrix::zeros(m, m);
+    for (k, direction) in basis.iter().take(m).enumerate() {
+        for (j, place) in places.iter().enumerate() {
+            matrix[(j, k)] = direction[j] * precision[*place].sqrt();
+        }
+    }
+    (places, matrix, squares)
+}

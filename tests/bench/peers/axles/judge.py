@@ -1,0 +1,181 @@
+"""Diagnoses studies and compares what is said with the truth: `python judge.py DIR --admire target/release/admire`.
+
+Runs `admire diagnose` on every folder of DIR that has a NAME.truth.json beside it, unless its diagnosis is already there (--again), and
+prints by kind: verdicts, causes named with their place, false names, intervals that hold the truth; then how often stated
+probabilities come true.
+"""
+
+import argparse
+import json
+import os
+import statistics
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+NOT_A_NAME = {"noise-level"}  # of the noise, which is no cause of an error
+BINS = [(0.0, 0.02), (0.02, 0.1), (0.1, 0.3), (0.3, 0.5), (0.5, 0.7), (0.7, 0.9), (0.9, 0.99), (0.99, 1.0001)]
+
+
+def diagnose(study, out, options):
+    """The diagnosis, its seconds and its exit code."""
+    path = os.path.join(out, "diagnosis.json")
+    clock = os.path.join(out, "seconds")
+    if options.again or not os.path.exists(path):
+        os.makedirs(out, exist_ok=True)
+        begin = time.time()
+        try:
+            run = subprocess.run([options.admire, "diagnose", study, "--out", out], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+                                 timeout=options.timeout, env=os.environ | {"RAYON_NUM_THREADS": "1"})
+        except subprocess.TimeoutExpired:
+            return None, options.timeout, "timeout"
+        if not os.path.exists(path):
+            return None, time.time() - begin, run.stderr.strip().split("\n")[0]
+        with open(clock, "w") as file:
+            file.write(str(time.time() - begin))
+    with open(path) as file, open(clock) as seconds:
+        return json.load(file), float(seconds.read()), ""
+
+
+def same(named, planted):
+    """Whether a finding (cause, address and the other addresses of the same thing) is a planted cause."""
+    if named["cause"] != planted["cause"]:
+        return False
+    if "form" in planted and named.get("form", planted["form"]) != planted["form"]:
+        return False
+    words = {w.replace(" ", "").upper() for w in [named["address"], *named.get("members", [])]}
+    return any(a.replace(" ", "").upper() in words for a in planted["addresses"])
+
+
+def judged(truth, said, seconds):
+    """One line of the tables, as data."""
+    planted = [c for c in truth["causes"] if c["cause"] != "mark-outlier"]
+    wrong_marks = [c for c in truth["causes"] if c["cause"] == "mark-outlier"]
+    findings = [f for f in said["findings"] if f["cause"] not in NOT_A_NAME]
+    names = [f for f in findings if f["cause"] != "mark-outlier"]
+    listed = [f for f in findings if f["cause"] == "mark-outlier"]
+    hits = [any(same(f, c) for f in names) for c in planted]
+    rivals = [any(same(f, c) or any(same(r, c) for r in f.get("indistinguishable_from", [])) for f in names) for c in planted]
+    right = lambda f: any(same(f, c) or any(same(r, c) for r in f.get("indistinguishable_from", [])) for c in planted)
+    false = [f for f in names if not f.get("minor") and not right(f)]
+    statements = [(f["probability"], any(same(f, c) for c in planted)) for f in names if f.get("probability") is not None]
+    for f in names:
+        statements += [(r["probability"], any(same(r, c) for c in planted)) for r in f.get("indistinguishable_from", []) if r.get("probability") is not None]
+    if said.get("none_of_these") is not None:
+        statements.append((said["none_of_these"], not planted))
+    covered, widths, ratios, identified = [], [], [], 0
+    for p in said.get("parameters", []):
+        value = truth["stiffness"].get(p["address"])
+        if value is None:
+            continue
+        low, high = p.get("interval95") or (None, None)
+        covered.append((low is None or low <= value) and (high is None or value <= high))
+        if p.get("status") == "identified" and low is not None and high is not None:
+            identified += 1
+            widths.append((high - low) / abs(p["value"]))
+            least = truth.get("least_sd_of_ln", {}).get(p["address"])
+            if least:
+                ratios.append((high - low) / (2 * 1.96 * least * abs(p["value"])))
+    return dict(verdict=said["verdict"], planted=len(planted), hits=sum(hits), with_rivals=sum(rivals), false=false, wrong_marks=len(wrong_marks),
+                listed=sum(any(same(f, c) for f in listed) for c in wrong_marks), invented=sum(not any(same(f, c) for c in wrong_marks) for f in listed),
+                statements=statements, covered=covered, widths=widths, ratios=ratios, identified=identified, seconds=seconds,
+                first=bool(planted) and bool(names) and any(same(names[0], c) for c in planted))
+
+
+def percent(part, whole):
+    return f"{100 * part / whole:.0f} %" if whole else ""
+
+
+def tables(lines, failed):
+    by = {}
+    for study, line in lines:
+        by.setdefault((study["kind"], study["axle"]), []).append(line)
+    out = ["| study | axle | n | verdict | planted named with place | or as a rival | studies with a false name | outliers listed, invented | "
+           "95 % intervals hold | identified, median width | over the least width | s, median |", "|---|---|---|---|---|---|---|---|---|---|---|---|"]
+    for (kind, axle), group in by.items():
+        verdicts = {}
+        for line in group:
+            verdicts[line["verdict"]] = verdicts.get(line["verdict"], 0) + 1
+        total = lambda key: sum(line[key] for line in group)
+        covered = [c for line in group for c in line["covered"]]
+        widths = [w for line in group for w in line["widths"]]
+        planted, wrong = total("planted"), total("wrong_marks")
+        names = sorted({f["cause"] for line in group for f in line["false"]})
+        false = sum(bool(line["false"]) for line in group)
+        said = ", ".join(f"{v} {n}" for v, n in sorted(verdicts.items()))
+        hit, rival = (f"{total(key)} of {planted}" if planted else "" for key in ("hits", "with_rivals"))
+        named = f"{false} ({', '.join(names)})" if names else f"{false}"
+        marks = f"{total('listed')} of {wrong}, {total('invented')}" if wrong or total("invented") else ""
+        width = f", {statistics.median(widths):.2f}" if widths else ""
+        numbers = f"{total('identified') / len(group):.1f} of {len(covered) / len(group):.0f}{width}"
+        ratios = [r for line in group for r in line["ratios"]]
+        least = f"{statistics.median(ratios):.2f}" if ratios else ""
+        seconds = statistics.median(line["seconds"] for line in group)
+        out.append(f"| {kind} | {axle} | {len(group)} | {said} | {hit} | {rival} | {named} | {marks} | {percent(sum(covered), len(covered))} | {numbers} | {least} | {seconds:.1f} |")
+    every = [line for _, line in lines]
+    planted, covered = sum(line["planted"] for line in every), [c for line in every for c in line["covered"]]
+    if every:
+        out += ["", f"{len(every)} studies: {percent(sum(line['hits'] for line in every), planted)} of {planted} planted causes named with place; a false name in "
+                    f"{percent(sum(bool(line['false']) for line in every), len(every))} of the studies; 95 % intervals hold in {percent(sum(covered), len(covered))}."]
+    statements = [s for line in every for s in line["statements"]]
+    if statements:
+        out += ["", "| stated probability | times | mean stated | came true |", "|---|---|---|---|"]
+        for low, high in BINS:
+            group = [(p, t) for p, t in statements if low <= p < high]
+            if group:
+                out.append(f"| {low:g} to {min(high, 1):g} | {len(group)} | {sum(p for p, _ in group) / len(group):.2f} | {sum(t for _, t in group) / len(group):.2f} |")
+        out += ["", f"Brier score {sum((p - t) ** 2 for p, t in statements) / len(statements):.4f} over {len(statements)} statements."]
+    else:
+        out += ["", "No probabilities are stated."]
+    if failed:
+        out += ["", f"{len(failed)} studies without a diagnosis:"] + [f"- {name}: {why}" for name, why in failed]
+    return "\n".join(out)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("studies")
+    parser.add_argument("--admire", default="target/release/admire")
+    parser.add_argument("--out", help="where diagnoses are kept; STUDIES.diagnosed if not given")
+    parser.add_argument("--only", default="", help="part of the names to be judged")
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--timeout", type=float, default=600)
+    parser.add_argument("--again", action="store_true")
+    parser.add_argument("--show", action="store_true", help="a line for each study")
+    parser.add_argument("--json", help="also write what was judged to this file")
+    options = parser.parse_args()
+    kept = options.out or options.studies.rstrip("/") + ".diagnosed"
+    suffix = ".truth.json"
+    names = sorted(f[: -len(suffix)] for f in os.listdir(options.studies) if f.endswith(suffix) and options.only in f)
+    if not names:
+        parser.error(f"no studies with their truth in {options.studies}")
+
+    def one(name):
+        with open(os.path.join(options.studies, name + suffix)) as file:
+            truth = json.load(file)
+        truth.setdefault("kind", name.rsplit("-", 1)[0])
+        truth.setdefault("axle", "")
+        said, seconds, why = diagnose(os.path.join(options.studies, name), os.path.join(kept, name), options)
+        return name, truth, said and judged(truth, said, seconds), said, why
+
+    lines, failed = [], []
+    with ThreadPoolExecutor(options.jobs) as pool:
+        for name, truth, line, said, why in pool.map(one, names):
+            if line is None:
+                failed.append((name, why))
+                continue
+            lines.append((truth, line))
+            if options.show:
+                found = "; ".join(f"{f['cause']} {f['address']}" + (f" {f['probability']:.2f}" if f.get("probability") is not None else "")
+                                  for f in said["findings"][:6])
+                print(f"{name}: {line['verdict']}; planted {line['hits']} of {line['planted']}; {found or 'nothing found'}", flush=True)
+    print(tables(lines, failed))
+    if options.json:
+        with open(options.json, "w") as file:
+            json.dump([dict(kind=t["kind"], axle=t["axle"], **line) for t, line in lines], file, indent=1)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,138 @@
+//! The verdict on a fit: the chi-square test, structure in what is left, and runs that were ended early.
+
+use admire::identify::global::{Options, Prepared, fit_study};
+use admire::identify::{Fit, Problem, Verdict, structure};
+use admire::report::lead;
+
+use crate::options::with_sensors;
+use crate::setup::{Loaded, exact_mcpherson, load, measure};
+
+fn fitted(loaded: &Loaded) -> Fit {
+    fit_of(&loaded.problem())
+}
+
+fn fit_of(problem: &Problem<'_>) -> Fit {
+    let prepared = Prepared::new(problem).unwrap();
+    fit_study(problem, &prepared, None, Options::default())
+        .unwrap()
+        .fit
+}
+
+fn verdict(fit: &Fit) -> Verdict {
+    fit.fit_test.as_ref().unwrap().verdict
+}
+
+#[test]
+fn the_exact_test_decides_at_any_number_of_readings() {
+    let mut loaded = exact_mcpherson(|_| {});
+    for seed in 0..4 {
+        measure(&mut loaded, 0.02, seed);
+        let fit = fitted(&loaded);
+        assert_eq!(verdict(&fit), Verdict::Noise, "{:?}", fit.fit_test);
+        assert!(
+            !structure::is_structured(&fit.structure),
+            "{:?}",
+            fit.structure
+        );
+        assert!(lead(&fit).contains("as well as their noise allows"));
+    }
+    // Chi-square per degree of freedom is 1.23 then, which a fixed limit of 1.3 would pass: 3.7 standard deviations of it.
+    loaded.measurement.sigma = 0.02 * 0.9;
+    let fit = fitted(&loaded);
+    assert_eq!(verdict(&fit), Verdict::Misfit, "{:?}", fit.fit_test);
+    assert!(
+        lead(&fit).starts_with("The model does not explain"),
+        "{}",
+        lead(&fit)
+    );
+    assert!(lead(&fit).contains("admire diagnose"));
+    loaded.measurement.sigma = 0.02 * 2.0;
+    assert_eq!(verdict(&fitted(&loaded)), Verdict::NoiseOverstated);
+}
+
+/// A part whose marks are all read less than a sigma off in all cases.
+#[test]
+fn structure_shows_where_the_sum_of_squares_does_not() {
+    let mut loaded = exact_mcpherson(|_| {});
+    measure(&mut loaded, 0.02, 1);
+    for case in &mut loaded.measurement.cases {
+        for reading in case.marks.iter_mut().filter(|reading| reading.part == 0) {
+            reading.x.x += 0.015;
+            reading.x.y -= 0.015;
+        }
+    }
+    let fit = fitted(&loaded);
+    assert!(
+        structure::is_structured(&fit.structure),
+        "{:?}",
+        fit.structure
+    );
+    let name = &loaded.measurement.parts[0].name;
+    let first = structure::worst(&fit.structure).unwrap();
+    assert!(first.what.starts_with(name.as_str()), "{first:?}");
+    assert!(lead(&fit).contains("has structure"), "{}", lead(&fit));
+}
+
+/// A study of wheel and sensors only.
+#[test]
+fn readings_without_marks_are_tested_too() {
+    let (_folder, mut loaded) = with_sensors();
+    for case in &mut loaded.measurement.cases {
+        case.marks.clear();
+    }
+    loaded.measurement.parts.clear();
+    let fit = fit_of(&loaded.problem());
+    let test = fit.fit_test.clone().unwrap();
+    assert_eq!(test.verdict, Verdict::Noise, "{test:?}");
+    let kinds: Vec<&str> = test.readings.iter().map(|k| k.kind.as_str()).collect();
+    assert_eq!(kinds[..2], ["wheel position", "wheel angles"]);
+    assert_eq!(kinds.len(), 5, "three sensors beside: {kinds:?}");
+    assert!(lead(&fit).contains("degree of freedom"), "{}", lead(&fit));
+    // A camber that is off by a tenth of a degree, up and down, is no noise of a hundredth.
+    for (k, case) in loaded.measurement.cases.iter_mut().enumerate() {
+        if let Some(wheel) = &mut case.wheel {
+            wheel.camber_deg += if k % 2 == 0 { 0.1 } else { -0.1 };
+        }
+    }
+    let fit = fit_of(&loaded.problem());
+    assert_eq!(verdict(&fit), Verdict::Misfit, "{:?}", fit.fit_test);
+}
+
+#[test]
+fn a_run_that_is_ended_early_names_what_it_left() {
+    let mut loaded = load("multilink", |_| {});
+    measure(&mut loaded, 0.05, 0);
+    let problem = loaded.problem();
+    let prepared = Prepared::new(&problem).unwrap();
+    let ended = |after_steps: bool| {
+        // Either in the third step of the fit, or as soon as it has converged and its intervals are refined.
+        let (mut steps, mut asked_at_the_end) = (0, 0);
+        let mut last = usize::MAX;
+        let watch = move |iteration: usize, _: usize, _: f64| {
+            steps += 1;
+            if iteration == last {
+                asked_at_the_end += 1;
+            }
+            last = iteration;
+            if after_steps {
+                steps < 3
+            } else {
+                asked_at_the_end == 0
+            }
+        };
+        let options = Options {
+            profile: true,
+            watch: Some(Box::new(watch)),
+            ..Options::default()
+        };
+        fit_study(&problem, &prepared, None, options).unwrap().fit
+    };
+    let fit = ended(true);
+    assert!(fit.interrupted && !fit.converged);
+    assert_eq!(fit.affected.len(), fit.parameters.len());
+    assert!(lead(&fit).starts_with("Interrupted"));
+    let fit = ended(false);
+    assert!(fit.interrupted && fit.converged);
+    assert!(!fit.affected.is_empty() && fit.affected.len() < fit.parameters.len());
+    assert!(fit.to_json().contains("\"interrupted\": true"));
+}

@@ -1,0 +1,127 @@
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use super::browser::{chromium, sound};
+use super::common::shared;
+
+fn view(arguments: &[&Path], out: &Path) {
+    let run = Command::new(env!("CARGO_BIN_EXE_admire"))
+        .arg("view")
+        .args(arguments)
+        .arg("--out")
+        .arg(out)
+        .output()
+        .expect("admire runs");
+    assert!(
+        out.is_file(),
+        "{arguments:?}: {}",
+        String::from_utf8_lossy(&run.stderr)
+    );
+}
+
+fn corpus(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("corpus")
+        .join(path)
+}
+
+#[test]
+fn the_view_of_a_deck_turns_under_mouse_and_keys() {
+    let Some(chromium) = chromium() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("view.html");
+    view(&[&corpus("pseudo-mcpherson/model.adm")], &page);
+    let seen = sound(&chromium, &page);
+    assert_eq!(seen.scenes.len(), 1);
+    assert_eq!(seen.scenes[0].slider, None, "nothing moves without results");
+}
+
+/// Results of our own: the wheel of a double wishbone travels and is steered.
+#[test]
+fn the_view_of_results_moves_with_step_and_slider() {
+    let Some(chromium) = chromium() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let deck = folder.path().join("model.adm");
+    std::fs::copy(corpus("double-wishbone/model.adm"), &deck).unwrap();
+    let (run, page) = (
+        folder.path().join("run.res"),
+        folder.path().join("view.html"),
+    );
+    let acf = std::fs::read_to_string(corpus("double-wishbone/states.acf")).unwrap();
+    let mut lines: Vec<&str> = acf.lines().collect();
+    lines[1] = "file/model=model, output_prefix=run";
+    std::fs::write(folder.path().join("run.acf"), lines.join("\n") + "\n").unwrap();
+    let solved = Command::new(env!("CARGO_BIN_EXE_mdi"))
+        .args(["-c", "ru-standard", "i", "run.acf", "exit"])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert!(run.is_file(), "{}", String::from_utf8_lossy(&solved.stdout));
+    view(&[&deck, &run], &page);
+    let seen = sound(&chromium, &page);
+    assert_eq!(
+        (seen.scenes[0].slider, seen.scenes[0].step),
+        (Some(true), Some(true))
+    );
+}
+
+#[test]
+fn decks_and_results_of_others_are_drawn() {
+    let (Some(chromium), Some(real)) = (chromium(), shared("real-decks")) else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let pairs: [&[&str]; 4] = [
+        &["photocaber/adams1.adm", "photocaber/adams1.res"],
+        &[
+            "inverted-pendulum/Controls_Plant_1.adm",
+            "inverted-pendulum/Controls_Plant_1.res",
+        ],
+        &["aview-hpc/test.adm", "aview-hpc/test.res"],
+        &["kinbench-kc/NRAC_G023_Lat_static_load.res"],
+    ];
+    for (k, pair) in pairs.iter().enumerate() {
+        let paths: Vec<PathBuf> = pair.iter().map(|name| real.join(name)).collect();
+        let page = folder.path().join(format!("{k}.html"));
+        view(
+            &paths.iter().map(PathBuf::as_path).collect::<Vec<_>>(),
+            &page,
+        );
+        let seen = sound(&chromium, &page);
+        assert_eq!(seen.scenes.len(), 1, "{pair:?}");
+    }
+}
+
+/// Every deck there is gives a page, whatever its faults; no file that is there is replaced unasked.
+#[test]
+fn every_deck_of_others_gives_a_page() {
+    let Some(real) = shared("real-decks") else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    for (k, deck) in super::common::files_below(&real, "adm").iter().enumerate() {
+        view(&[deck], &folder.path().join(format!("{k}.html")));
+    }
+}
+
+#[test]
+fn a_file_that_is_there_is_not_replaced_unasked() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("model.html"), "mine").unwrap();
+    let run = Command::new(env!("CARGO_BIN_EXE_admire"))
+        .arg("view")
+        .arg(corpus("pseudo-mcpherson/model.adm"))
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert_eq!(run.status.code(), Some(1));
+    let said = String::from_utf8_lossy(&run.stderr).into_owned();
+    assert!(
+        said.contains("`model.html` exists") && said.contains("--out model.html"),
+        "{said}"
+    );
+    assert_eq!(
+        std::fs::read_to_string(folder.path().join("model.html")).unwrap(),
+        "mine"
+    );
+}

@@ -1,0 +1,187 @@
+//! Equilibria that do not last, the way on from them, and starts that stay.
+
+use admire::statics::{Settings, Softest, SolveError, Solver};
+
+use crate::deck::{Solved, solve, solve_with};
+
+/// A rod of 2 kg, 100 mm to its mass centre, upright on a hinge with a rotational spring of 1000 N mm.
+const PENDULUM: &str = "ACCGRAV/JGRAV=-9806.65\nPART/2, MASS=2, CM=20, IP=1E4,1E4,1E4\nMARKER/20, PART=2, QP=0,100,0\n\
+    MARKER/21, PART=2\nJOINT/1, REVOLUTE, I=21, J=1\nSPRINGDAMPER/1, ROTATIONAL, I=21, J=1, KT=1000\n";
+const WEIGHT: f64 = 2.0 * 9.806_65 * 100.0;
+
+fn softest(solved: &Solved) -> Softest {
+    Softest::of(&solved.system, &solved.parameters, &solved.state)
+        .unwrap()
+        .unwrap()
+}
+
+/// Upright the stiffness is KT - m g h: negative, told by part and axis. Both ways lead down to KT a = m g h sin a.
+#[test]
+fn an_upright_pendulum_is_left_both_ways() {
+    let mut solved = solve(PENDULUM);
+    let unstable = softest(&solved);
+    // The mean arm of its markers.
+    let length = 100.0;
+    let expected = (1000.0 - WEIGHT) / (length * length);
+    assert!(
+        (unstable.stiffness - expected).abs() < 1e-6 * expected.abs(),
+        "{unstable:?} {expected}"
+    );
+    let (system, parameters) = (&solved.system, &solved.parameters);
+    let words = unstable
+        .described(system, parameters, &solved.state)
+        .unwrap();
+    assert_eq!(words, "PART/2 turns about z through MARKER/21");
+    assert_eq!(
+        Softest::unstable(system, parameters, &solved.state).unwrap(),
+        Some(unstable.clone())
+    );
+
+    let mut solver = Solver::new(system);
+    let settings = Settings::tight();
+    let found = solver
+        .settle(system, parameters, &mut solved.state, &settings, &unstable)
+        .unwrap();
+    let x = solved.state.poses[1].R.column(0);
+    let angle = x.y.atan2(x.x);
+    assert!(
+        (1000.0 * angle - WEIGHT * angle.sin()).abs() < 1e-5,
+        "{angle}"
+    );
+    assert!((1.8..2.0).contains(&angle.abs()), "{angle}");
+    assert!(found.softest.unwrap().stiffness > 0.0);
+    let other = found.other.unwrap();
+    assert!(
+        (other - found.moved).abs() < 1e-6 * other,
+        "{other} {}",
+        found.moved
+    );
+    assert_eq!(
+        Softest::unstable(system, parameters, &solved.state).unwrap(),
+        None
+    );
+}
+
+/// A strut between two springs that push it together snaps through one way or the other; one way is nearer.
+#[test]
+fn the_nearer_of_two_stable_equilibria_is_taken() {
+    // F = x (x - 10) (x + 30) / 100 along x: stable at 10 and at -30 with the sign of a restoring force.
+    let deck = "PART/2, MASS=1, CM=20, IP=9,9,9\nMARKER/20, PART=2\nMARKER/22, PART=2, REULER=90D,90D,0D\n\
+        MARKER/2, PART=1, REULER=90D,90D,0D\nJOINT/1, TRANSLATIONAL, I=22, J=2\n\
+        SFORCE/1, TRANSLATIONAL, ACTIONONLY, I=20, J=2, FUNCTION=-DX(20,1)*(DX(20,1)-10)*(DX(20,1)+30)/100\n";
+    let mut solved = solve(deck);
+    let unstable = softest(&solved);
+    assert!((unstable.stiffness + 3.0).abs() < 1e-9, "{unstable:?}");
+    let mut solver = Solver::new(&solved.system);
+    let settings = Settings::tight();
+    let found = solver
+        .settle(
+            &solved.system,
+            &solved.parameters,
+            &mut solved.state,
+            &settings,
+            &unstable,
+        )
+        .unwrap();
+    assert!((solved.state.poses[1].p.x - 10.0).abs() < 1e-9);
+    assert!((found.moved - 10.0).abs() < 1e-9 && (found.other.unwrap() - 30.0).abs() < 1e-9);
+}
+
+/// What nothing stops has no stable equilibrium: that is said, and the state stays.
+#[test]
+fn a_fall_without_end_is_told() {
+    let deck = "PART/2, MASS=1, CM=20, IP=9,9,9\nMARKER/20, PART=2\nMARKER/22, PART=2, REULER=90D,90D,0D\n\
+        MARKER/2, PART=1, REULER=90D,90D,0D\nJOINT/1, TRANSLATIONAL, I=22, J=2\n\
+        SFORCE/1, TRANSLATIONAL, ACTIONONLY, I=20, J=2, FUNCTION=3*DX(20,1)\n";
+    let solved = solve(deck);
+    let unstable = softest(&solved);
+    let mut state = solved.state.clone();
+    let mut solver = Solver::new(&solved.system);
+    let failed = solver.settle(
+        &solved.system,
+        &solved.parameters,
+        &mut state,
+        &Settings::tight(),
+        &unstable,
+    );
+    let said = failed.unwrap_err().to_string();
+    assert!(
+        said.starts_with("no stable equilibrium was found"),
+        "{said}"
+    );
+    assert_eq!(state, solved.state);
+}
+
+/// Two links on hinges, the first without mass: whatever way it turns, the second moves with it, which has mass.
+#[test]
+fn a_mass_later_in_a_chain_counts_through_the_joints() {
+    let chain = "PART/2\nMARKER/21, PART=2\nMARKER/22, PART=2, QP=100,0,0\nJOINT/1, REVOLUTE, I=21, J=1\n\
+        PART/3, QG=100,0,0, MASS=1, CM=30, IP=10,10,10\nMARKER/30, PART=3, QP=50,0,0\nMARKER/31, PART=3\n\
+        JOINT/2, REVOLUTE, I=31, J=22\n";
+    let solved = solve(chain);
+    assert_eq!(solved.report.free_motions.len(), 2);
+    assert!((solved.pose(3).p.x - 100.0).abs() < 1e-12);
+    // With the second hinge at its mass centre and no inertia there, turning the second link moves no mass.
+    let spin = chain
+        .replace("IP=10,10,10", "IP=0,0,0")
+        .replace("MARKER/30, PART=3, QP=50,0,0", "MARKER/30, PART=3");
+    let error = std::panic::catch_unwind(|| solve(&spin));
+    assert!(error.is_err());
+}
+
+/// MAXIT as stated bounds all iterations, those of continuation too; not stated, help may take more.
+#[test]
+fn as_many_iterations_as_stated_and_no_more() {
+    let far = PENDULUM.replace("KT=1000", "KT=1E5, TORQUE=1E5");
+    for most in [1, 2, 3] {
+        let settings = Settings {
+            maxit: most,
+            budget: Some(most),
+            ..Settings::default()
+        };
+        let text = format!("{}{far}EQUILIBRIUM/MAXIT={most}\nEND\n", crate::deck::HEAD);
+        let model = crate::deck::read(&text);
+        let system = admire::system::System::compile(&model).value;
+        assert_eq!(
+            Settings::from(system.settings()),
+            Settings {
+                stability: system.settings().stability,
+                ..settings
+            }
+        );
+        let mut state = system.state();
+        let settings = Settings::from(system.settings());
+        let mut solver = Solver::new(&system);
+        match solver.solve(&system, &system.parameters(), &mut state, &settings) {
+            Ok(report) => assert!(report.iterations <= most, "{most}: {}", report.iterations),
+            Err(SolveError::NotConverged {
+                history, causes, ..
+            }) => {
+                assert!(history.len() <= most);
+                assert!(
+                    causes
+                        .iter()
+                        .any(|c| *c == format!("MAXIT={most} ended the iteration")),
+                    "{causes:?}"
+                );
+            }
+            Err(other) => panic!("{other}"),
+        }
+    }
+    let settings = Settings {
+        maxit: 1,
+        budget: Some(1),
+        ..Settings::default()
+    };
+    let text = format!("{}{far}END\n", crate::deck::HEAD);
+    let model = crate::deck::read(&text);
+    let system = admire::system::System::compile(&model).value;
+    let solved = Solver::new(&system).solve(
+        &system,
+        &system.parameters(),
+        &mut system.state(),
+        &settings,
+    );
+    assert!(matches!(solved, Err(SolveError::NotConverged { .. })));
+    assert!(solve_with(&far, &Settings::default()).report.iterations > 1);
+}
