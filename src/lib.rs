@@ -39,12 +39,13 @@
 //! | 8 | statics | equilibrium, sensitivities, report |
 //! | 9 | session | executes a command file: the drop-in solver |
 //! | 10 | backend | who solves: native, external command, replay |
-//! | 11 | rig | marks, orientation, load cases, noise, planted effects |
-//! | 12 | tolerance | noise of readings, tolerances of axle and rig, evidence |
-//! | 13 | identify | regression, direct, Gauss-Newton |
-//! | 14 | discrepancy | causes, search, extension, gain |
-//! | 15 | report | HTML and SVG |
-//! | 16 | cli | subcommands |
+//! | 11 | kc | standard tests and characteristics of an axle |
+//! | 12 | rig | marks, orientation, load cases, noise, planted effects |
+//! | 13 | tolerance | noise of readings, tolerances of axle and rig, evidence |
+//! | 14 | identify | regression, direct, Gauss-Newton |
+//! | 15 | discrepancy | causes, search, extension, gain |
+//! | 16 | report | HTML and SVG |
+//! | 17 | cli | subcommands |
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 
 pub mod backend;
@@ -57,6 +58,7 @@ pub mod function;
 pub mod grammar;
 pub mod guide;
 pub mod identify;
+pub mod kc;
 mod linear;
 pub mod mechanics;
 pub mod model;

@@ -39,6 +39,7 @@ mod renumber;
 mod reproduce;
 mod results;
 mod results_edits;
+mod results_kc;
 mod rig;
 mod sensitivity;
 mod set;

@@ -14,6 +14,7 @@ use crate::text::Source;
 use super::Outcome;
 use super::addresses::complete_columns;
 use super::results_edits;
+use super::results_kc::{self, KcArguments};
 use super::shell::{Exit, Format, Shell, exit_of};
 use super::target::Target;
 
@@ -55,6 +56,8 @@ pub(super) struct Arguments {
     set: Vec<String>,
     #[command(flatten)]
     target: Target,
+    #[command(flatten)]
+    kc: KcArguments,
 }
 
 const EXAMPLES: &str = "Examples:
@@ -62,6 +65,7 @@ const EXAMPLES: &str = "Examples:
   admire results run.res --get time 'knuckle.?' --steps last
   admire results run.res --get 'BUSHING_*.F?' --kind quasiStatic --plain
   admire results run.res --set 'knuckle_XFORM.Z+=2.5' --steps 3- -o moved.res
+  admire results run.res --kc --wheel left_wheel right_wheel --radius 317.25
   admire results run.gra --get PART_7.Z
   admire results run.msg";
 
@@ -79,6 +83,10 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             &arguments.target,
             shell,
         );
+    }
+    if arguments.kc.asked() {
+        let shown = (&filter, arguments.plain, arguments.json);
+        return results_kc::run((&arguments.file, &arguments.kc), shown, shell);
     }
     let mut reader = open(&arguments.file, shell)?;
     if arguments.get.is_empty() || arguments.list {

@@ -41,6 +41,7 @@ pages! {
     diagnosis
     toolkit
     conventions
+    kc
     mathematics
     formats
     paper

@@ -1,0 +1,365 @@
+//! `admire results RUN.res --kc`: what wheels show by their places alone.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::io::{BufWriter, Write};
+use std::path::Path;
+
+use serde_json::json;
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::kc::{
+    Convention, Frame, Given, Reading, Replay, ReplayError, ReplayOptions, Road, Tyre,
+};
+use crate::mechanics::Vec3;
+use crate::results::{AnyResults, ResultsError, Selection, StepFilter, StepKind};
+use crate::units::{LENGTH_UNITS, Units};
+
+use super::Outcome;
+use super::results::{open, refused};
+use super::shell::{Exit, Format, Shell, exit_of};
+
+/// Characteristics of wheels.
+#[derive(clap::Args, Debug)]
+pub(super) struct KcArguments {
+    /// Print toe, camber, steer, travel and what else the places of wheels show, under the names of Adams/Car; see `admire guide kc`.
+    /// The first step of the file is the design position.
+    #[arg(long, requires = "wheel", conflicts_with_all = ["get", "list", "set"])]
+    kc: bool,
+    /// A wheel part, or what carries the wheel: at most one for each side.
+    #[arg(long, value_name = "PART", requires = "kc", num_args = 1..=2)]
+    wheel: Vec<String>,
+    /// The axis of the part the wheel spins about; without it the one that lies across the vehicle.
+    #[arg(long, value_enum, requires = "kc")]
+    spin: Option<Spin>,
+    /// The wheel centre in the frame of the part; without it the part's origin.
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        requires = "kc",
+        value_delimiter = ',',
+        num_args = 3,
+        allow_negative_numbers = true
+    )]
+    centre: Vec<f64>,
+    /// The unloaded tyre radius, for contact points.
+    #[arg(long, value_name = "LENGTH", requires = "kc", value_parser = positive)]
+    radius: Option<f64>,
+    /// The vertical tyre stiffness: the radius shrinks by the columns `left_tire_forces.normal` and `right_tire_forces.normal`.
+    #[arg(long, value_name = "RATE", requires = "radius", value_parser = positive)]
+    tyre_rate: Option<f64>,
+    /// The road: level, or the plane through both contact points.
+    #[arg(long, value_enum, requires = "kc", default_value_t = RoadChoice::Level)]
+    road: RoadChoice,
+    /// The axes of the file.
+    #[arg(long, value_enum, requires = "kc", default_value_t = Axes::AdamsCar)]
+    axes: Axes,
+    /// The axes of the answer.
+    #[arg(long, value_enum, requires = "kc", default_value_t = Axes::AdamsCar)]
+    convention: Axes,
+    /// Instead of values, the largest difference to the file's own column of each name.
+    #[arg(long, requires = "kc")]
+    against_file: bool,
+}
+
+/// An axis.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Spin {
+    X,
+    Y,
+    Z,
+}
+
+/// Named axes of a vehicle.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+pub(super) enum Axes {
+    /// X rearward, Y right, Z up.
+    AdamsCar,
+    /// ISO 8855: X forward, Y left, Z up.
+    Iso,
+    /// SAE J670: X forward, Y right, Z down.
+    Sae,
+}
+
+impl From<Axes> for Convention {
+    fn from(axes: Axes) -> Self {
+        match axes {
+            Axes::AdamsCar => Self::AdamsCar,
+            Axes::Iso => Self::Iso,
+            Axes::Sae => Self::Sae,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum RoadChoice {
+    Level,
+    Patches,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("not a number above 0".to_string()),
+    }
+}
+
+impl KcArguments {
+    pub(super) fn asked(&self) -> bool {
+        self.kc
+    }
+
+    fn options(&self) -> ReplayOptions {
+        let centre = self
+            .centre
+            .first_chunk()
+            .map_or_else(Vec3::zeros, |c: &[f64; 3]| Vec3::from(*c));
+        ReplayOptions {
+            spin: self.spin.map(|spin| spin as usize),
+            centre,
+            frame: Frame::new(Convention::from(self.axes).axes())
+                .expect("named axes are right-handed"),
+            tyre: self.radius.map(|radius| Tyre {
+                radius,
+                stiffness: self.tyre_rate,
+            }),
+            road: match self.road {
+                RoadChoice::Level => Road::Level,
+                RoadChoice::Patches => Road::Patches,
+            },
+        }
+    }
+}
+
+/// One step of the answer.
+struct Row {
+    kind: StepKind,
+    time: f64,
+    readings: Vec<Reading>,
+    /// The file's own value of each, where it has a column of that name.
+    own: Vec<Option<f64>>,
+}
+
+/// Prints the characteristics of the steps a filter takes.
+pub(super) fn run(
+    (path, arguments): (&Path, &KcArguments),
+    (filter, plain, json): (&StepFilter, bool, bool),
+    shell: &Shell,
+) -> Outcome {
+    let mut reader = open(path, shell)?;
+    if arguments.tyre_rate.is_some()
+        && Selection::matching(reader.catalogue(), &["*_tire_forces.normal"])
+            .0
+            .columns
+            .is_empty()
+    {
+        shell.complain(&[Diagnostic::warning(
+            Code::UndefinedId,
+            "the file has no columns left_tire_forces.normal and right_tire_forces.normal: the radius stays as it is",
+        )]);
+    }
+    let rows = rows(&mut reader, arguments, filter, shell)?;
+    shell.complain(reader.diagnostics());
+    let convention = Convention::from(arguments.convention);
+    let units = units(&reader);
+    let mut out = BufWriter::new(std::io::stdout().lock());
+    let json = json || shell.format == Format::Json;
+    let written = if arguments.against_file {
+        write!(out, "{}", against(&rows, json))
+    } else if json {
+        write_json(&mut out, &rows, (convention, &units))
+    } else {
+        write_csv(&mut out, &rows, (convention, &units), plain)
+    };
+    shell.printed(written.and_then(|()| out.flush()));
+    Ok(exit_of(reader.diagnostics()))
+}
+
+/// The units of the columns: a file tells its length, and the places of wheels show no forces.
+fn units(reader: &AnyResults) -> Units {
+    let word = &reader.header().units.length;
+    let length = LENGTH_UNITS.iter().find(|unit| unit.word == word);
+    let default = Units::default();
+    Units {
+        length: length.copied().unwrap_or(default.length),
+        ..default
+    }
+}
+
+fn rows(
+    reader: &mut AnyResults,
+    arguments: &KcArguments,
+    filter: &StepFilter,
+    shell: &Shell,
+) -> Result<Vec<Row>, Exit> {
+    let catalogue = reader.catalogue().clone();
+    let degrees = reader.header().units.angle.eq_ignore_ascii_case("deg");
+    let replay = Replay::new(&catalogue, &arguments.wheel, degrees, arguments.options());
+    let mut replay = replay.map_err(|error| no_wheel(&error, shell))?;
+    let time = catalogue
+        .columns()
+        .find(|column| column.component.name.eq_ignore_ascii_case("TIME"))
+        .map(|column| column.component.id);
+    let given = Given::default();
+    let mut rows: Vec<Row> = Vec::new();
+    let mut values = Vec::new();
+    let mut ids: Vec<Option<usize>> = Vec::new();
+    while let Some(step) = reader.next_step().map_err(|e| refused(e, shell))? {
+        let (index, kind) = (step.index, step.kind);
+        let read: Result<_, ResultsError> = replay.state(&step, &mut values);
+        let state = read
+            .map_err(|e| refused(e, shell))?
+            .map_err(|error| no_wheel(&error, shell))?;
+        let now = time.map(|id| values[id - 1]);
+        // The model as it was put in is the design position, not an answer.
+        let wanted = filter.takes(index, kind, now)
+            && (kind != StepKind::Input || filter.kinds.contains(&StepKind::Input));
+        if !wanted {
+            continue;
+        }
+        let readings = state.readings(&given);
+        if ids.is_empty() {
+            ids = readings
+                .iter()
+                .map(|reading| {
+                    let entity = catalogue
+                        .entities_called(reading.entity)
+                        .find(|e| e.ent_type.as_deref() == Some("Request"))?;
+                    Some(entity.component(reading.component)?.id)
+                })
+                .collect();
+        }
+        let own = ids.iter().map(|id| id.map(|id| values[id - 1])).collect();
+        let row = Row {
+            kind,
+            time: now.unwrap_or(f64::NAN),
+            readings,
+            own,
+        };
+        if filter.last {
+            rows.clear();
+        }
+        rows.push(row);
+    }
+    if rows.is_empty() {
+        return Err(shell.fail(
+            Diagnostic::error(Code::CannotRead, "no step of the file is asked for")
+                .help("the model as it was put in (modelInput) is shown with --kind modelInput"),
+        ));
+    }
+    Ok(rows)
+}
+
+fn no_wheel(error: &ReplayError, shell: &Shell) -> Exit {
+    let diagnostic = Diagnostic::error(Code::UndefinedId, error.to_string());
+    shell.fail(match error {
+        ReplayError::NoBody { bodies, .. } if bodies.is_empty() => {
+            diagnostic.help("the file has no motions of bodies")
+        }
+        ReplayError::NoBody { bodies, .. } => {
+            diagnostic.help(format!("its bodies are {}", bodies.join(", ")))
+        }
+        ReplayError::NoSpin { .. } => {
+            diagnostic.help("name the axis by --spin, the axes of the file by --axes")
+        }
+        ReplayError::SameSide { .. } => diagnostic.help("one wheel for each side"),
+        ReplayError::NoPose { .. } => diagnostic,
+    })
+}
+
+fn write_csv(
+    out: &mut impl Write,
+    rows: &[Row],
+    (convention, units): (Convention, &Units),
+    plain: bool,
+) -> std::io::Result<()> {
+    let mut csv = csv::Writer::from_writer(out);
+    let names = rows[0].readings.iter().map(|reading| {
+        let unit = reading.unit.word(units);
+        if plain || unit.is_empty() {
+            reading.path()
+        } else {
+            format!("{} [{unit}]", reading.path())
+        }
+    });
+    let first = (!plain).then(|| "step".to_string());
+    let head = first.into_iter().chain(["TIME".to_string()]).chain(names);
+    csv.write_record(head)?;
+    for row in rows {
+        let kind = (!plain).then(|| row.kind.step_type().to_string());
+        let values = row
+            .readings
+            .iter()
+            .map(|r| r.value_in(convention).to_string());
+        csv.write_record(kind.into_iter().chain([row.time.to_string()]).chain(values))?;
+    }
+    csv.flush()
+}
+
+fn write_json(
+    out: &mut impl Write,
+    rows: &[Row],
+    (convention, units): (Convention, &Units),
+) -> std::io::Result<()> {
+    let columns: Vec<_> = rows[0]
+        .readings
+        .iter()
+        .map(|r| json!({ "path": r.path(), "units": r.unit.word(units) }))
+        .collect();
+    let steps: Vec<_> = rows
+        .iter()
+        .map(|row| {
+            let values: Vec<f64> = row
+                .readings
+                .iter()
+                .map(|r| r.value_in(convention))
+                .collect();
+            json!({ "kind": row.kind.step_type(), "time": row.time, "values": values })
+        })
+        .collect();
+    let all = json!({ "convention": convention.word(), "columns": columns, "steps": steps });
+    writeln!(
+        out,
+        "{}",
+        serde_json::to_string_pretty(&all).expect("JSON values print")
+    )
+}
+
+/// The largest difference of each characteristic to the file's own column of its name.
+fn against(rows: &[Row], json: bool) -> String {
+    let mut worst: BTreeMap<String, (f64, f64)> = BTreeMap::new();
+    let mut order = Vec::new();
+    for row in rows {
+        for (reading, own) in row.readings.iter().zip(&row.own) {
+            let Some(own) = own else { continue };
+            let path = reading.path();
+            let entry = worst.entry(path.clone()).or_insert_with(|| {
+                order.push(path);
+                (-1.0, f64::NAN)
+            });
+            let apart = (reading.value - own).abs();
+            if !(apart <= entry.0) {
+                *entry = (apart, row.time);
+            }
+        }
+    }
+    if json {
+        let all: Vec<_> = order
+            .iter()
+            .map(|path| json!({ "column": path, "largest": worst[path].0, "time": worst[path].1 }))
+            .collect();
+        return serde_json::to_string_pretty(&all).expect("JSON values print") + "\n";
+    }
+    let mut out = String::new();
+    for path in &order {
+        let (apart, time) = worst[path];
+        _ = writeln!(
+            out,
+            "{path:44} largest difference {apart:.3e} at time {time}"
+        );
+    }
+    if order.is_empty() {
+        out.push_str("no column of the file has the name of a characteristic\n");
+    }
+    out
+}

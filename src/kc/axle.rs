@@ -1,0 +1,473 @@
+//! All characteristics of an axle in one state, under the names Adams/Car gives them.
+
+use super::reading::Readings;
+use super::{
+    Anti, Compliance, Pairing, Reading, Sense, Side, SteerAxis, Steering, Unit, Vehicle,
+    VerticalLoad, Wheel, contact, force_compliance, ride, roll, roll_centre, swing_arm, wheel,
+};
+use crate::mechanics::Vec3;
+
+/// A tyre, in the units of the deck.
+#[derive(Clone, Copy, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tyre {
+    /// Unloaded radius R0.
+    pub radius: f64,
+    /// Vertical stiffness Kt of one wheel; a rigid tyre if absent.
+    pub stiffness: Option<f64>,
+}
+
+/// One wheel of an axle.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct WheelState {
+    /// Where it is.
+    pub wheel: Wheel,
+    /// Where it was at design.
+    pub design: Wheel,
+    /// Its loaded radius and that at design; `None` if no radius is known.
+    pub radius: Option<[f64; 2]>,
+    /// Its steer axis, if one is known.
+    pub axis: Option<SteerAxis>,
+}
+
+/// What a named choice decides, and what is in no deck.
+#[derive(Clone, Copy, PartialEq, Default, Debug)]
+pub struct Given {
+    /// Tyre.
+    pub tyre: Option<Tyre>,
+    /// Wheelbase, centre of mass, brake and drive fractions.
+    pub vehicle: Option<Vehicle>,
+    /// Weight of the sprung mass in force units.
+    pub weight: f64,
+    /// Sprung mass of one corner over UCF: a rate divided by it is in 1/s^2.
+    pub corner_mass: f64,
+    /// Which vertical load swing arms and roll centre are for.
+    pub vertical_load: VerticalLoad,
+}
+
+/// An axle in one state.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct AxleState {
+    /// Left and right wheel.
+    pub wheels: [Option<WheelState>; 2],
+    /// Unit normal of the road, upward.
+    pub normal: Vec3,
+    /// Compliance of the wheel centres, if known.
+    pub compliance: Option<Compliance>,
+}
+
+impl WheelState {
+    /// The contact point now, and at design on a level road.
+    fn contact(&self, normal: &Vec3) -> Option<(Vec3, Vec3)> {
+        let [now, then] = self.radius?;
+        let at = |w: &Wheel, n: &Vec3, r| contact::contact_point(&w.centre, &w.spin, n, r);
+        Some((
+            at(&self.wheel, normal, now),
+            at(&self.design, &Vec3::z(), then),
+        ))
+    }
+}
+
+/// Distance of the wheel centres at design.
+fn design_track(left: &WheelState, right: &WheelState) -> f64 {
+    right.design.centre.y - left.design.centre.y
+}
+
+/// Picks the name for the side.
+fn of(side: Side, left: &'static str, right: &'static str) -> &'static str {
+    match side {
+        Side::Left => left,
+        Side::Right => right,
+    }
+}
+
+impl AxleState {
+    /// Wheels that are there, with their side.
+    fn each(&self) -> impl Iterator<Item = (Side, WheelState)> + '_ {
+        Side::BOTH
+            .into_iter()
+            .filter_map(|side| Some((side, self.wheels[side.index()]?)))
+    }
+
+    /// Both contact points, if both wheels are there and their radii known.
+    pub fn contacts(&self) -> Option<[Vec3; 2]> {
+        let [left, right] = &self.wheels;
+        let at = |wheel: &Option<WheelState>| Some(wheel.as_ref()?.contact(&self.normal)?.0);
+        Some([at(left)?, at(right)?])
+    }
+
+    /// Roll angle of the line through the contact points.
+    pub fn patch_roll(&self) -> Option<f64> {
+        let ([l, r], [left, right]) = (self.contacts()?, &self.wheels);
+        let track = design_track(left.as_ref()?, right.as_ref()?);
+        Some(contact::roll_angle(&l, &r, track))
+    }
+
+    /// Every characteristic that this state and what is given can tell.
+    pub fn readings(&self, given: &Given) -> Vec<Reading> {
+        let mut out = Readings::default();
+        self.geometry(&mut out);
+        self.contact_geometry(given, &mut out);
+        self.steer_axis(&mut out);
+        if let Some(c) = &self.compliance {
+            self.ride(c, given, &mut out);
+            self.forces(c, given, &mut out);
+            self.axle(c, given, &mut out);
+        }
+        out.all
+    }
+
+    fn geometry(&self, out: &mut Readings) {
+        use Sense::{AboutX, Own, ToTheRight, X, Y, Z};
+        for (side, state) in self.each() {
+            let Wheel {
+                centre: p, spin: o, ..
+            } = state.wheel;
+            let word = side.word();
+            let moved = p - state.design.centre;
+            let mut push = |name, unit, sense, value| out.push(name, unit, sense, value);
+            push(("toe_angle", word), Unit::Angle, Own, wheel::toe(&o));
+            push(("camber_angle", word), Unit::Angle, Own, wheel::camber(&o));
+            let lean = wheel::inclination(side, &o, &self.normal);
+            push(("inclination_angle", word), Unit::Angle, AboutX, lean);
+            let steer = wheel::steer(&o, &self.normal);
+            push(("steer_angle", word), Unit::Angle, ToTheRight, steer);
+            let pitch = wheel::side_view_angle(&state.wheel.turn);
+            push(("side_view_angle", word), Unit::Angle, Own, pitch);
+            let name = of(side, "vertical_left", "vertical_right");
+            push(("wheel_travel", name), Unit::Length, Own, moved.z);
+            let name = of(side, "base_left", "base_right");
+            push(("wheel_travel_base", name), Unit::Length, X, moved.x);
+            let name = of(side, "track_left", "track_right");
+            push(("wheel_travel_track", name), Unit::Length, Y, moved.y);
+            let axis = wheel::axis_point(&state.wheel);
+            let names = [
+                of(side, "wheel_ctr_x_left", "wheel_ctr_x_right"),
+                of(side, "wheel_ctr_y_left", "wheel_ctr_y_right"),
+                of(side, "wheel_ctr_z_left", "wheel_ctr_z_right"),
+                of(side, "wheel_axis_x_left", "wheel_axis_x_right"),
+                of(side, "wheel_axis_y_left", "wheel_axis_y_right"),
+                of(side, "wheel_axis_z_left", "wheel_axis_z_right"),
+            ];
+            for (k, name) in names.into_iter().enumerate() {
+                let value = if k < 3 { p[k] } else { axis[k - 3] };
+                push(
+                    ("wheelenv_output", name),
+                    Unit::Length,
+                    [X, Y, Z][k % 3],
+                    value,
+                );
+            }
+        }
+        if let [Some(left), Some(right)] = &self.wheels {
+            let roll = contact::roll_angle(
+                &left.wheel.centre,
+                &right.wheel.centre,
+                design_track(left, right),
+            );
+            out.push(
+                ("roll_angle", "at_wheel_centers"),
+                Unit::Angle,
+                AboutX,
+                roll,
+            );
+        }
+    }
+
+    fn contact_geometry(&self, given: &Given, out: &mut Readings) {
+        use Sense::{AboutX, Own, ToTheRight, X, Y, Z};
+        for (side, state) in self.each() {
+            let Some((now, then)) = state.contact(&self.normal) else {
+                continue;
+            };
+            let entity = of(side, "left_tire_contact_point", "right_tire_contact_point");
+            for (name, sense, value) in [
+                (
+                    of(side, "base_change_left", "base_change_right"),
+                    X,
+                    now.x - then.x,
+                ),
+                (
+                    of(side, "track_change_left", "track_change_right"),
+                    Y,
+                    now.y - then.y,
+                ),
+                (of(side, "x_left", "x_right"), X, now.x),
+                (of(side, "y_left", "y_right"), Y, now.y),
+                (of(side, "z_left", "z_right"), Z, now.z),
+            ] {
+                out.push((entity, name), Unit::Length, sense, value);
+            }
+        }
+        let (Some([l, r]), [Some(left), Some(right)]) = (self.contacts(), &self.wheels) else {
+            return;
+        };
+        let roll = contact::roll_angle(&l, &r, design_track(left, right));
+        out.push(
+            ("roll_angle", "at_contact_patches"),
+            Unit::Angle,
+            AboutX,
+            roll,
+        );
+        let track = contact::total_track(&l, &r);
+        out.push(("total_track", "track"), Unit::Length, Own, track);
+        let Some(vehicle) = &given.vehicle else {
+            return;
+        };
+        let all = Steering {
+            steer: [left, right].map(|s| wheel::steer(&s.wheel.spin, &self.normal)),
+            y: [l.y, r.y],
+            wheelbase: vehicle.wheelbase,
+        };
+        for side in Side::BOTH {
+            let word = side.word();
+            let mut angle = |name, value| out.push((name, word), Unit::Angle, ToTheRight, value);
+            angle("ackerman_angle", all.ackerman_angle());
+            angle("ackerman", all.ackerman());
+            angle("ideal_steer_angle", all.ideal(side));
+            angle("ackerman_error", all.error(side));
+            out.push(
+                ("percent_ackerman", word),
+                Unit::Percent,
+                Own,
+                all.percent(),
+            );
+            let diameter = all.outside_diameter(track);
+            out.push(("outside_turn_diameter", word), Unit::Length, Own, diameter);
+            let radius = all.turn_radius().unwrap_or(super::steering::STRAIGHT);
+            out.push(("turn_radius", word), Unit::Length, ToTheRight, radius);
+        }
+    }
+
+    fn steer_axis(&self, out: &mut Readings) {
+        use Sense::{Own, X, Y, Z};
+        for (side, state) in self.each() {
+            let Some(axis) = &state.axis else { continue };
+            let word = side.word();
+            let centre = &state.wheel.centre;
+            out.push(("caster_angle", word), Unit::Angle, Own, axis.caster());
+            let kingpin = axis.kingpin_inclination(side);
+            out.push(("kingpin_incl_angle", word), Unit::Angle, Own, kingpin);
+            let k = axis.location(centre);
+            let names = [
+                of(side, "left_X", "right_X"),
+                of(side, "left_Y", "right_Y"),
+                of(side, "left_Z", "right_Z"),
+            ];
+            for (at, name) in names.into_iter().enumerate() {
+                out.push(
+                    ("kingpin_location", name),
+                    Unit::Length,
+                    [X, Y, Z][at],
+                    k[at],
+                );
+            }
+            let name = of(side, "off_left", "off_right");
+            out.push(
+                ("steer_axis_offset", name),
+                Unit::Length,
+                Own,
+                axis.offset(centre),
+            );
+            let name = of(side, "lat_left", "lat_right");
+            let lateral = axis.lateral_offset(centre);
+            out.push(("steer_axis_offset", name), Unit::Length, Own, lateral);
+            out.push(("steer_axis_pitch", word), Unit::Length, Own, axis.pitch);
+            let Some((contact, _)) = state.contact(&self.normal) else {
+                continue;
+            };
+            let steer = wheel::steer(&state.wheel.spin, &self.normal);
+            let (scrub, trail) = axis.scrub_and_trail(side, &contact, &self.normal, steer);
+            out.push(("scrub_radius", word), Unit::Length, Own, scrub);
+            out.push(("caster_moment_arm", word), Unit::Length, Own, trail);
+            let at = axis.road_point(&contact, &self.normal);
+            // The column holds x from the wheel centre at design, y, and z above the road.
+            let shown = [at.x - state.design.centre.x, at.y, at.z - contact.z];
+            for (at, name) in names.into_iter().enumerate() {
+                let name = ("steer_axis_road_plane_intersection", name);
+                out.push(name, Unit::Length, [X, Y, Z][at], shown[at]);
+            }
+        }
+    }
+
+    fn ride(&self, c: &Compliance, given: &Given, out: &mut Readings) {
+        use Sense::{Own, ToTheRight};
+        let load = given.vertical_load;
+        for (side, _) in self.each() {
+            let word = side.word();
+            let rate = ride::wheel_rate(c, side);
+            out.push(("wheel_rate", word), Unit::Rate, Own, rate);
+            if let Some(tyre) = given.tyre.and_then(|tyre| tyre.stiffness) {
+                let ride_rate = ride::ride_rate(rate, tyre);
+                out.push(("ride_rate", word), Unit::Rate, Own, ride_rate);
+                if given.corner_mass > 0.0 {
+                    let frequency = ride::ride_frequency(ride_rate, given.corner_mass, 1.0);
+                    out.push(("ride_frequency", word), Unit::Frequency, Own, frequency);
+                }
+            }
+            let mut per_length =
+                |name, sense, value| out.push((name, word), Unit::AnglePerLength, sense, value);
+            per_length("ride_steer", ToTheRight, ride::ride_steer(c, side));
+            per_length("ride_camber", Own, ride::ride_camber(c, side));
+            per_length("ride_caster", Own, ride::ride_caster(c, side));
+            let angle = swing_arm::front_view_angle(c, side, load);
+            out.push(("fr_view_swing_arm_angle", word), Unit::Angle, Own, angle);
+            let length = swing_arm::front_view_length(c, side, load);
+            out.push(
+                ("fr_view_swing_arm_length", word),
+                Unit::Length,
+                Own,
+                length,
+            );
+            let angle = swing_arm::side_view_angle(c, side, load);
+            out.push(("side_view_swing_arm_angle", word), Unit::Angle, Own, angle);
+            let length = swing_arm::side_view_length(c, side, load);
+            out.push(
+                ("side_view_swing_arm_length", word),
+                Unit::Length,
+                Own,
+                length,
+            );
+        }
+    }
+
+    fn forces(&self, c: &Compliance, given: &Given, out: &mut Readings) {
+        use Sense::{AboutZ, Own};
+        for (side, _) in self.each() {
+            let word = side.word();
+            for (pairing, names) in [
+                (
+                    Pairing::Parallel,
+                    [
+                        "alt_steer_compliance",
+                        "alt_camber_compliance",
+                        "fore_aft_wheel_center_stiffness",
+                        "lat_force_defl_compliance",
+                        "lat_force_steer_compliance",
+                        "lat_force_camber_compliance",
+                    ],
+                ),
+                (
+                    Pairing::Opposed,
+                    [
+                        "alt_steer_opposed",
+                        "alt_camber_opposed",
+                        "fore_aft_opposed_stiffness",
+                        "lat_force_defl_opposed",
+                        "lat_force_steer_opposed",
+                        "lat_force_camber_opposed",
+                    ],
+                ),
+            ] {
+                if pairing == Pairing::Opposed && c.present != [true; 2] {
+                    continue;
+                }
+                // Steer and torque turn alike: no sign. Camber follows the torque, steer the force.
+                let steer = force_compliance::aligning_steer(c, side, pairing);
+                out.push((names[0], word), Unit::AnglePerTorque, Own, steer);
+                let camber = force_compliance::aligning_camber(c, side, pairing);
+                out.push((names[1], word), Unit::AnglePerTorque, AboutZ, camber);
+                let rate = force_compliance::fore_aft_stiffness(c, side, pairing);
+                out.push((names[2], word), Unit::Rate, Own, rate);
+                let Some(Tyre { radius: r0, .. }) = given.tyre else {
+                    continue;
+                };
+                let value = force_compliance::lateral_deflection(c, side, r0, pairing);
+                out.push((names[3], word), Unit::LengthPerForce, Own, value);
+                let value = force_compliance::lateral_steer(c, side, r0, pairing);
+                // Rotation about Z over force along Y: the sign of X, as the axes are right-handed.
+                out.push((names[4], word), Unit::AnglePerForce, Sense::X, value);
+                let value = force_compliance::lateral_camber(c, side, r0, pairing);
+                out.push((names[5], word), Unit::AnglePerForce, Sense::Y, value);
+            }
+            let levers = given.tyre.map(|tyre| tyre.radius);
+            for (names, lever) in [
+                (
+                    ["long_force_steer_center", "long_force_caster_center"],
+                    Some(0.0),
+                ),
+                (
+                    ["long_force_steer_patch", "long_force_caster_patch"],
+                    levers,
+                ),
+            ] {
+                let Some(lever) = lever else { continue };
+                let value =
+                    |i| force_compliance::longitudinal(c, side, i, lever, Pairing::Parallel);
+                // Rotation about Z over force along X: the sign of Y.
+                out.push((names[0], word), Unit::AnglePerForce, Sense::Y, value(6));
+                out.push((names[1], word), Unit::AnglePerForce, Sense::X, value(5));
+            }
+            let (Some(tyre), Some(vehicle)) = (given.tyre, &given.vehicle) else {
+                continue;
+            };
+            for anti in Anti::ALL {
+                let (percent, height) = anti.names();
+                let value = anti.percent(c, side, vehicle, tyre.radius);
+                out.push((percent, word), Unit::Percent, Own, value);
+                let loads = (tyre.radius, tyre.stiffness, given.weight);
+                let value = anti.height_per_g(c, side, vehicle, loads);
+                out.push((height, word), Unit::LengthPerG, Own, value);
+            }
+        }
+    }
+
+    fn axle(&self, c: &Compliance, given: &Given, out: &mut Readings) {
+        use Sense::{Own, Y};
+        let (Some(contacts), [Some(left), Some(right)]) = (self.contacts(), &self.wheels) else {
+            return;
+        };
+        if c.present != [true; 2] {
+            return;
+        }
+        let track = contact::total_track(&contacts[0], &contacts[1]);
+        let tyre = given.tyre.and_then(|tyre| tyre.stiffness);
+        let rate = roll::suspension_roll_rate(c, track);
+        out.push(
+            ("susp_roll_rate", "suspension_roll_rate"),
+            Unit::RollRate,
+            Own,
+            rate,
+        );
+        let rate = roll::total_roll_rate(c, track, tyre);
+        out.push(
+            ("total_roll_rate", "total_roll_rate"),
+            Unit::RollRate,
+            Own,
+            rate,
+        );
+        if let Some(tyre) = tyre {
+            let rate = roll::tramp_rate(c, track, tyre);
+            out.push(("tramp_rate", "tramp_rate"), Unit::RollRate, Own, rate);
+        }
+        let at_patch = c.at([
+            contacts[0] - left.wheel.centre,
+            contacts[1] - right.wheel.centre,
+        ]);
+        for side in Side::BOTH {
+            let word = side.word();
+            // Steer over roll: Z over X.
+            let value = roll::roll_steer(&at_patch, c, side, track, tyre);
+            out.push(("roll_steer", word), Unit::One, Y, value);
+            let value = roll::roll_camber(c, side, track, tyre);
+            out.push(("roll_camber_coefficient", word), Unit::One, Own, value);
+            let value = roll::roll_caster(c, side, track, tyre);
+            out.push(
+                ("roll_caster_coefficient", word),
+                Unit::One,
+                Sense::X,
+                value,
+            );
+        }
+        let centre = roll_centre(&at_patch, &contacts, given.vertical_load);
+        let name = "roll_center_location";
+        for (component, sense, value) in [
+            ("lateral_from_half_track", Y, centre.lateral),
+            ("vertical", Own, centre.vertical),
+            ("lateral_to_left_patch", Y, centre.to_patch[0]),
+            ("lateral_to_right_patch", Y, centre.to_patch[1]),
+        ] {
+            out.push((name, component), Unit::Length, sense, value);
+        }
+    }
+}

@@ -1,0 +1,308 @@
+//! Wheels followed through the body motions of a results file.
+
+use super::axle::WheelState;
+use super::{AxleState, Frame, Side, Tyre, Wheel, contact};
+use crate::mechanics::{Mat3, Vec3, euler313};
+use crate::results::{Catalogue, Entity, ResultsError, Step};
+
+/// What the road is taken for.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum Road {
+    /// Level in the axes of the vehicle.
+    #[default]
+    Level,
+    /// The plane along X through both contact points: a rolling rig.
+    Patches,
+}
+
+/// How the wheels of a file are to be read.
+#[derive(Clone, PartialEq, Debug)]
+pub struct ReplayOptions {
+    /// The spin axis of the wheel part, 0 to 2, outboard by its sense; `None` takes the axis that lies most across the vehicle.
+    pub spin: Option<usize>,
+    /// The wheel centre in the frame of the part.
+    pub centre: Vec3,
+    /// The axes of the file.
+    pub frame: Frame,
+    /// Tyre, for contact points.
+    pub tyre: Option<Tyre>,
+    /// What the road is taken for.
+    pub road: Road,
+}
+
+/// Why wheels cannot be followed.
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+pub enum ReplayError {
+    /// No body of this name.
+    #[error("no body of the file is called `{name}`")]
+    NoBody {
+        /// As asked for.
+        name: String,
+        /// Bodies of the file.
+        bodies: Vec<String>,
+    },
+    /// The body has no position and orientation.
+    #[error("`{name}` has no columns X, Y, Z, PSI, THETA, PHI")]
+    NoPose {
+        /// The body.
+        name: String,
+    },
+    /// More than one wheel on a side.
+    #[error("`{name}` is on the {side} side, and so is the wheel before it")]
+    SameSide {
+        /// The body.
+        name: String,
+        /// The side.
+        side: &'static str,
+    },
+    /// No axis of the part lies across the vehicle.
+    #[error(
+        "no axis of `{name}` lies across the vehicle at design: the nearest leans by {degrees:.0} degrees"
+    )]
+    NoSpin {
+        /// The body.
+        name: String,
+        /// How far the nearest is off.
+        degrees: f64,
+    },
+}
+
+/// One body that is followed.
+#[derive(Clone, Debug)]
+struct Followed {
+    name: String,
+    /// Columns of X, Y, Z, PSI, THETA, PHI.
+    ids: [usize; 6],
+    /// Known after the first step.
+    known: Option<Known>,
+}
+
+#[derive(Clone, Debug)]
+struct Known {
+    /// Which axis, with its sense.
+    axis: (usize, f64),
+    design: Wheel,
+    design_R: Mat3,
+    /// Column of the normal force of its tyre.
+    normal_force: Option<usize>,
+    design_radius: f64,
+}
+
+/// Follows wheels step by step. The first step is the design position.
+#[derive(Clone, Debug)]
+pub struct Replay {
+    wheels: Vec<Followed>,
+    options: ReplayOptions,
+    /// Radians per angle of the file.
+    angle: f64,
+    /// Columns of the normal forces, left and right.
+    normal_force: [Option<usize>; 2],
+}
+
+impl Replay {
+    /// The bodies `names`; `degrees` if the file's angles are.
+    ///
+    /// # Errors
+    /// [`ReplayError`] if a body is not there or has no pose.
+    pub fn new(
+        catalogue: &Catalogue,
+        names: &[String],
+        degrees: bool,
+        options: ReplayOptions,
+    ) -> Result<Self, ReplayError> {
+        let wheels = names
+            .iter()
+            .map(|name| follow(catalogue, name))
+            .collect::<Result<_, _>>()?;
+        let force = |name: &str| {
+            let entity = catalogue.entities_called(name).next()?;
+            Some(entity.component("normal")?.id)
+        };
+        Ok(Self {
+            wheels,
+            options,
+            angle: if degrees { 1f64.to_radians() } else { 1.0 },
+            normal_force: [force("left_tire_forces"), force("right_tire_forces")],
+        })
+    }
+
+    /// The state of a step. The first one asked for is taken for the design position.
+    ///
+    /// # Errors
+    /// When the step cannot be read, or its wheels are none.
+    pub fn state(
+        &mut self,
+        step: &Step<'_>,
+        values: &mut Vec<f64>,
+    ) -> Result<Result<AxleState, ReplayError>, ResultsError> {
+        step.values(values)?;
+        let read = |id: usize| values.get(id - 1).copied().unwrap_or(f64::NAN);
+        Ok(self.of_values(&read))
+    }
+
+    fn of_values(&mut self, read: &dyn Fn(usize) -> f64) -> Result<AxleState, ReplayError> {
+        let mut wheels = [None; 2];
+        let (options, angle) = (&self.options, self.angle);
+        for followed in &mut self.wheels {
+            let [x, y, z, psi, theta, phi] = followed.ids.map(read);
+            let R = euler313(psi * angle, theta * angle, phi * angle);
+            let p = Vec3::new(x, y, z) + R * options.centre;
+            let (p, R) = (options.frame.vector(&p), options.frame.from_deck * R);
+            let known = match &followed.known {
+                Some(known) => known,
+                None => {
+                    let known =
+                        Known::at(&followed.name, &p, &R, options, (self.normal_force, read))?;
+                    followed.known.insert(known)
+                }
+            };
+            let side = known.design.side;
+            let (axis, sense) = known.axis;
+            let wheel = Wheel {
+                side,
+                centre: p,
+                spin: R.column(axis) * sense,
+                turn: R * known.design_R.transpose(),
+            };
+            let radius = options.tyre.map(|tyre| {
+                let force = known.normal_force.map_or(0.0, read);
+                let now = contact::loaded_radius(tyre.radius, force, tyre.stiffness);
+                [now, known.design_radius]
+            });
+            if wheels[side.index()].is_some() {
+                return Err(ReplayError::SameSide {
+                    name: followed.name.clone(),
+                    side: side.word(),
+                });
+            }
+            wheels[side.index()] = Some(WheelState {
+                wheel,
+                design: known.design,
+                radius,
+                axis: None,
+            });
+        }
+        let mut state = AxleState {
+            wheels,
+            normal: Vec3::z(),
+            compliance: None,
+        };
+        if options.road == Road::Patches {
+            state.normal = through_patches(&state);
+        }
+        Ok(state)
+    }
+}
+
+impl Known {
+    fn at(
+        name: &str,
+        p: &Vec3,
+        R: &Mat3,
+        options: &ReplayOptions,
+        (forces, read): ([Option<usize>; 2], &dyn Fn(usize) -> f64),
+    ) -> Result<Self, ReplayError> {
+        /// An axis further from the lateral direction is none a wheel spins about at design.
+        const LEAST: f64 = 0.8;
+        let across = |k: usize| R[(1, k)].abs();
+        let axis = options.spin.unwrap_or_else(|| {
+            let mut axes = [2, 1, 0];
+            axes.sort_by(|a, b| across(*b).total_cmp(&across(*a)));
+            axes[0]
+        });
+        if !(across(axis) >= LEAST) {
+            return Err(ReplayError::NoSpin {
+                name: name.to_string(),
+                degrees: across(axis).acos().to_degrees(),
+            });
+        }
+        let side = if p.y < 0.0 { Side::Left } else { Side::Right };
+        let sense = side.outboard() * R[(1, axis)].signum();
+        let normal_force = forces[side.index()];
+        let design_radius = options.tyre.map_or(0.0, |tyre| {
+            let force = normal_force.map_or(0.0, read);
+            contact::loaded_radius(tyre.radius, force, tyre.stiffness)
+        });
+        Ok(Self {
+            axis: (axis, sense),
+            design: Wheel {
+                side,
+                centre: *p,
+                spin: R.column(axis) * sense,
+                turn: Mat3::identity(),
+            },
+            design_R: *R,
+            normal_force,
+            design_radius,
+        })
+    }
+}
+
+/// The normal of the plane along X through both contact points, which themselves depend on it.
+fn through_patches(state: &AxleState) -> Vec3 {
+    /// The correction shrinks by more than the ratio of tyre radius to track in each round.
+    const ROUNDS: usize = 60;
+    let mut state = *state;
+    for _ in 0..ROUNDS {
+        let Some(roll) = state.patch_roll() else {
+            break;
+        };
+        let (sin, cos) = roll.sin_cos();
+        let normal = Vec3::new(0.0, sin, cos);
+        let done = (normal - state.normal).norm() < 1e-16;
+        state.normal = normal;
+        if done {
+            break;
+        }
+    }
+    state.normal
+}
+
+fn follow(catalogue: &Catalogue, name: &str) -> Result<Followed, ReplayError> {
+    let with_suffix = format!("{name}_XFORM");
+    let plain = |entity: &Entity| {
+        let object = entity.entity.as_deref().unwrap_or(&entity.name);
+        object.rsplit('.').next().unwrap_or(object).to_string()
+    };
+    let has_pose = |entity: &&Entity| entity.component("PSI").is_some();
+    let entity = catalogue
+        .entities_called(name)
+        .chain(catalogue.entities_called(&with_suffix))
+        .find(has_pose)
+        .or_else(|| {
+            let mut all = catalogue.entities.iter().filter(has_pose);
+            all.find(|entity| plain(entity).eq_ignore_ascii_case(name))
+        });
+    let Some(entity) = entity else {
+        let any = catalogue.entities_called(name).next().is_some();
+        return Err(if any {
+            ReplayError::NoPose {
+                name: name.to_string(),
+            }
+        } else {
+            ReplayError::NoBody {
+                name: name.to_string(),
+                bodies: catalogue
+                    .entities
+                    .iter()
+                    .filter(has_pose)
+                    .map(plain)
+                    .collect(),
+            }
+        });
+    };
+    let mut ids = [0; 6];
+    for (id, component) in ids.iter_mut().zip(["X", "Y", "Z", "PSI", "THETA", "PHI"]) {
+        let Some(found) = entity.component(component) else {
+            return Err(ReplayError::NoPose {
+                name: name.to_string(),
+            });
+        };
+        *id = found.id;
+    }
+    Ok(Followed {
+        name: name.to_string(),
+        ids,
+        known: None,
+    })
+}

@@ -1,0 +1,140 @@
+//! The axis a wheel is steered about, and what follows from it.
+//!
+//! X rearward, Y right, Z up; radians. Source of every formula: guide page `kc`, section "Steer axis".
+
+use super::Side;
+use crate::mechanics::{Vec3, Vec6};
+
+/// A steer axis.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct SteerAxis {
+    /// A point of it.
+    pub point: Vec3,
+    /// Unit direction, upward.
+    pub direction: Vec3,
+    /// Advance along the axis per radian, a length: zero for the geometric axis. Scrub and trail are exact only if it is small.
+    pub pitch: f64,
+}
+
+impl SteerAxis {
+    /// The line through two points. `None` if they are one, or level.
+    pub fn through(a: &Vec3, b: &Vec3) -> Option<Self> {
+        Self::upward(*a, (b - a).try_normalize(0.0)?, 0.0)
+    }
+
+    /// The screw axis of a motion of the carrier: velocity `v` of the point `centre`, rotation `w`. `None` without rotation.
+    ///
+    /// `K = P + (w x v) / (w . w)`, pitch `(w . v) / (w . w)`.
+    pub fn of_motion(centre: &Vec3, motion: &Vec6) -> Option<Self> {
+        let v: Vec3 = motion.fixed_rows::<3>(0).into();
+        let w: Vec3 = motion.fixed_rows::<3>(3).into();
+        let square = w.norm_squared();
+        if !(square > 0.0 && square.is_finite()) {
+            return None;
+        }
+        let point = centre + w.cross(&v) / square;
+        Self::upward(point, w / square.sqrt(), w.dot(&v) / square)
+    }
+
+    fn upward(point: Vec3, direction: Vec3, pitch: f64) -> Option<Self> {
+        // A level axis has no caster.
+        (direction.z.abs() > 1e-9).then(|| Self {
+            point,
+            direction: direction * direction.z.signum(),
+            pitch,
+        })
+    }
+
+    /// Positive if the axis leans rearward: `atan(u.x / u.z)`.
+    pub fn caster(&self) -> f64 {
+        (self.direction.x / self.direction.z).atan()
+    }
+
+    /// Positive if the axis leans inboard: `atan(u.y / u.z)` on the left, with the other sign on the right.
+    pub fn kingpin_inclination(&self, side: Side) -> f64 {
+        (-side.outboard() * self.direction.y / self.direction.z).atan()
+    }
+
+    /// The foot of the perpendicular from the wheel centre.
+    pub fn location(&self, centre: &Vec3) -> Vec3 {
+        let u = &self.direction;
+        self.point + u * u.dot(&(centre - self.point))
+    }
+
+    /// Where the axis meets the road: the plane through the contact point across `normal`.
+    pub fn road_point(&self, contact: &Vec3, normal: &Vec3) -> Vec3 {
+        let along = normal.dot(&(contact - self.point)) / normal.dot(&self.direction);
+        self.point + self.direction * along
+    }
+
+    /// (scrub radius, caster trail): `I - C` in the heading of the wheel, inboard and forward positive. `steer` positive to the right.
+    pub fn scrub_and_trail(
+        &self,
+        side: Side,
+        contact: &Vec3,
+        normal: &Vec3,
+        steer: f64,
+    ) -> (f64, f64) {
+        let d = self.road_point(contact, normal) - contact;
+        // The road's forward and right axes, turned by the steer angle.
+        let right = Vec3::new(0.0, normal.z, -normal.y);
+        let forward = Vec3::new(-1.0, 0.0, 0.0);
+        let (s, c) = steer.sin_cos();
+        let heading = forward * c + right * s;
+        let lateral = right * c - forward * s;
+        (-side.outboard() * d.dot(&lateral), d.dot(&heading))
+    }
+
+    /// Distance of the wheel centre from the axis.
+    pub fn offset(&self, centre: &Vec3) -> f64 {
+        (centre - self.location(centre)).norm()
+    }
+
+    /// The lateral part of the offset, `|(P - K).y| / sqrt(1 - u.y^2)`: exact only at zero toe.
+    pub fn lateral_offset(&self, centre: &Vec3) -> f64 {
+        let y = self.direction.y;
+        (centre - self.location(centre)).y.abs() / (1.0 - y * y).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Golden state: caster and kingpin angles through the foot point give the road point, scrub and trail of real Adams/Car.
+    #[test]
+    fn golden_axis() {
+        let (caster, kingpin): (f64, f64) = (-0.398_819_456, 0.428_462_047);
+        let direction = Vec3::new(caster.tan(), kingpin.tan(), 1.0).normalize();
+        let centre = Vec3::new(3002.999_997_352_012, -770.000_298_425_586_3, 160.93);
+        let axis = SteerAxis {
+            point: Vec3::new(3007.90612, -695.876785, 129.140727),
+            direction,
+            pitch: 0.0,
+        };
+        assert!((axis.caster() - caster).abs() < 1e-12);
+        assert!((axis.kingpin_inclination(Side::Left) - kingpin).abs() < 1e-12);
+        assert!((axis.location(&centre) - axis.point).norm() < 1e-4);
+        let contact = Vec3::new(3002.999997, -770.0042913, -134.1329051);
+        let at = axis.road_point(&contact, &Vec3::z());
+        assert!((at - Vec3::new(3003.0 + 115.850241, -816.129885, contact.z)).norm() < 1e-4);
+        let (scrub, trail) =
+            axis.scrub_and_trail(Side::Left, &contact, &Vec3::z(), -1.333_798_78e-6);
+        assert!((scrub + 46.125_748_5).abs() < 1e-4, "{scrub}");
+        assert!((trail + 115.850_182).abs() < 1e-4, "{trail}");
+    }
+
+    #[test]
+    fn the_screw_axis_of_a_turn_is_its_axis() {
+        let axis =
+            SteerAxis::through(&Vec3::new(1.0, 2.0, 3.0), &Vec3::new(2.0, 4.0, 9.0)).unwrap();
+        let centre = Vec3::new(-30.0, 50.0, 4.0);
+        let v = axis.direction.cross(&(centre - axis.point)) + axis.direction * 0.7;
+        let u = axis.direction;
+        let motion = Vec6::new(v.x, v.y, v.z, u.x, u.y, u.z) * -3.0;
+        let found = SteerAxis::of_motion(&centre, &motion).unwrap();
+        assert!((found.direction - axis.direction).norm() < 1e-12);
+        assert!((found.pitch - 0.7).abs() < 1e-12);
+        assert!((found.point - axis.location(&centre)).norm() < 1e-11);
+    }
+}

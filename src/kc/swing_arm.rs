@@ -1,0 +1,84 @@
+//! Equivalent swing arms and the kinematic roll centre. Source of every formula: guide page `kc`, section "Swing arms and roll
+//! centre".
+
+use super::{Compliance, Side};
+use crate::mechanics::Vec3;
+
+/// Which vertical load moves the wheel. Where an anti-roll bar couples the wheels the two differ, and real results do not tell which one
+/// Adams/Car takes.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum VerticalLoad {
+    /// On this wheel alone: column 3.
+    #[default]
+    OneWheel,
+    /// The same on both wheels.
+    InPhase,
+    /// Opposite on both wheels.
+    Antiphase,
+}
+
+impl VerticalLoad {
+    /// Row `i` of a wheel for this load.
+    fn row(self, c: &Compliance, side: Side, i: usize) -> f64 {
+        match self {
+            Self::OneWheel => c.of((side, i), (side, 3)),
+            Self::InPhase => c.in_phase(side, i, 3),
+            Self::Antiphase => c.antiphase(side, i, 3),
+        }
+    }
+
+    /// Change of row `i` per travel of the wheel.
+    pub fn per_travel(self, c: &Compliance, side: Side, i: usize) -> f64 {
+        self.row(c, side, i) / self.row(c, side, 3)
+    }
+}
+
+/// Slope of the front view swing arm, positive if the instant centre is above the wheel centre: left `atan(-C23 / C33)`.
+pub fn front_view_angle(c: &Compliance, side: Side, load: VerticalLoad) -> f64 {
+    (side.outboard() * load.per_travel(c, side, 2)).atan()
+}
+
+/// Slant length of the front view swing arm, positive with the instant centre inboard: left `-1 / (C43/C33 cos angle)`.
+pub fn front_view_length(c: &Compliance, side: Side, load: VerticalLoad) -> f64 {
+    let angle = front_view_angle(c, side, load);
+    side.outboard() / (load.per_travel(c, side, 4) * angle.cos())
+}
+
+/// Slope of the side view swing arm: `atan(-C13 / C33)`; negative if the instant centre is ahead of the wheel and above its centre.
+pub fn side_view_angle(c: &Compliance, side: Side, load: VerticalLoad) -> f64 {
+    (-load.per_travel(c, side, 1)).atan()
+}
+
+/// Slant length of the side view swing arm, positive with the instant centre ahead of the wheel: `-1 / (C53/C33 cos angle)`.
+pub fn side_view_length(c: &Compliance, side: Side, load: VerticalLoad) -> f64 {
+    let angle = side_view_angle(c, side, load);
+    -1.0 / (load.per_travel(c, side, 5) * angle.cos())
+}
+
+/// The kinematic roll centre in the front view.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct RollCentre {
+    /// y of the roll centre: its distance from the vehicle's centre plane.
+    pub lateral: f64,
+    /// Height over the mean of the contact points.
+    pub vertical: f64,
+    /// y of each contact point less that of the roll centre.
+    pub to_patch: [f64; 2],
+}
+
+/// Where the lines from the contact points to the instant centres meet. `at_patch` is the compliance at the contact points, no tyre in it.
+///
+/// Slopes `m_L = -C(2,3) / C(3,3)`, `m_R = C(8,9) / C(9,9)`. Not finite if the lines are parallel.
+pub fn roll_centre(at_patch: &Compliance, contact: &[Vec3; 2], load: VerticalLoad) -> RollCentre {
+    let [l, r] = contact;
+    let slope = |side: Side| side.outboard() * load.per_travel(at_patch, side, 2);
+    let (ml, mr) = (slope(Side::Left), slope(Side::Right));
+    let lateral = (r.z - l.z + ml * l.y + mr * r.y) / (ml + mr);
+    let height = l.z + ml * (lateral - l.y);
+    RollCentre {
+        lateral,
+        vertical: height - 0.5 * (l.z + r.z),
+        to_patch: [l.y - lateral, r.y - lateral],
+    }
+}

@@ -1,0 +1,120 @@
+//! What a wheel shows by its place alone: angles and displacements.
+//!
+//! All vectors are in the axes of [`Frame`](super::Frame): X rearward, Y to the right, Z up. `o` is the unit spin axis pointing
+//! outboard. Angles in radians. Source of every formula: guide page `kc`, section "Geometry".
+
+use super::Side;
+use crate::mechanics::{Mat3, Vec3};
+
+/// A wheel in one state.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Wheel {
+    /// Which.
+    pub side: Side,
+    /// Wheel centre P.
+    pub centre: Vec3,
+    /// Unit spin axis o, outboard.
+    pub spin: Vec3,
+    /// Rotation of the carrier since design: `R R_design^T`.
+    pub turn: Mat3,
+}
+
+/// Angle of the wheel plane to the vehicle's longitudinal plane, positive for toe-in: `atan(-o.x / |o.y|)`.
+pub fn toe(o: &Vec3) -> f64 {
+    (-o.x / o.y.abs()).atan()
+}
+
+/// Lean to the vehicle's vertical, positive with the top outboard: `-asin(o.z)`.
+pub fn camber(o: &Vec3) -> f64 {
+    -o.z.clamp(-1.0, 1.0).asin()
+}
+
+/// Lean to the road, positive with the top towards the left of the vehicle on both sides: `-+asin(o . n)`.
+pub fn inclination(side: Side, o: &Vec3, normal: &Vec3) -> f64 {
+    side.outboard() * o.dot(normal).clamp(-1.0, 1.0).asin()
+}
+
+/// Turn of the wheel about the road normal, positive to the right on both sides: `atan(o.x / o.ey)`, ey the road's lateral axis.
+pub fn steer(o: &Vec3, normal: &Vec3) -> f64 {
+    let lateral = Vec3::new(0.0, normal.z, -normal.y);
+    (o.x / o.dot(&lateral)).atan()
+}
+
+/// Pitch of the carrier since design, positive with the top rearward: `-atan(A31 / A11)`.
+pub fn side_view_angle(turn: &Mat3) -> f64 {
+    -(turn[(2, 0)] / turn[(0, 0)]).atan()
+}
+
+/// A point of the spin axis 1000 length units outboard of the centre: what Adams/Car calls `wheel_axis`.
+pub fn axis_point(wheel: &Wheel) -> Vec3 {
+    wheel.centre + wheel.spin * 1000.0
+}
+
+/// How toe, camber and steer on a level road change with the motion of the wheel: rates of the functions above for a rotation `w`,
+/// by `do = w x o`. Not the z rotation itself: a leaning wheel that pitches toes.
+pub fn angle_rates(side: Side, o: &Vec3, w: &Vec3) -> AngleRates {
+    let d = w.cross(o);
+    // y' of |o.y|
+    let (m, dm) = (o.y.abs(), d.y * o.y.signum());
+    let toe = -(d.x * m - o.x * dm) / (m * m + o.x * o.x);
+    AngleRates {
+        toe,
+        camber: -d.z / (1.0 - o.z * o.z).sqrt(),
+        steer: -side.outboard() * toe,
+    }
+}
+
+/// Rates of wheel angles.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct AngleRates {
+    /// Of [`toe`].
+    pub toe: f64,
+    /// Of [`camber`].
+    pub camber: f64,
+    /// Of [`steer`].
+    pub steer: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::exp;
+
+    /// Golden state of a real Adams/Car axle: left wheel at design.
+    #[test]
+    fn golden_angles() {
+        let o = Vec3::new(
+            1.333_798_782_220_404_8e-6,
+            -0.999_999_999_907_548_4,
+            1.353_233_658_605_639_3e-5,
+        );
+        assert!((toe(&o) + 1.333_798_78e-6).abs() < 1e-14);
+        assert!((camber(&o) + 1.353_233_66e-5).abs() < 1e-13);
+        assert!((steer(&o, &Vec3::z()) + 1.333_798_78e-6).abs() < 1e-14);
+        assert!((inclination(Side::Left, &o, &Vec3::z()) + 1.353_233_66e-5).abs() < 1e-13);
+    }
+
+    /// A right wheel turned to the right toes out; its top leaning outboard leans to the right.
+    #[test]
+    fn signs_of_the_right_wheel() {
+        let o = Vec3::new(0.01, 1.0, -0.02).normalize();
+        assert!(toe(&o) < 0.0 && steer(&o, &Vec3::z()) > 0.0);
+        assert!(camber(&o) > 0.0 && inclination(Side::Right, &o, &Vec3::z()) < 0.0);
+    }
+
+    #[test]
+    fn rates_are_the_derivatives() {
+        for side in Side::BOTH {
+            let o = Vec3::new(0.03, side.outboard(), -0.07).normalize();
+            let w = Vec3::new(0.3, -0.8, 0.5);
+            let h = 1e-5;
+            let difference = |f: &dyn Fn(&Vec3) -> f64| {
+                (f(&(exp(&(w * h)) * o)) - f(&(exp(&(w * -h)) * o))) / (2.0 * h)
+            };
+            let rates = angle_rates(side, &o, &w);
+            assert!((difference(&toe) - rates.toe).abs() < 1e-9);
+            assert!((difference(&camber) - rates.camber).abs() < 1e-9);
+            assert!((difference(&|o| steer(o, &Vec3::z())) - rates.steer).abs() < 1e-9);
+        }
+    }
+}

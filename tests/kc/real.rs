@@ -1,0 +1,285 @@
+//! Real Adams/Car results: readouts from body motions, and identities between their own columns.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::PathBuf;
+use std::process::Command;
+
+use admire::kc::{
+    AxleState, Frame, Given, Replay, ReplayOptions, Road, Side, SteerAxis, Steering, ride, wheel,
+};
+use admire::mechanics::Vec3;
+use admire::results::{StepKind, XrfReader};
+
+use crate::common::{files_below, shared};
+
+const ANGLE: f64 = 1e-12;
+const LENGTH: f64 = 1e-9;
+const IDENTITY: f64 = 1e-11;
+/// Facts of these files: tyre stiffness, wheelbase, height of the centre of mass, sprung mass.
+const TYRE: f64 = 202.0;
+const WHEELBASE: f64 = 2700.0;
+const CG_HEIGHT: f64 = 500.0;
+const WEIGHT: f64 = 1600.0 * 9.80665;
+
+/// Every step of a file: the values of its requests by name, and the wheels as their parts show them.
+struct Run {
+    path: PathBuf,
+    columns: BTreeMap<String, usize>,
+    steps: Vec<(Vec<f64>, AxleState)>,
+    /// Rolled road.
+    rolls: bool,
+}
+
+fn runs() -> Vec<Run> {
+    let Some(folder) = shared("real-decks/kinbench-kc") else {
+        return Vec::new();
+    };
+    let files = files_below(&folder, "res");
+    assert!(!files.is_empty());
+    files.into_iter().map(run).collect()
+}
+
+fn run(path: PathBuf) -> Run {
+    let input = BufReader::new(File::open(&path).unwrap());
+    let mut reader = XrfReader::open("run.res", input).unwrap();
+    let mut columns = BTreeMap::new();
+    for entity in &reader.catalogue().entities {
+        if entity.ent_type.as_deref() == Some("Request") {
+            for component in &entity.components {
+                let name = format!("{}.{}", entity.name, component.name);
+                columns.entry(name).or_insert(component.id);
+            }
+        }
+    }
+    let options = ReplayOptions {
+        spin: None,
+        centre: Vec3::zeros(),
+        frame: Frame::default(),
+        tyre: None,
+        road: Road::Level,
+    };
+    let names = ["whl_wheel", "whr_wheel"].map(str::to_string);
+    let mut replay = Replay::new(reader.catalogue(), &names, false, options).unwrap();
+    let mut steps = Vec::new();
+    let mut rolls = false;
+    while let Some(step) = reader.next_step().unwrap() {
+        let kind = step.kind;
+        let mut values = Vec::new();
+        let mut state = replay.state(&step, &mut values).unwrap().unwrap();
+        if kind == StepKind::Input {
+            continue;
+        }
+        let of = |name: &str| values[columns[name] - 1];
+        let roll = of("suspension_exerciser_requests.Roll");
+        if roll.abs() > 1e-9 {
+            rolls = true;
+            let (sin, cos) = of("roll_angle.at_contact_patches").sin_cos();
+            state.normal = Vec3::new(0.0, sin, cos);
+        }
+        // The loaded radius is the distance of the file's own contact point.
+        for side in Side::BOTH {
+            let contact = contact(&of, side);
+            let wheel = state.wheels[side.index()].as_mut().unwrap();
+            let radius = (contact - wheel.wheel.centre).norm();
+            wheel.radius = Some([radius; 2]);
+        }
+        steps.push((values, state));
+    }
+    assert!(steps.len() > 50);
+    Run {
+        path,
+        columns,
+        steps,
+        rolls,
+    }
+}
+
+fn contact(of: &dyn Fn(&str) -> f64, side: Side) -> Vec3 {
+    let word = side.word();
+    let at = |axis: &str| of(&format!("{word}_tire_contact_point.{axis}_{word}"));
+    Vec3::new(at("x"), at("y"), at("z"))
+}
+
+impl Run {
+    fn each(&self, mut check: impl FnMut(&dyn Fn(&str) -> f64, &AxleState)) {
+        for (values, state) in &self.steps {
+            check(&|name| values[self.columns[name] - 1], state);
+        }
+    }
+}
+
+#[test]
+fn readouts_of_real_results() {
+    // What the contact radius of this test stands for is left out: it takes the present one for that of the design.
+    let left_out = ["base_change", "track_change"];
+    for run in runs() {
+        let mut seen = 0;
+        run.each(|of, state| {
+            for reading in state.readings(&Given::default()) {
+                let path = reading.path();
+                if !run.columns.contains_key(&path) || left_out.iter().any(|l| path.contains(l)) {
+                    continue;
+                }
+                let bar = match &*path {
+                    _ if path.ends_with("_angle.left") || path.ends_with("_angle.right") => ANGLE,
+                    "roll_angle.at_wheel_centers" | "roll_angle.at_contact_patches" => ANGLE,
+                    "total_track.track" if run.rolls => 0.1,
+                    _ => LENGTH,
+                };
+                let apart = (reading.value - of(&path)).abs();
+                assert!(apart <= bar, "{}: {path} {apart:e}", run.path.display());
+                seen += 1;
+            }
+        });
+        assert_eq!(seen, run.steps.len() * 37, "columns compared");
+    }
+}
+
+/// Steer axis columns from each other: the axis through K with the angles of the file gives I, offset, scrub and trail.
+#[test]
+fn steer_axes_of_real_results() {
+    for run in runs().iter().filter(|run| !run.rolls) {
+        run.each(|of, state| {
+            for side in Side::BOTH {
+                let w = side.word();
+                let of = |name: &str| of(&name.replace('@', w));
+                let (caster, kingpin) = (of("caster_angle.@"), of("kingpin_incl_angle.@"));
+                let direction = Vec3::new(caster.tan(), -side.outboard() * kingpin.tan(), 1.0);
+                let vector =
+                    |name: &str| Vec3::from(["X", "Y", "Z"].map(|c| of(&format!("{name}.@_{c}"))));
+                let axis = SteerAxis {
+                    point: vector("kingpin_location"),
+                    direction: direction.normalize(),
+                    pitch: 0.0,
+                };
+                let wheel = state.wheels[side.index()].unwrap();
+                let moved = axis.location(&wheel.wheel.centre) - axis.point;
+                assert!(moved.norm() < LENGTH, "{moved}");
+                let offset = axis.offset(&wheel.wheel.centre);
+                assert!((offset - of("steer_axis_offset.off_@")).abs() < LENGTH);
+                let contact = contact(&|name| of(name), side);
+                let at = axis.road_point(&contact, &state.normal);
+                let shown = Vec3::new(at.x - wheel.design.centre.x, at.y, at.z - contact.z);
+                let told = vector("steer_axis_road_plane_intersection");
+                // The column is written relative to 3003, the wheel centre's hardpoint.
+                assert!((shown - told).norm() < 1e-6, "{shown} {told}");
+                let steer = wheel::steer(&wheel.wheel.spin, &state.normal);
+                let (scrub, trail) = axis.scrub_and_trail(side, &contact, &state.normal, steer);
+                assert!((scrub - of("scrub_radius.@")).abs() < LENGTH);
+                assert!((trail - of("caster_moment_arm.@")).abs() < LENGTH);
+            }
+        });
+    }
+}
+
+#[track_caller]
+fn same(a: f64, b: f64, what: &str) {
+    assert!(
+        (a - b).abs() <= IDENTITY * b.abs().max(1e-9),
+        "{what}: {a} {b}"
+    );
+}
+
+/// What one column says about another.
+#[test]
+fn identities_of_columns() {
+    for run in runs() {
+        run.each(|of, state| {
+            let track = of("total_track.track");
+            let susp = of("susp_roll_rate.suspension_roll_rate");
+            let total = of("total_roll_rate.total_roll_rate");
+            // T^2 / D and T^2 / (D + 2 / Kt).
+            let opposed = track * track / susp;
+            let on_tyres = opposed + 2.0 / TYRE;
+            same(track * track / on_tyres, total, "total roll rate");
+            for side in Side::BOTH {
+                let w = side.word();
+                let of = |name: &str| of(&format!("{name}.{w}"));
+                let rate = of("wheel_rate");
+                same(ride::ride_rate(rate, TYRE), of("ride_rate"), "ride rate");
+                for (anti, height) in [
+                    ("anti_dive_braking", "dive_braking"),
+                    ("anti_lift_braking", "lift_braking"),
+                    ("anti_lift_acceleration", "lift_acceleration"),
+                    ("anti_squat_acceleration", "squat_acceleration"),
+                ] {
+                    let give = (1.0 - of(anti) / 100.0) / rate + 1.0 / TYRE;
+                    let expected = WEIGHT * CG_HEIGHT / (2.0 * WHEELBASE) * give;
+                    same(expected, of(height), height);
+                }
+                if run.rolls {
+                    continue;
+                }
+                // Swing arms and roll coefficients tell the same C43 / C33 and C53 / C33, without an anti-roll bar.
+                let c33 = 1.0 / rate;
+                let arm = |name: &str| {
+                    let angle = of(&format!("{name}_swing_arm_angle"));
+                    -1.0 / (of(&format!("{name}_swing_arm_length")) * angle.cos())
+                };
+                let camber = 1.0 + arm("fr_view") * c33 * track / on_tyres;
+                same(camber, of("roll_camber_coefficient"), "roll camber");
+                let caster = -side.outboard() * arm("side_view") * c33 * track / on_tyres;
+                same(caster, of("roll_caster_coefficient"), "roll caster");
+            }
+            let steer = ["left", "right"].map(|w| of(&format!("steer_angle.{w}")));
+            let all = Steering {
+                steer,
+                y: Side::BOTH.map(|side| contact(of, side).y),
+                wheelbase: WHEELBASE,
+            };
+            for side in Side::BOTH {
+                let of = |name: &str| of(&format!("{name}.{}", side.word()));
+                same(all.ackerman(), of("ackerman"), "ackerman");
+                let evaluated = of("ackerman_angle") != 0.0;
+                assert_eq!(all.turn_radius().is_some(), evaluated, "{steer:?}");
+                if !evaluated {
+                    continue;
+                }
+                same(all.turn_radius().unwrap(), of("turn_radius"), "turn radius");
+                same(all.ackerman_angle(), of("ackerman_angle"), "ackerman angle");
+                same(all.ideal(side), of("ideal_steer_angle"), "ideal steer");
+                let error = all.error(side) - of("ackerman_error");
+                assert!(error.abs() < 1e-12, "ackerman error {error:e}");
+                same(
+                    all.outside_diameter(track),
+                    of("outside_turn_diameter"),
+                    "diameter",
+                );
+            }
+            let [l, r] = state.wheels.map(|w| w.unwrap());
+            assert!(l.wheel.centre.y < 0.0 && r.wheel.centre.y > 0.0);
+        });
+    }
+}
+
+/// The command finds the wheels, and its answer is that of the file.
+#[test]
+fn the_command_agrees_with_the_file() {
+    for run in runs() {
+        let output = Command::new(env!("CARGO_BIN_EXE_admire"))
+            .arg("results")
+            .arg(&run.path)
+            .args([
+                "--kc",
+                "--wheel",
+                "testrig.whl_wheel",
+                "whr_wheel_XFORM",
+                "--against-file",
+                "--json",
+            ])
+            .output()
+            .unwrap();
+        assert!(output.status.success());
+        let all: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let all = all.as_array().unwrap();
+        assert!(all.len() > 25);
+        for column in all
+            .iter()
+            .filter(|c| c["column"].as_str().unwrap().contains("toe_angle"))
+        {
+            assert!(column["largest"].as_f64().unwrap() < ANGLE, "{column}");
+        }
+    }
+}
