@@ -104,9 +104,9 @@ mod tests {
     /// Golden state: caster and kingpin angles through the foot point give the road point, scrub and trail of real Adams/Car.
     #[test]
     fn golden_axis() {
-        let (caster, kingpin): (f64, f64) = (-0.398_819_456, 0.428_462_047);
+        let (caster, kingpin): (f64, f64) = (-0.398819456, 0.428462047);
         let direction = Vec3::new(caster.tan(), kingpin.tan(), 1.0).normalize();
-        let centre = Vec3::new(3002.999_997_352_012, -770.000_298_425_586_3, 160.93);
+        let centre = Vec3::new(3002.999997352012, -770.0002984255863, 160.93);
         let axis = SteerAxis {
             point: Vec3::new(3007.90612, -695.876785, 129.140727),
             direction,
@@ -118,10 +118,9 @@ mod tests {
         let contact = Vec3::new(3002.999997, -770.0042913, -134.1329051);
         let at = axis.road_point(&contact, &Vec3::z());
         assert!((at - Vec3::new(3003.0 + 115.850241, -816.129885, contact.z)).norm() < 1e-4);
-        let (scrub, trail) =
-            axis.scrub_and_trail(Side::Left, &contact, &Vec3::z(), -1.333_798_78e-6);
-        assert!((scrub + 46.125_748_5).abs() < 1e-4, "{scrub}");
-        assert!((trail + 115.850_182).abs() < 1e-4, "{trail}");
+        let (scrub, trail) = axis.scrub_and_trail(Side::Left, &contact, &Vec3::z(), -1.33379878e-6);
+        assert!((scrub + 46.1257485).abs() < 1e-4, "{scrub}");
+        assert!((trail + 115.850182).abs() < 1e-4, "{trail}");
     }
 
     #[test]

@@ -84,14 +84,14 @@ mod tests {
     #[test]
     fn golden_angles() {
         let o = Vec3::new(
-            1.333_798_782_220_404_8e-6,
-            -0.999_999_999_907_548_4,
-            1.353_233_658_605_639_3e-5,
+            1.3337987822204048e-6,
+            -0.9999999999075484,
+            1.3532336586056393e-5,
         );
-        assert!((toe(&o) + 1.333_798_78e-6).abs() < 1e-14);
-        assert!((camber(&o) + 1.353_233_66e-5).abs() < 1e-13);
-        assert!((steer(&o, &Vec3::z()) + 1.333_798_78e-6).abs() < 1e-14);
-        assert!((inclination(Side::Left, &o, &Vec3::z()) + 1.353_233_66e-5).abs() < 1e-13);
+        assert!((toe(&o) + 1.33379878e-6).abs() < 1e-14);
+        assert!((camber(&o) + 1.35323366e-5).abs() < 1e-13);
+        assert!((steer(&o, &Vec3::z()) + 1.33379878e-6).abs() < 1e-14);
+        assert!((inclination(Side::Left, &o, &Vec3::z()) + 1.35323366e-5).abs() < 1e-13);
     }
 
     /// A right wheel turned to the right toes out; its top leaning outboard leans to the right.
