@@ -148,13 +148,12 @@ impl Replay {
             let R = euler313(psi * angle, theta * angle, phi * angle);
             let p = Vec3::new(x, y, z) + R * options.centre;
             let (p, R) = (options.frame.vector(&p), options.frame.from_deck * R);
-            let known = match &followed.known {
-                Some(known) => known,
-                None => {
-                    let known =
-                        Known::at(&followed.name, &p, &R, options, (self.normal_force, read))?;
-                    followed.known.insert(known)
-                }
+            if followed.known.is_none() {
+                let forces = (self.normal_force, read);
+                followed.known = Some(Known::at(&followed.name, &p, &R, options, forces)?);
+            }
+            let Some(known) = &followed.known else {
+                continue;
             };
             let side = known.design.side;
             let (axis, sense) = known.axis;
