@@ -29,6 +29,8 @@ mod input;
 mod inputs;
 mod install_shims;
 mod interrupt;
+mod kc;
+mod kc_measured;
 mod leftover;
 mod output_folder;
 mod permissions;
@@ -96,6 +98,7 @@ enum Command {
     Diagnose(diagnose::Arguments),
     Record(record::Arguments),
     Rig(rig::Arguments),
+    Kc(kc::Arguments),
     Reproduce(reproduce::Arguments),
     Results(results::Arguments),
     Compare(compare::Arguments),
@@ -131,6 +134,7 @@ pub fn main() -> ExitCode {
         Command::Identify(arguments) => identify::run(&arguments, &mut shell),
         Command::Diagnose(arguments) => diagnose::run(&arguments, &mut shell),
         Command::Record(arguments) => record::run(&arguments, &mut shell),
+        Command::Kc(arguments) => kc::run(&arguments, &mut shell),
         Command::Rig(arguments) => rig::run(&arguments, &mut shell),
         Command::Reproduce(arguments) => reproduce::run(&arguments, &mut shell),
         Command::Results(arguments) => results::run(&arguments, &mut shell),

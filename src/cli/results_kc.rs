@@ -33,15 +33,8 @@ pub(super) struct KcArguments {
     #[arg(long, value_enum, requires = "kc")]
     spin: Option<Spin>,
     /// The wheel centre in the frame of the part; without it the part's origin.
-    #[arg(
-        long,
-        value_name = "X,Y,Z",
-        requires = "kc",
-        value_delimiter = ',',
-        num_args = 3,
-        allow_negative_numbers = true
-    )]
-    centre: Vec<f64>,
+    #[arg(long, value_name = "X,Y,Z", requires = "kc", value_parser = place, allow_hyphen_values = true)]
+    centre: Option<Vec3>,
     /// The unloaded tyre radius, for contact points.
     #[arg(long, value_name = "LENGTH", requires = "kc", value_parser = positive)]
     radius: Option<f64>,
@@ -104,19 +97,28 @@ fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
+fn place(text: &str) -> Result<Vec3, String> {
+    let numbers: Option<Vec<f64>> = text
+        .split(',')
+        .map(|word| word.trim().parse().ok())
+        .collect();
+    match numbers.as_deref() {
+        Some(&[x, y, z]) if x.is_finite() && y.is_finite() && z.is_finite() => {
+            Ok(Vec3::new(x, y, z))
+        }
+        _ => Err("write three numbers: X,Y,Z".to_string()),
+    }
+}
+
 impl KcArguments {
     pub(super) fn asked(&self) -> bool {
         self.kc
     }
 
     fn options(&self) -> ReplayOptions {
-        let centre = self
-            .centre
-            .first_chunk()
-            .map_or_else(Vec3::zeros, |c: &[f64; 3]| Vec3::from(*c));
         ReplayOptions {
             spin: self.spin.map(|spin| spin as usize),
-            centre,
+            centre: self.centre.unwrap_or_else(Vec3::zeros),
             frame: Frame::new(Convention::from(self.axes).axes())
                 .expect("named axes are right-handed"),
             tyre: self.radius.map(|radius| Tyre {

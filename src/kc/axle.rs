@@ -57,6 +57,17 @@ pub struct AxleState {
 }
 
 impl WheelState {
+    /// The other wheel of an axle that is symmetric about Y = 0.
+    #[must_use]
+    pub fn mirrored(&self) -> Self {
+        Self {
+            wheel: self.wheel.mirrored(),
+            design: self.design.mirrored(),
+            radius: self.radius,
+            axis: self.axis.map(|axis| axis.mirrored()),
+        }
+    }
+
     /// The contact point now, and at design on a level road.
     fn contact(&self, normal: &Vec3) -> Option<(Vec3, Vec3)> {
         let [now, then] = self.radius?;

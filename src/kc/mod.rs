@@ -7,31 +7,47 @@
 
 pub mod anti;
 mod axle;
+mod bench;
 mod compliance;
+mod config;
 pub mod contact;
+mod deck_files;
+mod derivatives;
 pub mod force_compliance;
 mod frame;
 #[cfg(test)]
 mod golden;
+mod gradient;
+pub mod output;
 mod reading;
 mod replay;
 pub mod ride;
+mod rig;
 pub mod roll;
 mod side;
 mod steer_axis;
 mod steering;
+mod sweep;
 pub mod swing_arm;
+mod test_kind;
 pub mod wheel;
 
 pub use anti::{Anti, Vehicle};
 pub use axle::{AxleState, Given, Tyre, WheelState};
+pub use bench::{Bench, BenchError, Chain, Drive, Inputs, Observation, WheelRate};
 pub use compliance::{Compliance, Mat12};
+pub use config::{AxisMethod, Branches, Config, Hold, LoadPoint, TestSettings};
+pub use deck_files::deck_files;
 pub use force_compliance::Pairing;
 pub use frame::{Convention, Direction, Frame, Sense};
+pub use gradient::{Gradient, fitted_slope};
 pub use reading::{Reading, Unit};
 pub use replay::{Replay, ReplayError, ReplayOptions, Road};
+pub use rig::{FoundWheel, Rigged, Variant, WheelIds};
 pub use side::Side;
 pub use steer_axis::SteerAxis;
 pub use steering::Steering;
+pub use sweep::{Branch, KcRun, Sample, TestRun, given, run};
 pub use swing_arm::{RollCentre, VerticalLoad, roll_centre};
+pub use test_kind::{Driven, TestKind};
 pub use wheel::Wheel;

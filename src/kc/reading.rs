@@ -88,7 +88,8 @@ impl Reading {
 
     /// The value in the axes of a convention.
     pub fn value_in(&self, convention: Convention) -> f64 {
-        convention.factor(self.sense) * self.value
+        // A zero has no sign.
+        convention.factor(self.sense) * self.value + 0.0
     }
 }
 

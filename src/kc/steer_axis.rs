@@ -36,6 +36,17 @@ impl SteerAxis {
         Self::upward(point, w / square.sqrt(), w.dot(&v) / square)
     }
 
+    /// Its image in the plane Y = 0. A screw changes its hand.
+    #[must_use]
+    pub fn mirrored(&self) -> Self {
+        let image = |v: &Vec3| Vec3::new(v.x, -v.y, v.z);
+        Self {
+            point: image(&self.point),
+            direction: image(&self.direction),
+            pitch: -self.pitch,
+        }
+    }
+
     fn upward(point: Vec3, direction: Vec3, pitch: f64) -> Option<Self> {
         // A level axis has no caster.
         (direction.z.abs() > 1e-9).then(|| Self {

@@ -19,6 +19,20 @@ pub struct Wheel {
     pub turn: Mat3,
 }
 
+impl Wheel {
+    /// Its image in the plane Y = 0.
+    #[must_use]
+    pub fn mirrored(&self) -> Self {
+        let image = Mat3::from_diagonal(&Vec3::new(1.0, -1.0, 1.0));
+        Self {
+            side: self.side.other(),
+            centre: image * self.centre,
+            spin: image * self.spin,
+            turn: image * self.turn * image,
+        }
+    }
+}
+
 /// Angle of the wheel plane to the vehicle's longitudinal plane, positive for toe-in: `atan(-o.x / |o.y|)`.
 pub fn toe(o: &Vec3) -> f64 {
     (-o.x / o.y.abs()).atan()

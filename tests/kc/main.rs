@@ -2,6 +2,11 @@
 
 #![allow(non_snake_case)] // Rotation matrices keep their capitals.
 
+mod adams_car;
+mod axles;
+mod command;
 #[path = "../common/mod.rs"]
 mod common;
+mod compliance;
+mod invariance;
 mod real;

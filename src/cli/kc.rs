@@ -1,0 +1,380 @@
+use std::path::{Path, PathBuf};
+
+use comfy_table::{CellAlignment, Table, presets};
+use serde_json::json;
+
+use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::kc::{
+    Bench, BenchError, Config, Convention, KcRun, deck_files, output, run as run_tests,
+};
+use crate::model::Model;
+use crate::report::{KcReport, MeasuredCurve};
+use crate::statics::{SolveError, history_table};
+use crate::syntax::Dataset;
+use crate::syntax::files::Files;
+
+use super::Outcome;
+use super::kc_measured::measured;
+use super::output_folder::{Replacing, refuse_replacing, write_folder};
+use super::render::table_text;
+use super::results_kc::Axes;
+use super::shell::{Exit, Format, Shell};
+
+/// Drive the standard K&C tests on an axle: bounce, roll, steering, lateral, longitudinal, aligning torque.
+///
+/// The rig's markers, loads and motions are added to a copy of the deck; `kc.toml` names the wheels. Characteristics come from the places
+/// of the wheels and from the exact compliance matrix; definitions, signs and every key: `admire guide kc`. Writes `curves.csv`,
+/// `gradients.csv`, `kc.json`, `report.html` and a results file per test with the request names of Adams/Car.
+#[derive(clap::Args, Debug)]
+pub(super) struct Arguments {
+    /// The dataset.
+    deck: PathBuf,
+    /// The wheels, the tyre and the tests.
+    #[arg(long, value_name = "FILE", default_value = "kc.toml")]
+    config: PathBuf,
+    /// Where the answers go.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// The axes of the answer.
+    #[arg(long, value_enum, default_value_t = Axes::AdamsCar)]
+    convention: Axes,
+    /// Also write the decks with the rig and a command file per test, to run on any ADAMS.
+    #[arg(long)]
+    write_deck: bool,
+    /// Other datasets under the same tests, shown beside in the report.
+    #[arg(long, value_name = "DECK", num_args = 1..)]
+    compare: Vec<PathBuf>,
+    /// Measured curves, shown beside in the report: CSV with the columns test, value and characteristics such as `toe_angle.left [deg]`.
+    #[arg(long, value_name = "CSV")]
+    measured: Option<PathBuf>,
+    #[command(flatten)]
+    replacing: Replacing,
+}
+
+/// A deck that was read.
+struct Deck {
+    dataset: Dataset,
+    files: Files,
+    model: Model,
+}
+
+/// Runs, writes and prints.
+pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    let names = ["curves.csv", "gradients.csv", "kc.json", "report.html"];
+    refuse_replacing(&arguments.out, &names, arguments.replacing, shell)?;
+    let deck = read(&arguments.deck, shell)?;
+    let units = deck.model.units;
+    let source = shell.read(&arguments.config)?;
+    let config = Config::read(&source, (1e-3 / units.length.si, 1.0 / units.force.si));
+    shell.complain(&config.diagnostics);
+    let Some(config) = config.value else {
+        return Err(Exit::Findings);
+    };
+    let curves = match &arguments.measured {
+        Some(path) => measured(path, &config, shell)?,
+        None => Vec::new(),
+    };
+    let tests = |deck: &Deck, path: &Path, shell: &Shell| -> Result<KcRun, Exit> {
+        let mut bench = bench(&config, deck, shell)?;
+        run_tests(&mut bench, &deck.model.units).map_err(|why| refuse(&why, path, shell))
+    };
+    let found = tests(&deck, &arguments.deck, shell)?;
+    let mut others = Vec::new();
+    for path in &arguments.compare {
+        let other = read(path, shell)?;
+        if other.model.units != units {
+            let message = format!(
+                "`{}` is in other units than `{}`",
+                path.display(),
+                arguments.deck.display()
+            );
+            return Err(shell.fail(
+                Diagnostic::error(Code::BadSetting, message)
+                    .help("convert it by `admire convert-units`"),
+            ));
+        }
+        let name = path
+            .file_stem()
+            .map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        others.push((name, tests(&other, path, shell)?));
+    }
+    let convention = Convention::from(arguments.convention);
+    let mut files = vec![
+        (
+            "curves.csv".into(),
+            output::curves_csv(&found, &config, &units, convention),
+        ),
+        (
+            "gradients.csv".into(),
+            output::gradients_csv(&found, &config, &units, convention),
+        ),
+    ];
+    let value = output::json(&found, &config, &units, convention);
+    let text = serde_json::to_string_pretty(&value).expect("JSON values print") + "\n";
+    files.push(("kc.json".into(), text.clone().into_bytes()));
+    for test in &found.tests {
+        let results = output::results(test, (&deck.model.title, &units), convention);
+        let (bytes, lost) = results.expect("writing to memory does not fail");
+        let name = format!("{}.res", test.kind.name());
+        if !lost.is_empty() {
+            shell.complain(&[Diagnostic::note(
+                Code::OutOfRange,
+                format!(
+                    "{name} is without {}: not defined in every state",
+                    lost.join(", ")
+                ),
+            )]);
+        }
+        files.push((name.into(), bytes));
+    }
+    if arguments.write_deck {
+        let mut bench = bench(&config, &deck, shell)?;
+        let decks =
+            deck_files(&mut bench, &found).map_err(|why| refuse(&why, &arguments.deck, shell))?;
+        files.extend(decks.into_iter().map(|(name, bytes)| (name.into(), bytes)));
+    }
+    files.push((
+        "report.html".into(),
+        page(
+            arguments,
+            &deck,
+            (&config, &found),
+            (&others, &curves),
+            convention,
+            shell,
+        )?
+        .into_bytes(),
+    ));
+    write_folder(&arguments.out, &files, arguments.replacing, shell)?;
+    if shell.format == Format::Json {
+        shell.print(&text);
+    } else {
+        shell.print(&summary(&found, &units, convention));
+        shell.say(&format!(
+            "report: {}\n",
+            arguments.out.join("report.html").display()
+        ));
+    }
+    Ok(Exit::Fine)
+}
+
+fn read(path: &Path, shell: &mut Shell) -> Result<Deck, Exit> {
+    let source = shell.read(path)?;
+    let parsed = Dataset::parse(source);
+    let files = shell.read_files(&parsed.value);
+    let lowered = Model::lower_with(&parsed.value, &files.value);
+    let mut complaints = parsed.diagnostics;
+    complaints.extend(files.diagnostics);
+    complaints.extend(lowered.diagnostics);
+    shell.complain(&complaints);
+    if complaints.iter().any(|d| d.severity == Severity::Error) {
+        return Err(Exit::Findings);
+    }
+    Ok(Deck {
+        dataset: parsed.value,
+        files: files.value,
+        model: lowered.value,
+    })
+}
+
+fn bench<'a>(config: &'a Config, deck: &'a Deck, shell: &Shell) -> Result<Bench<'a>, Exit> {
+    Bench::new(config, (&deck.dataset, &deck.files, &deck.model)).map_err(|found| {
+        shell.complain(&found);
+        Exit::Findings
+    })
+}
+
+/// Says why there is no answer.
+fn refuse(why: &BenchError, path: &Path, shell: &Shell) -> Exit {
+    let file = path.display();
+    match why {
+        BenchError::Deck(found) => {
+            shell.complain(found);
+            Exit::Findings
+        }
+        BenchError::Free { at, motion } => {
+            let message = format!(
+                "`{file}`, {at}: a motion of the wheel is free, so compliances are not defined: {motion}"
+            );
+            let help = "name the part that does not spin as the wheel carrier; lock what is free, or say what locks it";
+            shell.complain(&[Diagnostic::error(Code::NoEquilibrium, message).help(help)]);
+            Exit::NoAnswer
+        }
+        BenchError::NoEquilibrium { at, why } => {
+            let diagnostic =
+                Diagnostic::error(Code::NoEquilibrium, format!("`{file}`, {at}: {why}"));
+            let diagnostic = match &**why {
+                SolveError::NotConverged {
+                    causes, history, ..
+                } => {
+                    let mut lines = causes.clone();
+                    lines.extend(history_table(history));
+                    lines.push("a smaller range of the test may be within reach".to_string());
+                    diagnostic.help(lines.join("\n"))
+                }
+                _ => diagnostic,
+            };
+            shell.complain(&[diagnostic]);
+            Exit::NoAnswer
+        }
+    }
+}
+
+fn page(
+    arguments: &Arguments,
+    deck: &Deck,
+    (config, found): (&Config, &KcRun),
+    (others, curves): (&[(String, KcRun)], &[MeasuredCurve]),
+    convention: Convention,
+    shell: &Shell,
+) -> Result<String, Exit> {
+    let name = arguments
+        .deck
+        .file_name()
+        .map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+    let given = |value: Option<String>| value.unwrap_or_else(|| "not given".to_string());
+    let facts = [
+        (
+            "Deck",
+            format!("{}, axes {}", arguments.deck.display(), config.axes),
+        ),
+        (
+            "Axle",
+            if config.mirror {
+                "one wheel, mirrored: no coupling of the wheels".to_string()
+            } else {
+                format!(
+                    "{} wheels, anti-roll bar {}",
+                    config.sides().len(),
+                    config.anti_roll_bar
+                )
+            },
+        ),
+        (
+            "Tyre",
+            given(config.tyre.map(|tyre| match tyre.stiffness {
+                Some(k) => format!("unloaded radius {}, stiffness {k}", tyre.radius),
+                None => format!("unloaded radius {}, rigid", tyre.radius),
+            })),
+        ),
+        (
+            "Ride height",
+            match config.ride_load {
+                Some(load) => format!("vertical load {load} on each wheel"),
+                None => format!("{} over design", config.ride_height),
+            },
+        ),
+        (
+            "Steering",
+            config.steering_lock.as_ref().map_or_else(
+                || "as in the deck".to_string(),
+                |at| format!("locked by {}", at.text),
+            ),
+        ),
+        ("Axes of the answer", convention.word().to_string()),
+        (
+            "Swing arms and roll centre",
+            format!(
+                "vertical load {}",
+                json!(config.vertical_load).as_str().unwrap_or_default()
+            ),
+        ),
+        (
+            "Compliance matrix",
+            format!("lack of symmetry {:.1e}", found.asymmetry),
+        ),
+        ("Definitions", format!("version {}", output::DEFINITIONS)),
+    ];
+    let report = KcReport {
+        deck: &name,
+        run: found,
+        others,
+        measured: curves,
+        units: &deck.model.units,
+        convention,
+        facts: &facts,
+    };
+    let footer = format!("admire {}", env!("CARGO_PKG_VERSION"));
+    report
+        .page(&footer)
+        .map_err(|error| shell.fail(Diagnostic::error(Code::CannotWrite, error.to_string())))
+}
+
+/// Ride height and the gradients of every test.
+fn summary(run: &KcRun, units: &crate::units::Units, convention: Convention) -> String {
+    let mut out = String::from("at ride height\n");
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table.set_header(["characteristic", "left", "right", "unit"]);
+    let names = [
+        "toe_angle",
+        "camber_angle",
+        "wheel_load_vertical_force",
+        "wheel_rate",
+        "ride_steer",
+        "caster_angle",
+        "kingpin_incl_angle",
+        "lat_force_steer_compliance",
+        "alt_steer_compliance",
+    ];
+    let cell = |value: f64| {
+        if value.is_finite() {
+            format!("{value:.6e}")
+        } else {
+            String::new()
+        }
+    };
+    for name in names {
+        let of = |side: &str| {
+            let mut all = run.ride.readings.iter();
+            all.find(|r| r.entity == name && r.component.contains(side))
+        };
+        let Some(any) = of("left").or_else(|| of("right")) else {
+            continue;
+        };
+        let value =
+            |side: &str| of(side).map_or_else(String::new, |r| cell(r.value_in(convention)));
+        table.add_row([
+            name.to_string(),
+            value("left"),
+            value("right"),
+            any.unit.word(units),
+        ]);
+    }
+    for column in table.column_iter_mut().skip(1).take(2) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    out += &table_text(&table);
+    out += "\ntangents per unit of what is driven\n";
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table.set_header([
+        "test",
+        "toe left",
+        "toe right",
+        "camber left",
+        "camber right",
+        "samples",
+    ]);
+    for test in &run.tests {
+        let of = |name: &str, side: &str| {
+            let mut all = test.gradients.iter();
+            let found = all.find(|g| g.entity == name && g.component == side);
+            found.map_or_else(String::new, |g| {
+                cell(convention.factor(g.sense) * g.tangent)
+            })
+        };
+        table.add_row([
+            test.kind.name().to_string(),
+            of("toe_angle", "left"),
+            of("toe_angle", "right"),
+            of("camber_angle", "left"),
+            of("camber_angle", "right"),
+            test.samples.len().to_string(),
+        ]);
+    }
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    out + &table_text(&table)
+}

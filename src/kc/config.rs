@@ -1,0 +1,472 @@
+//! `kc.toml`: the wheels of a deck, what is in no deck, and the tests.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::test_kind::TestKind;
+use super::{Convention, Direction, Frame, Side, Tyre, Vehicle, VerticalLoad};
+use crate::diagnostic::{Checked, Code, Diagnostic};
+use crate::text::{Source, Span};
+
+/// A text of the file and where it stands.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Spelled {
+    /// As written.
+    pub text: String,
+    /// Where.
+    pub span: Span,
+}
+
+impl From<Spanned<String>> for Spelled {
+    fn from(spanned: Spanned<String>) -> Self {
+        let span = Span::from(spanned.span());
+        Self {
+            text: spanned.into_inner(),
+            span,
+        }
+    }
+}
+
+/// One wheel of a deck.
+#[derive(Clone, PartialEq, Debug)]
+pub struct WheelConfig {
+    /// Marker at the wheel centre, on the part that carries the wheel and cannot spin.
+    pub centre: Spelled,
+    /// `x`, `y` or `z` of that marker, or a marker on the spin axis.
+    pub spin: Spelled,
+    /// Lower and upper marker of the geometric steer axis.
+    pub steer_axis: Option<[Spelled; 2]>,
+    /// Marker whose height is held for the instant axis; the wheel centre if absent.
+    pub travel_lock: Option<Spelled>,
+}
+
+/// Which steer axis is reported.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum AxisMethod {
+    /// Through two markers.
+    Geometric,
+    /// The screw axis under the steering input.
+    Instant,
+    /// The screw axis under a unit moment about the vertical at the wheel centre: for an axle that is not steered. Nothing confirms that
+    /// Adams/Car does so.
+    InstantMoment,
+    /// Geometric where markers are named, instant where there is a steering input, else none.
+    #[default]
+    Any,
+}
+
+/// What is held while a load grows.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Hold {
+    /// The height of the wheel centre.
+    Height,
+    /// The vertical load.
+    Load,
+}
+
+impl Hold {
+    /// `height` or `load`.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Height => "height",
+            Self::Load => "load",
+        }
+    }
+}
+
+/// Where loads act.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LoadPoint {
+    /// The wheel centre.
+    Centre,
+    /// The contact point with the road.
+    Patch,
+}
+
+impl LoadPoint {
+    /// `centre` or `patch`.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Centre => "centre",
+            Self::Patch => "patch",
+        }
+    }
+}
+
+/// Which ways a test is driven.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Branches {
+    /// From the lowest value to the highest.
+    Up,
+    /// Up, and down again.
+    #[default]
+    Both,
+}
+
+/// Settings of one test.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct TestSettings {
+    /// Lowest and highest value of what is driven.
+    pub range: [f64; 2],
+    /// Points from the lowest to the highest.
+    pub points: usize,
+    /// Half the width of the window that gradients are fitted in.
+    pub window: f64,
+    /// Where loads act.
+    pub point: LoadPoint,
+    /// What is held.
+    pub hold: Hold,
+    /// False if the steering is free.
+    pub steering_locked: bool,
+}
+
+/// What `kc.toml` says.
+#[derive(Clone, Debug)]
+pub struct Config {
+    /// The file.
+    pub source: Source,
+    /// Axes of the deck.
+    pub frame: Frame,
+    /// Their name.
+    pub axes: String,
+    /// Statements of the deck the rig does without: its own loads.
+    pub without: Vec<Spelled>,
+    /// The wheels.
+    pub wheels: [Option<WheelConfig>; 2],
+    /// The wheel that is missing is the mirror image of the other.
+    pub mirror: bool,
+    /// Tyre.
+    pub tyre: Option<Tyre>,
+    /// Vehicle.
+    pub vehicle: Option<Vehicle>,
+    /// Vertical load of a wheel at ride height; without it the height below counts.
+    pub ride_load: Option<f64>,
+    /// Height of the wheel centres over their design position at ride height.
+    pub ride_height: f64,
+    /// What locks the steering: removed for tests with free steering.
+    pub steering_lock: Option<Spelled>,
+    /// What steers: a number or function of the deck.
+    pub steering_drive: Option<Spelled>,
+    /// Which steer axis.
+    pub axis_method: AxisMethod,
+    /// Which vertical load swing arms and roll centre are for.
+    pub vertical_load: VerticalLoad,
+    /// What is said about an anti-roll bar.
+    pub anti_roll_bar: String,
+    /// Which ways tests are driven.
+    pub branches: Branches,
+    /// The tests in their standard order.
+    pub tests: Vec<(TestKind, TestSettings)>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    #[serde(default)]
+    deck: DeckTable,
+    wheels: WheelsTable,
+    tyre: Option<Tyre>,
+    vehicle: Option<Vehicle>,
+    #[serde(default)]
+    ride: RideTable,
+    #[serde(default)]
+    steering: SteeringTable,
+    #[serde(default)]
+    choices: Choices,
+    #[serde(default)]
+    tests: BTreeMap<Spanned<String>, TestTable>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+struct DeckTable {
+    axes: Option<Spanned<AxesWord>>,
+    #[serde(default)]
+    without: Vec<Spanned<String>>,
+}
+
+#[derive(Deserialize, Clone, Copy)]
+#[serde(untagged)]
+enum AxesWord {
+    Named(Convention),
+    Each([Direction; 3]),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WheelsTable {
+    left: Option<WheelTable>,
+    right: Option<WheelTable>,
+    #[serde(default)]
+    mirror: bool,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WheelTable {
+    centre: Spanned<String>,
+    spin: Spanned<String>,
+    steer_axis: Option<[Spanned<String>; 2]>,
+    travel_lock: Option<Spanned<String>>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+struct RideTable {
+    load: Option<f64>,
+    height: Option<f64>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+struct SteeringTable {
+    lock: Option<Spanned<String>>,
+    drive: Option<Spanned<String>>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+struct Choices {
+    #[serde(default)]
+    steer_axis: AxisMethod,
+    #[serde(default)]
+    vertical_load: VerticalLoad,
+    anti_roll_bar: Option<String>,
+    #[serde(default)]
+    branches: Branches,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+struct TestTable {
+    run: Option<bool>,
+    range: Option<Spanned<[f64; 2]>>,
+    points: Option<Spanned<usize>>,
+    window: Option<Spanned<f64>>,
+    point: Option<LoadPoint>,
+    hold: Option<Hold>,
+    steering: Option<SteeringWord>,
+}
+
+#[derive(Deserialize, Clone, Copy, PartialEq)]
+#[serde(rename_all = "lowercase")]
+enum SteeringWord {
+    Locked,
+    Free,
+}
+
+impl Config {
+    /// Reads the file. `units` of the defaults are those of the deck: `length` one millimetre, `force` one newton in them.
+    pub fn read(source: &Source, (length, force): (f64, f64)) -> Checked<Option<Self>> {
+        let text = source.text(Span::new(0, source.bytes().len()));
+        let file: File = match toml::from_str(&text) {
+            Ok(file) => file,
+            Err(error) => {
+                let span = error.span().map_or(Span::new(0, 0), Span::from);
+                let diagnostic = Diagnostic::error(Code::BadSetting, error.message().to_string())
+                    .label(source.name(), span, "")
+                    .help("`admire guide kc` shows every key");
+                return Checked {
+                    value: None,
+                    diagnostics: vec![diagnostic],
+                };
+            }
+        };
+        let mut out = Vec::new();
+        let mut wrong = |span: std::ops::Range<usize>, message: String| {
+            out.push(Diagnostic::error(Code::BadSetting, message).label(
+                source.name(),
+                Span::from(span),
+                "",
+            ));
+        };
+        let (axes, frame) = match &file.deck.axes {
+            None => ("adams-car".to_string(), Some(Frame::default())),
+            Some(axes) => match axes.get_ref() {
+                AxesWord::Named(name) => (name.word().to_string(), Frame::new(name.axes())),
+                AxesWord::Each(each) => (format!("{each:?}").to_lowercase(), Frame::new(*each)),
+            },
+        };
+        if let (None, Some(axes)) = (&frame, &file.deck.axes) {
+            let message = "`deck.axes` must be right-handed axes of a vehicle, such as [\"rearward\", \"right\", \"up\"]";
+            wrong(axes.span(), message.to_string());
+        }
+        let wheel = |table: WheelTable| WheelConfig {
+            centre: table.centre.into(),
+            spin: table.spin.into(),
+            steer_axis: table.steer_axis.map(|both| both.map(Spelled::from)),
+            travel_lock: table.travel_lock.map(Spelled::from),
+        };
+        let wheels = [file.wheels.left.map(wheel), file.wheels.right.map(wheel)];
+        let count = wheels.iter().flatten().count();
+        if count == 0 || (count == 2 && file.wheels.mirror) {
+            let message = if count == 0 {
+                "`wheels.left` or `wheels.right` is missing"
+            } else {
+                "`wheels.mirror` is for decks with one wheel"
+            };
+            wrong(0..0, message.to_string());
+        }
+        for (name, bad) in [
+            (
+                "tyre.radius",
+                file.tyre
+                    .is_some_and(|t| !(t.radius > 0.0 && t.radius.is_finite())),
+            ),
+            (
+                "tyre.stiffness",
+                file.tyre
+                    .is_some_and(|t| t.stiffness.is_some_and(|k| !(k > 0.0 && k.is_finite()))),
+            ),
+            (
+                "vehicle.wheelbase",
+                file.vehicle
+                    .is_some_and(|v| !(v.wheelbase > 0.0 && v.wheelbase.is_finite())),
+            ),
+            (
+                "ride.height",
+                file.ride.height.is_some_and(|h| !h.is_finite()),
+            ),
+            ("ride.load", file.ride.load.is_some_and(|h| !h.is_finite())),
+        ] {
+            if bad {
+                let text = if name.starts_with("ride") {
+                    "a finite number"
+                } else {
+                    "a number above 0"
+                };
+                wrong(0..0, format!("`{name}` must be {text}"));
+            }
+        }
+        if file.ride.load.is_some() && file.ride.height.is_some() {
+            wrong(
+                0..0,
+                "`ride.load` and `ride.height` both say where the wheels are: give one".to_string(),
+            );
+        }
+        let axle = count == 2 || file.wheels.mirror;
+        let mut tests = Vec::new();
+        let mut tables = file.tests;
+        for kind in TestKind::ALL {
+            let key = tables.keys().find(|key| key.get_ref() == kind.name());
+            let table = key.cloned().and_then(|key| tables.remove(&key));
+            let asked = table.is_some();
+            let table = table.unwrap_or_default();
+            let possible = (axle || !kind.needs_two_wheels())
+                && (kind != TestKind::Steering || file.steering.drive.is_some());
+            if asked && table.run != Some(false) && !possible {
+                wrong(
+                    0..0,
+                    format!("test `{}` needs {}", kind.name(), kind.needs()),
+                );
+            }
+            let wanted = table.run.unwrap_or(asked || kind.is_standard());
+            if !wanted || !possible {
+                continue;
+            }
+            let default = kind.settings((length, force), file.tyre.is_some());
+            let mut settings = default;
+            if let Some(range) = table.range {
+                settings.range = *range.get_ref();
+                settings.window =
+                    default.window * (settings.range[1] / default.range[1]).abs().min(1.0);
+                let [low, high] = settings.range;
+                if !(low < high && low <= 0.0 && high >= 0.0 && low.is_finite() && high.is_finite())
+                {
+                    wrong(
+                        range.span(),
+                        "a range goes from a number below 0 to one above it".to_string(),
+                    );
+                }
+            }
+            if let Some(points) = table.points {
+                settings.points = *points.get_ref();
+                if !(3..=2001).contains(&settings.points) {
+                    wrong(points.span(), "a test has 3 to 2001 points".to_string());
+                }
+            }
+            if let Some(window) = table.window {
+                settings.window = *window.get_ref();
+                if !(settings.window > 0.0 && settings.window.is_finite()) {
+                    wrong(window.span(), "a window is a number above 0".to_string());
+                }
+            }
+            settings.point = table.point.unwrap_or(settings.point);
+            settings.hold = table.hold.unwrap_or(settings.hold);
+            settings.steering_locked = table.steering != Some(SteeringWord::Free);
+            if settings.point == LoadPoint::Patch && file.tyre.is_none() {
+                wrong(
+                    0..0,
+                    format!(
+                        "test `{}` loads the contact patch: give `tyre.radius`, or point = \"centre\"",
+                        kind.name()
+                    ),
+                );
+            }
+            if !settings.steering_locked && file.steering.lock.is_none() {
+                wrong(
+                    0..0,
+                    format!(
+                        "test `{}` frees the steering: say what locks it in `steering.lock`",
+                        kind.name()
+                    ),
+                );
+            }
+            tests.push((kind, settings));
+        }
+        for (key, _) in tables {
+            let names: Vec<&str> = TestKind::ALL.iter().map(|kind| kind.name()).collect();
+            wrong(
+                key.span(),
+                format!(
+                    "`{}` is not a test: they are {}",
+                    key.get_ref(),
+                    names.join(", ")
+                ),
+            );
+        }
+        let value = frame.map(|frame| Self {
+            source: source.clone(),
+            frame,
+            axes,
+            without: file.deck.without.into_iter().map(Spelled::from).collect(),
+            wheels,
+            mirror: file.wheels.mirror,
+            tyre: file.tyre,
+            vehicle: file.vehicle,
+            ride_load: file.ride.load,
+            ride_height: file.ride.height.unwrap_or(0.0),
+            steering_lock: file.steering.lock.map(Spelled::from),
+            steering_drive: file.steering.drive.map(Spelled::from),
+            axis_method: file.choices.steer_axis,
+            vertical_load: file.choices.vertical_load,
+            anti_roll_bar: file
+                .choices
+                .anti_roll_bar
+                .unwrap_or_else(|| "as in the deck".to_string()),
+            branches: file.choices.branches,
+            tests,
+        });
+        Checked {
+            value: if out.is_empty() { value } else { None },
+            diagnostics: out,
+        }
+    }
+
+    /// The sides that are in the deck.
+    pub fn sides(&self) -> Vec<Side> {
+        let there = |side: &Side| self.wheels[side.index()].is_some();
+        Side::BOTH.into_iter().filter(there).collect()
+    }
+
+    /// A complaint about a text of the file.
+    pub fn complain(&self, at: &Spelled, code: Code, message: String) -> Diagnostic {
+        Diagnostic::error(code, message).label(self.source.name(), at.span, "")
+    }
+}

@@ -1,0 +1,234 @@
+//! Slopes of what a test shows, at ride height: the exact tangent, and a line fitted over a window as rigs do.
+
+use super::bench::Observation;
+use super::sweep::{Branch, Sample};
+use super::wheel::angle_rates;
+use super::{Sense, Side, Unit};
+use crate::mechanics::Vec3;
+
+/// The slope of one reading.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Gradient {
+    /// Request of the reading.
+    pub entity: &'static str,
+    /// Its component.
+    pub component: &'static str,
+    /// Its unit; the slope is that per unit of the test's variable.
+    pub unit: Unit,
+    /// What its sign means.
+    pub sense: Sense,
+    /// Which wheel.
+    pub side: Side,
+    /// Exact derivative at ride height.
+    pub tangent: f64,
+    /// Slope of the least-squares line within the window; the mean of both branches where there are two. NaN with fewer than two points.
+    pub fitted: f64,
+    /// Half the width of the loop at ride height; zero without a second branch.
+    pub hysteresis: f64,
+    /// How far from ride height the reading stays within 5 percent of its whole change, or 10 percent of the local change, of the
+    /// tangent: `[below, above]`.
+    pub linear_range: [f64; 2],
+}
+
+/// A reading that has a gradient.
+struct Channel {
+    entity: &'static str,
+    component: [&'static str; 2],
+    unit: Unit,
+    sense: Sense,
+    /// Its rate from that of the wheel.
+    rate: fn(&Rate) -> f64,
+}
+
+struct Rate {
+    side: Side,
+    spin: Vec3,
+    shift: Vec3,
+    turn: Vec3,
+    load: f64,
+}
+
+const CHANNELS: [Channel; 8] = [
+    Channel {
+        entity: "toe_angle",
+        component: ["left", "right"],
+        unit: Unit::Angle,
+        sense: Sense::Own,
+        rate: |r| angle_rates(r.side, &r.spin, &r.turn).toe,
+    },
+    Channel {
+        entity: "camber_angle",
+        component: ["left", "right"],
+        unit: Unit::Angle,
+        sense: Sense::Own,
+        rate: |r| angle_rates(r.side, &r.spin, &r.turn).camber,
+    },
+    Channel {
+        entity: "steer_angle",
+        component: ["left", "right"],
+        unit: Unit::Angle,
+        sense: Sense::ToTheRight,
+        rate: |r| angle_rates(r.side, &r.spin, &r.turn).steer,
+    },
+    Channel {
+        entity: "side_view_angle",
+        component: ["left", "right"],
+        unit: Unit::Angle,
+        sense: Sense::Own,
+        // At design the rotation about Y itself; the turn since design is small at ride height.
+        rate: |r| r.turn.y,
+    },
+    Channel {
+        entity: "wheel_travel",
+        component: ["vertical_left", "vertical_right"],
+        unit: Unit::Length,
+        sense: Sense::Own,
+        rate: |r| r.shift.z,
+    },
+    Channel {
+        entity: "wheel_travel_base",
+        component: ["base_left", "base_right"],
+        unit: Unit::Length,
+        sense: Sense::X,
+        rate: |r| r.shift.x,
+    },
+    Channel {
+        entity: "wheel_travel_track",
+        component: ["track_left", "track_right"],
+        unit: Unit::Length,
+        sense: Sense::Y,
+        rate: |r| r.shift.y,
+    },
+    Channel {
+        entity: "wheel_load_vertical_force",
+        component: ["vertical_left_force", "vertical_right_force"],
+        unit: Unit::Force,
+        sense: Sense::Own,
+        rate: |r| r.load,
+    },
+];
+
+/// The gradients of a test from its tangent at ride height and its samples.
+pub fn gradients(centre: &Observation, samples: &[Sample], window: f64) -> Vec<Gradient> {
+    let mut out = Vec::new();
+    for channel in &CHANNELS {
+        for side in Side::BOTH {
+            let k = side.index();
+            let (Some(state), Some(rate)) = (centre.axle.wheels[k], centre.rates[k]) else {
+                continue;
+            };
+            let mut turn = rate.motion.fixed_rows::<3>(3).into_owned();
+            if channel.entity == "side_view_angle" {
+                turn.y = side_view_rate(&state.wheel.turn, &turn);
+            }
+            let rate = Rate {
+                side,
+                spin: state.wheel.spin,
+                shift: rate.motion.fixed_rows::<3>(0).into(),
+                turn,
+                load: rate.load,
+            };
+            let tangent = (channel.rate)(&rate);
+            let component = channel.component[k];
+            let points = |branch: Branch| -> Vec<(f64, f64)> {
+                samples
+                    .iter()
+                    .filter(|sample| sample.branch == branch)
+                    .filter_map(|sample| {
+                        let mut all = sample.readings.iter();
+                        let found =
+                            all.find(|r| r.entity == channel.entity && r.component == component)?;
+                        Some((sample.value, found.value))
+                    })
+                    .collect()
+            };
+            let (up, down) = (points(Branch::Up), points(Branch::Down));
+            let slopes = [&up, &down].map(|points| fitted_slope(points, window));
+            let fitted = if slopes[1].is_finite() {
+                0.5 * (slopes[0] + slopes[1])
+            } else {
+                slopes[0]
+            };
+            let hysteresis = match (at_zero(&up), at_zero(&down)) {
+                (Some(a), Some(b)) => 0.5 * (b - a).abs(),
+                _ => 0.0,
+            };
+            out.push(Gradient {
+                entity: channel.entity,
+                component,
+                unit: channel.unit,
+                sense: channel.sense,
+                side,
+                tangent,
+                fitted,
+                hysteresis,
+                linear_range: linear_range(&up, tangent),
+            });
+        }
+    }
+    out
+}
+
+/// The rate of `-atan(A31 / A11)` for a rotation `w`: `dA = [w]x A`.
+fn side_view_rate(A: &crate::mechanics::Mat3, w: &Vec3) -> f64 {
+    let column: Vec3 = A.column(0).into();
+    let d = w.cross(&column);
+    let (z, x) = (column.z, column.x);
+    -(d.z * x - z * d.x) / (x * x + z * z)
+}
+
+/// Slope of the least-squares line through the points within the window; NaN with fewer than two.
+pub fn fitted_slope(points: &[(f64, f64)], window: f64) -> f64 {
+    let inside: Vec<_> = points
+        .iter()
+        .filter(|p| p.0.abs() <= window * (1.0 + 1e-9))
+        .collect();
+    if inside.len() < 2 {
+        return f64::NAN;
+    }
+    let n = inside.len() as f64;
+    let mean = |f: fn(&(f64, f64)) -> f64| inside.iter().map(|p| f(p)).sum::<f64>() / n;
+    let (mx, my) = (mean(|p| p.0), mean(|p| p.1));
+    let (mut xy, mut xx) = (0.0, 0.0);
+    for (x, y) in inside {
+        xy += (x - mx) * (y - my);
+        xx += (x - mx) * (x - mx);
+    }
+    xy / xx
+}
+
+/// The value at zero, between the points next to it.
+fn at_zero(points: &[(f64, f64)]) -> Option<f64> {
+    let mut sorted = points.to_vec();
+    sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sorted.windows(2).find_map(|pair| {
+        let [(a, ya), (b, yb)] = pair else {
+            return None;
+        };
+        (*a <= 0.0 && *b >= 0.0 && b > a).then(|| ya + (yb - ya) * (0.0 - a) / (b - a))
+    })
+}
+
+/// The first points on each side that leave the tangent.
+fn linear_range(points: &[(f64, f64)], tangent: f64) -> [f64; 2] {
+    let Some(zero) = at_zero(points) else {
+        return [f64::NAN; 2];
+    };
+    let change = |y: f64| (y - zero).abs();
+    let whole = points.iter().map(|p| change(p.1)).fold(0.0, f64::max);
+    let straight = |&&(x, y): &&(f64, f64)| {
+        let away = (y - zero - tangent * x).abs();
+        away <= (0.05 * whole).max(0.1 * change(y))
+    };
+    let mut below: Vec<_> = points.iter().filter(|p| p.0 < 0.0).collect();
+    below.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut above: Vec<_> = points.iter().filter(|p| p.0 > 0.0).collect();
+    above.sort_by(|a, b| a.0.total_cmp(&b.0));
+    [below, above].map(|side| {
+        side.iter()
+            .copied()
+            .take_while(straight)
+            .last()
+            .map_or(0.0, |p| p.0)
+    })
+}

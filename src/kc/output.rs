@@ -1,0 +1,419 @@
+//! What a run is written as: curves and gradients as CSV, everything as JSON, each test as a results file with the request names of
+//! Adams/Car.
+
+use std::io;
+
+use serde_json::{Value, json};
+
+use super::config::{Config, LoadPoint, TestSettings};
+use super::sweep::{KcRun, Sample, TestRun};
+use super::{Convention, Gradient, Reading, Side};
+use crate::results::{Catalogue, Component, Entity, Header, StepKind, Style, Timestamp, XrfWriter};
+use crate::units::Units;
+
+/// Version of the definitions in the guide, page `kc`.
+pub const DEFINITIONS: u32 = 1;
+
+/// What every row of an output says of itself.
+#[derive(Clone, Debug)]
+pub struct Statement {
+    rows: Vec<(&'static str, String)>,
+}
+
+impl Statement {
+    /// Of a test, or of ride height.
+    pub fn new(config: &Config, test: Option<&TestSettings>, convention: Convention) -> Self {
+        let tyre = config.tyre.map_or_else(
+            || "none".to_string(),
+            |tyre| match tyre.stiffness {
+                Some(k) => format!("R0 {} Kt {k}", tyre.radius),
+                None => format!("R0 {} rigid", tyre.radius),
+            },
+        );
+        let point = test.map_or("patch", |test| test.point.word());
+        let point = if config.tyre.is_none() {
+            LoadPoint::Centre.word()
+        } else {
+            point
+        };
+        let steering = match (&config.steering_lock, test) {
+            (_, Some(test)) if !test.steering_locked => "free",
+            (None, _) => "as in the deck",
+            _ => "locked",
+        };
+        Self {
+            rows: vec![
+                ("load_point", point.to_string()),
+                (
+                    "held",
+                    test.map_or("height", |test| test.hold.word()).to_string(),
+                ),
+                ("steering", steering.to_string()),
+                ("anti_roll_bar", config.anti_roll_bar.clone()),
+                ("tyre", tyre),
+                (
+                    "window",
+                    test.map_or_else(String::new, |test| test.window.to_string()),
+                ),
+                ("axes", convention.word().to_string()),
+                ("definitions", DEFINITIONS.to_string()),
+            ],
+        }
+    }
+
+    fn json(&self) -> Value {
+        self.rows
+            .iter()
+            .map(|(name, value)| ((*name).to_string(), json!(value)))
+            .collect::<serde_json::Map<_, _>>()
+            .into()
+    }
+}
+
+/// What stands behind a column: the load it is for, the radius it takes, whether the tyre is in it.
+pub fn background(entity: &str) -> (&'static str, &'static str, &'static str) {
+    let none = "none";
+    match entity {
+        "ride_rate"
+        | "ride_frequency"
+        | "total_roll_rate"
+        | "roll_camber_coefficient"
+        | "roll_caster_coefficient"
+        | "tramp_rate"
+        | "lift_acceleration"
+        | "squat_acceleration" => ("wheel centre", none, "in"),
+        "roll_steer" => ("patch", "loaded", "in"),
+        "roll_center_location" => ("patch", "loaded", "out"),
+        "dive_braking" | "lift_braking" => ("patch", "unloaded", "in"),
+        "anti_dive_braking"
+        | "anti_lift_braking"
+        | "long_force_steer_patch"
+        | "long_force_caster_patch" => ("patch", "unloaded", "out"),
+        _ if entity.starts_with("lat_force") => ("patch", "unloaded", "out"),
+        _ if entity.starts_with("alt_")
+            || entity.starts_with("long_force")
+            || entity.starts_with("fore_aft")
+            || entity.starts_with("anti_") =>
+        {
+            ("wheel centre", none, "out")
+        }
+        "wheel_rate"
+        | "ride_steer"
+        | "ride_camber"
+        | "ride_caster"
+        | "susp_roll_rate"
+        | "fr_view_swing_arm_angle"
+        | "fr_view_swing_arm_length"
+        | "side_view_swing_arm_angle"
+        | "side_view_swing_arm_length" => ("wheel centre", none, "out"),
+        "left_tire_contact_point"
+        | "right_tire_contact_point"
+        | "total_track"
+        | "scrub_radius"
+        | "caster_moment_arm"
+        | "steer_axis_road_plane_intersection" => ("as the test", "loaded", "out"),
+        _ => ("as the test", none, "out"),
+    }
+}
+
+fn head(reading: &Reading, units: &Units) -> String {
+    let unit = reading.unit.word(units);
+    if unit.is_empty() {
+        reading.path()
+    } else {
+        format!("{} [{unit}]", reading.path())
+    }
+}
+
+fn finished(csv: csv::Writer<Vec<u8>>) -> Vec<u8> {
+    csv.into_inner().expect("writing to memory does not fail")
+}
+
+/// A number as CSV shows it; what is not defined is an empty cell.
+fn cell(value: f64) -> String {
+    if value.is_finite() {
+        value.to_string()
+    } else {
+        String::new()
+    }
+}
+
+/// All samples of all tests, a line each; ride height first.
+pub fn curves_csv(run: &KcRun, config: &Config, units: &Units, convention: Convention) -> Vec<u8> {
+    let mut csv = csv::Writer::from_writer(Vec::new());
+    let mut write = |record: Vec<String>| {
+        csv.write_record(record)
+            .expect("writing to memory does not fail");
+    };
+    let statement = Statement::new(config, None, convention);
+    let first = ["test", "branch", "value"].map(str::to_string);
+    let said = statement.rows.iter().map(|row| row.0.to_string());
+    let names = run.ride.readings.iter().map(|reading| head(reading, units));
+    write(first.into_iter().chain(said).chain(names).collect());
+    let mut row = |name: &str, statement: &Statement, sample: &Sample| {
+        let first = [
+            name.to_string(),
+            sample.branch.word().to_string(),
+            sample.value.to_string(),
+        ];
+        let said = statement.rows.iter().map(|row| row.1.clone());
+        let values = run.ride.readings.iter().map(|wanted| {
+            let found = sample
+                .readings
+                .iter()
+                .find(|r| r.entity == wanted.entity && r.component == wanted.component);
+            cell(found.map_or(f64::NAN, |r| r.value_in(convention)))
+        });
+        write(first.into_iter().chain(said).chain(values).collect());
+    };
+    row("ride_height", &statement, &run.ride);
+    for test in &run.tests {
+        let statement = Statement::new(config, Some(&test.settings), convention);
+        for sample in &test.samples {
+            row(test.kind.name(), &statement, sample);
+        }
+    }
+    finished(csv)
+}
+
+/// Left and right of one gradient: their lack of symmetry, with the signs of a symmetric axle in a symmetric test.
+fn asymmetry(gradient: &Gradient, all: &[Gradient]) -> f64 {
+    let other = all
+        .iter()
+        .find(|g| g.entity == gradient.entity && g.side != gradient.side);
+    other.map_or(f64::NAN, |other| {
+        let (a, b) = (gradient.tangent.abs(), other.tangent.abs());
+        if a.max(b) > 0.0 {
+            2.0 * (a - b) / (a + b)
+        } else {
+            0.0
+        }
+    })
+}
+
+/// All gradients, a line each.
+pub fn gradients_csv(
+    run: &KcRun,
+    config: &Config,
+    units: &Units,
+    convention: Convention,
+) -> Vec<u8> {
+    let mut csv = csv::Writer::from_writer(Vec::new());
+    let mut write = |record: Vec<String>| {
+        csv.write_record(record)
+            .expect("writing to memory does not fail");
+    };
+    let names = [
+        "test",
+        "quantity",
+        "unit",
+        "per",
+        "tangent",
+        "fitted",
+        "hysteresis",
+        "linear_from",
+        "linear_to",
+        "left_right_asymmetry",
+    ];
+    let statement = Statement::new(config, None, convention);
+    let said = statement.rows.iter().map(|row| row.0.to_string());
+    write(names.map(str::to_string).into_iter().chain(said).collect());
+    for test in &run.tests {
+        let statement = Statement::new(config, Some(&test.settings), convention);
+        for gradient in &test.gradients {
+            let factor = convention.factor(gradient.sense);
+            let first = [
+                test.kind.name().to_string(),
+                format!("{}.{}", gradient.entity, gradient.component),
+                gradient.unit.word(units),
+                test.kind.variable().to_string(),
+                cell(factor * gradient.tangent),
+                cell(factor * gradient.fitted),
+                cell(gradient.hysteresis),
+                cell(gradient.linear_range[0]),
+                cell(gradient.linear_range[1]),
+                cell(asymmetry(gradient, &test.gradients)),
+            ];
+            let said = statement.rows.iter().map(|row| row.1.clone());
+            write(first.into_iter().chain(said).collect());
+        }
+    }
+    finished(csv)
+}
+
+/// Everything. Numbers that are not defined are null.
+pub fn json(run: &KcRun, config: &Config, units: &Units, convention: Convention) -> Value {
+    let columns: Vec<Value> = run
+        .ride
+        .readings
+        .iter()
+        .map(|reading| {
+            let (load, radius, tyre) = background(reading.entity);
+            json!({
+                "path": reading.path(),
+                "units": reading.unit.word(units),
+                "load_at": load,
+                "radius": radius,
+                "tyre": tyre,
+            })
+        })
+        .collect();
+    let sample = |sample: &Sample| {
+        let values: Vec<f64> = run
+            .ride
+            .readings
+            .iter()
+            .map(|wanted| {
+                let mut all = sample.readings.iter();
+                let found =
+                    all.find(|r| r.entity == wanted.entity && r.component == wanted.component);
+                found.map_or(f64::NAN, |r| r.value_in(convention))
+            })
+            .collect();
+        json!({ "branch": sample.branch.word(), "value": sample.value, "values": values })
+    };
+    let matrix = |sample: &Sample| -> Value {
+        let Some(compliance) = sample.seen.axle.compliance else {
+            return Value::Null;
+        };
+        // Translations and rotations turn alike with the axes.
+        let axes = [super::Sense::X, super::Sense::Y, super::Sense::Z];
+        let sign = |k: usize| convention.factor(axes[k % 3]);
+        (0..12)
+            .map(|i| {
+                (0..12)
+                    .map(|j| json!(sign(i) * sign(j) * compliance.matrix[(i, j)]))
+                    .collect::<Value>()
+            })
+            .collect()
+    };
+    let tests: Vec<Value> = run
+        .tests
+        .iter()
+        .map(|test| {
+            let gradients: Vec<Value> = test
+                .gradients
+                .iter()
+                .map(|gradient| {
+                    let factor = convention.factor(gradient.sense);
+                    json!({
+                        "quantity": format!("{}.{}", gradient.entity, gradient.component),
+                        "units": gradient.unit.word(units),
+                        "per": test.kind.variable(),
+                        "tangent": factor * gradient.tangent,
+                        "fitted": factor * gradient.fitted,
+                        "hysteresis": gradient.hysteresis,
+                        "linear_range": gradient.linear_range,
+                    })
+                })
+                .collect();
+            json!({
+                "test": test.kind.name(),
+                "variable": test.kind.variable(),
+                "stated": Statement::new(config, Some(&test.settings), convention).json(),
+                "range": test.settings.range,
+                "samples": test.samples.iter().map(sample).collect::<Vec<_>>(),
+                "gradients": gradients,
+            })
+        })
+        .collect();
+    json!({
+        "definitions": DEFINITIONS,
+        "axes": convention.word(),
+        "deck_axes": config.axes,
+        "choices": {
+            "vertical_load": config.vertical_load,
+            "mirrored": config.mirror,
+            "road": "level",
+        },
+        "columns": columns,
+        "ride_height": sample(&run.ride),
+        "stated": Statement::new(config, None, convention).json(),
+        "compliance": matrix(&run.ride),
+        "compliance_asymmetry": run.asymmetry,
+        "tests": tests,
+    })
+}
+
+/// One test as a results file: the requests of Adams/Car, a quasi-static step per sample, TIME counting from 1. A column that is not
+/// defined somewhere is left out and named.
+///
+/// # Errors
+/// None in practice: it is written to memory.
+pub fn results(
+    test: &TestRun,
+    (title, units): (&str, &Units),
+    convention: Convention,
+) -> io::Result<(Vec<u8>, Vec<String>)> {
+    let Some(first) = test.samples.first() else {
+        return Ok((Vec::new(), Vec::new()));
+    };
+    let defined = |k: usize| {
+        test.samples
+            .iter()
+            .all(|s| s.readings.get(k).is_some_and(|r| r.value.is_finite()))
+    };
+    let (kept, lost): (Vec<usize>, Vec<usize>) =
+        (0..first.readings.len()).partition(|&k| defined(k));
+    let mut entities = vec![Entity {
+        name: "time".to_string(),
+        components: vec![Component {
+            name: "TIME".to_string(),
+            units: Some(units.time.word.to_string()),
+            plot_label: None,
+            id: 1,
+        }],
+        ..Entity::default()
+    }];
+    // Components of one request stand together, values in the order of their ids.
+    let mut order: Vec<usize> = Vec::new();
+    let mut names: Vec<&str> = Vec::new();
+    for &k in &kept {
+        if !names.contains(&first.readings[k].entity) {
+            names.push(first.readings[k].entity);
+        }
+    }
+    for (number, name) in names.into_iter().enumerate() {
+        let mut components = Vec::new();
+        for &k in kept.iter().filter(|&&k| first.readings[k].entity == name) {
+            order.push(k);
+            let reading = &first.readings[k];
+            let unit = reading.unit.word(units);
+            components.push(Component {
+                name: reading.component.to_string(),
+                units: (!unit.is_empty()).then_some(unit),
+                plot_label: None,
+                id: order.len() + 1,
+            });
+        }
+        entities.push(Entity {
+            name: name.to_string(),
+            entity: Some(name.to_string()),
+            ent_type: Some("Request".to_string()),
+            object_id: Some(number as i64 + 1),
+            comment: None,
+            components,
+        });
+    }
+    let catalogue = Catalogue::new(entities);
+    let path = format!("{}.res", test.kind.name());
+    let header = Header::new(&path, title, units, Timestamp::now());
+    let mut writer = XrfWriter::create(Vec::new(), &header, &catalogue, Style::default())?;
+    for (at, sample) in test.samples.iter().enumerate() {
+        let mut values = vec![at as f64 + 1.0];
+        values.extend(
+            order
+                .iter()
+                .map(|&k| sample.readings[k].value_in(convention)),
+        );
+        writer.step(StepKind::QuasiStatic, &values)?;
+    }
+    let lost = lost.into_iter().map(|k| first.readings[k].path()).collect();
+    Ok((writer.finish("Successful")?, lost))
+}
+
+/// Which wheels a run has.
+pub fn sides(run: &KcRun) -> Vec<Side> {
+    let there = |side: &Side| run.ride.seen.axle.wheels[side.index()].is_some();
+    Side::BOTH.into_iter().filter(there).collect()
+}

@@ -1,0 +1,449 @@
+//! The rig on a deck: markers, loads and motions that are added to a copy of it, as ordinary statements.
+//!
+//! Per wheel: a marker `c` at the wheel centre with its z axis along the spin axis, a marker `a` further out on it, a ground marker `g`
+//! at the design position of the centre in the axes of Adams/Car, variables for the loads, and one GFORCE. Loads at the contact patch come with
+//! their moment: with o the spin axis from `a` and `c`, the lever is `d = r (oz ox, oz oy, oz^2 - 1) / sqrt(1 - oz^2)`, which
+//! follows the wheel. A MOTION holds the height where heights are driven; its reaction is part of the load.
+
+use super::Side;
+use super::config::{Config, Hold, Spelled, WheelConfig};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::mechanics::{Mat3, Pose, Vec3, psi_theta_phi};
+use crate::model::{MarkerIx, Model, PartKind};
+use crate::syntax::{Address, Dataset, NewStatement};
+use crate::text::{Edit, Span};
+
+/// One wheel of a deck, found.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct FoundWheel {
+    /// Which.
+    pub side: Side,
+    /// Index of the carrier part in the model.
+    pub part: usize,
+    /// Wheel centre in part axes and the axes of the wheel there: z outboard along the spin axis.
+    pub local: Pose,
+    /// The same at design, in ground axes of the deck.
+    pub design: Pose,
+    /// Lower and upper markers of the geometric steer axis.
+    pub steer_axis: Option<[MarkerIx; 2]>,
+    /// Marker whose height is held for the instant axis.
+    pub travel_lock: Option<MarkerIx>,
+}
+
+/// What can be compiled at once: tests differ in what they hold.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub struct Variant {
+    /// The height of the wheel centres is held by motions.
+    pub height_held: bool,
+    /// What locks the steering is there.
+    pub steering_locked: bool,
+}
+
+impl Variant {
+    /// Name of its files.
+    pub fn name(self) -> String {
+        let height = if self.height_held { "height" } else { "load" };
+        let steering = if self.steering_locked { "" } else { "_free" };
+        format!("kc_{height}{steering}")
+    }
+
+    /// For a test that holds this.
+    pub fn of(hold: Hold, steering_locked: bool) -> Self {
+        Self {
+            height_held: hold == Hold::Height,
+            steering_locked,
+        }
+    }
+}
+
+/// Ids of what was added for one wheel.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct WheelIds {
+    /// Which.
+    pub side: Side,
+    /// Marker at the wheel centre.
+    pub centre: u32,
+    /// Ground marker.
+    pub ground: u32,
+    /// Variables: forces along X, Y, Z and the torque about Z that are put on, in the axes of Adams/Car.
+    pub loads: [u32; 4],
+    /// Variables that are 1 for loads at the patch and 0 for loads at the centre: of the vertical load, of those in the road plane.
+    pub patch: [u32; 2],
+    /// The motion that holds the height.
+    pub motion: Option<u32>,
+}
+
+/// A deck on the rig.
+#[derive(Clone, Debug)]
+pub struct Rigged {
+    /// The deck with the statements of the rig.
+    pub dataset: Dataset,
+    /// What was added.
+    pub wheels: Vec<WheelIds>,
+}
+
+fn marker_of(
+    config: &Config,
+    at: &Spelled,
+    (dataset, model): (&Dataset, &Model),
+) -> Result<MarkerIx, Diagnostic> {
+    let address = Address::parse(&at.text, dataset)
+        .map_err(|why| config.complain(at, why.code, why.message.clone()))?;
+    let found = (address.kind == "MARKER")
+        .then(|| address.id.and_then(|id| model.marker(id)))
+        .flatten();
+    found.ok_or_else(|| {
+        config.complain(
+            at,
+            Code::WrongType,
+            format!("`{}` is not a marker", at.text),
+        )
+    })
+}
+
+/// The pose of a marker at design, in ground.
+pub fn at_design(model: &Model, marker: MarkerIx) -> Pose {
+    let frame = &model.markers[marker.0];
+    model.parts[frame.part.0].pose.compose(&Pose {
+        p: frame.qp,
+        R: frame.R,
+    })
+}
+
+/// The wheels that the file names.
+///
+/// # Errors
+/// Whatever is not there or cannot be a wheel, each with its place in the file.
+pub fn wheels(
+    config: &Config,
+    dataset: &Dataset,
+    model: &Model,
+) -> Result<Vec<FoundWheel>, Vec<Diagnostic>> {
+    let mut found = Vec::new();
+    let mut out = Vec::new();
+    for side in config.sides() {
+        let Some(wheel) = &config.wheels[side.index()] else {
+            continue;
+        };
+        match find(config, (side, wheel), (dataset, model)) {
+            Ok(wheel) => found.push(wheel),
+            Err(why) => out.push(why),
+        }
+    }
+    if out.is_empty() { Ok(found) } else { Err(out) }
+}
+
+fn find(
+    config: &Config,
+    (side, wheel): (Side, &WheelConfig),
+    deck: (&Dataset, &Model),
+) -> Result<FoundWheel, Diagnostic> {
+    /// A spin axis further from the lateral direction is a mistake.
+    const LEAST: f64 = 0.8;
+    let (_, model) = deck;
+    let centre = marker_of(config, &wheel.centre, deck)?;
+    let part = model.markers[centre.0].part;
+    if model.parts[part.0].kind != PartKind::Rigid {
+        let message = format!("`{}` is not on a rigid part that moves", wheel.centre.text);
+        return Err(config.complain(&wheel.centre, Code::WrongType, message));
+    }
+    let pose = at_design(model, centre);
+    let letter = ["x", "y", "z"]
+        .iter()
+        .position(|letter| wheel.spin.text.eq_ignore_ascii_case(letter));
+    let axis: Vec3 = if let Some(k) = letter {
+        pose.R.column(k).into()
+    } else {
+        let other = marker_of(config, &wheel.spin, deck)?;
+        if model.markers[other.0].part != part {
+            let message = format!(
+                "`{}` is not on the part of the wheel centre",
+                wheel.spin.text
+            );
+            return Err(config.complain(&wheel.spin, Code::WrongType, message));
+        }
+        let between = at_design(model, other).p - pose.p;
+        between.try_normalize(1e-9).ok_or_else(|| {
+            let message = "a spin axis needs two places".to_string();
+            config.complain(&wheel.spin, Code::WrongType, message)
+        })?
+    };
+    let (p, o) = (config.frame.vector(&pose.p), config.frame.vector(&axis));
+    if p.y * side.outboard() <= 0.0 {
+        let message = format!(
+            "`{}` is not on the {} side of the vehicle in the axes `{}` of the deck",
+            wheel.centre.text,
+            side.word(),
+            config.axes
+        );
+        return Err(config
+            .complain(&wheel.centre, Code::BadSetting, message)
+            .help("say where X, Y and Z of the deck point to by `deck.axes`"));
+    }
+    if o.y.abs() < LEAST {
+        let message = format!(
+            "the spin axis `{}` does not lie across the vehicle: it leans by {:.0} degrees",
+            wheel.spin.text,
+            o.y.abs().acos().to_degrees()
+        );
+        return Err(config.complain(&wheel.spin, Code::BadSetting, message));
+    }
+    let z = axis * (side.outboard() * o.y.signum());
+    let along = config.frame.to_deck(&Vec3::x());
+    let x = (along - z * z.dot(&along)).normalize();
+    let R = Mat3::from_columns(&[x, z.cross(&x), z]);
+    let design = Pose { p: pose.p, R };
+    let local = model.parts[part.0].pose.inverse().compose(&design);
+    let steer_axis = wheel
+        .steer_axis
+        .as_ref()
+        .map(|[lower, upper]| {
+            Ok::<_, Diagnostic>([
+                marker_of(config, lower, deck)?,
+                marker_of(config, upper, deck)?,
+            ])
+        })
+        .transpose()?;
+    let travel_lock = wheel
+        .travel_lock
+        .as_ref()
+        .map(|at| marker_of(config, at, deck))
+        .transpose()?;
+    Ok(FoundWheel {
+        side,
+        part: part.0,
+        local,
+        design,
+        steer_axis,
+        travel_lock,
+    })
+}
+
+/// Collects statements, each with the next free id of its kind. They are put in before END by one edit.
+struct Builder<'a> {
+    dataset: &'a Dataset,
+    next: std::collections::BTreeMap<String, u32>,
+    text: Vec<u8>,
+}
+
+impl Builder<'_> {
+    fn add(&mut self, kind: &str, name: &str, arguments: &[(&str, Option<String>)]) -> u32 {
+        let statements = self.dataset.statements();
+        let next = self.next.entry(kind.to_string()).or_insert_with(|| {
+            let same = statements.iter().filter(|s| s.kind() == Some(kind));
+            let last = same.filter_map(crate::syntax::Statement::number).max();
+            // Ids of the rig are told from those of the deck.
+            (last.unwrap_or(0) / 1000 + 1) * 1000
+        });
+        *next += 1;
+        let id = *next;
+        let written = self.dataset.written(&NewStatement {
+            kind: kind.to_string(),
+            id: Some(id),
+            view_name: Some(format!("kc_{name}")),
+            arguments: arguments
+                .iter()
+                .map(|(name, value)| ((*name).to_string(), value.clone()))
+                .collect(),
+        });
+        self.text.extend_from_slice(&written);
+        self.text.push(b'\n');
+        id
+    }
+
+    /// The dataset with the statements.
+    fn finish(self) -> Dataset {
+        let end = self.dataset.end().map(|end| end.span.start());
+        let mut text = self.text;
+        if end.is_none() {
+            text.insert(0, b'\n');
+        }
+        let at = end.unwrap_or(self.dataset.bytes().len());
+        let edit = Edit::new(Span::at(at), text);
+        let edited = self.dataset.edited(&[edit]);
+        edited.expect("one edit does not overlap").value
+    }
+
+    fn marker(&mut self, name: &str, part: u32, frame: &Pose) -> u32 {
+        let list = |values: [f64; 3]| Some(values.map(number).join(", "));
+        let angles = psi_theta_phi(&frame.R);
+        self.add(
+            "MARKER",
+            name,
+            &[
+                ("PART", Some(part.to_string())),
+                ("QP", list(frame.p.into())),
+                ("REULER", list(angles)),
+            ],
+        )
+    }
+
+    fn variable(&mut self, name: &str, function: String) -> u32 {
+        self.add("VARIABLE", name, &[("FUNCTION", Some(function))])
+    }
+}
+
+/// A number with all its digits.
+fn number(value: f64) -> String {
+    if value == 0.0 {
+        "0.0".to_string()
+    } else {
+        format!("{value:.17E}")
+    }
+}
+
+/// Puts a deck on the rig.
+///
+/// # Errors
+/// A statement that is to be left out and is not there.
+pub fn rigged(
+    config: &Config,
+    (dataset, model): (&Dataset, &Model),
+    wheels: &[FoundWheel],
+    variant: Variant,
+) -> Result<Rigged, Diagnostic> {
+    let mut dataset = dataset.clone();
+    let lock = config
+        .steering_lock
+        .as_ref()
+        .filter(|_| !variant.steering_locked);
+    for at in config.without.iter().chain(lock) {
+        let complain = |why: Diagnostic| config.complain(at, why.code, why.message);
+        let address = Address::parse(&at.text, &dataset).map_err(complain)?;
+        if matches!(address.kind.as_str(), "PART" | "MARKER" | "POINT_MASS") {
+            let message = format!("{address} is no load, motion or joint that could be left out");
+            return Err(config.complain(at, Code::WrongType, message));
+        }
+        let edits = dataset.remove(&address).map_err(complain)?;
+        dataset = dataset
+            .edited(&edits)
+            .expect("edits of one statement do not overlap")
+            .value;
+    }
+    let mut builder = Builder {
+        dataset: &dataset,
+        next: std::collections::BTreeMap::new(),
+        text: Vec::new(),
+    };
+    let ground = model
+        .parts
+        .iter()
+        .find(|part| part.kind == PartKind::Ground)
+        .map_or(1, |part| part.header.id);
+    let length = 0.1 / model.units.length.si;
+    let mut ids = Vec::new();
+    for wheel in wheels {
+        ids.push(add_wheel(
+            &mut builder,
+            config,
+            model,
+            (ground, length),
+            wheel,
+            variant,
+        ));
+    }
+    Ok(Rigged {
+        dataset: builder.finish(),
+        wheels: ids,
+    })
+}
+
+fn add_wheel(
+    builder: &mut Builder<'_>,
+    config: &Config,
+    model: &Model,
+    (ground, length): (u32, f64),
+    wheel: &FoundWheel,
+    variant: Variant,
+) -> WheelIds {
+    let side = wheel.side;
+    let named = |name: &str| format!("{}_{name}", side.word());
+    let part = model.parts[wheel.part].header.id;
+    let centre = builder.marker(&named("centre"), part, &wheel.local);
+    let out = Pose {
+        p: wheel.local.point(&(Vec3::z() * length)),
+        R: wheel.local.R,
+    };
+    let axis = builder.marker(&named("axis"), part, &out);
+    let fixed = Pose {
+        p: wheel.design.p,
+        R: config.frame.from_deck.transpose(),
+    };
+    let g = builder.marker(&named("ground"), ground, &fixed);
+    let reaction = builder.add(
+        "MARKER",
+        &named("reaction"),
+        &[("PART", Some(ground.to_string())), ("FLOATING", None)],
+    );
+    let motion = variant.height_held.then(|| {
+        builder.add(
+            "MOTION",
+            &named("height"),
+            &[
+                ("I", Some(centre.to_string())),
+                ("J", Some(g.to_string())),
+                ("Z", None),
+                ("FUNCTION", Some("0.0".to_string())),
+            ],
+        )
+    });
+    let loads =
+        ["fx", "fy", "fz", "mz"].map(|name| builder.variable(&named(name), "0.0".to_string()));
+    let patch = ["vertical_at_patch", "plane_at_patch"]
+        .map(|name| builder.variable(&named(name), "0.0".to_string()));
+    let [fx, fy, fz, mz] = loads;
+    let total = builder.variable(
+        &named("load"),
+        match motion {
+            Some(motion) => format!("VARVAL({fz})+MOTION({motion},0,4,{g})"),
+            None => format!("VARVAL({fz})"),
+        },
+    );
+    let force = |id: u32| Some(format!("VARVAL({id})"));
+    let mut arguments = vec![
+        ("I", Some(centre.to_string())),
+        ("JFLOAT", Some(reaction.to_string())),
+        ("RM", Some(g.to_string())),
+        ("FX", force(fx)),
+        ("FY", force(fy)),
+        ("FZ", force(fz)),
+    ];
+    if let Some(tyre) = &config.tyre {
+        let [ox, oy, oz] = ["X", "Y", "Z"].map(|k| {
+            let function = format!("D{k}({axis},{centre},{g})/{}", number(length));
+            builder.variable(&named(&format!("spin_{}", k.to_lowercase())), function)
+        });
+        let radius = match tyre.stiffness {
+            Some(k) => format!("({}-VARVAL({total})/{})", number(tyre.radius), number(k)),
+            None => number(tyre.radius),
+        };
+        let v = |id: u32| format!("VARVAL({id})");
+        let (x, y, z) = (v(ox), v(oy), v(oz));
+        let reach = builder.variable(&named("reach"), format!("{radius}/SQRT(1-{z}**2)"));
+        let [dx, dy, dz] = [
+            ("lever_x", format!("{}*{z}*{x}", v(reach))),
+            ("lever_y", format!("{}*{z}*{y}", v(reach))),
+            ("lever_z", format!("{}*({z}**2-1)", v(reach))),
+        ]
+        .map(|(name, function)| v(builder.variable(&named(name), function)));
+        let (n, fx, fy, mz) = (v(total), v(fx), v(fy), v(mz));
+        let [up, plane] = patch.map(v);
+        arguments.push(("TX", Some(format!("{up}*{dy}*{n}-{plane}*{dz}*{fy}"))));
+        arguments.push(("TY", Some(format!("{plane}*{dz}*{fx}-{up}*{dx}*{n}"))));
+        let torque = format!("{plane}*({dx}*{fy}-{dy}*{fx})+{mz}");
+        arguments.push(("TZ", Some(torque)));
+    } else {
+        arguments.push(("TX", Some("0.0".to_string())));
+        arguments.push(("TY", Some("0.0".to_string())));
+        arguments.push(("TZ", force(mz)));
+    }
+    builder.add("GFORCE", &named("loads"), &arguments);
+    WheelIds {
+        side,
+        centre,
+        ground: g,
+        loads,
+        patch,
+        motion,
+    }
+}

@@ -1,0 +1,346 @@
+//! The standard tests: sweeps of equilibria on the rig.
+
+use super::axle::Given;
+use super::bench::{Bench, BenchError, Chain, Drive, Inputs, Observation};
+use super::config::{Branches, Config, Hold, LoadPoint, TestSettings};
+use super::gradient::{Gradient, gradients};
+use super::rig::Variant;
+use super::test_kind::{Driven, TestKind};
+use super::{Reading, Sense, Side, Unit};
+use crate::units::Units;
+
+/// Which way a test went when it came by.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Branch {
+    /// Towards the highest value.
+    Up,
+    /// Back.
+    Down,
+}
+
+impl Branch {
+    /// `up` or `down`.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Up => "up",
+            Self::Down => "down",
+        }
+    }
+}
+
+/// One point of a test.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Sample {
+    /// Which way.
+    pub branch: Branch,
+    /// Value of the test's own variable.
+    pub value: f64,
+    /// What the rig did.
+    pub inputs: Inputs,
+    /// What was seen.
+    pub seen: Observation,
+    /// All characteristics, the loads of the rig first.
+    pub readings: Vec<Reading>,
+}
+
+/// One test.
+#[derive(Clone, PartialEq, Debug)]
+pub struct TestRun {
+    /// Which.
+    pub kind: TestKind,
+    /// Its settings.
+    pub settings: TestSettings,
+    /// In the order driven.
+    pub samples: Vec<Sample>,
+    /// Slopes at ride height.
+    pub gradients: Vec<Gradient>,
+}
+
+/// All tests of a deck.
+#[derive(Clone, PartialEq, Debug)]
+pub struct KcRun {
+    /// Ride height, nothing driven.
+    pub ride: Sample,
+    /// The tests.
+    pub tests: Vec<TestRun>,
+    /// Lack of symmetry of the compliance matrix at ride height.
+    pub asymmetry: f64,
+}
+
+/// What is in the configuration and needed for characteristics.
+pub fn given(config: &Config, units: &Units) -> Given {
+    // One g in units of the deck.
+    let g = 9.80665 / units.length.si * units.time.si * units.time.si;
+    let mass = config.vehicle.map_or(0.0, |v| v.sprung_mass);
+    Given {
+        tyre: config.tyre,
+        vehicle: config.vehicle,
+        weight: mass * g / units.ucf,
+        corner_mass: config.ride_load.map_or(0.0, |load| load / g),
+        vertical_load: config.vertical_load,
+    }
+}
+
+/// Ride height: the heights of the wheel centres over design, and the vertical loads there.
+#[derive(Clone, Copy, PartialEq, Debug)]
+struct Ride {
+    height: [f64; 2],
+    load: [f64; 2],
+}
+
+/// Runs every test of the configuration.
+///
+/// # Errors
+/// [`BenchError`] with the test and the point it happened at.
+pub fn run(bench: &mut Bench<'_>, units: &Units) -> Result<KcRun, BenchError> {
+    let given = given(bench.config, units);
+    let (ride, base) = ride(bench)?;
+    let inputs = Inputs {
+        height: ride.height,
+        ..Inputs::default()
+    };
+    let held = Variant::of(Hold::Height, true);
+    let ride_inputs = Inputs {
+        vertical_at_patch: bench.config.tyre.is_some(),
+        ..inputs
+    };
+    let mut chain = base.clone();
+    let seen = bench.observe(held, &mut chain, (&ride_inputs, None), "ride height")?;
+    let length = 0.1 / units.length.si;
+    let asymmetry = seen
+        .axle
+        .compliance
+        .map_or(0.0, |compliance| compliance.asymmetry(length));
+    let at_ride = sample(Branch::Up, 0.0, (ride_inputs, seen), &given);
+    let mut tests = Vec::new();
+    for (kind, settings) in bench.config.tests.clone() {
+        tests.push(test(bench, (kind, settings), (&ride, &chain), &given)?);
+    }
+    Ok(KcRun {
+        ride: at_ride,
+        tests,
+        asymmetry,
+    })
+}
+
+/// Finds ride height: from the load if one is given.
+fn ride(bench: &mut Bench<'_>) -> Result<(Ride, Chain), BenchError> {
+    let config = bench.config;
+    let at = "ride height";
+    let vertical_at_patch = config.tyre.is_some();
+    let held = Variant::of(Hold::Height, true);
+    let mut height = [config.ride_height; 2];
+    if let Some(load) = config.ride_load {
+        let loaded = Variant::of(Hold::Load, true);
+        let mut chain = bench.chain(loaded)?;
+        let inputs = Inputs {
+            loads: [[0.0, 0.0, load, 0.0]; 2],
+            vertical_at_patch,
+            ..Inputs::default()
+        };
+        let seen = bench.observe(loaded, &mut chain, (&inputs, None), at)?;
+        for side in Side::BOTH {
+            if let Some(state) = &seen.axle.wheels[side.index()] {
+                height[side.index()] = state.wheel.centre.z - state.design.centre.z;
+            }
+        }
+        let mut held_chain = bench.chain(held)?;
+        held_chain.start_at(&chain);
+        let ride = Ride {
+            height,
+            load: [load; 2],
+        };
+        return Ok((ride, held_chain));
+    }
+    let mut chain = bench.chain(held)?;
+    let inputs = Inputs {
+        height,
+        vertical_at_patch,
+        ..Inputs::default()
+    };
+    let seen = bench.observe(held, &mut chain, (&inputs, None), at)?;
+    let load = seen.load;
+    Ok((Ride { height, load }, chain))
+}
+
+/// What a test drives per unit of its variable, on a deck with these wheels.
+fn drive(kind: TestKind, wheels: &[Side], mirror: bool) -> Drive {
+    let mut drive = Drive::default();
+    let mut on_loads = |k: usize, both: [f64; 2]| {
+        for side in Side::BOTH {
+            drive.loads[side.index()][k] = both[side.index()];
+        }
+    };
+    match kind.driven() {
+        Driven::Height(both) => drive.height = both,
+        Driven::Steering => drive.steer = 1.0,
+        Driven::Fx(both) => on_loads(0, both),
+        Driven::Fy(both) => {
+            // The single wheel is the left one, or the only one.
+            let lone = kind == TestKind::LateralSingle && !mirror && wheels == [Side::Right];
+            on_loads(1, if lone { [0.0, 1.0] } else { both });
+        }
+        Driven::Mz(both) => on_loads(3, both),
+    }
+    drive
+}
+
+fn test(
+    bench: &mut Bench<'_>,
+    (kind, settings): (TestKind, TestSettings),
+    (ride, base): (&Ride, &Chain),
+    given: &Given,
+) -> Result<TestRun, BenchError> {
+    let config = bench.config;
+    let sides: Vec<Side> = bench.wheels.iter().map(|wheel| wheel.side).collect();
+    let drive = drive(kind, &sides, config.mirror);
+    let variant = Variant::of(settings.hold, settings.steering_locked);
+    let patch = config.tyre.is_some();
+    let drives_heights = matches!(kind.driven(), Driven::Height(_) | Driven::Steering);
+    let inputs = |value: f64| {
+        let mut inputs = Inputs {
+            height: ride.height,
+            vertical_at_patch: if drives_heights {
+                settings.point == LoadPoint::Patch
+            } else {
+                patch
+            },
+            plane_at_patch: settings.point == LoadPoint::Patch,
+            ..Inputs::default()
+        };
+        if kind == TestKind::Steering {
+            inputs.steer = Some(value);
+        }
+        for k in 0..2 {
+            inputs.height[k] += drive.height[k] * value;
+            for (load, per_unit) in inputs.loads[k].iter_mut().zip(drive.loads[k]) {
+                *load = per_unit * value;
+            }
+            if settings.hold == Hold::Load {
+                inputs.loads[k][2] += ride.load[k];
+            }
+        }
+        inputs
+    };
+    let at = |value: f64| format!("test {}, {} {value}", kind.name(), kind.variable());
+    let mut chain = bench.chain(variant)?;
+    chain.start_at(base);
+    // Ride height first, with tangents; then outward to the lowest value, up, and down again.
+    let zero = inputs(0.0);
+    let centre = bench.observe(variant, &mut chain, (&zero, Some(&drive)), &at(0.0))?;
+    let [low, high] = settings.range;
+    let steps = settings.points - 1;
+    let grid: Vec<f64> = (0..=steps)
+        .map(|k| low + (high - low) * k as f64 / steps as f64)
+        .map(|value| {
+            if value.abs() < 1e-12 * high.abs().max(low.abs()) {
+                0.0
+            } else {
+                value
+            }
+        })
+        .collect();
+    let below: Vec<f64> = grid
+        .iter()
+        .copied()
+        .filter(|v| *v < 0.0 && *v > low)
+        .rev()
+        .collect();
+    for value in below {
+        bench.settle(variant, &mut chain, &inputs(value), &at(value))?;
+    }
+    let mut samples = Vec::new();
+    let mut go = |bench: &mut Bench<'_>, branch, value: f64| -> Result<(), BenchError> {
+        let inputs = inputs(value);
+        let seen = bench.observe(variant, &mut chain, (&inputs, None), &at(value))?;
+        samples.push(sample(branch, value, (inputs, seen), given));
+        Ok(())
+    };
+    for &value in &grid {
+        go(bench, Branch::Up, value)?;
+    }
+    if config.branches == Branches::Both {
+        for &value in grid.iter().rev() {
+            go(bench, Branch::Down, value)?;
+        }
+    }
+    let gradients = gradients(&centre, &samples, settings.window);
+    Ok(TestRun {
+        kind,
+        settings,
+        samples,
+        gradients,
+    })
+}
+
+fn sample(
+    branch: Branch,
+    value: f64,
+    (inputs, seen): (Inputs, Observation),
+    given: &Given,
+) -> Sample {
+    use Sense::{AboutZ, Own};
+    let mut readings = Vec::new();
+    for side in Side::BOTH {
+        let k = side.index();
+        if seen.axle.wheels[k].is_none() {
+            continue;
+        }
+        let [fx, fy, _, mz] = inputs.loads[k];
+        let mut push = |entity, [left, right]: [&'static str; 2], unit, sense, value| {
+            readings.push(Reading {
+                entity,
+                component: if side == Side::Left { left } else { right },
+                unit,
+                sense,
+                value,
+            });
+        };
+        // The signs of Adams/Car: lateral to the left of the vehicle, braking rearward, driving forward.
+        let long = "wheel_load_longitudinal";
+        let (braking, driving) = if inputs.plane_at_patch {
+            (fx, 0.0)
+        } else {
+            (0.0, -fx)
+        };
+        push(
+            long,
+            ["braking_left", "braking_right"],
+            Unit::Force,
+            Own,
+            braking,
+        );
+        push(
+            long,
+            ["driving_left", "driving_right"],
+            Unit::Force,
+            Own,
+            driving,
+        );
+        push(
+            "wheel_load_lateral",
+            ["lateral_left", "lateral_right"],
+            Unit::Force,
+            Own,
+            -fy,
+        );
+        let name = ["vertical_left_force", "vertical_right_force"];
+        push(
+            "wheel_load_vertical_force",
+            name,
+            Unit::Force,
+            Own,
+            seen.load[k],
+        );
+        let name = ["algn_torque_left", "algn_torque_right"];
+        push("wheel_load_align", name, Unit::Torque, AboutZ, mz);
+    }
+    readings.extend(seen.axle.readings(given));
+    Sample {
+        branch,
+        value,
+        inputs,
+        seen,
+        readings,
+    }
+}

@@ -1,0 +1,154 @@
+use super::config::{Hold, LoadPoint, TestSettings};
+
+/// A standard test of an axle on a rig.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub enum TestKind {
+    /// Both wheels up and down together.
+    Bounce,
+    /// Left wheel up, right wheel down.
+    Roll,
+    /// The steering input.
+    Steering,
+    /// The same lateral force on both wheels.
+    Lateral,
+    /// Lateral forces outward on both wheels.
+    LateralOpposed,
+    /// A lateral force on the left wheel, or the only one.
+    LateralSingle,
+    /// Rearward force at the patch, brakes on.
+    Braking,
+    /// Forward force at the wheel centre.
+    Traction,
+    /// The same torque about the vertical on both wheels.
+    Aligning,
+    /// Opposite torques.
+    AligningOpposed,
+}
+
+/// What a test drives, and how much of it each wheel takes (left, right).
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Driven {
+    /// Heights of the wheel centres.
+    Height([f64; 2]),
+    /// The steering input.
+    Steering,
+    /// Longitudinal forces, +X rearward.
+    Fx([f64; 2]),
+    /// Lateral forces, +Y to the right.
+    Fy([f64; 2]),
+    /// Torques about +Z.
+    Mz([f64; 2]),
+}
+
+impl TestKind {
+    /// All, in the order they are run.
+    pub const ALL: [Self; 10] = [
+        Self::Bounce,
+        Self::Roll,
+        Self::Steering,
+        Self::Lateral,
+        Self::LateralOpposed,
+        Self::LateralSingle,
+        Self::Braking,
+        Self::Traction,
+        Self::Aligning,
+        Self::AligningOpposed,
+    ];
+
+    /// Its name in `kc.toml` and in outputs.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Bounce => "bounce",
+            Self::Roll => "roll",
+            Self::Steering => "steering",
+            Self::Lateral => "lateral",
+            Self::LateralOpposed => "lateral_opposed",
+            Self::LateralSingle => "lateral_single",
+            Self::Braking => "braking",
+            Self::Traction => "traction",
+            Self::Aligning => "aligning",
+            Self::AligningOpposed => "aligning_opposed",
+        }
+    }
+
+    /// True if it is run unasked.
+    pub const fn is_standard(self) -> bool {
+        !matches!(self, Self::LateralSingle)
+    }
+
+    /// True if one wheel alone cannot show it.
+    pub const fn needs_two_wheels(self) -> bool {
+        matches!(
+            self,
+            Self::Roll | Self::LateralOpposed | Self::AligningOpposed
+        )
+    }
+
+    /// What it cannot do without.
+    pub const fn needs(self) -> &'static str {
+        match self {
+            Self::Steering => "`steering.drive`",
+            _ => "two wheels, or `wheels.mirror = true`",
+        }
+    }
+
+    /// What is driven, per unit of the test's own variable. Roll is driven by the height of the left wheel.
+    pub const fn driven(self) -> Driven {
+        match self {
+            Self::Bounce => Driven::Height([1.0, 1.0]),
+            Self::Roll => Driven::Height([1.0, -1.0]),
+            Self::Steering => Driven::Steering,
+            Self::Lateral => Driven::Fy([1.0, 1.0]),
+            Self::LateralOpposed => Driven::Fy([-1.0, 1.0]),
+            Self::LateralSingle => Driven::Fy([1.0, 0.0]),
+            Self::Braking => Driven::Fx([1.0, 1.0]),
+            Self::Traction => Driven::Fx([-1.0, -1.0]),
+            Self::Aligning => Driven::Mz([1.0, 1.0]),
+            Self::AligningOpposed => Driven::Mz([-1.0, 1.0]),
+        }
+    }
+
+    /// What its variable is called.
+    pub const fn variable(self) -> &'static str {
+        match self {
+            Self::Bounce => "wheel travel",
+            Self::Roll => "travel of the left wheel",
+            Self::Steering => "steering input",
+            Self::Lateral | Self::LateralOpposed | Self::LateralSingle => "lateral force",
+            Self::Braking => "braking force",
+            Self::Traction => "driving force",
+            Self::Aligning | Self::AligningOpposed => "aligning torque",
+        }
+    }
+
+    /// The usual levels; `length` is a millimetre and `force` a newton in units of the deck. Travel of 50 mm is usual on rigs; the other
+    /// levels are custom of the field without a source.
+    pub fn settings(self, (length, force): (f64, f64), tyre: bool) -> TestSettings {
+        let (reach, window) = match self {
+            Self::Bounce => (50.0 * length, 15.0 * length),
+            Self::Roll => (40.0 * length, 15.0 * length),
+            Self::Steering => (20.0 * length, 5.0 * length),
+            Self::Lateral | Self::LateralOpposed | Self::LateralSingle => {
+                (3000.0 * force, 1000.0 * force)
+            }
+            Self::Braking | Self::Traction => (3000.0 * force, 1000.0 * force),
+            Self::Aligning | Self::AligningOpposed => (2e5 * force * length, 1e5 * force * length),
+        };
+        let centre = !tyre || self == Self::Traction;
+        TestSettings {
+            range: [-reach, reach],
+            points: 13,
+            window,
+            point: if centre {
+                LoadPoint::Centre
+            } else {
+                LoadPoint::Patch
+            },
+            hold: match self {
+                Self::Bounce | Self::Roll | Self::Steering => Hold::Height,
+                _ => Hold::Load,
+            },
+            steering_locked: true,
+        }
+    }
+}

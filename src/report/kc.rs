@@ -1,0 +1,441 @@
+use super::{Align, Chart, DrawingError, Figure, Mark, Page, Series, Table};
+use crate::kc::{
+    Branch, Convention, Gradient, KcRun, Reading, Sample, Side, TestRun, Unit, output,
+};
+use crate::units::Units;
+
+/// A curve that was measured, in the units of the deck and radians.
+#[derive(Clone, PartialEq, Debug)]
+pub struct MeasuredCurve {
+    /// Name of the test.
+    pub test: String,
+    /// Name of the characteristic: `toe_angle.left`.
+    pub path: String,
+    /// Value of the test's variable, value of the characteristic; in the order driven.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// What the page of K&C tests shows.
+#[derive(Debug)]
+pub struct KcReport<'a> {
+    /// The deck.
+    pub deck: &'a str,
+    /// Its run.
+    pub run: &'a KcRun,
+    /// Other decks with their names, under the same tests.
+    pub others: &'a [(String, KcRun)],
+    /// Measurements.
+    pub measured: &'a [MeasuredCurve],
+    /// Units of the deck.
+    pub units: &'a Units,
+    /// Axes of the answer.
+    pub convention: Convention,
+    /// What is given and chosen, by name.
+    pub facts: &'a [(&'a str, String)],
+}
+
+/// Curves of each test: names of the left and right reading, what to call the picture.
+const CURVES: [(&str, [&str; 2], &str); 7] = [
+    ("toe_angle", ["left", "right"], "Toe"),
+    ("camber_angle", ["left", "right"], "Camber"),
+    ("caster_angle", ["left", "right"], "Caster"),
+    (
+        "wheel_travel_base",
+        ["base_left", "base_right"],
+        "Base change",
+    ),
+    (
+        "wheel_travel_track",
+        ["track_left", "track_right"],
+        "Track change",
+    ),
+    (
+        "wheel_travel",
+        ["vertical_left", "vertical_right"],
+        "Wheel travel",
+    ),
+    (
+        "wheel_load_vertical_force",
+        ["vertical_left_force", "vertical_right_force"],
+        "Vertical load",
+    ),
+];
+
+/// Single readings of the axle that are shown over the tests that drive heights.
+const MIGRATION: [(&str, &str, &str); 2] = [
+    ("roll_center_location", "vertical", "Roll centre height"),
+    (
+        "roll_center_location",
+        "lateral_from_half_track",
+        "Roll centre, lateral",
+    ),
+];
+
+/// What is shown of ride height.
+const AT_RIDE_HEIGHT: [&str; 22] = [
+    "toe_angle",
+    "camber_angle",
+    "caster_angle",
+    "kingpin_incl_angle",
+    "scrub_radius",
+    "caster_moment_arm",
+    "wheel_load_vertical_force",
+    "wheel_rate",
+    "ride_rate",
+    "ride_steer",
+    "ride_camber",
+    "fr_view_swing_arm_length",
+    "side_view_swing_arm_length",
+    "roll_steer",
+    "roll_camber_coefficient",
+    "lat_force_defl_compliance",
+    "lat_force_steer_compliance",
+    "lat_force_camber_compliance",
+    "alt_steer_compliance",
+    "fore_aft_wheel_center_stiffness",
+    "anti_dive_braking",
+    "anti_squat_acceleration",
+];
+
+/// Value and unit as people read them: angles in degrees.
+fn shown(value: f64, unit: Unit, units: &Units) -> (f64, String) {
+    let word = unit.word(units);
+    if unit.is_angle() {
+        (value.to_degrees(), word.replacen("rad", "deg", 1))
+    } else {
+        (value, word)
+    }
+}
+
+/// Five digits.
+fn digits(value: f64) -> String {
+    if !value.is_finite() {
+        return String::new();
+    }
+    let size = value.abs();
+    if size != 0.0 && !(1e-3..1e6).contains(&size) {
+        return format!("{value:.3e}");
+    }
+    let places = if size == 0.0 {
+        0
+    } else {
+        (4 - size.log10().floor() as i32).clamp(0, 6)
+    };
+    format!("{value:.*}", places as usize)
+}
+
+fn reading<'s>(sample: &'s Sample, entity: &str, component: &str) -> Option<&'s Reading> {
+    let mut all = sample.readings.iter();
+    all.find(|reading| reading.entity == entity && reading.component == component)
+}
+
+impl KcReport<'_> {
+    /// The page. `footer` says what made it.
+    ///
+    /// # Errors
+    /// When a picture cannot be drawn.
+    pub fn page(&self, footer: &str) -> Result<String, DrawingError> {
+        let mut page = Page::new(
+            &format!("Kinematics and compliance of {}", self.deck),
+            &self.lead(),
+        );
+        page.facts(self.facts);
+        page.heading("Ride height").table(&self.ride_height());
+        page.note(
+            "Angles in degrees. Definitions, signs and their evidence: `admire guide kc`. Columns of the anti effects are formulas for both axles.",
+        );
+        for test in &self.run.tests {
+            self.test(&mut page, test)?;
+        }
+        Ok(page.finish(footer))
+    }
+
+    fn lead(&self) -> String {
+        let value = |entity: &str, component: &str| {
+            let found = reading(&self.run.ride, entity, component)?;
+            let (value, unit) = shown(found.value_in(self.convention), found.unit, self.units);
+            Some(format!("{} {unit}", digits(value)))
+        };
+        let side = output::sides(self.run)
+            .first()
+            .map_or("left", |side| side.word());
+        let mut said = Vec::new();
+        for (name, entity, component) in [
+            ("wheel rate", "wheel_rate", side),
+            ("toe", "toe_angle", side),
+            ("camber", "camber_angle", side),
+            ("ride steer", "ride_steer", side),
+            ("roll centre height", "roll_center_location", "vertical"),
+        ] {
+            if let Some(value) = value(entity, component) {
+                said.push(format!("{name} {value}"));
+            }
+        }
+        format!("At ride height, {side} wheel: {}.", said.join(", "))
+    }
+
+    fn ride_height(&self) -> Table {
+        let mut heads = vec![("characteristic", Align::Left), ("unit", Align::Left)];
+        heads.extend([("left", Align::Right), ("right", Align::Right)]);
+        let names: Vec<String> = self
+            .others
+            .iter()
+            .flat_map(|(name, _)| [format!("{name}: left"), format!("{name}: right")])
+            .collect();
+        heads.extend(names.iter().map(|name| (name.as_str(), Align::Right)));
+        let mut table = Table::new(&heads);
+        for entity in AT_RIDE_HEIGHT {
+            let Some(first) = self.run.ride.readings.iter().find(|r| r.entity == entity) else {
+                continue;
+            };
+            let unit = shown(0.0, first.unit, self.units).1;
+            let mut row = vec![entity.replace('_', " "), unit];
+            for run in std::iter::once(self.run).chain(self.others.iter().map(|o| &o.1)) {
+                for side in Side::BOTH {
+                    let mut all = run.ride.readings.iter();
+                    let found =
+                        all.find(|r| r.entity == entity && r.component.contains(side.word()));
+                    row.push(found.map_or_else(String::new, |r| {
+                        digits(shown(r.value_in(self.convention), r.unit, self.units).0)
+                    }));
+                }
+            }
+            table.row(row);
+        }
+        for (entity, component, name) in [
+            ("roll_center_location", "vertical", "roll centre height"),
+            (
+                "roll_center_location",
+                "lateral_from_half_track",
+                "roll centre, lateral",
+            ),
+            (
+                "susp_roll_rate",
+                "suspension_roll_rate",
+                "suspension roll rate",
+            ),
+            ("total_roll_rate", "total_roll_rate", "total roll rate"),
+        ] {
+            let Some(found) = reading(&self.run.ride, entity, component) else {
+                continue;
+            };
+            let mut row = vec![name.to_string(), found.unit.word(self.units)];
+            for run in std::iter::once(self.run).chain(self.others.iter().map(|o| &o.1)) {
+                let found = reading(&run.ride, entity, component);
+                row.push(found.map_or_else(String::new, |r| digits(r.value_in(self.convention))));
+                row.push(String::new());
+            }
+            table.row(row);
+        }
+        table
+    }
+
+    fn test(&self, page: &mut Page, test: &TestRun) -> Result<(), DrawingError> {
+        let settings = &test.settings;
+        let name = test.kind.name().replace('_', " ");
+        let mut title = name[..1].to_uppercase() + &name[1..];
+        if !settings.steering_locked {
+            title += ", free steering";
+        }
+        page.heading(&title);
+        let same = test
+            .gradients
+            .iter()
+            .all(|g| g.hysteresis <= 1e-6 * g.tangent.abs() * settings.window);
+        let both = test.samples.iter().any(|s| s.branch == Branch::Down);
+        page.paragraph(&format!(
+            "Driven: {} from {} to {}; loads at the {}, {} held. {}",
+            test.kind.variable(),
+            settings.range[0],
+            settings.range[1],
+            if settings.point == crate::kc::LoadPoint::Patch {
+                "contact patch"
+            } else {
+                "wheel centre"
+            },
+            if settings.hold == crate::kc::Hold::Height {
+                "height of the wheel centres"
+            } else {
+                "vertical loads"
+            },
+            match (both, same) {
+                (false, _) => "Driven one way.",
+                (true, true) => "Both branches are one curve: there is no friction in the deck.",
+                (true, false) => "The branches differ: see the half widths below.",
+            }
+        ));
+        let mut figures = Vec::new();
+        for (entity, components, title) in CURVES {
+            figures.extend(self.curve(test, entity, &components, title)?);
+        }
+        for (entity, component, title) in MIGRATION {
+            if settings.hold == crate::kc::Hold::Height {
+                figures.extend(self.curve(test, entity, &[component], title)?);
+            }
+        }
+        page.figures(&figures);
+        page.subheading("Gradients at ride height")
+            .table(&self.gradients(test));
+        page.note(
+            "Tangent: the exact derivative. Fitted: the least-squares line within the window, mean of both branches. Linear range: up to the last \
+             point that leaves the tangent by less than 5 percent of the whole change or 10 percent of its own.",
+        );
+        Ok(())
+    }
+
+    /// One picture, unless nothing moves in it: a constant says nothing.
+    fn curve(
+        &self,
+        test: &TestRun,
+        entity: &'static str,
+        components: &[&'static str],
+        title: &str,
+    ) -> Result<Option<Figure>, DrawingError> {
+        let mut series = Vec::new();
+        let mut unit = String::new();
+        for component in components {
+            let word = if components.len() > 1 && component.contains("right") {
+                "right"
+            } else if components.len() > 1 {
+                "left"
+            } else {
+                ""
+            };
+            let points = |test: &TestRun, branch: Branch, unit: &mut String| -> Vec<(f64, f64)> {
+                let samples = test.samples.iter().filter(|s| s.branch == branch);
+                samples
+                    .filter_map(|sample| {
+                        let found = reading(sample, entity, component)?;
+                        let value = found.value_in(self.convention);
+                        let (value, word) = shown(value, found.unit, self.units);
+                        *unit = word;
+                        Some((sample.value, value))
+                    })
+                    .collect()
+            };
+            let up = points(test, Branch::Up, &mut unit);
+            if up.is_empty() {
+                continue;
+            }
+            let named = |what: &str| format!("{word} {what}").trim().to_string();
+            let down = points(test, Branch::Down, &mut unit);
+            series.push(Series {
+                name: named(if down.is_empty() { "" } else { "up" }),
+                points: up,
+                mark: Mark::LinePoints,
+            });
+            if !down.is_empty() {
+                series.push(Series {
+                    name: named("down"),
+                    points: down,
+                    mark: Mark::Dashed,
+                });
+            }
+            for (name, run) in self.others {
+                let same = run.tests.iter().find(|other| other.kind == test.kind);
+                let points = same.map_or_else(Vec::new, |t| points(t, Branch::Up, &mut unit));
+                series.push(Series {
+                    name: named(name),
+                    points,
+                    mark: Mark::Line,
+                });
+            }
+            let path = format!("{entity}.{component}");
+            for curve in self.measured {
+                if curve.test == test.kind.name() && curve.path == path {
+                    let angle = unit.starts_with("deg");
+                    let turned = |v: f64| if angle { v.to_degrees() } else { v };
+                    series.push(Series {
+                        name: named("measured"),
+                        points: curve.points.iter().map(|p| (p.0, turned(p.1))).collect(),
+                        mark: Mark::Points,
+                    });
+                }
+            }
+        }
+        let all = || series.iter().flat_map(|s| &s.points).map(|p| p.1);
+        let (low, high) = (
+            all().fold(f64::MAX, f64::min),
+            all().fold(f64::MIN, f64::max),
+        );
+        if !(high - low > 1e-9 * high.abs().max(low.abs()).max(1e-6)) {
+            return Ok(None);
+        }
+        let chart = Chart {
+            title: title.to_string(),
+            x: format!("{} [{}]", test.kind.variable(), self.variable_unit(test)),
+            y: format!("{} [{unit}]", title.to_lowercase()),
+            series,
+            log_y: false,
+            level: None,
+        };
+        Figure::chart(&chart, "").map(Some)
+    }
+
+    fn variable_unit(&self, test: &TestRun) -> String {
+        use crate::kc::Driven;
+        match test.kind.driven() {
+            Driven::Height(_) => Unit::Length.word(self.units),
+            Driven::Steering => "as driven".to_string(),
+            Driven::Fx(_) | Driven::Fy(_) => Unit::Force.word(self.units),
+            Driven::Mz(_) => Unit::Torque.word(self.units),
+        }
+    }
+
+    fn gradients(&self, test: &TestRun) -> Table {
+        let per = self.variable_unit(test);
+        let mut heads = vec![
+            ("quantity", Align::Left),
+            ("unit", Align::Left),
+            ("tangent", Align::Right),
+            ("fitted", Align::Right),
+            ("half width of loop", Align::Right),
+            ("linear from", Align::Right),
+            ("to", Align::Right),
+        ];
+        let names: Vec<&str> = self.others.iter().map(|(name, _)| name.as_str()).collect();
+        heads.extend(names.iter().map(|name| (*name, Align::Right)));
+        let measured = self
+            .measured
+            .iter()
+            .any(|curve| curve.test == test.kind.name());
+        if measured {
+            heads.push(("measured, fitted", Align::Right));
+        }
+        let mut table = Table::new(&heads);
+        for gradient in &test.gradients {
+            let factor = self.convention.factor(gradient.sense);
+            let of = |value: f64| shown(value, gradient.unit, self.units);
+            let (tangent, unit) = of(factor * gradient.tangent);
+            let mut row = vec![
+                format!("{}.{}", gradient.entity, gradient.component),
+                format!("{unit} per {per}"),
+                digits(tangent),
+                digits(of(factor * gradient.fitted).0),
+                digits(of(gradient.hysteresis).0),
+                digits(gradient.linear_range[0]),
+                digits(gradient.linear_range[1]),
+            ];
+            for (_, run) in self.others {
+                let same = run.tests.iter().find(|other| other.kind == test.kind);
+                let found = same.and_then(|test| {
+                    let like =
+                        |g: &&Gradient| g.entity == gradient.entity && g.side == gradient.side;
+                    test.gradients.iter().find(like)
+                });
+                row.push(found.map_or_else(String::new, |g| digits(of(factor * g.tangent).0)));
+            }
+            if measured {
+                let path = format!("{}.{}", gradient.entity, gradient.component);
+                let mut all = self.measured.iter();
+                let curve = all.find(|c| c.test == test.kind.name() && c.path == path);
+                row.push(curve.map_or_else(String::new, |curve| {
+                    let slope = crate::kc::fitted_slope(&curve.points, test.settings.window);
+                    digits(of(slope).0)
+                }));
+            }
+            table.row(row);
+        }
+        table
+    }
+}

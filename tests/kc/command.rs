@@ -1,0 +1,309 @@
+//! `admire kc` as a user runs it.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn admire(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_admire"))
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .expect("admire runs")
+}
+
+fn corpus(name: &str) -> String {
+    let path: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("corpus")
+        .join(name);
+    path.to_string_lossy().into_owned()
+}
+
+#[track_caller]
+fn said(output: &Output, code: i32) -> String {
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(code), "{errors}");
+    errors
+}
+
+/// Values of one reading in a test of `kc.json`.
+fn values(json: &Value, test: &str, path: &str) -> Vec<f64> {
+    let columns = json["columns"].as_array().unwrap();
+    let at = columns.iter().position(|c| c["path"] == path).unwrap();
+    let tests = json["tests"].as_array().unwrap();
+    let test = tests.iter().find(|t| t["test"] == test).unwrap();
+    let samples = test["samples"].as_array().unwrap();
+    samples
+        .iter()
+        .map(|s| s["values"][at].as_f64().unwrap())
+        .collect()
+}
+
+#[test]
+fn the_written_decks_give_the_same_wheels() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = corpus("pseudo-mcpherson/kc.toml");
+    let deck = corpus("pseudo-mcpherson/model.adm");
+    let output = admire(
+        folder.path(),
+        &[
+            "kc",
+            &deck,
+            "--config",
+            &config,
+            "--out",
+            "kc",
+            "--write-deck",
+        ],
+    );
+    said(&output, 0);
+    let out = folder.path().join("kc");
+    let json: Value = serde_json::from_slice(&std::fs::read(out.join("kc.json")).unwrap()).unwrap();
+    for test in ["bounce", "lateral", "braking", "aligning"] {
+        // The command file is what any ADAMS runs; its results hold the motions of the carrier.
+        let solved = admire(&out, &["solve", &format!("{test}.acf")]);
+        assert!(solved.status.success(), "{test}");
+        let centre = "-17.07941120175,-68.68083881118,-4.029403578004";
+        let read = admire(
+            &out,
+            &[
+                "results",
+                &format!("{test}.res"),
+                "--kc",
+                "--wheel",
+                "KNUCKLE",
+                "--centre",
+                centre,
+                "--spin",
+                "y",
+                "--json",
+            ],
+        );
+        said(&read, 0);
+        let read: Value = serde_json::from_slice(&read.stdout).unwrap();
+        for path in [
+            // The axes of the part are not those of the wheel: its places, and its pitch since design.
+            "side_view_angle.left",
+            "wheel_travel_track.track_left",
+            "wheel_travel.vertical_left",
+            "wheel_travel_base.base_left",
+        ] {
+            let expected = values(&json, test, path);
+            let columns = read["columns"].as_array().unwrap();
+            let at = columns.iter().position(|c| c["path"] == path).unwrap();
+            let steps = read["steps"].as_array().unwrap();
+            assert_eq!(steps.len(), expected.len(), "{test}");
+            for (step, expected) in steps.iter().zip(expected) {
+                let value = step["values"][at].as_f64().unwrap();
+                // The deck's own EQUILIBRIUM asks for fewer digits than the tests do.
+                assert!(
+                    (value - expected).abs() < 2e-5,
+                    "{test} {path}: {value} {expected}"
+                );
+            }
+        }
+    }
+}
+
+/// Existing scripts find their columns: the results file of a test has the requests of Adams/Car.
+#[test]
+fn results_have_the_names_of_adams_car() {
+    let folder = tempfile::tempdir().unwrap();
+    let (deck, config) = (corpus("multilink/model.adm"), corpus("multilink/kc.toml"));
+    said(
+        &admire(
+            folder.path(),
+            &["kc", &deck, "--config", &config, "--out", "."],
+        ),
+        0,
+    );
+    let json: Value =
+        serde_json::from_slice(&std::fs::read(folder.path().join("kc.json")).unwrap()).unwrap();
+    let names = [
+        "toe_angle.left",
+        "wheel_rate.right",
+        "roll_center_location.vertical",
+        "lat_force_steer_compliance.left",
+        "total_track.track",
+        "wheel_load_vertical_force.vertical_left_force",
+        "anti_dive_braking.left",
+    ];
+    for test in ["bounce", "roll", "lateral"] {
+        let mut arguments = vec![
+            "results".to_string(),
+            format!("{test}.res"),
+            "--plain".to_string(),
+            "--get".to_string(),
+        ];
+        arguments.extend(names.map(str::to_string));
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        let output = admire(folder.path(), &arguments);
+        said(&output, 0);
+        let text = String::from_utf8(output.stdout).unwrap();
+        let mut lines = text.lines();
+        let heads: Vec<&str> = lines.next().unwrap().split(',').collect();
+        let rows: Vec<Vec<f64>> = lines
+            .map(|l| l.split(',').map(|c| c.parse().unwrap()).collect())
+            .collect();
+        for name in names {
+            let at = heads.iter().position(|h| *h == name).unwrap();
+            let expected = values(&json, test, name);
+            assert_eq!(rows.len(), expected.len());
+            for (row, expected) in rows.iter().zip(expected) {
+                assert!(
+                    (row[at] - expected).abs() <= 1e-9 * expected.abs().max(1e-12),
+                    "{test} {name}"
+                );
+            }
+        }
+    }
+}
+
+/// Vectors turn with the axes, what has a meaning of its own does not.
+#[test]
+fn conventions_turn_vectors() {
+    let folder = tempfile::tempdir().unwrap();
+    let (deck, config) = (corpus("multilink/model.adm"), corpus("multilink/kc.toml"));
+    let mut found = Vec::new();
+    for convention in ["adams-car", "iso", "sae"] {
+        let arguments = [
+            "kc",
+            &deck,
+            "--config",
+            &config,
+            "--out",
+            convention,
+            "--convention",
+            convention,
+        ];
+        said(&admire(folder.path(), &arguments), 0);
+        let path = folder.path().join(convention).join("kc.json");
+        let json: Value = serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap();
+        found.push(json);
+    }
+    for (path, iso, sae) in [
+        ("toe_angle.left", 1.0, 1.0),
+        ("camber_angle.right", 1.0, 1.0),
+        ("steer_angle.left", -1.0, 1.0),
+        ("inclination_angle.left", -1.0, -1.0),
+        ("wheel_travel.vertical_left", 1.0, 1.0),
+        ("wheel_travel_base.base_left", -1.0, -1.0),
+        ("wheel_travel_track.track_left", -1.0, 1.0),
+        ("wheelenv_output.wheel_ctr_z_left", 1.0, -1.0),
+        ("ride_steer.left", -1.0, 1.0),
+        ("wheel_rate.left", 1.0, 1.0),
+        ("lat_force_steer_compliance.left", -1.0, -1.0),
+    ] {
+        let of = |k: usize| values(&found[k], "bounce", path);
+        for ((a, i), s) in of(0).into_iter().zip(of(1)).zip(of(2)) {
+            assert!(a != 0.0 || path.contains("travel"), "{path}");
+            assert_eq!((iso * a, sae * a), (i, s), "{path}");
+        }
+    }
+}
+
+#[test]
+fn wrong_files_are_refused_at_their_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let deck = corpus("pseudo-mcpherson/model.adm");
+    let good = std::fs::read_to_string(corpus("pseudo-mcpherson/kc.toml")).unwrap();
+    let write = |text: &str| std::fs::write(folder.path().join("kc.toml"), text).unwrap();
+    let run = || {
+        admire(
+            folder.path(),
+            &["kc", &deck, "--out", "out", "--format", "plain"],
+        )
+    };
+    for (from, to, place, why) in [
+        ("\"WC\"", "\"WCX\"", "kc.toml:9", "WCX"),
+        (
+            "spin = \"y\"",
+            "spin = \"z\"",
+            "kc.toml:9",
+            "does not lie across",
+        ),
+        (
+            "left = {",
+            "right = {",
+            "kc.toml:9",
+            "not on the right side",
+        ),
+        (
+            "\"adams-car\"",
+            "[\"forward\", \"right\", \"up\"]",
+            "kc.toml:4",
+            "right-handed",
+        ),
+        ("SFORCE/3", "SFORCE/33", "kc.toml:5", "SFORCE/33"),
+        ("SFORCE/3\"", "KNUCKLE\"", "kc.toml:5", "no load"),
+        ("radius = 300.0", "radius = -1.0", "kc.toml", "tyre.radius"),
+        ("[ride]", "[tests.bonce]\n[ride]", "kc.toml", "bonce"),
+        (
+            "[ride]",
+            "[tests.bounce]\nrange = [3, 1]\n[ride]",
+            "kc.toml",
+            "range",
+        ),
+        ("load = 4500.0", "lod = 4500.0", "kc.toml", "lod"),
+    ] {
+        let text = good.replacen(from, to, 1);
+        assert_ne!(text, good, "{from}");
+        write(&text);
+        let errors = said(&run(), 1);
+        assert!(
+            errors.contains(place) && errors.contains(why),
+            "{to}: {errors}"
+        );
+    }
+    write(&(good.replace("mirror = true", "mirror = false") + "[tests.roll]\n"));
+    assert!(said(&run(), 1).contains("needs two wheels"));
+    write(&good);
+    said(&run(), 0);
+    // A second run replaces its own files; those of others it leaves.
+    said(&run(), 0);
+    std::fs::write(folder.path().join("out/report.html"), "mine").unwrap();
+    said(&run(), 1);
+    // Out of reach.
+    write(&(good + "[tests.lateral]\nrange = [-1e7, 1e7]\n"));
+    let errors = said(
+        &admire(
+            folder.path(),
+            &["kc", &deck, "--out", "far", "--format", "plain"],
+        ),
+        3,
+    );
+    assert!(errors.contains("test lateral"), "{errors}");
+    assert!(!folder.path().join("far").exists());
+}
+
+/// Curves of another deck and of a measurement stand in the report.
+#[test]
+fn the_report_compares() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = corpus("pseudo-mcpherson/kc.toml");
+    let (deck, other) = (
+        corpus("pseudo-mcpherson/model.adm"),
+        corpus("pseudo-mcpherson/reference.adm"),
+    );
+    let measured = "test;value;toe_angle.left [deg];camber_angle.left [deg]\nbounce;-10;0,02;\nbounce;0;0,01;0,03\nbounce;10;0,00;0,02\n";
+    std::fs::write(folder.path().join("rig.csv"), measured).unwrap();
+    let arguments = [
+        "kc",
+        &deck,
+        "--config",
+        &config,
+        "--out",
+        "out",
+        "--compare",
+        &other,
+        "--measured",
+        "rig.csv",
+    ];
+    said(&admire(folder.path(), &arguments), 0);
+    let page = std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
+    assert!(page.contains("left measured") && page.contains("left reference"));
+    // The slope of the three measured points, in degrees per mm.
+    assert!(page.contains("-1.000e-3"));
+    assert!(!page.contains("NaN"));
+}

@@ -1,0 +1,440 @@
+//! The compliance matrix and what follows from it, against differences, sweeps and itself.
+
+use admire::kc::{
+    Compliance, Drive, Hold, Inputs, Observation, Side, Variant, given, run, swing_arm,
+};
+use admire::mechanics::{Vec3, Vec6, exp, log};
+use admire::statics::SolveError;
+
+use crate::axles::{
+    Axle, DOUBLE_WISHBONE, MCPHERSON, MULTILINK, corpus, double_wishbone, sprung_wishbone,
+};
+
+fn axles() -> Vec<(&'static str, Axle)> {
+    vec![
+        (
+            "mcpherson",
+            Axle::new(&corpus("pseudo-mcpherson/model.adm"), MCPHERSON),
+        ),
+        (
+            "multilink",
+            Axle::new(&corpus("multilink/reference.adm"), MULTILINK),
+        ),
+        ("wishbone", Axle::new(&double_wishbone(), DOUBLE_WISHBONE)),
+    ]
+}
+
+const LOADED: Variant = Variant {
+    height_held: false,
+    steering_locked: true,
+};
+const HELD: Variant = Variant {
+    height_held: true,
+    steering_locked: true,
+};
+
+/// Both wheels under these loads.
+fn loads(fx: f64, fy: f64, fz: f64, mz: f64) -> Inputs {
+    Inputs {
+        loads: [[fx, fy, fz, mz]; 2],
+        ..Inputs::default()
+    }
+}
+
+/// Translation and rotation of a wheel from one state to another, the rotation about the place between.
+fn moved(from: &Observation, to: &Observation, side: Side) -> Vec6 {
+    let wheel = |seen: &Observation| seen.axle.wheels[side.index()].unwrap().wheel;
+    let (a, b) = (wheel(from), wheel(to));
+    let shift = b.centre - a.centre;
+    let turn = log(&(b.turn * a.turn.transpose()));
+    // Both seen from the middle of the way.
+    let turn = exp(&(turn * -0.5)) * turn;
+    Vec6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z)
+}
+
+/// Central difference of fourth order.
+fn difference(mut at: impl FnMut(f64) -> Observation, step: f64, side: Side) -> Vec6 {
+    let mut one = |h: f64| {
+        let (minus, plus) = (at(-h), at(h));
+        moved(&minus, &plus, side) / (2.0 * h)
+    };
+    let (coarse, fine) = (one(step), one(0.5 * step));
+    (fine * 4.0 - coarse) / 3.0
+}
+
+/// Columns of X, Y, Z and RZ of both wheels against differences of the statics, loaded and unloaded, at the wheel centre.
+#[test]
+fn the_matrix_is_the_derivative_of_the_statics() {
+    for (name, axle) in axles() {
+        let mut bench = axle.bench();
+        for base in [
+            loads(0.0, 0.0, 4500.0, 0.0),
+            loads(800.0, -700.0, 5200.0, 2e4),
+        ] {
+            let mut chain = bench.chain(LOADED).unwrap();
+            let centre = bench
+                .observe(LOADED, &mut chain, (&base, None), name)
+                .unwrap();
+            let c = centre.axle.compliance.unwrap();
+            for loaded in Side::BOTH {
+                for (k, column) in [(0, 1), (1, 2), (2, 3), (3, 6)] {
+                    let step = if k == 3 { 1e4 } else { 30.0 };
+                    for seen in Side::BOTH {
+                        let by = difference(
+                            |h| {
+                                let mut inputs = base;
+                                inputs.loads[loaded.index()][k] += h;
+                                let mut chain = chain.clone();
+                                bench
+                                    .observe(LOADED, &mut chain, (&inputs, None), name)
+                                    .unwrap()
+                            },
+                            step,
+                            seen,
+                        );
+                        // The largest entry of the block of rows: translations, rotations.
+                        for block in [0, 3] {
+                            let largest = (0..12)
+                                .flat_map(|i| [0, 6].map(|o| (i, o)))
+                                .filter(|(i, _)| i % 6 / 3 == block / 3)
+                                .map(|(i, o)| c.c(i + 1, o + column).abs())
+                                .fold(0.0, f64::max);
+                            for i in block..block + 3 {
+                                let exact = c.of((seen, i + 1), (loaded, column));
+                                let apart = (by[i] - exact).abs();
+                                assert!(
+                                    apart <= 1e-7 * largest,
+                                    "{name} C({i}, {column}) {seen:?} by {loaded:?}: {exact:e} {:e}",
+                                    by[i]
+                                );
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Columns of RX and RY: loads in the road plane at the patch are loads at the centre with their moment.
+#[test]
+fn moments_come_with_loads_at_the_patch() {
+    for (name, axle) in axles() {
+        let mut bench = axle.bench();
+        let mut chain = bench.chain(LOADED).unwrap();
+        let mut base = loads(0.0, 0.0, 4500.0, 0.0);
+        (base.vertical_at_patch, base.plane_at_patch) = (true, true);
+        for k in [0, 1] {
+            let mut drive = Drive::default();
+            drive.loads[0][k] = 1.0;
+            let seen = bench
+                .observe(LOADED, &mut chain, (&base, Some(&drive)), name)
+                .unwrap();
+            let contacts = seen.axle.contacts().unwrap();
+            let d = contacts[0] - seen.axle.wheels[0].unwrap().wheel.centre;
+            let force = Vec3::ith(k, 1.0);
+            let moment = d.cross(&force);
+            let c = seen.axle.compliance.unwrap();
+            let rate = seen.rates[0].unwrap().motion;
+            for i in 1..=6 {
+                let expected: f64 = (0..3)
+                    .map(|j| {
+                        c.of((Side::Left, i), (Side::Left, j + 1)) * force[j]
+                            + c.of((Side::Left, i), (Side::Left, j + 4)) * moment[j]
+                    })
+                    .sum();
+                let size = rate.fixed_rows::<3>(if i > 3 { 3 } else { 0 }).norm();
+                assert!(
+                    (rate[i - 1] - expected).abs() < 1e-10 * size,
+                    "{name} {k} {i}"
+                );
+            }
+        }
+    }
+}
+
+/// With the heights held by motions the matrix is the same, and a load then gives the locked columns.
+#[test]
+fn locked_and_free() {
+    for (name, axle) in axles() {
+        let mut bench = axle.bench();
+        for at_patch in [false, true] {
+            let mut base = loads(500.0, 600.0, 4500.0, 1e4);
+            (base.vertical_at_patch, base.plane_at_patch) = (at_patch, at_patch);
+            let mut chain = bench.chain(LOADED).unwrap();
+            let free = bench
+                .observe(LOADED, &mut chain, (&base, None), name)
+                .unwrap();
+            let mut held_inputs = base;
+            for side in Side::BOTH {
+                let state = free.axle.wheels[side.index()].unwrap();
+                held_inputs.height[side.index()] = state.wheel.centre.z - state.design.centre.z;
+                held_inputs.loads[side.index()][2] = 0.0;
+            }
+            let mut held_chain = bench.chain(HELD).unwrap();
+            held_chain.start_at(&chain);
+            for k in [0, 1, 3] {
+                let mut drive = Drive::default();
+                drive.loads[0][k] = 1.0;
+                let held = bench
+                    .observe(HELD, &mut held_chain, (&held_inputs, Some(&drive)), name)
+                    .unwrap();
+                let (a, b) = (free.axle.compliance.unwrap(), held.axle.compliance.unwrap());
+                let apart = scaled(&Compliance {
+                    matrix: a.matrix - b.matrix,
+                    ..a
+                });
+                assert!(apart < 1e-10 * scaled(&a), "{name} {at_patch}: {apart:e}");
+                if at_patch {
+                    continue;
+                }
+                for side in Side::BOTH {
+                    let load = held.load[side.index()];
+                    assert!((load - 4500.0).abs() < 1e-6, "{name} {load}");
+                }
+                let locked = b.height_held().unwrap();
+                let column = if k == 3 { 6 } else { k + 1 };
+                for side in Side::BOTH {
+                    // A mirrored axle has no coupling; its other side is driven alike.
+                    let rate = held.rates[side.index()].unwrap();
+                    for i in 1..=6 {
+                        let expected = locked.of((side, i), (Side::Left, column));
+                        let whole = locked.matrix.column(column - 1).into_owned();
+                        let size = whole.iter().enumerate();
+                        let size = size
+                            .filter(|(row, _)| row % 6 / 3 == (i - 1) / 3)
+                            .fold(0.0, |m: f64, x| m.max(x.1.abs()));
+                        let apart = (rate.motion[i - 1] - expected).abs();
+                        assert!(apart < 1e-10 * size, "{name} {k} {side:?} {i}: {apart:e}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Size of a matrix with lengths in units of 100 mm.
+fn scaled(c: &Compliance) -> f64 {
+    let mut sum = 0.0;
+    for i in 0..12_i32 {
+        for j in 0..12_i32 {
+            let power = i32::from(i % 6 > 2) + i32::from(j % 6 > 2);
+            let entry = c.matrix[(i as usize, j as usize)] * 100f64.powi(power);
+            sum += entry * entry;
+        }
+    }
+    sum.sqrt()
+}
+
+/// Columns from the matrix against slopes of a sweep in which both wheel centres are driven up and down.
+#[test]
+fn columns_are_slopes_of_wheel_centre_sweeps() {
+    for (name, axle) in axles() {
+        let mut bench = axle.bench();
+        let given = given(&axle.config, &axle.model.units);
+        let mut chain = bench.chain(HELD).unwrap();
+        let base = Inputs::default();
+        let drive = Drive {
+            height: [1.0; 2],
+            ..Drive::default()
+        };
+        let centre = bench
+            .observe(HELD, &mut chain, (&base, Some(&drive)), name)
+            .unwrap();
+        let read = |seen: &Observation, path: &str| {
+            let all = seen.axle.readings(&given);
+            all.iter()
+                .find(|r| r.path() == path)
+                .unwrap_or_else(|| panic!("{path}"))
+                .value
+        };
+        let slope = |bench: &mut admire::kc::Bench<'_>, of: &dyn Fn(&Observation) -> f64| {
+            let mut one = |h: f64| {
+                let mut at = |h: f64| {
+                    let inputs = Inputs {
+                        height: [h; 2],
+                        ..base
+                    };
+                    of(&bench
+                        .observe(HELD, &mut chain.clone(), (&inputs, None), name)
+                        .unwrap())
+                };
+                (at(h) - at(-h)) / (2.0 * h)
+            };
+            (4.0 * one(0.5) - one(1.0)) / 3.0
+        };
+        let near = |what: &str, a: f64, b: f64| {
+            assert!(
+                (a - b).abs() <= 1e-6 * b.abs().max(1e-9),
+                "{name} {what}: {a:e} {b:e}"
+            );
+        };
+        for side in Side::BOTH {
+            let (k, w) = (side.index(), side.word());
+            let rate = slope(&mut bench, &|seen| seen.load[k]);
+            near(
+                "wheel rate",
+                read(&centre, &format!("wheel_rate.{w}")),
+                rate,
+            );
+            near("load rate", centre.rates[k].unwrap().load, rate);
+            // Rates of the functions of the pose themselves, at any camber.
+            let wheel = centre.axle.wheels[k].unwrap().wheel;
+            let turn: Vec3 = centre.rates[k].unwrap().motion.fixed_rows::<3>(3).into();
+            let exact = admire::kc::wheel::angle_rates(side, &wheel.spin, &turn);
+            let toe = slope(&mut bench, &|seen| read(seen, &format!("toe_angle.{w}")));
+            near("toe", exact.toe, toe);
+            let camber = slope(&mut bench, &|seen| read(seen, &format!("camber_angle.{w}")));
+            near("camber", exact.camber, camber);
+            // In phase, as driven.
+            let y = slope(&mut bench, &|seen| {
+                seen.axle.wheels[k].unwrap().wheel.centre.y
+            });
+            let load = swing_arm::VerticalLoad::InPhase;
+            let c = centre.axle.compliance.unwrap();
+            let angle = swing_arm::front_view_angle(&c, side, load);
+            near("front view", angle.tan(), side.outboard() * y);
+            let x = slope(&mut bench, &|seen| {
+                seen.axle.wheels[k].unwrap().wheel.centre.x
+            });
+            near(
+                "side view",
+                swing_arm::side_view_angle(&c, side, load).tan(),
+                -x,
+            );
+        }
+    }
+}
+
+/// A symmetric axle: left and right agree with the signs of the definitions, in every column, at ride height.
+#[test]
+fn a_mirrored_axle_has_mirrored_columns() {
+    let axle = Axle::new(&double_wishbone(), DOUBLE_WISHBONE);
+    let mut bench = axle.bench();
+    let run = run(&mut bench, &axle.model.units).unwrap();
+    let value = |path: &str| {
+        let all = &run.ride.readings;
+        all.iter().find(|r| r.path() == path).map(|r| r.value)
+    };
+    let mut compared = 0;
+    for reading in &run.ride.readings {
+        let path = reading.path();
+        let Some(other) = value(&path.replace("left", "right")) else {
+            continue;
+        };
+        if !path.contains("left") || path.contains("ackerman") || path.contains("turn") {
+            continue;
+        }
+        use admire::kc::Sense::{AboutX, AboutZ, ToTheRight, Y};
+        let odd = matches!(reading.sense, Y | AboutX | AboutZ | ToTheRight);
+        // Left - and right + for a trailing arm; steer over force along Y or about Z keeps its sign.
+        let odd = odd != (path.contains("roll_") || path.contains("lat_force_steer"));
+        let odd = odd && !path.contains("long_force_steer_x")
+            || path.contains("roll_caster") && reading.sense != Y;
+        let sign = if odd { -1.0 } else { 1.0 };
+        let size = reading
+            .value
+            .abs()
+            .max(if path.contains("angle") { 1.0 } else { 1e-9 });
+        let apart = (reading.value - sign * other).abs();
+        assert!(apart <= 1e-11 * size, "{path}: {} {other}", reading.value);
+        compared += 1;
+    }
+    assert!(compared > 50, "{compared}");
+}
+
+/// Springs alone are conservative; bushings under load are not, and the run says how much.
+#[test]
+fn symmetry_shows_conservative_forces() {
+    let axle = Axle::new(&sprung_wishbone(), DOUBLE_WISHBONE);
+    let mut bench = axle.bench();
+    let mut chain = bench.chain(HELD).unwrap();
+    let inputs = Inputs {
+        height: [25.0, -10.0],
+        ..Inputs::default()
+    };
+    let seen = bench
+        .observe(HELD, &mut chain, (&inputs, None), "springs")
+        .unwrap();
+    let c = seen.axle.compliance.unwrap();
+    assert!(c.c(3, 3) > 1e-3);
+    assert!(c.asymmetry(100.0) < 1e-10, "{:e}", c.asymmetry(100.0));
+    for (name, axle) in axles() {
+        let mut bench = axle.bench();
+        let run = run(&mut bench, &axle.model.units).unwrap();
+        println!("{name}: asymmetry {:e}", run.asymmetry);
+        assert!(run.asymmetry < 0.05);
+    }
+}
+
+/// Free spin and free steering are refused, and the motion is named.
+#[test]
+fn what_is_free_is_named() {
+    use admire::kc::BenchError;
+    // The knuckle spins: its spherical joints and tie rod are on one line with it no more than here, where the tie rod is missing.
+    let (before, rest) = double_wishbone()
+        .split_once("JOINT/15\n")
+        .map(|(a, b)| (a.to_string(), b.to_string()))
+        .unwrap();
+    let (_, after) = rest.split_once("JOINT/16\n").unwrap();
+    let deck = format!("{before}JOINT/16\n{after}");
+    let axle = Axle::new(&deck, DOUBLE_WISHBONE);
+    let mut bench = axle.bench();
+    match run(&mut bench, &axle.model.units) {
+        Err(BenchError::Free { motion, .. }) => {
+            assert!(motion.contains("left_knuckle"), "{motion}")
+        }
+        Err(BenchError::NoEquilibrium { why, .. }) => {
+            assert!(matches!(*why, SolveError::NotConverged { .. }))
+        }
+        other => panic!("{:?}", other.map(|_| ())),
+    }
+    let free = DOUBLE_WISHBONE.replace("[tests.lateral]\n", "[tests.lateral]\nsteering = 'free'\n");
+    let axle = Axle::new(&double_wishbone(), &free);
+    let mut bench = axle.bench();
+    match run(&mut bench, &axle.model.units) {
+        Err(BenchError::Free { motion, at }) => {
+            assert!(
+                motion.contains("rack") || motion.contains("knuckle"),
+                "{motion}"
+            );
+            assert!(at.contains("lateral"), "{at}");
+        }
+        other => panic!("{:?}", other.map(|_| ())),
+    }
+}
+
+/// Without friction both branches of every test are one curve.
+#[test]
+fn branches_close() {
+    for (name, axle) in axles() {
+        let mut bench = axle.bench();
+        let run = run(&mut bench, &axle.model.units).unwrap();
+        assert!(run.tests.len() >= 8);
+        for test in &run.tests {
+            let n = test.settings.points;
+            assert_eq!(test.samples.len(), 2 * n);
+            for k in 0..n {
+                let (up, down) = (&test.samples[k], &test.samples[2 * n - 1 - k]);
+                assert_eq!(up.value, down.value);
+                for side in 0..2 {
+                    let p = |s: &admire::kc::Sample| s.seen.axle.wheels[side].unwrap().wheel;
+                    let apart = (p(up).centre - p(down).centre).norm();
+                    assert!(apart < 1e-7, "{name} {}: {apart:e}", test.kind.name());
+                }
+            }
+            for gradient in &test.gradients {
+                let large = test
+                    .samples
+                    .iter()
+                    .map(|s| s.value.abs())
+                    .fold(0.0, f64::max);
+                assert!(gradient.hysteresis < 1e-6 * (1.0 + gradient.tangent.abs() * large));
+            }
+            assert_eq!(
+                test.settings.hold == Hold::Height,
+                matches!(test.kind.name(), "bounce" | "roll" | "steering")
+            );
+        }
+    }
+}

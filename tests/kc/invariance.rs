@@ -1,0 +1,197 @@
+//! The same axle in other axes and units has the same characteristics.
+
+use admire::kc::{KcRun, Unit, run};
+use admire::mechanics::{Mat3, Vec3, psi_theta_phi};
+use admire::model::{Model, PartKind, convert_units};
+use admire::syntax::{Address, Dataset};
+use admire::text::Source;
+use admire::units::{FORCE_UNITS, LENGTH_UNITS, MASS_UNITS, TIME_UNITS, Unit as DeckUnit};
+
+use crate::axles::{Axle, MCPHERSON, corpus};
+
+fn tests_of(axle: &Axle) -> KcRun {
+    let mut bench = axle.bench();
+    run(&mut bench, &axle.model.units).unwrap_or_else(|why| panic!("{why}"))
+}
+
+/// The deck with all places and the gravity turned: `x_new = Q x_old`.
+fn turned(deck: &str, Q: &Mat3) -> String {
+    let mut dataset = Dataset::parse(Source::new("deck.adm", deck.as_bytes())).value;
+    let model = Model::lower(&dataset).value;
+    let list = |v: &[f64]| {
+        v.iter()
+            .map(|x| format!("{x:.16E}"))
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
+    let mut set = |kind: &str, id: Option<u32>, argument: &str, values: &[f64]| {
+        let address = Address {
+            kind: kind.to_string(),
+            id,
+            argument: Some(argument.to_string()),
+            index: None,
+        };
+        let edits = dataset.set_text(&address, &list(values)).unwrap();
+        dataset = dataset.edited(&edits).unwrap().value;
+    };
+    for part in &model.parts {
+        if part.kind == PartKind::Rigid {
+            let p = Q * part.pose.p;
+            set("PART", Some(part.header.id), "QG", p.as_slice());
+            set(
+                "PART",
+                Some(part.header.id),
+                "REULER",
+                &psi_theta_phi(&(Q * part.pose.R)),
+            );
+        }
+    }
+    for marker in &model.markers {
+        if model.parts[marker.part.0].kind == PartKind::Ground && !marker.floating {
+            let p = Q * marker.qp;
+            set("MARKER", Some(marker.header.id), "QP", p.as_slice());
+            set(
+                "MARKER",
+                Some(marker.header.id),
+                "REULER",
+                &psi_theta_phi(&(Q * marker.R)),
+            );
+        }
+    }
+    let g: Vec3 = Q * model.gravity;
+    for (name, value) in ["IGRAV", "JGRAV", "KGRAV"].into_iter().zip(g.iter()) {
+        set("ACCGRAV", None, name, &[*value]);
+    }
+    String::from_utf8(dataset.bytes().to_vec()).unwrap()
+}
+
+/// Every reading of every sample, scaled from the second deck's units to the first's.
+fn same(a: &KcRun, b: &KcRun, scale: impl Fn(Unit) -> f64, bar: f64) {
+    let mut compared = 0;
+    let samples = |run: &KcRun| -> Vec<admire::kc::Sample> {
+        let all = run.tests.iter().flat_map(|t| t.samples.iter());
+        std::iter::once(&run.ride).chain(all).cloned().collect()
+    };
+    let (first, second) = (samples(a), samples(b));
+    assert_eq!(first.len(), second.len());
+    // Sizes of columns: what is small beside its own column is noise.
+    for k in 0..first[0].readings.len() {
+        let size = first
+            .iter()
+            .map(|s| s.readings[k].value.abs())
+            .filter(|v| v.is_finite())
+            .fold(0.0, f64::max);
+        for (x, y) in first.iter().zip(&second) {
+            let (x, y) = (x.readings[k], y.readings[k]);
+            assert_eq!(x.path(), y.path());
+            if !x.value.is_finite() || x.path().contains("swing_arm_length") {
+                continue;
+            }
+            let floor = match x.unit {
+                Unit::Length => 100.0,
+                Unit::Angle => 0.1,
+                Unit::Force => 1000.0,
+                _ => 0.0,
+            };
+            let apart = (x.value - y.value * scale(x.unit)).abs();
+            assert!(
+                apart <= bar * size.max(floor),
+                "{}: {} {}",
+                x.path(),
+                x.value,
+                y.value * scale(x.unit)
+            );
+            compared += 1;
+        }
+    }
+    assert!(compared > 1000);
+}
+
+/// Solved with other round-off the equilibria agree to the tolerance of the solver; characteristics to 1e-9 of their size.
+const SOLVED: f64 = 1e-9;
+
+#[test]
+fn axes() {
+    let deck = corpus("pseudo-mcpherson/model.adm");
+    let first = tests_of(&Axle::new(&deck, MCPHERSON));
+    for (axes, diagonal) in [("iso", [-1.0, -1.0, 1.0]), ("sae", [-1.0, 1.0, -1.0])] {
+        let Q = Mat3::from_diagonal(&Vec3::from(diagonal));
+        let toml = MCPHERSON.replace("[deck]", &format!("[deck]\naxes = '{axes}'"));
+        let second = tests_of(&Axle::new(&turned(&deck, &Q), &toml));
+        same(&first, &second, |_| 1.0, SOLVED);
+    }
+    // A rotated cage of axes: x up, y rearward, z right.
+    let Q = Mat3::new(0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0);
+    let toml = MCPHERSON.replace("[deck]", "[deck]\naxes = ['up', 'rearward', 'right']");
+    let second = tests_of(&Axle::new(&turned(&deck, &Q), &toml));
+    same(&first, &second, |_| 1.0, SOLVED);
+}
+
+#[test]
+fn units() {
+    let deck = corpus("pseudo-mcpherson/model.adm");
+    let first = tests_of(&Axle::new(&deck, MCPHERSON));
+    let dataset = Dataset::parse(Source::new("deck.adm", deck.as_bytes())).value;
+    let model = Model::lower(&dataset).value;
+    let unit =
+        |all: &[DeckUnit], keyword: &str| *all.iter().find(|u| u.keyword == keyword).unwrap();
+    let new = [
+        unit(FORCE_UNITS, "NEWTON"),
+        unit(MASS_UNITS, "KILOGRAM"),
+        unit(LENGTH_UNITS, "METER"),
+        unit(TIME_UNITS, "SECOND"),
+    ];
+    let edits = convert_units(&dataset, &model, new).unwrap();
+    let metres = dataset.edited(&edits).unwrap().value;
+    let toml = MCPHERSON
+        .replace("300.0", "0.3")
+        .replace("220.0", "220000.0")
+        .replace("2700.0", "2.7")
+        .replace("540.0", "0.54");
+    let second = tests_of(&Axle::new(&String::from_utf8_lossy(metres.bytes()), &toml));
+    let scale = |unit: Unit| match unit {
+        Unit::Length | Unit::LengthPerForce | Unit::LengthPerG | Unit::Torque | Unit::RollRate => {
+            1e3
+        }
+        Unit::Rate | Unit::AnglePerLength | Unit::AnglePerTorque => 1e-3,
+        _ => 1.0,
+    };
+    // What the definition writes in units of length of its own: the axis point and the radius of a straight wheel.
+    let strip = |mut run: KcRun| {
+        let odd = ["wheel_axis", "turn_radius", "outside_turn"];
+        let clean = |sample: &mut admire::kc::Sample| {
+            sample
+                .readings
+                .retain(|r| !odd.iter().any(|o| r.path().contains(o)))
+        };
+        clean(&mut run.ride);
+        run.tests
+            .iter_mut()
+            .flat_map(|t| t.samples.iter_mut())
+            .for_each(clean);
+        run
+    };
+    same(&strip(first), &strip(second), scale, 1e-8);
+}
+
+/// All standard tests of a multilink axle, 13 points up and 13 down each: time per run.
+#[test]
+fn speed() {
+    let axle = Axle::new(&corpus("multilink/reference.adm"), &MCPHERSON.to_string());
+    let one = Axle::new(
+        &corpus("multilink/reference.adm"),
+        &MCPHERSON.replace("[choices]", "[choices]\nbranches = 'up'"),
+    );
+    for (name, axle) in [("up", one), ("up and down", axle)] {
+        let mut best = f64::INFINITY;
+        for _ in 0..5 {
+            let start = std::time::Instant::now();
+            let run = tests_of(&axle);
+            best = best.min(start.elapsed().as_secs_f64());
+            assert_eq!(run.tests.len(), 8);
+        }
+        println!("{name}: {:.1} ms", 1e3 * best);
+        // Generous: this is a build without full optimisation on a machine that does other work.
+        assert!(best < 0.5, "{best}");
+    }
+}
