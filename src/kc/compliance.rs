@@ -64,6 +64,50 @@ impl Compliance {
         (scaled - scaled.transpose()).norm() / scaled.norm()
     }
 
+    /// The motion of a wheel that nothing resists, in words: a compliance beyond what any axle has, 1 m/N or as much turning on a lever of
+    /// 100 mm. `length` and `force` are the sizes of the units in m and N.
+    pub fn free_motion(&self, (length, force): (f64, f64)) -> Option<String> {
+        const LEVER: f64 = 0.1;
+        const MOST: f64 = 1.0;
+        let si = |i: usize, j: usize| {
+            let size = |k: usize| if k % 6 > 2 { LEVER } else { length };
+            // A rotation counts by its path on the lever, a torque by its force there.
+            let per = |k: usize| {
+                if k % 6 > 2 {
+                    force * length / LEVER
+                } else {
+                    force
+                }
+            };
+            self.matrix[(i, j)] * size(i) / per(j)
+        };
+        let (mut largest, mut at) = (MOST, None);
+        for j in 0..12 {
+            for i in 0..12 {
+                let size = si(i, j).abs();
+                if !(size <= largest) {
+                    (largest, at) = (size, Some((i, j)));
+                }
+            }
+        }
+        let (i, j) = at?;
+        let side = if i < 6 { Side::Left } else { Side::Right };
+        let first = 6 * side.index() + 3 * (i % 6 / 3);
+        let axis = Vec3::new(si(first, j), si(first + 1, j), si(first + 2, j)).normalize();
+        let verb = if i % 6 > 2 {
+            "turns freely about"
+        } else {
+            "moves freely along"
+        };
+        Some(format!(
+            "the {} wheel {verb} ({:.3}, {:.3}, {:.3}) in X rearward, Y right, Z up",
+            side.word(),
+            axis.x,
+            axis.y,
+            axis.z
+        ))
+    }
+
     /// One wheel on its own becomes an axle that is its mirror image about Y = 0, without a coupling.
     #[must_use]
     pub fn mirrored(&self, from: Side) -> Self {

@@ -374,8 +374,9 @@ impl Config {
             let mut settings = default;
             if let Some(range) = table.range {
                 settings.range = *range.get_ref();
-                settings.window =
-                    default.window * (settings.range[1] / default.range[1]).abs().min(1.0);
+                let reach = |range: [f64; 2]| range[0].abs().max(range[1].abs());
+                let share = reach(settings.range) / reach(default.range);
+                settings.window = default.window * share.min(1.0);
                 let [low, high] = settings.range;
                 if !(low < high && low <= 0.0 && high >= 0.0 && low.is_finite() && high.is_finite())
                 {

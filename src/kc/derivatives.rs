@@ -20,6 +20,8 @@ pub(super) struct Derivatives {
     pub compliance: Option<Compliance>,
     /// Reaction of the height motion of each wheel.
     pub reactions: Vec<f64>,
+    /// Motions that nothing resists; they are held where they are.
+    pub deficiency: usize,
     /// Of each wheel per unit of what is driven.
     pub rates: Vec<WheelRate>,
     /// Instant steer axis of each wheel.
@@ -239,6 +241,7 @@ impl Derivatives {
         };
         Ok(Self {
             compliance,
+            deficiency: tangent.deficiency(),
             reactions,
             rates,
             axes,

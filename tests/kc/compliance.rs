@@ -1,10 +1,9 @@
 //! The compliance matrix and what follows from it, against differences, sweeps and itself.
 
 use admire::kc::{
-    Compliance, Drive, Hold, Inputs, Observation, Side, Variant, given, run, swing_arm,
+    BenchError, Compliance, Drive, Hold, Inputs, Observation, Side, Variant, given, run, swing_arm,
 };
 use admire::mechanics::{Vec3, Vec6, exp, log};
-use admire::statics::SolveError;
 
 use crate::axles::{
     Axle, DOUBLE_WISHBONE, MCPHERSON, MULTILINK, corpus, double_wishbone, sprung_wishbone,
@@ -327,10 +326,8 @@ fn a_mirrored_axle_has_mirrored_columns() {
         }
         use admire::kc::Sense::{AboutX, AboutZ, ToTheRight, Y};
         let odd = matches!(reading.sense, Y | AboutX | AboutZ | ToTheRight);
-        // Left - and right + for a trailing arm; steer over force along Y or about Z keeps its sign.
-        let odd = odd != (path.contains("roll_") || path.contains("lat_force_steer"));
-        let odd = odd && !path.contains("long_force_steer_x")
-            || path.contains("roll_caster") && reading.sense != Y;
+        // Over a roll angle, itself odd: caster left - and right +, steer alike.
+        let odd = odd != (path.contains("roll_steer") || path.contains("roll_caster"));
         let sign = if odd { -1.0 } else { 1.0 };
         let size = reading
             .value
@@ -367,41 +364,47 @@ fn symmetry_shows_conservative_forces() {
     }
 }
 
-/// Free spin and free steering are refused, and the motion is named.
+/// A wheel that spins freely is refused, and so is a steering that nothing holds; the motion is named.
 #[test]
 fn what_is_free_is_named() {
-    use admire::kc::BenchError;
-    // The knuckle spins: its spherical joints and tie rod are on one line with it no more than here, where the tie rod is missing.
-    let (before, rest) = double_wishbone()
-        .split_once("JOINT/15\n")
-        .map(|(a, b)| (a.to_string(), b.to_string()))
-        .unwrap();
-    let (_, after) = rest.split_once("JOINT/16\n").unwrap();
-    let deck = format!("{before}JOINT/16\n{after}");
-    let axle = Axle::new(&deck, DOUBLE_WISHBONE);
-    let mut bench = axle.bench();
-    match run(&mut bench, &axle.model.units) {
-        Err(BenchError::Free { motion, .. }) => {
-            assert!(motion.contains("left_knuckle"), "{motion}")
+    let refused = |deck: &str, toml: &str| {
+        let axle = Axle::new(deck, toml);
+        let mut bench = axle.bench();
+        match run(&mut bench, &axle.model.units) {
+            Err(BenchError::Free { motion, at }) => format!("{at}: {motion}"),
+            other => panic!("{:?}", other.map(|_| ())),
         }
-        Err(BenchError::NoEquilibrium { why, .. }) => {
-            assert!(matches!(*why, SolveError::NotConverged { .. }))
-        }
-        other => panic!("{:?}", other.map(|_| ())),
-    }
-    let free = DOUBLE_WISHBONE.replace("[tests.lateral]\n", "[tests.lateral]\nsteering = 'free'\n");
-    let axle = Axle::new(&double_wishbone(), &free);
-    let mut bench = axle.bench();
-    match run(&mut bench, &axle.model.units) {
-        Err(BenchError::Free { motion, at }) => {
-            assert!(
-                motion.contains("rack") || motion.contains("knuckle"),
-                "{motion}"
-            );
-            assert!(at.contains("lateral"), "{at}");
-        }
-        other => panic!("{:?}", other.map(|_| ())),
-    }
+    };
+    // A wheel on a bearing, taken for the carrier.
+    let deck = double_wishbone();
+    let bearing =
+        "MARKER/138, PART = 13, QP = -267, -760, 330, ZP = -267, -660, 330, XP = -167, -760, 330
+!   adams_view_name='left_wheel'
+PART/15, MASS = 15, CM = 153, IP = 1E5, 1E5, 2E5
+MARKER/153, PART = 15, QP = -267, -760, 330, ZP = -267, -660, 330, XP = -167, -760, 330
+JOINT/17, REVOLUTE, I = 153, J = 138
+END";
+    let deck = deck.trim_end().strip_suffix("END").unwrap().to_string() + bearing;
+    let toml = DOUBLE_WISHBONE
+        .replace("MARKER/130", "MARKER/153")
+        .replace("'MARKER/134'", "'z'");
+    let motion = refused(&deck, &toml);
+    assert!(
+        motion.contains("ride height") && motion.contains("left_wheel"),
+        "{motion}"
+    );
+    assert!(motion.contains("spins freely about"), "{motion}");
+    // The rack slides: on rigid links without weight, load or spring nothing brings the wheels back.
+    let kinematic = corpus("double-wishbone/model.adm");
+    let toml = DOUBLE_WISHBONE.replace(
+        "[tests.steering]\nrange",
+        "[tests.bounce]\nsteering = 'free'\n[tests.steering]\nrun = false\nrange",
+    );
+    let motion = refused(&kinematic, &toml);
+    assert!(
+        motion.contains("test bounce") && motion.contains("rack"),
+        "{motion}"
+    );
 }
 
 /// Without friction both branches of every test are one curve.

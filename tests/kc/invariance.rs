@@ -162,7 +162,7 @@ fn units() {
         let clean = |sample: &mut admire::kc::Sample| {
             sample
                 .readings
-                .retain(|r| !odd.iter().any(|o| r.path().contains(o)))
+                .retain(|r| !odd.iter().any(|o| r.path().contains(o)));
         };
         clean(&mut run.ride);
         run.tests
@@ -177,7 +177,7 @@ fn units() {
 /// All standard tests of a multilink axle, 13 points up and 13 down each: time per run.
 #[test]
 fn speed() {
-    let axle = Axle::new(&corpus("multilink/reference.adm"), &MCPHERSON.to_string());
+    let axle = Axle::new(&corpus("multilink/reference.adm"), MCPHERSON);
     let one = Axle::new(
         &corpus("multilink/reference.adm"),
         &MCPHERSON.replace("[choices]", "[choices]\nbranches = 'up'"),
