@@ -38,6 +38,7 @@
 //! | 7 | system | compile, assemble, parameters, state |
 //! | 8 | statics | equilibrium, sensitivities, report |
 //! | 9 | session | executes a command file: the drop-in solver |
+//! | 10 | check | everything there is to say of one file |
 //! | 10 | backend | who solves: native, external command, replay |
 //! | 11 | kc | standard tests and characteristics of an axle |
 //! | 12 | rig | marks, orientation, load cases, noise, planted effects |
@@ -45,10 +46,12 @@
 //! | 14 | identify | regression, direct, Gauss-Newton |
 //! | 15 | discrepancy | causes, search, extension, gain |
 //! | 16 | report | HTML and SVG |
-//! | 17 | cli | subcommands |
+//! | 17 | lsp | the language server |
+//! | 18 | cli | subcommands |
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 
 pub mod backend;
+pub mod check;
 pub mod cli;
 pub mod constraint;
 pub mod diagnostic;
@@ -60,6 +63,7 @@ pub mod guide;
 pub mod identify;
 pub mod kc;
 mod linear;
+pub mod lsp;
 pub mod mechanics;
 pub mod model;
 pub mod report;

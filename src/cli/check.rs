@@ -1,13 +1,11 @@
-use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use crate::diagnostic::{Code, Diagnostic, Severity};
-use crate::model::{self, Model};
-use crate::session::{FilePolicy, find_file, folder_of};
-use crate::syntax::lint::{Options, Suppressed};
+use crate::check::{self, is_command_file};
+use crate::diagnostic::{Diagnostic, Severity};
+use crate::syntax::lint::Options;
 use crate::syntax::property::PropertyFile;
-use crate::syntax::{self, CommandFile, Dataset};
-use crate::text::{Source, Span};
+use crate::syntax::{CommandFile, Dataset};
+use crate::text::Source;
 
 use super::Outcome;
 use super::check_settings::{AllSettings, Flags};
@@ -101,131 +99,18 @@ fn counted(files: usize, found: &[Diagnostic]) -> String {
 
 /// Everything there is to say of a command file: by itself, and against the decks it names.
 fn of_command_file(source: Source, shell: &mut Shell) -> Vec<Diagnostic> {
-    let commands = CommandFile::parse(source);
-    let file = &commands.value;
-    let mut found = commands.diagnostics;
-    found.extend(syntax::lint::check_commands(file));
-    let folder = folder_of(file.source());
-    let folders = [folder.clone(), PathBuf::new()];
-    let mut policy = FilePolicy::new(Path::new(""));
-    policy.allow(&folder);
-    policy.confine();
-    let mut of_files = Vec::new();
-    let sequence = syntax::lint::check_sequence(file, |name| {
-        let path = named(file.source(), name, "adm", &folders, &policy, &mut of_files)?;
-        let deck = Source::read(&path).ok()?;
+    shell.sources.add(source.clone());
+    check::command_file(CommandFile::parse(source), |path| {
+        let deck = Source::read(path).ok()?;
         Some(Dataset::parse(deck).value)
-    });
-    for command in file.commands() {
-        if let Some(inner) = command
-            .argument("COMMAND")
-            .filter(|_| command.kind() == Some("FILE"))
-        {
-            named(
-                file.source(),
-                inner.value_span(),
-                "acf",
-                &folders,
-                &policy,
-                &mut of_files,
-            );
-        }
-    }
-    found.extend(of_files);
-    found.extend(sequence);
-    let suppressed = Suppressed::of(file.source(), file.commands());
-    found.retain(|diagnostic| !suppressed.covers(diagnostic));
-    found.extend(suppressed.diagnostics);
-    found.sort_by_key(|diagnostic| diagnostic.labels.first().map(|l| l.span.start()));
-    shell.sources.add(file.source().clone());
-    found
-}
-
-/// The file a command names, if it may be read; says why not.
-fn named(
-    source: &Source,
-    name: Span,
-    extension: &str,
-    folders: &[PathBuf],
-    policy: &FilePolicy,
-    complaints: &mut Vec<Diagnostic>,
-) -> Option<PathBuf> {
-    let written = source.text(name);
-    let looked_up = find_file(&written, extension, folders);
-    let label = |diagnostic: Diagnostic| diagnostic.label(source.name(), name, "");
-    complaints.extend(looked_up.diagnostics.into_iter().map(label));
-    let Some(path) = looked_up.value else {
-        let message = format!("there is no file `{written}`, with or without `.{extension}`");
-        let elsewhere = written.contains(':') || written.starts_with(['/', '\\']);
-        let mut missing = Diagnostic::error(Code::CannotRead, message);
-        if elsewhere {
-            // It may well be on the computer that runs the file.
-            missing.severity = Severity::Warning;
-        }
-        let help = "it is looked up from the folder of the command file and the working directory";
-        complaints.push(label(missing.help(help)));
-        return None;
-    };
-    if let Err(mut outside) = policy.check_read(&path) {
-        outside.severity = Severity::Note;
-        complaints.push(label(outside));
-        return None;
-    }
-    Some(path)
+    })
 }
 
 /// Everything there is to say of a dataset, each fault once, in the order of the file.
 fn of_dataset(source: Source, fortran: bool, shell: &mut Shell) -> Vec<Diagnostic> {
     let read = Dataset::parse(source);
-    let dataset = &read.value;
-    let files = shell.read_files(dataset);
-    let resolved = Model::lower_with(dataset, &files.value);
-    let mut found = read.diagnostics;
-    found.extend(as_one(files.diagnostics));
-    found.extend(syntax::lint::check(dataset, &Options { fortran }));
-    let seen: BTreeSet<_> = found.iter().map(place).collect();
-    let mut own = BTreeSet::new();
-    // The reader of the model meets some faults of statements again.
-    for diagnostic in resolved.diagnostics {
-        let no_ground =
-            diagnostic.code == Code::NoGround && found.iter().any(|f| f.code == Code::NoGround);
-        let whole = diagnostic.labels.first().map(|label| label.span);
-        let new = !seen.contains(&place(&diagnostic)) && own.insert((diagnostic.code, whole));
-        if new && !no_ground {
-            found.push(diagnostic);
-        }
-    }
-    found.extend(model::lint::check(dataset, &resolved.value));
-    let suppressed = Suppressed::of(dataset.source(), dataset.statements());
-    found.retain(|diagnostic| !suppressed.covers(diagnostic));
-    found.extend(suppressed.diagnostics);
-    found.sort_by_key(|diagnostic| diagnostic.labels.first().map(|label| label.span.start()));
-    found
-}
-
-/// Missing files that change no answer are one note, however many they are: a deck of a CAD model names dozens.
-fn as_one(diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
-    let harmless = |d: &Diagnostic| d.code == Code::CannotRead && d.severity == Severity::Note;
-    let (notes, mut rest): (Vec<_>, Vec<_>) = diagnostics.into_iter().partition(harmless);
-    match notes.len() {
-        0 | 1 => rest.extend(notes),
-        count => rest.extend(notes.into_iter().next().map(|mut first| {
-            first.message =
-                format!("{count} files that only graphics or subroutines would read are not here");
-            first
-        })),
-    }
-    rest
-}
-
-/// What is said and where that begins: one points at the keyword, the other at keyword and id.
-fn place(diagnostic: &Diagnostic) -> (Code, Option<usize>) {
-    let label = diagnostic.labels.first();
-    (diagnostic.code, label.map(|label| label.span.start()))
-}
-
-/// True for `.acf` files, in any case of letters.
-pub(super) fn is_command_file(path: &Path) -> bool {
-    path.extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("acf"))
+    let files = shell.read_files(&read.value);
+    let found = check::dataset(read, files, &Options { fortran }, || false).unwrap_or_default();
+    let loud = found.into_iter().filter(|found| !found.silenced);
+    loud.map(|found| found.diagnostic).collect()
 }

@@ -2,6 +2,7 @@ use std::path::{Path, PathBuf};
 
 use similar::TextDiff;
 
+use crate::check::is_command_file;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::replace_user_forces;
 use crate::syntax::files::references;
@@ -10,7 +11,6 @@ use crate::syntax::{CommandFile, Dataset, all_fixes, safe_fixes};
 use crate::text::{Source, Span, apply_edits};
 
 use super::Outcome;
-use super::check::is_command_file;
 use super::get;
 use super::inputs::files_of;
 use super::shell::{Exit, Shell};

@@ -3,6 +3,7 @@ use std::path::PathBuf;
 use clap_complete::ArgValueCompleter;
 use serde_json::{Value, json};
 
+use crate::check::is_command_file;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::grammar::{STATEMENTS, ValueKind};
 use crate::syntax::{self, Address, Argument, CommandFile, Dataset};
@@ -10,7 +11,6 @@ use crate::syntax::{self, Address, Argument, CommandFile, Dataset};
 use super::Outcome;
 use super::addresses::complete;
 use super::assignment::{is_angle, rounded};
-use super::check::is_command_file;
 use super::command_edits;
 use super::shell::{Exit, Format, Shell};
 

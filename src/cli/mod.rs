@@ -32,6 +32,7 @@ mod interrupt;
 mod kc;
 mod kc_measured;
 mod leftover;
+mod lsp;
 mod output_folder;
 mod permissions;
 mod record;
@@ -106,6 +107,7 @@ enum Command {
     Explain(explain::Arguments),
     Guide(guide::Arguments),
     InstallShims(install_shims::Arguments),
+    Lsp(lsp::Arguments),
     Completions(completions::Arguments),
 }
 
@@ -143,6 +145,7 @@ pub fn main() -> ExitCode {
         Command::Explain(arguments) => explain::run(&arguments, &mut shell),
         Command::Guide(arguments) => guide::run(&arguments, &mut shell),
         Command::InstallShims(arguments) => install_shims::run(&arguments, &mut shell),
+        Command::Lsp(arguments) => lsp::run(&arguments, &mut shell),
         Command::Completions(arguments) => completions::run(&arguments),
     };
     ExitCode::from(shell.exit(exit.unwrap_or_else(|exit| exit)) as u8)

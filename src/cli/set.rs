@@ -3,6 +3,7 @@ use std::path::PathBuf;
 
 use clap_complete::ArgValueCompleter;
 
+use crate::check::is_command_file;
 use crate::diagnostic::{Checked, Code, Diagnostic};
 use crate::grammar::{STATEMENTS, ValueKind};
 use crate::syntax::{Address, Dataset};
@@ -11,7 +12,6 @@ use crate::text::{Edit, Source};
 use super::Outcome;
 use super::addresses::complete;
 use super::assignment::expanded;
-use super::check::is_command_file;
 use super::command_edits;
 use super::edited::{edited, new_errors, refuse_faults, same_but_for};
 use super::shell::{Exit, Shell};

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use comfy_table::{CellAlignment, Table, presets};
 use serde_json::{Value, json};
 
+use crate::check::is_command_file;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::mechanics::psi_theta_phi;
 use crate::model::{Ignore, Model, PartIx, PartKind};
@@ -16,7 +17,6 @@ use crate::system::{Scratch, State, System};
 use crate::units::Dimension;
 
 use super::Outcome;
-use super::check::is_command_file;
 use super::input::{Solvable, solvable};
 use super::render::table_text;
 use super::shell::{Exit, Format, Shell};

@@ -40,6 +40,7 @@ pages! {
     study
     diagnosis
     toolkit
+    editors
     conventions
     kc
     mathematics

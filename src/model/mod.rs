@@ -37,7 +37,7 @@ pub use settings::{EquilibriumSettings, OutputSettings, ResultsSettings, StaticM
 pub use unsolved::{Ignore, Unsolved, effect_of, may_be_ignored, said_left_out};
 pub use user_force::{Replacement, replace_user_forces};
 
-use crate::mechanics::Vec3;
+use crate::mechanics::{Pose, Vec3};
 use crate::units::Units;
 
 /// What every object has.
@@ -136,6 +136,19 @@ impl Model {
             .iter()
             .position(|marker| marker.header.id == id)
             .map(MarkerIx)
+    }
+
+    /// Where a marker is in ground at the design position; `None` for floating ones and for bodies only real ADAMS places.
+    pub fn marker_pose(&self, marker: MarkerIx) -> Option<Pose> {
+        let marker = &self.markers[marker.0];
+        let part = &self.parts[marker.part.0];
+        if marker.floating || part.kind == PartKind::External {
+            return None;
+        }
+        Some(part.pose.compose(&Pose {
+            p: marker.qp,
+            R: marker.R,
+        }))
     }
 
     /// The ground part.

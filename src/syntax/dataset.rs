@@ -9,7 +9,7 @@ use super::lines::{LogicalLine, logical_lines, physical_line};
 use super::parser::StatementParser;
 use super::{CommandFile, Statement, Token, TokenKind};
 use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
-use crate::grammar::Role;
+use crate::grammar::{Role, StatementDef};
 use crate::text::{Edit, EditConflict, Source, Span, apply_edits};
 
 /// The byte order mark some editors put in front of a file.
@@ -41,8 +41,7 @@ impl Dataset {
         let title = physical_line(bytes, 0);
         let (lines, end) = logical_lines(bytes, title.next, true);
         let (mut statements, mut diagnostics) = parse_lines(&source, &lines, Role::Dataset);
-        let is_end =
-            |statement: &Statement| source.slice(statement.keyword).eq_ignore_ascii_case(b"END");
+        let is_end = |statement: &Statement| statement.is_end(&source);
         let mut after_end = Span::at(bytes.len());
         if let Some(last) = statements.iter().position(is_end) {
             statements.truncate(last + 1);
@@ -58,11 +57,7 @@ impl Dataset {
                 });
             }
         } else {
-            diagnostics.push(
-                Diagnostic::warning(Code::MissingEnd, "the dataset has no END statement")
-                    .label(source.name(), Span::at(bytes.len()), "END belongs here")
-                    .help("the FORTRAN solver refuses a dataset without END"),
-            );
+            diagnostics.push(missing_end(source.name(), bytes.len()));
         }
         Checked {
             value: Self {
@@ -222,6 +217,13 @@ impl Dataset {
     }
 }
 
+/// What to say of a dataset of so many bytes without END.
+pub fn missing_end(file: &str, size: usize) -> Diagnostic {
+    Diagnostic::warning(Code::MissingEnd, "the dataset has no END statement")
+        .label(file, Span::at(size), "END belongs here")
+        .help("the FORTRAN solver refuses a dataset without END")
+}
+
 /// One token for a span that is not empty.
 pub(super) fn one(kind: TokenKind, span: Span) -> impl Iterator<Item = Token> {
     (!span.is_empty())
@@ -246,11 +248,27 @@ pub(super) fn parse_lines(
     lines: &[LogicalLine],
     role: Role,
 ) -> (Vec<Statement>, Vec<Diagnostic>) {
+    let (statements, diagnostics, _) = parse_lines_after(source, lines, role, None);
+    (statements, diagnostics)
+}
+
+/// The same for lines that stand behind a statement; also the last statement of them.
+pub(super) fn parse_lines_after(
+    source: &Source,
+    lines: &[LogicalLine],
+    role: Role,
+    before: Option<&'static StatementDef>,
+) -> (
+    Vec<Statement>,
+    Vec<Diagnostic>,
+    Option<&'static StatementDef>,
+) {
     const CHUNK: usize = 4096;
     // What so many lines hold fits the cache.
     const GROUP: usize = 256;
-    let read = |chunk: &[LogicalLine]| {
+    let read = |(at, chunk): (usize, &[LogicalLine])| {
         let mut parser = StatementParser::new(source, role);
+        parser.before = statement_before(source, &lines[..at * CHUNK], role, before);
         let mut statements = Vec::with_capacity(chunk.len());
         for group in chunk.chunks(GROUP) {
             for line in group {
@@ -258,17 +276,24 @@ pub(super) fn parse_lines(
             }
             parser.close();
         }
-        (statements, parser.diagnostics, parser.dropped)
+        (
+            statements,
+            parser.diagnostics,
+            parser.dropped,
+            parser.before,
+        )
     };
     let chunks: Vec<_> = if lines.len() <= CHUNK {
-        vec![read(lines)]
+        vec![read((0, lines))]
     } else {
-        lines.par_chunks(CHUNK).map(read).collect()
+        lines.par_chunks(CHUNK).enumerate().map(read).collect()
     };
     let mut statements = Vec::with_capacity(lines.len());
     let mut diagnostics = Vec::new();
     let (mut dropped, mut worst) = (0, Severity::Note);
-    for (some, complaints, (count, severity)) in chunks {
+    let mut after = before;
+    for (some, complaints, (count, severity), last) in chunks {
+        after = last;
         statements.extend(some);
         let room = MOST_COMPLAINTS.saturating_sub(diagnostics.len());
         for late in complaints.iter().skip(room) {
@@ -288,5 +313,24 @@ pub(super) fn parse_lines(
         more.severity = worst;
         diagnostics.push(more);
     }
-    (statements, diagnostics)
+    (statements, diagnostics, after)
+}
+
+/// The last statement of some lines, which the next one may continue by mistake; `otherwise` if they do not tell.
+pub(super) fn statement_before(
+    source: &Source,
+    lines: &[LogicalLine],
+    role: Role,
+    otherwise: Option<&'static StatementDef>,
+) -> Option<&'static StatementDef> {
+    // What begins with no keyword tells nothing. A file of such lines is nonsense.
+    const MOST: usize = 16;
+    for line in lines.iter().rev().take(MOST) {
+        let mut parser = StatementParser::new(source, role);
+        parser.line(*line, &mut Vec::new());
+        if parser.knows_before {
+            return parser.before;
+        }
+    }
+    otherwise
 }

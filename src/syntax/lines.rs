@@ -66,11 +66,7 @@ pub(super) fn logical_lines(
             }
             continue;
         }
-        let continues = match open {
-            Open::No => content[0] == b',' && !lines.is_empty(),
-            Open::Ampersand => true,
-            Open::Comma => content[0] == b',' || !begins_statement(content),
-        };
+        let continues = open.reaches(content) && !(open == Open::No && lines.is_empty());
         match lines.last_mut() {
             Some(last) if continues => last.span = last.span.to(end),
             _ => lines.push(LogicalLine {
@@ -107,6 +103,32 @@ impl Open {
             _ => Self::No,
         }
     }
+
+    /// True if a line, from its first byte that is not blank, continues the one that left this.
+    fn reaches(self, content: &[u8]) -> bool {
+        match self {
+            Self::No => content[0] == b',',
+            Self::Ampersand => true,
+            Self::Comma => content[0] == b',' || !begins_statement(content),
+        }
+    }
+}
+
+/// True if the first line of `next` that says something continues the line that ends at the end of `before`.
+pub(super) fn continues(before: &[u8], next: &[u8]) -> bool {
+    let start = memchr::memrchr2(b'\n', b'\r', before).map_or(0, |end| end + 1);
+    let content = |line: &[u8]| line.iter().position(|byte| !is_blank(*byte));
+    let open = content(&before[start..]).map_or(Open::No, |at| Open::after(&before[start + at..]));
+    let mut at = 0;
+    while at < next.len() {
+        let line = physical_line(next, at);
+        at = line.next;
+        let line = &next[line.span.range()];
+        if let Some(first) = content(line).filter(|first| line[*first] != b'!') {
+            return open.reaches(&line[first..]);
+        }
+    }
+    false
 }
 
 /// Where the comment of a line begins; quotes may hold exclamation points.

@@ -4,8 +4,10 @@
 //! a list of [`Edit`](crate::text::Edit)s. Knows nothing about what a model means: references are numbers here.
 
 mod address;
+pub mod catalogue;
 mod command_file;
 mod dataset;
+pub mod describe;
 pub mod diff;
 mod editor;
 pub mod expression;
@@ -14,6 +16,7 @@ mod fix;
 pub(crate) mod hash;
 pub mod json;
 mod keywords;
+pub mod layout;
 mod lexer;
 mod lines;
 pub mod lint;
@@ -21,6 +24,7 @@ mod naming;
 pub mod number;
 mod parser;
 mod pattern;
+pub mod pieces;
 pub mod property;
 mod removal;
 pub mod renumber;
@@ -35,7 +39,7 @@ mod value;
 
 pub use address::Address;
 pub use command_file::{CommandFile, CommandLine, Head};
-pub use dataset::Dataset;
+pub use dataset::{Dataset, missing_end};
 pub use editor::NewStatement;
 pub use expression::Expression;
 pub use fix::{all_fixes, safe_fixes};

@@ -24,7 +24,9 @@ pub(super) struct StatementParser<'a> {
     role: Role,
     complaints: usize,
     /// The statement before this one, whose arguments a lost comma leaves alone on a line.
-    before: Option<&'static StatementDef>,
+    pub(super) before: Option<&'static StatementDef>,
+    /// True once a statement has told what `before` is.
+    pub(super) knows_before: bool,
     /// Memory of the line before.
     tokens: Vec<Token>,
     /// Memory of the list of numbers before.
@@ -46,6 +48,7 @@ impl<'a> StatementParser<'a> {
             role,
             complaints: 0,
             before: None,
+            knows_before: false,
             tokens: Vec::new(),
             list: Vec::new(),
             found: Vec::new(),
@@ -141,6 +144,7 @@ impl<'a> StatementParser<'a> {
         }
         statement.def = self.keyword(tokens[0].span);
         self.before = statement.def;
+        self.knows_before = true;
         let mut cursor = Cursor::new(tokens);
         cursor.advance();
         if cursor.take_mark(b'/') {

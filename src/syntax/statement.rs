@@ -73,6 +73,11 @@ impl Statement {
         self.def.map(|def| def.name)
     }
 
+    /// True for END, behind which nothing belongs to a dataset.
+    pub fn is_end(&self, source: &Source) -> bool {
+        source.slice(self.keyword).eq_ignore_ascii_case(b"END")
+    }
+
     /// The id, if it has one.
     pub fn number(&self) -> Option<u32> {
         self.id.map(|(id, _)| id)

@@ -6,7 +6,7 @@ mod bushing_angle;
 mod implausible_units;
 mod joint_aligned;
 
-use super::{Header, MarkerIx, Model, PartKind};
+use super::{Header, MarkerIx, Model};
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::mechanics::Pose;
 use crate::syntax::Dataset;
@@ -41,15 +41,7 @@ struct Design<'a> {
 impl Design<'_> {
     /// Where a marker is in ground; `None` for floating ones and for bodies only real ADAMS places.
     fn pose(&self, marker: MarkerIx) -> Option<Pose> {
-        let marker = &self.model.markers[marker.0];
-        let part = &self.model.parts[marker.part.0];
-        if marker.floating || part.kind == PartKind::External {
-            return None;
-        }
-        Some(part.pose.compose(&Pose {
-            p: marker.qp,
-            R: marker.R,
-        }))
+        self.model.marker_pose(marker)
     }
 
     /// A pair of markers, I and J.

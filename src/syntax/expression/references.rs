@@ -46,6 +46,12 @@ fn argument_spaces(function: &str) -> &'static [Option<&'static str>] {
     }
 }
 
+/// The id space of argument `at`, from 0, of a function; `None` for plain values.
+pub fn argument_space(function: &str, at: usize) -> Option<&'static str> {
+    let spaces = argument_spaces(function);
+    spaces[at.min(spaces.len() - 1)]
+}
+
 impl Expression {
     /// The literals that are ids: (id space, index in [`literals`](Expression::literals)), in order of appearance. A zero stands for
     /// ground and is left out.

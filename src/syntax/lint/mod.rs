@@ -47,45 +47,74 @@ pub struct Options {
     pub fortran: bool,
 }
 
+/// What a rule looks at to judge one statement: what a change of another one can change in its complaints.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub enum Reach {
+    /// The statement by itself.
+    Statement,
+    /// Also the statements with its id, those it names, and the body a marker follows.
+    Neighbours,
+    /// The whole file.
+    File,
+}
+
 /// One rule: the code it reports and the function that looks for it.
 pub struct Rule {
     /// The code of its complaints; its documentation is the rule's.
     pub code: Code,
+    /// What it looks at.
+    pub reach: Reach,
     check: fn(&Context<'_>, &mut Vec<Diagnostic>),
 }
 
 /// Every rule there is.
 pub static RULES: &[Rule] = &[
-    rule(Code::UndefinedId, undefined_id::check),
-    rule(Code::DuplicateId, duplicate_id::check),
-    rule(Code::WrongCount, count::check),
-    rule(Code::WrongType, value_type::check),
-    rule(Code::OutOfRange, range::check),
-    rule(Code::WrongDimension, unit_dimension::check),
-    rule(Code::MissingArgument, presence::missing),
-    rule(Code::ConflictingArguments, presence::conflicting),
-    rule(Code::RepeatedArgument, arguments::check),
-    rule(Code::MarkersOnOnePart, one_part::check),
-    rule(Code::FloatingMarker, floating::check),
-    rule(Code::NoGround, ground::check),
-    rule(Code::MassWithoutCm, mass_without_cm::check),
-    rule(Code::ImpossibleInertia, inertia::check),
-    rule(Code::FreeWithoutMass, massless::check),
-    rule(Code::UndefinedId, material::check),
-    rule(Code::WrongMotion, motion::check),
-    rule(Code::UnsymmetricStiffness, symmetry::check),
-    rule(Code::StepWithoutWidth, step::check),
-    rule(Code::KtPerDegree, kt_per_degree::check),
-    rule(Code::SplineNotIncreasing, spline::check),
-    rule(Code::NoDerivative, derivative::check),
-    rule(Code::Unreferenced, unreferenced::check),
-    rule(Code::NotSolvedNatively, native::check),
-    rule(Code::Tab, tabs::check),
-    rule(Code::LineTooLong, line_length::check),
+    rule(Code::UndefinedId, Reach::Neighbours, undefined_id::check),
+    rule(Code::DuplicateId, Reach::Neighbours, duplicate_id::check),
+    rule(Code::WrongCount, Reach::Statement, count::check),
+    rule(Code::WrongType, Reach::Statement, value_type::check),
+    rule(Code::OutOfRange, Reach::Statement, range::check),
+    rule(
+        Code::WrongDimension,
+        Reach::Statement,
+        unit_dimension::check,
+    ),
+    rule(Code::MissingArgument, Reach::Statement, presence::missing),
+    rule(
+        Code::ConflictingArguments,
+        Reach::Statement,
+        presence::conflicting,
+    ),
+    rule(Code::RepeatedArgument, Reach::Statement, arguments::check),
+    rule(Code::MarkersOnOnePart, Reach::Neighbours, one_part::check),
+    rule(Code::FloatingMarker, Reach::Neighbours, floating::check),
+    rule(Code::NoGround, Reach::File, ground::check),
+    rule(
+        Code::MassWithoutCm,
+        Reach::Neighbours,
+        mass_without_cm::check,
+    ),
+    rule(Code::ImpossibleInertia, Reach::Statement, inertia::check),
+    rule(Code::FreeWithoutMass, Reach::File, massless::check),
+    rule(Code::UndefinedId, Reach::File, material::check),
+    rule(Code::WrongMotion, Reach::File, motion::check),
+    rule(
+        Code::UnsymmetricStiffness,
+        Reach::Statement,
+        symmetry::check,
+    ),
+    rule(Code::StepWithoutWidth, Reach::Statement, step::check),
+    rule(Code::KtPerDegree, Reach::File, kt_per_degree::check),
+    rule(Code::SplineNotIncreasing, Reach::Statement, spline::check),
+    rule(Code::NoDerivative, Reach::Statement, derivative::check),
+    rule(Code::Unreferenced, Reach::File, unreferenced::check),
+    rule(Code::NotSolvedNatively, Reach::File, native::check),
+    rule(Code::Tab, Reach::File, tabs::check),
+    rule(Code::LineTooLong, Reach::File, line_length::check),
 ];
 
-const fn rule(code: Code, check: fn(&Context<'_>, &mut Vec<Diagnostic>)) -> Rule {
-    Rule { code, check }
+const fn rule(code: Code, reach: Reach, check: fn(&Context<'_>, &mut Vec<Diagnostic>)) -> Rule {
+    Rule { code, reach, check }
 }
 
 /// More complaints of one rule than anybody reads are counted, not kept.
@@ -120,9 +149,12 @@ const OF_COMMANDS: [Code; 7] = [
 /// Runs the rules that need no dataset over the commands of a file. Complaints are in the order of their places in the file.
 pub fn check_commands(file: &CommandFile) -> Vec<Diagnostic> {
     let commands = Dataset::of_commands(file);
-    run(&commands, &Options::default(), |rule| {
-        OF_COMMANDS.contains(&rule.code)
-    })
+    let of_commands = |rule: &Rule| OF_COMMANDS.contains(&rule.code);
+    let found = run(&commands, &Options::default(), of_commands, || false).unwrap_or_default();
+    found
+        .into_iter()
+        .map(|(_, diagnostic)| diagnostic)
+        .collect()
 }
 
 /// Looks at the commands of a file in their order, against the decks they are run on: objects that are not there, and times
@@ -137,26 +169,49 @@ pub fn check_sequence(
 
 /// Runs every rule over a dataset. Complaints are in the order of their places in the file.
 pub fn check(dataset: &Dataset, options: &Options) -> Vec<Diagnostic> {
-    run(dataset, options, |_| true)
+    let found = check_until(dataset, options, Reach::File, || false).unwrap_or_default();
+    found
+        .into_iter()
+        .map(|(_, diagnostic)| diagnostic)
+        .collect()
 }
 
-fn run(dataset: &Dataset, options: &Options, wanted: impl Fn(&Rule) -> bool) -> Vec<Diagnostic> {
+/// Runs the rules that look no further than `reach` over a dataset, each complaint with the reach of its rule. `None` as soon as
+/// the answer is `outdated`, which is asked between rules.
+pub fn check_until(
+    dataset: &Dataset,
+    options: &Options,
+    reach: Reach,
+    outdated: impl Fn() -> bool,
+) -> Option<Vec<(Reach, Diagnostic)>> {
+    run(dataset, options, |rule| rule.reach <= reach, outdated)
+}
+
+fn run(
+    dataset: &Dataset,
+    options: &Options,
+    wanted: impl Fn(&Rule) -> bool,
+    outdated: impl Fn() -> bool,
+) -> Option<Vec<(Reach, Diagnostic)>> {
     let context = Context::new(dataset, options);
     let mut found = Vec::new();
     for rule in RULES.iter().filter(|rule| wanted(rule)) {
+        if outdated() {
+            return None;
+        }
         let mut own = Vec::new();
         (rule.check)(&context, &mut own);
         if own.len() > MOST_OF_A_RULE {
             own = shortened(own, rule.code);
         }
-        found.extend(own);
+        found.extend(own.into_iter().map(|diagnostic| (rule.reach, diagnostic)));
     }
-    found.sort_by_key(|diagnostic| {
+    found.sort_by_key(|(_, diagnostic)| {
         let place = diagnostic.labels.first().map(|label| label.span);
         (
             place.map(|span| (span.start(), span.end())),
             diagnostic.code,
         )
     });
-    found
+    Some(found)
 }

@@ -17,8 +17,16 @@ pub struct Suppressed {
 #[derive(Clone, Debug)]
 struct Silence {
     place: Range<usize>,
+    whole_file: bool,
     /// All of them if there is no list.
     codes: Option<Vec<Code>>,
+}
+
+impl Silence {
+    fn covers(&self, code: Code) -> bool {
+        let codes = self.codes.as_ref();
+        codes.is_none_or(|codes| codes.contains(&code))
+    }
 }
 
 /// What such a comment begins with.
@@ -46,7 +54,11 @@ impl Suppressed {
                 statement_of(statements, line, comment)
             };
             if let Some(place) = place {
-                found.silences.push(Silence { place, codes });
+                found.silences.push(Silence {
+                    place,
+                    whole_file,
+                    codes,
+                });
             }
         }
         found
@@ -54,16 +66,20 @@ impl Suppressed {
 
     /// True if a comment of the file silences a complaint about it.
     pub fn covers(&self, diagnostic: &Diagnostic) -> bool {
-        let Some(label) = diagnostic.labels.first() else {
-            return false;
-        };
-        self.silences.iter().any(|silence| {
-            silence.place.contains(&label.span.start())
-                && silence
-                    .codes
-                    .as_ref()
-                    .is_none_or(|codes| codes.contains(&diagnostic.code))
-        })
+        let label = diagnostic.labels.first();
+        label.is_some_and(|label| self.covers_at(diagnostic.code, label.span.start()))
+    }
+
+    /// True if a comment silences a code at a place.
+    pub fn covers_at(&self, code: Code, offset: usize) -> bool {
+        let here = |silence: &Silence| silence.place.contains(&offset);
+        self.silences.iter().any(|s| here(s) && s.covers(code))
+    }
+
+    /// True if a comment silences a code in the whole file.
+    pub fn covers_file(&self, code: Code) -> bool {
+        let mut silences = self.silences.iter();
+        silences.any(|silence| silence.whole_file && silence.covers(code))
     }
 
     /// What stands behind the mark: whether it is about the whole file, and the codes.

@@ -1,0 +1,118 @@
+//! Complaints and edits as the protocol has them.
+
+use lsp_types::{
+    DiagnosticRelatedInformation, DiagnosticSeverity, DiagnosticTag, Location, NumberOrString,
+    TextEdit, Uri,
+};
+
+use super::position::range;
+use super::workspace::{File, uri_of};
+use crate::check::Found;
+use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::syntax::pieces::Pieces;
+use crate::text::{Edit, Span};
+
+/// Editors show no more of one file.
+const MOST_SHOWN: usize = 1000;
+
+/// What is shown of a file.
+pub(super) fn shown(file: &File) -> Vec<lsp_types::Diagnostic> {
+    let mut all: Vec<Found> = file.document.complaints();
+    all.retain(|found| file.settings.shows(&found.diagnostic));
+    let dropped = all.len().saturating_sub(MOST_SHOWN);
+    if dropped > 0 {
+        // The worst ones, in the order of the file.
+        let mut order: Vec<usize> = (0..all.len()).collect();
+        order.sort_by_key(|at| std::cmp::Reverse(all[*at].diagnostic.severity));
+        order.truncate(MOST_SHOWN - 1);
+        order.sort_unstable();
+        let mut next = 0;
+        let mut place = 0;
+        all.retain(|_| {
+            let keep = order.get(next) == Some(&place);
+            place += 1;
+            next += usize::from(keep);
+            keep
+        });
+    }
+    let pieces = file.document.pieces();
+    let mut shown: Vec<_> = all
+        .iter()
+        .map(|found| diagnostic(&found.diagnostic, pieces, &file.uri))
+        .collect();
+    if dropped > 0 {
+        let more = Diagnostic::note(
+            Code::LimitExceeded,
+            format!(
+                "{} more complaints are not shown; `admire check` tells them",
+                dropped + 1
+            ),
+        );
+        let more = more.label(file.document.name(), Span::at(0), "");
+        shown.push(diagnostic(&more, pieces, &file.uri));
+    }
+    shown
+}
+
+/// One complaint. Its help is part of the message: the protocol has no place for it.
+pub(super) fn diagnostic(found: &Diagnostic, pieces: &Pieces, uri: &Uri) -> lsp_types::Diagnostic {
+    let name = pieces.name();
+    let own = found.labels.first().filter(|label| label.file == name);
+    let mut message = found.message.clone();
+    if let Some(label) = found.labels.first()
+        && !label.message.is_empty()
+    {
+        message += &format!(": {}", label.message);
+    }
+    if let Some(help) = &found.help {
+        message += &format!("\nhelp: {help}");
+    }
+    let related: Vec<DiagnosticRelatedInformation> = found
+        .labels
+        .iter()
+        .skip(usize::from(own.is_some()))
+        .filter_map(|label| {
+            let here = label.file == name;
+            let uri = if here {
+                uri.clone()
+            } else {
+                uri_of(std::path::Path::new(&*label.file))?
+            };
+            // The text of another file is not at hand: its first line stands for the place.
+            let range = if here {
+                range(pieces, label.span)
+            } else {
+                lsp_types::Range::default()
+            };
+            Some(DiagnosticRelatedInformation {
+                location: Location { uri, range },
+                message: label.message.clone(),
+            })
+        })
+        .collect();
+    lsp_types::Diagnostic {
+        range: own.map_or_else(lsp_types::Range::default, |label| range(pieces, label.span)),
+        severity: Some(match found.severity {
+            Severity::Error => DiagnosticSeverity::ERROR,
+            Severity::Warning => DiagnosticSeverity::WARNING,
+            Severity::Note => DiagnosticSeverity::INFORMATION,
+        }),
+        code: Some(NumberOrString::String(found.code.as_str().to_string())),
+        source: Some("admire".to_string()),
+        message,
+        related_information: (!related.is_empty()).then_some(related),
+        tags: (found.code == Code::Unreferenced).then(|| vec![DiagnosticTag::UNNECESSARY]),
+        ..lsp_types::Diagnostic::default()
+    }
+}
+
+/// Edits of a file; their bytes are text.
+pub(super) fn text_edits(edits: &[Edit], pieces: &Pieces) -> Vec<TextEdit> {
+    let mut sorted: Vec<&Edit> = edits.iter().collect();
+    sorted.sort_by_key(|edit| edit.span);
+    let text = |edit: &Edit| String::from_utf8_lossy(&edit.replacement).into_owned();
+    sorted
+        .into_iter()
+        .map(|edit| TextEdit::new(range(pieces, edit.span), text(edit)))
+        .collect()
+}

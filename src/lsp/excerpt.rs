@@ -1,0 +1,162 @@
+//! A small dataset made of some statements of a large one and of those they name: rules that look no further than neighbours, and
+//! the model, find in it what they would find in the whole.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::document::Document;
+use crate::syntax::catalogue::references;
+use crate::syntax::{Dataset, Object, Statement};
+use crate::text::{Source, Span};
+
+/// Statements of a document as a dataset of their own.
+pub(super) struct Excerpt {
+    /// The dataset.
+    pub dataset: Dataset,
+    pieces: Vec<Copied>,
+}
+
+/// Bytes of the document in an excerpt.
+struct Copied {
+    /// Where they stand in the excerpt.
+    start: usize,
+    /// Where they stand in the document.
+    from: Span,
+    /// True if the statement was asked for, false if one that was asked for names it.
+    asked: bool,
+}
+
+/// More statements with one id are a file of nonsense.
+const MOST_OF_AN_ID: usize = 64;
+
+/// How far an excerpt follows references.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Depth {
+    /// What the statements name.
+    One,
+    /// All that is named by what is named, up to so many statements.
+    All(usize),
+}
+
+impl Excerpt {
+    /// The excerpt of some statements, as place of the piece and place in it.
+    pub fn of(
+        document: &Document,
+        asked: impl IntoIterator<Item = (usize, usize)>,
+        depth: Depth,
+    ) -> Self {
+        let mut chosen: BTreeMap<(usize, usize), bool> = BTreeMap::new();
+        let mut open: Vec<(usize, usize)> = Vec::new();
+        for place in asked {
+            chosen.insert(place, true);
+            open.push(place);
+        }
+        let mut known: BTreeSet<Object> = BTreeSet::new();
+        let most = match depth {
+            Depth::One => usize::MAX,
+            Depth::All(most) => most,
+        };
+        let mut wave = 0;
+        while !open.is_empty() && chosen.len() < most {
+            let mut next = Vec::new();
+            let mut take = |place: (usize, usize), next: &mut Vec<_>| {
+                if let std::collections::btree_map::Entry::Vacant(entry) = chosen.entry(place) {
+                    entry.insert(false);
+                    next.push(place);
+                }
+            };
+            for place in open {
+                let statement = document.statement(place);
+                let named = references(statement).map(|r| (r.space, r.id));
+                // What has the same id counts as named; and a marker may be on the body before it.
+                for object in named.chain(statement.object()) {
+                    if known.insert(object) {
+                        let places = document.definitions(object);
+                        for other in places.into_iter().take(MOST_OF_AN_ID) {
+                            take(other, &mut next);
+                        }
+                    }
+                }
+                if statement.follows_body()
+                    && let Some(body) = document.body_before(place)
+                {
+                    take(body, &mut next);
+                }
+            }
+            wave += 1;
+            // The bodies that markers follow belong to the markers.
+            if depth == Depth::One && wave == 2 {
+                break;
+            }
+            open = match depth {
+                Depth::One => next
+                    .into_iter()
+                    .filter(|place| document.statement(*place).follows_body())
+                    .collect(),
+                Depth::All(_) => next,
+            };
+        }
+        Self::written(document, &chosen)
+    }
+
+    fn written(document: &Document, chosen: &BTreeMap<(usize, usize), bool>) -> Self {
+        let mut bytes = b"excerpt\n".to_vec();
+        let mut pieces = Vec::new();
+        for (&(piece, at), &asked) in chosen {
+            let (piece, base) = (
+                &document.pieces().pieces()[piece],
+                document.pieces().start(piece),
+            );
+            let statement = &piece.statements()[at];
+            if statement.def.is_none() {
+                continue;
+            }
+            let mut copy = |span: Span, bytes: &mut Vec<u8>| {
+                pieces.push(Copied {
+                    start: bytes.len(),
+                    from: Span::new(base + span.start(), base + span.end()),
+                    asked,
+                });
+                bytes.extend_from_slice(piece.source().slice(span));
+            };
+            if !names_itself(statement, piece.source()) {
+                // Nothing stands before it that its first words could be arguments of.
+                bytes.extend_from_slice(b"_;\n");
+            }
+            if let Some(name) = statement.view_name {
+                bytes.extend_from_slice(b"! adams_view_name='");
+                copy(name, &mut bytes);
+                bytes.extend_from_slice(b"'\n");
+            }
+            copy(statement.span, &mut bytes);
+            if bytes.last() != Some(&b';') {
+                bytes.push(b';');
+            }
+            bytes.push(b'\n');
+        }
+        bytes.extend_from_slice(b"END\n");
+        let source = Source::new(document.name(), bytes);
+        Self {
+            dataset: Dataset::parse(source).value,
+            pieces,
+        }
+    }
+
+    /// Where a span of the excerpt stands in the document, and whether in a statement that was asked for.
+    pub fn place(&self, span: Span) -> Option<(Span, bool)> {
+        let after = self
+            .pieces
+            .partition_point(|piece| piece.start <= span.start());
+        let piece = &self.pieces[after.checked_sub(1)?];
+        let shift = |offset: usize| piece.from.start() + (offset - piece.start);
+        Some((
+            Span::new(shift(span.start()), shift(span.end())),
+            piece.asked,
+        ))
+    }
+}
+
+/// True if a slash stands behind the keyword.
+fn names_itself(statement: &Statement, source: &Source) -> bool {
+    let rest = &source.bytes()[statement.keyword.end()..statement.span.end()];
+    rest.trim_ascii_start().starts_with(b"/")
+}

@@ -1,0 +1,238 @@
+//! What is shown of a thing under the cursor: the grammar's page of it, and for an object its statement and what the model makes of it.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use lsp_types::{Hover, HoverContents, HoverParams, MarkupContent, MarkupKind};
+
+use super::cursor::{Cursor, Thing, asked, cursor};
+use super::document::Document;
+use super::excerpt::{Depth, Excerpt};
+use super::position::range;
+use super::workspace::Workspace;
+use crate::grammar::{ArgumentDef, StatementDef};
+use crate::mechanics::psi_theta_phi;
+use crate::model::Model;
+use crate::syntax::{Argument, Object, describe};
+use crate::text::Span;
+use crate::units::{Dimension, Units};
+
+/// Of a long statement so many lines are shown.
+const MOST_LINES: usize = 12;
+/// What an object names, and what that names, up to so many statements.
+const MOST_STATEMENTS: usize = 2000;
+
+pub(super) fn hover(workspace: &Workspace, params: &HoverParams) -> Option<Hover> {
+    let (path, file, offset) = asked(workspace, &params.text_document_position_params)?;
+    let found = cursor(&file.document, offset)?;
+    let value = match found.thing {
+        Thing::Object(object) => of_object(workspace, &path, &found, object, offset)?,
+        Thing::Statement(def) => format!("```text\n{}```", describe::statement(def)),
+        Thing::Argument(def, argument) => of_argument(&file.document, def, argument),
+        Thing::Function(def) => format!("```text\n{}```", describe::function(def)),
+        Thing::Deck => workspace.deck_of(&path, offset)?.display().to_string(),
+    };
+    Some(Hover {
+        contents: HoverContents::Markup(MarkupContent {
+            kind: MarkupKind::Markdown,
+            value,
+        }),
+        range: Some(range(file.document.pieces(), found.span)),
+    })
+}
+
+fn of_argument(document: &Document, def: &StatementDef, argument: &ArgumentDef) -> String {
+    let mut out = format!(
+        "**{}**{} of {}\n\n{}\n",
+        argument.name,
+        describe::value(argument),
+        def.name,
+        argument.doc
+    );
+    let mut details = describe::details(argument);
+    if argument.dimension != Dimension::NONE {
+        let units = units(document);
+        details.push(format!("in {}", units.name(argument.dimension)));
+    }
+    if !details.is_empty() {
+        _ = write!(out, "\n{}\n", details.join("; "));
+    }
+    _ = write!(
+        out,
+        "\n{}\n\nSource: {}",
+        describe::solved(def.solved),
+        def.source
+    );
+    out
+}
+
+/// The units of a document: its own, or those ADAMS takes where none are stated.
+fn units(document: &Document) -> Units {
+    let stated = document
+        .statements()
+        .find(|(_, _, s)| s.kind() == Some("UNITS"));
+    let excerpt = Excerpt::of(document, stated.map(|(place, _, _)| place), Depth::One);
+    Model::lower(&excerpt.dataset).value.units
+}
+
+fn of_object(
+    workspace: &Workspace,
+    path: &Path,
+    found: &Cursor,
+    object: Object,
+    offset: usize,
+) -> Option<String> {
+    let own = &workspace.file(path)?.document;
+    let deck = if own.is_command_file() {
+        workspace.deck_of(path, offset)
+    } else {
+        Some(path.to_path_buf())
+    };
+    let document = deck.and_then(|deck| Some(&workspace.file(&deck)?.document));
+    let defined =
+        document.and_then(|document| Some((document, *document.definitions(object).first()?)));
+    let Some((document, place)) = defined else {
+        // A command that redefines what is not there, or an id nobody defines.
+        let def = own.statement(found.place?).def?;
+        return Some(format!(
+            "{}/{}: not defined\n\n{}",
+            object.0.to_uppercase(),
+            object.1,
+            def.doc
+        ));
+    };
+    let statement = document.statement(place);
+    let def = statement.def?;
+    let source = document.pieces().pieces()[place.0].source();
+    let mut out = format!("**{}/{}**", def.name, object.1);
+    if let Some(name) = statement.view_name {
+        _ = write!(out, " {}", source.text(name));
+    }
+    _ = write!(out, "\n\n{}\n", def.doc);
+    for line in facts(document, place, object) {
+        _ = write!(out, "\n{line}\n");
+    }
+    let text = source.text(statement.span);
+    let lines: Vec<&str> = text.lines().collect();
+    let shown = lines[..lines.len().min(MOST_LINES)].join("\n");
+    let more = if lines.len() > MOST_LINES {
+        "\n..."
+    } else {
+        ""
+    };
+    _ = write!(
+        out,
+        "\n```adams\n{shown}{more}\n```\n\n{}",
+        describe::solved(def.solved)
+    );
+    Some(out)
+}
+
+/// What the model makes of an object: a marker's place in ground, stiffnesses with their units, on what it acts.
+fn facts(document: &Document, place: (usize, usize), object: Object) -> Vec<String> {
+    let units = document
+        .statements()
+        .find(|(_, _, s)| s.kind() == Some("UNITS"));
+    let asked = units.map(|(place, _, _)| place).into_iter().chain([place]);
+    let excerpt = Excerpt::of(document, asked, Depth::All(MOST_STATEMENTS));
+    let dataset = &excerpt.dataset;
+    let model = Model::lower(dataset).value;
+    let mut facts = Vec::new();
+    let statement = document.statement(place);
+    let def = statement.def;
+    if object.0 == "marker"
+        && let Some(index) = model.marker(object.1)
+    {
+        let marker = &model.markers[index.0];
+        let part = &model.parts[marker.part.0];
+        match model.marker_pose(index) {
+            Some(pose) => {
+                let [x, y, z] = [pose.p.x, pose.p.y, pose.p.z].map(short);
+                facts.push(format!(
+                    "In ground at {x}, {y}, {z} {}",
+                    model.units.length.word
+                ));
+                let angles =
+                    psi_theta_phi(&pose.R).map(|angle| format!("{}D", short(angle.to_degrees())));
+                facts.push(format!(
+                    "Turned in ground by REULER = {}",
+                    angles.join(", ")
+                ));
+            }
+            None => facts.push("It has no place of its own".to_string()),
+        }
+        facts.push(format!("On part {} {}", part.header.id, part.header.name));
+    }
+    // Numbers with a dimension, with their units: stiffnesses, masses, lengths.
+    for argument in &statement.arguments {
+        let Some(own) = argument.def.filter(|_| object.0 != "marker") else {
+            continue;
+        };
+        let unit = model.units.name(own.dimension_of(0));
+        if unit.is_empty() || argument.numbers().is_empty() || argument.numbers().len() > 12 {
+            continue;
+        }
+        let number = |number: &crate::syntax::Number| {
+            if own.dimension == Dimension::ANGLE {
+                format!("{}D", short(number.value.to_degrees()))
+            } else {
+                short(number.value)
+            }
+        };
+        let values: Vec<String> = Argument::numbers(argument).iter().map(number).collect();
+        let unit = if own.dimension == Dimension::ANGLE {
+            String::new()
+        } else {
+            format!(" {unit}")
+        };
+        facts.push(format!(
+            "{} = {}{unit}: {}",
+            own.name,
+            values.join(", "),
+            own.doc
+        ));
+    }
+    if let Some(def) = def
+        && !def.unchecked.is_empty()
+    {
+        facts.push(format!(
+            "Not compared with the documentation: {}",
+            def.unchecked
+        ));
+    }
+    let on: Vec<String> = dataset
+        .position(def.map_or("", |def| def.name), Some(object.1))
+        .map(|at| crate::syntax::Topology::of(dataset).attached(&dataset.statements()[at]))
+        .unwrap_or_default()
+        .iter()
+        .filter_map(|(space, id)| {
+            let body = document.definitions((space, *id)).first().copied()?;
+            let name = document.statement(body).view_name;
+            let name = name.map(|name: Span| {
+                document.pieces().pieces()[body.0]
+                    .source()
+                    .text(name)
+                    .into_owned()
+            });
+            Some(
+                format!("{}/{id} {}", space.to_uppercase(), name.unwrap_or_default())
+                    .trim()
+                    .to_string(),
+            )
+        })
+        .collect();
+    if on.len() > 1 {
+        facts.push(format!("Between {}", on.join(" and ")));
+    }
+    facts
+}
+
+/// Six digits, without the noise of the last ones.
+fn short(value: f64) -> String {
+    let rounded = format!("{value:.5e}").parse::<f64>().unwrap_or(value);
+    if rounded == 0.0 || (1e-4..1e7).contains(&rounded.abs()) {
+        format!("{}", rounded + 0.0)
+    } else {
+        format!("{rounded:e}")
+    }
+}

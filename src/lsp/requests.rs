@@ -1,0 +1,78 @@
+//! Which request is answered by what.
+
+use std::collections::BTreeMap;
+
+use lsp_types::request::{self, Request};
+use serde_json::Value;
+
+use super::workspace::Workspace;
+use super::{
+    completion, definition, fixes, folding, format, highlight, hover, references, rename,
+    signature, symbols,
+};
+
+/// Why a request has no answer.
+#[derive(Debug)]
+pub enum Refused {
+    /// Nobody answers such a request.
+    Unknown,
+    /// Its parameters cannot be read.
+    Parameters(String),
+    /// What it asks for cannot be done, and why.
+    Request(String),
+}
+
+type Answer = Box<dyn Fn(&mut Workspace, Value) -> Result<Value, Refused> + Send>;
+
+/// The requests that are answered.
+#[derive(Default)]
+pub(super) struct Routes(BTreeMap<&'static str, Answer>);
+
+impl Routes {
+    /// All there are.
+    pub fn all() -> Self {
+        let mut routes = Self::default();
+        routes.add::<request::HoverRequest>(|w, p| Ok(hover::hover(w, &p)));
+        routes.add::<request::GotoDefinition>(|w, p| Ok(definition::definition(w, &p)));
+        routes.add::<request::References>(|w, p| Ok(references::references(w, &p)));
+        routes.add::<request::DocumentHighlightRequest>(|w, p| Ok(highlight::highlight(w, &p)));
+        routes.add::<request::DocumentSymbolRequest>(|w, p| Ok(symbols::of_document(w, &p)));
+        routes.add::<request::WorkspaceSymbolRequest>(|w, p| Ok(symbols::of_workspace(w, &p)));
+        routes.add::<request::FoldingRangeRequest>(|w, p| Ok(folding::folding(w, &p)));
+        routes.add::<request::PrepareRenameRequest>(|w, p| rename::prepare(w, &p));
+        routes.add::<request::Rename>(|w, p| rename::rename(w, &p));
+        routes.add::<request::CodeActionRequest>(|w, p| Ok(fixes::fixes(w, &p)));
+        routes.add::<request::RangeFormatting>(|w, p| Ok(format::range(w, &p)));
+        routes.add::<request::Formatting>(|w, p| Ok(format::document(w, &p)));
+        routes.add::<request::Completion>(|w, p| Ok(completion::completion(w, &p)));
+        routes.add::<request::SignatureHelpRequest>(|w, p| Ok(signature::signature(w, &p)));
+        routes
+    }
+
+    /// Adds what answers a request.
+    pub fn add<R: Request>(
+        &mut self,
+        answer: impl Fn(&mut Workspace, R::Params) -> Result<R::Result, Refused> + Send + 'static,
+    ) where
+        R::Params: 'static,
+    {
+        let answer = move |workspace: &mut Workspace, params: Value| {
+            let params = serde_json::from_value(params)
+                .map_err(|error| Refused::Parameters(error.to_string()))?;
+            let result = answer(workspace, params)?;
+            serde_json::to_value(result).map_err(|error| Refused::Request(error.to_string()))
+        };
+        self.0.insert(R::METHOD, Box::new(answer));
+    }
+
+    /// Answers a request.
+    pub fn answer(
+        &self,
+        workspace: &mut Workspace,
+        method: &str,
+        params: Value,
+    ) -> Result<Value, Refused> {
+        let answer = self.0.get(method).ok_or(Refused::Unknown)?;
+        answer(workspace, params)
+    }
+}

@@ -1,0 +1,113 @@
+//! Checks of whole files in the background. A check that an edit overtakes ends early and tells nothing.
+
+use std::collections::HashMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+use crossbeam_channel::{Receiver, Sender};
+
+use crate::check::{self, Found, Told};
+use crate::session::{folder_of, read_files};
+use crate::syntax::lint::Options;
+use crate::syntax::pieces::Pieces;
+use crate::syntax::{CommandFile, Dataset};
+use crate::text::Source;
+
+/// A file to check.
+pub(super) struct Job {
+    /// Which file.
+    pub path: PathBuf,
+    /// Its text.
+    pub text: Pieces,
+    /// The decks that are open, for a command file.
+    pub decks: HashMap<PathBuf, Pieces>,
+    /// Columns beyond 80 are told of.
+    pub fortran: bool,
+    /// The edits of the file so far, and as they were when this was asked.
+    pub edits: (Arc<AtomicU64>, u64),
+}
+
+/// What a check found.
+pub(super) struct Answer {
+    /// Which file.
+    pub path: PathBuf,
+    /// After how many edits.
+    pub edits: u64,
+    /// What there is to say.
+    pub found: Vec<Found>,
+}
+
+/// Larger files are checked when typing pauses: the processor is needed for the next key.
+const LARGE: usize = 1 << 20;
+const PAUSE: Duration = Duration::from_millis(120);
+
+/// Checks files until nobody asks any more. Of several jobs for one file the last one is done.
+pub(super) fn work(jobs: &Receiver<Job>, answers: &Sender<Answer>) {
+    let mut waiting: Vec<Job> = Vec::new();
+    while let Ok(job) = jobs.recv() {
+        waiting.push(job);
+        loop {
+            waiting.extend(jobs.try_iter());
+            waiting.retain(|job| !job.is_outdated());
+            let Some(large) = waiting.first().map(|job| job.text.size() > LARGE) else {
+                break;
+            };
+            if large && let Ok(next) = jobs.recv_timeout(PAUSE) {
+                waiting.push(next);
+                continue;
+            }
+            let job = waiting.remove(0);
+            // A check that fails says nothing; the next one may.
+            let found = catch_unwind(AssertUnwindSafe(|| job.found()));
+            let Ok(Some(found)) = found else { continue };
+            let answer = Answer {
+                path: job.path,
+                edits: job.edits.1,
+                found,
+            };
+            if answers.send(answer).is_err() {
+                return;
+            }
+        }
+    }
+}
+
+impl Job {
+    fn is_outdated(&self) -> bool {
+        self.edits.0.load(Ordering::Relaxed) != self.edits.1
+    }
+
+    fn found(&self) -> Option<Vec<Found>> {
+        let source = self.text.source();
+        if self.text.is_command_file() {
+            return Some(self.of_commands(source));
+        }
+        let read = Dataset::parse(source);
+        if self.is_outdated() {
+            return None;
+        }
+        let folder = folder_of(read.value.source());
+        let files = read_files(&read.value, &folder, &check::policy(&folder));
+        let options = Options {
+            fortran: self.fortran,
+        };
+        check::dataset(read, files, &options, || self.is_outdated())
+    }
+
+    fn of_commands(&self, source: Source) -> Vec<Found> {
+        let deck = |path: &Path| {
+            let path = super::workspace::normal(path);
+            let source = match self.decks.get(&path) {
+                Some(open) => open.source(),
+                None => Source::read(&path).ok()?,
+            };
+            Some(Dataset::parse(source).value)
+        };
+        let found = check::command_file(CommandFile::parse(source), deck);
+        let told = |diagnostic| Found::new(Told::File, diagnostic);
+        found.into_iter().map(told).collect()
+    }
+}

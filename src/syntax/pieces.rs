@@ -1,0 +1,391 @@
+//! A dataset or a command file in pieces of whole lines: an edit reads again only the pieces it touches.
+//!
+//! Knows nothing about editors. What the pieces hold together is what [`Dataset::parse`] or [`CommandFile::parse`] reads of all
+//! bytes at once.
+//!
+//! [`Dataset::parse`]: super::Dataset::parse
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::dataset::{parse_lines_after, statement_before};
+use super::lines::{LogicalLine, continues, logical_lines, physical_line};
+use super::{CommandFile, Head, Statement};
+use crate::diagnostic::Diagnostic;
+use crate::grammar::{Role, StatementDef};
+use crate::text::{Source, Span};
+
+/// So many logical lines are one piece: an edit mostly reads two pieces.
+const LINES: usize = 48;
+
+/// Which part of a file a piece is.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Part {
+    /// Statements or commands; in front of the first ones the title of a dataset.
+    Body,
+    /// What stands after END.
+    AfterEnd,
+}
+
+/// Whole lines of a file, read by themselves: places count from the first byte of the piece.
+#[derive(Debug)]
+pub struct Piece {
+    key: u32,
+    part: Part,
+    source: Source,
+    statements: Vec<Statement>,
+    diagnostics: Vec<Diagnostic>,
+    line_ends: usize,
+    /// The statement before the piece, and the last one in it: a lost comma leaves its arguments alone on a line.
+    before: Option<&'static StatementDef>,
+    after: Option<&'static StatementDef>,
+    ends: bool,
+    head: Option<Head>,
+}
+
+impl Piece {
+    /// Names the piece: no other one of the file has had this number.
+    pub fn key(&self) -> u32 {
+        self.key
+    }
+
+    /// Which part of the file it is.
+    pub fn part(&self) -> Part {
+        self.part
+    }
+
+    /// Its bytes, under the name of the file.
+    pub fn source(&self) -> &Source {
+        &self.source
+    }
+
+    /// Its statements or commands.
+    pub fn statements(&self) -> &[Statement] {
+        &self.statements
+    }
+
+    /// What the reader complains of in it.
+    pub fn diagnostics(&self) -> &[Diagnostic] {
+        &self.diagnostics
+    }
+
+    /// How many bytes it has.
+    pub fn size(&self) -> usize {
+        self.source.bytes().len()
+    }
+
+    /// How many line ends it has.
+    pub fn line_ends(&self) -> usize {
+        self.line_ends
+    }
+
+    fn part_of(part: Part, name: &Arc<str>, bytes: Vec<u8>) -> Self {
+        Self {
+            key: 0,
+            part,
+            line_ends: line_ends(&bytes),
+            source: Source::new(Arc::clone(name), bytes),
+            statements: Vec::new(),
+            diagnostics: Vec::new(),
+            before: None,
+            after: None,
+            ends: false,
+            head: None,
+        }
+    }
+
+    /// Statements of a dataset from lines that no other line continues, from an offset on.
+    fn body(
+        name: &Arc<str>,
+        bytes: Vec<u8>,
+        start: usize,
+        before: Option<&'static StatementDef>,
+    ) -> Self {
+        let mut piece = Self::part_of(Part::Body, name, bytes);
+        let (lines, _) = logical_lines(piece.source.bytes(), start, true);
+        let (statements, diagnostics, after) =
+            parse_lines_after(&piece.source, &lines, Role::Dataset, before);
+        piece.statements = statements;
+        piece.diagnostics = diagnostics;
+        (piece.before, piece.after) = (before, after);
+        let end = piece
+            .statements
+            .iter()
+            .position(|s| s.is_end(&piece.source));
+        if let Some(last) = end {
+            piece.ends = true;
+            piece.statements.truncate(last + 1);
+            let start = piece.statements[last].span.end();
+            piece.diagnostics.retain(|diagnostic| {
+                let label = diagnostic.labels.first();
+                label.is_none_or(|label| label.span.start() < start)
+            });
+        }
+        piece
+    }
+}
+
+/// How many lines end in some bytes: with LF, CR LF or a lone CR.
+fn line_ends(bytes: &[u8]) -> usize {
+    memchr::memchr2_iter(b'\n', b'\r', bytes)
+        .filter(|at| bytes[*at] == b'\n' || bytes.get(at + 1) != Some(&b'\n'))
+        .count()
+}
+
+/// A file in pieces.
+#[derive(Clone, Debug)]
+pub struct Pieces {
+    name: Arc<str>,
+    role: Role,
+    all: Vec<Arc<Piece>>,
+    /// Where each piece begins: bytes, and lines from 0; one entry more than pieces.
+    starts: Vec<(usize, usize)>,
+    next_key: u32,
+}
+
+/// What an edit did to the pieces.
+#[derive(Clone, Debug)]
+pub struct Change {
+    /// The pieces that are gone, which stood side by side.
+    pub removed: Vec<Arc<Piece>>,
+    /// Where the new ones stand.
+    pub added: Range<usize>,
+}
+
+impl Pieces {
+    /// Reads a dataset, or with `Role::Command` a command file.
+    pub fn parse(source: &Source, role: Role) -> Self {
+        let mut pieces = Self {
+            name: source.name().into(),
+            role,
+            all: Vec::new(),
+            starts: vec![(0, 0)],
+            next_key: 0,
+        };
+        pieces.edit(Span::at(0), source.bytes());
+        pieces
+    }
+
+    /// The name of the file.
+    pub fn name(&self) -> Arc<str> {
+        Arc::clone(&self.name)
+    }
+
+    /// True for a command file.
+    pub fn is_command_file(&self) -> bool {
+        self.role == Role::Command
+    }
+
+    /// The pieces in their order.
+    pub fn pieces(&self) -> &[Arc<Piece>] {
+        &self.all
+    }
+
+    /// Where piece `at` begins.
+    pub fn start(&self, at: usize) -> usize {
+        self.starts[at].0
+    }
+
+    /// The line, from 0, that piece `at` begins with.
+    pub fn first_line(&self, at: usize) -> usize {
+        self.starts[at].1
+    }
+
+    /// How many bytes the file has.
+    pub fn size(&self) -> usize {
+        self.start(self.all.len())
+    }
+
+    /// The first lines of a command file that name its dataset.
+    pub fn head(&self) -> Option<Head> {
+        self.all.first()?.head
+    }
+
+    /// All bytes.
+    pub fn bytes(&self) -> Vec<u8> {
+        let mut bytes = Vec::with_capacity(self.size());
+        for piece in &self.all {
+            bytes.extend_from_slice(piece.source.bytes());
+        }
+        bytes
+    }
+
+    /// All bytes under the name of the file.
+    pub fn source(&self) -> Source {
+        Source::new(Arc::clone(&self.name), self.bytes())
+    }
+
+    /// The piece that holds an offset; the last one for the end of the file. `None` for an empty file.
+    pub fn at(&self, offset: usize) -> Option<usize> {
+        let after = self.starts.partition_point(|(start, _)| *start <= offset);
+        Some(after.checked_sub(1)?.min(self.all.len().checked_sub(1)?))
+    }
+
+    /// The piece that holds a line, from 0; the last one for lines beyond the end. `None` for an empty file.
+    pub fn at_line(&self, line: usize) -> Option<usize> {
+        let after = self.starts.partition_point(|(_, first)| *first <= line);
+        Some(after.checked_sub(1)?.min(self.all.len().checked_sub(1)?))
+    }
+
+    /// True if the dataset has its END.
+    pub fn has_end(&self) -> bool {
+        self.all.iter().rev().take(2).any(|piece| piece.ends)
+    }
+
+    /// Replaces bytes and reads again what that touches. The span must lie in the file.
+    pub fn edit(&mut self, span: Span, replacement: &[u8]) -> Change {
+        let count = self.all.len();
+        // The piece before goes with it: its last line may be continued now.
+        let touched = self.starts[..count]
+            .partition_point(|(start, _)| *start < span.start())
+            .saturating_sub(1);
+        let (first, mut last) = match self.role {
+            Role::Command => (0, count),
+            Role::Dataset | Role::Both => (
+                touched.saturating_sub(1),
+                self.starts[..count].partition_point(|(start, _)| *start <= span.end()),
+            ),
+        };
+        let mut bytes = Vec::new();
+        for piece in &self.all[first..last] {
+            bytes.extend_from_slice(piece.source.bytes());
+        }
+        let from = self.starts[first].0;
+        bytes.splice(
+            span.start() - from..span.end() - from,
+            replacement.iter().copied(),
+        );
+        let mut new = loop {
+            let next = self.all.get(last);
+            match self.read(first, &bytes, next.map(Arc::as_ref)) {
+                Reading::Done(new) => break new,
+                Reading::Ended(mut new, end) => {
+                    let mut rest = bytes.split_off(end);
+                    for piece in &self.all[last..] {
+                        rest.extend_from_slice(piece.source.bytes());
+                    }
+                    last = count;
+                    if !rest.is_empty() {
+                        new.push(Piece::part_of(Part::AfterEnd, &self.name, rest));
+                    }
+                    break new;
+                }
+                Reading::Open => {
+                    // Twice as much as before: a file that falls apart is read a few times, not once for each piece.
+                    let more = (last - first).max(1).min(count - last);
+                    for piece in &self.all[last..last + more] {
+                        bytes.extend_from_slice(piece.source.bytes());
+                    }
+                    last += more;
+                }
+            }
+        };
+        for piece in &mut new {
+            piece.key = self.next_key;
+            self.next_key = self.next_key.wrapping_add(1);
+        }
+        let added = first..first + new.len();
+        let removed = self
+            .all
+            .splice(first..last, new.into_iter().map(Arc::new))
+            .collect();
+        self.starts.truncate(first + 1);
+        for piece in &self.all[first..] {
+            let (bytes, lines) = *self.starts.last().unwrap_or(&(0, 0));
+            self.starts
+                .push((bytes + piece.size(), lines + piece.line_ends));
+        }
+        Change { removed, added }
+    }
+
+    /// The pieces of some bytes from the beginning of piece `first` on; `next` follows them.
+    fn read(&self, first: usize, bytes: &[u8], next: Option<&Piece>) -> Reading {
+        let name = &self.name;
+        if self.role == Role::Command {
+            let mut piece = Piece::part_of(Part::Body, name, bytes.to_vec());
+            let read = CommandFile::parse(piece.source.clone());
+            piece.head = read.value.head();
+            piece.statements = read.value.commands().to_vec();
+            piece.diagnostics = read.diagnostics;
+            return Reading::Done(vec![piece]);
+        }
+        let mut new = Vec::new();
+        // The title stands in front of the first statements.
+        let title = match first {
+            0 => physical_line(bytes, 0).next,
+            _ => 0,
+        };
+        let (lines, _) = logical_lines(bytes, title, true);
+        let source = Source::new(Arc::clone(name), bytes);
+        let before = first.checked_sub(1).and_then(|at| self.all[at].after);
+        let count = lines.len().div_ceil(LINES).max(1);
+        let cut = |k: usize| match (k * LINES).checked_sub(1) {
+            None => 0,
+            Some(_) if k == count => bytes.len(),
+            Some(last) => physical_line(bytes, lines[last].span.end()).next,
+        };
+        let piece = |k: usize| {
+            let lines = &lines[..k * LINES];
+            let before = statement_before(&source, lines, Role::Dataset, before);
+            let title = if k == 0 { title } else { 0 };
+            Piece::body(name, bytes[cut(k)..cut(k + 1)].to_vec(), title, before)
+        };
+        let read: Vec<Piece> = if count < 8 {
+            (0..count).map(piece).collect()
+        } else {
+            (0..count).into_par_iter().map(piece).collect()
+        };
+        for (k, piece) in read.into_iter().enumerate() {
+            let ends = piece.statements.last().filter(|_| piece.ends);
+            let end = ends.map(|end| physical_line(piece.source.bytes(), end.span.end()).next);
+            let Some(end) = end else {
+                new.push(piece);
+                continue;
+            };
+            let start = cut(k);
+            new.push(piece.cut_at(end));
+            return Reading::Ended(new, start + end);
+        }
+        let Some(next) = next else {
+            new.retain(|piece| piece.size() > 0);
+            return Reading::Done(new);
+        };
+        let last: Option<&LogicalLine> = lines.last();
+        let apart = last.is_some_and(|last| {
+            let end = last.span.end();
+            physical_line(bytes, end).next == bytes.len()
+                && end < bytes.len()
+                && !continues(&bytes[..end], next.source.bytes())
+        });
+        let as_before = new.last().is_some_and(|last| last.after == next.before);
+        if next.part == Part::Body && apart && as_before {
+            Reading::Done(new)
+        } else {
+            Reading::Open
+        }
+    }
+}
+
+/// How far some bytes could be read by themselves.
+enum Reading {
+    /// Whole.
+    Done(Vec<Piece>),
+    /// To END, behind whose line an offset is.
+    Ended(Vec<Piece>, usize),
+    /// What follows belongs to them.
+    Open,
+}
+
+impl Piece {
+    /// The piece without what stands behind an offset, where no statement is.
+    fn cut_at(mut self, end: usize) -> Self {
+        if end < self.size() {
+            let bytes = &self.source.bytes()[..end];
+            self.line_ends = line_ends(bytes);
+            self.source = Source::new(self.source.name(), bytes);
+        }
+        self
+    }
+}

@@ -1,0 +1,176 @@
+//! The language server while somebody types in a large deck: how long complaints take to follow a key.
+//!
+//! `cargo bench --bench editor -- [MEGABYTES]`. The stated goal is 50 ms after a key, for 10 MB. Every key is one message of the protocol,
+//! and the time ends when the complaints about the text as it is then have arrived.
+
+#[path = "large_deck.rs"]
+mod large_deck;
+
+use std::time::{Duration, Instant};
+
+use admire::lsp;
+use large_deck::deck;
+use lsp_server::{Connection, Message, Notification, Request};
+use serde_json::{Value, json};
+
+const URI: &str = "file:///large.adm";
+
+fn main() {
+    let megabytes = std::env::args()
+        .skip(1)
+        .find_map(|word| word.parse::<usize>().ok())
+        .unwrap_or(10);
+    let text = String::from_utf8(deck(megabytes << 20)).expect("text");
+    let (server, editor) = Connection::memory();
+    let thread = std::thread::spawn(move || lsp::serve(&server));
+    let mut editor = Editor { editor, version: 1 };
+    editor.send(Request::new(1.into(), "initialize".into(), json!({ "capabilities": {} })).into());
+    editor.next(|message| matches!(message, Message::Response(_)));
+    editor.note("initialized", json!({}));
+    let start = Instant::now();
+    editor.note(
+        "textDocument/didOpen",
+        json!({ "textDocument": { "uri": URI, "languageId": "adams", "version": 1, "text": text } }),
+    );
+    editor.complaints();
+    println!(
+        "{:.1} MB opened and shown in {:.0} ms",
+        text.len() as f64 / 1e6,
+        milliseconds(start)
+    );
+    // Lines that name the part of a marker: a wrong digit is an undefined id.
+    let lines: Vec<(usize, usize)> = text
+        .split('\n')
+        .enumerate()
+        .filter_map(|(at, line)| line.starts_with(", PART = ").then_some((at, line.len())))
+        .collect();
+    // One key in the middle: while the editor waits, the whole file is checked.
+    editor.wait_for_whole();
+    for (name, pause) in [
+        ("keys as fast as they are answered", 0),
+        ("keys with pauses of 400 ms", 400),
+    ] {
+        let mut times: Vec<f64> = Vec::new();
+        let count = if pause == 0 { 400 } else { 40 };
+        for k in 0..count {
+            let (line, end) = lines[(k * 7919 + lines.len() / 2) % lines.len()];
+            for (range, new) in [((end, end), "7"), ((end, end + 1), "")] {
+                std::thread::sleep(Duration::from_millis(pause));
+                editor.drain();
+                let start = Instant::now();
+                editor.change(line, range, new);
+                let found = editor.complaints();
+                times.push(milliseconds(start));
+                let undefined = found.iter().any(|found| found["code"] == "undefined-id");
+                assert_eq!(undefined, !new.is_empty(), "the complaint follows the key");
+            }
+        }
+        times.sort_by(f64::total_cmp);
+        let at = |share: f64| times[((times.len() - 1) as f64 * share) as usize];
+        println!(
+            "{name}: {} keys, complaints after {:.1} ms (median), {:.1} ms (99 of 100), {:.1} ms (all)",
+            times.len(),
+            at(0.5),
+            at(0.99),
+            at(1.0)
+        );
+    }
+    // What looks at the whole file: a part loses its mass.
+    let mass = text
+        .lines()
+        .position(|line| line.starts_with(", MASS"))
+        .expect("a mass");
+    let start = Instant::now();
+    editor.change(mass, (0, 6), "! ");
+    loop {
+        let found = editor.complaints();
+        if found
+            .iter()
+            .any(|found| found["code"] == "free-without-mass")
+        {
+            break;
+        }
+    }
+    println!(
+        "the check of the whole file in the background: {:.0} ms after a key",
+        milliseconds(start)
+    );
+    editor.send(Request::new(2.into(), "shutdown".into(), Value::Null).into());
+    editor.note("exit", Value::Null);
+    thread
+        .join()
+        .expect("it ends")
+        .expect("the protocol was kept");
+}
+
+struct Editor {
+    editor: Connection,
+    version: i32,
+}
+
+impl Editor {
+    fn send(&self, message: Message) {
+        self.editor.sender.send(message).expect("the server reads");
+    }
+
+    fn note(&self, method: &str, params: Value) {
+        self.send(Notification::new(method.into(), params).into());
+    }
+
+    fn next(&self, wanted: impl Fn(&Message) -> bool) -> Message {
+        loop {
+            let message = self
+                .editor
+                .receiver
+                .recv_timeout(Duration::from_secs(60))
+                .expect("an answer");
+            if wanted(&message) {
+                return message;
+            }
+        }
+    }
+
+    /// The complaints about the text as it is now.
+    fn complaints(&self) -> Vec<Value> {
+        let version = self.version;
+        let message = self.next(|message| {
+            matches!(message, Message::Notification(note)
+                if note.method == "textDocument/publishDiagnostics" && note.params["version"] == version)
+        });
+        let Message::Notification(note) = message else {
+            unreachable!("a notification")
+        };
+        note.params["diagnostics"]
+            .as_array()
+            .expect("a list")
+            .clone()
+    }
+
+    fn drain(&self) {
+        while self.editor.receiver.try_recv().is_ok() {}
+    }
+
+    /// The check of the whole file has nothing to say of this deck: it has had the time.
+    fn wait_for_whole(&self) {
+        std::thread::sleep(Duration::from_secs(3));
+        self.drain();
+    }
+
+    fn change(&mut self, line: usize, (start, end): (usize, usize), new: &str) {
+        self.version += 1;
+        self.note(
+            "textDocument/didChange",
+            json!({
+                "textDocument": { "uri": URI, "version": self.version },
+                "contentChanges": [{
+                    "range": { "start": { "line": line, "character": start }, "end": { "line": line, "character": end } },
+                    "text": new,
+                }],
+            }),
+        );
+    }
+}
+
+fn milliseconds(start: Instant) -> f64 {
+    start.elapsed().as_secs_f64() * 1e3
+}

@@ -1,0 +1,274 @@
+//! An editor for tests: it starts the built program and talks to it over standard input and output.
+
+use std::collections::VecDeque;
+use std::io::{BufRead, BufReader, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::Duration;
+
+use serde_json::{Value, json};
+
+/// Longer than any answer takes on a busy machine.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A session with the server.
+pub struct Editor {
+    process: Child,
+    input: Option<ChildStdin>,
+    messages: Receiver<Value>,
+    /// Notifications that nobody waited for yet.
+    pub notes: VecDeque<Value>,
+    next: i64,
+    pub folder: tempfile::TempDir,
+}
+
+impl Editor {
+    /// Starts the server with a folder of these files.
+    pub fn start(files: &[(&str, &[u8])]) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        for (name, bytes) in files {
+            std::fs::write(folder.path().join(name), bytes).expect("writable");
+        }
+        let mut process = Command::new(env!("CARGO_BIN_EXE_admire"))
+            .args(["lsp", "--stdio"])
+            .current_dir(folder.path())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("the program starts");
+        let mut output = BufReader::new(process.stdout.take().expect("piped"));
+        let (send, messages) = channel();
+        std::thread::spawn(move || {
+            while let Some(message) = read(&mut output) {
+                if send.send(message).is_err() {
+                    return;
+                }
+            }
+        });
+        let input = process.stdin.take();
+        let mut editor = Self {
+            process,
+            input,
+            messages,
+            notes: VecDeque::new(),
+            next: 0,
+            folder,
+        };
+        let root = editor.uri("");
+        let answer = editor.request(
+            "initialize",
+            json!({ "processId": null, "capabilities": {}, "workspaceFolders": [{ "uri": root, "name": "test" }] }),
+        );
+        assert_eq!(answer["serverInfo"]["name"], "admire", "{answer}");
+        editor.notify("initialized", json!({}));
+        editor
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        std::fs::canonicalize(self.folder.path())
+            .expect("there")
+            .join(name)
+    }
+
+    pub fn uri(&self, name: &str) -> String {
+        format!("file://{}", self.path(name).display())
+    }
+
+    /// A place in a file.
+    pub fn at(&self, name: &str, line: usize, character: usize) -> Value {
+        json!({ "textDocument": { "uri": self.uri(name) }, "position": { "line": line, "character": character } })
+    }
+
+    pub fn open(&mut self, name: &str, text: &str) {
+        let uri = self.uri(name);
+        self.notify(
+            "textDocument/didOpen",
+            json!({ "textDocument": { "uri": uri, "languageId": "adams", "version": 1, "text": text } }),
+        );
+    }
+
+    /// Replaces a range: first line and character, last line and character.
+    pub fn change(&mut self, name: &str, version: i64, range: [usize; 4], text: &str) {
+        let uri = self.uri(name);
+        let [line, character, last, end] = range;
+        self.notify(
+            "textDocument/didChange",
+            json!({
+                "textDocument": { "uri": uri, "version": version },
+                "contentChanges": [{
+                    "range": { "start": { "line": line, "character": character }, "end": { "line": last, "character": end } },
+                    "text": text,
+                }],
+            }),
+        );
+    }
+
+    pub fn notify(&mut self, method: &str, params: Value) {
+        self.send(&json!({ "jsonrpc": "2.0", "method": method, "params": params }));
+    }
+
+    /// Sends a request and does not wait; its id.
+    pub fn ask(&mut self, method: &str, params: Value) -> i64 {
+        self.next += 1;
+        self.send(
+            &json!({ "jsonrpc": "2.0", "id": self.next, "method": method, "params": params }),
+        );
+        self.next
+    }
+
+    /// The whole answer to a request that was sent.
+    pub fn answer(&mut self, id: i64) -> Value {
+        loop {
+            let message = self.next_message();
+            if message["id"] == id && message.get("method").is_none() {
+                return message;
+            }
+            self.notes.push_back(message);
+        }
+    }
+
+    /// The result of a request that succeeds.
+    pub fn request(&mut self, method: &str, params: Value) -> Value {
+        let id = self.ask(method, params);
+        let answer = self.answer(id);
+        assert!(answer.get("error").is_none(), "{method}: {answer}");
+        answer["result"].clone()
+    }
+
+    /// The next complaints about a file that `wanted` accepts.
+    pub fn complaints(&mut self, name: &str, wanted: impl Fn(&[Value]) -> bool) -> Vec<Value> {
+        let uri = self.uri(name);
+        loop {
+            let message = match self.notes.pop_front() {
+                Some(message) => message,
+                None => self.next_message(),
+            };
+            if message["method"] == "textDocument/publishDiagnostics"
+                && message["params"]["uri"] == uri.as_str()
+            {
+                let found = message["params"]["diagnostics"]
+                    .as_array()
+                    .expect("a list")
+                    .clone();
+                if wanted(&found) {
+                    return found;
+                }
+            }
+        }
+    }
+
+    /// Ends as an editor does; the exit code.
+    pub fn end(mut self) -> Option<i32> {
+        self.request("shutdown", Value::Null);
+        self.notify("exit", Value::Null);
+        self.process.wait().expect("it ends").code()
+    }
+
+    /// Goes away without a word; the exit code of the server.
+    pub fn leave(mut self) -> Option<i32> {
+        drop(self.input.take());
+        self.process.wait().expect("it ends").code()
+    }
+
+    fn send(&mut self, message: &Value) {
+        let text = message.to_string();
+        let input = self.input.as_mut().expect("open");
+        write!(input, "Content-Length: {}\r\n\r\n{text}", text.len()).expect("the server reads");
+        input.flush().expect("the server reads");
+    }
+
+    fn next_message(&self) -> Value {
+        self.messages
+            .recv_timeout(PATIENCE)
+            .expect("the server answers")
+    }
+}
+
+impl Drop for Editor {
+    fn drop(&mut self) {
+        // A test that failed leaves no process.
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+fn read(output: &mut impl BufRead) -> Option<Value> {
+    let mut length = 0;
+    loop {
+        let mut line = String::new();
+        if output.read_line(&mut line).ok()? == 0 {
+            return None;
+        }
+        match line.trim().strip_prefix("Content-Length:") {
+            Some(number) => length = number.trim().parse().ok()?,
+            None if line.trim().is_empty() => break,
+            None => {}
+        }
+    }
+    let mut bytes = vec![0; length];
+    output.read_exact(&mut bytes).ok()?;
+    serde_json::from_slice(&bytes).ok()
+}
+
+/// The codes of complaints.
+pub fn codes(found: &[Value]) -> Vec<&str> {
+    found
+        .iter()
+        .filter_map(|found| found["code"].as_str())
+        .collect()
+}
+
+/// A shipped file.
+pub fn shipped(path: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("corpus")
+        .join(path);
+    std::fs::read_to_string(path).expect("a shipped file")
+}
+
+/// A text after edits of the protocol, which state places in it as it was.
+pub fn edited(text: &str, edits: &Value) -> String {
+    let offset = |place: &Value| {
+        let line = place["line"].as_u64().expect("a line") as usize;
+        let start: usize = text.split_inclusive('\n').take(line).map(str::len).sum();
+        let wanted = place["character"].as_u64().expect("a character") as usize;
+        let mut units = 0;
+        let rest = text[start..].char_indices();
+        let passed = rest.take_while(|(_, c)| {
+            let before = units;
+            units += c.len_utf16();
+            before < wanted
+        });
+        start + passed.map(|(_, c)| c.len_utf8()).sum::<usize>()
+    };
+    let mut all: Vec<(usize, usize, &str)> = edits
+        .as_array()
+        .expect("a list of edits")
+        .iter()
+        .map(|edit| {
+            let range = &edit["range"];
+            (
+                offset(&range["start"]),
+                offset(&range["end"]),
+                edit["newText"].as_str().expect("a text"),
+            )
+        })
+        .collect();
+    all.sort_unstable();
+    let mut out = text.to_string();
+    for (start, end, new) in all.into_iter().rev() {
+        out.replace_range(start..end, new);
+    }
+    out
+}
+
+/// What the edit of a workspace makes of each file that it changes.
+pub fn edits_of<'e>(edit: &'e Value, uri: &str) -> Option<&'e Value> {
+    let changes = edit["documentChanges"].as_array().expect("changes");
+    let own = changes
+        .iter()
+        .find(|change| change["textDocument"]["uri"] == uri)?;
+    Some(&own["edits"])
+}

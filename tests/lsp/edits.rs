@@ -1,0 +1,264 @@
+//! Random edits: a document that was edited holds and says what one that is read anew does.
+
+use admire::check::{self, Found, Told};
+use admire::diagnostic::Checked;
+use admire::lsp::Document;
+use admire::syntax::files::Files;
+use admire::syntax::lint::Options;
+use admire::syntax::{Dataset, Statement};
+use admire::text::{Source, Span};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+
+const NAME: &str = "edited.adm";
+
+/// Three shipped decks in one: most ids are there twice or more.
+fn deck() -> String {
+    let mut all = String::from("three decks\n");
+    for name in ["multilink", "pseudo-mcpherson", "kc-experiment"] {
+        let path = format!("{}/corpus/{name}/model.adm", env!("CARGO_MANIFEST_DIR"));
+        let text = std::fs::read_to_string(path).expect("a shipped deck");
+        for line in text.lines().skip(1).take_while(|line| line.trim() != "END") {
+            all += line;
+            all.push('\n');
+        }
+    }
+    all += "! admire: ignore[duplicate-id]\nMARKER/7\n, QP = 1, 2, 3\nMARKER/8, FLOATING\nEND\n! after\n";
+    all
+}
+
+/// What is typed: marks that change where lines and statements end, ids that change what others name, and text.
+const TYPED: [&str; 44] = [
+    ",",
+    "&",
+    "\n",
+    "\r\n",
+    "\r",
+    "!",
+    "\"",
+    ";",
+    "/",
+    "=",
+    "\\",
+    "(",
+    ")",
+    " ",
+    "\t",
+    "1",
+    "0",
+    "7",
+    "90D",
+    "A",
+    "e",
+    "é",
+    "🚗",
+    "END\n",
+    "\nEND",
+    "END",
+    "\n, ",
+    " &\n",
+    "PART/5\n",
+    "PART/9, GROUND\n",
+    ", PART = 2",
+    "MARKER/21\n",
+    "\nMARKER/10, FLOATING\n",
+    "! adams_view_name='named'\n",
+    "! admire: ignore[undefined-id]\n",
+    "! admire: ignore-file[duplicate-id]\n",
+    "! admire: ignore[nothing]\n",
+    "\nJOINT/3, SPHERICAL, I=7, J=8\n",
+    "QP = 1\n",
+    "EXACT=X\n",
+    "\nBUSHING/7, I=10, J=999\n",
+    "\nVARIABLE/1, FUNCTION=DX(7,8)+VARVAL(1)\n",
+    "\nSPLINE/1, X=1,2,2, Y=1,2\n",
+    "é! admire: ignore\n",
+];
+
+#[test]
+fn ten_thousand_random_edits_leave_the_state_of_a_fresh_reading() {
+    const EDITS: usize = 10_000;
+    const ROUND: usize = 125;
+    let rounds: Vec<u64> = (0..(EDITS / ROUND) as u64).collect();
+    // Rounds are independent: all processors work.
+    std::thread::scope(|scope| {
+        for part in rounds.chunks(rounds.len().div_ceil(4)) {
+            scope.spawn(move || {
+                for seed in part {
+                    round(*seed, ROUND);
+                }
+            });
+        }
+    });
+}
+
+fn round(seed: u64, edits: usize) {
+    let mut random = Pcg64::seed_from_u64(seed);
+    let mut text = deck();
+    if seed % 3 == 1 {
+        text = text.replace('\n', "\r\n");
+    }
+    let original = text.clone();
+    let mut document = Document::open(&Source::new(NAME, text.as_bytes()), false);
+    for step in 0..edits {
+        let (start, end, new) = edit(&mut random, &text, &original);
+        document.edit(Span::new(start, end), new.as_bytes());
+        text.replace_range(start..end, &new);
+        let fresh = Dataset::parse(Source::new(NAME, text.as_bytes()));
+        let place = format!("round {seed}, step {step}: {start}..{end} became {new:?}");
+        assert_eq!(document.pieces().bytes(), text.as_bytes(), "{place}");
+        same_statements(&document, &fresh.value, &place);
+        same_complaints(&mut document, fresh, step, &place);
+    }
+}
+
+/// A place and what is written there instead.
+fn edit(random: &mut Pcg64, text: &str, original: &str) -> (usize, usize, String) {
+    let boundary = |at: usize| {
+        let at = at.min(text.len());
+        (0..=at)
+            .rev()
+            .find(|at| text.is_char_boundary(*at))
+            .unwrap_or(0)
+    };
+    let start = boundary(random.random_range(0..=text.len()));
+    let typed = TYPED[random.random_range(0..TYPED.len())].to_string();
+    match random.random_range(0..10) {
+        0..=4 => (start, start, typed),
+        5 => (start, boundary(start + random.random_range(0..4)), typed),
+        6 => (
+            start,
+            boundary(start + random.random_range(0..40)),
+            String::new(),
+        ),
+        // Whole lines go away or come from elsewhere.
+        7 => (
+            start,
+            boundary(start + random.random_range(0..1500)),
+            String::new(),
+        ),
+        8 => {
+            let lines: Vec<&str> = original.split_inclusive('\n').collect();
+            let first = random.random_range(0..lines.len());
+            let many = random.random_range(1..40).min(lines.len() - first);
+            let line = text[..start].rfind('\n').map_or(0, |end| end + 1);
+            (line, line, lines[first..first + many].concat())
+        }
+        // The first bytes and the last ones are edited as often as others together.
+        _ => {
+            let at = if random.random_bool(0.5) {
+                0
+            } else {
+                text.len()
+            };
+            (at, at, typed)
+        }
+    }
+}
+
+/// A statement with all its places.
+fn shown(statement: &Statement, base: usize) -> String {
+    let shift = |span: Span| (base + span.start(), base + span.end());
+    let arguments: Vec<_> = statement
+        .arguments
+        .iter()
+        .map(|argument| {
+            let numbers = argument
+                .numbers()
+                .iter()
+                .map(|n| (n.value, n.degrees, shift(n.span)));
+            (
+                argument.kind(),
+                shift(argument.name),
+                shift(argument.span),
+                shift(argument.value_span()),
+                numbers.collect::<Vec<_>>(),
+            )
+        })
+        .collect();
+    let id = statement.id.map(|(id, span)| (id, shift(span)));
+    let name = statement.view_name.map(shift);
+    format!(
+        "{:?} {id:?} {:?} {:?} {name:?} {arguments:?}",
+        statement.kind(),
+        shift(statement.keyword),
+        shift(statement.span)
+    )
+}
+
+fn same_statements(document: &Document, fresh: &Dataset, place: &str) {
+    let held: Vec<String> = document
+        .statements()
+        .map(|(_, base, statement)| shown(statement, base))
+        .collect();
+    let read: Vec<String> = fresh
+        .statements()
+        .iter()
+        .map(|statement| shown(statement, 0))
+        .collect();
+    for (held, read) in held.iter().zip(&read) {
+        assert_eq!(held, read, "{place}");
+    }
+    assert_eq!(held.len(), read.len(), "{place}");
+    for statement in fresh.statements() {
+        let Some(object) = statement.object() else {
+            continue;
+        };
+        let first = document.definitions(object)[0];
+        let base = document.pieces().start(first.0);
+        let all = fresh
+            .statements()
+            .iter()
+            .filter(|other| other.object() == Some(object));
+        assert_eq!(
+            document.definitions(object).len(),
+            all.clone().count(),
+            "{place}"
+        );
+        assert_eq!(
+            shown(document.statement(first), base),
+            shown(all.clone().next().expect("itself"), 0),
+            "{place}"
+        );
+    }
+}
+
+/// Compares what the reader and rules of neighbours say; every twentieth time also all that a check of the whole file says.
+fn same_complaints(document: &mut Document, fresh: Checked<Dataset>, step: usize, place: &str) {
+    let files = Checked::clean(Files::default());
+    let found =
+        check::dataset(fresh, files, &Options::default(), || false).expect("never outdated");
+    let sorted = |found: &[Found], whole: bool| {
+        let kept = found
+            .iter()
+            .filter(|found| !found.silenced && (whole || found.told != Told::File));
+        let mut all: Vec<String> = kept
+            .map(|found| format!("{:?}", found.diagnostic))
+            .collect();
+        all.sort();
+        all
+    };
+    compare(
+        &sorted(&document.complaints(), false),
+        &sorted(&found, false),
+        place,
+    );
+    if step.is_multiple_of(20) {
+        document.told(found.clone());
+        compare(
+            &sorted(&document.complaints(), true),
+            &sorted(&found, true),
+            place,
+        );
+    }
+}
+
+fn compare(held: &[String], fresh: &[String], place: &str) {
+    let missing: Vec<_> = fresh.iter().filter(|found| !held.contains(found)).collect();
+    let extra: Vec<_> = held.iter().filter(|found| !fresh.contains(found)).collect();
+    assert!(
+        missing.is_empty() && extra.is_empty(),
+        "{place}\nmissing: {missing:#?}\nextra: {extra:#?}"
+    );
+    assert_eq!(held.len(), fresh.len(), "{place}");
+}
