@@ -22,8 +22,12 @@ const MOST_LINES: usize = 12;
 /// What an object names, and what that names, up to so many statements.
 const MOST_STATEMENTS: usize = 2000;
 
-pub(super) fn hover(workspace: &Workspace, params: &HoverParams) -> Option<Hover> {
-    let (path, file, offset) = asked(workspace, &params.text_document_position_params)?;
+pub(super) fn hover(workspace: &mut Workspace, params: &HoverParams) -> Option<Hover> {
+    let (path, _, offset) = asked(workspace, &params.text_document_position_params)?;
+    if let Some(deck) = workspace.deck_of(&path, offset) {
+        workspace.read(&deck);
+    }
+    let file = workspace.file(&path)?;
     let found = cursor(&file.document, offset)?;
     let value = match found.thing {
         Thing::Object(object) => of_object(workspace, &path, &found, object, offset)?,

@@ -3,5 +3,6 @@
 mod client;
 mod complaints;
 mod edits;
+mod neovim;
 mod requests;
 mod robust;

@@ -119,7 +119,7 @@ fn definitions_and_references_cross_functions_and_files() {
     let at = editor.at("axle.adm", 13, 27);
     let found = editor.request("textDocument/definition", at);
     assert_eq!(locations(&found), [place("axle.adm", 6, 0)]);
-    let at = editor.at("run.acf", 5, 24);
+    let at = editor.at("run.acf", 5, 25);
     let found = editor.request("textDocument/definition", at);
     assert_eq!(locations(&found), [place("axle.adm", 8, 0)]);
     // The name of the deck.
@@ -456,6 +456,7 @@ fn completion_knows_what_may_come() {
     );
     assert!(labels(&nothing).contains(&"KT"));
     // Commands: ids of the deck.
+    editor.open("axle.adm", DECK);
     editor.open("run.acf", COMMANDS);
     let asked =
         |text: &str, editor: &mut Editor| completions(editor, "run.acf", "axle\nrun\nEND", text);
