@@ -440,7 +440,7 @@ mod tests {
                 .expect("an answer")
                 .as_array()
                 .map(Vec::len),
-            Some(1)
+            Some(2)
         );
         ask(3, "shutdown", Value::Null);
         note("exit", Value::Null);

@@ -218,10 +218,10 @@ mod tests {
             "t\nPART/1\n, GROUND\nMARKER/1\n, PART = 1\nPART/2\n, MASS = 1\n, CM = 20\n, IP = 1, 2, 3\nMARKER/20\n, PART = 2\nSFORCE/1\n, I = 1\
              \n, J = 20\n, ROT\n, FUNCTION = 2*TIME\\\n, ACTIONONLY ! a\nMARKER/3\n, PART = 1\nEND\n"
         );
-        let short = "t\r\nPART/1,GROUND\r\nMARKER/1,PART=1\r\nMARKER/2\r\n, PART = 1\r\n, QP = 1,\r\n  2, 3\r\nMARKER/4\r\n! why\r\n, PART=1\r\nEND\r\n";
+        let short = "t\r\nPART/1,GROUND\r\nMARKER/1,PART=1\r\nMARKER/5,PART=1\r\nMARKER/2\r\n, PART = 1\r\n, QP = 1,\r\n  2, 3\r\nMARKER/4\r\n! why\r\n, PART=1\r\nEND\r\n";
         assert_eq!(
             laid(short),
-            "t\r\nPART/1, GROUND\r\nMARKER/1, PART=1\r\nMARKER/2, PART=1, QP=1,\r\n  2, 3\r\nMARKER/4\r\n! why\r\n, PART=1\r\nEND\r\n"
+            "t\r\nPART/1, GROUND\r\nMARKER/1, PART=1\r\nMARKER/5, PART=1\r\nMARKER/2, PART=1, QP=1,\r\n  2, 3\r\nMARKER/4\r\n! why\r\n, PART=1\r\nEND\r\n"
         );
     }
 }

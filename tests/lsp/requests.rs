@@ -467,7 +467,7 @@ fn completion_knows_what_may_come() {
     assert_eq!(labels(&asked("BUSHING/", &mut editor)), ["3 arm_bush"]);
     let commands = asked("SIM", &mut editor);
     assert!(
-        labels(&commands).contains(&"SIMULATE") && !labels(&commands).contains(&"PART"),
+        labels(&commands).contains(&"SIMULATE") && !labels(&commands).contains(&"UNITS"),
         "{:?}",
         labels(&commands)
     );
