@@ -41,8 +41,8 @@ pub(super) struct KcArguments {
     /// The vertical tyre stiffness: the radius shrinks by the columns `left_tire_forces.normal` and `right_tire_forces.normal`.
     #[arg(long, value_name = "RATE", requires = "radius", value_parser = positive)]
     tyre_rate: Option<f64>,
-    /// The road: level, or the plane through both contact points.
-    #[arg(long, value_enum, requires = "kc", default_value_t = RoadChoice::Level)]
+    /// The road: level; the plane through both contact points; or level unless the file's own columns say that the rig rolls.
+    #[arg(long, value_enum, requires = "kc", default_value_t = RoadChoice::Rig)]
     road: RoadChoice,
     /// The axes of the file.
     #[arg(long, value_enum, requires = "kc", default_value_t = Axes::AdamsCar)]
@@ -88,6 +88,7 @@ impl From<Axes> for Convention {
 enum RoadChoice {
     Level,
     Patches,
+    Rig,
 }
 
 fn positive(text: &str) -> Result<f64, String> {
@@ -128,6 +129,7 @@ impl KcArguments {
             road: match self.road {
                 RoadChoice::Level => Road::Level,
                 RoadChoice::Patches => Road::Patches,
+                RoadChoice::Rig => Road::Rig,
             },
         }
     }

@@ -462,7 +462,8 @@ impl Compiled {
                 why: Box::new(why),
             })?;
         if derivatives.deficiency > named {
-            // The factors of the last iteration did not show it yet; those of the equilibrium do, and name it.
+            // The factors of the last iteration did not show it yet. New ones of the equilibrium itself do, and name it.
+            self.solver = Solver::new(&self.system);
             self.solve(inputs, state, at)?;
         }
         // Round-off may hide a free motion from the factors, but not from what they answer.

@@ -13,7 +13,13 @@ pub enum Road {
     Level,
     /// The plane along X through both contact points: a rolling rig.
     Patches,
+    /// Tilted by the file's own `roll_angle.at_contact_patches` in states where `suspension_exerciser_requests.Roll` says that the rig
+    /// of Adams/Car rolls; else level.
+    Rig,
 }
+
+/// Radians by which a rig that does not roll may roll.
+const LEAST_ROLL: f64 = 1e-9;
 
 /// How the wheels of a file are to be read.
 #[derive(Clone, PartialEq, Debug)]
@@ -97,6 +103,8 @@ pub struct Replay {
     angle: f64,
     /// Columns of the normal forces, left and right.
     normal_force: [Option<usize>; 2],
+    /// Columns of what the rig rolls by, and of the roll angle at the contact points.
+    roll: Option<[usize; 2]>,
 }
 
 impl Replay {
@@ -114,15 +122,19 @@ impl Replay {
             .iter()
             .map(|name| follow(catalogue, name))
             .collect::<Result<_, _>>()?;
-        let force = |name: &str| {
-            let entity = catalogue.entities_called(name).next()?;
-            Some(entity.component("normal")?.id)
+        let column = |entity: &str, component: &str| {
+            let entity = catalogue.entities_called(entity).next()?;
+            Some(entity.component(component)?.id)
         };
+        let force = |name: &str| column(name, "normal");
+        let rolls = column("suspension_exerciser_requests", "Roll");
+        let at_patches = column("roll_angle", "at_contact_patches");
         Ok(Self {
             wheels,
             options,
             angle: if degrees { 1f64.to_radians() } else { 1.0 },
             normal_force: [force("left_tire_forces"), force("right_tire_forces")],
+            roll: rolls.zip(at_patches).map(Into::into),
         })
     }
 
@@ -186,8 +198,13 @@ impl Replay {
             normal: Vec3::z(),
             compliance: None,
         };
-        if options.road == Road::Patches {
-            state.normal = through_patches(&state);
+        match (options.road, self.roll) {
+            (Road::Patches, _) => state.normal = through_patches(&state),
+            (Road::Rig, Some([rolls, at_patches])) if read(rolls).abs() > LEAST_ROLL => {
+                let (sin, cos) = (read(at_patches) * angle).sin_cos();
+                state.normal = Vec3::new(0.0, sin, cos);
+            }
+            _ => {}
         }
         Ok(state)
     }

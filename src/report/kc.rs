@@ -266,6 +266,10 @@ impl KcReport<'_> {
         ));
         let mut figures = Vec::new();
         for (entity, components, title) in CURVES {
+            // Where heights are held they are what is driven.
+            if entity == "wheel_travel" && settings.hold == crate::kc::Hold::Height {
+                continue;
+            }
             figures.extend(self.curve(test, entity, &components, title)?);
         }
         for (entity, component, title) in MIGRATION {

@@ -390,7 +390,7 @@ END";
         .replace("'MARKER/134'", "'z'");
     let motion = refused(&deck, &toml);
     assert!(
-        motion.contains("left_wheel") && motion.contains("spins freely"),
+        motion.contains("ride height: PART/15 'left_wheel' spins freely"),
         "{motion}"
     );
     // The rack slides: on rigid links without weight, load or spring nothing brings the wheels back.

@@ -58,7 +58,7 @@ fn run(path: PathBuf) -> Run {
         centre: Vec3::zeros(),
         frame: Frame::default(),
         tyre: None,
-        road: Road::Level,
+        road: Road::Rig,
     };
     let names = ["whl_wheel", "whr_wheel"].map(str::to_string);
     let mut replay = Replay::new(reader.catalogue(), &names, false, options).unwrap();
@@ -75,8 +75,8 @@ fn run(path: PathBuf) -> Run {
         let roll = of("suspension_exerciser_requests.Roll");
         if roll.abs() > 1e-9 {
             rolls = true;
-            let (sin, cos) = of("roll_angle.at_contact_patches").sin_cos();
-            state.normal = Vec3::new(0.0, sin, cos);
+            let turned = of("roll_angle.at_contact_patches").sin();
+            assert!((state.normal.y - turned).abs() < 1e-15);
         }
         // The loaded radius is the distance of the file's own contact point.
         for side in Side::BOTH {
