@@ -75,6 +75,14 @@ fn stiffness<N>(entries: &[N; 8], pick: impl Fn(&N) -> f64) -> Mat6 {
     K
 }
 
+impl Beam {
+    /// K of the nine parameters.
+    pub fn stiffness_matrix(theta: &[f64]) -> Mat6 {
+        let values: [f64; 9] = std::array::from_fn(|n| theta[n]);
+        stiffness(&entries(values), |&entry| entry)
+    }
+}
+
 impl Law for Beam {
     fn parameter_count(&self) -> usize {
         9

@@ -12,6 +12,8 @@ pub struct Wrench {
     pub value: Vec6,
     /// Derivative by (change of `p_ij_j`, rotation `dtheta` in J axes with `R_ji <- exp(dtheta) R_ji`).
     pub by_motion: Mat6,
+    /// Derivative by the rates of the same; of an element with damping that moves, else left alone.
+    pub by_rate: Mat6,
     /// Derivative by each parameter of the law; as long as the law's parameter list when asked for, else left alone.
     pub by_parameter: Vec<Vec6>,
 }

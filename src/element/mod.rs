@@ -8,6 +8,7 @@
 
 mod beam;
 mod bushing;
+mod damping;
 mod deflection;
 mod degenerate;
 mod field;
@@ -21,6 +22,7 @@ mod springdamper;
 
 pub use beam::Beam;
 pub use bushing::Bushing;
+pub use damping::Damping;
 pub use degenerate::Degenerate;
 pub use field::Field;
 pub use law::{Law, Wrench};

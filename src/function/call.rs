@@ -4,7 +4,10 @@ use super::interpolant::Method;
 use super::intrinsic::{Binary, Unary};
 use super::program::Kind;
 use super::step::Shape;
-use super::{ElementIx, ForceComponent, ForceMeasure, Input, Measure, MeasureKind, Sequence};
+use super::{
+    ElementIx, ForceComponent, ForceMeasure, Input, Measure, MeasureKind, RateAxis, RateKind,
+    RateMeasure, Sequence,
+};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::grammar::{self, FunctionDef, Solved};
 use crate::model::{ArrayKind, MarkerIx};
@@ -40,14 +43,7 @@ impl Build<'_> {
             return Ok(self.input(Input::Force(measure)));
         }
         match name {
-            // Everything is at rest in statics.
-            "VX" | "VY" | "VZ" | "VM" | "VR" | "WX" | "WY" | "WZ" | "WM" | "ACCX" | "ACCY"
-            | "ACCZ" | "ACCM" | "WDTX" | "WDTY" | "WDTZ" | "WDTM" => {
-                for k in 0..arguments.len() {
-                    self.marker(function, arguments, k)?;
-                }
-                Ok(Place::Constant(0.0))
-            }
+            name if rate_of(name).is_some() => self.rate(function, arguments),
             "ORIENT" => self.orient(function, arguments),
             "AKISPL" => self.spline(function, Method::Akima, arguments),
             "CUBSPL" => self.spline(function, Method::Cubic, arguments),
@@ -73,6 +69,24 @@ impl Build<'_> {
             "ARYVAL" => self.array(function, arguments),
             _ => self.element(function, arguments),
         }
+    }
+
+    /// VX(i, j, k, l) and its like: the frame whose derivative is taken comes last.
+    fn rate(
+        &mut self,
+        function: &'static FunctionDef,
+        arguments: Arguments,
+    ) -> Result<Place, Diagnostic> {
+        let (kind, axis) = rate_of(function.name).ok_or_else(|| refusal(function))?;
+        let mut markers = [None; 4];
+        for (at, place) in (0..arguments.len()).zip(rate_places(kind, axis)) {
+            markers[*place] = self.marker(function, arguments, at)?;
+        }
+        Ok(self.input(Input::Rate(RateMeasure {
+            kind,
+            axis,
+            markers,
+        })))
     }
 
     fn measure(
@@ -521,4 +535,38 @@ pub(super) fn refusal(function: &FunctionDef) -> Diagnostic {
     };
     Diagnostic::error(Code::NotSolvedNatively, format!("{}: {why}", function.name))
         .help("use a command backend that runs ADAMS, or replace the function")
+}
+
+/// The velocity or acceleration a function measures.
+fn rate_of(name: &str) -> Option<(RateKind, RateAxis)> {
+    if name == "VR" {
+        return Some((RateKind::Velocity, RateAxis::Along));
+    }
+    let axis = match name.as_bytes().last()? {
+        b'X' => RateAxis::Axis(0),
+        b'Y' => RateAxis::Axis(1),
+        b'Z' => RateAxis::Axis(2),
+        b'M' => RateAxis::Magnitude,
+        _ => return None,
+    };
+    let kind = match &name[..name.len() - 1] {
+        "V" => RateKind::Velocity,
+        "W" => RateKind::AngularVelocity,
+        "ACC" => RateKind::Acceleration,
+        "WDT" => RateKind::AngularAcceleration,
+        _ => return None,
+    };
+    Some((kind, axis))
+}
+
+/// Which of I, J, K, L each argument is: a magnitude has no K, an angular velocity no L.
+fn rate_places(kind: RateKind, axis: RateAxis) -> &'static [usize] {
+    match (kind, axis) {
+        (RateKind::AngularVelocity, RateAxis::Axis(_)) => &[0, 1, 2],
+        (RateKind::AngularVelocity, _) => &[0, 1],
+        // VR is the same in every frame: its L is not looked at.
+        (_, RateAxis::Along) => &[0, 1],
+        (_, RateAxis::Magnitude) => &[0, 1, 3],
+        (_, RateAxis::Axis(_)) => &[0, 1, 2, 3],
+    }
 }

@@ -9,6 +9,8 @@ pub enum Input {
     Mode,
     /// A geometric quantity of markers.
     Measure(Measure),
+    /// A velocity or acceleration of markers: zero in statics.
+    Rate(RateMeasure),
     /// VARVAL: index into `Model::variables`.
     Variable(usize),
     /// DIF: index into `Model::diffs`.
@@ -63,6 +65,41 @@ pub enum MeasureKind {
     IncludedAngle,
     /// ORIENT type 27: Euler parameter e0, e1, e2, e3 of I with respect to J, e0 not negative.
     EulerParameter(usize),
+}
+
+/// A velocity or acceleration of I from J. An absent marker is the ground frame.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
+pub struct RateMeasure {
+    /// Which vector.
+    pub kind: RateKind,
+    /// Which number of it.
+    pub axis: RateAxis,
+    /// I, J, K whose axes resolve it, L in which the derivative is taken.
+    pub markers: [Option<MarkerIx>; 4],
+}
+
+/// Which vector a [`RateMeasure`] measures.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
+pub enum RateKind {
+    /// VX, VY, VZ, VM, VR: the first derivative of the displacement of I from J in the frame of L.
+    Velocity,
+    /// WX, WY, WZ, WM: the angular velocity of I less that of J.
+    AngularVelocity,
+    /// ACCX, ACCY, ACCZ, ACCM: the second derivative of the displacement in the frame of L.
+    Acceleration,
+    /// WDTX, WDTY, WDTZ, WDTM: the derivative of the difference of the angular velocities in the frame of L.
+    AngularAcceleration,
+}
+
+/// Which number of a vector.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
+pub enum RateAxis {
+    /// Along an axis of K.
+    Axis(usize),
+    /// Its length.
+    Magnitude,
+    /// VR: along the line from J to I.
+    Along,
 }
 
 /// A sequence of three rotations about axes 0, 1, 2.

@@ -17,6 +17,7 @@ mod interpolant;
 mod intrinsic;
 pub mod measure;
 mod program;
+pub mod rate;
 mod series;
 mod step;
 #[cfg(test)]
@@ -24,5 +25,9 @@ mod tests;
 
 pub use compiler::Compiler;
 pub use error::{EvalError, Fault};
-pub use input::{ElementIx, ForceComponent, ForceMeasure, Input, Measure, MeasureKind, Sequence};
+pub use input::{
+    ElementIx, ForceComponent, ForceMeasure, Input, Measure, MeasureKind, RateAxis, RateKind,
+    RateMeasure, Sequence,
+};
+pub use rate::MovingFrame;
 pub use program::{Program, Scratch};

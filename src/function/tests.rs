@@ -73,6 +73,8 @@ fn model() -> Model {
             j: MarkerIx(1),
             k: [0.0; 3],
             kt: [0.0; 3],
+            c: [0.0; 3],
+            ct: [0.0; 3],
             force: [0.0; 3],
             torque: [0.0; 3],
         }],
@@ -373,10 +375,24 @@ fn what_cannot_be_evaluated_is_refused_by_name() {
 }
 
 #[test]
-fn velocities_are_zero_and_equal_inputs_are_read_once() {
-    let case = compile("VX(1,2)+WZ(3)+ACCM(1)+VR(1,2)");
-    assert!(case.program.inputs.is_empty());
-    assert_eq!(case.program.as_constant(&case.literals), Some(0.0));
+fn rates_know_their_markers_and_equal_inputs_are_read_once() {
+    use crate::function::{RateAxis, RateKind};
+    use crate::model::MarkerIx;
+    let case = compile("VX(1,2,3,1)+WZ(3)+ACCM(1,0,2)+VR(1,2)");
+    let rates: Vec<_> = case.program.inputs.iter().map(|input| match input {
+        Input::Rate(rate) => (rate.kind, rate.axis, rate.markers.map(|m| m.map(|MarkerIx(k)| k))),
+        other => panic!("{other:?}"),
+    }).collect();
+    assert_eq!(
+        rates,
+        [
+            (RateKind::Velocity, RateAxis::Axis(0), [Some(0), Some(1), Some(2), Some(0)]),
+            (RateKind::AngularVelocity, RateAxis::Axis(2), [Some(2), None, None, None]),
+            // A magnitude has no axes: its third argument is the frame of the derivative.
+            (RateKind::Acceleration, RateAxis::Magnitude, [Some(0), None, None, Some(1)]),
+            (RateKind::Velocity, RateAxis::Along, [Some(0), Some(1), None, None]),
+        ]
+    );
     let case = compile("DX(1,2)*DX(1,2)+DX(1,2,0)-DX(1,2,3)");
     assert_eq!(case.program.inputs.len(), 2);
 }

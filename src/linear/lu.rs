@@ -12,6 +12,8 @@
 use super::matrix::Matrix;
 use super::ordering::columns_of;
 use super::pivoting::Elimination;
+use super::scalar::Scalar;
+use super::entries::Entries;
 
 /// A pivot may shrink by this against the one it was when the order was chosen.
 const SHRUNK: f64 = 1e-3;
@@ -29,16 +31,16 @@ pub(super) struct Step {
     pub size: f64,
 }
 
-/// Sparse LU factors.
+/// Sparse LU factors, of real numbers or of complex ones.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Lu {
+pub(crate) struct Lu<T = f64> {
     n: usize,
     pub(super) steps: Vec<Step>,
     /// Where each entry of the matrix goes.
     pub(super) entries: Vec<u32>,
     /// Column (of U entries) or row (of L entries) of every value.
     pub(crate) index: Vec<u32>,
-    pub(super) values: Vec<f64>,
+    pub(super) values: Vec<T>,
     /// For every step, row by row of L: where the products go.
     pub(super) targets: Vec<u32>,
     /// Columns without a pivot.
@@ -47,37 +49,44 @@ pub(crate) struct Lu {
     pub(super) idle: Vec<u32>,
     pub(super) row_scale: Vec<f64>,
     pub(super) column_scale: Vec<f64>,
-    work: Vec<f64>,
-    row: Vec<f64>,
+    work: Vec<T>,
+    row: Vec<T>,
     /// How often an order was chosen.
     pub(crate) orders: usize,
 }
 
 impl Lu {
+    /// Factors a matrix. All matrices given to one object must have the same pattern.
+    pub fn factor(&mut self, matrix: &Matrix) {
+        self.factor_entries(&matrix.view());
+    }
+}
+
+impl<T: Scalar> Lu<T> {
     pub fn new(n: usize) -> Self {
         Self {
             n,
             row_scale: vec![1.0; n],
             column_scale: vec![1.0; n],
-            work: vec![0.0; n],
+            work: vec![T::default(); n],
             ..Self::default()
         }
     }
 
     /// Factors a matrix. All matrices given to one object must have the same pattern.
-    pub fn factor(&mut self, matrix: &Matrix) {
+    pub fn factor_entries(&mut self, matrix: &Entries<'_, T>) {
         if self.orders > 0 && self.free.is_empty() && self.repeat(matrix) {
             return;
         }
         Elimination::run(matrix, self, columns_of(matrix));
         self.orders += 1;
-        self.work.resize(self.n, 0.0);
+        self.work.resize(self.n, T::default());
     }
 
     /// Runs through the known operations; false if a pivot has shrunk too far.
-    fn repeat(&mut self, matrix: &Matrix) -> bool {
-        self.values.fill(0.0);
-        for (&at, value) in self.entries.iter().zip(matrix.values()) {
+    fn repeat(&mut self, matrix: &Entries<'_, T>) -> bool {
+        self.values.fill(T::default());
+        for (&at, value) in self.entries.iter().zip(matrix.values) {
             self.values[at as usize] = *value;
         }
         let mut targets = self.targets.as_slice();
@@ -85,11 +94,11 @@ impl Lu {
             let at = step.at as usize;
             let pivot = self.values[at];
             // Written so that a NaN fails.
-            let sound = pivot.abs() >= SHRUNK * step.size;
+            let sound = pivot.size() >= SHRUNK * step.size;
             if !sound {
                 return false;
             }
-            let inverse = 1.0 / pivot;
+            let inverse = pivot.inverse();
             let upper = step.upper as usize;
             let lower = at + 1 + upper;
             self.row.clear();
@@ -99,10 +108,10 @@ impl Lu {
                 targets = later;
                 let multiplier = self.values[k] * inverse;
                 self.values[k] = multiplier;
-                if multiplier == 0.0 {
+                if multiplier == T::default() {
                     continue;
                 }
-                for (&target, factor) in now.iter().zip(&self.row) {
+                for (&target, &factor) in now.iter().zip(&self.row) {
                     self.values[target as usize] -= multiplier * factor;
                 }
             }
@@ -111,27 +120,27 @@ impl Lu {
     }
 
     /// Solves for the right side given; unknowns without a pivot are zero.
-    pub fn solve(&mut self, b: &mut [f64]) {
+    pub fn solve(&mut self, b: &mut [T]) {
         for step in &self.steps {
             let value = b[step.row as usize];
-            if value == 0.0 {
+            if value == T::default() {
                 continue;
             }
             let from = step.at as usize + 1 + step.upper as usize;
             let to = from + step.lower as usize;
-            for (&row, multiplier) in self.index[from..to].iter().zip(&self.values[from..to]) {
+            for (&row, &multiplier) in self.index[from..to].iter().zip(&self.values[from..to]) {
                 b[row as usize] -= multiplier * value;
             }
         }
         let x = &mut self.work;
         for &column in &self.free {
-            x[column as usize] = 0.0;
+            x[column as usize] = T::default();
         }
         for step in self.steps.iter().rev() {
             let at = step.at as usize;
             let to = at + 1 + step.upper as usize;
             let mut value = b[step.row as usize];
-            for (&column, factor) in self.index[at + 1..to].iter().zip(&self.values[at + 1..to]) {
+            for (&column, &factor) in self.index[at + 1..to].iter().zip(&self.values[at + 1..to]) {
                 value -= factor * x[column as usize];
             }
             x[step.column as usize] = value / self.values[at];
@@ -140,21 +149,21 @@ impl Lu {
     }
 
     /// Solves with the transposed matrix.
-    pub fn solve_transposed(&mut self, b: &mut [f64]) {
+    pub fn solve_transposed(&mut self, b: &mut [T]) {
         // U' first: the columns of the matrix are its rows now.
         let y = &mut self.work;
         for &row in &self.idle {
-            y[row as usize] = 0.0;
+            y[row as usize] = T::default();
         }
         for step in &self.steps {
             let at = step.at as usize;
             let to = at + 1 + step.upper as usize;
             let value = b[step.column as usize] / self.values[at];
             y[step.row as usize] = value;
-            if value == 0.0 {
+            if value == T::default() {
                 continue;
             }
-            for (&column, factor) in self.index[at + 1..to].iter().zip(&self.values[at + 1..to]) {
+            for (&column, &factor) in self.index[at + 1..to].iter().zip(&self.values[at + 1..to]) {
                 b[column as usize] -= factor * value;
             }
         }
@@ -162,7 +171,7 @@ impl Lu {
             let from = step.at as usize + 1 + step.upper as usize;
             let to = from + step.lower as usize;
             let mut value = y[step.row as usize];
-            for (&row, multiplier) in self.index[from..to].iter().zip(&self.values[from..to]) {
+            for (&row, &multiplier) in self.index[from..to].iter().zip(&self.values[from..to]) {
                 value -= multiplier * y[row as usize];
             }
             y[step.row as usize] = value;
@@ -176,14 +185,14 @@ impl Lu {
     }
 
     /// The m-th motion of the unknowns that nothing resists.
-    pub fn null_vector(&self, m: usize) -> Vec<f64> {
-        let mut x = vec![0.0; self.n];
-        x[self.free[m] as usize] = 1.0;
+    pub fn null_vector(&self, m: usize) -> Vec<T> {
+        let mut x = vec![T::default(); self.n];
+        x[self.free[m] as usize] = T::ONE;
         for step in self.steps.iter().rev() {
             let at = step.at as usize;
             let to = at + 1 + step.upper as usize;
-            let mut value = 0.0;
-            for (&column, factor) in self.index[at + 1..to].iter().zip(&self.values[at + 1..to]) {
+            let mut value = T::default();
+            for (&column, &factor) in self.index[at + 1..to].iter().zip(&self.values[at + 1..to]) {
                 value -= factor * x[column as usize];
             }
             x[step.column as usize] = value / self.values[at];

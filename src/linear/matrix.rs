@@ -1,4 +1,5 @@
 use super::Sink;
+use super::entries::Entries;
 
 /// A sparse matrix whose entries arrive in the same order in every assembly: the place of each is looked up once.
 #[derive(Clone, Debug, Default)]
@@ -107,7 +108,17 @@ impl Matrix {
             .map(|(&(column, row), &value)| (row as usize, column as usize, value))
     }
 
+    #[cfg(test)]
     pub fn values(&self) -> &[f64] {
         &self.values
+    }
+
+    /// Its pattern and values.
+    pub fn view(&self) -> Entries<'_, f64> {
+        Entries {
+            n: self.n,
+            places: &self.places,
+            values: &self.values,
+        }
     }
 }

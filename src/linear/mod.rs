@@ -2,16 +2,22 @@
 //!
 //! Knows no equations and no units.
 
+mod entries;
+mod levels;
 mod lu;
 mod matrix;
 mod ordering;
 mod pivoting;
+mod scalar;
 mod sink;
 
+pub(crate) use entries::Entries;
+pub(crate) use levels::Levels;
 pub(crate) use lu::Lu;
 pub(crate) use matrix::Matrix;
 #[cfg(test)]
 pub(crate) use ordering::minimum_degree;
 #[cfg(test)]
 pub(crate) use pivoting::Elimination;
+pub(crate) use scalar::Scalar;
 pub(crate) use sink::{NoMatrix, Sink};

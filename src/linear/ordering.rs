@@ -4,24 +4,25 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
 
-use super::matrix::Matrix;
+use super::entries::Entries;
+use super::scalar::Scalar;
 
 /// From so many unknowns on the order is worth more than the search for the next pivot, which sees only what is there now.
 const LARGE: usize = 500;
 
 /// The columns in order; none for small systems, whose pivots are searched for.
-pub(super) fn columns_of(matrix: &Matrix) -> Vec<u32> {
-    if matrix.size() < LARGE {
+pub(super) fn columns_of<T: Scalar>(matrix: &Entries<'_, T>) -> Vec<u32> {
+    if matrix.n < LARGE {
         return Vec::new();
     }
     minimum_degree(matrix)
 }
 
 /// By the pattern of A + A'.
-pub(crate) fn minimum_degree(matrix: &Matrix) -> Vec<u32> {
-    let n = matrix.size();
+pub(crate) fn minimum_degree<T: Scalar>(matrix: &Entries<'_, T>) -> Vec<u32> {
+    let n = matrix.n;
     let (mut starts, mut rows) = (vec![0_usize; n + 1], Vec::new());
-    for (row, column, _) in matrix.entries() {
+    for (row, column, _) in matrix.iter() {
         starts[column + 1] += 1;
         rows.push(row);
     }

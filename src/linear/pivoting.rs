@@ -1,7 +1,8 @@
 //! The first elimination of a pattern: choosing pivots, and writing down what is done.
 
 use super::lu::{Lu, Step};
-use super::matrix::Matrix;
+use super::entries::Entries;
+use super::scalar::Scalar;
 
 /// A pivot smaller than this, after rows and columns are scaled to one, is none.
 const RANK_TOLERANCE: f64 = 1e-11;
@@ -14,8 +15,8 @@ const CANDIDATES: usize = 4;
 const NOWHERE: u32 = u32::MAX;
 
 /// An elimination in progress. Values stand in order of creation: entries of the matrix, then fill.
-pub(crate) struct Elimination<'a> {
-    values: Vec<f64>,
+pub(crate) struct Elimination<'a, T> {
+    values: Vec<T>,
     /// (column, value index) of the entries of each active row.
     rows: Vec<Vec<(u32, u32)>>,
     /// (row, value index) of the entries of each column in active rows.
@@ -36,20 +37,20 @@ pub(crate) struct Elimination<'a> {
     free: Vec<u32>,
 }
 
-impl Elimination<'_> {
+impl<T: Scalar> Elimination<'_, T> {
     /// Factors the matrix into `lu`, its columns in the order given; where none is, they are searched for.
-    pub fn run(matrix: &Matrix, lu: &mut Lu, mut given: Vec<u32>) {
-        let n = matrix.size();
+    pub fn run(matrix: &Entries<'_, T>, lu: &mut Lu<T>, mut given: Vec<u32>) {
+        let n = matrix.n;
         given.reverse();
         scale(matrix, &mut lu.row_scale, &mut lu.column_scale);
         let mut rows = vec![Vec::new(); n];
         let mut columns = vec![Vec::new(); n];
-        for (k, (row, column, _)) in matrix.entries().enumerate() {
+        for (k, (row, column, _)) in matrix.iter().enumerate() {
             rows[row].push((column as u32, k as u32));
             columns[column].push((row as u32, k as u32));
         }
         let mut work = Elimination {
-            values: matrix.values().to_vec(),
+            values: matrix.values.to_vec(),
             rows,
             columns,
             buckets: vec![Vec::new(); n + 1],
@@ -93,9 +94,9 @@ impl Elimination<'_> {
             new => new,
         };
         lu.values = order.iter().map(|(old, _)| values[*old as usize]).collect();
-        lu.values.push(0.0);
+        lu.values.push(T::default());
         lu.index = order.iter().map(|(_, index)| *index).collect();
-        lu.entries = (0..matrix.values().len() as u32).map(to).collect();
+        lu.entries = (0..matrix.values.len() as u32).map(to).collect();
         lu.targets = targets.into_iter().map(to).collect();
         lu.steps = steps;
         lu.free = free;
@@ -108,7 +109,7 @@ impl Elimination<'_> {
     }
 
     fn size(&self, row: u32, column: u32, value: u32) -> f64 {
-        self.values[value as usize].abs()
+        self.values[value as usize].size()
             * self.row_scale[row as usize]
             * self.column_scale[column as usize]
     }
@@ -209,7 +210,7 @@ impl Elimination<'_> {
             at: self.order.len() as u32,
             upper: upper.len() as u32,
             lower: lower.len() as u32,
-            size: size.abs(),
+            size: size.size(),
         });
         self.order.push((pivot, column));
         for &(other, value) in &upper {
@@ -261,23 +262,23 @@ impl Elimination<'_> {
 
 /// Powers of two that bring the largest entry of every row, then of every column, close to one. An entry that is round-off beside the
 /// others of its column says nothing about its row, and the other way round: a row of nothing else stays small, and has no pivot.
-fn scale(matrix: &Matrix, rows: &mut [f64], columns: &mut [f64]) {
+fn scale<T: Scalar>(matrix: &Entries<'_, T>, rows: &mut [f64], columns: &mut [f64]) {
     rows.fill(0.0);
     columns.fill(0.0);
-    for (_, column, value) in matrix.entries() {
-        columns[column] = columns[column].max(value.abs());
+    for (_, column, value) in matrix.iter() {
+        columns[column] = columns[column].max(value.size());
     }
-    for (row, column, value) in matrix.entries() {
-        if value.abs() > NOISE * columns[column] {
-            rows[row] = rows[row].max(value.abs());
+    for (row, column, value) in matrix.iter() {
+        if value.size() > NOISE * columns[column] {
+            rows[row] = rows[row].max(value.size());
         }
     }
     for scale in rows.iter_mut() {
         *scale = inverse_power_of_two(*scale);
     }
     columns.fill(0.0);
-    for (row, column, value) in matrix.entries() {
-        let size = value.abs() * rows[row];
+    for (row, column, value) in matrix.iter() {
+        let size = value.size() * rows[row];
         if size > NOISE {
             columns[column] = columns[column].max(size);
         }

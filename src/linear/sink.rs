@@ -3,6 +3,9 @@ pub(crate) trait Sink {
     /// False if nobody wants the entries: they need not be worked out.
     const WANTED: bool = true;
 
+    /// False if nobody wants the rows of the constraints either.
+    const ROWS: bool = Self::WANTED;
+
     /// Adds to one entry.
     fn add(&mut self, row: usize, column: usize, value: f64);
 }

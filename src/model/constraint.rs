@@ -62,6 +62,10 @@ pub struct Joint {
     pub i: MarkerIx,
     /// J marker.
     pub j: MarkerIx,
+    /// IC or ICTRAN of the displacement along zj: value, and rate if given.
+    pub initial_translation: Option<(f64, Option<f64>)>,
+    /// IC or ICROT of the rotation about zj, radians.
+    pub initial_rotation: Option<(f64, Option<f64>)>,
 }
 
 /// The type of a JPRIM.
@@ -191,6 +195,8 @@ pub struct Motion {
     pub order: MotionOrder,
     /// ICDISP.
     pub initial_displacement: Option<f64>,
+    /// ICVEL.
+    pub initial_velocity: Option<f64>,
     /// FUNCTION.
     pub function: Function,
 }

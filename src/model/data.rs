@@ -131,6 +131,8 @@ pub struct Sensor {
     pub halts: bool,
     /// DT: time between output steps once it fired.
     pub dt: Option<f64>,
+    /// STEPSIZE: the integration step after it fired.
+    pub stepsize: Option<f64>,
 }
 
 impl Sensor {

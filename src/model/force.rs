@@ -14,6 +14,10 @@ pub struct Bushing {
     pub k: [f64; 3],
     /// KT, per radian.
     pub kt: [f64; 3],
+    /// C.
+    pub c: [f64; 3],
+    /// CT, per radian.
+    pub ct: [f64; 3],
     /// FORCE: preload on I.
     pub force: [f64; 3],
     /// TORQUE: preload on I.
@@ -35,6 +39,10 @@ pub struct PairForce {
     pub j: MarkerIx,
     /// The numbers of the law: the values of its arguments, one argument after the other.
     pub values: Vec<f64>,
+    /// CMATRIX as written, or empty.
+    pub damping: Vec<f64>,
+    /// CRATIO.
+    pub damping_ratio: f64,
 }
 
 impl PairForce {
@@ -86,6 +94,8 @@ pub struct SpringDamper {
     pub reference: f64,
     /// FORCE or TORQUE at the reference.
     pub preload: f64,
+    /// C or CT.
+    pub damping: f64,
 }
 
 /// The two kinds of SFORCE.
@@ -155,4 +165,6 @@ pub struct Nforce {
     pub length: Vec<f64>,
     /// FORCE, 6n values.
     pub force: Vec<f64>,
+    /// CMATRIX or CRATIO is there: not taken into account.
+    pub damped: bool,
 }

@@ -39,6 +39,21 @@ pub struct Part {
     pub pose: Pose,
     /// EXACT: x, y, z, psi, theta, phi that assembly should keep.
     pub exact: [bool; 6],
+    /// How it begins to move.
+    pub start: InitialVelocity,
+}
+
+/// VX to WZ of a PART: what is not given adapts to the constraints.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct InitialVelocity {
+    /// VX, VY, VZ of the centre of mass.
+    pub linear: [Option<f64>; 3],
+    /// VM: the marker whose axes they are along; ground if absent.
+    pub linear_axes: Option<MarkerIx>,
+    /// WX, WY, WZ, radians per time.
+    pub angular: [Option<f64>; 3],
+    /// WM: the marker whose axes they are along; the CM marker if absent.
+    pub angular_axes: Option<MarkerIx>,
 }
 
 /// How a marker's orientation was given.

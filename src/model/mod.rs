@@ -31,9 +31,12 @@ pub use force::{
     Bushing, Nforce, PairForce, Sforce, SforceKind, SpringDamper, SpringKind, VectorForce,
     VectorForceKind, law_arguments,
 };
-pub use frame::{Marker, MarkerIx, Orientation, Part, PartIx, PartKind};
+pub use frame::{InitialVelocity, Marker, MarkerIx, Orientation, Part, PartIx, PartKind};
 pub use lower::lower;
-pub use settings::{EquilibriumSettings, OutputSettings, ResultsSettings, StaticMethod};
+pub use settings::{
+    EquilibriumSettings, IntegratorSettings, KinematicsSettings, OutputSettings, ResultsSettings,
+    StaticMethod,
+};
 pub use unsolved::{Ignore, Unsolved, effect_of, may_be_ignored, said_left_out};
 pub use user_force::{Replacement, replace_user_forces};
 
@@ -121,6 +124,10 @@ pub struct Model {
     pub requests: Vec<Request>,
     /// EQUILIBRIUM.
     pub equilibrium: EquilibriumSettings,
+    /// INTEGRATOR.
+    pub integrator: IntegratorSettings,
+    /// KINEMATICS.
+    pub kinematics: KinematicsSettings,
     /// OUTPUT.
     pub output: OutputSettings,
     /// RESULTS.

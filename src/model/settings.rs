@@ -56,6 +56,67 @@ impl Default for EquilibriumSettings {
     }
 }
 
+/// INTEGRATOR. What is not given follows from the simulation.
+#[derive(Clone, PartialEq, Debug)]
+pub struct IntegratorSettings {
+    /// The method the deck asks for: `GSTIFF`, `HHT`, ...
+    pub method: &'static str,
+    /// `I3`, `SI2` or `SI1`.
+    pub formulation: &'static str,
+    /// `ORIGINAL`, `MODIFIED` or `ORIG_CONSTANT`.
+    pub corrector: &'static str,
+    /// ERROR.
+    pub error: Option<f64>,
+    /// HINIT.
+    pub hinit: Option<f64>,
+    /// HMAX.
+    pub hmax: Option<f64>,
+    /// HMIN.
+    pub hmin: Option<f64>,
+    /// MAXIT.
+    pub maxit: Option<usize>,
+    /// ADAPTIVITY.
+    pub adaptivity: f64,
+    /// INTERPOLATE=ON.
+    pub interpolate: bool,
+}
+
+impl IntegratorSettings {
+    /// ERROR: 1e-3 unless given, of HHT and NEWMARK 1e-5.
+    pub fn error(&self) -> f64 {
+        self.error.unwrap_or(match self.method {
+            "HHT" | "NEWMARK" => 1e-5,
+            _ => 1e-3,
+        })
+    }
+}
+
+impl Default for IntegratorSettings {
+    fn default() -> Self {
+        Self {
+            method: "GSTIFF",
+            formulation: "I3",
+            corrector: "ORIGINAL",
+            error: None,
+            hinit: None,
+            hmax: None,
+            hmin: None,
+            maxit: None,
+            adaptivity: 0.0,
+            interpolate: false,
+        }
+    }
+}
+
+/// KINEMATICS.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct KinematicsSettings {
+    /// HMAX.
+    pub hmax: Option<f64>,
+    /// MAXIT.
+    pub maxit: Option<usize>,
+}
+
 /// OUTPUT.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct OutputSettings {

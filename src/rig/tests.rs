@@ -43,6 +43,7 @@ fn model(on_parts: &str) -> Model {
             ip: [0.0; 6],
             pose: Pose::identity(),
             exact: [false; 6],
+            start: crate::model::InitialVelocity::default(),
         });
     }
     model

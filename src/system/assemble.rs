@@ -60,6 +60,9 @@ impl System {
         scratch.largest = 0.0;
         let mut here = self.look(parameters, state, scratch)?;
         here.add_gravity(g, sink);
+        if here.moving() {
+            here.add_inertia(g, sink);
+        }
         let ask = if S::WANTED { Ask::Tangent } else { Ask::Value };
         for (number, element) in self.elements.iter().enumerate() {
             if element.active {
@@ -94,6 +97,8 @@ impl System {
     ) {
         let mut here = self.at(parameters, state, scratch);
         here.place_markers();
+        // In statics rates are held, which always has a value.
+        let _ = here.drive();
         for number in 0..self.joints.len() {
             here.add_joint(number, g, sink);
         }
@@ -135,31 +140,33 @@ impl Configuration<'_> {
         }
     }
 
-    fn add_joint<S: Sink>(&mut self, number: usize, g: &mut [f64], sink: &mut S) {
+    pub(super) fn add_joint<S: Sink>(&mut self, number: usize, g: &mut [f64], sink: &mut S) {
         let system = self.system;
         let joint = &system.joints[number];
         let first = system.first_equation + joint.first;
         let out = joint.out(self.state);
         for k in 0..joint.count {
             // A removed equation says that its multiplier is zero.
-            sink.add(first + k, first + k, f64::from(u8::from(out[k])));
+            if S::ROWS {
+                sink.add(first + k, first + k, f64::from(u8::from(out[k])));
+            }
             g[first + k] = if out[k] {
                 self.state.multipliers[joint.first + k]
             } else {
                 -joint.offset
             };
         }
-        if !joint.active && !S::WANTED {
+        if !joint.active && !S::ROWS {
             return;
         }
         for (at, term) in joint.terms.iter().enumerate() {
-            self.term(number, at, S::WANTED);
+            self.term(number, at, S::ROWS);
             for k in 0..joint.count {
                 if !out[k] {
                     g[first + k] += term.scale * self.scratch.equations.residual[k];
                 }
             }
-            if S::WANTED {
+            if S::ROWS {
                 // A row of the Jacobian is minus what its multiplier does to the balances.
                 let reaction = &self.scratch.contribution;
                 for scalar in &reaction.scalars {
@@ -176,7 +183,16 @@ impl Configuration<'_> {
             }
             self.add(g, sink);
         }
-        if S::WANTED
+        if S::ROWS
+            && let Drive::Rate(drive) = joint.drive
+            && self.moving()
+            && !out[0]
+        {
+            let by = self.scratch.equations.residual_by_parameter * joint.terms[0].scale;
+            let rate = self.scratch.driven[drive.index][1];
+            sink.add(first, 3 * system.moving_unknowns, by * rate);
+        }
+        if S::ROWS
             && let Drive::Function(function) = joint.drive
         {
             let value = &self.scratch.functions[function];
@@ -205,15 +221,26 @@ impl Configuration<'_> {
                 }
             }
         }
-        for equation in &system.states {
-            let Some(row) = equation.unknown else {
+        let moving = state.moves();
+        let n = system.moving_unknowns;
+        for (number, equation) in system.states.iter().enumerate() {
+            let Some(row) = system.state_unknown(number, moving) else {
                 continue;
             };
-            match &equation.rate {
+            let rate = if moving {
+                if !equation.implicit {
+                    g[row] -= state.state_rates[number];
+                    sink.add(row, n + row, -1.0);
+                }
+                &equation.moving
+            } else {
+                &equation.rate
+            };
+            match rate {
                 Rate::Held => {}
                 Rate::Function(function) => {
                     let value = &scratch.functions[*function];
-                    g[row] = value.value;
+                    g[row] += value.value;
                     for &(unknown, derivative) in &scratch.gradient[value.first..value.last] {
                         sink.add(row, unknown, derivative);
                     }
@@ -221,7 +248,7 @@ impl Configuration<'_> {
                 Rate::Linear(by_state, by_variable) => {
                     for &(k, a) in by_state {
                         g[row] += a * state.states[k];
-                        if let Some(unknown) = system.states[k].unknown {
+                        if let Some(unknown) = system.state_unknown(k, moving) {
                             sink.add(row, unknown, a);
                         }
                     }

@@ -49,7 +49,9 @@ impl Configuration<'_> {
             let row = system.first_equation + condition.equation;
             let lambda = state.multipliers[condition.equation];
             let out = !condition.active || state.redundant.get(condition.equation) == Some(&true);
-            sink.add(row, row, f64::from(u8::from(out)));
+            if S::ROWS {
+                sink.add(row, row, f64::from(u8::from(out)));
+            }
             let value = self.scratch.functions[condition.function];
             g[row] = if out { lambda } else { value.value };
             let on = f64::from(u8::from(!out));

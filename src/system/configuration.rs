@@ -1,7 +1,8 @@
 use super::assemble::NoValue;
 use super::chain::Place;
 use super::{Parameters, Scratch, State, System};
-use crate::mechanics::{Pose, RelativeMotion, Vec3};
+use crate::function::MovingFrame;
+use crate::mechanics::{Pose, RelativeMotion, Vec3, Vec6};
 
 /// A system with its numbers in one state, and the memory to work with: what everything is evaluated in.
 ///
@@ -65,6 +66,7 @@ impl Configuration<'_> {
     /// [`NoValue`] if a function, or an element that a function measures, is undefined in this configuration.
     pub fn look(&mut self) -> Result<(), NoValue> {
         self.place_markers();
+        self.drive()?;
         self.evaluate_functions()
     }
 
@@ -89,6 +91,46 @@ impl Configuration<'_> {
             p: part.p + arm,
             R: part.R * local.R,
         };
+    }
+
+    /// True if rates count.
+    pub(crate) fn moving(&self) -> bool {
+        self.state.moves()
+    }
+
+    /// A marker with its velocity and acceleration, at rest in statics; absent is ground.
+    pub(crate) fn moving_frame(&self, marker: Option<usize>) -> MovingFrame {
+        let Some(marker) = marker else {
+            return MovingFrame::ground();
+        };
+        let pose = self.scratch.markers[marker];
+        let mut frame = MovingFrame {
+            pose,
+            ..MovingFrame::ground()
+        };
+        let part = self.system.owners[marker];
+        if self.moving() && self.system.bodies[part].freedoms > 0 {
+            let r = self.scratch.arms[marker];
+            let (velocity, acceleration) =
+                (&self.state.velocities[part], &self.state.accelerations[part]);
+            let (w, b) = (velocity.angular, acceleration.angular);
+            frame.v = velocity.linear + w.cross(&r);
+            frame.w = w;
+            frame.a = acceleration.linear + b.cross(&r) + w.cross(&w.cross(&r));
+            frame.b = b;
+        }
+        frame
+    }
+
+    /// The velocity of I as J sees it: rates of `p_ij_j` and of the rotation in J axes, `R_j'(v_i - v_j - w_j x d)` and
+    /// `R_j'(w_i - w_j)`.
+    pub(crate) fn relative_rates(&self, i: usize, j: usize) -> Vec6 {
+        let (i, j) = (self.moving_frame(Some(i)), self.moving_frame(Some(j)));
+        let R = j.pose.R.transpose();
+        let d = i.pose.p - j.pose.p;
+        let u = R * (i.v - j.v - j.w.cross(&d));
+        let t = R * (i.w - j.w);
+        Vec6::new(u.x, u.y, u.z, t.x, t.y, t.z)
     }
 
     /// From the origin of a part to the origin of a marker that may be on another part.

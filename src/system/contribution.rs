@@ -12,6 +12,13 @@
 //!                      d(s_B x F) = (dp_A + dphi_A x r - dp_B) x F
 //! ```
 //!
+//! A wrench that depends on the velocity m' of I as C sees it, through `dw = E dm'`, adds `E X_r` and `-E X_sC` by the velocities of A and C;
+//! and since with x = v_I - v_C - w_C x s_C and y = w_A - w_C the frame and the point move too, by their positions
+//!
+//! ```text
+//! dm' = (-w_C x dp_A + y x (dphi_A x r) + w_C x dp_C - dphi_C x x,  -dphi_C x y)
+//! ```
+//!
 //! s are scalars that w is proportional to: functions and multipliers, u the wrench per unit. An NFORCE at one of its markers has
 //! further terms `D_k m_k` by the motions of its other markers in C.
 
@@ -61,6 +68,40 @@ pub(crate) struct Cross {
     pub D: Mat6,
 }
 
+/// How a wrench depends on velocities, ground axes.
+#[derive(Clone, Debug)]
+pub(crate) struct ByRate {
+    /// How many unknowns there are: what a column by a rate is moved by.
+    pub unknowns: usize,
+    /// E, derivative by the velocity of I as C sees it.
+    pub E: Mat6,
+    /// Angular velocity of the part of C.
+    pub w_c: Vec3,
+    /// Velocity of I as C sees it.
+    pub x: Vec3,
+    /// Angular velocity of A less that of C.
+    pub y: Vec3,
+}
+
+impl ByRate {
+    /// Derivative of the wrench by the position of A.
+    fn by_a(&self, r: &Mat3) -> Mat6 {
+        let mut N = Mat6::zeros();
+        add33(&mut N, 0, 0, &-skew(&self.w_c));
+        add33(&mut N, 0, 3, &-(skew(&self.y) * r));
+        self.E * N
+    }
+
+    /// Derivative of the wrench by the position of C.
+    fn by_c(&self) -> Mat6 {
+        let mut N = Mat6::zeros();
+        add33(&mut N, 0, 0, &skew(&self.w_c));
+        add33(&mut N, 0, 3, &skew(&self.x));
+        add33(&mut N, 3, 3, &skew(&self.y));
+        self.E * N
+    }
+}
+
 /// One wrench in one configuration. Ground axes, except for `w`.
 #[derive(Clone, Debug)]
 pub(crate) struct Contribution {
@@ -80,6 +121,8 @@ pub(crate) struct Contribution {
     pub T: Vec3,
     /// Derivative by the motion of I as C sees it; `None` if the wrench is fixed in C.
     pub D: Option<Mat6>,
+    /// How it depends on the velocity of I as C sees it; `None` if it does not.
+    pub rate: Option<ByRate>,
     pub cross: Vec<Cross>,
     pub scalars: Vec<Scalar>,
     /// Part A and r.
@@ -106,6 +149,7 @@ impl Default for Contribution {
             F: Vec3::zeros(),
             T: Vec3::zeros(),
             D: None,
+            rate: None,
             cross: Vec::new(),
             scalars: Vec::new(),
             a: (nowhere, Vec3::zeros()),
@@ -170,6 +214,7 @@ impl Configuration<'_> {
         out.w = w;
         (out.F, out.T) = halves(&R, &w);
         out.D = None;
+        out.rate = None;
         out.cross.clear();
         out.scalars.clear();
     }
@@ -230,10 +275,13 @@ impl Contribution {
 
         // dw by q_A and the turning of the arms.
         if a_moves {
-            let N = self
+            let mut N = self
                 .D
                 .as_ref()
                 .map_or_else(Mat6::zeros, |D| moved_columns(D, &r));
+            if let Some(rate) = &self.rate {
+                N += rate.by_a(&r);
+            }
             let mut block = moved_rows(&r, &N);
             add33(&mut block, 3, 3, &(Fx * r));
             add_block(sink, on_a, on_a, &block);
@@ -258,6 +306,20 @@ impl Contribution {
             add33(&mut block, 3, 0, &-Fx);
             add_block(sink, place, place, &block);
         }
+        if let Some(rate) = &self.rate {
+            let by_a = moved_columns(&rate.E, &r);
+            let by_c = c.map(|(place, s)| (place, -moved_columns(&rate.E, &skew(&s))));
+            for (column, N) in [Some((on_a, by_a)), by_c].into_iter().flatten() {
+                let column = Place {
+                    first: column.first + rate.unknowns,
+                    ..column
+                };
+                add_block(sink, on_a, column, &moved_rows(&r, &N));
+                if let Some((row, _)) = b {
+                    add_block(sink, row, column, &-moved_rows(&s_b, &N));
+                }
+            }
+        }
         for cross in &self.cross {
             let by_k = moved_columns(&cross.D, &skew(&cross.r));
             let by_c = -moved_columns(&cross.D, &skew(&cross.s));
@@ -280,6 +342,9 @@ impl Contribution {
             .map_or_else(Mat6::zeros, |D| -moved_columns(D, s));
         add33(&mut N, 0, 3, &-skew(&self.F));
         add33(&mut N, 3, 3, &-skew(&self.T));
+        if let Some(rate) = &self.rate {
+            N += rate.by_c();
+        }
         N
     }
 
@@ -320,6 +385,18 @@ impl Contribution {
         let weight = weight.transpose();
         if let Some(D) = &self.D {
             push(self.a.0, &(weight * moved_columns(D, &skew(&self.a.1))));
+        }
+        if let Some(rate) = &self.rate {
+            let (a, r) = (self.a.0, skew(&self.a.1));
+            push(a, &(weight * rate.by_a(&r)));
+            let later = |place: Place| Place {
+                first: place.first + rate.unknowns,
+                ..place
+            };
+            push(later(a), &(weight * moved_columns(&rate.E, &r)));
+            if let Some((c, s)) = self.c {
+                push(later(c), &-(weight * moved_columns(&rate.E, &skew(&s))));
+            }
         }
         for cross in &self.cross {
             push(

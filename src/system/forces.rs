@@ -3,10 +3,10 @@
 use super::Configuration;
 use super::assemble::NoValue;
 use super::chain::turn;
-use super::contribution::{Ends, Of};
+use super::contribution::{ByRate, Ends, Of};
 use super::structure::{Action, Drive, Element};
 use crate::element::Wrench;
-use crate::mechanics::Vec6;
+use crate::mechanics::{Mat6, Vec6};
 
 /// What is asked of a wrench besides its value.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -44,6 +44,23 @@ impl Configuration<'_> {
                 let scratch = &mut *self.scratch;
                 let out = &mut scratch.contribution;
                 out.D = Some(turn(&out.R, &scratch.wrench.by_motion));
+                if self.state.moves() && element.damping.is_some() {
+                    let (i, j) = (self.moving_frame(Some(element.i)), self.moving_frame(Some(element.j)));
+                    let E = if element.active {
+                        turn(&j.pose.R, &self.scratch.wrench.by_rate)
+                    } else {
+                        Mat6::zeros()
+                    };
+                    self.scratch.contribution.rate = Some(ByRate {
+                        unknowns: self.system.moving_unknowns,
+                        E,
+                        w_c: j.w,
+                        x: i.v - j.v - j.w.cross(&(i.pose.p - j.pose.p)),
+                        y: i.w - j.w,
+                    });
+                }
+                let scratch = &mut *self.scratch;
+                let out = &mut scratch.contribution;
                 if let (Drive::Function(function), Some(unit)) =
                     (drive, scratch.wrench.by_parameter.first())
                 {
@@ -90,12 +107,24 @@ impl Configuration<'_> {
                 value = [*held];
                 (&value[..], true)
             }
+            // Only constraints are driven so.
+            Drive::Rate(_) => (&[][..], false),
+        };
+        let rates = match &element.damping {
+            Some(damping) if self.moving() => {
+                Some((damping, self.relative_rates(element.i, element.j)))
+            }
+            _ => None,
         };
         let wrench: &mut Wrench = &mut self.scratch.wrench;
         law.evaluate(&motion, theta, with_parameters, wrench)
             .map_err(|reason| NoValue {
                 element: element.name.clone(),
                 reason: reason.into(),
-            })
+            })?;
+        if let Some((damping, rates)) = rates {
+            damping.add(&motion, &rates, wrench);
+        }
+        Ok(())
     }
 }

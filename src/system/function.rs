@@ -7,7 +7,7 @@ use super::force_measure::Force;
 use super::scratch::FunctionValue;
 use super::structure::{LinearRow, Name};
 use super::{Configuration, Scratch, State, System};
-use crate::function::{Measure, Program, measure};
+use crate::function::{Measure, Program, RateKind, RateMeasure, measure, rate};
 use crate::mechanics::{Pose, Vec3, Vec6};
 use crate::model::MarkerIx;
 
@@ -18,10 +18,12 @@ pub(crate) enum Source {
     Mode,
     /// And where its angle of the last equilibrium is kept.
     Measure(Measure, usize),
+    /// A velocity or acceleration: zero in statics.
+    Moved(RateMeasure),
     Variable(usize),
     State(usize),
-    /// Rate of a held state: the value of its function.
-    Rate(usize),
+    /// Rate of a state: in statics the value of its function if it is held, else zero.
+    StateRate(usize, Option<usize>),
     Output(LinearRow),
     Constant(f64),
     Sensor(usize),
@@ -41,6 +43,8 @@ pub(crate) struct CompiledFunction {
     pub literals: std::ops::Range<usize>,
     /// Slot of the constant that replaces it; NaN there means that the function itself is in force.
     pub replacement: usize,
+    /// It is evaluated by those who need it, not with the equations.
+    pub apart: bool,
 }
 
 impl Configuration<'_> {
@@ -108,7 +112,14 @@ impl Configuration<'_> {
     fn source(&mut self, source: &Source) -> Result<f64, NoValue> {
         let (system, state, scratch) = (self.system, self.state, &mut *self.scratch);
         Ok(match source {
-            Source::Time => state.time,
+            Source::Time => {
+                if state.moves() {
+                    // The column of the time.
+                    scratch.gradient.push((3 * system.moving_unknowns, 1.0));
+                }
+                state.time
+            }
+            Source::Moved(measure) => return Ok(self.moved(measure)),
             Source::Mode => f64::from(state.mode),
             Source::Constant(value) => *value,
             Source::Sensor(sensor) => state.sensors.get(*sensor).copied().unwrap_or(0.0),
@@ -119,12 +130,20 @@ impl Configuration<'_> {
                 state.variables[*variable]
             }
             Source::State(k) => {
-                if let Some(unknown) = system.states[*k].unknown {
+                if let Some(unknown) = system.state_unknown(*k, state.moves()) {
                     scratch.gradient.push((unknown, 1.0));
                 }
                 state.states[*k]
             }
-            Source::Rate(function) => {
+            Source::StateRate(k, _) if state.moves() => {
+                let unknown = system.states[*k].moving_unknown;
+                scratch
+                    .gradient
+                    .push((system.moving_unknowns + unknown, 1.0));
+                state.state_rates[*k]
+            }
+            Source::StateRate(_, None) => 0.0,
+            Source::StateRate(_, Some(function)) => {
                 let value = scratch.functions[*function];
                 scratch.gradient.extend_from_within(value.first..value.last);
                 value.value
@@ -133,7 +152,7 @@ impl Configuration<'_> {
                 let mut value = 0.0;
                 for &(k, c) in by_state {
                     value += c * state.states[k];
-                    if let Some(unknown) = system.states[k].unknown {
+                    if let Some(unknown) = system.state_unknown(k, state.moves()) {
                         scratch.gradient.push((unknown, c));
                     }
                 }
@@ -158,6 +177,60 @@ impl Configuration<'_> {
             }
             Source::Force(force) => self.measure_force(force)?,
         })
+    }
+
+    /// A velocity or acceleration of markers; its gradient by positions, velocities and accelerations of the parts is appended.
+    ///
+    /// With r from the origin of the part to the marker, `dv = dV + dw x r + w x (dphi x r)` and
+    /// `da = dA + db x r + b x (dphi x r) + dw x (w x r) + w x (dw x r) + w x (w x (dphi x r))`.
+    fn moved(&mut self, measure: &RateMeasure) -> f64 {
+        if !self.moving() {
+            return 0.0;
+        }
+        let frames = measure.markers.map(|m| self.moving_frame(m.map(|m| m.0)));
+        let found = rate::evaluate(measure, frames.each_ref());
+        let second = matches!(
+            measure.kind,
+            RateKind::Acceleration | RateKind::AngularAcceleration
+        );
+        let n = self.system.moving_unknowns;
+        for (marker, by) in measure.markers.iter().zip(&found.by) {
+            let Some(marker) = marker.map(|m| m.0) else {
+                continue;
+            };
+            let part = self.system.owners[marker];
+            let place = self.system.place(part);
+            if place.freedoms == 0 {
+                continue;
+            }
+            let (w, b) = (
+                self.state.velocities[part].angular,
+                self.state.accelerations[part].angular,
+            );
+            let r = self.scratch.arms[marker];
+            let (e_w, a_w) = (by.v.cross(&w), by.a.cross(&w));
+            let shift = by.shift;
+            let turn = by.turn
+                + r.cross(&(by.shift + e_w + by.a.cross(&b) + a_w.cross(&w)));
+            let by_v = by.v;
+            let by_w = by.w + r.cross(&by.v) + w.cross(&r).cross(&by.a) + r.cross(&a_w);
+            let levels = [
+                Some((shift, turn)),
+                Some((by_v, by_w)),
+                second.then(|| (by.a, by.b + r.cross(&by.a))),
+            ];
+            for (level, halves) in levels.iter().enumerate() {
+                let Some((linear, angular)) = halves else {
+                    continue;
+                };
+                for k in 0..place.freedoms {
+                    let by = if k < 3 { linear[k] } else { angular[k - 3] };
+                    let column = level * n + place.first + k;
+                    self.scratch.gradient.push((column, by));
+                }
+            }
+        }
+        found.value
     }
 
     /// Appends a gradient by the world motion of a marker, as one by the unknowns of its part.

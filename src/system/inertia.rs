@@ -1,8 +1,76 @@
 //! Inertia of the parts about their origins, ground axes.
 
-use super::{Parameters, State, System};
-use crate::mechanics::{Mat6, Pose, skew};
+use super::chain::{Place, add_block, add33};
+use super::{Configuration, Parameters, State, System};
+use crate::linear::Sink;
+use crate::mechanics::{Mat3, Mat6, Pose, Vec3, skew};
 use crate::model::PartIx;
+
+impl Configuration<'_> {
+    /// Takes the inertia of the moving parts off the balances: `-(M A + h)`, and its derivatives by positions, velocities and accelerations.
+    ///
+    /// With c from the origin to the centre of mass, J about the origin, V = (v, w) and A = (a, b):
+    /// `h = 1/ucf (m w x (w x c), w x (J w))`. A rotation dphi makes `dc = dphi x c`, `dJ = dphi~ J - J dphi~`, hence
+    /// `dF = m (b x dc + w x (w x dc))`, `dT = m dc x a + dJ b + w x dJ w`; a change of w
+    /// `dF = m (dw x (w x c) + w x (dw x c))`, `dT = dw x J w + w x J dw`, all over ucf.
+    pub(super) fn add_inertia<S: Sink>(&mut self, g: &mut [f64], sink: &mut S) {
+        let system = self.system;
+        let n = system.moving_unknowns;
+        for (part, body) in system.bodies.iter().enumerate() {
+            if body.freedoms == 0 {
+                continue;
+            }
+            let place = system.place(part);
+            let M = system.mass_matrix(self.parameters, self.state, PartIx(part));
+            let (velocity, acceleration) =
+                (&self.state.velocities[part], &self.state.accelerations[part]);
+            let (a, b, w) = (acceleration.linear, acceleration.angular, velocity.angular);
+            let m = M[(0, 0)];
+            let mc = Vec3::new(M[(5, 1)], M[(3, 2)], M[(4, 0)]);
+            let J: Mat3 = M.fixed_view::<3, 3>(3, 3).into();
+            let whole = body.freedoms == 6;
+            let (F, T) = if whole {
+                (
+                    a * m + b.cross(&mc) + w.cross(&w.cross(&mc)),
+                    mc.cross(&a) + J * b + w.cross(&(J * w)),
+                )
+            } else {
+                (a * m, Vec3::zeros())
+            };
+            for k in 0..3 {
+                g[place.first + k] -= F[k];
+                if whole {
+                    g[place.first + 3 + k] -= T[k];
+                }
+            }
+            let size = F.amax().max(T.amax() / system.length);
+            self.scratch.largest = self.scratch.largest.max(size);
+            if !S::WANTED {
+                continue;
+            }
+            let (mut K, mut C) = (Mat6::zeros(), Mat6::zeros());
+            if whole {
+                let (w_, b_) = (skew(&w), skew(&b));
+                // dc = -c~ dphi.
+                let dc = -skew(&mc);
+                add33(&mut K, 0, 3, &((b_ + w_ * w_) * dc));
+                // dJ x = dphi x (J x) - J (dphi x x) = (-(J x)~ + J x~) dphi.
+                let turned = |x: &Vec3| J * skew(x) - skew(&(J * x));
+                let by_turn = -(skew(&a) * dc) + turned(&b) + w_ * turned(&w);
+                add33(&mut K, 3, 3, &by_turn);
+                add33(&mut C, 0, 3, &-(skew(&w.cross(&mc)) + w_ * skew(&mc)));
+                add33(&mut C, 3, 3, &(w_ * J - skew(&(J * w))));
+            }
+            for (level, block) in [K, C, M].iter().enumerate() {
+                let column = Place {
+                    first: place.first + level * n,
+                    ..place
+                };
+                add_block(sink, place, column, &-block);
+            }
+        }
+    }
+}
 
 impl System {
     /// The mass matrix of a part about its origin, ground axes, over the units consistency factor.

@@ -73,7 +73,7 @@ impl Configuration<'_> {
     }
 
     /// Evaluates one term of a constraint into `scratch.equations`.
-    fn evaluate_term(&mut self, joint: &Joint, number: usize, multipliers: &[f64; 6]) {
+    pub(super) fn evaluate_term(&mut self, joint: &Joint, number: usize, multipliers: &[f64; 6]) {
         let term = &joint.terms[number];
         let motion = self.motion((term.i, term.j, term.pair), term.law.uses_angles());
         let value;
@@ -85,6 +85,10 @@ impl Configuration<'_> {
             }
             Drive::Held(held) => {
                 value = [*held];
+                &value[..]
+            }
+            Drive::Rate(drive) => {
+                value = [self.scratch.driven[drive.index][0]];
                 &value[..]
             }
         };

@@ -9,7 +9,8 @@ impl Configuration<'_> {
     /// The eight components of the model's request number `index`; after [`Configuration::look`].
     ///
     /// DISPLACEMENT: distance, x, y, z (RM axes), zero, PSI, THETA, PHI. FORCE: magnitude, x, y, z (RM axes) of the force on I, the same of
-    /// the torque about the I origin. Rates are zero in statics. Absent functions are zero.
+    /// the torque about the I origin. VELOCITY, ACCELERATION: of I less that of J; zero in
+    /// statics. Absent functions are zero.
     ///
     /// # Errors
     /// [`NoValue`] if a function or an element it reads is undefined in this configuration.
@@ -24,9 +25,9 @@ impl Configuration<'_> {
                 let [psi, theta, phi] = psi_theta_phi(&(j.R.transpose() * i.R));
                 Ok([d.norm(), d.x, d.y, d.z, 0.0, psi, theta, phi])
             }
-            RequestKind::Velocity { .. }
-            | RequestKind::Acceleration { .. }
-            | RequestKind::User(_) => Ok([0.0; 8]),
+            RequestKind::Velocity { i, j, rm } => Ok(self.rates((*i, *j, *rm), false)),
+            RequestKind::Acceleration { i, j, rm } => Ok(self.rates((*i, *j, *rm), true)),
+            RequestKind::User(_) => Ok([0.0; 8]),
             RequestKind::Force { rm, .. } => {
                 let mut w = Vec6::zeros();
                 for &(who, on_j) in &self.system.request_forces[index] {
@@ -47,6 +48,23 @@ impl Configuration<'_> {
                 Ok(out)
             }
         }
+    }
+
+    /// Velocity or acceleration of I less that of J in ground: magnitude, x, y, z along the axes of RM; the same of the rotation.
+    fn rates(
+        &self,
+        (i, j, rm): (MarkerIx, Option<MarkerIx>, Option<MarkerIx>),
+        second: bool,
+    ) -> [f64; 8] {
+        let frame = |marker: Option<MarkerIx>| self.moving_frame(marker.map(|m| m.0));
+        let (i, j, R) = (frame(Some(i)), frame(j), frame(rm).pose.R.transpose());
+        let (v, w) = if second {
+            (i.a - j.a, i.b - j.b)
+        } else {
+            (i.v - j.v, i.w - j.w)
+        };
+        let (v, w) = (R * v, R * w);
+        [v.norm(), v.x, v.y, v.z, w.norm(), w.x, w.y, w.z]
     }
 
     /// Value of one function of the request number `index`, and its gradient by the unknowns as (unknown, derivative) pairs; after

@@ -41,6 +41,8 @@ pub struct Scratch {
     /// A configuration close by, for differences.
     pub(crate) beside: Option<Box<Beside>>,
     pub(crate) functions: Vec<FunctionValue>,
+    /// Displacement, its rate and second rate of the MOTIONs that prescribe a rate.
+    pub(crate) driven: Vec<[f64; 3]>,
     /// (unknown, derivative) of all functions, one after the other.
     pub(crate) gradient: Vec<(usize, f64)>,
     /// The largest force and torque met: what round-off is measured by.

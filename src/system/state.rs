@@ -1,5 +1,35 @@
 use crate::mechanics::{Pose, Vec3};
 
+/// Velocity of a part, or its acceleration: of the origin and of the rotation, ground axes.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Rates {
+    /// Of the part's origin.
+    pub linear: Vec3,
+    /// Of its rotation.
+    pub angular: Vec3,
+}
+
+impl Rates {
+    /// At rest.
+    pub const fn zero() -> Self {
+        Self {
+            linear: Vec3::new(0.0, 0.0, 0.0),
+            angular: Vec3::new(0.0, 0.0, 0.0),
+        }
+    }
+}
+
+/// Where a MOTION that prescribes a rate stands: the constants of integration, moved on from time to time.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Driven {
+    /// Time at which it has these values.
+    pub time: f64,
+    /// The displacement.
+    pub value: f64,
+    /// Its rate; of a velocity motion not used.
+    pub rate: f64,
+}
+
 /// What one solve changes: cloneable, so that the next solve starts from the last answer.
 #[derive(PartialEq, Debug)]
 pub struct State {
@@ -21,6 +51,14 @@ pub struct State {
     pub(crate) pair_angles: Vec<Vec3>,
     /// The same for angle measures of functions.
     pub(crate) measure_angles: Vec<f64>,
+    /// Velocity of each part; empty at rest, as in statics.
+    pub velocities: Vec<Rates>,
+    /// Acceleration of each part; empty at rest.
+    pub accelerations: Vec<Rates>,
+    /// Time derivative of each dynamic state; empty at rest.
+    pub state_rates: Vec<f64>,
+    /// MOTIONs that prescribe a velocity or an acceleration, in the order of the model.
+    pub driven: Vec<Driven>,
     /// What SENVAL gives, in the order of the model's SENSORs; the session sets it when a sensor fires.
     pub sensors: Vec<f64>,
 }
@@ -38,8 +76,31 @@ impl State {
             redundant: Vec::new(),
             pair_angles: Vec::new(),
             measure_angles: Vec::new(),
+            velocities: Vec::new(),
+            accelerations: Vec::new(),
+            state_rates: Vec::new(),
+            driven: Vec::new(),
             sensors: Vec::new(),
         }
+    }
+
+    /// True if its rates count; in statics nothing moves.
+    pub fn moves(&self) -> bool {
+        !self.velocities.is_empty()
+    }
+
+    /// Gives everything a rate, zero where it has none yet.
+    pub fn set_moving(&mut self) {
+        self.velocities.resize(self.poses.len(), Rates::zero());
+        self.accelerations.resize(self.poses.len(), Rates::zero());
+        self.state_rates.resize(self.states.len(), 0.0);
+    }
+
+    /// Brings everything to rest.
+    pub fn set_at_rest(&mut self) {
+        self.velocities.clear();
+        self.accelerations.clear();
+        self.state_rates.clear();
     }
 
     /// The answer of this state, without what only the solver needs.
@@ -69,6 +130,10 @@ impl Clone for State {
         self.redundant.clone_from(&other.redundant);
         self.pair_angles.clone_from(&other.pair_angles);
         self.measure_angles.clone_from(&other.measure_angles);
+        self.velocities.clone_from(&other.velocities);
+        self.accelerations.clone_from(&other.accelerations);
+        self.state_rates.clone_from(&other.state_rates);
+        self.driven.clone_from(&other.driven);
         self.sensors.clone_from(&other.sensors);
     }
 }

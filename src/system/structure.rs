@@ -6,7 +6,8 @@ use super::function::CompiledFunction;
 use super::multi::Multi;
 use super::{Catalogue, Parameters, State};
 use crate::constraint::{Constraint, PairConstraint};
-use crate::element::Law;
+use crate::element::{Damping, Law};
+use crate::diagnostic::Diagnostic;
 use crate::mechanics::Mat3;
 use crate::model::{EquilibriumSettings, PartIx};
 use crate::syntax::Address;
@@ -66,6 +67,20 @@ pub(crate) struct Body {
     pub cm: Option<usize>,
     /// Inertia matrix about the origin of the CM marker, in its axes.
     pub inertia: Mat3,
+    pub start: Start,
+}
+
+/// How a body begins to move, as its statement has it.
+#[derive(Clone, Debug)]
+pub(crate) struct Start {
+    /// VX, VY, VZ of the centre of mass, along the axes of a marker; ground axes if none is given.
+    pub linear: [Option<f64>; 3],
+    pub linear_axes: Option<usize>,
+    /// WX, WY, WZ, along the axes of a marker; those of the part if none is given.
+    pub angular: [Option<f64>; 3],
+    pub angular_axes: Option<usize>,
+    /// EXACT: x, y, z, psi, theta, phi.
+    pub exact: [bool; 6],
 }
 
 /// What a force element does.
@@ -90,6 +105,8 @@ pub(crate) struct Element {
     /// Part that takes the opposite wrench; `None` for ACTIONONLY.
     pub reaction: Option<usize>,
     pub action: Action,
+    /// What it adds by the velocity of I in J.
+    pub damping: Option<Damping>,
     /// Index into the angle references.
     pub pair: usize,
     pub active: bool,
@@ -112,8 +129,21 @@ pub(crate) enum Drive {
     Theta(Range<usize>),
     /// One parameter: the value of a function.
     Function(usize),
-    /// A velocity or acceleration motion: held where it is.
+    /// A fixed number.
     Held(f64),
+    /// A velocity or acceleration motion: in statics held where it is.
+    Rate(RateDrive),
+}
+
+/// A MOTION that prescribes a rate.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RateDrive {
+    /// The prescribed function: of time alone.
+    pub function: usize,
+    /// False for a velocity, true for an acceleration.
+    pub second: bool,
+    /// Index into [`State::driven`].
+    pub index: usize,
 }
 
 /// JOINT, JPRIM, MOTION, COUPLER, GEAR: the scaled sum of its terms is zero.
@@ -148,7 +178,7 @@ pub(crate) struct Algebraic {
 }
 
 /// DIFF or a row of linear states: at rest.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) enum Rate {
     /// The function is zero.
     Function(usize),
@@ -163,8 +193,14 @@ pub(crate) enum Rate {
 pub(crate) struct StateEquation {
     pub name: Name,
     pub rate: Rate,
-    /// Its unknown; none if held.
+    /// Its unknown in statics; none if held.
     pub unknown: Option<usize>,
+    /// Its unknown in motion.
+    pub moving_unknown: usize,
+    /// What its rate is in motion, also where statics holds it.
+    pub moving: Rate,
+    /// The function is zero with the rate inside of it.
+    pub implicit: bool,
 }
 
 /// (state, coefficient), (variable, coefficient).
@@ -211,6 +247,12 @@ pub struct System {
     pub(crate) equations: usize,
     pub(crate) first_variable: usize,
     pub(crate) unknowns: usize,
+    /// The unknowns of a motion: the states that statics holds come last.
+    pub(crate) moving_unknowns: usize,
+    /// What a motion cannot take into account though statics can.
+    pub(crate) not_in_motion: Vec<Diagnostic>,
+    /// The mean mass and length that motions are measured by.
+    pub(crate) reference_mass: f64,
     /// A length of the size of the model.
     pub(crate) length: f64,
 }
@@ -224,6 +266,26 @@ impl System {
     /// Index of the first multiplier: how many freedoms the parts have.
     pub fn equations_start(&self) -> usize {
         self.first_equation
+    }
+
+    /// How many unknowns a motion has: those of statics and the states that statics holds.
+    pub fn moving_unknowns(&self) -> usize {
+        self.moving_unknowns
+    }
+
+    /// What the equations of motion leave out; a motion without it would not be the model's.
+    pub fn not_in_motion(&self) -> &[Diagnostic] {
+        &self.not_in_motion
+    }
+
+    /// The unknown of a dynamic state, if it is one.
+    pub(crate) fn state_unknown(&self, state: usize, moving: bool) -> Option<usize> {
+        let equation = &self.states[state];
+        if moving {
+            Some(equation.moving_unknown)
+        } else {
+            equation.unknown
+        }
     }
 
     /// True if VARIABLEs or dynamic states are unknowns besides poses and multipliers.
@@ -320,7 +382,7 @@ impl System {
         }
         self.states
             .iter()
-            .find(|s| s.unknown == Some(equation))
+            .find(|s| s.unknown == Some(equation) || s.moving_unknown == equation)
             .map_or_else(String::new, |s| s.name.to_string())
     }
 

@@ -20,8 +20,9 @@ impl System {
         for (k, variable) in state.variables.iter_mut().enumerate() {
             *variable += correction[self.first_variable + k];
         }
-        for (equation, value) in self.states.iter().zip(&mut state.states) {
-            if let Some(unknown) = equation.unknown {
+        let moving = state.moves();
+        for (k, value) in state.states.iter_mut().enumerate() {
+            if let Some(unknown) = self.state_unknown(k, moving) {
                 *value += correction[unknown];
             }
         }
@@ -62,6 +63,6 @@ impl System {
 }
 
 /// Takes away the round-off of a product of rotations: one Newton step towards the polar factor.
-fn orthonormal(R: &Mat3) -> Mat3 {
+pub(crate) fn orthonormal(R: &Mat3) -> Mat3 {
     R * (Mat3::identity() * 1.5 - R.transpose() * R * 0.5)
 }

@@ -44,6 +44,19 @@ pub(super) fn joint(reader: &mut Reader, old: Option<&Joint>) -> Option<Joint> {
     let Some(kind) = kind else {
         return reader.missing("its type, such as REVOLUTE");
     };
+    let initial = |name: &str| {
+        let numbers = reader.statement.numbers(name);
+        let value = |k: usize| numbers.get(k).map(|number| number.value);
+        value(0).map(|displacement| (displacement, value(1)))
+    };
+    let ic = initial("IC");
+    let slides = matches!(kind, JointKind::Translational);
+    let initial_translation = initial("ICTRAN")
+        .or(ic.filter(|_| slides))
+        .or(old.and_then(|old| old.initial_translation));
+    let initial_rotation = initial("ICROT")
+        .or(ic.filter(|_| !slides))
+        .or(old.and_then(|old| old.initial_rotation));
     for argument in ["IC", "ICTRAN", "ICROT"] {
         if reader.statement.first(argument).is_some_and(|ic| ic != 0.0) {
             let message = format!(
@@ -62,6 +75,8 @@ pub(super) fn joint(reader: &mut Reader, old: Option<&Joint>) -> Option<Joint> {
         kind,
         i: reader.marker("I", old.map(|old| old.i))?,
         j: reader.marker("J", old.map(|old| old.j))?,
+        initial_translation,
+        initial_rotation,
     })
 }
 
@@ -228,6 +243,10 @@ pub(super) fn motion(reader: &mut Reader, old: Option<&Motion>) -> Option<Motion
             .statement
             .first("ICDISP")
             .or(old.and_then(|old| old.initial_displacement)),
+        initial_velocity: reader
+            .statement
+            .first("ICVEL")
+            .or(old.and_then(|old| old.initial_velocity)),
         function: reader.function("FUNCTION", old.map(|old| &old.function))?,
     })
 }

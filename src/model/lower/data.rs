@@ -239,6 +239,10 @@ pub(super) fn sensor(reader: &mut Reader, old: Option<&Sensor>) -> Option<Sensor
             .given("DT")
             .and_then(|argument| Some(argument.numbers().first()?.value))
             .or_else(|| old.and_then(|old| old.dt)),
+        stepsize: reader
+            .statement
+            .first("STEPSIZE")
+            .or_else(|| old.and_then(|old| old.stepsize)),
     })
 }
 

@@ -13,6 +13,8 @@ pub(super) fn bushing(reader: &mut Reader, old: Option<&Bushing>) -> Option<Bush
         j: reader.marker("J", old.map(|old| old.j))?,
         k: reader.array("K", old.map(|old| old.k)),
         kt: reader.array("KT", old.map(|old| old.kt)),
+        c: reader.array("C", old.map(|old| old.c)),
+        ct: reader.array("CT", old.map(|old| old.ct)),
         force: reader.array("FORCE", old.map(|old| old.force)),
         torque: reader.array("TORQUE", old.map(|old| old.torque)),
     })
@@ -45,6 +47,11 @@ pub(super) fn pair_force(reader: &mut Reader, old: Option<&PairForce>) -> Option
         i: reader.marker("I", old.map(|old| old.i))?,
         j: reader.marker("J", old.map(|old| old.j))?,
         values,
+        damping: reader
+            .reals("CMATRIX")
+            .or_else(|| old.map(|old| old.damping.clone()))
+            .unwrap_or_default(),
+        damping_ratio: reader.real("CRATIO", old.map(|old| old.damping_ratio)),
     })
 }
 
@@ -62,9 +69,9 @@ pub(super) fn springdamper(
     let Some(kind) = kind else {
         return reader.missing("TRANSLATIONAL or ROTATIONAL");
     };
-    let [stiffness, reference, preload] = match kind {
-        SpringKind::Translational => ["K", "LENGTH", "FORCE"],
-        SpringKind::Rotational => ["KT", "ANGLE", "TORQUE"],
+    let [stiffness, reference, preload, damping] = match kind {
+        SpringKind::Translational => ["K", "LENGTH", "FORCE", "C"],
+        SpringKind::Rotational => ["KT", "ANGLE", "TORQUE", "CT"],
     };
     Some(SpringDamper {
         header: reader.header(old.map(|old| &old.header)),
@@ -74,6 +81,7 @@ pub(super) fn springdamper(
         stiffness: reader.real(stiffness, old.map(|old| old.stiffness)),
         reference: reader.real(reference, old.map(|old| old.reference)),
         preload: reader.real(preload, old.map(|old| old.preload)),
+        damping: reader.real(damping, old.map(|old| old.damping)),
     })
 }
 
@@ -154,5 +162,6 @@ pub(super) fn nforce(reader: &mut Reader, old: Option<&Nforce>) -> Option<Nforce
         k,
         length,
         force,
+        damped: reader.any(&["CMATRIX", "CRATIO"]),
     })
 }

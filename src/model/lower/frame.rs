@@ -2,7 +2,9 @@ use super::ids::Ids;
 use super::reader::Reader;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::mechanics::{Mat3, Pose, Vec3, euler313};
-use crate::model::{Marker, MarkerIx, Model, Orientation, Part, PartIx, PartKind};
+use crate::model::{
+    InitialVelocity, Marker, MarkerIx, Model, Orientation, Part, PartIx, PartKind,
+};
 use crate::syntax::Statement;
 
 /// PART, POINT_MASS, and the bodies only real ADAMS solves.
@@ -35,11 +37,25 @@ pub(super) fn part(reader: &mut Reader, old: Option<&Part>) -> Option<Part> {
         ip: reader.array("IP", old.map(|old| old.ip)),
         pose: Pose { p, R },
         exact,
+        start: start(reader, old.map(|old| old.start)),
     };
     if kind == PartKind::Ground {
         part.pose = Pose::identity();
     }
     Some(part)
+}
+
+fn start(reader: &Reader, old: Option<InitialVelocity>) -> InitialVelocity {
+    let old = old.unwrap_or_default();
+    let given = |names: [&str; 3], old: [Option<f64>; 3]| -> [Option<f64>; 3] {
+        std::array::from_fn(|k| reader.statement.first(names[k]).or(old[k]))
+    };
+    InitialVelocity {
+        linear: given(["VX", "VY", "VZ"], old.linear),
+        linear_axes: reader.marker("VM", old.linear_axes),
+        angular: given(["WX", "WY", "WZ"], old.angular),
+        angular_axes: reader.marker("WM", old.angular_axes),
+    }
 }
 
 /// MARKER. Its frame with RM is completed by [`resolve_rm`], when all markers are known.

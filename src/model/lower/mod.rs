@@ -380,6 +380,7 @@ fn ground() -> Part {
         ip: [0.0; 6],
         pose: Pose::identity(),
         exact: [false; 6],
+        start: super::InitialVelocity::default(),
     }
 }
 
@@ -567,6 +568,8 @@ impl Settings {
             gravity: model.gravity,
             units: model.units,
             equilibrium: model.equilibrium.clone(),
+            integrator: model.integrator.clone(),
+            kinematics: model.kinematics.clone(),
             output: model.output.clone(),
             results: model.results.clone(),
             ..Model::default()
@@ -577,6 +580,8 @@ impl Settings {
         model.gravity = self.0.gravity;
         model.units = self.0.units;
         model.equilibrium = self.0.equilibrium;
+        model.integrator = self.0.integrator;
+        model.kinematics = self.0.kinematics;
         model.output = self.0.output;
         model.results = self.0.results;
     }

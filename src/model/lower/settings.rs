@@ -1,7 +1,10 @@
 use super::reader::Reader;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::mechanics::Vec3;
-use crate::model::{EquilibriumSettings, Model, OutputSettings, ResultsSettings, StaticMethod};
+use crate::model::{
+    EquilibriumSettings, IntegratorSettings, KinematicsSettings, Model, OutputSettings,
+    ResultsSettings, StaticMethod,
+};
 use crate::units::{FORCE_UNITS, LENGTH_UNITS, MASS_UNITS, TIME_UNITS, Unit, Units};
 
 /// Statements without an id: what they change of the model. False if the statement is none of them.
@@ -10,6 +13,8 @@ pub(super) fn settings(reader: &mut Reader, model: &mut Model) -> bool {
         "ACCGRAV" => model.gravity = gravity(reader, model.gravity),
         "UNITS" => model.units = units(reader),
         "EQUILIBRIUM" => model.equilibrium = equilibrium(reader, &model.equilibrium),
+        "INTEGRATOR" => model.integrator = integrator(reader, &model.integrator),
+        "KINEMATICS" => model.kinematics = kinematics(reader, &model.kinematics),
         "OUTPUT" => model.output = output(reader, &model.output),
         "RESULTS" => model.results = results(reader, &model.results),
         _ => return false,
@@ -101,6 +106,66 @@ fn equilibrium(reader: &Reader, old: &EquilibriumSettings) -> EquilibriumSetting
             Some(_) => StaticMethod::Original,
             None => old.method,
         },
+    }
+}
+
+fn integrator(reader: &Reader, old: &IntegratorSettings) -> IntegratorSettings {
+    let default = IntegratorSettings::default();
+    let old = if reader.flag("DEFAULT", false) {
+        &default
+    } else {
+        old
+    };
+    let named = |words: &[&'static str], old: &'static str| {
+        let found = words.iter().copied().find(|word| reader.statement.has(word));
+        found.unwrap_or(old)
+    };
+    let number = |name: &str, old: Option<f64>| reader.statement.first(name).or(old);
+    IntegratorSettings {
+        method: named(
+            &[
+                "GSTIFF",
+                "WSTIFF",
+                "HASTIFF",
+                "HHT",
+                "NEWMARK",
+                "ABAM",
+                "CONSTANT_BDF",
+                "DSTIFF",
+                "RKF45",
+            ],
+            old.method,
+        ),
+        formulation: named(&["I3", "SI2", "SI1"], old.formulation),
+        corrector: match reader.choice("CORRECTOR") {
+            Some("MODIFIED") => "MODIFIED",
+            Some("ORIGINAL") => "ORIGINAL",
+            Some(_) => "ORIG_CONSTANT",
+            None => old.corrector,
+        },
+        error: number("ERROR", old.error),
+        hinit: number("HINIT", old.hinit),
+        hmax: number("HMAX", old.hmax),
+        hmin: number("HMIN", old.hmin),
+        maxit: number("MAXIT", old.maxit.map(|n| n as f64)).map(|n| n as usize),
+        adaptivity: reader.real("ADAPTIVITY", Some(old.adaptivity)),
+        interpolate: reader
+            .choice("INTERPOLATE")
+            .map_or(old.interpolate, |word| word == "ON"),
+    }
+}
+
+fn kinematics(reader: &Reader, old: &KinematicsSettings) -> KinematicsSettings {
+    let default = KinematicsSettings::default();
+    let old = if reader.flag("DEFAULT", false) {
+        &default
+    } else {
+        old
+    };
+    let maxit = reader.statement.first("MAXIT").map(|n| n as usize);
+    KinematicsSettings {
+        hmax: reader.statement.first("HMAX").or(old.hmax),
+        maxit: maxit.or(old.maxit),
     }
 }
 

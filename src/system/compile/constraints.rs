@@ -9,7 +9,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::mechanics::{Pose, RelativeMotion, Vec3};
 use crate::model::{CouplerKind, JointKind, MotionAxis, MotionOrder};
 use crate::system::catalogue::Role;
-use crate::system::structure::{Condition, Drive, Joint, Term};
+use crate::system::structure::{Condition, Drive, Joint, RateDrive, Term};
 use crate::units::Dimension;
 
 impl Compiler<'_> {
@@ -184,7 +184,18 @@ impl Compiler<'_> {
                     )
                     .help("give the displacement as a function of TIME"),
                 );
-                Drive::Held(held)
+                let function = self.function(&m.function, &owner, None, Dimension::NONE);
+                self.functions[function].apart = true;
+                self.driven.push(crate::system::Driven {
+                    time: 0.0,
+                    value: held,
+                    rate: m.initial_velocity.unwrap_or(0.0),
+                });
+                Drive::Rate(RateDrive {
+                    function,
+                    second: m.order == MotionOrder::Acceleration,
+                    index: self.driven.len() - 1,
+                })
             };
             let law = PairConstraint::Drive(Driven { measure });
             self.push_joint("MOTION", &m.header, (i, j), law, drive);

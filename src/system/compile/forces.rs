@@ -2,7 +2,8 @@
 
 use super::{Compiler, Header, Name, name};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::element::{Law, ScalarForce};
+use crate::element::{Beam, Damping, Law, ScalarForce};
+use crate::mechanics::{Mat6, Vec6};
 use crate::grammar::{self, Components, LawDef, StatementDef};
 use crate::model::{SforceKind, SpringKind, VectorForceKind, law_arguments};
 use crate::system::catalogue::{Quantity, Role};
@@ -108,9 +109,17 @@ impl Compiler<'_> {
             frame,
             reaction,
             action,
+            damping: None,
             pair,
             active: header.active,
         });
+    }
+
+    /// The damping of the element that was pushed last.
+    fn damp(&mut self, damping: Option<Damping>) {
+        if let Some(element) = self.elements.last_mut() {
+            element.damping = damping;
+        }
     }
 
     /// Everything with a law of the grammar.
@@ -121,6 +130,9 @@ impl Compiler<'_> {
             let values = [b.k, b.kt, b.force, b.torque].concat();
             let at = (b.i.0, b.j.0);
             self.law(bushing, &bushing.laws[0], &b.header, at, &values);
+            let c = Vec6::from_fn(|k, _| if k < 3 { b.c[k] } else { b.ct[k - 3] });
+            let C = Mat6::from_diagonal(&c);
+            self.damp((c != Vec6::zeros()).then(|| Damping::Matrix(Box::new(C))));
         }
         let spring = stated("SPRINGDAMPER");
         for s in &self.model.springdampers {
@@ -130,9 +142,26 @@ impl Compiler<'_> {
             };
             let values = [s.stiffness, s.reference, s.preload];
             self.law(spring, law, &s.header, (s.i.0, s.j.0), &values);
+            let damping = match s.kind {
+                SpringKind::Translational => Damping::Line(s.damping),
+                SpringKind::Rotational => Damping::Turn(s.damping),
+            };
+            self.damp((s.damping != 0.0).then_some(damping));
         }
         for f in &self.model.pair_forces {
             self.law(f.def, f.law, &f.header, (f.i.0, f.j.0), &f.values);
+            let C = match (&f.damping[..], f.law.name) {
+                (all, _) if all.len() == 36 => Some(Mat6::from_column_slice(all)),
+                (half, _) if !half.is_empty() => Some(symmetric(half)),
+                (_, "field") if f.damping_ratio != 0.0 => {
+                    Some(Mat6::from_column_slice(&f.values[..36]) * f.damping_ratio)
+                }
+                (_, "beam") if f.damping_ratio != 0.0 => {
+                    Some(Beam::stiffness_matrix(&f.values) * f.damping_ratio)
+                }
+                _ => None,
+            };
+            self.damp(C.map(|C| Damping::Matrix(Box::new(C))));
         }
     }
 
@@ -184,4 +213,15 @@ impl Compiler<'_> {
             );
         }
     }
+}
+
+/// A symmetric matrix from one half of it, column by column: the 21 numbers of BEAM, CMATRIX.
+fn symmetric(half: &[f64]) -> Mat6 {
+    let mut C = Mat6::zeros();
+    let places = (0..6).flat_map(|column| (0..=column).map(move |row| (row, column)));
+    for ((row, column), value) in places.zip(half) {
+        C[(row, column)] = *value;
+        C[(column, row)] = *value;
+    }
+    C
 }

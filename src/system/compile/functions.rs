@@ -61,6 +61,7 @@ impl Compiler<'_> {
             sources: Vec::new(),
             literals,
             replacement,
+            apart: false,
         });
         at
     }
@@ -143,11 +144,17 @@ impl Compiler<'_> {
                 }
                 Source::Measure(measure, at)
             }
+            Input::Rate(measure) => {
+                for marker in measure.markers.into_iter().flatten() {
+                    self.used[marker.0] = true;
+                }
+                Source::Moved(measure)
+            }
             Input::Variable(k) => Source::Variable(k),
             Input::Dif(k) => Source::State(k),
             Input::DifRate(k) => match (&self.states[k].rate, self.held_rates.get(&k)) {
-                (Rate::Held, Some(function)) => Source::Rate(*function),
-                _ => Source::Constant(0.0),
+                (Rate::Held, Some(function)) => Source::StateRate(k, Some(*function)),
+                _ => Source::StateRate(k, None),
             },
             Input::ArrayValue { array, element } => match &self.model.arrays[array].kind {
                 ArrayKind::Numbers(numbers) => {
@@ -327,7 +334,8 @@ impl Compiler<'_> {
         let mut out = Vec::new();
         let mut mark = vec![0_u8; self.functions.len()];
         for number in 0..self.functions.len() {
-            if !matches!(self.functions[number].owner.kind, "REQUEST" | "SENSOR") {
+            let function = &self.functions[number];
+            if !function.apart && !matches!(function.owner.kind, "REQUEST" | "SENSOR") {
                 self.visit(number, &mut mark, &mut out);
             }
         }
@@ -361,7 +369,7 @@ impl Compiler<'_> {
         let mut out = Vec::new();
         for source in &self.functions[number].sources {
             match source {
-                Source::Rate(function) => out.push(*function),
+                Source::StateRate(_, Some(function)) => out.push(*function),
                 Source::Force(force) => {
                     for (who, _) in &force.by {
                         match who {

@@ -5,22 +5,25 @@
 mod constraints;
 mod forces;
 mod functions;
+mod motion;
 
 use std::collections::BTreeMap;
+
+use self::motion::{not_in_motion, reference_mass};
 
 use super::catalogue::{Catalogue, Group, Quantity, Role};
 use super::contribution::Exerted;
 use super::function::CompiledFunction;
 use super::multi::Multi;
 use super::structure::{
-    Algebraic, Body, Condition, Element, Joint, Name, Rate, StateEquation, System,
+    Algebraic, Body, Condition, Element, Joint, Name, Rate, Start, StateEquation, System,
 };
-use super::{Parameters, State};
+use super::{Driven, Parameters, State};
 use crate::diagnostic::{Checked, Code, Diagnostic};
 use crate::grammar::{self, ArgumentDef};
 use crate::mechanics::{Mat3, Pose, Vec3};
 use crate::model::{
-    ArrayKind, Function, Header, Model, Orientation, PartKind, effect_of, may_be_ignored,
+    ArrayKind, Function, Header, Model, Orientation, Part, PartKind, effect_of, may_be_ignored,
 };
 use crate::units::Dimension;
 
@@ -84,6 +87,8 @@ struct Compiler<'a> {
     sensors: Vec<(usize, Option<usize>)>,
     /// What needs user-written subroutines.
     users: Vec<Name>,
+    /// Where MOTIONs that prescribe a rate begin.
+    driven: Vec<Driven>,
 }
 
 /// An argument of a statement as the grammar has it.
@@ -128,6 +133,7 @@ impl<'a> Compiler<'a> {
             request_forces: Vec::new(),
             sensors: Vec::new(),
             users: Vec::new(),
+            driven: Vec::new(),
         }
     }
 
@@ -211,6 +217,7 @@ impl<'a> Compiler<'a> {
             if let Some(cm) = cm {
                 self.used[cm] = true;
             }
+            let start = self.start(part);
             self.bodies.push(Body {
                 name: name(kind, &part.header),
                 first,
@@ -218,8 +225,23 @@ impl<'a> Compiler<'a> {
                 mass,
                 cm,
                 inertia: Mat3::new(xx, -xy, -xz, -xy, yy, -yz, -xz, -yz, zz),
+                start,
             });
             first += freedoms;
+        }
+    }
+
+    fn start(&mut self, part: &Part) -> Start {
+        let start = part.start;
+        for marker in [start.linear_axes, start.angular_axes].into_iter().flatten() {
+            self.used[marker.0] = true;
+        }
+        Start {
+            linear: start.linear,
+            linear_axes: start.linear_axes.map(|m| m.0),
+            angular: start.angular,
+            angular_axes: start.angular_axes.or(part.cm).map(|m| m.0),
+            exact: part.exact,
         }
     }
 
@@ -255,6 +277,10 @@ impl<'a> Compiler<'a> {
                 Rate::Function(function)
             };
             self.push_state(of, rate, d.ic);
+            if let Some(state) = self.states.last_mut() {
+                state.moving = Rate::Function(function);
+                state.implicit = d.implicit;
+            }
         }
         for l in &self.model.linear_states {
             let of = name(l.kind, &l.header);
@@ -269,20 +295,24 @@ impl<'a> Compiler<'a> {
                 }
             });
             for (row, a) in l.a.iter().enumerate() {
+                let b = l.b.get(row).map_or(&[][..], Vec::as_slice);
+                let linear = Rate::Linear(
+                    a.iter().enumerate().map(|(k, a)| (first + k, *a)).collect(),
+                    b.iter()
+                        .zip(&inputs)
+                        .filter_map(|(b, v)| v.map(|v| (v, *b)))
+                        .collect(),
+                );
                 let rate = if l.static_hold {
                     Rate::Held
                 } else {
-                    let b = l.b.get(row).map_or(&[][..], Vec::as_slice);
-                    Rate::Linear(
-                        a.iter().enumerate().map(|(k, a)| (first + k, *a)).collect(),
-                        b.iter()
-                            .zip(&inputs)
-                            .filter_map(|(b, v)| v.map(|v| (v, *b)))
-                            .collect(),
-                    )
+                    linear.clone()
                 };
                 let ic = initial.and_then(|ic| ic.get(row)).copied();
                 self.push_state(of.clone(), rate, ic.unwrap_or(0.0));
+                if let Some(state) = self.states.last_mut() {
+                    state.moving = linear;
+                }
             }
         }
     }
@@ -290,8 +320,11 @@ impl<'a> Compiler<'a> {
     fn push_state(&mut self, name: Name, rate: Rate, ic: f64) {
         self.states.push(StateEquation {
             name,
+            moving: rate.clone(),
             rate,
             unknown: None,
+            moving_unknown: 0,
+            implicit: false,
         });
         self.state_values.push(ic);
     }
@@ -370,6 +403,13 @@ impl<'a> Compiler<'a> {
                 unknowns += 1;
             }
         }
+        let mut moving_unknowns = unknowns;
+        for state in &mut states {
+            state.moving_unknown = state.unknown.unwrap_or_else(|| {
+                moving_unknowns += 1;
+                moving_unknowns - 1
+            });
+        }
         let owners: Vec<usize> = model.markers.iter().map(|m| m.part.0).collect();
         let used: Vec<usize> = (0..owners.len()).filter(|&m| self.used[m]).collect();
         let length = size(&used, &owners, &parameters, &poses);
@@ -383,6 +423,10 @@ impl<'a> Compiler<'a> {
             redundant: Vec::new(),
             pair_angles: vec![Vec3::zeros(); self.pairs],
             measure_angles: vec![0.0; self.measured_angles.max(1)],
+            velocities: Vec::new(),
+            accelerations: Vec::new(),
+            state_rates: Vec::new(),
+            driven: self.driven,
             sensors: vec![0.0; model.sensors.len()],
         };
         let system = System {
@@ -415,8 +459,13 @@ impl<'a> Compiler<'a> {
             equations: self.equations,
             first_variable,
             unknowns,
+            moving_unknowns,
+            not_in_motion: Vec::new(),
+            reference_mass: reference_mass(model),
             length,
         };
+        let mut system = system;
+        system.not_in_motion = not_in_motion(&system, model);
         Checked {
             value: system,
             diagnostics: self.diagnostics,

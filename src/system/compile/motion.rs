@@ -1,0 +1,113 @@
+//! What the equations of motion need besides those of statics, and what they leave out.
+
+use std::collections::BTreeSet;
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::model::{Model, PartKind};
+use crate::system::System;
+use crate::system::function::Source;
+use crate::system::structure::Drive;
+
+/// The median mass of the bodies that have one; one if none has.
+pub(super) fn reference_mass(model: &Model) -> f64 {
+    let bodies = model.parts.iter();
+    let mut masses: Vec<f64> = bodies
+        .filter(|part| matches!(part.kind, PartKind::Rigid | PartKind::PointMass))
+        .map(|part| part.mass / model.units.ucf)
+        .filter(|mass| *mass > 0.0)
+        .collect();
+    masses.sort_by(f64::total_cmp);
+    masses.get(masses.len() / 2).copied().unwrap_or(1.0)
+}
+
+/// Statements that act in motion and that the equations of motion do not have.
+pub(super) fn not_in_motion(system: &System, model: &Model) -> Vec<Diagnostic> {
+    let mut found = Vec::new();
+    let mut refuse = |message: String| {
+        found.push(
+            Diagnostic::error(Code::NotSolvedNatively, message)
+                .help("real ADAMS solves it; a static or quasi-static simulation does without"),
+        );
+    };
+    let unsolved = |kind: &str, id: u32| {
+        let mut all = model.unsolved.iter();
+        all.any(|u| u.kind == kind && u.header.id == id)
+    };
+    for friction in model.frictions.iter().filter(|f| f.active) {
+        if !unsolved("FRICTION", friction.id) {
+            refuse(format!(
+                "FRICTION/{} '{}' is not solved in motion: it would hold or brake its joint",
+                friction.id, friction.name
+            ));
+        }
+    }
+    for force in model.nforces.iter().filter(|f| f.header.active && f.damped) {
+        refuse(format!(
+            "the damping of NFORCE/{} '{}' is not solved",
+            force.header.id, force.header.name
+        ));
+    }
+    for joint in system.joints.iter().filter(|joint| joint.active) {
+        match joint.drive {
+            Drive::Rate(drive) if !only_of_time(system, drive.function) => refuse(format!(
+                "{} prescribes a rate by more than the time: it is not integrated",
+                joint.name
+            )),
+            Drive::Function(function) => {
+                if let Some(what) = unsteady(system, function) {
+                    refuse(format!(
+                        "the function of {} reads {what}: in motion it may know time, places and variables of them",
+                        joint.name
+                    ));
+                }
+            }
+            _ => {}
+        }
+    }
+    for condition in system.conditions.iter().filter(|c| c.active) {
+        if let Some(what) = unsteady(system, condition.function) {
+            refuse(format!(
+                "the function of {} reads {what}: in motion it may know time, places and variables of them",
+                condition.name
+            ));
+        }
+    }
+    found
+}
+
+fn only_of_time(system: &System, function: usize) -> bool {
+    let mut sources = system.functions[function].sources.iter();
+    sources.all(|source| {
+        matches!(
+            source,
+            Source::Time | Source::Mode | Source::Constant(_) | Source::Sensor(_)
+        )
+    })
+}
+
+/// What a constrained function reads, itself or through variables, whose rates do not follow from those of the parts.
+fn unsteady(system: &System, function: usize) -> Option<&'static str> {
+    let mut seen = BTreeSet::new();
+    let mut open = vec![function];
+    while let Some(function) = open.pop() {
+        if !seen.insert(function) {
+            continue;
+        }
+        for source in &system.functions[function].sources {
+            match source {
+                Source::Moved(_) => return Some("a velocity or an acceleration"),
+                Source::Force(_) => return Some("a force"),
+                Source::State(_) | Source::StateRate(..) | Source::Output(_) => {
+                    return Some("a dynamic state");
+                }
+                Source::Variable(k) => open.push(system.variables[*k].function),
+                Source::Time
+                | Source::Mode
+                | Source::Measure(..)
+                | Source::Constant(_)
+                | Source::Sensor(_) => {}
+            }
+        }
+    }
+    None
+}

@@ -1,0 +1,389 @@
+//! The equations of the constraints along a motion: gradients, rates, and what of the second rates no acceleration enters.
+
+use super::assemble::NoValue;
+use super::structure::{Drive, Joint};
+use super::{Configuration, Parameters, Scratch, State, System};
+use crate::constraint::Constraint;
+use crate::linear::Sink;
+use crate::mechanics::{Vec3, Vec6, exp};
+
+/// The rows of the constraint equations: their gradients by the motions of the parts.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Rows {
+    first_equation: usize,
+    first_variable: usize,
+    time_column: usize,
+    /// (row, column, derivative), rows counted from the first equation.
+    pub entries: Vec<(u32, u32, f64)>,
+    /// Derivative by the time; with [`Configuration::row_rates`] also by what else changes with it.
+    pub time: Vec<f64>,
+    /// Derivatives by variables: (row, variable, derivative).
+    others: Vec<(u32, u32, f64)>,
+}
+
+impl Rows {
+    /// Of a system.
+    pub fn new(system: &System) -> Self {
+        Self {
+            first_equation: system.first_equation,
+            first_variable: system.first_variable,
+            time_column: 3 * system.moving_unknowns,
+            time: vec![0.0; system.equations],
+            ..Self::default()
+        }
+    }
+
+    /// Makes ready for an assembly.
+    pub fn clear(&mut self) {
+        self.entries.clear();
+        self.others.clear();
+        self.time.fill(0.0);
+    }
+
+    /// Adds `G V` to one number per equation.
+    pub fn times(&self, v: &[f64], out: &mut [f64]) {
+        for &(row, column, value) in &self.entries {
+            out[row as usize] += value * v[column as usize];
+        }
+    }
+
+    /// Adds `G' mu` to one number per freedom of the parts.
+    pub fn transposed_times(&self, mu: &[f64], out: &mut [f64]) {
+        for &(row, column, value) in &self.entries {
+            out[column as usize] += value * mu[row as usize];
+        }
+    }
+}
+
+impl Sink for Rows {
+    const WANTED: bool = false;
+    const ROWS: bool = true;
+
+    #[inline]
+    fn add(&mut self, row: usize, column: usize, value: f64) {
+        if row < self.first_equation || row >= self.first_variable {
+            return;
+        }
+        let row = row - self.first_equation;
+        if column < self.first_equation {
+            self.entries.push((row as u32, column as u32, value));
+        } else if column >= self.time_column {
+            self.time[row] += value;
+        } else if column >= self.first_variable && value != 0.0 {
+            let variable = column - self.first_variable;
+            self.others.push((row as u32, variable as u32, value));
+        }
+    }
+}
+
+/// Times a function is looked at on each side for its second rate, in steps.
+const SIDES: [(f64, f64); 4] = [
+    (-2.0, 1.0 / 12.0),
+    (-1.0, -8.0 / 12.0),
+    (1.0, 8.0 / 12.0),
+    (2.0, -1.0 / 12.0),
+];
+/// Passes in which variables that read each other settle.
+const PASSES: usize = 50;
+
+impl System {
+    /// The velocities of the parts in the order of the unknowns.
+    pub(crate) fn velocity_vector(&self, state: &State, out: &mut Vec<f64>) {
+        self.gathered(&state.velocities, out);
+    }
+
+    /// Velocities or accelerations of the parts in the order of the unknowns.
+    pub(crate) fn gathered(&self, rates: &[super::Rates], out: &mut Vec<f64>) {
+        out.clear();
+        for (body, rates) in self.bodies.iter().zip(rates) {
+            let all = rates.linear.iter().chain(rates.angular.iter());
+            out.extend(all.take(body.freedoms));
+        }
+    }
+
+    /// The other way round.
+    pub(crate) fn scattered(&self, values: &[f64], rates: &mut [super::Rates]) {
+        for (body, rates) in self.bodies.iter().zip(rates) {
+            for k in 0..body.freedoms {
+                let value = values[body.first + k];
+                if k < 3 {
+                    rates.linear[k] = value;
+                } else {
+                    rates.angular[k - 3] = value;
+                }
+            }
+        }
+    }
+
+    /// Residuals of everything with the rows of the constraints; rates included where the state moves.
+    ///
+    /// # Errors
+    /// [`NoValue`] if an element has no value here.
+    pub(crate) fn residual_and_rows(
+        &self,
+        parameters: &Parameters,
+        state: &State,
+        scratch: &mut Scratch,
+        g: &mut [f64],
+        rows: &mut Rows,
+    ) -> Result<(), NoValue> {
+        rows.clear();
+        self.assemble(parameters, state, scratch, g, rows)?;
+        self.at(parameters, state, scratch).row_rates(rows)
+    }
+
+    /// Residuals and rows of the constraints alone.
+    ///
+    /// # Errors
+    /// [`NoValue`] if a function has no value here.
+    pub(crate) fn constraints_and_rows(
+        &self,
+        parameters: &Parameters,
+        state: &State,
+        scratch: &mut Scratch,
+        g: &mut [f64],
+        rows: &mut Rows,
+    ) -> Result<(), NoValue> {
+        rows.clear();
+        g.fill(0.0);
+        let mut here = self.look(parameters, state, scratch)?;
+        for number in 0..self.joints.len() {
+            here.add_joint(number, g, rows);
+        }
+        here.add_conditions(g, rows)?;
+        here.row_rates(rows)
+    }
+}
+
+impl Configuration<'_> {
+    /// Adds to the time derivatives of the rows what comes through variables.
+    fn row_rates(&mut self, rows: &mut Rows) -> Result<(), NoValue> {
+        if rows.others.is_empty() {
+            return Ok(());
+        }
+        let rates = self.variable_rates();
+        for &(row, variable, by) in &rows.others {
+            let rate = rates.get(variable as usize);
+            rows.time[row as usize] += by * rate.copied().unwrap_or(0.0);
+        }
+        Ok(())
+    }
+
+    /// The rates of the variables along the motion: `v' - e_v v' = e_q V + e_t`, by passes. Variables that MOTIONs and GCONs read know no
+    /// velocities: others are refused when the model is compiled.
+    fn variable_rates(&self) -> Vec<f64> {
+        let system = self.system;
+        let mut rates = vec![0.0; system.variables.len()];
+        for _ in 0..PASSES {
+            let mut change = 0.0_f64;
+            for (k, variable) in system.variables.iter().enumerate() {
+                if !variable.active {
+                    continue;
+                }
+                let rate = self.rate_along(variable.function, &rates);
+                change = change.max((rate - rates[k]).abs());
+                rates[k] = rate;
+            }
+            if change == 0.0 {
+                break;
+            }
+        }
+        rates
+    }
+
+    /// The rate of a function along the motion, those of the variables given.
+    fn rate_along(&self, function: usize, variables: &[f64]) -> f64 {
+        let (system, state) = (self.system, self.state);
+        let n = system.moving_unknowns;
+        let value = self.scratch.functions[function];
+        let mut rate = 0.0;
+        for &(column, by) in &self.scratch.gradient[value.first..value.last] {
+            if column >= 3 * n {
+                rate += by;
+            } else if column < system.first_equation {
+                let body = system
+                    .bodies
+                    .partition_point(|b| b.first + b.freedoms <= column);
+                let k = column - system.bodies[body].first;
+                let velocity = &state.velocities[body];
+                rate += by
+                    * if k < 3 {
+                        velocity.linear[k]
+                    } else {
+                        velocity.angular[k - 3]
+                    };
+            } else if (system.first_variable..n).contains(&column) {
+                let k = column - system.first_variable;
+                rate += by * variables.get(k).copied().unwrap_or(0.0);
+            }
+        }
+        rate
+    }
+
+    /// gamma of every constraint equation: with the accelerations A its second rate is `G A + gamma`. After [`Configuration::look`].
+    ///
+    /// Of one term, with u the rates of I in J (J axes), row r, C the derivative of the row along the motion, s its parameter:
+    /// `r . b + u_t' C u_t + 2 s' r_s . u + f_s s''`, where b is what of the second rates of p_ij_j and of the rotation no acceleration enters:
+    /// `b_p = R_j' (a_i - a_j - 2 w_j x (v_i - v_j) + w_j x (w_j x d))`, `b_t = -R_j' (w_j x w_i)`, a of the arms alone. Functions: differences
+    /// of their exact rates along the motion, `step` apart, of fourth order.
+    ///
+    /// # Errors
+    /// [`NoValue`] if a function has no value next to here.
+    pub(crate) fn gamma(&mut self, step: f64, gamma: &mut [f64]) -> Result<(), NoValue> {
+        let system = self.system;
+        gamma.fill(0.0);
+        let mut functions: Vec<usize> = system
+            .joints
+            .iter()
+            .filter_map(|joint| match joint.drive {
+                Drive::Function(function) if joint.active => Some(function),
+                _ => None,
+            })
+            .collect();
+        functions.extend(
+            system
+                .conditions
+                .iter()
+                .filter(|c| c.active)
+                .map(|c| c.function),
+        );
+        let rates = self.function_rates(&functions, step)?;
+        let found = |function: usize| -> [f64; 2] {
+            let at = functions.iter().position(|f| *f == function);
+            at.map_or([0.0; 2], |at| rates[at])
+        };
+        for joint in &system.joints {
+            let out = joint.out(self.state);
+            if !joint.active {
+                continue;
+            }
+            let driven = match joint.drive {
+                Drive::Function(function) => found(function),
+                Drive::Rate(drive) => {
+                    let [_, rate, second] = self.scratch.driven[drive.index];
+                    [rate, second]
+                }
+                Drive::Theta(_) | Drive::Held(_) => [0.0; 2],
+            };
+            self.joint_gamma(joint, driven, gamma);
+            for k in 0..joint.count {
+                if out[k] {
+                    gamma[joint.first + k] = 0.0;
+                }
+            }
+        }
+        for condition in system.conditions.iter().filter(|c| c.active) {
+            let out = self.state.redundant.get(condition.equation) == Some(&true);
+            gamma[condition.equation] = if out { 0.0 } else { found(condition.function)[1] };
+        }
+        Ok(())
+    }
+
+    fn joint_gamma(&mut self, joint: &Joint, [rate, second]: [f64; 2], gamma: &mut [f64]) {
+        for (at, term) in joint.terms.iter().enumerate() {
+            let u = self.relative_rates(term.i, term.j);
+            let b = self.convective(term.i, term.j);
+            let turning = Vec3::new(u[3], u[4], u[5]);
+            for k in 0..joint.count {
+                let mut unit = [0.0; 6];
+                unit[k] = 1.0;
+                self.evaluate_term(joint, at, &unit);
+                let equations = &self.scratch.equations;
+                let mut second_rate = equations.jacobian[k].dot(&b)
+                    + turning.dot(&(equations.curvature * turning));
+                if k == 0 && term.law.parameter_count() > 0 {
+                    second_rate += 2.0 * rate * equations.jacobian_by_parameter.dot(&u)
+                        + equations.residual_by_parameter * second;
+                }
+                gamma[joint.first + k] += term.scale * second_rate;
+            }
+        }
+    }
+
+    /// What of the second rates of `p_ij_j` and of the rotation of I in J no acceleration of a part enters, J axes.
+    fn convective(&self, i: usize, j: usize) -> Vec6 {
+        let arms = |marker: usize| {
+            let frame = self.moving_frame(Some(marker));
+            let w = frame.w;
+            let a = w.cross(&w.cross(&self.scratch.arms[marker]));
+            (frame, a)
+        };
+        let ((i, a_i), (j, a_j)) = (arms(i), arms(j));
+        let R = j.pose.R.transpose();
+        let d = i.pose.p - j.pose.p;
+        let p = R * (a_i - a_j - 2.0 * j.w.cross(&(i.v - j.v)) + j.w.cross(&j.w.cross(&d)));
+        let t = R * -j.w.cross(&i.w);
+        Vec6::new(p.x, p.y, p.z, t.x, t.y, t.z)
+    }
+
+    /// First and second rates of functions along the motion, the accelerations zero.
+    fn function_rates(
+        &mut self,
+        functions: &[usize],
+        step: f64,
+    ) -> Result<Vec<[f64; 2]>, NoValue> {
+        if functions.is_empty() {
+            return Ok(Vec::new());
+        }
+        let variables = self.variable_rates();
+        let mut rates: Vec<[f64; 2]> = functions
+            .iter()
+            .map(|&f| [self.rate_along(f, &variables), 0.0])
+            .collect();
+        let system = self.system;
+        let mut scratch = Scratch::new(system);
+        for (side, weight) in SIDES {
+            let mut near = self.state.clone();
+            let h = side * step;
+            near.time += h;
+            for (pose, velocity) in near.poses.iter_mut().zip(&self.state.velocities) {
+                pose.p += velocity.linear * h;
+                pose.R = exp(&(velocity.angular * h)) * pose.R;
+            }
+            for (value, rate) in near.states.iter_mut().zip(&self.state.state_rates) {
+                *value += rate * h;
+            }
+            system.settle_variables(self.parameters, &mut near, &mut scratch)?;
+            let here = system.look(self.parameters, &near, &mut scratch)?;
+            let variables = here.variable_rates();
+            for (rate, &function) in rates.iter_mut().zip(functions) {
+                rate[1] += weight / step * here.rate_along(function, &variables);
+            }
+        }
+        Ok(rates)
+    }
+}
+
+impl System {
+    /// Brings the variables to their functions, by passes.
+    ///
+    /// # Errors
+    /// [`NoValue`] if a function has no value here.
+    pub(crate) fn settle_variables(
+        &self,
+        parameters: &Parameters,
+        state: &mut State,
+        scratch: &mut Scratch,
+    ) -> Result<(), NoValue> {
+        for _ in 0..PASSES {
+            let mut change = 0.0_f64;
+            if self.variables.is_empty() {
+                break;
+            }
+            self.look(parameters, state, scratch)?;
+            for (k, variable) in self.variables.iter().enumerate() {
+                let value = if variable.active {
+                    scratch.functions[variable.function].value
+                } else {
+                    0.0
+                };
+                change = change.max((value - state.variables[k]).abs());
+                state.variables[k] = value;
+            }
+            if change == 0.0 {
+                break;
+            }
+        }
+        Ok(())
+    }
+}
