@@ -37,6 +37,7 @@
 //! | 6 | constraint | joints and primitives |
 //! | 7 | system | compile, assemble, parameters, state |
 //! | 8 | statics | equilibrium, sensitivities, report |
+//! | 8 | motion | initial conditions, kinematics, integration over time |
 //! | 9 | session | executes a command file: the drop-in solver |
 //! | 10 | check | everything there is to say of one file |
 //! | 10 | backend | who solves: native, external command, replay |
@@ -66,6 +67,7 @@ mod linear;
 pub mod lsp;
 pub mod mechanics;
 pub mod model;
+pub mod motion;
 pub mod report;
 pub mod results;
 pub mod rig;

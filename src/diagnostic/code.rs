@@ -148,6 +148,9 @@ codes! {
     NoModel = "no-model",
     /// No static equilibrium was found.
     NoEquilibrium = "no-equilibrium",
+    /// A simulation over time could not go on: inconsistent initial conditions, a singular mass matrix, a step below HMIN, a function
+    /// without a value.
+    NoMotion = "no-motion",
     /// An equilibrium that does not last: some motion is met by a negative stiffness, so that the slightest push leads away from it.
     /// `admire solve --stable` goes on to a stable one.
     UnstableEquilibrium = "unstable-equilibrium",

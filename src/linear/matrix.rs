@@ -37,6 +37,7 @@ impl Matrix {
         }
     }
 
+    #[cfg(test)]
     pub fn size(&self) -> usize {
         self.n
     }

@@ -19,6 +19,20 @@ pub fn exp(a: &Vec3) -> Mat3 {
     Mat3::identity() + s * f + s * s * g
 }
 
+/// The rate of a rotation vector `a` per angular velocity in the outer axes: with `R = exp(a) R_0` and R' = w~ R,
+/// `a' = (1 - a~/2 + (1 - (t/2) cot(t/2)) / t^2 a~^2) w`, t = |a|.
+pub fn turning_rate(a: &Vec3) -> Mat3 {
+    let angle2 = a.norm_squared();
+    let s = skew(a);
+    let g = if angle2 < 1e-4 {
+        1.0 / 12.0 + angle2 / 720.0 + angle2 * angle2 / 30240.0
+    } else {
+        let half = 0.5 * angle2.sqrt();
+        (1.0 - half / half.tan()) / angle2
+    };
+    Mat3::identity() - s * 0.5 + s * s * g
+}
+
 /// The rotation vector of a rotation matrix, of length at most pi.
 pub fn log(R: &Mat3) -> Vec3 {
     let q = nalgebra::UnitQuaternion::from_rotation_matrix(
@@ -120,6 +134,22 @@ mod tests {
                     "{y} {x}"
                 );
             }
+        }
+    }
+
+    #[test]
+    fn the_rate_of_a_rotation_vector_turns_with_the_angular_velocity() {
+        let w = Vec3::new(0.7, -0.4, 1.1);
+        for a in [
+            Vec3::new(1e-3, 2e-3, -1e-3),
+            Vec3::new(9e-3, 4e-3, 1e-3),
+            Vec3::new(0.8, -1.1, 0.6),
+        ] {
+            let h = 1e-5;
+            let R = exp(&a);
+            let at = |h: f64| log(&(exp(&(w * h)) * R));
+            let difference = (at(h) - at(-h)) / (2.0 * h);
+            assert!((turning_rate(&a) * w - difference).norm() < 1e-9, "{a}");
         }
     }
 

@@ -29,6 +29,9 @@ pub(super) struct Loaded {
     ignored: Vec<Ignore>,
     /// Where the model was before it is compiled anew.
     before: Option<State>,
+    beginning: Beginning,
+    /// A simulation over time has written where it began.
+    pub begun: bool,
 }
 
 /// The equations of a model and their state.
@@ -39,21 +42,35 @@ pub(super) struct Compiled {
     pub solver: Solver,
     /// Why the equations are not the model's, if so.
     pub errors: Vec<Diagnostic>,
+    /// What a motion begins with.
+    pub beginning: Beginning,
 }
 
-impl Compiled {
-    /// Degrees of freedom after a solution, which found out which constraints are redundant.
-    pub fn freedoms(&self) -> usize {
-        let held: usize = self
-            .system
-            .joints
-            .iter()
-            .filter(|joint| joint.active)
-            .map(|joint| joint.count)
-            .sum();
-        let conditions = self.system.conditions.iter().filter(|c| c.active).count();
-        let redundant = self.state.redundant.iter().filter(|&&out| out).count();
-        (self.system.first_equation + redundant).saturating_sub(held + conditions)
+/// What a motion begins with.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub(super) enum Beginning {
+    /// The velocities of the dataset: nothing moved yet, or a static solution found where it begins.
+    #[default]
+    Dataset,
+    /// At rest: a static solution came before.
+    Rest,
+    /// It goes on as it moves, but the model has changed.
+    Changed,
+    /// It goes on: initial conditions are known.
+    Known,
+}
+
+impl Beginning {
+    /// After a static solution: at the start the velocities of the dataset count again.
+    pub fn after_statics(self, time: f64) -> Self {
+        if time == 0.0 { Self::Dataset } else { Self::Rest }
+    }
+
+    fn after_change(self) -> Self {
+        match self {
+            Self::Known => Self::Changed,
+            other => other,
+        }
     }
 }
 
@@ -85,6 +102,8 @@ impl Loaded {
                 compiled: None,
                 ignored: ignored.to_vec(),
                 before: None,
+                beginning: Beginning::default(),
+                begun: false,
             },
             diagnostics,
         }
@@ -107,6 +126,7 @@ impl Loaded {
     pub fn changed(&mut self) {
         if let Some(compiled) = self.compiled.take() {
             self.before = Some(compiled.state);
+            self.beginning = compiled.beginning.after_change();
         }
         self.outputs.last = None;
     }
@@ -122,6 +142,7 @@ impl Loaded {
             for (slot, value) in constants {
                 compiled.parameters.set(slot, value);
             }
+            compiled.beginning = compiled.beginning.after_change();
             self.outputs.last = None;
             return complaints;
         }
@@ -224,6 +245,7 @@ impl Loaded {
                 system,
                 state,
                 errors,
+                beginning: self.beginning,
             }
         });
         Checked {
@@ -248,6 +270,14 @@ fn carry_over(state: &mut State, before: State) {
     }
     if state.poses.len() == before.poses.len() {
         state.poses = before.poses;
+        state.velocities = before.velocities;
+        state.accelerations = before.accelerations;
+    }
+    if state.states.len() == before.state_rates.len() {
+        state.state_rates = before.state_rates;
+    }
+    if state.driven.len() == before.driven.len() {
+        state.driven = before.driven;
     }
     if state.pair_angles.len() == before.pair_angles.len() {
         state.pair_angles = before.pair_angles;

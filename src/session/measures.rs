@@ -173,10 +173,24 @@ impl Columns {
                 values.extend(psi_theta_phi(&pose.R));
             }
         }
-        // At rest.
-        for stored in [self.stored.velocities, self.stored.accelerations] {
-            if stored {
+        for (stored, rates) in [
+            (self.stored.velocities, &state.velocities),
+            (self.stored.accelerations, &state.accelerations),
+        ] {
+            if !stored {
+                continue;
+            }
+            if rates.is_empty() {
+                // At rest.
                 values.resize(values.len() + count, 0.0);
+                continue;
+            }
+            for (part, kind) in &self.bodies {
+                let rates = &rates[part.0];
+                values.extend(rates.linear.iter());
+                if *kind == EntityKind::Part {
+                    values.extend(rates.angular.iter());
+                }
             }
         }
     }
@@ -191,8 +205,9 @@ impl Columns {
         };
         match item {
             Item::Diff(index) => {
-                values.push(measures.state.states.get(*index).copied().unwrap_or(0.0));
-                values.push(0.0);
+                let at = |values: &[f64]| values.get(*index).copied().unwrap_or(0.0);
+                values.push(at(&measures.state.states));
+                values.push(at(&measures.state.state_rates));
             }
             Item::Variable(index) => {
                 values.push(measures.state.variables.get(*index).copied().unwrap_or(0.0));

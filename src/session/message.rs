@@ -4,11 +4,14 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use crate::diagnostic::{Diagnostic, Severity};
+use crate::model::IntegratorSettings;
 use crate::results::Timestamp;
 use crate::text::printable;
 
 use super::located::{Sources, located};
 use super::outputs::emptied;
+use super::simulate::Phases;
+use super::transient::{Progress, Row};
 
 /// What a run says, on standard output and in the `.msg` file alike.
 ///
@@ -111,7 +114,7 @@ impl<'a> Messages<'a> {
         let lines = [
             String::new(),
             format!("{:^75}", concat!("admire ", env!("CARGO_PKG_VERSION"))),
-            format!("{:^75}", "static equilibrium of ADAMS datasets"),
+            format!("{:^75}", "statics and motion of ADAMS datasets"),
             // Readers tell by this line whose form the messages have.
             format!(
                 "{:^75}",
@@ -198,6 +201,78 @@ impl<'a> Messages<'a> {
         ));
     }
 
+    /// The head of a simulation over time.
+    pub fn begin_motion(&mut self) {
+        self.say("\n\n  Begin Simulation\n");
+    }
+
+    /// The phases of initial conditions that a command asked for.
+    pub(super) fn initial_conditions(&mut self, phases: Phases) {
+        let all = ["Displacement", "Velocity", "Acceleration"];
+        let count = match phases {
+            Phases::Displacement => 1,
+            Phases::Velocity => 2,
+            Phases::All => 3,
+        };
+        for phase in &all[..count] {
+            self.say(&format!(
+                "\n\n  Begin {phase} Initial Conditions\n\n\n  End {phase} Initial Conditions\n"
+            ));
+        }
+    }
+
+    /// What a dynamic simulation says of itself, and the head of its table. `determined` warns of a model without freedoms.
+    pub(super) fn dynamic_head(&mut self, settings: &IntegratorSettings, determined: bool) {
+        let asked = match settings.method {
+            "HHT" | "ABAM" | "RKF45" | "CONSTANT_BDF" => settings.method.to_string(),
+            other => format!("{}{}", &other[..1], other[1..].to_ascii_lowercase()),
+        };
+        self.say(&format!(
+            "\n  ****** Performing Dynamic Simulation using {asked} {} Integrator ******\n   ADMIRE: Radau IIA order 5, stabilised index 2 (deck asks for {} {})\n",
+            settings.formulation, settings.method, settings.formulation
+        ));
+        if determined {
+            self.frame(
+                "WARNING",
+                "The data set is kinematically determinate.  However, a dynamic analysis\nhas been requested.  A kinematic analysis with the SIMULATE/KINEMATICS\ncommand would be more efficient and possibly more accurate for some of\nthe computed quantities.\n\nAs requested, the simulation will continue with a dynamic analysis.",
+            );
+        }
+        self.say(&format!(
+            "   The system is modelled with INDEX-2 DAEs.\n   The integrator is RADAU IIA, CORRECTOR = {}\n   Integration error = {:>15}\n",
+            settings.corrector.to_ascii_lowercase(),
+            exponent(settings.error(), 6)
+        ));
+        self.table_head();
+    }
+
+    /// What a kinematic simulation says of itself, and the head of its table.
+    pub fn kinematic_head(&mut self) {
+        self.say("\n  ****** Performing Kinematic Simulation ******\n");
+        self.table_head();
+    }
+
+    fn table_head(&mut self) {
+        self.say(
+            "\n   Simulation   Step          Function     Cumulative    Integration   CPU     \n   Time         Size          Evaluations  Steps Taken   Order         Time    \n   ___________  ___________   ___________  ___________   ___________   ________\n",
+        );
+    }
+
+    /// A row of the table, if it is one that is shown.
+    pub(super) fn progress(&mut self, progress: &mut Progress, row: Row) {
+        let Some(elapsed) = progress.shown() else {
+            return;
+        };
+        let order = if row.steps == 0 { 1 } else { 5 };
+        self.say(&format!(
+            "   {}  {}  {:>11}  {:>11}  {order:>12}  {:>9} \n",
+            exponent(row.time, 5),
+            exponent(row.step, 5),
+            row.evaluations,
+            row.steps,
+            clock(elapsed.as_secs_f64())
+        ));
+    }
+
     /// The end of such a simulation.
     pub fn end_simulation(&mut self) {
         self.say("\n  End Simulation\n");
@@ -217,6 +292,16 @@ impl<'a> Messages<'a> {
             "\n\nFinished -----\nElapsed time = {elapsed:.2}s,  CPU time = {cpu:.2}s,  {load:.2}%\n"
         ));
         self.flush();
+    }
+}
+
+/// Seconds with two decimals, from one minute m:ss, from one hour h:mm:ss.
+fn clock(seconds: f64) -> String {
+    let whole = seconds as u64;
+    match whole {
+        0..60 => format!("{seconds:.2}"),
+        60..3600 => format!("{}:{:02}", whole / 60, whole % 60),
+        _ => format!("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60),
     }
 }
 

@@ -20,6 +20,7 @@ mod saving;
 mod sensing;
 mod simulate;
 mod simulation;
+mod transient;
 
 pub use files::{folder_of, read_files};
 pub use launcher::{Launch, LaunchInput};

@@ -1,10 +1,11 @@
-//! SENSORs: what is watched at every output step of a static or quasi-static simulation.
+//! SENSORs: what is watched at every output step.
 
 use std::fmt::Write as _;
 
 use super::loaded::{Compiled, Loaded};
 use super::message::exponent;
-use crate::system::Scratch;
+use crate::model::Model;
+use crate::system::{Parameters, Scratch, State, System};
 
 /// What the sensors that fired at an output step ask for.
 #[derive(Clone, PartialEq, Debug, Default)]
@@ -25,15 +26,6 @@ impl Loaded {
     /// CODGEN, RESTART, STEPSIZE and YYDUMP concern integrators and other solvers; what PRINT asks for is written at every output
     /// step anyway.
     pub fn sense(&mut self) -> Sensed {
-        let mut sensed = Sensed::default();
-        if self
-            .model
-            .sensors
-            .iter()
-            .all(|sensor| !sensor.header.active)
-        {
-            return sensed;
-        }
         self.compiled();
         let Self {
             model,
@@ -41,7 +33,7 @@ impl Loaded {
             ..
         } = self
         else {
-            return sensed;
+            return Sensed::default();
         };
         let Compiled {
             system,
@@ -49,6 +41,18 @@ impl Loaded {
             state,
             ..
         } = compiled;
+        Sensed::at(model, system, parameters, state)
+    }
+}
+
+impl Sensed {
+    /// What the sensors of a model say of a state; those that fire keep their value in it.
+    pub fn at(model: &Model, system: &System, parameters: &Parameters, state: &mut State) -> Self {
+        let mut sensed = Self::default();
+        let mut sensors = model.sensors.iter();
+        if sensors.all(|sensor| !sensor.header.active) {
+            return sensed;
+        }
         let mut scratch = Scratch::new(system);
         // A function without a value fires nothing.
         let _ = system.at(parameters, state, &mut scratch).look();

@@ -15,11 +15,22 @@ pub(super) enum Analysis {
     /// Positions at these times, of a system without degrees of freedom.
     Kinematic(OutputTimes),
     /// Motion over time.
-    Dynamic,
+    Dynamic(OutputTimes),
     /// Kinematic without degrees of freedom, otherwise dynamic.
     Transient(OutputTimes),
-    /// Assembly alone.
-    InitialConditions,
+    /// Assembly alone, as far as the word goes.
+    InitialConditions(Phases),
+}
+
+/// How far initial conditions are worked out.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Phases {
+    /// Positions.
+    Displacement,
+    /// And velocities.
+    Velocity,
+    /// And accelerations and forces.
+    All,
 }
 
 /// The times at which a simulation writes its output: the start, then `count` more up to the end.
@@ -91,10 +102,17 @@ impl Analysis {
             return Ok(Self::Transient(times()?));
         }
         if asks("INITIAL_CONDITIONS") {
-            return Ok(Self::InitialConditions);
+            let asks = |name: &str| command.has(name);
+            return Ok(Self::InitialConditions(if asks("DISPLACEMENT") {
+                Phases::Displacement
+            } else if asks("VELOCITY") {
+                Phases::Velocity
+            } else {
+                Phases::All
+            }));
         }
         if asks("DYNAMICS") {
-            return Ok(Self::Dynamic);
+            return Ok(Self::Dynamic(times()?));
         }
         Err(at(
             source,

@@ -10,16 +10,16 @@ use super::loaded::{Compiled, Loaded};
 use super::measures::Measures;
 use super::message::exponent;
 use super::outputs::Outputs;
-use super::run::{Flow, Locate, Place, Session, Stop};
+use super::run::{Flow, Place, Session, Stop};
 use super::sensing::Sensed;
 use super::simulate::{Analysis, OutputTimes};
+use super::transient::Asked;
 
 /// How a lone SIMULATE/STATICS is written. Whether ADAMS writes `static` or `quasiStatic` is not known (guide/formats.md 12);
 /// readers in the wild look for `quasiStatic`.
 const LONE_STATIC: StepKind = StepKind::QuasiStatic;
 
 /// MODE in functions (guide/formats.md 3.1).
-const MODE_KINEMATIC: i32 = 1;
 const MODE_STATIC: i32 = 5;
 const MODE_QUASI_STATIC: i32 = 6;
 
@@ -54,8 +54,13 @@ impl Session<'_> {
         };
         let compiled = loaded.compiled();
         let errors = compiled.value.errors.clone();
-        for diagnostic in compiled.diagnostics.iter().chain(&errors) {
-            self.complain(diagnostic);
+        let warnings = compiled.diagnostics;
+        let statics = command.has("STATICS") || command.text("TYPE", source).is_some();
+        for diagnostic in warnings.iter().chain(&errors) {
+            // What is still in statics moves in motion.
+            if statics || diagnostic.code != Code::InactiveInStatics {
+                self.complain(diagnostic);
+            }
         }
         let lacks =
             |d: &Diagnostic| matches!(d.code, Code::NotSolvedNatively | Code::UserSubroutine);
@@ -66,11 +71,10 @@ impl Session<'_> {
             Ok(analysis) => analysis,
             Err(diagnostic) => return self.misunderstood(diagnostic, None),
         };
-        let begins = !matches!(analysis, Analysis::Dynamic | Analysis::InitialConditions);
-        if begins && let Err(diagnostic) = self.model().begin_outputs() {
+        if let Err(diagnostic) = self.model().begin_outputs() {
             return self.unwritable(&diagnostic);
         }
-        if begins && !errors.is_empty() {
+        if !errors.is_empty() {
             let refusal = Diagnostic::error(
                 Code::NotSolvedNatively,
                 "this simulation is not executed: its answer would leave out what is named above",
@@ -80,18 +84,10 @@ impl Session<'_> {
         match analysis {
             Analysis::Static => self.lone_static(place),
             Analysis::QuasiStatic(times) => self.sequence(times, StepKind::QuasiStatic, place),
-            Analysis::Kinematic(times) | Analysis::Transient(times) => {
-                self.sequence(times, StepKind::Kinematic, place)
-            }
-            Analysis::Dynamic => self.refused(no_dynamics(), Some(place)),
-            Analysis::InitialConditions => {
-                let harmless = Diagnostic::warning(
-                    Code::CommandNotSupported,
-                    "the model is not assembled by a command of its own: a static solution closes the joints",
-                );
-                self.complain(&Some(place).label(harmless));
-                Ok(())
-            }
+            Analysis::Kinematic(times) => self.motion(times, Asked::Kinematic, place),
+            Analysis::Transient(times) => self.motion(times, Asked::Transient, place),
+            Analysis::Dynamic(times) => self.motion(times, Asked::Dynamic, place),
+            Analysis::InitialConditions(phases) => self.initial_conditions(phases, place),
         }
     }
 
@@ -120,30 +116,19 @@ impl Session<'_> {
         }
     }
 
-    /// Equilibria, or positions of a model without freedoms, at the output times: the start first, unless its step was just
+    /// Equilibria at the output times: the start first, unless its step was just
     /// written (guide/formats.md 6.1: the joint time of two runs is not repeated).
     fn sequence(&mut self, mut times: OutputTimes, kind: StepKind, place: Place<'_>) -> Flow {
-        let (mode, what) = match kind {
-            StepKind::Kinematic => (MODE_KINEMATIC, "Kinematic"),
-            _ => (MODE_QUASI_STATIC, "Quasi-Static"),
-        };
-        self.messages.begin_simulation(what);
+        self.messages.begin_simulation("Quasi-Static");
         let fresh = self.model().outputs.last != Some(times.start);
         let mut k = usize::from(!fresh);
         let mut halted = false;
         while k <= times.count {
             let time = if k == 0 { times.start } else { times.at(k) };
             k += 1;
-            match self.model().advance(time, mode) {
+            match self.model().advance(time, MODE_QUASI_STATIC) {
                 Ok(report) => {
                     self.remarks(&report);
-                    if kind == StepKind::Kinematic {
-                        let freedoms = self.model().compiled().value.freedoms();
-                        if freedoms > 0 {
-                            self.messages.end_simulation();
-                            return self.refused(not_kinematic(freedoms), Some(place));
-                        }
-                    }
                     self.messages
                         .simulation_step(time, report.iterations, report.imbalance);
                     let cheap = Softest::is_cheap(&self.model().compiled().value.system);
@@ -178,7 +163,7 @@ impl Session<'_> {
     }
 
     /// Looks at the sensors and says which fired.
-    fn sense(&mut self) -> Sensed {
+    pub(super) fn sense(&mut self) -> Sensed {
         let sensed = self.model().sense();
         if !sensed.said.is_empty() {
             self.messages.say(&sensed.said);
@@ -186,20 +171,20 @@ impl Session<'_> {
         sensed
     }
 
-    fn simulation_ended(&mut self) -> Flow {
+    pub(super) fn simulation_ended(&mut self) -> Flow {
         match self.model().outputs.simulation_ended() {
             Ok(()) => Ok(()),
             Err(diagnostic) => self.unwritable(&diagnostic),
         }
     }
 
-    fn model(&mut self) -> &mut Loaded {
+    pub(super) fn model(&mut self) -> &mut Loaded {
         self.loaded
             .as_mut()
             .expect("a simulation begins only with a model")
     }
 
-    fn write_step(&mut self, kind: StepKind) -> Flow {
+    pub(super) fn write_step(&mut self, kind: StepKind) -> Flow {
         match self.model().write(kind) {
             Ok(()) => Ok(()),
             Err(diagnostic) => self.unwritable(&diagnostic),
@@ -314,9 +299,12 @@ impl Loaded {
             parameters,
             state,
             solver,
+            beginning,
             ..
         } = self.compiled().value;
+        *beginning = beginning.after_statics(state.time);
         let (time_before, mode_before) = (state.time, state.mode);
+        state.set_at_rest();
         state.mode = mode;
         state.time = time.unwrap_or(state.time);
         solver
@@ -386,7 +374,7 @@ impl Loaded {
 }
 
 /// `Zi.Xj in JOINT/2 'crank_pin'` as ADAMS prints it: `Zi.Xj in model.crank_pin`. What has no view name is called `JOINT_2`.
-fn as_adams_names(equation: &str) -> String {
+pub(super) fn as_adams_names(equation: &str) -> String {
     let (what, object) = equation.split_once(" in ").unwrap_or(("", equation));
     let name = match object.split_once(" '") {
         Some((_, name)) => name.trim_end_matches('\'').to_string(),
@@ -396,27 +384,9 @@ fn as_adams_names(equation: &str) -> String {
     format!("{what}{between}model.{name}")
 }
 
-fn too_many(dt: f64) -> Diagnostic {
+pub(super) fn too_many(dt: f64) -> Diagnostic {
     Diagnostic::error(
         Code::LimitExceeded,
         format!("the DT of a sensor asks for an output every {dt}, more often than is done"),
     )
-}
-
-fn no_dynamics() -> Diagnostic {
-    Diagnostic::error(
-        Code::CommandNotSupported,
-        "motion over time is not simulated here; this command is left out and the time stays",
-    )
-    .help("SIMULATE/STATICS, END=..., STEPS=... finds the equilibria over time; only ADAMS itself integrates")
-}
-
-fn not_kinematic(freedoms: usize) -> Diagnostic {
-    Diagnostic::error(
-        Code::CommandNotSupported,
-        format!(
-            "the model has {freedoms} degrees of freedom, so that its positions do not follow from its motions alone"
-        ),
-    )
-    .help("SIMULATE/STATICS, END=..., STEPS=... finds the equilibria over time; only ADAMS itself integrates")
 }

@@ -87,14 +87,14 @@ fn compared_with_faer() {
             lu.index.len()
         );
         let mut searched = Lu::new(n);
-        let (first, ()) = seconds(|| Elimination::run(&matrix, &mut searched, Vec::new()));
+        let (first, ()) = seconds(|| Elimination::run(&matrix.view(), &mut searched, Vec::new()));
         searched.orders = 1;
         let (again, ()) = seconds(|| searched.factor(&matrix));
         println!(
             "  ours, pivots searched for: first {first:.4} s, again {again:.5} s, {} in the factors",
             searched.index.len()
         );
-        let (order, _) = seconds(|| minimum_degree(&matrix));
+        let (order, _) = seconds(|| minimum_degree(&matrix.view()));
         println!("  faer's minimum degree alone: {order:.4} s");
         let entries = matrix.entries();
         let triplets: Vec<Triplet<usize, usize, f64>> = entries

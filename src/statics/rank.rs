@@ -9,79 +9,22 @@ use crate::mechanics::eigen::symmetric_eigen;
 use crate::model::PartIx;
 use crate::system::{Parameters, State, System};
 
-/// A constraint row that keeps less than this of its length when its share in the rows before is taken off is redundant.
-const REDUNDANT: f64 = 1e-8;
-
 /// Squares of motions below this share of the largest are round-off.
 const ROUND_OFF: f64 = 1e-20;
 /// A spin with less than this of the inertia that its part could have has none.
 const NO_INERTIA: f64 = 1e-14;
 
-/// Beyond so many products the factorisation alone finds redundant equations.
-const LARGE: usize = 1_000_000_000;
-
 /// Which constraint equations depend on those before them. `J` holds the whole Jacobian, not factored.
 pub(super) fn redundant_equations(system: &System, J: &Matrix) -> Vec<bool> {
-    let columns = system.first_equation;
-    if system.equations.pow(2).saturating_mul(columns) > LARGE {
-        return vec![false; system.equations];
-    }
-    let mut basis: Vec<Vec<f64>> = Vec::new();
-    let scale = column_lengths(system);
-    let mut out = vec![false; system.equations];
-    let mut rows = vec![Vec::new(); system.equations];
-    for (row, column, value) in J.entries() {
-        let equation = system.first_equation..system.first_variable;
-        if column < columns && equation.contains(&row) {
-            rows[row - system.first_equation].push((column, value / scale[column]));
-        }
-    }
-    for (row, redundant) in rows.iter().zip(&mut out) {
-        let mut v = vec![0.0; columns];
-        for &(column, value) in row {
-            v[column] = value;
-        }
-        let before = norm(&v);
-        // An equation without any gradient cannot be held by anything: it is another's business.
-        if before == 0.0 {
-            *redundant = true;
-            continue;
-        }
-        // Twice is enough (Kahan).
-        for _ in 0..2 {
-            for b in &basis {
-                let share: f64 = v.iter().zip(b).map(|(x, y)| x * y).sum();
-                for (x, y) in v.iter_mut().zip(b) {
-                    *x -= share * y;
-                }
-            }
-        }
-        let after = norm(&v);
-        if after < REDUNDANT * before {
-            *redundant = true;
-        } else {
-            for x in &mut v {
-                *x /= after;
-            }
-            basis.push(v);
-        }
-    }
-    out
-}
-
-fn norm(v: &[f64]) -> f64 {
-    v.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-/// What one unit of each body unknown moves: 1 for translations, the length of the model for rotations.
-fn column_lengths(system: &System) -> Vec<f64> {
-    let mut out = vec![1.0; system.first_equation];
-    for body in &system.bodies {
-        for k in 3..body.freedoms.max(3) {
-            out[body.first + k] = system.length;
-        }
-    }
-    out
+    let first = system.first_equation;
+    let rows: Vec<(u32, u32, f64)> = J
+        .entries()
+        .filter(|(row, column, _)| {
+            *column < first && (first..system.first_variable).contains(row)
+        })
+        .map(|(row, column, value)| ((row - first) as u32, column as u32, value))
+        .collect();
+    system.redundant_rows(&rows)
 }
 
 /// How motions are told.

@@ -17,25 +17,42 @@ impl Configuration<'_> {
     pub fn read_condition(&self, id: u32, marker: MarkerIx) -> (Vec3, Vec3) {
         let (system, state, scratch) = (self.system, self.state, &*self.scratch);
         let place = system.place(system.owners[marker.0]);
-        let mut reaction = [0.0; 6];
         let is_it = |c: &&Condition| {
             c.name.id == id && c.active && state.redundant.get(c.equation) != Some(&true)
         };
-        if let Some(condition) = system.conditions.iter().find(is_it) {
-            let lambda = state.multipliers[condition.equation];
-            let value = scratch.functions[condition.function];
+        let Some(condition) = system.conditions.iter().find(is_it) else {
+            return (Vec3::zeros(), Vec3::zeros());
+        };
+        let lambda = state.multipliers[condition.equation];
+        let value = scratch.functions[condition.function];
+        // Generalised forces of a constraint: minus multiplier times gradient.
+        let on = |first: usize, freedoms: usize| {
+            let mut reaction = [0.0; 6];
             for &(unknown, derivative) in &scratch.gradient[value.first..value.last] {
-                if (place.first..place.first + place.freedoms).contains(&unknown) {
-                    // Generalised forces of a constraint: minus multiplier times gradient.
-                    reaction[unknown - place.first] -= lambda * derivative;
+                if (first..first + freedoms).contains(&unknown) {
+                    reaction[unknown - first] -= lambda * derivative;
                 }
             }
+            (
+                Vec3::new(reaction[0], reaction[1], reaction[2]),
+                Vec3::new(reaction[3], reaction[4], reaction[5]),
+            )
+        };
+        if place.freedoms > 0 {
+            let (force, about_part) = on(place.first, place.freedoms);
+            // T_I = T_part - r x F, with r from the part's origin to I.
+            let arm = scratch.arms[marker.0];
+            return (force, about_part - arm.cross(&force));
         }
-        let force = Vec3::new(reaction[0], reaction[1], reaction[2]);
-        let about_part = Vec3::new(reaction[3], reaction[4], reaction[5]);
-        // T_I = T_part - r x F, with r from the part's origin to I.
-        let arm = scratch.arms[marker.0];
-        (force, about_part - arm.cross(&force))
+        // Ground takes what the others do not: a function of places moves nothing when all of it moves together.
+        let at = scratch.markers[marker.0].p;
+        let (mut force, mut torque) = (Vec3::zeros(), Vec3::zeros());
+        for (part, body) in system.bodies.iter().enumerate() {
+            let (F, T) = on(body.first, body.freedoms);
+            force -= F;
+            torque -= T + (state.poses[part].p - at).cross(&F);
+        }
+        (force, torque)
     }
 
     /// Adds residuals, gradients and reactions of the GCONs.

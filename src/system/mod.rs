@@ -22,6 +22,7 @@ mod parameters;
 mod quantity;
 mod reactions;
 mod reading;
+mod redundancy;
 mod request;
 mod rows;
 mod scratch;

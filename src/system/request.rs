@@ -28,8 +28,15 @@ impl Configuration<'_> {
             RequestKind::Velocity { i, j, rm } => Ok(self.rates((*i, *j, *rm), false)),
             RequestKind::Acceleration { i, j, rm } => Ok(self.rates((*i, *j, *rm), true)),
             RequestKind::User(_) => Ok([0.0; 8]),
-            RequestKind::Force { rm, .. } => {
+            RequestKind::Force { i, rm, .. } => {
                 let mut w = Vec6::zeros();
+                for condition in &self.system.conditions {
+                    if condition.i == Some(i.0) {
+                        // ADAMS counts a GCON at its I marker, whatever J is (grammar/NOTES.md).
+                        let (F, T) = self.read_condition(condition.name.id, *i);
+                        w += Vec6::new(F.x, F.y, F.z, T.x, T.y, T.z);
+                    }
+                }
                 for &(who, on_j) in &self.system.request_forces[index] {
                     w += self.exerted(who, on_j)?;
                 }

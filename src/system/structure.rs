@@ -164,6 +164,8 @@ pub(crate) struct Joint {
 #[derive(Debug)]
 pub(crate) struct Condition {
     pub name: Name,
+    /// I: where the reaction is reported.
+    pub i: Option<usize>,
     pub function: usize,
     pub equation: usize,
     pub active: bool,
@@ -251,6 +253,8 @@ pub struct System {
     pub(crate) moving_unknowns: usize,
     /// What a motion cannot take into account though statics can.
     pub(crate) not_in_motion: Vec<Diagnostic>,
+    /// The joint of each constraint equation.
+    pub(crate) joint_of: Vec<Option<usize>>,
     /// The mean mass and length that motions are measured by.
     pub(crate) reference_mass: f64,
     /// A length of the size of the model.
@@ -384,6 +388,43 @@ impl System {
             .iter()
             .find(|s| s.unknown == Some(equation) || s.moving_unknown == equation)
             .map_or_else(String::new, |s| s.name.to_string())
+    }
+
+    /// False for an equation of a constraint that is switched off.
+    pub(crate) fn equation_is_active(&self, equation: usize) -> bool {
+        // Joints stand in the order of their equations, conditions too; each equation is one of either.
+        let at = self.joint_of.get(equation).copied().flatten();
+        match at {
+            Some(joint) => self.joints[joint].active,
+            None => self
+                .conditions
+                .iter()
+                .find(|c| c.equation == equation)
+                .is_none_or(|c| c.active),
+        }
+    }
+
+    /// Degrees of freedom of the parts less the equations that take part.
+    pub(crate) fn freedoms_left(&self, redundant: &[bool]) -> usize {
+        let held = (0..self.equations)
+            .filter(|&k| self.equation_is_active(k) && redundant.get(k) != Some(&true))
+            .count();
+        self.first_equation.saturating_sub(held)
+    }
+
+    /// What an unknown of a part moves, for messages: `PART/4 'KNUCKLE' along x`.
+    pub(crate) fn freedom_name(&self, unknown: usize) -> String {
+        const FREEDOMS: [&str; 6] = [
+            "along x", "along y", "along z", "about x", "about y", "about z",
+        ];
+        if unknown >= self.first_equation {
+            return self.equation_name(unknown);
+        }
+        let k = self
+            .bodies
+            .partition_point(|b| b.first + b.freedoms <= unknown);
+        let body = &self.bodies[k];
+        format!("{} {}", body.name, FREEDOMS[unknown - body.first])
     }
 
     /// `Zi.Xj in JOINT/4`, as ADAMS names an equation (guide/formats.md 6.5).

@@ -151,6 +151,7 @@ impl Compiler<'_> {
             let function = self.function(&g.function, &owner, None, Dimension::NONE);
             self.conditions.push(Condition {
                 name: owner,
+                i: g.i.map(|i| i.0),
                 function,
                 equation: self.equations,
                 active: g.header.active,

@@ -403,6 +403,10 @@ impl<'a> Compiler<'a> {
                 unknowns += 1;
             }
         }
+        let mut joint_of = vec![None; self.equations];
+        for (number, joint) in self.joints.iter().enumerate() {
+            joint_of[joint.first..joint.first + joint.count].fill(Some(number));
+        }
         let mut moving_unknowns = unknowns;
         for state in &mut states {
             state.moving_unknown = state.unknown.unwrap_or_else(|| {
@@ -461,6 +465,7 @@ impl<'a> Compiler<'a> {
             unknowns,
             moving_unknowns,
             not_in_motion: Vec::new(),
+            joint_of,
             reference_mass: reference_mass(model),
             length,
         };

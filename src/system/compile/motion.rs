@@ -56,7 +56,7 @@ pub(super) fn not_in_motion(system: &System, model: &Model) -> Vec<Diagnostic> {
             Drive::Function(function) => {
                 if let Some(what) = unsteady(system, function) {
                     refuse(format!(
-                        "the function of {} reads {what}: in motion it may know time, places and variables of them",
+                        "the function of {} reads {what}: in motion it may know places, the time and variables of the time",
                         joint.name
                     ));
                 }
@@ -67,7 +67,7 @@ pub(super) fn not_in_motion(system: &System, model: &Model) -> Vec<Diagnostic> {
     for condition in system.conditions.iter().filter(|c| c.active) {
         if let Some(what) = unsteady(system, condition.function) {
             refuse(format!(
-                "the function of {} reads {what}: in motion it may know time, places and variables of them",
+                "the function of {} reads {what}: in motion it may know places, the time and variables of the time",
                 condition.name
             ));
         }
@@ -88,8 +88,8 @@ fn only_of_time(system: &System, function: usize) -> bool {
 /// What a constrained function reads, itself or through variables, whose rates do not follow from those of the parts.
 fn unsteady(system: &System, function: usize) -> Option<&'static str> {
     let mut seen = BTreeSet::new();
-    let mut open = vec![function];
-    while let Some(function) = open.pop() {
+    let mut open = vec![(function, false)];
+    while let Some((function, inside)) = open.pop() {
         if !seen.insert(function) {
             continue;
         }
@@ -100,7 +100,8 @@ fn unsteady(system: &System, function: usize) -> Option<&'static str> {
                 Source::State(_) | Source::StateRate(..) | Source::Output(_) => {
                     return Some("a dynamic state");
                 }
-                Source::Variable(k) => open.push(system.variables[*k].function),
+                Source::Variable(k) => open.push((system.variables[*k].function, true)),
+                Source::Measure(..) if inside => return Some("a variable of places"),
                 Source::Time
                 | Source::Mode
                 | Source::Measure(..)

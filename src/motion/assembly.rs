@@ -1,0 +1,286 @@
+//! Initial conditions: positions, velocities, then accelerations and forces that satisfy the constraints, as near to the data as they can be.
+
+use super::bordered::plain_weight;
+use super::consistent::Consistent;
+use super::error::{MotionError, Reason};
+use crate::mechanics::{Mat3, Mat6, Pose, Vec3, Vec6, psi_theta_phi};
+use crate::system::{Parameters, Rates, State, System};
+
+/// How much more what is stated weighs than what may adapt.
+const STATED: f64 = 1e8;
+/// Passes in which what may adapt follows what is stated, so that it pulls at it no longer.
+const PASSES: usize = 3;
+/// Rates of violation beyond this, in lengths of the model per time, are a conflict.
+const CONFLICT: f64 = 1e-6;
+
+/// What of the state stays and what of the data counts.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Kept {
+    /// The velocities of the data are those to begin with.
+    Data,
+    /// The velocities of the state are: momentum is kept as far as the constraints allow.
+    Velocities,
+    /// At rest but for what the constraints ask.
+    Nothing,
+}
+
+/// Brings a state onto its constraints.
+///
+/// Positions: the least change, coordinates of EXACT held where they can be. Velocities: those of `kept`. Then accelerations, multipliers,
+/// variables and rates of states. Finds out which constraint equations are redundant.
+///
+/// # Errors
+/// [`MotionError`] where the constraints contradict each other or something has no value; the state is then as it was.
+pub fn assemble(
+    system: &System,
+    parameters: &Parameters,
+    state: &mut State,
+    memory: &mut Consistent,
+    kept: Kept,
+    step: f64,
+) -> Result<(), MotionError> {
+    let time = state.time;
+    let mut new = state.clone();
+    let done = attempt(system, parameters, &mut new, memory, kept, step);
+    match done {
+        Ok(()) => {
+            *state = new;
+            Ok(())
+        }
+        Err(reason) => Err(reason.at(time)),
+    }
+}
+
+fn attempt(
+    system: &System,
+    parameters: &Parameters,
+    state: &mut State,
+    memory: &mut Consistent,
+    kept: Kept,
+    step: f64,
+) -> Result<(), Reason> {
+    let given = state.velocities.clone();
+    state.set_moving();
+    if kept != Kept::Velocities || given.is_empty() {
+        state.velocities.fill(Rates::zero());
+    }
+    state.accelerations.fill(Rates::zero());
+    system.settle_variables(parameters, state, &mut memory.scratch)?;
+    memory.find_redundant(system, parameters, state)?;
+    let anchors: Vec<Pose> = state.poses.clone();
+    let plain = plain_weight(system);
+    let weights: Vec<Mat6> = (0..system.bodies.len())
+        .map(|part| plain + exact_weight(system, part, &anchors[part], &plain))
+        .collect();
+    memory
+        .positions(system, parameters, state, Some((&anchors, &|part| weights[part])))
+        .map_err(|reason| match reason {
+            Reason::NoPosition {
+                equation,
+                violation,
+            } => Reason::Inconsistent {
+                equation,
+                violation,
+            },
+            other => other,
+        })?;
+    // The rank is that of the assembled positions.
+    memory.find_redundant(system, parameters, state)?;
+    memory.positions(system, parameters, state, None)?;
+    memory.check_removed(system, parameters, state)?;
+    system.accept(parameters, state, &mut memory.scratch);
+    system.settle_variables(parameters, state, &mut memory.scratch)?;
+    velocities(system, parameters, state, memory, kept)?;
+    memory.accelerations(system, parameters, state, step)
+}
+
+fn velocities(
+    system: &System,
+    parameters: &Parameters,
+    state: &mut State,
+    memory: &mut Consistent,
+    kept: Kept,
+) -> Result<(), Reason> {
+    let plain = plain_weight(system);
+    match kept {
+        Kept::Nothing => memory.velocities(system, parameters, state, &|_| plain)?,
+        Kept::Velocities => {
+            let masses: Vec<Mat6> = (0..system.bodies.len())
+                .map(|part| {
+                    let M = system.mass_matrix(parameters, state, crate::model::PartIx(part));
+                    // What has no mass follows.
+                    M + plain * 1e-9
+                })
+                .collect();
+            memory.velocities(system, parameters, state, &|part| masses[part])?;
+        }
+        Kept::Data => {
+            let stated: Vec<Stated> = (0..system.bodies.len())
+                .map(|part| Stated::of(system, parameters, state, part))
+                .collect();
+            let weights: Vec<Mat6> = stated
+                .iter()
+                .map(|stated| plain + stated.weight(&plain))
+                .collect();
+            for (part, stated) in stated.iter().enumerate() {
+                state.velocities[part] = stated.velocity();
+            }
+            for _ in 0..PASSES {
+                memory.velocities(system, parameters, state, &|part| weights[part])?;
+                // What is stated pulls again; what adapts has followed.
+                for (part, stated) in stated.iter().enumerate() {
+                    stated.restore(&mut state.velocities[part], system.bodies[part].freedoms);
+                }
+            }
+            memory.velocities(system, parameters, state, &|part| weights[part])?;
+        }
+    }
+    let (equation, violation) = memory.worst_rate(system, state);
+    let scale = state
+        .velocities
+        .iter()
+        .map(|v| v.linear.norm().max(v.angular.norm() * system.length))
+        .fold(system.length, f64::max);
+    if violation > CONFLICT * scale {
+        return Err(Reason::VelocityConflict {
+            equation: system.constraint_equation_name(equation),
+            violation,
+        });
+    }
+    Ok(())
+}
+
+/// What EXACT adds to the weight of a part.
+fn exact_weight(system: &System, part: usize, pose: &Pose, plain: &Mat6) -> Mat6 {
+    let exact = system.bodies[part].start.exact;
+    let mut S = Mat6::zeros();
+    for k in 0..3 {
+        if exact[k] {
+            S[(k, k)] = plain[(k, k)] * STATED;
+        }
+    }
+    if exact[3..].iter().all(|e| *e) {
+        for k in 3..6 {
+            S[(k, k)] = plain[(k, k)] * STATED;
+        }
+        return S;
+    }
+    // The rotation vector of each angle of R = Rz(psi) Rx(theta) Rz(phi): an angle is kept where the others turn alone.
+    let [psi, theta, _] = psi_theta_phi(&pose.R);
+    let axes = Mat3::from_columns(&[
+        Vec3::z(),
+        Vec3::new(psi.cos(), psi.sin(), 0.0),
+        Vec3::new(
+            psi.sin() * theta.sin(),
+            -psi.cos() * theta.sin(),
+            theta.cos(),
+        ),
+    ]);
+    if let Some(angles_by_turn) = axes.try_inverse() {
+        for k in 0..3 {
+            if exact[3 + k] {
+                let row = angles_by_turn.row(k).transpose();
+                let block = row * row.transpose() * (plain[(3, 3)] * STATED);
+                let mut view = S.fixed_view_mut::<3, 3>(3, 3);
+                view += block;
+            }
+        }
+    }
+    S
+}
+
+/// The stated velocity of a part, as rows on (velocity of the origin, angular velocity).
+struct Stated {
+    /// (row, value, angular).
+    rows: Vec<(Vec6, f64, bool)>,
+}
+
+impl Stated {
+    fn of(system: &System, parameters: &Parameters, state: &State, part: usize) -> Self {
+        let body = &system.bodies[part];
+        let axes = |marker: Option<usize>, usual: Mat3| {
+            marker.map_or(usual, |m| {
+                state.poses[system.owners[m]].R * parameters.markers()[m].R
+            })
+        };
+        let mut rows = Vec::new();
+        if body.freedoms == 0 {
+            return Self { rows };
+        }
+        let c = body.cm.map_or_else(Vec3::zeros, |cm| {
+            state.poses[part].R * parameters.markers()[cm].p
+        });
+        let R = axes(body.start.linear_axes, Mat3::identity());
+        for k in 0..3 {
+            if let Some(value) = body.start.linear[k] {
+                let e: Vec3 = R.column(k).into();
+                // e . (v + w x c) = e . v + w . (c x e).
+                let turn = if body.freedoms == 6 {
+                    c.cross(&e)
+                } else {
+                    Vec3::zeros()
+                };
+                rows.push((
+                    Vec6::new(e.x, e.y, e.z, turn.x, turn.y, turn.z),
+                    value,
+                    false,
+                ));
+            }
+        }
+        if body.freedoms == 6 {
+            let R = axes(body.start.angular_axes, state.poses[part].R);
+            for k in 0..3 {
+                if let Some(value) = body.start.angular[k] {
+                    let e: Vec3 = R.column(k).into();
+                    rows.push((Vec6::new(0.0, 0.0, 0.0, e.x, e.y, e.z), value, true));
+                }
+            }
+        }
+        Self { rows }
+    }
+
+    fn weight(&self, plain: &Mat6) -> Mat6 {
+        let mut S = Mat6::zeros();
+        for (row, _, angular) in &self.rows {
+            let scale = if *angular {
+                plain[(3, 3)]
+            } else {
+                plain[(0, 0)]
+            };
+            S += row * row.transpose() * (scale * STATED);
+        }
+        S
+    }
+
+    /// The velocity that has the stated numbers and is zero otherwise.
+    fn velocity(&self) -> Rates {
+        let mut velocity = Rates::zero();
+        for (row, value, angular) in &self.rows {
+            if *angular {
+                velocity.angular += Vec3::new(row[3], row[4], row[5]) * *value;
+            }
+        }
+        self.restore(&mut velocity, 6);
+        velocity
+    }
+
+    /// Changes a velocity by the least so that it has the stated numbers: rotations first, then translations.
+    fn restore(&self, velocity: &mut Rates, freedoms: usize) {
+        for (row, value, angular) in &self.rows {
+            let turn = Vec3::new(row[3], row[4], row[5]);
+            if *angular && freedoms == 6 {
+                velocity.angular += turn * (value - turn.dot(&velocity.angular));
+            }
+        }
+        for (row, value, angular) in &self.rows {
+            let (e, turn) = (
+                Vec3::new(row[0], row[1], row[2]),
+                Vec3::new(row[3], row[4], row[5]),
+            );
+            if !angular {
+                let now = e.dot(&velocity.linear) + turn.dot(&velocity.angular);
+                velocity.linear += e * (value - now);
+            }
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! Projections: the system `[ S, G'; G, 0 ]` of a weight per part and the gradients of the constraints.
+
+use crate::linear::{Lu, Matrix, Sink};
+use crate::mechanics::Mat6;
+use crate::system::{Rows, State, System};
+
+/// Factors of a projection.
+#[derive(Clone, Debug)]
+pub(super) struct Bordered {
+    matrix: Matrix,
+    factors: Lu,
+    bodies: usize,
+}
+
+impl Bordered {
+    pub fn new(system: &System) -> Self {
+        let n = system.first_equation + system.equations;
+        Self {
+            matrix: Matrix::new(n),
+            factors: Lu::new(n),
+            bodies: system.first_equation,
+        }
+    }
+
+    /// Factors the system; removed equations keep their multiplier at zero.
+    pub fn factor(
+        &mut self,
+        system: &System,
+        state: &State,
+        rows: &Rows,
+        weight: impl Fn(usize) -> Mat6,
+    ) {
+        self.matrix.clear();
+        for (part, body) in system.bodies.iter().enumerate() {
+            let S = weight(part);
+            for j in 0..body.freedoms {
+                for i in 0..body.freedoms {
+                    self.matrix.add(body.first + i, body.first + j, S[(i, j)]);
+                }
+            }
+        }
+        for k in 0..system.equations {
+            let out = state.redundant.get(k) == Some(&true) || !system.equation_is_active(k);
+            let row = self.bodies + k;
+            self.matrix.add(row, row, f64::from(u8::from(out)));
+        }
+        for &(row, column, value) in &rows.entries {
+            let row = self.bodies + row as usize;
+            self.matrix.add(row, column as usize, value);
+            self.matrix.add(column as usize, row, value);
+        }
+        self.matrix.finish();
+        self.factors.factor(&self.matrix);
+    }
+
+    /// Solves in place: motions, then multipliers.
+    pub fn solve(&mut self, b: &mut [f64]) {
+        self.factors.solve(b);
+    }
+}
+
+/// The weight of a part that no mass matrix enters: m for translations, m L^2 for rotations.
+pub(super) fn plain_weight(system: &System) -> Mat6 {
+    let (m, l) = (system.reference_mass, system.length);
+    Mat6::from_fn(|i, j| match (i == j, i < 3) {
+        (false, _) => 0.0,
+        (true, true) => m,
+        (true, false) => m * l * l,
+    })
+}

@@ -1,0 +1,393 @@
+//! States that satisfy the constraints at all three levels.
+
+use super::bordered::{Bordered, plain_weight};
+use super::error::Reason;
+use crate::linear::{Levels, Lu};
+use crate::mechanics::{Mat6, Pose, Vec3, log};
+use crate::system::{Parameters, Rows, Scratch, State, System};
+
+/// Positions satisfy the constraints when no equation is violated by more than this of the model's length.
+const CLOSED: f64 = 1e-12;
+/// Beyond so much they do not.
+const OPEN: f64 = 1e-8;
+/// A removed equation may be violated by so much.
+const REMOVED: f64 = 1e-6;
+/// Iterations of positions and accelerations.
+const ITERATIONS: usize = 50;
+const ALIMIT: f64 = std::f64::consts::FRAC_PI_6;
+
+/// Memory to bring states onto their constraints.
+#[derive(Debug)]
+pub struct Consistent {
+    pub(super) scratch: Scratch,
+    pub(super) rows: Rows,
+    pub(super) bordered: Bordered,
+    levels: Levels,
+    factors: Lu,
+    values: Vec<f64>,
+    g: Vec<f64>,
+    dx: Vec<f64>,
+    step: Vec<f64>,
+    border: Vec<f64>,
+    v: Vec<f64>,
+    gamma: Vec<f64>,
+}
+
+impl Consistent {
+    /// Memory for a system.
+    pub fn new(system: &System) -> Self {
+        let n = system.moving_unknowns;
+        Self {
+            scratch: Scratch::new(system),
+            rows: Rows::new(system),
+            bordered: Bordered::new(system),
+            levels: Levels::new(n),
+            factors: Lu::new(n),
+            values: Vec::new(),
+            g: vec![0.0; n],
+            dx: vec![0.0; n],
+            step: vec![0.0; n],
+            border: vec![0.0; system.first_equation + system.equations],
+            v: Vec::new(),
+            gamma: vec![0.0; system.equations],
+        }
+    }
+
+    /// Marks the constraint equations that say nothing new where the parts are.
+    pub(super) fn find_redundant(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &mut State,
+    ) -> Result<(), Reason> {
+        state.redundant.clear();
+        let Self {
+            scratch, g, rows, ..
+        } = self;
+        system.constraints_and_rows(parameters, state, scratch, g, rows)?;
+        state.redundant = system.redundant_rows(&rows.entries);
+        for (redundant, multiplier) in state.redundant.iter().zip(&mut state.multipliers) {
+            if *redundant {
+                *multiplier = 0.0;
+            }
+        }
+        Ok(())
+    }
+
+    /// Brings the positions onto the constraints: the nearest to the anchors by the weights, or the nearest to where they are.
+    ///
+    /// # Errors
+    /// [`Reason`] where nothing satisfies them.
+    pub(super) fn positions(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &mut State,
+        anchors: Option<(&[Pose], &dyn Fn(usize) -> Mat6)>,
+    ) -> Result<(), Reason> {
+        let plain = plain_weight(system);
+        let n = system.first_equation;
+        let mut before = f64::INFINITY;
+        let mut worst = (0, 0.0);
+        for iteration in 0..ITERATIONS {
+            let Self {
+                scratch, g, rows, ..
+            } = self;
+            system.constraints_and_rows(parameters, state, scratch, g, rows)?;
+            worst = self.worst(system, state);
+            let closed = worst.1 <= CLOSED * system.length;
+            // Newton's method doubles its digits: what no longer falls is round-off.
+            let stalled = worst.1 <= OPEN * system.length && worst.1 >= 0.5 * before;
+            if anchors.is_none() && (closed || stalled) {
+                return Ok(());
+            }
+            self.border.fill(0.0);
+            if let Some((poses, weight)) = anchors {
+                for (part, body) in system.bodies.iter().enumerate() {
+                    let apart = difference(&state.poses[part], &poses[part]);
+                    let pull = weight(part) * apart;
+                    for k in 0..body.freedoms {
+                        self.border[body.first + k] = -pull[k];
+                    }
+                }
+                self.bordered.factor(system, state, &self.rows, weight);
+            } else {
+                self.bordered.factor(system, state, &self.rows, |_| plain);
+            }
+            for k in 0..system.equations {
+                self.border[n + k] = -self.g[n + k];
+            }
+            self.bordered.solve(&mut self.border);
+            let mut limit = 1.0_f64;
+            let mut size = 0.0_f64;
+            for body in &system.bodies {
+                for k in 0..body.freedoms {
+                    let change = self.border[body.first + k].abs();
+                    if k >= 3 {
+                        limit = limit.min(ALIMIT / change.max(ALIMIT));
+                        size = size.max(change);
+                    } else {
+                        size = size.max(change / system.length);
+                    }
+                }
+            }
+            if !size.is_finite() {
+                break;
+            }
+            self.step.fill(0.0);
+            for (step, change) in self.step.iter_mut().zip(&self.border[..n]) {
+                *step = limit * change;
+            }
+            system.advance(state, &self.step);
+            if anchors.is_some() && iteration > 0 && size < 1e-12 && (closed || stalled) {
+                return Ok(());
+            }
+            before = worst.1;
+        }
+        if worst.1 <= OPEN * system.length {
+            return Ok(());
+        }
+        Err(Reason::NoPosition {
+            equation: system.constraint_equation_name(worst.0),
+            violation: worst.1,
+        })
+    }
+
+    /// The equation that is violated most, of those that take part.
+    fn worst(&self, system: &System, state: &State) -> (usize, f64) {
+        let mut worst = (0, 0.0);
+        for k in 0..system.equations {
+            let violation = self.g[system.first_equation + k].abs();
+            let counts =
+                state.redundant.get(k) != Some(&true) && system.equation_is_active(k);
+            if counts && !(violation <= worst.1) {
+                worst = (k, violation);
+            }
+        }
+        worst
+    }
+
+    /// Brings the velocities onto the constraints: the nearest to where they are, by the weights.
+    ///
+    /// # Errors
+    /// [`Reason`] where a function has no value.
+    pub(super) fn velocities(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &mut State,
+        weight: &dyn Fn(usize) -> Mat6,
+    ) -> Result<(), Reason> {
+        let n = system.first_equation;
+        let Self {
+            scratch, g, rows, ..
+        } = self;
+        system.constraints_and_rows(parameters, state, scratch, g, rows)?;
+        self.bordered.factor(system, state, &self.rows, weight);
+        // Twice: what the first solution leaves is round-off of its own size.
+        for _ in 0..2 {
+            self.border.fill(0.0);
+            system.velocity_vector(state, &mut self.v);
+            let mut rates = self.rows.time.clone();
+            self.rows.times(&self.v, &mut rates);
+            for k in 0..system.equations {
+                let out = state.redundant.get(k) == Some(&true) || !system.equation_is_active(k);
+                self.border[n + k] = if out { 0.0 } else { -rates[k] };
+            }
+            self.bordered.solve(&mut self.border);
+            for (v, change) in self.v.iter_mut().zip(&self.border[..n]) {
+                *v += change;
+            }
+            system.scattered(&self.v, &mut state.velocities);
+        }
+        Ok(())
+    }
+
+    /// The rates of violation of the equations that take part, after [`Self::velocities`]: the worst.
+    pub(super) fn worst_rate(&mut self, system: &System, state: &State) -> (usize, f64) {
+        system.velocity_vector(state, &mut self.v);
+        let mut rates = self.rows.time.clone();
+        self.rows.times(&self.v, &mut rates);
+        let all = rates.iter().enumerate();
+        all.filter(|(k, _)| {
+            state.redundant.get(*k) != Some(&true) && system.equation_is_active(*k)
+        })
+        .fold((0, 0.0), |worst, (k, rate)| {
+            if rate.abs() <= worst.1 {
+                worst
+            } else {
+                (k, rate.abs())
+            }
+        })
+    }
+
+    /// Accelerations, multipliers, variables and rates of the states from positions, velocities and states:
+    /// `[ M - F_A, G' - F_lambda; G, 0 ] [ A; lambda ] = [ F - h; -gamma ]`, by Newton's method where forces depend on them.
+    ///
+    /// `step` is how far apart functions are looked at for their second derivatives.
+    ///
+    /// # Errors
+    /// [`Reason`] where an element has no value or the mass matrix leaves an acceleration open.
+    pub(super) fn accelerations(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &mut State,
+        step: f64,
+    ) -> Result<(), Reason> {
+        let n = system.first_equation;
+        let (equations, m) = (n..system.first_variable, system.moving_unknowns);
+        let first_state = system.first_variable + system.variables.len();
+        {
+            let mut here = system.look(parameters, state, &mut self.scratch)?;
+            here.gamma(step, &mut self.gamma)?;
+        }
+        let mut before = f64::INFINITY;
+        for _ in 0..ITERATIONS {
+            self.levels.clear();
+            let (scratch, g) = (&mut self.scratch, &mut self.g);
+            system.assemble(parameters, state, scratch, g, &mut self.levels)?;
+            self.levels.finish();
+            let matrix = self.levels.combined(&mut self.values, |row, column| {
+                if equations.contains(&row) {
+                    if column < system.first_variable {
+                        [1.0, 0.0, 0.0]
+                    } else {
+                        [0.0; 3]
+                    }
+                } else if column < n {
+                    [0.0, 0.0, 1.0]
+                } else if column < first_state {
+                    [1.0, 0.0, 0.0]
+                } else {
+                    [0.0, 1.0, 0.0]
+                }
+            });
+            self.factors.factor_entries(&matrix);
+            system.gathered(&state.accelerations, &mut self.v);
+            for k in 0..system.equations {
+                let out = state.redundant.get(k) == Some(&true) || !system.equation_is_active(k);
+                if !out {
+                    self.g[n + k] = self.gamma[k];
+                }
+            }
+            for (row, column, [gradient, _, _]) in self.levels.entries() {
+                if equations.contains(&row) && column < n {
+                    self.g[row] += gradient * self.v[column];
+                }
+            }
+            for (dx, g) in self.dx.iter_mut().zip(&self.g) {
+                *dx = -g;
+            }
+            self.factors.solve(&mut self.dx);
+            if let Some(freedom) = self.undetermined(system) {
+                return Err(Reason::MassSingular { freedom });
+            }
+            for (v, change) in self.v.iter_mut().zip(&self.dx[..n]) {
+                *v += change;
+            }
+            system.scattered(&self.v, &mut state.accelerations);
+            let mut relative = 0.0_f64;
+            let size = self.v.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+            let change = self.dx[..n].iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+            relative = relative.max(change / size.max(f64::MIN_POSITIVE));
+            let force = &self.dx[n..system.first_variable];
+            let change = force.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+            for (multiplier, change) in state.multipliers.iter_mut().zip(force) {
+                *multiplier += change;
+            }
+            let size = state.multipliers.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+            relative = relative.max(change / size.max(f64::MIN_POSITIVE));
+            for (k, variable) in state.variables.iter_mut().enumerate() {
+                let change = self.dx[system.first_variable + k];
+                *variable += change;
+                relative = relative.max(change.abs() / variable.abs().max(1e-12));
+            }
+            for (k, rate) in state.state_rates.iter_mut().enumerate() {
+                let unknown = system.states[k].moving_unknown;
+                let change = self.dx[unknown];
+                *rate += change;
+                relative = relative.max(change.abs() / rate.abs().max(1e-12));
+            }
+            debug_assert_eq!(self.dx.len(), m);
+            if relative.is_nan() {
+                break;
+            }
+            if relative < 1e-13 || (relative < 1e-9 && relative >= 0.1 * before) {
+                break;
+            }
+            before = relative;
+        }
+        Ok(())
+    }
+
+    /// The unknown acceleration that the factors leave open, if it is one of a part.
+    fn undetermined(&self, system: &System) -> Option<String> {
+        for m in 0..self.factors.deficiency() {
+            let z = self.factors.null_vector(m);
+            let (at, size) = z[..system.first_equation]
+                .iter()
+                .enumerate()
+                .fold((0, 0.0), |best, (k, x)| {
+                    if x.abs() > best.1 { (k, x.abs()) } else { best }
+                });
+            if size > 0.0 {
+                return Some(system.freedom_name(at));
+            }
+        }
+        None
+    }
+
+    /// Brings a moving state onto all three levels, next to where it is: what is written of it is consistent.
+    ///
+    /// # Errors
+    /// [`Reason`] as of the three levels; also where a removed constraint is violated.
+    pub(super) fn reconcile(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &mut State,
+        step: f64,
+    ) -> Result<(), Reason> {
+        let plain = plain_weight(system);
+        self.positions(system, parameters, state, None)?;
+        self.velocities(system, parameters, state, &|_| plain)?;
+        self.accelerations(system, parameters, state, step)?;
+        self.check_removed(system, parameters, state)
+    }
+
+    /// Equations that were taken out must hold all the same.
+    pub(super) fn check_removed(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+    ) -> Result<(), Reason> {
+        if !state.redundant.contains(&true) {
+            return Ok(());
+        }
+        let mut whole = state.clone();
+        whole.redundant.clear();
+        let Self {
+            scratch, g, rows, ..
+        } = self;
+        system.constraints_and_rows(parameters, &whole, scratch, g, rows)?;
+        for (k, _) in state.redundant.iter().enumerate().filter(|(_, out)| **out) {
+            let violation = self.g[system.first_equation + k].abs();
+            if violation > REMOVED * system.length.max(1.0) {
+                return Err(Reason::RedundantViolated {
+                    equation: system.constraint_equation_name(k),
+                    violation,
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// How far a pose is from another: translation, and rotation vector.
+pub(super) fn difference(pose: &Pose, from: &Pose) -> crate::mechanics::Vec6 {
+    let p: Vec3 = pose.p - from.p;
+    let turn = log(&(pose.R * from.R.transpose()));
+    crate::mechanics::Vec6::new(p.x, p.y, p.z, turn.x, turn.y, turn.z)
+}

@@ -1,0 +1,78 @@
+use crate::system::NoValue;
+
+/// Why a motion ends, and when.
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+#[error("at time {time}: {reason}")]
+pub struct MotionError {
+    /// The time up to which everything is computed.
+    pub time: f64,
+    /// Why it does not go on.
+    pub reason: Reason,
+}
+
+/// Why a motion ends.
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+pub enum Reason {
+    /// An element or a function has no value.
+    #[error(transparent)]
+    NoValue(#[from] NoValue),
+    /// The constraints cannot be satisfied.
+    #[error("the initial conditions are inconsistent: {equation} is violated by {violation:.3e}")]
+    Inconsistent {
+        /// The worst equation.
+        equation: String,
+        /// Length units or radians.
+        violation: f64,
+    },
+    /// No velocities satisfy the constraints.
+    #[error("no velocities satisfy the constraints: {equation} is violated by {violation:.3e} per time")]
+    VelocityConflict {
+        /// The worst equation.
+        equation: String,
+        /// Length units or radians per time.
+        violation: f64,
+    },
+    /// A constraint that was taken for redundant is not.
+    #[error("{equation} was redundant and is violated by {violation:.3e} now")]
+    RedundantViolated {
+        /// The equation.
+        equation: String,
+        /// Length units or radians.
+        violation: f64,
+    },
+    /// A motion has no mass and nothing that determines it.
+    #[error("the mass matrix is singular: {freedom} has no inertia and nothing determines its acceleration")]
+    MassSingular {
+        /// Part and direction.
+        freedom: String,
+    },
+    /// The step became smaller than HMIN.
+    #[error("the integration step {step:.3e} is smaller than HMIN; {worst}")]
+    StepTooSmall {
+        /// The step that would be needed.
+        step: f64,
+        /// What errs most, or what the iteration does not settle.
+        worst: String,
+    },
+    /// The positions do not follow from the constraints.
+    #[error("the model has {freedoms} degrees of freedom: its positions do not follow from its motions alone")]
+    NotKinematic {
+        /// How many.
+        freedoms: usize,
+    },
+    /// Positions could not be found.
+    #[error("no positions satisfy the constraints: {equation} is violated by {violation:.3e}")]
+    NoPosition {
+        /// The worst equation.
+        equation: String,
+        /// Length units or radians.
+        violation: f64,
+    },
+}
+
+impl Reason {
+    /// With its time.
+    pub(super) fn at(self, time: f64) -> MotionError {
+        MotionError { time, reason: self }
+    }
+}

@@ -1,0 +1,535 @@
+use super::consistent::Consistent;
+use super::error::{MotionError, Reason};
+use super::newton::{Equations, Stages, Unknowns};
+use super::settings::{INSIDE, Settings};
+use super::tableau::{A, C, E, lagrange};
+use crate::mechanics::Vec3;
+use crate::system::{Parameters, Rates, State, System};
+
+/// The iteration ends when what is left is this share of the tolerance.
+const KAPPA: f64 = 3e-3;
+/// Factors stay while the iteration falls by this.
+const FAST: f64 = 0.1;
+/// Steps that differ by less are the same.
+const SAME: f64 = 1e-9;
+/// A step that could grow by no more than this stays, and its factors with it.
+const WORTH: f64 = 1.2;
+/// Safety, shortest and longest change of the step.
+const SAFETY: f64 = 0.9;
+const SHORTEST: f64 = 0.2;
+const LONGEST: f64 = 5.0;
+/// Round-off of positions and velocities: what the iteration cannot go below.
+const ROUND_OFF: f64 = 1e-14;
+
+/// How much was done.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Statistics {
+    /// Accepted steps.
+    pub steps: usize,
+    /// Steps that were tried and given up.
+    pub rejected: usize,
+    /// Evaluations of the equations of one stage.
+    pub evaluations: usize,
+    /// Assemblies of the derivatives.
+    pub jacobians: usize,
+    /// Pairs of factorisations.
+    pub factorisations: usize,
+}
+
+/// The largest values so far that errors are relative to.
+#[derive(Clone, Copy, Debug)]
+struct Sizes {
+    position: f64,
+    velocity: f64,
+    spin: f64,
+    state: f64,
+    variable: f64,
+}
+
+/// A motion on its way through time.
+pub struct Integrator<'a> {
+    system: &'a System,
+    parameters: &'a Parameters,
+    settings: Settings,
+    state: State,
+    equations: Equations,
+    consistent: Consistent,
+    unknowns: Unknowns,
+    /// The unknowns of the last step: what the next one begins with.
+    polynomial: Unknowns,
+    sizes: Sizes,
+    /// The step to try next.
+    h: f64,
+    /// The last step; none after a start.
+    last: Option<f64>,
+    /// The last step and its error, for the prediction of the next one.
+    before: Option<(f64, f64)>,
+    /// The step that the factors are of.
+    factored: Option<f64>,
+    /// The derivatives are those of the start of this step.
+    fresh: bool,
+    statistics: Statistics,
+    /// What was worst in the last step that was given up.
+    worst: String,
+}
+
+impl<'a> Integrator<'a> {
+    /// Begins at a state that satisfies the constraints at all three levels.
+    pub fn new(
+        system: &'a System,
+        parameters: &'a Parameters,
+        state: State,
+        settings: Settings,
+    ) -> Self {
+        let mut new = Self {
+            system,
+            parameters,
+            equations: Equations::new(system),
+            consistent: Consistent::new(system),
+            unknowns: Unknowns::new(system),
+            polynomial: Unknowns::new(system),
+            sizes: Sizes {
+                position: 1.0,
+                velocity: 1.0,
+                spin: 1.0,
+                state: 1.0,
+                variable: 1.0,
+            },
+            h: settings.hinit.min(settings.hmax),
+            last: None,
+            before: None,
+            factored: None,
+            fresh: false,
+            statistics: Statistics::default(),
+            worst: String::new(),
+            settings,
+            state,
+        };
+        new.grow_sizes();
+        // A step in which the accelerations alone move things by the tolerance.
+        let mut most = 0.0_f64;
+        for a in &new.state.accelerations {
+            most = most
+                .max(a.linear.norm() / new.sizes.position)
+                .max(a.angular.norm());
+        }
+        let reach = (new.tolerance() / most.max(f64::MIN_POSITIVE)).sqrt();
+        new.h = new.h.min(reach.max(10.0 * new.settings.hmin));
+        new
+    }
+
+    /// Where it stands, at the end of a step.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// The step that would be taken next.
+    pub fn step(&self) -> f64 {
+        self.h
+    }
+
+    /// How much was done.
+    pub fn statistics(&self) -> Statistics {
+        Statistics {
+            evaluations: self.equations.evaluations,
+            jacobians: self.equations.jacobians,
+            factorisations: self.equations.factorisations,
+            ..self.statistics
+        }
+    }
+
+    /// What SENVAL gives from here on.
+    pub fn set_sensors(&mut self, sensors: &[f64]) {
+        self.state.sensors.copy_from_slice(sensors);
+    }
+
+    /// The state with accelerations and reactions that go with it, on its constraints at all three levels.
+    ///
+    /// # Errors
+    /// [`MotionError`] where an element has no value or a constraint that was taken out is violated.
+    pub fn output(&mut self) -> Result<State, MotionError> {
+        let mut state = self.state.clone();
+        let step = self.settings.hmax * 1e-2;
+        self.consistent
+            .reconcile(self.system, self.parameters, &mut state, step)
+            .map_err(|reason| reason.at(self.state.time))?;
+        Ok(state)
+    }
+
+    /// Goes to a time, in as many steps as the tolerance asks for.
+    ///
+    /// # Errors
+    /// [`MotionError`]; the state is that of the last step that was found.
+    pub fn advance_to(&mut self, end: f64) -> Result<(), MotionError> {
+        loop {
+            let left = end - self.state.time;
+            // What is left is round-off of the time.
+            if left <= 1e-12 * end.abs().max(self.settings.hmax) {
+                return Ok(());
+            }
+            self.take_step(left, end)?;
+        }
+    }
+
+    fn tolerance(&self) -> f64 {
+        self.settings.error * INSIDE
+    }
+
+    /// One step, at most to `end`.
+    fn take_step(&mut self, left: f64, end: f64) -> Result<(), MotionError> {
+        let time = self.state.time;
+        self.fresh = false;
+        let mut failures = 0;
+        let mut rejected = false;
+        loop {
+            if self.h < self.settings.hmin && left > self.settings.hmin {
+                let (step, worst) = (self.h, self.worst.clone());
+                return Err(Reason::StepTooSmall { step, worst }.at(time));
+            }
+            // Even steps to the end: the last one is no splinter.
+            let count = (left / self.h.min(self.settings.hmax) - 1e-9).ceil().max(1.0);
+            let h = left / count;
+            let to = if count == 1.0 { end } else { time + h };
+            if let Err(reason) = self.prepare(h) {
+                return Err(reason.at(time));
+            }
+            self.predict(h);
+            match self.solve(h) {
+                Ok(iterations) => {
+                    let error = match self.error(h, rejected) {
+                        Ok(error) => error,
+                        Err(worst) => {
+                            self.worst = worst;
+                            f64::INFINITY
+                        }
+                    };
+                    let budget = self.settings.maxit as f64;
+                    let safety =
+                        SAFETY * (2.0 * budget + 1.0) / (2.0 * budget + iterations as f64);
+                    let mut factor = safety * error.powf(-0.25);
+                    if error < 1.0 {
+                        if let Some((h_before, error_before)) = self.before {
+                            // Gustafsson's prediction: how the error changed with the last step.
+                            let predicted = safety * (h / h_before)
+                                * (error_before / (error * error)).powf(0.25);
+                            factor = factor.min(predicted);
+                        }
+                        let mut factor = factor.clamp(SHORTEST, LONGEST);
+                        if rejected {
+                            factor = factor.min(1.0);
+                        }
+                        if (1.0..=WORTH).contains(&factor) && self.factored.is_some() {
+                            factor = 1.0;
+                        }
+                        self.accept(h, to).map_err(|reason| reason.at(time))?;
+                        self.before = Some((h, error.max(1e-2)));
+                        self.h = (h * factor).min(self.settings.hmax);
+                        return Ok(());
+                    }
+                    self.statistics.rejected += 1;
+                    rejected = true;
+                    let factor = if error.is_finite() { factor.clamp(SHORTEST, 0.9) } else { SHORTEST };
+                    self.h = h * factor;
+                }
+                Err(NotSettled) => {
+                    self.statistics.rejected += 1;
+                    failures += 1;
+                    if self.fresh || failures > 1 {
+                        self.h = 0.4 * h;
+                        rejected = true;
+                    } else {
+                        // The same step with derivatives of here.
+                        self.h = h;
+                    }
+                    self.factored = None;
+                }
+            }
+        }
+    }
+
+    /// Derivatives and factors for a step.
+    fn prepare(&mut self, h: f64) -> Result<(), Reason> {
+        if self.factored.is_some_and(|f| (h / f - 1.0).abs() < SAME) {
+            return Ok(());
+        }
+        if !self.fresh {
+            self.equations
+                .linearise(self.system, self.parameters, &self.state)?;
+            self.fresh = true;
+        }
+        self.equations.factor(self.system, h);
+        self.factored = Some(h);
+        Ok(())
+    }
+
+    /// Begins the iteration with the polynomial of the last step.
+    fn predict(&mut self, h: f64) {
+        let (system, n) = (self.system, self.system.first_equation);
+        let old = &self.polynomial;
+        for stage in &mut self.unknowns.mu {
+            stage.fill(0.0);
+        }
+        if let Some(last) = self.last {
+            for i in 0..3 {
+                let weights = lagrange(1.0 + C[i] * h / last);
+                let onwards = |all: &Stages, k: usize| {
+                    weights[0] * all[0][k] + weights[1] * all[1][k] + weights[2] * all[2][k]
+                        - all[2][k]
+                };
+                for k in 0..n {
+                    self.unknowns.w[i][k] = onwards(&old.w, k);
+                }
+                for k in n..system.moving_unknowns {
+                    self.unknowns.z[i][k] = onwards(&old.z, k);
+                }
+            }
+        } else {
+            let mut a = Vec::new();
+            system.gathered(&self.state.accelerations, &mut a);
+            for i in 0..3 {
+                for k in 0..n {
+                    self.unknowns.w[i][k] = C[i] * h * a[k];
+                }
+                self.unknowns.z[i][n..].fill(0.0);
+                for (k, equation) in system.states.iter().enumerate() {
+                    self.unknowns.z[i][equation.moving_unknown] =
+                        C[i] * h * self.state.state_rates[k];
+                }
+            }
+        }
+        let mut v = Vec::new();
+        system.velocity_vector(&self.state, &mut v);
+        for i in 0..3 {
+            for k in 0..n {
+                let w = &self.unknowns.w;
+                let sum = A[i][0] * w[0][k] + A[i][1] * w[1][k] + A[i][2] * w[2][k];
+                self.unknowns.z[i][k] = h * (C[i] * v[k] + sum);
+            }
+        }
+    }
+
+    /// Newton's iteration; gives how many iterations it took.
+    fn solve(&mut self, h: f64) -> Result<usize, NotSettled> {
+        let mut before = 0.0;
+        let limit = KAPPA
+            * self.settings.corrector
+            * (1.0 + self.settings.adaptivity / h);
+        for iteration in 1..=self.settings.maxit {
+            let change = match self.equations.iterate(
+                self.system,
+                self.parameters,
+                &self.state,
+                h,
+                &mut self.unknowns,
+            ) {
+                Ok(change) => change,
+                Err(reason) => {
+                    self.worst = reason.to_string();
+                    return Err(NotSettled);
+                }
+            };
+            let (size, at) = self.size_of(&change);
+            if !size.is_finite() {
+                self.worst = "the iteration leaves all bounds".to_string();
+                return Err(NotSettled);
+            }
+            let floor = ROUND_OFF / self.tolerance();
+            if size <= floor {
+                return Ok(iteration);
+            }
+            if iteration > 1 {
+                let theta: f64 = size / before;
+                if theta >= 0.99 && size > 10.0 * floor {
+                    self.worst = format!("the iteration does not settle {at}");
+                    return Err(NotSettled);
+                }
+                let left = theta.min(0.99) / (1.0 - theta.min(0.99)) * size;
+                if left <= limit {
+                    if theta > FAST {
+                        self.factored = None;
+                    }
+                    return Ok(iteration);
+                }
+                let more = self.settings.maxit - iteration;
+                if left * theta.powi(more as i32) > limit && more < 4 {
+                    self.worst = format!("the iteration does not settle {at}");
+                    return Err(NotSettled);
+                }
+            } else if size <= 1e-2 * limit {
+                return Ok(iteration);
+            }
+            before = size;
+        }
+        Err(NotSettled)
+    }
+
+    /// The size of a correction in tolerances, and where it is.
+    fn size_of(&self, change: &Unknowns) -> (f64, String) {
+        let mut worst = (0.0, 0, false);
+        for i in 0..3 {
+            let found = self.measured(&change.z[i], &change.w[i], true);
+            if !(found.0 <= worst.0) {
+                worst = found;
+            }
+        }
+        (worst.0, self.told(worst))
+    }
+
+    fn told(&self, (_, at, velocity): (f64, usize, bool)) -> String {
+        let of = if velocity { "the velocity of " } else { "" };
+        format!("{of}{}", self.system.freedom_name(at))
+    }
+
+    /// The largest component of a change in tolerances, its place, and whether it is one of the velocities.
+    fn measured(&self, z: &[f64], w: &[f64], variables: bool) -> (f64, usize, bool) {
+        let system = self.system;
+        let tolerance = self.tolerance();
+        let sizes = &self.sizes;
+        let mut worst = (0.0, 0, false);
+        let mut look = |value: f64, at: usize, velocity: bool| {
+            let value = value.abs();
+            if !(value <= worst.0) {
+                worst = (value, at, velocity);
+            }
+        };
+        for body in &system.bodies {
+            for k in 0..body.freedoms {
+                let at = body.first + k;
+                if k < 3 {
+                    look(z[at] / (tolerance * sizes.position), at, false);
+                    look(w[at] / (tolerance * sizes.velocity), at, true);
+                } else {
+                    look(z[at] / tolerance, at, false);
+                    look(w[at] / (tolerance * sizes.spin), at, true);
+                }
+            }
+        }
+        for equation in &system.states {
+            let at = equation.moving_unknown;
+            look(z[at] / (tolerance * sizes.state), at, false);
+        }
+        if variables {
+            for k in 0..system.variables.len() {
+                let at = system.first_variable + k;
+                look(z[at] / (tolerance * sizes.variable), at, false);
+            }
+        }
+        worst
+    }
+
+    /// The estimated error of the step in tolerances.
+    fn error(&mut self, h: f64, again: bool) -> Result<f64, String> {
+        let system = self.system;
+        let n = system.first_equation;
+        let sum = |all: &Stages, k: usize| {
+            (E[0] * all[0][k] + E[1] * all[1][k] + E[2] * all[2][k]) / h
+        };
+        let mut v = Vec::new();
+        let mut a = Vec::new();
+        system.velocity_vector(&self.state, &mut v);
+        system.gathered(&self.state.accelerations, &mut a);
+        let unknowns = &self.unknowns;
+        let r1: Vec<f64> = (0..n).map(|k| -(v[k] + sum(&unknowns.z, k))).collect();
+        for (k, a) in a.iter_mut().enumerate() {
+            *a += sum(&unknowns.w, k);
+        }
+        let mut rates = vec![0.0; system.moving_unknowns];
+        for (k, equation) in system.states.iter().enumerate() {
+            let at = equation.moving_unknown;
+            rates[at] = self.state.state_rates[k] + sum(&unknowns.z, at);
+        }
+        let g = self.equations.inertia_of(system, &a, &rates);
+        let first = self
+            .equations
+            .filtered(system, &self.state, h, (&r1, &g));
+        let found = self.measured(&first.z, &first.w, false);
+        let start = self.last.is_none() || again;
+        if found.0 < 1.0 || !start {
+            self.worst = format!("the error is that of {}", self.told(found));
+            return Ok(found.0.max(1e-10));
+        }
+        // Filtered once more, at the place that the estimate leads to.
+        let mut beside = State::empty();
+        let unknowns = &self.unknowns;
+        let mut z = first.z;
+        z[n..system.first_variable].fill(0.0);
+        self.equations.stage_state(
+            system,
+            &self.state,
+            (self.state.time, h),
+            &z,
+            &first.w,
+            (&|k| -sum(&unknowns.w, k), &|k| -sum(&unknowns.z, k)),
+            &mut beside,
+        );
+        let mut g = vec![0.0; system.moving_unknowns];
+        system
+            .residual(
+                self.parameters,
+                &beside,
+                &mut self.equations.scratch,
+                &mut g,
+            )
+            .map_err(|reason| reason.to_string())?;
+        let r1: Vec<f64> = (0..n)
+            .map(|k| -(v[k] + first.w[k] + sum(&unknowns.z, k)))
+            .collect();
+        let second = self
+            .equations
+            .filtered(system, &self.state, h, (&r1, &g));
+        let found = self.measured(&second.z, &second.w, false);
+        self.worst = format!("the error is that of {}", self.told(found));
+        Ok(found.0.max(1e-10))
+    }
+
+    /// The third stage is the end of the step.
+    fn accept(&mut self, h: f64, to: f64) -> Result<(), Reason> {
+        let system = self.system;
+        let B = self.equations.tableau.B[2];
+        let unknowns = &self.unknowns;
+        let rate = |all: &Stages, k: usize| {
+            (B[0] * all[0][k] + B[1] * all[1][k] + B[2] * all[2][k]) / h
+        };
+        let mut end = State::empty();
+        self.equations.stage_state(
+            system,
+            &self.state,
+            (to, h),
+            &unknowns.z[2],
+            &unknowns.w[2],
+            (&|k| rate(&unknowns.w, k), &|k| rate(&unknowns.z, k)),
+            &mut end,
+        );
+        let scratch = &mut self.equations.scratch;
+        system.drive_on(self.parameters, &mut end, scratch)?;
+        system.accept(self.parameters, &mut end, scratch);
+        self.state = end;
+        std::mem::swap(&mut self.unknowns, &mut self.polynomial);
+        self.last = Some(h);
+        self.statistics.steps += 1;
+        self.grow_sizes();
+        Ok(())
+    }
+
+    fn grow_sizes(&mut self) {
+        let sizes = &mut self.sizes;
+        let largest = |v: &Vec3| v.amax();
+        for pose in &self.state.poses {
+            sizes.position = sizes.position.max(largest(&pose.p));
+        }
+        for Rates { linear, angular } in &self.state.velocities {
+            sizes.velocity = sizes.velocity.max(largest(linear));
+            sizes.spin = sizes.spin.max(largest(angular));
+        }
+        for state in &self.state.states {
+            sizes.state = sizes.state.max(state.abs());
+        }
+        for variable in &self.state.variables {
+            sizes.variable = sizes.variable.max(variable.abs());
+        }
+    }
+}
+
+/// The iteration of a step does not settle.
+struct NotSettled;
+

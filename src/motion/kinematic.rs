@@ -1,0 +1,87 @@
+//! Positions, velocities, accelerations and reactions of a mechanism without freedoms.
+
+use super::consistent::Consistent;
+use super::error::{MotionError, Reason};
+use crate::system::{Parameters, State, System};
+
+/// A step that fails is halved at most so often.
+const HALVINGS: i32 = 10;
+
+/// Goes to a time from positions to positions; steps are at most `largest` long, and halved where positions are not found. Gives how many
+/// steps it took.
+///
+/// The next positions are sought from `q + h V + h^2 A / 2`, by Newton's method on the constraints with the least change; velocities,
+/// accelerations and multipliers follow by linear solutions.
+///
+/// # Errors
+/// [`MotionError`]; the state is then that of the last positions that were found.
+pub fn advance(
+    system: &System,
+    parameters: &Parameters,
+    state: &mut State,
+    memory: &mut Consistent,
+    end: f64,
+    largest: f64,
+) -> Result<usize, MotionError> {
+    let least = largest * 0.5_f64.powi(HALVINGS);
+    let mut h = largest;
+    let mut steps = 0;
+    let mut correction = vec![0.0; system.moving_unknowns];
+    let (mut v, mut a) = (Vec::new(), Vec::new());
+    loop {
+        let left = end - state.time;
+        if left <= 1e-12 * end.abs().max(largest) {
+            return Ok(steps);
+        }
+        let count = (left / h - 1e-9).ceil().max(1.0);
+        let step = left / count;
+        let mut next = state.clone();
+        next.time = if count == 1.0 { end } else { state.time + step };
+        system.velocity_vector(state, &mut v);
+        system.gathered(&state.accelerations, &mut a);
+        correction.fill(0.0);
+        for (k, correction) in correction[..v.len()].iter_mut().enumerate() {
+            *correction = step * (v[k] + 0.5 * step * a[k]);
+        }
+        system.advance(&mut next, &correction);
+        match place(system, parameters, &mut next, memory, step) {
+            Ok(()) => {
+                *state = next;
+                steps += 1;
+                h = largest;
+            }
+            Err(reason) => {
+                h = 0.5 * step;
+                if h < least {
+                    return Err(reason.at(state.time));
+                }
+            }
+        }
+    }
+}
+
+fn place(
+    system: &System,
+    parameters: &Parameters,
+    state: &mut State,
+    memory: &mut Consistent,
+    step: f64,
+) -> Result<(), Reason> {
+    system.settle_variables(parameters, state, &mut memory.scratch)?;
+    memory.positions(system, parameters, state, None)?;
+    system.drive_on(parameters, state, &mut memory.scratch)?;
+    system.accept(parameters, state, &mut memory.scratch);
+    memory.reconcile(system, parameters, state, 1e-2 * step)
+}
+
+/// Refuses a mechanism that can move by itself.
+///
+/// # Errors
+/// [`Reason::NotKinematic`].
+pub fn check_determined(system: &System, state: &State) -> Result<(), MotionError> {
+    let freedoms = system.freedoms_left(&state.redundant);
+    if freedoms > 0 {
+        return Err(Reason::NotKinematic { freedoms }.at(state.time));
+    }
+    Ok(())
+}

@@ -1,0 +1,469 @@
+//! The equations of one step: three stages, and the linear systems of their iteration.
+//!
+//! With z an eigenvalue of B / h and residuals in the transformed variables, `g` as the system assembles it (its derivatives K by positions,
+//! C by velocities, N by accelerations):
+//!
+//! ```text
+//! r1 = (B d)/h - Th(d) (V - D G' mu),     r3 = Phi,     r4 = G V + Phi_t
+//! G D G' dmu = z r3 - r4 - G r1,          e = r1 + D G' dmu
+//! (K + z C + z^2 N) dd + ... = -g - (C + z N) e,    G dd = -r3,    dW = z dd + e
+//! ```
+//!
+//! The unknown of the second system is z^2 dd: its entries stay of one size as the step goes to zero.
+
+use nalgebra::Complex;
+
+use super::bordered::{Bordered, plain_weight};
+use super::tableau::{ALPHA_BETA, C, GAMMA, Tableau};
+use crate::linear::{Entries, Levels, Lu, Scalar};
+use crate::mechanics::{Vec3, turning_rate};
+use crate::system::{NoValue, Parameters, Rates, Rows, Scratch, State, System};
+
+/// Three vectors, one per stage.
+pub(super) type Stages = [Vec<f64>; 3];
+
+pub(super) fn stages(n: usize) -> Stages {
+    std::array::from_fn(|_| vec![0.0; n])
+}
+
+/// The unknowns of a step: changes of all unknowns from its start (displacements and rotation vectors of the parts, multipliers, variables,
+/// states), changes of the velocities, and multipliers of the velocity constraints.
+#[derive(Clone, Debug)]
+pub(super) struct Unknowns {
+    pub z: Stages,
+    pub w: Stages,
+    pub mu: Stages,
+}
+
+impl Unknowns {
+    pub fn new(system: &System) -> Self {
+        Self {
+            z: stages(system.moving_unknowns),
+            w: stages(system.first_equation),
+            mu: stages(system.equations),
+        }
+    }
+}
+
+/// Residuals of the stages.
+#[derive(Clone, Debug)]
+pub(super) struct Residuals {
+    r1: Stages,
+    g: Stages,
+    r4: Stages,
+}
+
+/// What a correction changes.
+pub(super) struct Correction<T> {
+    pub z: Vec<T>,
+    pub w: Vec<T>,
+    pub mu: Vec<T>,
+}
+
+/// Matrices of a step with their factors.
+#[derive(Debug)]
+pub(super) struct Equations {
+    pub tableau: Tableau,
+    levels: Levels,
+    rows: Rows,
+    stage_rows: Rows,
+    bordered: Bordered,
+    real: Lu,
+    pair: Lu<Complex<f64>>,
+    values: Vec<f64>,
+    pair_values: Vec<Complex<f64>>,
+    pub scratch: Scratch,
+    stage: State,
+    residuals: Residuals,
+    v: Vec<f64>,
+    pub evaluations: usize,
+    pub jacobians: usize,
+    pub factorisations: usize,
+}
+
+impl Equations {
+    pub fn new(system: &System) -> Self {
+        let n = system.moving_unknowns;
+        Self {
+            tableau: Tableau::new(),
+            levels: Levels::new(n),
+            rows: Rows::new(system),
+            stage_rows: Rows::new(system),
+            bordered: Bordered::new(system),
+            real: Lu::new(n),
+            pair: Lu::new(n),
+            values: Vec::new(),
+            pair_values: Vec::new(),
+            scratch: Scratch::new(system),
+            stage: system.state(),
+            residuals: Residuals {
+                r1: stages(system.first_equation),
+                g: stages(n),
+                r4: stages(system.equations),
+            },
+            v: Vec::new(),
+            evaluations: 0,
+            jacobians: 0,
+            factorisations: 0,
+        }
+    }
+
+    /// Assembles the derivatives at a state and factors the projection.
+    pub fn linearise(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+    ) -> Result<(), NoValue> {
+        let g = &mut self.residuals.g[0];
+        self.levels.clear();
+        system.assemble(parameters, state, &mut self.scratch, g, &mut self.levels)?;
+        self.levels.finish();
+        let (scratch, rows) = (&mut self.scratch, &mut self.rows);
+        system.constraints_and_rows(parameters, state, scratch, g, rows)?;
+        let plain = plain_weight(system);
+        self.bordered.factor(system, state, &self.rows, |_| plain);
+        self.jacobians += 1;
+        Ok(())
+    }
+
+    /// Factors both systems for a step.
+    pub fn factor(&mut self, system: &System, h: f64) {
+        let real = combined(system, &self.levels, &mut self.values, GAMMA / h);
+        self.real.factor_entries(&real);
+        let pair = combined(system, &self.levels, &mut self.pair_values, ALPHA_BETA / h);
+        self.pair.factor_entries(&pair);
+        self.factorisations += 1;
+    }
+
+    /// One iteration: residuals of the stages, corrections of the unknowns; gives the correction for its size.
+    pub fn iterate(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        start: &State,
+        h: f64,
+        unknowns: &mut Unknowns,
+    ) -> Result<Unknowns, NoValue> {
+        self.stage_residuals(system, parameters, start, h, unknowns)?;
+        let T = self.tableau.T;
+        let U = self.tableau.T_inverse;
+        let transformed = |r: &Stages, row: usize| -> Vec<f64> {
+            (0..r[0].len())
+                .map(|k| U[row][0] * r[0][k] + U[row][1] * r[1][k] + U[row][2] * r[2][k])
+                .collect()
+        };
+        let residuals = &self.residuals;
+        let of = |row: usize| {
+            (
+                transformed(&residuals.r1, row),
+                transformed(&residuals.g, row),
+                transformed(&residuals.r4, row),
+            )
+        };
+        let (a, b, c) = (of(0), of(1), of(2));
+        let first = self.solve_real(system, start, h, (&a.0, &a.1, &a.2));
+        let both = |x: Vec<f64>, y: Vec<f64>| -> Vec<Complex<f64>> {
+            x.into_iter()
+                .zip(y)
+                .map(|(re, im)| Complex::new(re, im))
+                .collect()
+        };
+        let (r1, g, r4) = (both(b.0, c.0), both(b.1, c.1), both(b.2, c.2));
+        let second = self.solve_pair(system, start, h, (&r1, &g, &r4));
+        let back = |x: &[f64], pair: &[Complex<f64>]| -> Stages {
+            std::array::from_fn(|i| {
+                x.iter()
+                    .zip(pair)
+                    .map(|(x, p)| T[i][0] * x + T[i][1] * p.re + T[i][2] * p.im)
+                    .collect()
+            })
+        };
+        let change = Unknowns {
+            z: back(&first.z, &second.z),
+            w: back(&first.w, &second.w),
+            mu: back(&first.mu, &second.mu),
+        };
+        for i in 0..3 {
+            add(&mut unknowns.z[i], &change.z[i]);
+            add(&mut unknowns.w[i], &change.w[i]);
+            add(&mut unknowns.mu[i], &change.mu[i]);
+        }
+        Ok(change)
+    }
+
+    /// The state of a stage, with its rates.
+    pub fn stage_state(
+        &self,
+        system: &System,
+        start: &State,
+        (time, h): (f64, f64),
+        z: &[f64],
+        w: &[f64],
+        (rate, state_rate): (&dyn Fn(usize) -> f64, &dyn Fn(usize) -> f64),
+        stage: &mut State,
+    ) {
+        let _ = h;
+        stage.clone_from(start);
+        stage.time = time;
+        system.advance(stage, z);
+        for (part, body) in system.bodies.iter().enumerate() {
+            let mut acceleration = Rates::zero();
+            for k in 0..body.freedoms {
+                let (dw, a) = (w[body.first + k], rate(body.first + k));
+                if k < 3 {
+                    stage.velocities[part].linear[k] += dw;
+                    acceleration.linear[k] = a;
+                } else {
+                    stage.velocities[part].angular[k - 3] += dw;
+                    acceleration.angular[k - 3] = a;
+                }
+            }
+            stage.accelerations[part] = acceleration;
+        }
+        for (k, equation) in system.states.iter().enumerate() {
+            stage.state_rates[k] = state_rate(equation.moving_unknown);
+        }
+    }
+
+    fn stage_residuals(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        start: &State,
+        h: f64,
+        unknowns: &Unknowns,
+    ) -> Result<(), NoValue> {
+        let n = system.first_equation;
+        let d_inverse = plain_weight(system);
+        for i in 0..3 {
+            let B = self.tableau.B[i];
+            let rate_of = |all: &Stages, k: usize| {
+                (B[0] * all[0][k] + B[1] * all[1][k] + B[2] * all[2][k]) / h
+            };
+            let mut stage = std::mem::replace(&mut self.stage, State::empty());
+            self.stage_state(
+                system,
+                start,
+                (start.time + C[i] * h, h),
+                &unknowns.z[i],
+                &unknowns.w[i],
+                (&|k| rate_of(&unknowns.w, k), &|k| rate_of(&unknowns.z, k)),
+                &mut stage,
+            );
+            self.stage = stage;
+            let g = &mut self.residuals.g[i];
+            let (scratch, rows) = (&mut self.scratch, &mut self.stage_rows);
+            system.residual_and_rows(parameters, &self.stage, scratch, g, rows)?;
+            self.evaluations += 1;
+            system.velocity_vector(&self.stage, &mut self.v);
+            let r4 = &mut self.residuals.r4[i];
+            r4.copy_from_slice(&rows.time);
+            rows.times(&self.v, r4);
+            // V - D G' mu.
+            let mut pull = vec![0.0; n];
+            rows.transposed_times(&unknowns.mu[i], &mut pull);
+            let r1 = &mut self.residuals.r1[i];
+            for body in &system.bodies {
+                let at = |k: usize| {
+                    let k = body.first + k;
+                    let weight = d_inverse[(k - body.first, k - body.first)];
+                    self.v[k] - pull[k] / weight
+                };
+                for k in 0..body.freedoms.min(3) {
+                    r1[body.first + k] = rate_of(&unknowns.z, body.first + k) - at(k);
+                }
+                if body.freedoms == 6 {
+                    let first = body.first + 3;
+                    let z = &unknowns.z[i];
+                    let turn = Vec3::new(z[first], z[first + 1], z[first + 2]);
+                    let w = turning_rate(&turn) * Vec3::new(at(3), at(4), at(5));
+                    for k in 0..3 {
+                        r1[first + k] = rate_of(&unknowns.z, first + k) - w[k];
+                    }
+                }
+            }
+            for k in 0..system.equations {
+                if start.redundant.get(k) == Some(&true) || !system.equation_is_active(k) {
+                    r4[k] = 0.0;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The correction of the real system.
+    pub fn solve_real(
+        &mut self,
+        system: &System,
+        start: &State,
+        h: f64,
+        (r1, g, r4): (&[f64], &[f64], &[f64]),
+    ) -> Correction<f64> {
+        let z = GAMMA / h;
+        let (n, equations) = (system.first_equation, system.equations);
+        let mut border = vec![0.0; n + equations];
+        self.velocity_side(system, start, z, (r1, g, r4), &mut border);
+        self.bordered.solve(&mut border);
+        let e: Vec<f64> = r1.iter().zip(&border).map(|(r, x)| r - x).collect();
+        let mut b = right_side(system, start, &self.levels, z, g, &e);
+        self.real.solve(&mut b);
+        finished(system, z, &e, b, border[n..].to_vec())
+    }
+
+    fn solve_pair(
+        &mut self,
+        system: &System,
+        start: &State,
+        h: f64,
+        (r1, g, r4): (&[Complex<f64>], &[Complex<f64>], &[Complex<f64>]),
+    ) -> Correction<Complex<f64>> {
+        let z = ALPHA_BETA / h;
+        let (n, equations) = (system.first_equation, system.equations);
+        let mut border = vec![Complex::default(); n + equations];
+        self.velocity_side(system, start, z, (r1, g, r4), &mut border);
+        let mut re: Vec<f64> = border.iter().map(|x| x.re).collect();
+        let mut im: Vec<f64> = border.iter().map(|x| x.im).collect();
+        self.bordered.solve(&mut re);
+        self.bordered.solve(&mut im);
+        let border: Vec<Complex<f64>> = re
+            .into_iter()
+            .zip(im)
+            .map(|(re, im)| Complex::new(re, im))
+            .collect();
+        let e: Vec<Complex<f64>> = r1.iter().zip(&border).map(|(r, x)| r - x).collect();
+        let mut b = right_side(system, start, &self.levels, z, g, &e);
+        self.pair.solve(&mut b);
+        finished(system, z, &e, b, border[n..].to_vec())
+    }
+
+    /// The right side of `[ D^-1, G'; G, 0 ] [ -D G' dmu; dmu ] = [ 0; -(z r3 - r4 - G r1) ]`.
+    fn velocity_side<T: Scalar>(
+        &self,
+        system: &System,
+        start: &State,
+        z: T,
+        (r1, g, r4): (&[T], &[T], &[T]),
+        border: &mut [T],
+    ) {
+        let n = system.first_equation;
+        for k in 0..system.equations {
+            border[n + k] = r4[k] - z * g[n + k];
+        }
+        for &(row, column, value) in &self.rows.entries {
+            border[n + row as usize] += T::of(value) * r1[column as usize];
+        }
+        for k in 0..system.equations {
+            if start.redundant.get(k) == Some(&true) || !system.equation_is_active(k) {
+                border[n + k] = T::default();
+            }
+        }
+    }
+
+    /// The error of a step, as positions, velocities and states: `(gamma_0 E - Jac)^-1 (f + E sum e_i Z_i / h)`. `rest` is (r1, g): the
+    /// residuals with the opposite of the weighted sum in place of the rates.
+    pub fn filtered(
+        &mut self,
+        system: &System,
+        start: &State,
+        h: f64,
+        (r1, g): (&[f64], &[f64]),
+    ) -> Correction<f64> {
+        let r4 = vec![0.0; system.equations];
+        let mut g = g.to_vec();
+        g[system.first_equation..system.first_variable].fill(0.0);
+        self.solve_real(system, start, h, (r1, &g, &r4))
+    }
+
+    /// `g` of the error estimate at the start of the step: minus the inertia of accelerations and of rates of states.
+    pub fn inertia_of(&self, system: &System, a: &[f64], state_rates: &[f64]) -> Vec<f64> {
+        let mut g = vec![0.0; system.moving_unknowns];
+        let n = system.first_equation;
+        let first_state = system.first_variable + system.variables.len();
+        for (row, column, [_, by_rate, by_second]) in self.levels.entries() {
+            if column < n {
+                g[row] -= by_second * a[column];
+            } else if column >= first_state {
+                g[row] -= by_rate * state_rates[column];
+            }
+        }
+        g
+    }
+}
+
+fn add(to: &mut [f64], change: &[f64]) {
+    for (x, dx) in to.iter_mut().zip(change) {
+        *x += dx;
+    }
+}
+
+/// The matrix of one eigenvalue over the step.
+fn combined<'a, T: Scalar>(
+    system: &System,
+    levels: &'a Levels,
+    values: &'a mut Vec<T>,
+    z: T,
+) -> Entries<'a, T> {
+    let (n, variable) = (system.first_equation, system.first_variable);
+    let first_state = variable + system.variables.len();
+    let (zero, one) = (T::default(), T::ONE);
+    let inverse = one / z;
+    let square = inverse * inverse;
+    levels.combined(values, |row, column| {
+        if (n..variable).contains(&row) {
+            if column < variable {
+                [one, zero, zero]
+            } else {
+                [z * z, zero, zero]
+            }
+        } else if column < n {
+            [square, inverse, one]
+        } else if column < first_state {
+            [one, zero, zero]
+        } else {
+            [one, z, zero]
+        }
+    })
+}
+
+/// `-g - (C + z N) e`; of the constraints `-z^2 r3`, of removed ones as they are.
+fn right_side<T: Scalar>(
+    system: &System,
+    start: &State,
+    levels: &Levels,
+    z: T,
+    g: &[T],
+    e: &[T],
+) -> Vec<T> {
+    let (n, variable) = (system.first_equation, system.first_variable);
+    let mut b: Vec<T> = g.iter().map(|g| -*g).collect();
+    for k in 0..system.equations {
+        if start.redundant.get(k) != Some(&true) && system.equation_is_active(k) {
+            b[n + k] = b[n + k] * z * z;
+        }
+    }
+    for (row, column, [_, by_rate, by_second]) in levels.entries() {
+        if column < n && !(n..variable).contains(&row) {
+            b[row] -= (T::of(by_rate) + z * T::of(by_second)) * e[column];
+        }
+    }
+    b
+}
+
+/// Displacements from z^2 dd, and velocities.
+fn finished<T: Scalar>(
+    system: &System,
+    z: T,
+    e: &[T],
+    mut b: Vec<T>,
+    mu: Vec<T>,
+) -> Correction<T> {
+    let n = system.first_equation;
+    let inverse = T::ONE / (z * z);
+    let mut w = Vec::with_capacity(n);
+    for k in 0..n {
+        b[k] = b[k] * inverse;
+        w.push(z * b[k] + e[k]);
+    }
+    Correction { z: b, w, mu }
+}

@@ -1,0 +1,405 @@
+//! Simulations over time: initial conditions, kinematics, dynamics.
+
+use std::fmt::Write as _;
+use std::time::Duration;
+
+use super::loaded::{Beginning, Compiled, Loaded};
+use super::message::exponent;
+use super::run::{Flow, Locate, Place, Session, Stop};
+use super::sensing::Sensed;
+use super::simulate::{OutputTimes, Phases};
+use super::simulation::{as_adams_names, too_many};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::motion::{self, Consistent, Integrator, Kept, MotionError, Settings};
+use crate::results::StepKind;
+use crate::system::State;
+
+/// MODE in functions (guide/formats.md 3.1).
+const MODE_KINEMATIC: i32 = 1;
+const MODE_INITIAL: i32 = 3;
+const MODE_DYNAMIC: i32 = 4;
+
+/// What a command asks for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Asked {
+    Kinematic,
+    Dynamic,
+    /// Kinematic without degrees of freedom, otherwise dynamic.
+    Transient,
+}
+
+impl Session<'_> {
+    /// SIMULATE/INITIAL_CONDITIONS: assembles, and writes the step.
+    pub(super) fn initial_conditions(&mut self, phases: Phases, place: Place<'_>) -> Flow {
+        if let Some(flow) = self.refuse_motion(place) {
+            return flow;
+        }
+        match self.model().begin(1e-3, true) {
+            Ok(redundant) => {
+                self.messages.initial_conditions(phases);
+                self.tell_redundant(&redundant);
+                if phases == Phases::All {
+                    self.write_step(StepKind::InitialConditions)?;
+                }
+                self.simulation_ended()
+            }
+            Err(error) => {
+                self.messages.initial_conditions(phases);
+                self.motion_failed(&error, place);
+                self.simulation_failed()
+            }
+        }
+    }
+
+    /// What acts in motion and is not solved, said once per command.
+    fn refuse_motion(&mut self, place: Place<'_>) -> Option<Flow> {
+        let missing = self.model().compiled().value.system.not_in_motion().to_vec();
+        if missing.is_empty() {
+            return None;
+        }
+        for diagnostic in &missing {
+            self.complain(diagnostic);
+        }
+        let refusal = Diagnostic::error(
+            Code::NotSolvedNatively,
+            "this simulation is not executed: its answer would leave out what is named above",
+        );
+        Some(self.refused(refusal, Some(place)))
+    }
+
+    /// SIMULATE/KINEMATIC, DYNAMIC, TRANSIENT.
+    pub(super) fn motion(&mut self, times: OutputTimes, asked: Asked, place: Place<'_>) -> Flow {
+        if let Some(flow) = self.refuse_motion(place) {
+            return flow;
+        }
+        self.messages.begin_motion();
+        let output = times.at(1) - times.start;
+        let began = match self.model().begin(1e-2 * output, false) {
+            Ok(redundant) => {
+                self.tell_redundant(&redundant);
+                Ok(())
+            }
+            Err(error) => Err(error),
+        };
+        if let Err(error) = began {
+            self.motion_failed(&error, place);
+            self.messages.end_simulation();
+            return self.simulation_failed();
+        }
+        let Compiled { system, state, .. } = self.model().compiled().value;
+        let undetermined = motion::check_determined(system, state);
+        // States have rates of their own: they are integrated even where the parts cannot move by themselves.
+        let fixed = undetermined.is_ok() && state.states.is_empty();
+        let kind = match (asked, undetermined) {
+            (Asked::Kinematic, Err(error)) => {
+                self.motion_failed(&error, place);
+                self.messages.end_simulation();
+                return self.simulation_failed();
+            }
+            (Asked::Kinematic, Ok(())) => StepKind::Kinematic,
+            (Asked::Transient, _) if fixed => StepKind::Kinematic,
+            (_, _) => StepKind::Dynamic,
+        };
+        if kind == StepKind::Kinematic {
+            // The start is one of its steps, unless it was just written.
+            if self.model().outputs.last != Some(times.start) {
+                self.write_step(kind)?;
+            }
+        } else if !self.model().begun {
+            self.model().begun = true;
+            self.write_step(StepKind::InitialConditions)?;
+        }
+        let integrator = self.model().model.integrator.clone();
+        if kind == StepKind::Kinematic {
+            self.messages.kinematic_head();
+        } else {
+            self.messages
+                .dynamic_head(&integrator, fixed && asked == Asked::Dynamic);
+        }
+        let done = if fixed {
+            self.kinematic_steps(times, kind, place)
+        } else {
+            self.dynamic_steps(times, place)
+        };
+        self.messages.end_simulation();
+        let halted = done?;
+        match halted {
+            None => self.simulation_failed(),
+            Some(halted) => {
+                self.simulation_ended()?;
+                if halted { Err(Stop::Finished) } else { Ok(()) }
+            }
+        }
+    }
+
+    /// Positions at the output times. `None` after a failure; else whether a sensor halts the run.
+    fn kinematic_steps(
+        &mut self,
+        mut times: OutputTimes,
+        kind: StepKind,
+        place: Place<'_>,
+    ) -> Result<Option<bool>, Stop> {
+        let mut progress = Progress::new(&times);
+        let mut memory = Consistent::new(&self.model().compiled().value.system);
+        let mut k = 1;
+        let mut steps = 0;
+        while k <= times.count {
+            let time = times.at(k);
+            k += 1;
+            let largest = self.model().model.kinematics.hmax;
+            let Compiled {
+                system,
+                parameters,
+                state,
+                ..
+            } = self.model().compiled().value;
+            state.mode = if kind == StepKind::Kinematic {
+                MODE_KINEMATIC
+            } else {
+                MODE_DYNAMIC
+            };
+            let largest = largest.unwrap_or(time - state.time);
+            match motion::advance(system, parameters, state, &mut memory, time, largest) {
+                Ok(taken) => steps += taken,
+                Err(error) => {
+                    self.motion_failed(&error, place);
+                    return Ok(None);
+                }
+            }
+            let row = Row {
+                time,
+                step: largest,
+                evaluations: steps,
+                steps,
+            };
+            self.messages.progress(&mut progress, row);
+            match self.after_output(kind, time, &mut times, &mut k, place)? {
+                After::On => {}
+                After::Ended(halted) => return Ok(Some(halted)),
+                After::Failed => return Ok(None),
+            }
+        }
+        Ok(Some(false))
+    }
+
+    /// Motion to the output times.
+    fn dynamic_steps(
+        &mut self,
+        mut times: OutputTimes,
+        place: Place<'_>,
+    ) -> Result<Option<bool>, Stop> {
+        let output = times.at(1) - times.start;
+        let settings = Settings::of(&self.model().model.integrator, output);
+        let mut progress = Progress::new(&times);
+        let first = Row {
+            time: times.start,
+            step: settings.hinit,
+            evaluations: 0,
+            steps: 0,
+        };
+        self.messages.progress(&mut progress, first);
+        let mut compiled = self
+            .model()
+            .compiled
+            .take()
+            .expect("a motion has begun with its equations");
+        compiled.state.mode = MODE_DYNAMIC;
+        let state = compiled.state.clone();
+        let mut integrator =
+            Integrator::new(&compiled.system, &compiled.parameters, state, settings);
+        let mut k = 1;
+        let mut ended = Ok(Some(false));
+        let mut last: State = integrator.state().clone();
+        while k <= times.count {
+            let time = times.at(k);
+            k += 1;
+            let reached = integrator.advance_to(time).and_then(|()| integrator.output());
+            let state = match reached {
+                Ok(state) => state,
+                Err(error) => {
+                    self.motion_failed(&error, place);
+                    ended = Ok(None);
+                    break;
+                }
+            };
+            let done = integrator.statistics();
+            let row = Row {
+                time,
+                step: integrator.step(),
+                evaluations: done.evaluations,
+                steps: done.steps,
+            };
+            self.messages.progress(&mut progress, row);
+            last = state;
+            let loaded = self.model();
+            let written = loaded.outputs.step(
+                StepKind::Dynamic,
+                &loaded.model,
+                &mut super::measures::Measures::new(&compiled.system, &compiled.parameters, &last),
+            );
+            if let Err(diagnostic) = written {
+                return self.unwritable(&diagnostic).map(|()| None);
+            }
+            let loaded = self.model();
+            let sensed = Sensed::at(
+                &loaded.model,
+                &compiled.system,
+                &compiled.parameters,
+                &mut last,
+            );
+            if !sensed.said.is_empty() {
+                self.messages.say(&sensed.said);
+                integrator.set_sensors(&last.sensors);
+            }
+            self.messages.flush();
+            if sensed.halts || sensed.returns {
+                ended = Ok(Some(sensed.halts));
+                break;
+            }
+            if let Some(dt) = sensed.dt.filter(|_| time < times.end) {
+                let Some(other) = times.every(dt, time) else {
+                    self.refused(too_many(dt), Some(place))?;
+                    ended = Ok(None);
+                    break;
+                };
+                (times, k) = (other, 1);
+            }
+        }
+        drop(integrator);
+        compiled.state = last;
+        self.model().compiled = Some(compiled);
+        ended
+    }
+
+    /// Writes an output step and looks at the sensors.
+    fn after_output(
+        &mut self,
+        kind: StepKind,
+        time: f64,
+        times: &mut OutputTimes,
+        k: &mut usize,
+        place: Place<'_>,
+    ) -> Result<After, Stop> {
+        self.write_step(kind)?;
+        let sensed = self.sense();
+        self.messages.flush();
+        if sensed.halts || sensed.returns {
+            return Ok(After::Ended(sensed.halts));
+        }
+        if let Some(dt) = sensed.dt.filter(|_| time < times.end) {
+            let Some(other) = times.every(dt, time) else {
+                self.refused(too_many(dt), Some(place))?;
+                return Ok(After::Failed);
+            };
+            (*times, *k) = (other, 1);
+        }
+        Ok(After::On)
+    }
+
+    fn tell_redundant(&mut self, redundant: &[String]) {
+        let loaded = self.model();
+        let time = loaded.time();
+        let told = loaded.said_redundant.replace(redundant.to_vec());
+        if told.unwrap_or_default() == redundant || redundant.is_empty() {
+            return;
+        }
+        let mut text = format!(
+            "\n  Time T={}.\n  Degree-of-freedom analysis identified redundant constraints in the model:\n  {}\n",
+            exponent(time, 9),
+            "-".repeat(73)
+        );
+        for equation in redundant {
+            let equation = as_adams_names(equation);
+            _ = writeln!(text, "   -  deactivating constraint equation  {equation}");
+        }
+        self.messages.say(&(text + "\n"));
+    }
+
+    fn motion_failed(&mut self, error: &MotionError, place: Place<'_>) {
+        let diagnostic = Diagnostic::error(
+            Code::NoMotion,
+            format!("the simulation ends at time {}: {}", error.time, error.reason),
+        );
+        let diagnostic = Some(place).label(diagnostic);
+        self.complain(&diagnostic);
+    }
+}
+
+/// What follows an output step.
+enum After {
+    On,
+    /// By a sensor; whether it halts the run.
+    Ended(bool),
+    Failed,
+}
+
+impl Loaded {
+    /// Finds the initial conditions unless they are known; `anew` in any case. Gives the redundant equations.
+    fn begin(&mut self, step: f64, anew: bool) -> Result<Vec<String>, MotionError> {
+        let Compiled {
+            system,
+            parameters,
+            state,
+            beginning,
+            ..
+        } = self.compiled().value;
+        let kept = match *beginning {
+            Beginning::Known if !anew => return Ok(redundant(system, state)),
+            Beginning::Dataset => Kept::Data,
+            Beginning::Rest => Kept::Nothing,
+            Beginning::Changed | Beginning::Known => Kept::Velocities,
+        };
+        let mode = std::mem::replace(&mut state.mode, MODE_INITIAL);
+        let mut memory = Consistent::new(system);
+        let done = motion::assemble(system, parameters, state, &mut memory, kept, step);
+        if let Err(error) = done {
+            state.mode = mode;
+            return Err(error);
+        }
+        *beginning = Beginning::Known;
+        Ok(redundant(system, state))
+    }
+}
+
+/// The names of the redundant equations of what is switched on.
+fn redundant(system: &crate::system::System, state: &State) -> Vec<String> {
+    let all = state.redundant.iter().enumerate();
+    all.filter(|(k, out)| **out && system.equation_is_active(*k))
+        .map(|(k, _)| system.constraint_equation_name(k))
+        .collect()
+}
+
+/// One row of the table of a simulation.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Row {
+    pub time: f64,
+    pub step: f64,
+    pub evaluations: usize,
+    pub steps: usize,
+}
+
+/// Which rows of the table are shown: the start, every tenth part of the outputs, the last.
+pub(super) struct Progress {
+    every: usize,
+    count: usize,
+    seen: usize,
+    start: std::time::Instant,
+}
+
+impl Progress {
+    fn new(times: &OutputTimes) -> Self {
+        Self {
+            every: (times.count / 10).max(1),
+            count: times.count,
+            seen: 0,
+            start: std::time::Instant::now(),
+        }
+    }
+
+    /// The time since the start if this row is shown.
+    pub fn shown(&mut self) -> Option<Duration> {
+        let at = self.seen;
+        self.seen += 1;
+        (at.is_multiple_of(self.every) || at == self.count).then(|| self.start.elapsed())
+    }
+}
