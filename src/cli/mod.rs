@@ -10,6 +10,7 @@ mod assignment;
 mod check;
 mod check_settings;
 mod command_edits;
+mod commands;
 mod compare;
 mod completions;
 mod convert_units;
@@ -104,6 +105,7 @@ enum Command {
     Results(results::Arguments),
     Compare(compare::Arguments),
     View(view::Arguments),
+    Commands(commands::Arguments),
     Explain(explain::Arguments),
     Guide(guide::Arguments),
     InstallShims(install_shims::Arguments),
@@ -142,6 +144,7 @@ pub fn main() -> ExitCode {
         Command::Results(arguments) => results::run(&arguments, &mut shell),
         Command::Compare(arguments) => compare::run(&arguments, &mut shell),
         Command::View(arguments) => view::run(&arguments, &mut shell),
+        Command::Commands(arguments) => commands::run(&arguments, &mut shell),
         Command::Explain(arguments) => explain::run(&arguments, &mut shell),
         Command::Guide(arguments) => guide::run(&arguments, &mut shell),
         Command::InstallShims(arguments) => install_shims::run(&arguments, &mut shell),

@@ -99,8 +99,7 @@ mod tests {
                     let by_motion = (at(&advanced(&motion, &step), &u).value
                         - at(&advanced(&motion, &-step), &u).value)
                         / (2.0 * h);
-                    let by_rate = (at(&motion, &(u + step)).value
-                        - at(&motion, &(u - step)).value)
+                    let by_rate = (at(&motion, &(u + step)).value - at(&motion, &(u - step)).value)
                         / (2.0 * h);
                     let (a, b) = (exact.by_motion.column(k), exact.by_rate.column(k));
                     assert!((by_motion - a).norm() < 1e-8, "{damping:?} {k}");

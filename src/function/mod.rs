@@ -29,5 +29,5 @@ pub use input::{
     ElementIx, ForceComponent, ForceMeasure, Input, Measure, MeasureKind, RateAxis, RateKind,
     RateMeasure, Sequence,
 };
-pub use rate::MovingFrame;
 pub use program::{Program, Scratch};
+pub use rate::MovingFrame;

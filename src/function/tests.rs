@@ -379,18 +379,43 @@ fn rates_know_their_markers_and_equal_inputs_are_read_once() {
     use crate::function::{RateAxis, RateKind};
     use crate::model::MarkerIx;
     let case = compile("VX(1,2,3,1)+WZ(3)+ACCM(1,0,2)+VR(1,2)");
-    let rates: Vec<_> = case.program.inputs.iter().map(|input| match input {
-        Input::Rate(rate) => (rate.kind, rate.axis, rate.markers.map(|m| m.map(|MarkerIx(k)| k))),
-        other => panic!("{other:?}"),
-    }).collect();
+    let rates: Vec<_> = case
+        .program
+        .inputs
+        .iter()
+        .map(|input| match input {
+            Input::Rate(rate) => (
+                rate.kind,
+                rate.axis,
+                rate.markers.map(|m| m.map(|MarkerIx(k)| k)),
+            ),
+            other => panic!("{other:?}"),
+        })
+        .collect();
     assert_eq!(
         rates,
         [
-            (RateKind::Velocity, RateAxis::Axis(0), [Some(0), Some(1), Some(2), Some(0)]),
-            (RateKind::AngularVelocity, RateAxis::Axis(2), [Some(2), None, None, None]),
+            (
+                RateKind::Velocity,
+                RateAxis::Axis(0),
+                [Some(0), Some(1), Some(2), Some(0)]
+            ),
+            (
+                RateKind::AngularVelocity,
+                RateAxis::Axis(2),
+                [Some(2), None, None, None]
+            ),
             // A magnitude has no axes: its third argument is the frame of the derivative.
-            (RateKind::Acceleration, RateAxis::Magnitude, [Some(0), None, None, Some(1)]),
-            (RateKind::Velocity, RateAxis::Along, [Some(0), Some(1), None, None]),
+            (
+                RateKind::Acceleration,
+                RateAxis::Magnitude,
+                [Some(0), None, None, Some(1)]
+            ),
+            (
+                RateKind::Velocity,
+                RateAxis::Along,
+                [Some(0), Some(1), None, None]
+            ),
         ]
     );
     let case = compile("DX(1,2)*DX(1,2)+DX(1,2,0)-DX(1,2,3)");

@@ -116,8 +116,6 @@ impl Levels {
         self.places
             .iter()
             .enumerate()
-            .map(move |(at, &(column, row))| {
-                (row as usize, column as usize, [k[at], c[at], m[at]])
-            })
+            .map(move |(at, &(column, row))| (row as usize, column as usize, [k[at], c[at], m[at]]))
     }
 }

@@ -9,11 +9,11 @@
 //! 100, 1,000 and 10,000 links (670 to 67,140 unknowns) a repeated factorisation takes it 20, 7 and 4 times as long; its first one, the
 //! order included, is up to twice as fast: `cargo test --lib compared_with_faer -- --nocapture`.
 
+use super::entries::Entries;
 use super::matrix::Matrix;
 use super::ordering::columns_of;
 use super::pivoting::Elimination;
 use super::scalar::Scalar;
-use super::entries::Entries;
 
 /// A pivot may shrink by this against the one it was when the order was chosen.
 const SHRUNK: f64 = 1e-3;

@@ -1,7 +1,7 @@
 //! The first elimination of a pattern: choosing pivots, and writing down what is done.
 
-use super::lu::{Lu, Step};
 use super::entries::Entries;
+use super::lu::{Lu, Step};
 use super::scalar::Scalar;
 
 /// A pivot smaller than this, after rows and columns are scaled to one, is none.

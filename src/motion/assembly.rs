@@ -3,7 +3,7 @@
 use super::bordered::plain_weight;
 use super::consistent::Consistent;
 use super::error::{MotionError, Reason};
-use crate::mechanics::{Mat3, Mat6, Pose, Vec3, Vec6, psi_theta_phi};
+use crate::mechanics::{Mat3, Mat6, Pose, Vec3, Vec6, psi_theta_phi, skew};
 use crate::system::{Parameters, Rates, State, System};
 
 /// How much more what is stated weighs than what may adapt.
@@ -73,7 +73,12 @@ fn attempt(
         .map(|part| plain + exact_weight(system, part, &anchors[part], &plain))
         .collect();
     memory
-        .positions(system, parameters, state, Some((&anchors, &|part| weights[part])))
+        .positions(
+            system,
+            parameters,
+            state,
+            Some((&anchors, &|part| weights[part])),
+        )
         .map_err(|reason| match reason {
             Reason::NoPosition {
                 equation,
@@ -102,8 +107,11 @@ fn velocities(
     kept: Kept,
 ) -> Result<(), Reason> {
     let plain = plain_weight(system);
+    let unweighted: Vec<Mat6> = (0..system.bodies.len())
+        .map(|part| unweighted(system, parameters, state, part))
+        .collect();
     match kept {
-        Kept::Nothing => memory.velocities(system, parameters, state, &|_| plain)?,
+        Kept::Nothing => memory.velocities(system, parameters, state, &|part| unweighted[part])?,
         Kept::Velocities => {
             let masses: Vec<Mat6> = (0..system.bodies.len())
                 .map(|part| {
@@ -120,7 +128,8 @@ fn velocities(
                 .collect();
             let weights: Vec<Mat6> = stated
                 .iter()
-                .map(|stated| plain + stated.weight(&plain))
+                .zip(&unweighted)
+                .map(|(stated, plain)| plain + stated.weight())
                 .collect();
             for (part, stated) in stated.iter().enumerate() {
                 state.velocities[part] = stated.velocity();
@@ -148,6 +157,25 @@ fn velocities(
         });
     }
     Ok(())
+}
+
+/// The weight of velocities that adapt: the sum of the squares of the velocity of the centre of mass and of the angular velocity, in the
+/// units of the model, as real results have it (grammar/NOTES.md).
+fn unweighted(system: &System, parameters: &Parameters, state: &State, part: usize) -> Mat6 {
+    let body = &system.bodies[part];
+    let c = body.cm.map_or_else(Vec3::zeros, |cm| {
+        state.poses[part].R * parameters.markers()[cm].p
+    });
+    let mut S = Mat6::identity();
+    if body.freedoms == 6 {
+        // v + w x c = v - c~ w.
+        let c_ = skew(&c);
+        S.fixed_view_mut::<3, 3>(0, 3).copy_from(&-c_);
+        S.fixed_view_mut::<3, 3>(3, 0).copy_from(&c_);
+        let turn = Mat3::identity() - c_ * c_;
+        S.fixed_view_mut::<3, 3>(3, 3).copy_from(&turn);
+    }
+    S
 }
 
 /// What EXACT adds to the weight of a part.
@@ -239,15 +267,10 @@ impl Stated {
         Self { rows }
     }
 
-    fn weight(&self, plain: &Mat6) -> Mat6 {
+    fn weight(&self) -> Mat6 {
         let mut S = Mat6::zeros();
-        for (row, _, angular) in &self.rows {
-            let scale = if *angular {
-                plain[(3, 3)]
-            } else {
-                plain[(0, 0)]
-            };
-            S += row * row.transpose() * (scale * STATED);
+        for (row, ..) in &self.rows {
+            S += row * row.transpose() * STATED;
         }
         S
     }

@@ -158,8 +158,7 @@ impl Consistent {
         let mut worst = (0, 0.0);
         for k in 0..system.equations {
             let violation = self.g[system.first_equation + k].abs();
-            let counts =
-                state.redundant.get(k) != Some(&true) && system.equation_is_active(k);
+            let counts = state.redundant.get(k) != Some(&true) && system.equation_is_active(k);
             if counts && !(violation <= worst.1) {
                 worst = (k, violation);
             }
@@ -209,16 +208,14 @@ impl Consistent {
         let mut rates = self.rows.time.clone();
         self.rows.times(&self.v, &mut rates);
         let all = rates.iter().enumerate();
-        all.filter(|(k, _)| {
-            state.redundant.get(*k) != Some(&true) && system.equation_is_active(*k)
-        })
-        .fold((0, 0.0), |worst, (k, rate)| {
-            if rate.abs() <= worst.1 {
-                worst
-            } else {
-                (k, rate.abs())
-            }
-        })
+        all.filter(|(k, _)| state.redundant.get(*k) != Some(&true) && system.equation_is_active(*k))
+            .fold((0, 0.0), |worst, (k, rate)| {
+                if rate.abs() <= worst.1 {
+                    worst
+                } else {
+                    (k, rate.abs())
+                }
+            })
     }
 
     /// Accelerations, multipliers, variables and rates of the states from positions, velocities and states:
@@ -296,7 +293,10 @@ impl Consistent {
             for (multiplier, change) in state.multipliers.iter_mut().zip(force) {
                 *multiplier += change;
             }
-            let size = state.multipliers.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+            let size = state
+                .multipliers
+                .iter()
+                .fold(0.0_f64, |a, b| a.max(b.abs()));
             relative = relative.max(change / size.max(f64::MIN_POSITIVE));
             for (k, variable) in state.variables.iter_mut().enumerate() {
                 let change = self.dx[system.first_variable + k];
@@ -325,12 +325,16 @@ impl Consistent {
     fn undetermined(&self, system: &System) -> Option<String> {
         for m in 0..self.factors.deficiency() {
             let z = self.factors.null_vector(m);
-            let (at, size) = z[..system.first_equation]
-                .iter()
-                .enumerate()
-                .fold((0, 0.0), |best, (k, x)| {
-                    if x.abs() > best.1 { (k, x.abs()) } else { best }
-                });
+            let (at, size) =
+                z[..system.first_equation]
+                    .iter()
+                    .enumerate()
+                    .fold(
+                        (0, 0.0),
+                        |best, (k, x)| {
+                            if x.abs() > best.1 { (k, x.abs()) } else { best }
+                        },
+                    );
             if size > 0.0 {
                 return Some(system.freedom_name(at));
             }

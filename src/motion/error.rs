@@ -25,7 +25,9 @@ pub enum Reason {
         violation: f64,
     },
     /// No velocities satisfy the constraints.
-    #[error("no velocities satisfy the constraints: {equation} is violated by {violation:.3e} per time")]
+    #[error(
+        "no velocities satisfy the constraints: {equation} is violated by {violation:.3e} per time"
+    )]
     VelocityConflict {
         /// The worst equation.
         equation: String,
@@ -41,7 +43,9 @@ pub enum Reason {
         violation: f64,
     },
     /// A motion has no mass and nothing that determines it.
-    #[error("the mass matrix is singular: {freedom} has no inertia and nothing determines its acceleration")]
+    #[error(
+        "the mass matrix is singular: {freedom} has no inertia and nothing determines its acceleration"
+    )]
     MassSingular {
         /// Part and direction.
         freedom: String,
@@ -55,7 +59,9 @@ pub enum Reason {
         worst: String,
     },
     /// The positions do not follow from the constraints.
-    #[error("the model has {freedoms} degrees of freedom: its positions do not follow from its motions alone")]
+    #[error(
+        "the model has {freedoms} degrees of freedom: its positions do not follow from its motions alone"
+    )]
     NotKinematic {
         /// How many.
         freedoms: usize,

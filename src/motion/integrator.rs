@@ -44,6 +44,7 @@ struct Sizes {
     spin: f64,
     state: f64,
     variable: f64,
+    multiplier: f64,
 }
 
 /// A motion on its way through time.
@@ -62,6 +63,8 @@ pub struct Integrator<'a> {
     h: f64,
     /// The last step; none after a start.
     last: Option<f64>,
+    /// Where the last step began.
+    origin: State,
     /// The last step and its error, for the prediction of the next one.
     before: Option<(f64, f64)>,
     /// The step that the factors are of.
@@ -94,9 +97,11 @@ impl<'a> Integrator<'a> {
                 spin: 1.0,
                 state: 1.0,
                 variable: 1.0,
+                multiplier: system.reference_mass * system.length,
             },
             h: settings.hinit.min(settings.hmax),
             last: None,
+            origin: State::empty(),
             before: None,
             factored: None,
             fresh: false,
@@ -171,6 +176,115 @@ impl<'a> Integrator<'a> {
         }
     }
 
+    /// Goes past a time in steps that end at `limit` at the latest: what lies between steps is interpolated.
+    ///
+    /// # Errors
+    /// [`MotionError`] as of [`Self::advance_to`].
+    pub fn advance_past(&mut self, time: f64, limit: f64) -> Result<(), MotionError> {
+        while self.state.time < time {
+            let left = limit - self.state.time;
+            if left <= 1e-12 * limit.abs().max(self.settings.hmax) {
+                break;
+            }
+            self.take_step(left, limit)?;
+        }
+        Ok(())
+    }
+
+    /// One step, at most to `end`. False if it is there.
+    ///
+    /// # Errors
+    /// [`MotionError`] as of [`Self::advance_to`].
+    pub fn step_towards(&mut self, end: f64) -> Result<bool, MotionError> {
+        let left = end - self.state.time;
+        if left <= 1e-12 * end.abs().max(self.settings.hmax) {
+            return Ok(false);
+        }
+        self.take_step(left, end)?;
+        Ok(true)
+    }
+
+    /// Where the last step began.
+    pub fn last_time(&self) -> f64 {
+        match self.last {
+            Some(_) => self.origin.time,
+            None => self.state.time,
+        }
+    }
+
+    /// The state at a time of the last step by its polynomial, of third order; not reconciled.
+    pub fn between(&self, time: f64) -> State {
+        let Some(h) = self.last.filter(|_| time != self.state.time) else {
+            return self.state.clone();
+        };
+        let s = (time - self.origin.time) / h;
+        let weights = lagrange(s);
+        let mix = |all: &Stages| -> Vec<f64> {
+            (0..all[0].len())
+                .map(|k| weights[0] * all[0][k] + weights[1] * all[1][k] + weights[2] * all[2][k])
+                .collect()
+        };
+        let (z, w) = (mix(&self.polynomial.z), mix(&self.polynomial.w));
+        let step = 1e-4;
+        let (up, down) = (lagrange(s + step), lagrange(s - step));
+        let slope = |all: &Stages, k: usize| {
+            (0..3)
+                .map(|i| (up[i] - down[i]) / (2.0 * step * h) * all[i][k])
+                .sum()
+        };
+        let mut state = State::empty();
+        self.equations.stage_state(
+            self.system,
+            &self.origin,
+            time,
+            (&z, &w),
+            (&|k| slope(&self.polynomial.w, k), &|k| {
+                slope(&self.polynomial.z, k)
+            }),
+            &mut state,
+        );
+        state
+    }
+
+    /// The state at a time of the last step, on its constraints at all three levels.
+    ///
+    /// # Errors
+    /// [`MotionError`] as of [`Self::output`].
+    pub fn output_at(&mut self, time: f64) -> Result<State, MotionError> {
+        let mut state = self.between(time);
+        let step = self.settings.hmax * 1e-2;
+        self.consistent
+            .reconcile(self.system, self.parameters, &mut state, step)
+            .map_err(|reason| reason.at(self.origin.time))?;
+        Ok(state)
+    }
+
+    /// Takes the last step back and ends it at an earlier time.
+    ///
+    /// # Errors
+    /// [`MotionError`] as of [`Self::advance_to`].
+    pub fn end_step_at(&mut self, time: f64) -> Result<(), MotionError> {
+        if self.last.is_none() || time >= self.state.time {
+            return Ok(());
+        }
+        self.state = self.origin.clone();
+        self.restart();
+        self.h = (time - self.state.time).min(self.h);
+        self.advance_to(time)
+    }
+
+    /// Begins anew from where it stands: nothing of the steps before is used.
+    pub fn restart(&mut self) {
+        self.last = None;
+        self.before = None;
+        self.factored = None;
+    }
+
+    /// The step to try next.
+    pub fn set_step(&mut self, h: f64) {
+        self.h = h.min(self.settings.hmax);
+    }
+
     fn tolerance(&self) -> f64 {
         self.settings.error * INSIDE
     }
@@ -187,7 +301,9 @@ impl<'a> Integrator<'a> {
                 return Err(Reason::StepTooSmall { step, worst }.at(time));
             }
             // Even steps to the end: the last one is no splinter.
-            let count = (left / self.h.min(self.settings.hmax) - 1e-9).ceil().max(1.0);
+            let count = (left / self.h.min(self.settings.hmax) - 1e-9)
+                .ceil()
+                .max(1.0);
             let h = left / count;
             let to = if count == 1.0 { end } else { time + h };
             if let Err(reason) = self.prepare(h) {
@@ -204,13 +320,13 @@ impl<'a> Integrator<'a> {
                         }
                     };
                     let budget = self.settings.maxit as f64;
-                    let safety =
-                        SAFETY * (2.0 * budget + 1.0) / (2.0 * budget + iterations as f64);
+                    let safety = SAFETY * (2.0 * budget + 1.0) / (2.0 * budget + iterations as f64);
                     let mut factor = safety * error.powf(-0.25);
                     if error < 1.0 {
                         if let Some((h_before, error_before)) = self.before {
                             // Gustafsson's prediction: how the error changed with the last step.
-                            let predicted = safety * (h / h_before)
+                            let predicted = safety
+                                * (h / h_before)
                                 * (error_before / (error * error)).powf(0.25);
                             factor = factor.min(predicted);
                         }
@@ -228,7 +344,11 @@ impl<'a> Integrator<'a> {
                     }
                     self.statistics.rejected += 1;
                     rejected = true;
-                    let factor = if error.is_finite() { factor.clamp(SHORTEST, 0.9) } else { SHORTEST };
+                    let factor = if error.is_finite() {
+                        factor.clamp(SHORTEST, 0.9)
+                    } else {
+                        SHORTEST
+                    };
                     self.h = h * factor;
                 }
                 Err(NotSettled) => {
@@ -311,9 +431,7 @@ impl<'a> Integrator<'a> {
     /// Newton's iteration; gives how many iterations it took.
     fn solve(&mut self, h: f64) -> Result<usize, NotSettled> {
         let mut before = 0.0;
-        let limit = KAPPA
-            * self.settings.corrector
-            * (1.0 + self.settings.adaptivity / h);
+        let limit = KAPPA * self.settings.corrector * (1.0 + self.settings.adaptivity / h);
         for iteration in 1..=self.settings.maxit {
             let change = match self.equations.iterate(
                 self.system,
@@ -413,6 +531,10 @@ impl<'a> Integrator<'a> {
                 let at = system.first_variable + k;
                 look(z[at] / (tolerance * sizes.variable), at, false);
             }
+            // Multipliers are extrapolated: an iteration that left them alone would let their errors grow from step to step.
+            for at in system.first_equation..system.first_variable {
+                look(z[at] / (tolerance.sqrt() * sizes.multiplier), at, false);
+            }
         }
         worst
     }
@@ -421,9 +543,8 @@ impl<'a> Integrator<'a> {
     fn error(&mut self, h: f64, again: bool) -> Result<f64, String> {
         let system = self.system;
         let n = system.first_equation;
-        let sum = |all: &Stages, k: usize| {
-            (E[0] * all[0][k] + E[1] * all[1][k] + E[2] * all[2][k]) / h
-        };
+        let sum =
+            |all: &Stages, k: usize| (E[0] * all[0][k] + E[1] * all[1][k] + E[2] * all[2][k]) / h;
         let mut v = Vec::new();
         let mut a = Vec::new();
         system.velocity_vector(&self.state, &mut v);
@@ -439,9 +560,7 @@ impl<'a> Integrator<'a> {
             rates[at] = self.state.state_rates[k] + sum(&unknowns.z, at);
         }
         let g = self.equations.inertia_of(system, &a, &rates);
-        let first = self
-            .equations
-            .filtered(system, &self.state, h, (&r1, &g));
+        let first = self.equations.filtered(system, &self.state, h, (&r1, &g));
         let found = self.measured(&first.z, &first.w, false);
         let start = self.last.is_none() || again;
         if found.0 < 1.0 || !start {
@@ -456,9 +575,8 @@ impl<'a> Integrator<'a> {
         self.equations.stage_state(
             system,
             &self.state,
-            (self.state.time, h),
-            &z,
-            &first.w,
+            self.state.time,
+            (&z, &first.w),
             (&|k| -sum(&unknowns.w, k), &|k| -sum(&unknowns.z, k)),
             &mut beside,
         );
@@ -474,9 +592,7 @@ impl<'a> Integrator<'a> {
         let r1: Vec<f64> = (0..n)
             .map(|k| -(v[k] + first.w[k] + sum(&unknowns.z, k)))
             .collect();
-        let second = self
-            .equations
-            .filtered(system, &self.state, h, (&r1, &g));
+        let second = self.equations.filtered(system, &self.state, h, (&r1, &g));
         let found = self.measured(&second.z, &second.w, false);
         self.worst = format!("the error is that of {}", self.told(found));
         Ok(found.0.max(1e-10))
@@ -487,23 +603,21 @@ impl<'a> Integrator<'a> {
         let system = self.system;
         let B = self.equations.tableau.B[2];
         let unknowns = &self.unknowns;
-        let rate = |all: &Stages, k: usize| {
-            (B[0] * all[0][k] + B[1] * all[1][k] + B[2] * all[2][k]) / h
-        };
+        let rate =
+            |all: &Stages, k: usize| (B[0] * all[0][k] + B[1] * all[1][k] + B[2] * all[2][k]) / h;
         let mut end = State::empty();
         self.equations.stage_state(
             system,
             &self.state,
-            (to, h),
-            &unknowns.z[2],
-            &unknowns.w[2],
+            to,
+            (&unknowns.z[2], &unknowns.w[2]),
             (&|k| rate(&unknowns.w, k), &|k| rate(&unknowns.z, k)),
             &mut end,
         );
         let scratch = &mut self.equations.scratch;
         system.drive_on(self.parameters, &mut end, scratch)?;
         system.accept(self.parameters, &mut end, scratch);
-        self.state = end;
+        self.origin = std::mem::replace(&mut self.state, end);
         std::mem::swap(&mut self.unknowns, &mut self.polynomial);
         self.last = Some(h);
         self.statistics.steps += 1;
@@ -524,6 +638,9 @@ impl<'a> Integrator<'a> {
         for state in &self.state.states {
             sizes.state = sizes.state.max(state.abs());
         }
+        for multiplier in &self.state.multipliers {
+            sizes.multiplier = sizes.multiplier.max(multiplier.abs());
+        }
         for variable in &self.state.variables {
             sizes.variable = sizes.variable.max(variable.abs());
         }
@@ -532,4 +649,3 @@ impl<'a> Integrator<'a> {
 
 /// The iteration of a step does not settle.
 struct NotSettled;
-

@@ -197,13 +197,11 @@ impl Equations {
         &self,
         system: &System,
         start: &State,
-        (time, h): (f64, f64),
-        z: &[f64],
-        w: &[f64],
+        time: f64,
+        (z, w): (&[f64], &[f64]),
         (rate, state_rate): (&dyn Fn(usize) -> f64, &dyn Fn(usize) -> f64),
         stage: &mut State,
     ) {
-        let _ = h;
         stage.clone_from(start);
         stage.time = time;
         system.advance(stage, z);
@@ -245,9 +243,8 @@ impl Equations {
             self.stage_state(
                 system,
                 start,
-                (start.time + C[i] * h, h),
-                &unknowns.z[i],
-                &unknowns.w[i],
+                start.time + C[i] * h,
+                (&unknowns.z[i], &unknowns.w[i]),
                 (&|k| rate_of(&unknowns.w, k), &|k| rate_of(&unknowns.z, k)),
                 &mut stage,
             );
@@ -451,13 +448,7 @@ fn right_side<T: Scalar>(
 }
 
 /// Displacements from z^2 dd, and velocities.
-fn finished<T: Scalar>(
-    system: &System,
-    z: T,
-    e: &[T],
-    mut b: Vec<T>,
-    mu: Vec<T>,
-) -> Correction<T> {
+fn finished<T: Scalar>(system: &System, z: T, e: &[T], mut b: Vec<T>, mu: Vec<T>) -> Correction<T> {
     let n = system.first_equation;
     let inverse = T::ONE / (z * z);
     let mut w = Vec::with_capacity(n);

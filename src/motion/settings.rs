@@ -32,7 +32,11 @@ impl Settings {
             hmax,
             hmin: given.hmin.filter(|h| *h > 0.0).unwrap_or(1e-6 * hmax),
             maxit: given.maxit.map_or(10, |n| n.clamp(2, 100)),
-            corrector: if given.corrector == "MODIFIED" { 10.0 } else { 1.0 },
+            corrector: if given.corrector == "MODIFIED" {
+                10.0
+            } else {
+                1.0
+            },
             adaptivity: given.adaptivity,
         }
     }

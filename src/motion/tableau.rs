@@ -34,7 +34,8 @@ pub(super) const E: [f64; 3] = [
 /// The real eigenvalue of the inverse of A.
 pub(super) const GAMMA: f64 = 3.637_834_252_744_496;
 /// One of the complex pair.
-pub(super) const ALPHA_BETA: Complex<f64> = Complex::new(2.681_082_873_627_752, 3.050_430_199_247_411);
+pub(super) const ALPHA_BETA: Complex<f64> =
+    Complex::new(2.681_082_873_627_752, 3.050_430_199_247_411);
 
 /// What does not fit into constants: the inverse of A, and the transformation with its inverse.
 #[derive(Clone, Debug)]

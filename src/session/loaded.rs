@@ -63,7 +63,11 @@ pub(super) enum Beginning {
 impl Beginning {
     /// After a static solution: at the start the velocities of the dataset count again.
     pub fn after_statics(self, time: f64) -> Self {
-        if time == 0.0 { Self::Dataset } else { Self::Rest }
+        if time == 0.0 {
+            Self::Dataset
+        } else {
+            Self::Rest
+        }
     }
 
     fn after_change(self) -> Self {

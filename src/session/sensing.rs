@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::loaded::{Compiled, Loaded};
 use super::message::exponent;
-use crate::model::Model;
+use crate::model::{Model, Sensor};
 use crate::system::{Parameters, Scratch, State, System};
 
 /// What the sensors that fired at an output step ask for.
@@ -18,6 +18,8 @@ pub(super) struct Sensed {
     pub returns: bool,
     /// DT: the time between output steps from here on.
     pub dt: Option<f64>,
+    /// STEPSIZE: the next integration step.
+    pub stepsize: Option<f64>,
 }
 
 impl Loaded {
@@ -46,6 +48,41 @@ impl Loaded {
 }
 
 impl Sensed {
+    /// A sensor that becomes active in a motion, in the words of ADAMS.
+    pub fn activate(&mut self, sensor: &Sensor, time: f64, value: f64, evaluated: bool) {
+        let digits = |value: f64| exponent(value, 6).to_lowercase();
+        _ = writeln!(
+            self.said,
+            "\nSensor/{} has become active at time = {time:.6}.\nCurrent sensed value = {}.",
+            sensor.header.id,
+            digits(value)
+        );
+        if sensor.stops {
+            let action = if sensor.halts { "HALT" } else { "RETURN" };
+            let name = &sensor.header.name;
+            _ = writeln!(
+                self.said,
+                "   Triggered action {action}.\n\n---- START: WARNING ----\nmodel.{name} halting simulation at time {}\n---- END: WARNING ----\n",
+                digits(time)
+            );
+        }
+        for (word, value) in [("DT", sensor.dt), ("STEPSIZE", sensor.stepsize)] {
+            if let Some(value) = value {
+                _ = writeln!(self.said, "   Triggered action {word}={value}.");
+            }
+        }
+        if evaluated {
+            _ = writeln!(self.said, "   Triggered action EVALUATE.");
+        }
+        if sensor.stops {
+            _ = writeln!(self.said, "  Dynamic Solution stopped.");
+        }
+        self.halts |= sensor.halts;
+        self.returns |= sensor.stops;
+        self.dt = sensor.dt.filter(|dt| *dt > 0.0).or(self.dt);
+        self.stepsize = sensor.stepsize.filter(|h| *h > 0.0).or(self.stepsize);
+    }
+
     /// What the sensors of a model say of a state; those that fire keep their value in it.
     pub fn at(model: &Model, system: &System, parameters: &Parameters, state: &mut State) -> Self {
         let mut sensed = Self::default();

@@ -4,11 +4,12 @@ use std::fmt::Write as _;
 use std::time::Duration;
 
 use super::loaded::{Beginning, Compiled, Loaded};
+use super::measures::Measures;
 use super::message::exponent;
 use super::run::{Flow, Locate, Place, Session, Stop};
-use super::sensing::Sensed;
 use super::simulate::{OutputTimes, Phases};
 use super::simulation::{as_adams_names, too_many};
+use super::watching::Watch;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::motion::{self, Consistent, Integrator, Kept, MotionError, Settings};
 use crate::results::StepKind;
@@ -53,7 +54,13 @@ impl Session<'_> {
 
     /// What acts in motion and is not solved, said once per command.
     fn refuse_motion(&mut self, place: Place<'_>) -> Option<Flow> {
-        let missing = self.model().compiled().value.system.not_in_motion().to_vec();
+        let missing = self
+            .model()
+            .compiled()
+            .value
+            .system
+            .not_in_motion()
+            .to_vec();
         if missing.is_empty() {
             return None;
         }
@@ -205,6 +212,9 @@ impl Session<'_> {
             .expect("a motion has begun with its equations");
         compiled.state.mode = MODE_DYNAMIC;
         let state = compiled.state.clone();
+        let interpolate = self.model().model.integrator.interpolate;
+        let model = self.model().model.clone();
+        let mut watch = Watch::new(&model, &compiled.system, &compiled.parameters);
         let mut integrator =
             Integrator::new(&compiled.system, &compiled.parameters, state, settings);
         let mut k = 1;
@@ -213,51 +223,65 @@ impl Session<'_> {
         while k <= times.count {
             let time = times.at(k);
             k += 1;
-            let reached = integrator.advance_to(time).and_then(|()| integrator.output());
-            let state = match reached {
-                Ok(state) => state,
+            let limit = if interpolate { times.end } else { time };
+            let reached = reach(&mut integrator, &mut watch, time, limit);
+            let state = reached.and_then(|event| {
+                let state = if event || !interpolate {
+                    integrator.output()
+                } else {
+                    integrator.output_at(time)
+                };
+                state.map(|state| (state, event))
+            });
+            let (state, event) = match state {
+                Ok(found) => found,
                 Err(error) => {
                     self.motion_failed(&error, place);
                     ended = Ok(None);
                     break;
                 }
             };
-            let done = integrator.statistics();
-            let row = Row {
-                time,
-                step: integrator.step(),
-                evaluations: done.evaluations,
-                steps: done.steps,
-            };
-            self.messages.progress(&mut progress, row);
             last = state;
-            let loaded = self.model();
-            let written = loaded.outputs.step(
-                StepKind::Dynamic,
-                &loaded.model,
-                &mut super::measures::Measures::new(&compiled.system, &compiled.parameters, &last),
-            );
-            if let Err(diagnostic) = written {
-                return self.unwritable(&diagnostic).map(|()| None);
+            let sensed = watch.fire(&mut last);
+            integrator.set_sensors(&last.sensors);
+            if event {
+                // The time of an event is no output time: what is left of the interval follows.
+                k -= 1;
+            } else {
+                let done = integrator.statistics();
+                let row = Row {
+                    time,
+                    step: integrator.step(),
+                    evaluations: done.evaluations,
+                    steps: done.steps,
+                };
+                self.messages.progress(&mut progress, row);
+                let loaded = self.model();
+                let written = loaded.outputs.step(
+                    StepKind::Dynamic,
+                    &loaded.model,
+                    &mut Measures::new(&compiled.system, &compiled.parameters, &last),
+                );
+                if let Err(diagnostic) = written {
+                    return self.unwritable(&diagnostic).map(|()| None);
+                }
             }
-            let loaded = self.model();
-            let sensed = Sensed::at(
-                &loaded.model,
-                &compiled.system,
-                &compiled.parameters,
-                &mut last,
-            );
             if !sensed.said.is_empty() {
                 self.messages.say(&sensed.said);
-                integrator.set_sensors(&last.sensors);
             }
             self.messages.flush();
             if sensed.halts || sensed.returns {
                 ended = Ok(Some(sensed.halts));
                 break;
             }
-            if let Some(dt) = sensed.dt.filter(|_| time < times.end) {
-                let Some(other) = times.every(dt, time) else {
+            if event {
+                integrator.restart();
+            }
+            if let Some(h) = sensed.stepsize {
+                integrator.set_step(h);
+            }
+            if let Some(dt) = sensed.dt.filter(|_| last.time < times.end) {
+                let Some(other) = times.every(dt, last.time) else {
                     self.refused(too_many(dt), Some(place))?;
                     ended = Ok(None);
                     break;
@@ -318,11 +342,29 @@ impl Session<'_> {
     fn motion_failed(&mut self, error: &MotionError, place: Place<'_>) {
         let diagnostic = Diagnostic::error(
             Code::NoMotion,
-            format!("the simulation ends at time {}: {}", error.time, error.reason),
+            format!(
+                "the simulation ends at time {}: {}",
+                error.time, error.reason
+            ),
         );
         let diagnostic = Some(place).label(diagnostic);
         self.complain(&diagnostic);
     }
+}
+
+/// Steps on to a time, or to the event of a sensor before it: true.
+fn reach(
+    integrator: &mut Integrator<'_>,
+    watch: &mut Watch<'_>,
+    time: f64,
+    limit: f64,
+) -> Result<bool, MotionError> {
+    while integrator.state().time < time && integrator.step_towards(limit)? {
+        if watch.look(integrator)? {
+            return Ok(true);
+        }
+    }
+    Ok(false)
 }
 
 /// What follows an output step.

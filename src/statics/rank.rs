@@ -19,9 +19,7 @@ pub(super) fn redundant_equations(system: &System, J: &Matrix) -> Vec<bool> {
     let first = system.first_equation;
     let rows: Vec<(u32, u32, f64)> = J
         .entries()
-        .filter(|(row, column, _)| {
-            *column < first && (first..system.first_variable).contains(row)
-        })
+        .filter(|(row, column, _)| *column < first && (first..system.first_variable).contains(row))
         .map(|(row, column, value)| ((row - first) as u32, column as u32, value))
         .collect();
     system.redundant_rows(&rows)

@@ -111,8 +111,10 @@ impl Configuration<'_> {
         let part = self.system.owners[marker];
         if self.moving() && self.system.bodies[part].freedoms > 0 {
             let r = self.scratch.arms[marker];
-            let (velocity, acceleration) =
-                (&self.state.velocities[part], &self.state.accelerations[part]);
+            let (velocity, acceleration) = (
+                &self.state.velocities[part],
+                &self.state.accelerations[part],
+            );
             let (w, b) = (velocity.angular, acceleration.angular);
             frame.v = velocity.linear + w.cross(&r);
             frame.w = w;

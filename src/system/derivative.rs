@@ -348,7 +348,8 @@ impl System {
                 sources().any(|source| matches!(source, Source::Force(_)))
             }
             Role::Literals(function) | Role::Override(function) => {
-                let measured = sources().any(|s| matches!(s, Source::Force(_) | Source::StateRate(..)));
+                let measured =
+                    sources().any(|s| matches!(s, Source::Force(_) | Source::StateRate(..)));
                 measured || self.conditions.iter().any(|c| c.function == function)
             }
         }

@@ -45,7 +45,10 @@ impl Configuration<'_> {
                 let out = &mut scratch.contribution;
                 out.D = Some(turn(&out.R, &scratch.wrench.by_motion));
                 if self.state.moves() && element.damping.is_some() {
-                    let (i, j) = (self.moving_frame(Some(element.i)), self.moving_frame(Some(element.j)));
+                    let (i, j) = (
+                        self.moving_frame(Some(element.i)),
+                        self.moving_frame(Some(element.j)),
+                    );
                     let E = if element.active {
                         turn(&j.pose.R, &self.scratch.wrench.by_rate)
                     } else {

@@ -210,8 +210,7 @@ impl Configuration<'_> {
             let r = self.scratch.arms[marker];
             let (e_w, a_w) = (by.v.cross(&w), by.a.cross(&w));
             let shift = by.shift;
-            let turn = by.turn
-                + r.cross(&(by.shift + e_w + by.a.cross(&b) + a_w.cross(&w)));
+            let turn = by.turn + r.cross(&(by.shift + e_w + by.a.cross(&b) + a_w.cross(&w)));
             let by_v = by.v;
             let by_w = by.w + r.cross(&by.v) + w.cross(&r).cross(&by.a) + r.cross(&a_w);
             let levels = [

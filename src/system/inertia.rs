@@ -22,8 +22,10 @@ impl Configuration<'_> {
             }
             let place = system.place(part);
             let M = system.mass_matrix(self.parameters, self.state, PartIx(part));
-            let (velocity, acceleration) =
-                (&self.state.velocities[part], &self.state.accelerations[part]);
+            let (velocity, acceleration) = (
+                &self.state.velocities[part],
+                &self.state.accelerations[part],
+            );
             let (a, b, w) = (acceleration.linear, acceleration.angular, velocity.angular);
             let m = M[(0, 0)];
             let mc = Vec3::new(M[(5, 1)], M[(3, 2)], M[(4, 0)]);

@@ -38,7 +38,7 @@ pub use load::Load;
 pub use parameters::Parameters;
 pub use quantity::Quantity;
 pub use reading::Reading;
-pub use scratch::Scratch;
 pub(crate) use rows::Rows;
+pub use scratch::Scratch;
 pub use state::{Driven, Equilibrium, Rates, State};
 pub use structure::{ConstraintIx, ElementIx, Name, System};

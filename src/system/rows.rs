@@ -274,7 +274,11 @@ impl Configuration<'_> {
         }
         for condition in system.conditions.iter().filter(|c| c.active) {
             let out = self.state.redundant.get(condition.equation) == Some(&true);
-            gamma[condition.equation] = if out { 0.0 } else { found(condition.function)[1] };
+            gamma[condition.equation] = if out {
+                0.0
+            } else {
+                found(condition.function)[1]
+            };
         }
         Ok(())
     }
@@ -289,8 +293,8 @@ impl Configuration<'_> {
                 unit[k] = 1.0;
                 self.evaluate_term(joint, at, &unit);
                 let equations = &self.scratch.equations;
-                let mut second_rate = equations.jacobian[k].dot(&b)
-                    + turning.dot(&(equations.curvature * turning));
+                let mut second_rate =
+                    equations.jacobian[k].dot(&b) + turning.dot(&(equations.curvature * turning));
                 if k == 0 && term.law.parameter_count() > 0 {
                     second_rate += 2.0 * rate * equations.jacobian_by_parameter.dot(&u)
                         + equations.residual_by_parameter * second;
@@ -317,11 +321,7 @@ impl Configuration<'_> {
     }
 
     /// First and second rates of functions along the motion, the accelerations zero.
-    fn function_rates(
-        &mut self,
-        functions: &[usize],
-        step: f64,
-    ) -> Result<Vec<[f64; 2]>, NoValue> {
+    fn function_rates(&mut self, functions: &[usize], step: f64) -> Result<Vec<[f64; 2]>, NoValue> {
         if functions.is_empty() {
             return Ok(Vec::new());
         }

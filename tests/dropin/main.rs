@@ -8,6 +8,7 @@ mod entities;
 mod errors;
 mod external;
 mod launch;
+mod motion;
 mod redefinitions;
 mod reference;
 mod run;

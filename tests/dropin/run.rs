@@ -92,7 +92,17 @@ pub struct Results {
 }
 
 impl Results {
+    /// The steps of a static or quasi-static run.
     pub fn read(folder: &Path, name: &str) -> Self {
+        Self::read_steps(folder, name, |line| line.contains("\"quasiStatic\""))
+    }
+
+    /// The steps of a run of any kind.
+    pub fn read_all(folder: &Path, name: &str) -> Self {
+        Self::read_steps(folder, name, |line| !line.contains("\"input\""))
+    }
+
+    fn read_steps(folder: &Path, name: &str, wanted: impl Fn(&str) -> bool) -> Self {
         let text = text(folder, name);
         let between = |line: &str, before: &str| {
             let start = line.find(before)? + before.len();
@@ -118,7 +128,7 @@ impl Results {
                     (entity.clone(), name),
                     between(line, " id=\"").unwrap().parse().unwrap(),
                 );
-            } else if line.starts_with("<Step") && line.contains("\"quasiStatic\"") {
+            } else if line.starts_with("<Step") && wanted(line) {
                 open = Some(Vec::new());
             }
         }

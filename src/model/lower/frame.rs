@@ -2,9 +2,7 @@ use super::ids::Ids;
 use super::reader::Reader;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::mechanics::{Mat3, Pose, Vec3, euler313};
-use crate::model::{
-    InitialVelocity, Marker, MarkerIx, Model, Orientation, Part, PartIx, PartKind,
-};
+use crate::model::{InitialVelocity, Marker, MarkerIx, Model, Orientation, Part, PartIx, PartKind};
 use crate::syntax::Statement;
 
 /// PART, POINT_MASS, and the bodies only real ADAMS solves.

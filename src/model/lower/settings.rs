@@ -117,7 +117,10 @@ fn integrator(reader: &Reader, old: &IntegratorSettings) -> IntegratorSettings {
         old
     };
     let named = |words: &[&'static str], old: &'static str| {
-        let found = words.iter().copied().find(|word| reader.statement.has(word));
+        let found = words
+            .iter()
+            .copied()
+            .find(|word| reader.statement.has(word));
         found.unwrap_or(old)
     };
     let number = |name: &str, old: Option<f64>| reader.statement.first(name).or(old);

@@ -3,8 +3,8 @@
 use super::{Compiler, Header, Name, name};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::element::{Beam, Damping, Law, ScalarForce};
-use crate::mechanics::{Mat6, Vec6};
 use crate::grammar::{self, Components, LawDef, StatementDef};
+use crate::mechanics::{Mat6, Vec6};
 use crate::model::{SforceKind, SpringKind, VectorForceKind, law_arguments};
 use crate::system::catalogue::{Quantity, Role};
 use crate::system::multi::Multi;

@@ -233,7 +233,10 @@ impl<'a> Compiler<'a> {
 
     fn start(&mut self, part: &Part) -> Start {
         let start = part.start;
-        for marker in [start.linear_axes, start.angular_axes].into_iter().flatten() {
+        for marker in [start.linear_axes, start.angular_axes]
+            .into_iter()
+            .flatten()
+        {
             self.used[marker.0] = true;
         }
         Start {

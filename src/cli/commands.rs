@@ -1,0 +1,46 @@
+use std::path::PathBuf;
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::session::recorded_commands;
+
+use super::Outcome;
+use super::shell::{Exit, Shell};
+
+/// Turn the commands that a message file records into a command file.
+///
+/// A run under Simulink or another program is driven by commands from outside; ADAMS writes each into its message file. As a command file
+/// they repeat the run without that program.
+#[derive(clap::Args, Debug)]
+#[command(
+    after_help = "Examples:\n  admire commands plant.msg --out replay.acf\n  admire solve replay.acf"
+)]
+pub(super) struct Arguments {
+    /// The message file (.msg).
+    messages: PathBuf,
+    /// The dataset to read where no command names one; the name of the message file if absent.
+    #[arg(long, value_name = "NAME")]
+    model: Option<String>,
+    /// Where to write it; standard output if absent.
+    #[arg(long, short, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+/// Prints or writes the command file.
+pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    let source = shell.read(&arguments.messages)?;
+    let stem = arguments.messages.file_stem();
+    let usual = stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    let model = arguments.model.as_deref().unwrap_or(&usual);
+    let text = String::from_utf8_lossy(source.bytes());
+    let Some(commands) = recorded_commands(&text, model) else {
+        let message = format!("`{}` records no commands", arguments.messages.display());
+        shell.complain(&[Diagnostic::error(Code::UnsupportedResults, message)
+            .help("a message file has them behind `command:`")]);
+        return Err(Exit::Findings);
+    };
+    match &arguments.out {
+        Some(path) => shell.write(path, commands.as_bytes())?,
+        None => shell.print(&commands),
+    }
+    Ok(Exit::Fine)
+}
