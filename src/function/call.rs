@@ -563,9 +563,8 @@ fn rate_of(name: &str) -> Option<(RateKind, RateAxis)> {
 fn rate_places(kind: RateKind, axis: RateAxis) -> &'static [usize] {
     match (kind, axis) {
         (RateKind::AngularVelocity, RateAxis::Axis(_)) => &[0, 1, 2],
-        (RateKind::AngularVelocity, _) => &[0, 1],
         // VR is the same in every frame: its L is not looked at.
-        (_, RateAxis::Along) => &[0, 1],
+        (RateKind::AngularVelocity, _) | (_, RateAxis::Along) => &[0, 1],
         (_, RateAxis::Magnitude) => &[0, 1, 3],
         (_, RateAxis::Axis(_)) => &[0, 1, 2, 3],
     }

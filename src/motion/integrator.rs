@@ -310,60 +310,55 @@ impl<'a> Integrator<'a> {
                 return Err(reason.at(time));
             }
             self.predict(h);
-            match self.solve(h) {
-                Ok(iterations) => {
-                    let error = match self.error(h, rejected) {
-                        Ok(error) => error,
-                        Err(worst) => {
-                            self.worst = worst;
-                            f64::INFINITY
-                        }
-                    };
-                    let budget = self.settings.maxit as f64;
-                    let safety = SAFETY * (2.0 * budget + 1.0) / (2.0 * budget + iterations as f64);
-                    let mut factor = safety * error.powf(-0.25);
-                    if error < 1.0 {
-                        if let Some((h_before, error_before)) = self.before {
-                            // Gustafsson's prediction: how the error changed with the last step.
-                            let predicted = safety
-                                * (h / h_before)
-                                * (error_before / (error * error)).powf(0.25);
-                            factor = factor.min(predicted);
-                        }
-                        let mut factor = factor.clamp(SHORTEST, LONGEST);
-                        if rejected {
-                            factor = factor.min(1.0);
-                        }
-                        if (1.0..=WORTH).contains(&factor) && self.factored.is_some() {
-                            factor = 1.0;
-                        }
-                        self.accept(h, to).map_err(|reason| reason.at(time))?;
-                        self.before = Some((h, error.max(1e-2)));
-                        self.h = (h * factor).min(self.settings.hmax);
-                        return Ok(());
-                    }
-                    self.statistics.rejected += 1;
+            let Ok(iterations) = self.solve(h) else {
+                self.statistics.rejected += 1;
+                failures += 1;
+                if self.fresh || failures > 1 {
+                    self.h = 0.4 * h;
                     rejected = true;
-                    let factor = if error.is_finite() {
-                        factor.clamp(SHORTEST, 0.9)
-                    } else {
-                        SHORTEST
-                    };
-                    self.h = h * factor;
+                } else {
+                    // The same step with derivatives of here.
+                    self.h = h;
                 }
-                Err(NotSettled) => {
-                    self.statistics.rejected += 1;
-                    failures += 1;
-                    if self.fresh || failures > 1 {
-                        self.h = 0.4 * h;
-                        rejected = true;
-                    } else {
-                        // The same step with derivatives of here.
-                        self.h = h;
-                    }
-                    self.factored = None;
+                self.factored = None;
+                continue;
+            };
+            let error = match self.error(h, rejected) {
+                Ok(error) => error,
+                Err(worst) => {
+                    self.worst = worst;
+                    f64::INFINITY
                 }
+            };
+            let budget = self.settings.maxit as f64;
+            let safety = SAFETY * (2.0 * budget + 1.0) / (2.0 * budget + iterations as f64);
+            let mut factor = safety * error.powf(-0.25);
+            if error < 1.0 {
+                if let Some((h_before, error_before)) = self.before {
+                    // Gustafsson's prediction: how the error changed with the last step.
+                    let trend = (error_before / (error * error)).powf(0.25);
+                    factor = factor.min(safety * (h / h_before) * trend);
+                }
+                factor = factor.clamp(SHORTEST, LONGEST);
+                if rejected {
+                    factor = factor.min(1.0);
+                }
+                if (1.0..=WORTH).contains(&factor) && self.factored.is_some() {
+                    factor = 1.0;
+                }
+                self.accept(h, to).map_err(|reason| reason.at(time))?;
+                self.before = Some((h, error.max(1e-2)));
+                self.h = (h * factor).min(self.settings.hmax);
+                return Ok(());
             }
+            self.statistics.rejected += 1;
+            rejected = true;
+            let factor = if error.is_finite() {
+                factor.clamp(SHORTEST, 0.9)
+            } else {
+                SHORTEST
+            };
+            self.h = h * factor;
         }
     }
 

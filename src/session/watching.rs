@@ -76,9 +76,7 @@ impl<'a> Watch<'a> {
         for place in PLACES {
             let time = from + place * (to - from);
             let now = self.values(&integrator.between(time));
-            let crossing = (0..now.len()).find(|&k| self.crosses(k, before[k], now[k]));
-            if let Some(first) = crossing {
-                let _ = first;
+            if (0..now.len()).any(|k| self.crosses(k, before[k], now[k])) {
                 self.locate(integrator, (earlier, time), &before)?;
                 let state = integrator.state().clone();
                 self.before = Some(self.values(&state));

@@ -128,7 +128,7 @@ impl Results {
                     (entity.clone(), name),
                     between(line, " id=\"").unwrap().parse().unwrap(),
                 );
-            } else if line.starts_with("<Step") && wanted(line) {
+            } else if line.starts_with("<Step ") && wanted(line) {
                 open = Some(Vec::new());
             }
         }
