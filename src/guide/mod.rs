@@ -36,6 +36,7 @@ macro_rules! pages {
 
 pages! {
     drop_in
+    motion
     real_adams
     study
     diagnosis

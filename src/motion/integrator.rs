@@ -49,22 +49,22 @@ struct Sizes {
 
 /// A motion on its way through time.
 pub struct Integrator<'a> {
-    system: &'a System,
-    parameters: &'a Parameters,
-    settings: Settings,
-    state: State,
-    equations: Equations,
-    consistent: Consistent,
+    pub(super) system: &'a System,
+    pub(super) parameters: &'a Parameters,
+    pub(super) settings: Settings,
+    pub(super) state: State,
+    pub(super) equations: Equations,
+    pub(super) consistent: Consistent,
     unknowns: Unknowns,
     /// The unknowns of the last step: what the next one begins with.
-    polynomial: Unknowns,
+    pub(super) polynomial: Unknowns,
     sizes: Sizes,
     /// The step to try next.
-    h: f64,
+    pub(super) h: f64,
     /// The last step; none after a start.
-    last: Option<f64>,
+    pub(super) last: Option<f64>,
     /// Where the last step began.
-    origin: State,
+    pub(super) origin: State,
     /// The last step and its error, for the prediction of the next one.
     before: Option<(f64, f64)>,
     /// The step that the factors are of.
@@ -176,21 +176,6 @@ impl<'a> Integrator<'a> {
         }
     }
 
-    /// Goes past a time in steps that end at `limit` at the latest: what lies between steps is interpolated.
-    ///
-    /// # Errors
-    /// [`MotionError`] as of [`Self::advance_to`].
-    pub fn advance_past(&mut self, time: f64, limit: f64) -> Result<(), MotionError> {
-        while self.state.time < time {
-            let left = limit - self.state.time;
-            if left <= 1e-12 * limit.abs().max(self.settings.hmax) {
-                break;
-            }
-            self.take_step(left, limit)?;
-        }
-        Ok(())
-    }
-
     /// One step, at most to `end`. False if it is there.
     ///
     /// # Errors
@@ -202,75 +187,6 @@ impl<'a> Integrator<'a> {
         }
         self.take_step(left, end)?;
         Ok(true)
-    }
-
-    /// Where the last step began.
-    pub fn last_time(&self) -> f64 {
-        match self.last {
-            Some(_) => self.origin.time,
-            None => self.state.time,
-        }
-    }
-
-    /// The state at a time of the last step by its polynomial, of third order; not reconciled.
-    pub fn between(&self, time: f64) -> State {
-        let Some(h) = self.last.filter(|_| time != self.state.time) else {
-            return self.state.clone();
-        };
-        let s = (time - self.origin.time) / h;
-        let weights = lagrange(s);
-        let mix = |all: &Stages| -> Vec<f64> {
-            (0..all[0].len())
-                .map(|k| weights[0] * all[0][k] + weights[1] * all[1][k] + weights[2] * all[2][k])
-                .collect()
-        };
-        let (z, w) = (mix(&self.polynomial.z), mix(&self.polynomial.w));
-        let step = 1e-4;
-        let (up, down) = (lagrange(s + step), lagrange(s - step));
-        let slope = |all: &Stages, k: usize| {
-            (0..3)
-                .map(|i| (up[i] - down[i]) / (2.0 * step * h) * all[i][k])
-                .sum()
-        };
-        let mut state = State::empty();
-        self.equations.stage_state(
-            self.system,
-            &self.origin,
-            time,
-            (&z, &w),
-            (&|k| slope(&self.polynomial.w, k), &|k| {
-                slope(&self.polynomial.z, k)
-            }),
-            &mut state,
-        );
-        state
-    }
-
-    /// The state at a time of the last step, on its constraints at all three levels.
-    ///
-    /// # Errors
-    /// [`MotionError`] as of [`Self::output`].
-    pub fn output_at(&mut self, time: f64) -> Result<State, MotionError> {
-        let mut state = self.between(time);
-        let step = self.settings.hmax * 1e-2;
-        self.consistent
-            .reconcile(self.system, self.parameters, &mut state, step)
-            .map_err(|reason| reason.at(self.origin.time))?;
-        Ok(state)
-    }
-
-    /// Takes the last step back and ends it at an earlier time.
-    ///
-    /// # Errors
-    /// [`MotionError`] as of [`Self::advance_to`].
-    pub fn end_step_at(&mut self, time: f64) -> Result<(), MotionError> {
-        if self.last.is_none() || time >= self.state.time {
-            return Ok(());
-        }
-        self.state = self.origin.clone();
-        self.restart();
-        self.h = (time - self.state.time).min(self.h);
-        self.advance_to(time)
     }
 
     /// Begins anew from where it stands: nothing of the steps before is used.

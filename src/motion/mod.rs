@@ -6,6 +6,7 @@
 mod assembly;
 mod bordered;
 mod consistent;
+mod dense;
 mod error;
 mod integrator;
 mod kinematic;

@@ -1,0 +1,78 @@
+//! What lies between the ends of a step.
+
+use super::error::MotionError;
+use super::integrator::Integrator;
+use super::newton::Stages;
+use super::tableau::lagrange;
+use crate::system::State;
+
+impl Integrator<'_> {
+    /// Where the last step began.
+    pub fn last_time(&self) -> f64 {
+        match self.last {
+            Some(_) => self.origin.time,
+            None => self.state.time,
+        }
+    }
+
+    /// The state at a time of the last step by its polynomial, of third order; not reconciled.
+    pub fn between(&self, time: f64) -> State {
+        let Some(h) = self.last.filter(|_| time != self.state.time) else {
+            return self.state.clone();
+        };
+        let s = (time - self.origin.time) / h;
+        let weights = lagrange(s);
+        let mix = |all: &Stages| -> Vec<f64> {
+            (0..all[0].len())
+                .map(|k| weights[0] * all[0][k] + weights[1] * all[1][k] + weights[2] * all[2][k])
+                .collect()
+        };
+        let (z, w) = (mix(&self.polynomial.z), mix(&self.polynomial.w));
+        let step = 1e-4;
+        let (up, down) = (lagrange(s + step), lagrange(s - step));
+        let slope = |all: &Stages, k: usize| {
+            (0..3)
+                .map(|i| (up[i] - down[i]) / (2.0 * step * h) * all[i][k])
+                .sum()
+        };
+        let mut state = State::empty();
+        self.equations.stage_state(
+            self.system,
+            &self.origin,
+            time,
+            (&z, &w),
+            (&|k| slope(&self.polynomial.w, k), &|k| {
+                slope(&self.polynomial.z, k)
+            }),
+            &mut state,
+        );
+        state
+    }
+
+    /// The state at a time of the last step, on its constraints at all three levels.
+    ///
+    /// # Errors
+    /// [`MotionError`] as of [`Self::output`].
+    pub fn output_at(&mut self, time: f64) -> Result<State, MotionError> {
+        let mut state = self.between(time);
+        let step = self.settings.hmax * 1e-2;
+        self.consistent
+            .reconcile(self.system, self.parameters, &mut state, step)
+            .map_err(|reason| reason.at(self.origin.time))?;
+        Ok(state)
+    }
+
+    /// Takes the last step back and ends it at an earlier time.
+    ///
+    /// # Errors
+    /// [`MotionError`] as of [`Self::advance_to`].
+    pub fn end_step_at(&mut self, time: f64) -> Result<(), MotionError> {
+        if self.last.is_none() || time >= self.state.time {
+            return Ok(());
+        }
+        self.state = self.origin.clone();
+        self.restart();
+        self.h = (time - self.state.time).min(self.h);
+        self.advance_to(time)
+    }
+}
