@@ -10,6 +10,8 @@ pub enum Cause {
     ProgressiveStiffness,
     /// Rate-independent hysteresis in a bushing or joint.
     DryFriction,
+    /// Rubber flows from case to case.
+    Creep,
     /// A part deforms along the line of its two joints.
     LinkCompliance,
     /// The ground-side attachment of a joint or spring yields.
@@ -48,6 +50,7 @@ impl Cause {
         match self {
             Self::ProgressiveStiffness => "progressive-stiffness",
             Self::DryFriction => "dry-friction",
+            Self::Creep => "creep",
             Self::LinkCompliance => "link-compliance",
             Self::BodyCompliance => "body-compliance",
             Self::AssemblyOffset => "assembly-offset",

@@ -410,7 +410,9 @@ pub(super) fn tolerances(
         }
         let (scale, unit) = match group {
             Group::Axes | Group::LoadDirections => (1f64.to_degrees(), "deg"),
-            Group::LoadGains | Group::Preloads | Group::KnownStiffnesses => (1.0, "fraction"),
+            Group::LoadGains | Group::Preloads | Group::SpringRates | Group::KnownStiffnesses => {
+                (1.0, "fraction")
+            }
             _ => (1.0 / length, "mm"),
         };
         out.insert(

@@ -51,13 +51,9 @@ impl Outcome<'_> {
                 .collect();
             let _ = writeln!(text, "! {}", names.join(", "));
         }
-        if fitted
-            .chosen
-            .iter()
-            .any(|h| h.cause == super::Cause::DryFriction)
-        {
+        if fitted.chosen.iter().any(|h| h.memory.is_some()) {
             text.push_str(
-                "! Friction has memory: where its springs are unstretched holds for this sequence of loads only.\n",
+                "! Friction and flow have memory: where their springs are unstretched holds for this sequence of loads only.\n",
             );
         }
         for (case, load) in programme.cases.iter().enumerate() {

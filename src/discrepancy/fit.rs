@@ -21,7 +21,13 @@ const REACH: [f64; 2] = [0.8, 1.2];
 /// A step that promises less than so many nats was the last one.
 const ENOUGH: f64 = 0.05;
 /// Steps of a fit at most.
-const STEPS: usize = 12;
+const STEPS: usize = 16;
+/// Sizes of tolerances are held for so many steps of a fit that starts from another, unless a step promises less than so many nats.
+const HELD: usize = 5;
+const NEAR: f64 = 30.0;
+/// A step that lowers the objective by less than this is a small one; after so many in a row a fit ends.
+const LITTLE: f64 = 0.2;
+const SLOW: usize = 3;
 /// Steps that led uphill are shortened so often.
 const SHORTER: usize = 8;
 
@@ -141,12 +147,13 @@ impl Fitted {
             .collect()
     }
 
-    /// Whether the data contradict the sign a chosen hypothesis must have.
+    /// Whether the data contradict the sign a chosen hypothesis must have, by two standard errors.
     pub fn has_wrong_sign(&self, chosen: usize) -> bool {
         let hypothesis = &self.chosen[chosen];
+        let at = self.places[chosen][0];
         hypothesis.one_sided
             && !matches!(hypothesis.numbers[0].unknown, Unknown::Compliance(_))
-            && self.x[self.places[chosen][0]] < 0.0
+            && self.x[at] < -2.0 * self.posterior.covariance[(at, at)].max(0.0).sqrt()
     }
 
     /// Estimate and standard error of stiffness `k` of the study, in units of the deck.
@@ -256,7 +263,7 @@ pub fn fit(
         Some((warm, _)) => warm.sizes.at(warm.sizes.modest(1.0)),
         None => subject.sizes.clone(),
     };
-    let settled = sweep.settle(x, &first, steps);
+    let settled = sweep.settle(x, &first, steps, warm.is_none());
     subject.spend(sweep.predictor.sweeps());
     let settled = settled?;
     let (mut thetas, mut states) = (Vec::new(), Vec::new());
@@ -430,8 +437,14 @@ impl Sweep<'_> {
         }
     }
 
-    /// Gauss-Newton over everything, the sizes by their evidence at every step.
-    fn settle(&mut self, start: Vec<f64>, first: &Sizes, steps: usize) -> Option<Settled> {
+    /// Gauss-Newton over everything, the sizes by their evidence: at every step where the stiffnesses `alone` were fitted before.
+    fn settle(
+        &mut self,
+        start: Vec<f64>,
+        first: &Sizes,
+        steps: usize,
+        alone: bool,
+    ) -> Option<Settled> {
         let mut sizes = first.clone();
         let mut x = start;
         let mut evaluation = self.evaluate(&x, None)?;
@@ -439,12 +452,17 @@ impl Sweep<'_> {
         let mut list = self.unknowns.list.clone();
         list.set_shares(&self.predictor.shares(&list.springs()).unwrap_or_default());
         let count = list.len();
+        let mut slow = 0;
         for step_number in 0.. {
             let linear = self.linear(&evaluation, &x);
-            sizes = linear.sized(&sizes);
-            let posterior = linear.posterior(&sizes)?;
+            // Far from the answer the sizes would take up what is not fitted yet.
+            let mut posterior = linear.posterior(&sizes)?;
+            if alone || step_number >= HELD || posterior.gain < NEAR {
+                sizes = linear.sized(&sizes);
+                posterior = linear.posterior(&sizes)?;
+            }
             let objective = linear.objective(&sizes);
-            if posterior.gain < ENOUGH || step_number >= steps {
+            if posterior.gain < ENOUGH || step_number >= steps || slow == SLOW {
                 return Some(Settled {
                     x,
                     evaluation,
@@ -473,6 +491,11 @@ impl Sweep<'_> {
                 if let Some(found) = self.evaluate(&there, None) {
                     let value = self.linear(&found, &there).objective(&sizes);
                     if value <= objective + ENOUGH {
+                        slow = if objective - value < LITTLE {
+                            slow + 1
+                        } else {
+                            0
+                        };
                         next = Some((there, found));
                         break;
                     }

@@ -1,7 +1,7 @@
 //! A hypothesis as data: what would be wrong, what that does to first order, and how a fit takes it in.
 
 use super::cause::Cause;
-use crate::identify::global::Row;
+use crate::identify::global::{Carries, Row};
 use crate::mechanics::Vec6;
 use crate::model::MarkerIx;
 use crate::syntax::{Address, NewStatement};
@@ -102,13 +102,15 @@ pub struct Hypothesis {
     pub memory: Option<MemoryPlan>,
 }
 
-/// A slider: its anchor before the first case, the length of its spring, and the function that measures its displacement.
+/// What a contact or rubber carries from case to case, and the function that measures its displacement.
 #[derive(Clone, PartialEq, Debug)]
 pub struct MemoryPlan {
-    /// A number of the extended deck.
+    /// A number of the extended deck: where its spring is unstretched before the first case.
     pub anchor: Address,
-    /// A number of the extended deck.
-    pub length: Address,
+    /// How that moves on.
+    pub carries: Carries,
+    /// A number of the extended deck: the length of a slider's spring, or the part of the way that rubber flows in a case.
+    pub by: Address,
     /// A function of the extended deck.
     pub measure: String,
 }

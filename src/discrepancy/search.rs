@@ -8,7 +8,7 @@ use super::scan::{Catalogue, Weighed};
 use super::subject::{Data, Subject};
 use crate::tolerance::Sizes;
 
-/// From each scan so many are weighed with sizes of their own,
+/// From each scan so many places are weighed with sizes of their own,
 const WEIGHED: usize = 7;
 /// and of those so many places are refitted,
 const REFITTED: usize = 3;
@@ -105,18 +105,17 @@ impl Search<'_, '_> {
         let modest = base.sizes.at(base.sizes.modest(0.0));
         let mut union: Vec<usize> = Vec::new();
         for sizes in [&base.sizes, &modest] {
-            let mut taken = 0;
+            let mut places: Vec<&Hypothesis> = Vec::new();
             for promise in catalogue.scan(base, sizes) {
-                if taken == WEIGHED {
+                let h = &catalogue.hypotheses[promise.at];
+                let forms = places.iter().filter(|other| other.same_place(h)).count();
+                // Forms of one place differ little, but for laws that are known in kind only.
+                let most = if h.cause.has_rough_law() { FORMS } else { 1 };
+                if forms == 0 && distinct(&places) == WEIGHED {
                     break;
                 }
-                // Forms of one place differ little.
-                let h = &catalogue.hypotheses[promise.at];
-                let forms = union
-                    .iter()
-                    .filter(|k| catalogue.hypotheses[**k].same_place(h));
-                if union.contains(&promise.at) || forms.count() < FORMS {
-                    taken += 1;
+                if forms < most.max(if h.is_slab() { FORMS } else { 1 }) {
+                    places.push(h);
                     if !union.contains(&promise.at) {
                         union.push(promise.at);
                     }
@@ -170,9 +169,7 @@ impl Search<'_, '_> {
             let forms = if h.cause.has_rough_law() { FORMS } else { 1 };
             let within = if friction { WITHIN.1 } else { WITHIN.0 };
             let known = places.iter().filter(|p| p.same_place(h)).count();
-            let new = places
-                .iter()
-                .fold(0, |count, p| count + usize::from(!p.same_place(h)));
+            let new = distinct(&places);
             if weighed.ln_posterior < (best - within).max(least + HOPELESS)
                 || (known == 0 && new >= REFITTED)
                 || known >= forms
@@ -320,6 +317,12 @@ impl Search<'_, '_> {
         out.sort_by(|a, b| b.1.total_cmp(&a.1));
         out
     }
+}
+
+/// How many places these are, in whatever forms.
+fn distinct(hypotheses: &[&Hypothesis]) -> usize {
+    let first = |(k, h): &(usize, &&Hypothesis)| !hypotheses[..*k].iter().any(|o| o.same_place(h));
+    hypotheses.iter().enumerate().filter(first).count()
 }
 
 /// True if both hold the same causes in the same forms.

@@ -6,7 +6,7 @@ use crate::identify::global::Row;
 use crate::mechanics::{Pose, Vec3};
 use crate::model::{MarkerIx, Model, Orientation, PartIx};
 use crate::rig::Measurement;
-use crate::syntax::NewStatement;
+use crate::syntax::{Address, NewStatement};
 use crate::system::{Reading, Scratch};
 use crate::tolerance::{Effect, Group, Point};
 
@@ -110,6 +110,14 @@ impl<'a> Survey<'a> {
         &self.subject.problem.programme.loads
     }
 
+    /// What a load of the study is in each case; zero for what it does not drive.
+    pub fn load_values(&self, target: &Address) -> Vec<f64> {
+        let programme = self.subject.problem.programme;
+        let at = programme.loads.iter().position(|l| l.target == *target);
+        let value = |values: &[f64]| at.map_or(0.0, |at| values[at]);
+        programme.cases.iter().map(|c| value(&c.values)).collect()
+    }
+
     /// Hardpoints of the deck.
     pub fn points(&self) -> &[Point] {
         &self.subject.layer.points
@@ -128,7 +136,12 @@ impl<'a> Survey<'a> {
     /// Numbers of the deck that are taken as known, as members of the tolerance layer: place, address, group, and what one unit of
     /// the member is.
     pub fn numbers_of_the_deck(&self) -> Vec<(usize, String, Group, f64)> {
-        let known = |group| matches!(group, Group::KnownStiffnesses | Group::Preloads);
+        let known = |group| {
+            matches!(
+                group,
+                Group::KnownStiffnesses | Group::SpringRates | Group::Preloads
+            )
+        };
         let members = self.subject.layer.members.iter().enumerate();
         members
             .filter(|(_, member)| known(member.group))

@@ -106,7 +106,8 @@ impl Unknowns {
             if let Some(plan) = &hypothesis.memory {
                 memories.push(Memory {
                     anchor: slot(&plan.anchor)?,
-                    length: slot(&plan.length)?,
+                    carries: plan.carries,
+                    by: slot(&plan.by)?,
                     channel: problem.measurement.channels.len() + memories.len(),
                 });
             }

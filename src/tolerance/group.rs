@@ -9,7 +9,7 @@ pub enum Group {
     Hardpoints,
     /// Points where the rig's loads act.
     LoadPoints,
-    /// Bushings whose two sides sit displaced.
+    /// Bushings and joints whose two sides sit displaced.
     Offsets,
     /// Axes of bushings and joints.
     Axes,
@@ -21,7 +21,9 @@ pub enum Group {
     Marks,
     /// Forces of springs at design.
     Preloads,
-    /// Stiffnesses taken as known.
+    /// Rates of springs.
+    SpringRates,
+    /// Stiffnesses of rubber taken as known.
     KnownStiffnesses,
 }
 
@@ -118,7 +120,7 @@ impl Sizes {
             (Group::Axes, Some(Size::new(0.1 * degree, 0.7))),
             (
                 Group::LoadGains,
-                of(s.load_gain, 1.0, Size::new(0.003, 0.7).at_most(0.02)),
+                of(s.load_gain, 1.0, Size::new(0.003, 0.5).at_most(0.01)),
             ),
             (
                 Group::LoadDirections,
@@ -126,6 +128,10 @@ impl Sizes {
             ),
             (Group::Marks, of(s.marks_on_parts, mm, marks)),
             (Group::Preloads, Some(Size::new(0.003, 0.5).at_most(0.01))),
+            (
+                Group::SpringRates,
+                Some(Size::new(0.015, 0.5).at_most(0.04)),
+            ),
             (
                 Group::KnownStiffnesses,
                 Some(Size::new(0.03, 0.5).at_most(0.1)),
@@ -217,6 +223,7 @@ impl Group {
             Self::LoadDirections => "load-directions",
             Self::Marks => "marks-on-parts",
             Self::Preloads => "spring-preloads",
+            Self::SpringRates => "spring-rates",
             Self::KnownStiffnesses => "known-stiffnesses",
         }
     }

@@ -184,7 +184,7 @@ impl Layer {
             for (word, values) in [("K", bushing.k), ("KT", bushing.kt)] {
                 for (axis, value) in values.into_iter().enumerate() {
                     let number = number("BUSHING", id, word, Some(axis + 1));
-                    self.known(study, number, value);
+                    self.known(study, Group::KnownStiffnesses, number, value);
                 }
             }
         }
@@ -192,6 +192,19 @@ impl Layer {
 
     fn joints(&mut self, model: &Model) {
         for joint in model.joints.iter().filter(|joint| joint.header.active) {
+            // What slides is guided along its own axis.
+            let slides = matches!(
+                joint.kind,
+                JointKind::Cylindrical | JointKind::Translational
+            );
+            for axis in (0..3).filter(|_| !slides) {
+                self.members.push(Member {
+                    group: Group::Offsets,
+                    address: format!("JOINT/{}", joint.header.id),
+                    axis,
+                    effect: shift(model, &[joint.i], &Vec3::ith(axis, 1.0)),
+                });
+            }
             let has_axis = matches!(
                 joint.kind,
                 JointKind::Cylindrical | JointKind::Translational | JointKind::Revolute
@@ -241,14 +254,14 @@ impl Layer {
                 SpringKind::Rotational => "KT",
             };
             let rate = number("SPRINGDAMPER", id, word, None);
-            self.known(study, rate, spring.stiffness);
+            self.known(study, Group::SpringRates, rate, spring.stiffness);
         }
     }
 
-    fn known(&mut self, study: &LayerOf<'_>, address: Address, value: f64) {
+    fn known(&mut self, study: &LayerOf<'_>, group: Group, address: Address, value: f64) {
         if value > 0.0 && !(study.is_sought)(&address) {
             self.members.push(Member {
-                group: Group::KnownStiffnesses,
+                group,
                 address: address.to_string(),
                 axis: 0,
                 effect: Effect::Always(vec![(address, value)]),

@@ -32,12 +32,13 @@ fn a_joint_that_sits_elsewhere() {
     );
 }
 
+/// By more than springs of one production differ: a tenth would be within the layer's reach.
 #[test]
 fn a_spring_that_is_stiffer() {
     found(
         Plant {
             truth: ("element-parameter", "SPRINGDAMPER/1.K"),
-            edits: vec![("K = 60.0", "K = 66.0".to_string())],
+            edits: vec![("K = 60.0", "K = 72.0".to_string())],
             ..nothing()
         },
         13,

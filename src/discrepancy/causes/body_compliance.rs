@@ -9,8 +9,8 @@ use super::super::cause::Cause;
 use super::super::hypothesis::{Column, Hypothesis, Number, Unknown, number};
 use super::super::survey::Survey;
 
-/// Millimetres per newton an attachment may well yield.
-const SD: f64 = 1e-4;
+/// Millimetres per newton a bracket that holds a joint may well yield, and the seat of a spring, which often is rubber.
+const SD: (f64, f64) = (1e-4, 5e-4);
 
 /// Form of an attachment that holds a link, a part with two ends: along the link it yields as the link itself would.
 pub const IN_LINE: &str = "holds a link";
@@ -21,51 +21,52 @@ pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let Some(ground) = model.ground() else {
         return;
     };
-    let mut put = |address: String, (i, j): (MarkerIx, MarkerIx), forces: Vec<[Vec3; 2]>| {
-        let sides = [i, j].map(|marker| model.markers[marker.0].part == ground);
-        let side = match sides {
-            [true, false] => 0,
-            [false, true] => 1,
-            _ => return,
+    let mut put =
+        |address: String, (i, j): (MarkerIx, MarkerIx), forces: Vec<[Vec3; 2]>, sd: f64| {
+            let sides = [i, j].map(|marker| model.markers[marker.0].part == ground);
+            let side = match sides {
+                [true, false] => 0,
+                [false, true] => 1,
+                _ => return,
+            };
+            let marker = [i, j][side];
+            let id = survey.marker_id(marker);
+            let R = model.parts[ground.0].pose.R;
+            let shifts: Vec<Vec3> = forces.iter().map(|f| R.transpose() * f[side]).collect();
+            let column = (0..3)
+                .map(|k| {
+                    let slot = number("MARKER", id, "QP", Some(k + 1));
+                    (slot, shifts.iter().map(|s| s[k]).collect())
+                })
+                .collect();
+            let place = (model.markers[marker.0].qp, [0.0; 3]);
+            let ground = (model.parts[ground.0].header.id, ground);
+            let (bushing, changes) = survey.split(ground, id, place, [1e6; 3]);
+            let stiffnesses = (1..=3).map(|k| number("BUSHING", bushing, "K", Some(k)));
+            out.push(Hypothesis {
+                cause: Cause::BodyCompliance,
+                address,
+                members: Vec::new(),
+                side: "",
+                form: if survey.attachments(model.markers[[j, i][side].0].part).len() == 2 {
+                    IN_LINE
+                } else {
+                    ""
+                },
+                numbers: vec![Number {
+                    column: Column::PerCase(column),
+                    ..Number::new(
+                        "compliance",
+                        sd * survey.millimetre() / survey.newton(),
+                        Unknown::Compliance(stiffnesses.collect()),
+                    )
+                }],
+                ln_prior: 0.0,
+                one_sided: true,
+                changes,
+                memory: None,
+            });
         };
-        let marker = [i, j][side];
-        let id = survey.marker_id(marker);
-        let R = model.parts[ground.0].pose.R;
-        let shifts: Vec<Vec3> = forces.iter().map(|f| R.transpose() * f[side]).collect();
-        let column = (0..3)
-            .map(|k| {
-                let slot = number("MARKER", id, "QP", Some(k + 1));
-                (slot, shifts.iter().map(|s| s[k]).collect())
-            })
-            .collect();
-        let place = (model.markers[marker.0].qp, [0.0; 3]);
-        let ground = (model.parts[ground.0].header.id, ground);
-        let (bushing, changes) = survey.split(ground, id, place, [1e6; 3]);
-        let stiffnesses = (1..=3).map(|k| number("BUSHING", bushing, "K", Some(k)));
-        out.push(Hypothesis {
-            cause: Cause::BodyCompliance,
-            address,
-            members: Vec::new(),
-            side: "",
-            form: if survey.attachments(model.markers[[j, i][side].0].part).len() == 2 {
-                IN_LINE
-            } else {
-                ""
-            },
-            numbers: vec![Number {
-                column: Column::PerCase(column),
-                ..Number::new(
-                    "compliance",
-                    SD * survey.millimetre() / survey.newton(),
-                    Unknown::Compliance(stiffnesses.collect()),
-                )
-            }],
-            ln_prior: 0.0,
-            one_sided: true,
-            changes,
-            memory: None,
-        });
-    };
     for joint in model.joints.iter().filter(|j| j.header.active) {
         let readings = survey.constraint("JOINT", joint.header.id);
         let forces = readings.iter().map(|r| [r.force, r.force_on_j]).collect();
@@ -73,6 +74,7 @@ pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             format!("JOINT/{}", joint.header.id),
             (joint.i, joint.j),
             forces,
+            SD.0,
         );
     }
     for spring in model.springdampers.iter().filter(|s| s.header.active) {
@@ -82,6 +84,7 @@ pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             format!("SPRINGDAMPER/{}", spring.header.id),
             (spring.i, spring.j),
             forces,
+            SD.1,
         );
     }
 }

@@ -3,6 +3,7 @@
 //! Elasto-slip: a spring in series with a slider, which moves when the spring is stretched further than its length `F / k`. Where the
 //! slider stands before the first case is unknown; from then on each case leaves it to the next.
 
+use crate::identify::global::Carries;
 use crate::model::{JointKind, MarkerIx};
 
 use super::super::cause::Cause;
@@ -169,7 +170,8 @@ fn put(
             changes: changes.clone(),
             memory: Some(MemoryPlan {
                 anchor: at_start.clone(),
-                length: literal(last),
+                carries: Carries::Slider,
+                by: literal(last),
                 measure: measure.clone(),
             }),
         });

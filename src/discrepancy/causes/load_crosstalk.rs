@@ -3,6 +3,7 @@
 use super::super::cause::Cause;
 use super::super::hypothesis::Hypothesis;
 use super::super::survey::Survey;
+use super::load_gain::growing;
 use crate::tolerance::Group;
 
 /// Rigs keep cross-talk to a few percent.
@@ -22,6 +23,8 @@ pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                     [(member, "fraction".to_string())],
                     SD,
                 ));
+                let pair = (&to.target, &from.target);
+                out.push(growing(survey, Cause::LoadCrosstalk, &address, pair, SD));
             }
         }
     }

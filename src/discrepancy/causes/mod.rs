@@ -7,6 +7,7 @@ mod body_compliance;
 mod bushing_coupling;
 mod bushing_orientation;
 mod channel_fault;
+mod creep;
 mod dry_friction;
 mod element_parameter;
 mod frame_drift;
@@ -30,6 +31,7 @@ pub fn all(survey: &Survey<'_>) -> Vec<Hypothesis> {
     let mut out = Vec::new();
     progressive_stiffness::hypotheses(survey, &mut out);
     dry_friction::hypotheses(survey, &mut out);
+    creep::hypotheses(survey, &mut out);
     link_compliance::hypotheses(survey, &mut out);
     body_compliance::hypotheses(survey, &mut out);
     assembly_offset::hypotheses(survey, &mut out);
@@ -54,6 +56,10 @@ pub fn all(survey: &Survey<'_>) -> Vec<Hypothesis> {
         h.ln_prior = (PRESENT / count as f64).ln();
         if h.form == body_compliance::IN_LINE {
             h.ln_prior -= std::f64::consts::LN_2;
+        }
+        // Rubber flows in hours; the cases of most measurements follow one another faster.
+        if h.cause == Cause::Creep {
+            h.ln_prior -= 5f64.ln();
         }
     }
     out

@@ -1,4 +1,4 @@
-//! Contacts that remember: a spring in series with a slider, whose anchor each load case leaves to the next.
+//! What a load case leaves to the next: where the spring of a slider, or rubber that flows, is unstretched.
 //!
 //! The force law itself is an ordinary FUNCTION of the deck; only where its spring is unstretched is carried along here, with its
 //! derivatives, so that a fit of a whole load sequence has exact sensitivities.
@@ -9,13 +9,24 @@ use super::unknown::Direction;
 use crate::element::Slip;
 use crate::system::{Parameters, Slot};
 
-/// A slider of the deck.
+/// How the place moves on after a case in which the displacement was `u`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Carries {
+    /// By the return map of [`Slip`]; the number is the length the spring stretches before the slider moves.
+    Slider,
+    /// `c + r (u - c)`; the number is `r`, a part of the way between zero and one.
+    Flow,
+}
+
+/// A spring of the deck that remembers.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Memory {
     /// The displacement at which its spring is unstretched; what the deck says holds before the first case.
     pub anchor: Slot,
-    /// How far the spring stretches before the slider moves.
-    pub length: Slot,
+    /// How that moves on.
+    pub carries: Carries,
+    /// The number it moves on by.
+    pub by: Slot,
     /// The channel that measures the displacement.
     pub channel: usize,
 }
@@ -89,8 +100,8 @@ impl<'a> Carried<'a> {
         Cow::Owned(directions.iter().enumerate().map(of).collect())
     }
 
-    /// Moves the anchors on after a case, by the return map of [`Slip`]: `channels` are its values, `changes` their change along
-    /// each of the case's `directions`; empty if nobody asked.
+    /// Moves the anchors on after a case: `channels` are its values, `changes` their change along each of the case's `directions`;
+    /// empty if nobody asked.
     pub(super) fn advance(
         &mut self,
         theta: &Parameters,
@@ -98,22 +109,32 @@ impl<'a> Carried<'a> {
         (directions, changes): (&[Direction], &[Vec<f64>]),
     ) {
         for (k, memory) in self.memories.iter().enumerate() {
-            let length = theta.get(memory.length).abs();
-            let u = channels[memory.channel];
-            // A spring of unit stiffness slides at a force that is its length.
-            let slip = Slip::at(u, &[1.0, length, self.anchors[k]]);
-            if !slip.slides(self.anchors[k]) {
-                continue;
-            }
-            self.anchors[k] = slip.anchor_after;
-            let sign = slip.force.signum();
+            let (u, number) = (channels[memory.channel], theta.get(memory.by));
+            let before = self.anchors[k];
+            // What the anchor becomes, and its derivatives by itself before, by u and by the number.
+            let (after, by_anchor, by_u, by_number) = match memory.carries {
+                Carries::Slider => {
+                    // A spring of unit stiffness slides at a force that is its length.
+                    let slip = Slip::at(u, &[1.0, number.abs(), before]);
+                    if !slip.slides(before) {
+                        continue;
+                    }
+                    (slip.anchor_after, 0.0, 1.0, -slip.force.signum())
+                }
+                Carries::Flow => {
+                    let rate = number.clamp(0.0, 1.0);
+                    let inside = if rate == number { u - before } else { 0.0 };
+                    (before + rate * (u - before), 1.0 - rate, rate, inside)
+                }
+            };
+            self.anchors[k] = after;
             for ((by, direction), change) in self.by[k].iter_mut().zip(directions).zip(changes) {
                 let own = direction.always.iter();
-                let by_length: f64 = own
-                    .filter(|(slot, _)| *slot == memory.length)
+                let of_number: f64 = own
+                    .filter(|(slot, _)| *slot == memory.by)
                     .map(|(_, weight)| weight)
                     .sum();
-                *by = change[memory.channel] - sign * by_length;
+                *by = by_anchor * *by + by_u * change[memory.channel] + by_number * of_number;
             }
         }
     }

@@ -24,7 +24,7 @@ pub use fit::{
     Found, GlobalFit, POOR_NORMAL, StartValues, UNIDENTIFIABLE, effective_dof, fit_unknowns,
     global_problem, identify,
 };
-pub use memory::Memory;
+pub use memory::{Carries, Memory};
 pub use native::{Loads, NativePredictor};
 pub use observation::{Evaluation, NuisanceLayout, Observations, Row};
 pub use predictor::{CaseChange, CasePrediction, Observed, Prediction, Predictor};

@@ -25,9 +25,14 @@ pub struct Score {
     pub held_out_p: Option<f64>,
 }
 
-/// True if the effect stands out of the noise: 40, and two log-likelihoods for each doubling of the hypotheses.
+/// A small error stands out of what every axle has from so many usual tolerances on.
+const STANDS_OUT: f64 = 5.0;
+
+/// True if the effect stands out of the noise (40, and two log-likelihoods for each doubling of the hypotheses) and out of tolerances.
 pub fn detectable(planted: &Planted, places: usize) -> bool {
-    planted.seen >= 40.0 + 2.0 * (places.max(1) as f64).ln()
+    let tolerances = planted.plant.tolerances(&planted.spec);
+    tolerances.is_none_or(|sizes| sizes >= STANDS_OUT)
+        && planted.seen >= 40.0 + 2.0 * (places.max(1) as f64).ln()
 }
 
 /// Judges a trial.
@@ -123,14 +128,17 @@ fn of_the_background(findings: &[Finding]) -> bool {
     !findings.is_empty() && findings.iter().all(|f| own.contains(&f.cause.as_str()))
 }
 
-/// Friction that is stronger one way is dry friction all the same: its name at its place is no false one.
+/// Friction that is stronger one way is dry friction all the same, and a gap in a bushing makes its force rise faster than in
+/// proportion: such a name at its place is no false one. Creep is known by name.
 fn akin(diagnosis: &Diagnosis, planted: &Planted) -> bool {
-    planted.plant.cause == "asymmetric-friction"
-        && diagnosis
-            .findings
-            .iter()
-            .take(1)
-            .any(|f| f.cause.as_str() == "dry-friction" && f.address == planted.plant.address)
+    let name = match planted.plant.cause {
+        "asymmetric-friction" => "dry-friction",
+        "free-play" => "progressive-stiffness",
+        "creep" => "creep",
+        _ => return false,
+    };
+    let mut first = diagnosis.findings.iter().take(1);
+    first.any(|f| f.cause.as_str() == name && f.address == planted.plant.address)
 }
 
 /// Many trials.

@@ -21,6 +21,8 @@ pub(super) struct Form {
     pub(super) pieces: Vec<Piece>,
     /// The size never exceeds this.
     pub(super) most: f64,
+    /// Nor falls below this.
+    pub(super) least: f64,
 }
 
 #[derive(Clone, PartialEq, Debug)]
@@ -47,6 +49,38 @@ impl Plant {
             }
         }
         text
+    }
+
+    /// How many usual tolerances the planted effect is, where such small errors belong to every axle: hardpoints 0.2 mm, bushings
+    /// displaced by 0.05 mm and turned by 0.1 degrees, points of loads 0.5 mm, loads 0.3 and their directions 0.1 percent, spring
+    /// rates 1.5, preloads 0.3 and rubber 3 percent. `None` for what nobody tolerates.
+    pub fn tolerances(&self, spec: &str) -> Option<f64> {
+        let numbers: Vec<f64> = spec
+            .rsplit(':')
+            .next()?
+            .split(',')
+            .filter_map(|pair| pair.split('=').nth(1)?.parse().ok())
+            .collect();
+        let most = numbers.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let off = (numbers.first()? - 1.0).abs();
+        let one = match self.cause {
+            "hardpoint-error" => most / 0.2,
+            "assembly-offset" => most / 0.05,
+            "bushing-orientation" => most / 0.1,
+            "load-point-error" => most / 0.5,
+            "load-gain" => off / 0.003,
+            "load-crosstalk" => most / 0.001,
+            "element-parameter" if self.address.ends_with(".FORCE") => off / 0.003,
+            "element-parameter" if self.address.starts_with("SPRING") => off / 0.015,
+            "element-parameter" => off / 0.03,
+            _ => return None,
+        };
+        Some(one)
+    }
+
+    /// The size it has at least.
+    pub const fn least(&self) -> f64 {
+        self.form.least
     }
 
     /// The size that is never exceeded.

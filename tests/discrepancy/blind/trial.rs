@@ -266,6 +266,7 @@ fn plant(trial: &mut Trial, truth: &Truth) {
             let size = calibrated(plant.wanted, plant.most(), |size| {
                 shift_of(size).map(|shift| rms(&shift))
             });
+            let size = size.max(plant.least());
             let shift = shift_of(size);
             let found = shift.as_ref().map_or(f64::INFINITY, &rms);
             reached = reached.min(found / plant.wanted);
