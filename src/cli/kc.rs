@@ -196,7 +196,8 @@ fn refuse(why: &BenchError, path: &Path, shell: &Shell) -> Exit {
             let message = format!(
                 "`{file}`, {at}: a motion of the wheel is free, so compliances are not defined: {motion}"
             );
-            let help = "name the part that does not spin as the wheel carrier; lock what is free, or say what locks it";
+            let help = "name the part that does not spin as the wheel carrier; lock what is free, or say what locks it. A deck \
+                        without springs has kinematics only: leave its load tests out by `run = false`, or hold = \"height\"";
             shell.complain(&[Diagnostic::error(Code::NoEquilibrium, message).help(help)]);
             Exit::NoAnswer
         }
@@ -281,7 +282,10 @@ fn page(
         ),
         (
             "Compliance matrix",
-            format!("lack of symmetry {:.1e}", found.asymmetry),
+            match found.ride.seen.axle.compliance {
+                Some(_) => format!("lack of symmetry {:.1e}", found.asymmetry),
+                None => "not defined: nothing but the rig holds the wheels up".to_string(),
+            },
         ),
         ("Definitions", format!("version {}", output::DEFINITIONS)),
     ];

@@ -30,6 +30,48 @@ pub struct Gradient {
     pub linear_range: [f64; 2],
 }
 
+impl Gradient {
+    /// By how much this wheel's slope is larger than the other's, of their mean: zero for a symmetric axle in a symmetric or antisymmetric
+    /// test. NaN for one wheel.
+    pub fn asymmetry(&self, all: &[Self]) -> f64 {
+        let mut others = all.iter();
+        let other = others.find(|g| g.entity == self.entity && g.side != self.side);
+        other.map_or(f64::NAN, |other| {
+            let (a, b) = (self.tangent.abs(), other.tangent.abs());
+            if a + b > 0.0 {
+                2.0 * (a - b) / (a + b)
+            } else {
+                0.0
+            }
+        })
+    }
+}
+
+/// Half the width of a measured loop where its variable is zero, from points in the order driven; NaN if it passes there less than twice.
+pub fn loop_half_width(points: &[(f64, f64)]) -> f64 {
+    let mut low = f64::INFINITY;
+    let mut high = f64::NEG_INFINITY;
+    let mut count = 0;
+    let mut seen = |value: f64| {
+        (low, high) = (low.min(value), high.max(value));
+        count += 1;
+    };
+    for (k, (x, y)) in points.iter().enumerate() {
+        if *x == 0.0 {
+            seen(*y);
+        } else if let Some((next, after)) = points.get(k + 1)
+            && x * next < 0.0
+        {
+            seen(y + (after - y) * x / (x - next));
+        }
+    }
+    if count < 2 {
+        f64::NAN
+    } else {
+        0.5 * (high - low)
+    }
+}
+
 /// A reading that has a gradient.
 struct Channel {
     entity: &'static str,
@@ -231,4 +273,33 @@ fn linear_range(points: &[(f64, f64)], tangent: f64) -> [f64; 2] {
             .last()
             .map_or(0.0, |p| p.0)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Up a line and down a parallel one: the slope is theirs, the half width half their distance.
+    #[test]
+    fn a_loop_of_two_lines() {
+        let up = (-4..=4).map(|k| (f64::from(k), 0.3 * f64::from(k) + 0.1));
+        let down = (-4..=4)
+            .rev()
+            .map(|k| (f64::from(k) + 0.5, 0.3 * (f64::from(k) + 0.5) - 0.1));
+        let points: Vec<(f64, f64)> = up.clone().chain(down).collect();
+        assert!((loop_half_width(&points) - 0.1).abs() < 1e-12);
+        let up: Vec<(f64, f64)> = up.collect();
+        assert!((fitted_slope(&up, 2.0) - 0.3).abs() < 1e-12);
+        assert!(loop_half_width(&up).is_nan());
+        assert!(fitted_slope(&up, 0.5).is_nan());
+    }
+
+    #[test]
+    fn the_linear_range_ends_where_a_stop_begins() {
+        let stop = |x: f64| if x > 2.0 { x + 3.0 * (x - 2.0) } else { x };
+        let points: Vec<(f64, f64)> = (-5..=5)
+            .map(|k| (f64::from(k), stop(f64::from(k))))
+            .collect();
+        assert_eq!(linear_range(&points, 1.0), [-5.0, 2.0]);
+    }
 }

@@ -40,7 +40,7 @@ pub use config::{AxisMethod, Branches, Config, Hold, LoadPoint, TestSettings};
 pub use deck_files::deck_files;
 pub use force_compliance::Pairing;
 pub use frame::{Convention, Direction, Frame, Sense};
-pub use gradient::{Gradient, fitted_slope};
+pub use gradient::{Gradient, fitted_slope, loop_half_width};
 pub use reading::{Reading, Unit};
 pub use replay::{Replay, ReplayError, ReplayOptions, Road};
 pub use rig::{FoundWheel, Rigged, Variant, WheelIds};

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::config::{Config, LoadPoint, TestSettings};
 use super::sweep::{KcRun, Sample, TestRun};
-use super::{Convention, Gradient, Reading, Side};
+use super::{Convention, Reading, Side};
 use crate::results::{Catalogue, Component, Entity, Header, StepKind, Style, Timestamp, XrfWriter};
 use crate::units::Units;
 
@@ -176,21 +176,6 @@ pub fn curves_csv(run: &KcRun, config: &Config, units: &Units, convention: Conve
     finished(csv)
 }
 
-/// Left and right of one gradient: their lack of symmetry, with the signs of a symmetric axle in a symmetric test.
-fn asymmetry(gradient: &Gradient, all: &[Gradient]) -> f64 {
-    let other = all
-        .iter()
-        .find(|g| g.entity == gradient.entity && g.side != gradient.side);
-    other.map_or(f64::NAN, |other| {
-        let (a, b) = (gradient.tangent.abs(), other.tangent.abs());
-        if a.max(b) > 0.0 {
-            2.0 * (a - b) / (a + b)
-        } else {
-            0.0
-        }
-    })
-}
-
 /// All gradients, a line each.
 pub fn gradients_csv(
     run: &KcRun,
@@ -232,7 +217,7 @@ pub fn gradients_csv(
                 cell(gradient.hysteresis),
                 cell(gradient.linear_range[0]),
                 cell(gradient.linear_range[1]),
-                cell(asymmetry(gradient, &test.gradients)),
+                cell(gradient.asymmetry(&test.gradients)),
             ];
             let said = statement.rows.iter().map(|row| row.1.clone());
             write(first.into_iter().chain(said).collect());

@@ -1,6 +1,7 @@
 use super::{Align, Chart, DrawingError, Figure, Mark, Page, Series, Table};
 use crate::kc::{
-    Branch, Convention, Gradient, KcRun, Reading, Sample, Side, TestRun, Unit, output,
+    Branch, Convention, Gradient, KcRun, Reading, Sample, Side, TestRun, Unit, fitted_slope,
+    loop_half_width, output,
 };
 use crate::units::Units;
 
@@ -112,6 +113,8 @@ fn digits(value: f64) -> String {
     if !value.is_finite() {
         return String::new();
     }
+    // Round-off of angles and lengths.
+    let value = if value.abs() < 1e-11 { 0.0 } else { value };
     let size = value.abs();
     if size != 0.0 && !(1e-3..1e6).contains(&size) {
         return format!("{value:.3e}");
@@ -122,6 +125,15 @@ fn digits(value: f64) -> String {
         (4 - size.log10().floor() as i32).clamp(0, 6)
     };
     format!("{value:.*}", places as usize)
+}
+
+/// A share in percent; nothing where there is one wheel.
+fn percent(share: f64) -> String {
+    if share.is_finite() {
+        format!("{:.1} %", 100.0 * share + 0.0)
+    } else {
+        String::new()
+    }
 }
 
 fn reading<'s>(sample: &'s Sample, entity: &str, component: &str) -> Option<&'s Reading> {
@@ -352,7 +364,7 @@ impl KcReport<'_> {
                     series.push(Series {
                         name: named("measured"),
                         points: curve.points.iter().map(|p| (p.0, turned(p.1))).collect(),
-                        mark: Mark::Points,
+                        mark: Mark::LinePoints,
                     });
                 }
             }
@@ -396,6 +408,7 @@ impl KcReport<'_> {
             ("half width of loop", Align::Right),
             ("linear from", Align::Right),
             ("to", Align::Right),
+            ("left against right", Align::Right),
         ];
         let names: Vec<&str> = self.others.iter().map(|(name, _)| name.as_str()).collect();
         heads.extend(names.iter().map(|name| (*name, Align::Right)));
@@ -405,6 +418,7 @@ impl KcReport<'_> {
             .any(|curve| curve.test == test.kind.name());
         if measured {
             heads.push(("measured, fitted", Align::Right));
+            heads.push(("measured, half width", Align::Right));
         }
         let mut table = Table::new(&heads);
         for gradient in &test.gradients {
@@ -419,6 +433,7 @@ impl KcReport<'_> {
                 digits(of(gradient.hysteresis).0),
                 digits(gradient.linear_range[0]),
                 digits(gradient.linear_range[1]),
+                percent(gradient.asymmetry(&test.gradients)),
             ];
             for (_, run) in self.others {
                 let same = run.tests.iter().find(|other| other.kind == test.kind);
@@ -433,10 +448,11 @@ impl KcReport<'_> {
                 let path = format!("{}.{}", gradient.entity, gradient.component);
                 let mut all = self.measured.iter();
                 let curve = all.find(|c| c.test == test.kind.name() && c.path == path);
-                row.push(curve.map_or_else(String::new, |curve| {
-                    let slope = crate::kc::fitted_slope(&curve.points, test.settings.window);
-                    digits(of(slope).0)
-                }));
+                let slope = curve.map(|c| fitted_slope(&c.points, test.settings.window));
+                let width = curve.map(|c| loop_half_width(&c.points));
+                for value in [slope, width] {
+                    row.push(value.map_or_else(String::new, |value| digits(of(value).0)));
+                }
             }
             table.row(row);
         }
