@@ -7,7 +7,6 @@ use lsp_types::{
 
 use super::position::range;
 use super::workspace::{File, uri_of};
-use crate::check::Found;
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::syntax::pieces::Pieces;
 use crate::text::{Edit, Span};
@@ -17,24 +16,8 @@ const MOST_SHOWN: usize = 1000;
 
 /// What is shown of a file.
 pub(super) fn shown(file: &File) -> Vec<lsp_types::Diagnostic> {
-    let mut all: Vec<Found> = file.document.complaints();
-    all.retain(|found| file.settings.shows(&found.diagnostic));
-    let dropped = all.len().saturating_sub(MOST_SHOWN);
-    if dropped > 0 {
-        // The worst ones, in the order of the file.
-        let mut order: Vec<usize> = (0..all.len()).collect();
-        order.sort_by_key(|at| std::cmp::Reverse(all[*at].diagnostic.severity));
-        order.truncate(MOST_SHOWN - 1);
-        order.sort_unstable();
-        let mut next = 0;
-        let mut place = 0;
-        all.retain(|_| {
-            let keep = order.get(next) == Some(&place);
-            place += 1;
-            next += usize::from(keep);
-            keep
-        });
-    }
+    let wanted = |found: &Diagnostic| file.settings.shows(found);
+    let (all, dropped) = file.document.complaints_where(wanted, MOST_SHOWN - 1);
     let pieces = file.document.pieces();
     let mut shown: Vec<_> = all
         .iter()
@@ -43,10 +26,7 @@ pub(super) fn shown(file: &File) -> Vec<lsp_types::Diagnostic> {
     if dropped > 0 {
         let more = Diagnostic::note(
             Code::LimitExceeded,
-            format!(
-                "{} more complaints are not shown; `admire check` tells them",
-                dropped + 1
-            ),
+            format!("{dropped} more complaints are not shown; `admire check` tells them"),
         );
         let more = more.label(file.document.name(), Span::at(0), "");
         shown.push(diagnostic(&more, pieces, &file.uri));

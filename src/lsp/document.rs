@@ -3,17 +3,17 @@
 //! Knows no protocol. The reader and the rules of neighbours are asked again after every edit, for what the edit touched; what looks
 //! at the whole file is told by a check in the background.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
-use std::hash::{DefaultHasher, Hash, Hasher};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
+use super::definitions::{Definitions, is_known_body};
 use super::excerpt::{Depth, Excerpt};
 use crate::check::{Found, Told};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::grammar::Role;
 use crate::syntax::catalogue::{Catalogue, Place};
 use crate::syntax::lint::{Options, Reach, Suppressed, check_until};
-use crate::syntax::pieces::{Piece, Pieces};
+use crate::syntax::pieces::Pieces;
 use crate::syntax::{Object, Statement};
 use crate::text::{Edit, Source, Span};
 
@@ -95,7 +95,6 @@ impl Document {
 
     /// Replaces text, reads again what that touches, and asks the rules of neighbours about it.
     pub fn edit(&mut self, span: Span, replacement: &[u8]) {
-        let moved = self.moved(span, replacement.len());
         let old_count = self.pieces.pieces().len();
         let change = self.pieces.edit(span, replacement);
         let behind = old_count - (change.added.start + change.removed.len());
@@ -112,7 +111,13 @@ impl Document {
             self.take_up(at);
         }
         let after = Definitions::of(entering, &self.pieces.pieces()[change.added.clone()]);
-        self.settle(moved);
+        let mut gone: HashMap<u32, usize> = HashMap::new();
+        let mut base = self.pieces.start(change.added.start);
+        for piece in &change.removed {
+            gone.insert(piece.key(), base);
+            base += piece.size();
+        }
+        self.settle(&gone, span, replacement.len());
         if self.is_command_file() {
             return;
         }
@@ -122,9 +127,9 @@ impl Document {
             let first = self.pieces.pieces().len() - behind;
             changed.extend(self.followers(first, &mut affected));
         }
-        let gone: BTreeSet<u32> = change.removed.iter().map(|piece| piece.key()).collect();
         for (key, complaints) in &self.near {
-            let points = |anchor: &Option<Anchor>| anchor.is_some_and(|a| gone.contains(&a.piece));
+            let points =
+                |anchor: &Option<Anchor>| anchor.is_some_and(|a| gone.contains_key(&a.piece));
             if complaints.iter().any(|c| c.labels.iter().any(points)) {
                 affected.extend(self.places.get(key));
             }
@@ -159,29 +164,68 @@ impl Document {
 
     /// All there is to say of it so far, in the order of the file, with places in the file as it is now.
     pub fn complaints(&self) -> Vec<Found> {
-        let mut all: Vec<Found> = Vec::new();
+        self.complaints_where(|_| true, usize::MAX).0
+    }
+
+    /// The worst complaints of those that are wanted, in the order of the file, and how many others there are.
+    pub fn complaints_where(
+        &self,
+        wanted: impl Fn(&Diagnostic) -> bool,
+        most: usize,
+    ) -> (Vec<Found>, usize) {
+        let missing = crate::syntax::missing_end(&self.name(), self.pieces.size());
+        let mut all: Vec<Candidate<'_>> = Vec::new();
         for (at, piece) in self.pieces.pieces().iter().enumerate() {
             let base = self.pieces.start(at);
-            let own = piece.diagnostics().iter().map(|found| shifted(found, base));
-            all.extend(own.map(|found| Found::new(Told::Reader, found)));
+            all.extend(
+                piece
+                    .diagnostics()
+                    .iter()
+                    .map(|found| Candidate::read(found, base)),
+            );
         }
         if !self.is_command_file() && !self.pieces.has_end() {
-            let found = crate::syntax::missing_end(&self.name(), self.pieces.size());
-            all.push(Found::new(Told::Reader, found));
+            all.push(Candidate::read(&missing, 0));
         }
         let near = self.near.values().flatten();
-        let near = near.filter_map(|complaint| self.resolved(complaint));
-        all.extend(near.map(|found| Found::new(Told::Neighbourhood, found)));
-        let seen: BTreeSet<_> = all.iter().map(|found| place(&found.diagnostic)).collect();
-        let far = self.far.iter().filter_map(|c| self.resolved(c));
-        let far = far.filter(|found| !seen.contains(&place(found)));
-        all.extend(far.map(|found| Found::new(Told::File, found)));
-        all.retain(|found| !self.is_silenced(&found.diagnostic));
-        all.sort_by_cached_key(|found| {
-            let label = found.diagnostic.labels.first();
-            (label.map(|label| label.span), found.diagnostic.code)
-        });
-        all
+        all.extend(near.filter_map(|c| self.candidate(c, Told::Neighbourhood)));
+        let seen: HashSet<(Code, Option<usize>)> = all.iter().map(Candidate::place).collect();
+        let far = self
+            .far
+            .iter()
+            .filter_map(|c| self.candidate(c, Told::File));
+        all.extend(far.filter(|found| !seen.contains(&found.place())));
+        all.retain(|found| wanted(found.diagnostic) && !self.is_silenced(found));
+        let others = all.len().saturating_sub(most);
+        if others > 0 {
+            all.sort_by_key(|found| (std::cmp::Reverse(found.diagnostic.severity), found.span));
+            all.truncate(most);
+        }
+        all.sort_by_key(|found| (found.span, found.diagnostic.code));
+        let found = |candidate: Candidate<'_>| {
+            let diagnostic = match candidate.kept {
+                Some(complaint) => self.resolved(complaint)?,
+                None => shifted(candidate.diagnostic, candidate.base),
+            };
+            Some(Found::new(candidate.told, diagnostic))
+        };
+        (all.into_iter().filter_map(found).collect(), others)
+    }
+
+    /// A complaint that was kept; `None` if its own place is gone.
+    fn candidate<'a>(&self, complaint: &'a Complaint, told: Told) -> Option<Candidate<'a>> {
+        let first = complaint.diagnostic.labels.first();
+        let span = match complaint.labels.first() {
+            Some(Some(anchor)) => Some(self.span_of(*anchor)?),
+            _ => first.map(|label| label.span),
+        };
+        Some(Candidate {
+            told,
+            diagnostic: &complaint.diagnostic,
+            span,
+            base: 0,
+            kept: Some(complaint),
+        })
     }
 
     /// The statement at a place: the piece and the statement in it.
@@ -345,24 +389,25 @@ impl Document {
         self.near.extend(new);
     }
 
-    fn is_silenced(&self, found: &Diagnostic) -> bool {
+    fn is_silenced(&self, found: &Candidate<'_>) -> bool {
+        let code = found.diagnostic.code;
         // What is wrong with such a comment is told in any case.
-        if self.silences.is_empty() || found.code == Code::UnknownKey {
+        if self.silences.is_empty() || code == Code::UnknownKey {
             return false;
         }
-        let everywhere = |silences: &Suppressed| silences.covers_file(found.code);
+        let everywhere = |silences: &Suppressed| silences.covers_file(code);
         if self.silences.values().any(everywhere) {
             return true;
         }
-        let Some(label) = found.labels.first() else {
+        let Some(span) = found.span else {
             return false;
         };
-        let Some(at) = self.pieces.at(label.span.start()) else {
+        let Some(at) = self.pieces.at(span.start()) else {
             return false;
         };
         let own = self.silences.get(&self.pieces.pieces()[at].key());
         let base = self.pieces.start(at);
-        own.is_some_and(|silences| silences.covers_at(found.code, label.span.start() - base))
+        own.is_some_and(|silences| silences.covers_at(code, span.start() - base))
     }
 
     fn anchor(&self, span: Span) -> Option<Anchor> {
@@ -435,45 +480,41 @@ impl Document {
         Some(found)
     }
 
-    /// The places of complaints of the whole file after an edit.
-    fn moved(&self, edited: Span, length: usize) -> Vec<Moved> {
-        let place = |anchor: Anchor| {
-            let span = self.span_of(anchor);
-            span.map_or(NewPlace::Gone, |span| new_place(span, edited, length))
-        };
-        let label = |anchor: &Option<Anchor>| anchor.map_or(NewPlace::Elsewhere, place);
-        let complaints = self.far.iter();
-        complaints
-            .map(|complaint| Moved {
-                labels: complaint.labels.iter().map(label).collect(),
-                edits: complaint.edits.iter().map(|a| place(*a)).collect(),
-            })
-            .collect()
-    }
-
-    /// Gives complaints of the whole file their new places; those without one are gone until the next check.
-    fn settle(&mut self, moved: Vec<Moved>) {
+    /// Gives complaints of the whole file that stood in pieces which are gone their new places, in the pieces that replace them. `gone`
+    /// says where those pieces began. Complaints whose own place the edit reaches are gone until the next check.
+    fn settle(&mut self, gone: &HashMap<u32, usize>, edited: Span, length: usize) {
         let far = std::mem::take(&mut self.far);
-        for (mut complaint, moved) in far.into_iter().zip(moved) {
-            if moved.labels.first() == Some(&NewPlace::Gone) {
+        let place = |document: &Self, anchor: Anchor| match gone.get(&anchor.piece) {
+            None => Some(anchor),
+            Some(base) => {
+                let old = Span::new(base + anchor.span.start(), base + anchor.span.end());
+                document.anchor(new_place(old, edited, length)?)
+            }
+        };
+        for mut complaint in far {
+            let labels = complaint.labels.iter().flatten();
+            let mut anchors = labels.chain(&complaint.edits);
+            if !anchors.any(|anchor| gone.contains_key(&anchor.piece)) {
+                self.far.push(complaint);
                 continue;
             }
-            complaint.labels.clear();
             let labels = std::mem::take(&mut complaint.diagnostic.labels);
-            for (label, place) in labels.into_iter().zip(moved.labels) {
-                let anchor = match place {
-                    NewPlace::Gone => continue,
-                    NewPlace::Elsewhere => None,
-                    NewPlace::At(span) => self.anchor(span),
-                };
+            let anchors = std::mem::take(&mut complaint.labels);
+            let mut lost = false;
+            for (k, (label, anchor)) in labels.into_iter().zip(anchors).enumerate() {
+                let new = anchor.map(|anchor| place(self, anchor));
+                if new.is_some_and(|new| new.is_none()) {
+                    lost |= k == 0;
+                    continue;
+                }
                 complaint.diagnostic.labels.push(label);
-                complaint.labels.push(anchor);
+                complaint.labels.push(new.flatten());
             }
-            let edit = |place: &NewPlace| match place {
-                NewPlace::At(span) => self.anchor(*span),
-                NewPlace::Gone | NewPlace::Elsewhere => None,
-            };
-            let edits: Option<Vec<Anchor>> = moved.edits.iter().map(edit).collect();
+            if lost {
+                continue;
+            }
+            let edits = complaint.edits.iter().map(|anchor| place(self, *anchor));
+            let edits: Option<Vec<Anchor>> = edits.collect();
             if edits.is_none() {
                 complaint.diagnostic.fix = None;
             }
@@ -483,78 +524,47 @@ impl Document {
     }
 }
 
-/// Where the places of a complaint will be after an edit: of its labels, and of the edits of its fix.
-struct Moved {
-    labels: Vec<NewPlace>,
-    edits: Vec<NewPlace>,
+/// A complaint that may be told, as far as choosing needs it.
+struct Candidate<'a> {
+    told: Told,
+    diagnostic: &'a Diagnostic,
+    /// Its own place in the file as it is now.
+    span: Option<Span>,
+    /// Where its piece begins, for what the reader complains of.
+    base: usize,
+    kept: Option<&'a Complaint>,
 }
 
-/// Where a place will be after an edit.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum NewPlace {
-    /// In another file.
-    Elsewhere,
-    /// The edit reaches it.
-    Gone,
-    /// Here.
-    At(Span),
+impl<'a> Candidate<'a> {
+    /// A complaint of the reader about a piece that begins at `base`.
+    fn read(diagnostic: &'a Diagnostic, base: usize) -> Self {
+        let label = diagnostic.labels.first();
+        let span = label.map(|label| Span::new(base + label.span.start(), base + label.span.end()));
+        Self {
+            told: Told::Reader,
+            diagnostic,
+            span,
+            base,
+            kept: None,
+        }
+    }
+
+    /// What is said and where that begins.
+    fn place(&self) -> (Code, Option<usize>) {
+        (self.diagnostic.code, self.span.map(Span::start))
+    }
 }
 
-/// Where a span is once as many bytes as `length` are in place of `edited`.
-fn new_place(span: Span, edited: Span, length: usize) -> NewPlace {
+/// Where a span is once as many bytes as `length` are in place of `edited`; `None` if the edit reaches it.
+fn new_place(span: Span, edited: Span, length: usize) -> Option<Span> {
     if span.end() < edited.start() {
-        return NewPlace::At(span);
+        return Some(span);
     }
     if span.start() < edited.end() {
-        return NewPlace::Gone;
+        return None;
     }
     let shift = |offset: usize| offset - edited.len() + length;
-    NewPlace::At(Span::new(shift(span.start()), shift(span.end())))
-}
-
-/// What some pieces define, as far as others see it.
-struct Definitions {
-    of: BTreeMap<Object, Vec<u64>>,
-    /// The body that markers behind them follow.
-    body: Option<Object>,
-}
-
-impl Definitions {
-    /// What pieces behind a body define.
-    fn of(entering: Option<Object>, pieces: &[Arc<Piece>]) -> Self {
-        let (mut of, mut body) = (BTreeMap::<Object, Vec<u64>>::new(), entering);
-        for piece in pieces {
-            for statement in piece.statements() {
-                let Some(object) = statement.object() else {
-                    continue;
-                };
-                if is_known_body(statement) {
-                    body = Some(object);
-                }
-                let mut hasher = DefaultHasher::new();
-                piece.source().slice(statement.span).hash(&mut hasher);
-                let name = statement.view_name.map(|name| piece.source().slice(name));
-                name.hash(&mut hasher);
-                if statement.follows_body() {
-                    body.hash(&mut hasher);
-                }
-                of.entry(object).or_default().push(hasher.finish());
-            }
-        }
-        Self { of, body }
-    }
-
-    /// Objects that are not the same in both.
-    fn differing(&self, other: &Self) -> Vec<Object> {
-        let objects: BTreeSet<&Object> = self.of.keys().chain(other.of.keys()).collect();
-        let differs = |object: &&Object| self.of.get(*object) != other.of.get(*object);
-        objects.into_iter().filter(differs).copied().collect()
-    }
-}
-
-/// A body whose markers need not name it, with an id.
-fn is_known_body(statement: &Statement) -> bool {
-    statement.carries_markers() && statement.object().is_some()
+    Some(Span::new(shift(span.start()), shift(span.end())))
 }
 
 /// The pieces that are re-read, and of the others those that stand nearest.
@@ -584,10 +594,4 @@ fn shifted(found: &Diagnostic, base: usize) -> Diagnostic {
         }
     }
     found
-}
-
-/// What is said and where that begins.
-fn place(found: &Diagnostic) -> (Code, Option<usize>) {
-    let label = found.labels.first();
-    (found.code, label.map(|label| label.span.start()))
 }

@@ -7,6 +7,7 @@ mod completion;
 mod convert;
 mod cursor;
 mod definition;
+mod definitions;
 mod document;
 mod excerpt;
 mod fixes;

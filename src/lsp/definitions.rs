@@ -1,0 +1,53 @@
+//! What pieces define, as far as other statements see it: an edit that changes none of it concerns no others.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::sync::Arc;
+
+use crate::syntax::pieces::Piece;
+use crate::syntax::{Object, Statement};
+
+/// What some pieces define, as far as others see it.
+pub(super) struct Definitions {
+    of: BTreeMap<Object, Vec<u64>>,
+    /// The body that markers behind them follow.
+    pub body: Option<Object>,
+}
+
+impl Definitions {
+    /// What pieces behind a body define.
+    pub fn of(entering: Option<Object>, pieces: &[Arc<Piece>]) -> Self {
+        let (mut of, mut body) = (BTreeMap::<Object, Vec<u64>>::new(), entering);
+        for piece in pieces {
+            for statement in piece.statements() {
+                let Some(object) = statement.object() else {
+                    continue;
+                };
+                if is_known_body(statement) {
+                    body = Some(object);
+                }
+                let mut hasher = DefaultHasher::new();
+                piece.source().slice(statement.span).hash(&mut hasher);
+                let name = statement.view_name.map(|name| piece.source().slice(name));
+                name.hash(&mut hasher);
+                if statement.follows_body() {
+                    body.hash(&mut hasher);
+                }
+                of.entry(object).or_default().push(hasher.finish());
+            }
+        }
+        Self { of, body }
+    }
+
+    /// Objects that are not the same in both.
+    pub fn differing(&self, other: &Self) -> Vec<Object> {
+        let objects: BTreeSet<&Object> = self.of.keys().chain(other.of.keys()).collect();
+        let differs = |object: &&Object| self.of.get(*object) != other.of.get(*object);
+        objects.into_iter().filter(differs).copied().collect()
+    }
+}
+
+/// A body whose markers need not name it, with an id.
+pub(super) fn is_known_body(statement: &Statement) -> bool {
+    statement.carries_markers() && statement.object().is_some()
+}
