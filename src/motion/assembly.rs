@@ -66,6 +66,7 @@ fn attempt(
     }
     state.accelerations.fill(Rates::zero());
     system.settle_variables(parameters, state, &mut memory.scratch)?;
+    system.count_from_drives(parameters, state, &mut memory.scratch)?;
     memory.find_redundant(system, parameters, state)?;
     let anchors: Vec<Pose> = state.poses.clone();
     let plain = plain_weight(system);

@@ -6,6 +6,7 @@ mod columns;
 mod files;
 mod harmless;
 mod launcher;
+mod linear;
 mod loaded;
 mod located;
 mod mdi;

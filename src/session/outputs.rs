@@ -257,6 +257,15 @@ impl Outputs {
         Ok(())
     }
 
+    /// Writes a file of its own beside the others.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn write_beside(&self, extension: &str, text: &str) -> Result<(), Diagnostic> {
+        let path = with_extension(&self.prefix, extension);
+        std::fs::write(&path, text).map_err(|error| cannot_write(&path, &error))
+    }
+
     /// A simulation is over: unless OUTPUT/NOSEPARATOR, the next one begins tables of its own.
     ///
     /// # Errors

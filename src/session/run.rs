@@ -405,7 +405,8 @@ impl<'a> Session<'a> {
                 }
                 Ok(())
             }
-            "LINEAR" | "CONTROL" => self.refused(
+            "LINEAR" => self.linear(command, place),
+            "CONTROL" => self.refused(
                 Diagnostic::error(
                     Code::CommandNotSupported,
                     "only ADAMS itself executes this command; it is left out",

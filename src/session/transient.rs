@@ -11,9 +11,11 @@ use super::simulate::{OutputTimes, Phases};
 use super::simulation::{as_adams_names, too_many};
 use super::watching::Watch;
 use crate::diagnostic::{Code, Diagnostic};
+use crate::model::{Function, Header, Motion, MotionAxis, MotionOrder};
 use crate::motion::{self, Consistent, Integrator, Kept, MotionError, Settings};
 use crate::results::StepKind;
-use crate::system::State;
+use crate::syntax::Expression;
+use crate::system::{State, System};
 
 /// MODE in functions (guide/formats.md 3.1).
 const MODE_KINEMATIC: i32 = 1;
@@ -53,7 +55,7 @@ impl Session<'_> {
     }
 
     /// What acts in motion and is not solved, said once per command.
-    fn refuse_motion(&mut self, place: Place<'_>) -> Option<Flow> {
+    pub(super) fn refuse_motion(&mut self, place: Place<'_>) -> Option<Flow> {
         let missing = self
             .model()
             .compiled()
@@ -339,7 +341,7 @@ impl Session<'_> {
         self.messages.say(&(text + "\n"));
     }
 
-    fn motion_failed(&mut self, error: &MotionError, place: Place<'_>) {
+    pub(super) fn motion_failed(&mut self, error: &MotionError, place: Place<'_>) {
         let diagnostic = Diagnostic::error(
             Code::NoMotion,
             format!(
@@ -376,8 +378,98 @@ enum After {
 }
 
 impl Loaded {
+    /// True if something has found where the model stands: an equilibrium, or initial conditions.
+    pub(super) fn stands(&mut self) -> bool {
+        let known = self.compiled().value.beginning == Beginning::Known;
+        known || self.outputs.last.is_some()
+    }
+
+    /// Joint initial conditions (IC, ICTRAN, ICROT): a state of the model with the joints held there, in place and in rate. `None` if there
+    /// are none.
+    fn joint_start(&self, state: &State, step: f64) -> Result<Option<State>, MotionError> {
+        let model = &self.model;
+        let mut held = Vec::new();
+        for (index, joint) in model.joints.iter().enumerate() {
+            for (axis, start) in [
+                (MotionAxis::Translation(2), joint.initial_translation),
+                (MotionAxis::RotationZ, joint.initial_rotation),
+            ] {
+                if let (Some((value, rate)), true) = (start, joint.header.active) {
+                    held.push((index, axis, value, rate));
+                }
+            }
+        }
+        if held.is_empty() {
+            return Ok(None);
+        }
+        let mut found = state.clone();
+        // First all of them in place, then those with a rate at that rate.
+        for rated in [false, true] {
+            let mut held_model = model.clone();
+            for (index, axis, value, rate) in &held {
+                if rated && rate.is_none() {
+                    continue;
+                }
+                let joint = &model.joints[*index];
+                let text = format!(
+                    "{value:e}+({:e})*(TIME-({:e}))",
+                    rate.unwrap_or(0.0),
+                    state.time
+                );
+                let Ok(function) = Expression::parse_str(&text) else {
+                    continue;
+                };
+                held_model.motions.push(Motion {
+                    header: Header {
+                        active: true,
+                        ..joint.header.clone()
+                    },
+                    joint: Some(*index),
+                    i: joint.i,
+                    j: joint.j,
+                    axis: *axis,
+                    order: MotionOrder::Displacement,
+                    initial_displacement: None,
+                    initial_velocity: None,
+                    function: Function::Expression(function.into()),
+                });
+            }
+            let system = System::compile(&held_model).value;
+            let mut there = system.state();
+            there.time = state.time;
+            there.mode = MODE_INITIAL;
+            there.poses.clone_from(&found.poses);
+            let mut memory = Consistent::new(&system);
+            let parameters = system.parameters();
+            motion::assemble(
+                &system,
+                &parameters,
+                &mut there,
+                &mut memory,
+                Kept::Data,
+                step,
+            )?;
+            found.poses = there.poses;
+            if rated {
+                found.velocities = there.velocities;
+                found.accelerations = there.accelerations;
+            }
+        }
+        Ok(Some(found))
+    }
+
     /// Finds the initial conditions unless they are known; `anew` in any case. Gives the redundant equations.
-    fn begin(&mut self, step: f64, anew: bool) -> Result<Vec<String>, MotionError> {
+    pub(super) fn begin(&mut self, step: f64, anew: bool) -> Result<Vec<String>, MotionError> {
+        let (fresh, start) = {
+            let compiled = self.compiled().value;
+            let fresh = compiled.beginning == Beginning::Dataset;
+            (fresh, compiled.state.clone())
+        };
+        let held = if fresh {
+            self.joint_start(&start, step)?
+        } else {
+            None
+        };
         let Compiled {
             system,
             parameters,
@@ -385,6 +477,12 @@ impl Loaded {
             beginning,
             ..
         } = self.compiled().value;
+        if let Some(held) = held {
+            state.poses = held.poses;
+            state.velocities = held.velocities;
+            state.set_moving();
+            *beginning = Beginning::Changed;
+        }
         let kept = match *beginning {
             Beginning::Known if !anew => return Ok(redundant(system, state)),
             Beginning::Dataset => Kept::Data,

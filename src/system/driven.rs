@@ -4,6 +4,7 @@ use super::assemble::{NoValue, Reason};
 use super::function::Source;
 use super::structure::{Drive, RateDrive};
 use super::{Configuration, Driven, Parameters, Scratch, State, System};
+use crate::constraint::{Measure, PairConstraint};
 
 /// Gauss-Legendre points and weights on [-1, 1].
 const POINTS: [(f64, f64); 5] = [
@@ -25,6 +26,36 @@ impl System {
             Drive::Rate(drive) => Some(drive),
             _ => None,
         })
+    }
+
+    /// Takes the angles of what MOTIONs drive nearest to what they prescribe: turns are counted from there.
+    ///
+    /// # Errors
+    /// [`NoValue`] if a function has no value here.
+    pub(crate) fn count_from_drives(
+        &self,
+        parameters: &Parameters,
+        state: &mut State,
+        scratch: &mut Scratch,
+    ) -> Result<(), NoValue> {
+        self.look(parameters, state, scratch)?;
+        for joint in self.joints.iter().filter(|joint| joint.active) {
+            let value = match joint.drive {
+                Drive::Function(function) => scratch.functions[function].value,
+                Drive::Rate(drive) => scratch.driven[drive.index][0],
+                Drive::Theta(_) | Drive::Held(_) => continue,
+            };
+            for term in &joint.terms {
+                if let PairConstraint::Drive(drive) = term.law {
+                    match drive.measure {
+                        Measure::Angle(axis) => state.pair_angles[term.pair][axis] = value,
+                        Measure::Body123(0) => state.pair_angles[term.pair].x = value,
+                        Measure::Translation(_) | Measure::Body123(_) | Measure::Pinion => {}
+                    }
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Moves the constants of integration on to the time of the state, so that the next integral is short.

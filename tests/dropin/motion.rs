@@ -435,3 +435,92 @@ fn the_table_of_a_simulation_has_its_rows() {
     assert_eq!(rows.len(), 14, "{rows:#?}");
     assert!(ran.stdout.contains("Radau IIA order 5"));
 }
+
+/// The eigenvalues of a run, radians per time, of pairs the one above: (real, imaginary).
+fn eigenvalues(deck: &str, commands: &str) -> (Vec<(f64, f64)>, Ran) {
+    let acf = format!("\nfile/model=small\n{commands}\nstop\n");
+    let folder = folder(&[("small.adm", deck), ("run.acf", &acf)]);
+    let ran = mdi(folder.path(), &["ru-s", "run"]);
+    let text = std::fs::read(folder.path().join("small.modes.json"));
+    let text = text.unwrap_or_else(|_| panic!("{}", ran.stdout));
+    let value: serde_json::Value = serde_json::from_slice(&text).unwrap();
+    let number = |mode: &serde_json::Value, key: &str| mode[key].as_f64().unwrap();
+    let modes = value["modes"].as_array().unwrap();
+    let found = modes
+        .iter()
+        .map(|mode| (number(mode, "real"), number(mode, "imaginary")))
+        .collect();
+    (found, ran)
+}
+
+/// A block on a spring: -1 +- i sqrt(99), without damping +- 10 i. A sleeping top, A 0.3 about its tip, C 0.1, m g l 4.905, spin 60:
+/// the roots of A s^2 - i C 60 s - m g l.
+#[test]
+fn eigenvalues_are_those_of_closed_forms() {
+    let block = format!(
+        "{BALL}SPRINGDAMPER/1, TRANSLATIONAL, I=20, J=30, K=100, C=2, LENGTH=0.5\nMARKER/30, PART=1, QP=0,0,2\nEND\n"
+    );
+    let (found, ran) = eigenvalues(&block, "SIM/STAT\nLINEAR/EIGENSOL");
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    assert_eq!(found.len(), 1, "{found:?}");
+    near(found[0].0, -1.0, 1e-9);
+    near(found[0].1, 99f64.sqrt(), 1e-9);
+    assert!(ran.stdout.contains("UNDAMPED NATURAL"));
+    let (found, _) = eigenvalues(&block, "SIM/STAT\nLINEAR/EIGENSOL, NODAMPIN");
+    near(found[0].1, 10.0, 1e-9);
+    let top = "top
+UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=METER, TIME=SECOND
+PART/1, GROUND
+MARKER/1, PART=1
+PART/2, MASS=1, CM=20, IP=0.05,0.05,0.1, WX=0, WY=0, WZ=60
+MARKER/20, PART=2, QP=0,0,0.5
+MARKER/21, PART=2
+JOINT/1, SPHERICAL, I=21, J=1
+ACCGRAV/KGRAV=-9.81
+END
+";
+    let (found, ran) = eigenvalues(top, "SIM/INITIAL_CONDITIONS\nLINEAR/EIGENSOL");
+    let sizes: Vec<f64> = found.iter().map(|v| v.1).collect();
+    for expected in [0.85396260668, 19.14603739332] {
+        let off = sizes
+            .iter()
+            .fold(f64::MAX, |m, v| m.min((v - expected).abs()));
+        assert!(off < 1e-6, "{found:?} {}", ran.stdout);
+    }
+}
+
+/// Joints begin where their IC says, in place and in rate, and a driven joint more than half a turn away is taken nearest to its motion.
+#[test]
+fn joints_begin_where_they_are_told() {
+    let bar = "bar
+UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=METER, TIME=SECOND
+PART/1, GROUND
+MARKER/1, PART=1
+PART/2, MASS=1, CM=20, IP=0.1,0.1,0.1
+MARKER/20, PART=2, QP=1,0,0
+MARKER/21, PART=2
+RESULTS/XRF
+";
+    let begin = |statements: &str| {
+        let deck = format!("{bar}{statements}END\n");
+        let acf = "\nfile/model=bar\nSIM/DYN, END=1, STEPS=10\nstop\n";
+        let folder = folder(&[("bar.adm", &deck), ("run.acf", acf)]);
+        let ran = mdi(folder.path(), &["ru-s", "run"]);
+        assert_eq!(ran.code, 0, "{}", ran.stdout);
+        Results::read_all(folder.path(), "bar.res")
+    };
+    let results = begin("JOINT/1, REVOLUTE, I=21, J=1, IC=30D, 0.2\n");
+    for (at, t) in results.column("time", "TIME").iter().enumerate() {
+        near(
+            results.column("PART_2_XFORM", "PSI")[at],
+            30f64.to_radians() + 0.2 * t,
+            1e-9,
+        );
+        near(results.column("PART_2_XFORM", "WZ")[at], 0.2, 1e-9);
+    }
+    let results = begin(
+        "JOINT/1, REVOLUTE, I=21, J=1\nMOTION/1, JOINT=1, VELOCITY, ICDISP=3.5, FUNCTION=0.1\n",
+    );
+    let last = *results.column("PART_2_XFORM", "PSI").last().unwrap();
+    near(last, 3.6 - std::f64::consts::TAU, 1e-9);
+}

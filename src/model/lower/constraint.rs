@@ -60,7 +60,7 @@ pub(super) fn joint(reader: &mut Reader, old: Option<&Joint>) -> Option<Joint> {
     for argument in ["IC", "ICTRAN", "ICROT"] {
         if reader.statement.first(argument).is_some_and(|ic| ic != 0.0) {
             let message = format!(
-                "the initial displacement of {} is not applied: statics looks for equilibrium from the positions of the parts",
+                "the initial displacement of {} is not applied: statics looks for equilibrium from the positions of the parts; a motion begins there",
                 reader.called()
             );
             let place = reader.place(argument);
