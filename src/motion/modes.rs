@@ -117,7 +117,9 @@ pub fn modes(
     let put = |to: &mut DMatrix<f64>, row: usize, column: usize, block: &DMatrix<f64>| {
         to.view_mut((row, column), block.shape()).copy_from(block);
     };
-    put(&mut F, 0, 0, &(&Zt * (&X + W) * &Z));
+    // The left inverse of Z, which is orthonormal where rotations are taken times the length.
+    let left = DMatrix::from_fn(r, n, |i, j| Z[(j, i)] * lengths[j] * lengths[j]);
+    put(&mut F, 0, 0, &(left * (&X + W) * &Z));
     put(&mut F, 0, r, &DMatrix::identity(r, r));
     put(&mut E, r, 0, &(&Zt * &M * &XZ));
     put(&mut E, r, r, &(&Zt * &M * &Z));
