@@ -70,7 +70,7 @@ impl Plant {
             "load-point-error" => most / 0.5,
             "load-gain" => off / 0.003,
             "load-crosstalk" => most / 0.001,
-            "element-parameter" if self.address.ends_with(".FORCE") => off / 0.003,
+            "element-parameter" if self.address.contains(".FORCE") => off / 0.003,
             "element-parameter" if self.address.starts_with("SPRING") => off / 0.015,
             "element-parameter" => off / 0.03,
             _ => return None,
