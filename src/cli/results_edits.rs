@@ -1,13 +1,17 @@
 //! New values in a results file: the file is written whole, and only the numbers that change are spelled anew.
 
+use std::fs::File;
+use std::io::{BufReader, BufWriter};
 use std::path::Path;
 
 use crate::diagnostic::{Code, Diagnostic};
-use crate::results::{Change, ResultsError, StepFilter, rewrite_file};
+use crate::results::{Change, ResultsError, StepFilter, rewrite};
 
 use super::Outcome;
+use super::leftover;
+use super::permissions::as_new_files;
 use super::results::{open, refused, selection};
-use super::shell::{Exit, Shell};
+use super::shell::{Exit, Shell, take_place};
 use super::target::Target;
 
 /// One `COLUMN=VALUE`, with the operator in front of the equals sign.
@@ -79,13 +83,24 @@ pub(super) fn run(
         }
     }
     changes.append(&mut last_step);
-    let written = rewrite_file(file, to, &changes).map_err(|error| match error {
-        ResultsError::Io(error) => shell.fail(Diagnostic::error(
-            Code::CannotWrite,
-            format!("`{}` cannot be written: {error}", to.display()),
-        )),
+    let cannot = |error: std::io::Error| {
+        let message = format!("`{}` cannot be written: {error}", to.display());
+        shell.fail(Diagnostic::error(Code::CannotWrite, message))
+    };
+    let folder = to.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let mut builder = tempfile::Builder::new();
+    let mut scratch = as_new_files(builder.prefix(&leftover::prefix()))
+        .tempfile_in(folder.unwrap_or(Path::new(".")))
+        .map_err(cannot)?;
+    let again = || File::open(file).map_err(cannot);
+    let text = BufReader::with_capacity(1 << 16, again()?);
+    let out = BufWriter::with_capacity(1 << 16, scratch.as_file_mut());
+    let name = file.display().to_string();
+    let written = rewrite(&name, again()?, text, out, &changes).map_err(|error| match error {
+        ResultsError::Io(error) => cannot(error),
         refusal @ ResultsError::Refused(_) => refused(refusal, shell),
     })?;
+    take_place(scratch, to).map_err(cannot)?;
     shell.complain(&written.diagnostics);
     shell.say(&format!("{} values changed\n", written.changed));
     Ok(Exit::Fine)

@@ -294,25 +294,34 @@ pub(super) fn replace_file(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let mut file = as_new_files(builder.prefix(&leftover::prefix())).tempfile_in(folder)?;
     file.write_all(bytes)?;
     file.as_file().sync_all()?;
+    take_place(file, &path)
+}
+
+/// Puts a whole new file in the place of another, with its owner, permissions and further names.
+pub(super) fn take_place(new: NamedTempFile, path: &Path) -> std::io::Result<()> {
+    // A link is followed, so that the file it points to is replaced and not the link.
+    let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
     if let Ok(before) = std::fs::metadata(&path) {
-        if !can_be_replaced(&before, file.path()) {
-            return overwrite(&path, bytes, file);
+        if !can_be_replaced(&before, new.path()) {
+            return overwrite(&path, new);
         }
-        file.as_file().set_permissions(before.permissions())?;
+        std::fs::set_permissions(new.path(), before.permissions())?;
     }
-    file.persist(&path).map_err(|failed| failed.error)?;
+    new.persist(&path).map_err(|failed| failed.error)?;
     Ok(())
 }
 
-/// Writes into a file whose place no other can take: it has further names, or an owner that cannot be given. `copy` holds the new
-/// bytes already, and stays if they cannot be written.
-fn overwrite(path: &Path, bytes: &[u8], copy: NamedTempFile) -> std::io::Result<()> {
-    let mut file = std::fs::OpenOptions::new().write(true).open(path)?;
-    let written = file
-        .write_all(bytes)
-        .and_then(|()| file.set_len(bytes.len() as u64))
-        .and_then(|()| file.sync_all());
-    written.map_err(|error| match copy.keep() {
+/// Writes into a file whose place no other can take: it has further names, or an owner that cannot be given. `new` stays if its bytes
+/// cannot be written.
+fn overwrite(path: &Path, new: NamedTempFile) -> std::io::Result<()> {
+    let copy = || {
+        let mut from = std::fs::File::open(new.path())?;
+        let mut file = std::fs::OpenOptions::new().write(true).open(path)?;
+        let length = std::io::copy(&mut from, &mut file)?;
+        file.set_len(length)?;
+        file.sync_all()
+    };
+    copy().map_err(|error| match new.keep() {
         Ok((_, kept)) => {
             let message = format!("{error}; the whole new text is in {}", kept.display());
             std::io::Error::new(error.kind(), message)

@@ -148,7 +148,8 @@ fn codes_and_statuses_are_those_of_the_table() {
             "Failed",
         ),
         ("SIM/STAT\nSIM/DYNAMIC, END=1, STEPS=5", 0, 0, "Successful"),
-        ("SIM/STAT\nLINEAR/EIGENSOL", 1, 1, "Failed"),
+        ("SIM/STAT\nLINEAR/EIGENSOL", 0, 0, "Successful"),
+        ("SIM/STAT\nLINEAR/STATEMAT", 1, 1, "Failed"),
         ("SIM/STAT\nSFORSE/1, FUNCTION=5", 1, 1, "Successful"),
     ] {
         let acf = format!("\nfile/model=slider\n{commands}\n");

@@ -396,6 +396,23 @@ fn results_are_filtered_and_rewritten() {
     );
     assert_eq!(code, 0, "{err}");
     assert!(err.contains("1 values changed"), "{err}");
+    // A file of several names stays one file.
+    let (first, second) = (here.path().join("a.res"), here.path().join("b.res"));
+    std::fs::copy(&file, &first).expect("a copy");
+    std::fs::hard_link(&first, &second).expect("a second name");
+    let edit = [
+        "results",
+        "a.res",
+        "--set",
+        "PART_2.Y+=1",
+        "--steps",
+        "last",
+    ];
+    let in_place = [&edit[..], &["--in-place"]].concat();
+    let (code, _, err) = run(here.path(), &in_place);
+    assert_eq!(code, 0, "{err}");
+    let text = |path: &Path| std::fs::read(path).expect("readable");
+    assert!(text(&first) == text(&second) && text(&first) == text(&here.path().join("new.res")));
     let (_, changed, _) = run(
         here.path(),
         &[
