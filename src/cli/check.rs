@@ -9,10 +9,11 @@ use crate::text::Source;
 
 use super::Outcome;
 use super::check_settings::{AllSettings, Flags};
+use super::input::read_study;
 use super::inputs::files_of;
 use super::shell::{Exit, Shell, exit_of};
 
-/// Check datasets, command files and property files.
+/// Check datasets, command files, property files and studies.
 ///
 /// Prints what is wrong with them, each complaint at its place. A command file is checked against the deck it names. Exit code 1 if
 /// there is an error among the complaints, with --strict also for warnings.
@@ -30,7 +31,8 @@ use super::shell::{Exit, Shell, exit_of};
 #[derive(clap::Args, Debug)]
 #[command(verbatim_doc_comment, after_help = EXAMPLES)]
 pub(super) struct Arguments {
-    /// Datasets (.adm), command files (.acf), property files of Adams/Car (.bus, .spr, ...), folders, or patterns: `runs/*.adm`.
+    /// Datasets (.adm), command files (.acf), property files of Adams/Car (.bus, .spr, ...), folders (with a study.toml: the study
+    /// too), or patterns: `runs/*.adm`.
     #[arg(required = true)]
     files: Vec<PathBuf>,
     #[command(flatten)]
@@ -71,6 +73,22 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         let before = found.len();
         found.extend(shown);
         strict |= settings.strict && found[before..].iter().any(|d| d.severity > Severity::Note);
+    }
+    for folder in &arguments.files {
+        if !folder.join("study.toml").is_file() {
+            continue;
+        }
+        let read = read_study(folder, shell);
+        // What there is to say of its deck has been said, or is not to be shown.
+        let deck = read
+            .value
+            .map(|loaded| loaded.study.deck.name().to_string());
+        let of_the_deck = |d: &Diagnostic| {
+            let file = d.labels.first().map(|label| label.file.to_string());
+            file.is_some() && file == deck
+        };
+        found.extend(read.diagnostics.into_iter().filter(|d| !of_the_deck(d)));
+        checked += 1;
     }
     shell.findings(&found);
     if checked > 1 {

@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use crate::diagnostic::{Diagnostic, Severity};
+use crate::diagnostic::{Checked, Diagnostic, Severity};
 use crate::identify::LoadedStudy;
 use crate::model::lint::implausible_units;
 use crate::model::{Ignore, Model, said_left_out};
@@ -57,11 +57,17 @@ pub(super) fn solvable(
 
 /// Reads a study's folder; complaints are printed, and a study that cannot be used ends the command.
 pub(super) fn study(folder: &Path, shell: &mut Shell) -> Result<LoadedStudy, Exit> {
+    let checked = read_study(folder, shell);
+    shell.complain(&checked.diagnostics);
+    checked.value.ok_or(Exit::Findings)
+}
+
+/// Reads a study's folder, and remembers its texts for showing places in them.
+pub(super) fn read_study(folder: &Path, shell: &mut Shell) -> Checked<Option<LoadedStudy>> {
     let checked = LoadedStudy::read(folder);
     if let Some(loaded) = &checked.value {
         shell.sources.add(loaded.study.source.clone());
         shell.sources.add(loaded.study.deck.clone());
     }
-    shell.complain(&checked.diagnostics);
-    checked.value.ok_or(Exit::Findings)
+    checked
 }

@@ -107,8 +107,8 @@ fn table(found: &[Mode], names: &[String], time: f64, vectors: bool) -> String {
             "  {:<8} {:>16}   {:>13}   {:>16}   {sign} {:>14}",
             number + 1,
             exponent(mode.frequency(), 8),
-            exponent(mode.damping_ratio(), 6),
-            exponent(mode.value.re / turn, 8),
+            exponent(mode.damping_ratio() + 0.0, 6),
+            exponent(mode.value.re / turn + 0.0, 8),
             exponent(mode.value.im / turn, 8)
         );
     }

@@ -358,3 +358,23 @@ fn real_command_files_are_fine() {
         assert_eq!((code, bad.as_slice()), (0, &[][..]), "{name}");
     }
 }
+
+/// A folder with a study is checked as a study too, so that a misspelt key is not found by the first fit only.
+#[test]
+fn a_study_is_checked_with_its_folder() {
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/pseudo-mcpherson");
+    let folder = tempfile::tempdir().expect("a folder");
+    for entry in std::fs::read_dir(shipped).expect("shipped") {
+        let path = entry.expect("readable").path();
+        let name = path.file_name().expect("a name");
+        std::fs::copy(&path, folder.path().join(name)).expect("a copy");
+    }
+    let check = || run(folder.path(), &["check", ".", "--format", "plain"]);
+    assert_eq!(check().0, 0, "{}", check().1);
+    let study = folder.path().join("study.toml");
+    let text = std::fs::read_to_string(&study).expect("readable");
+    std::fs::write(&study, text.replace("\nsigma = ", "\nsigmma = ")).expect("written");
+    let (code, said) = check();
+    assert_eq!(code, 1, "{said}");
+    assert!(said.contains("sigmma"), "{said}");
+}
