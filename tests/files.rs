@@ -9,6 +9,7 @@ mod files {
     pub mod comparing;
     pub mod completion;
     pub mod editing;
+    pub mod folder;
     pub mod functions;
     pub mod hostile;
     pub mod lint;

@@ -1,6 +1,6 @@
 //! MOTIONs that prescribe a velocity or an acceleration: their displacement, integrated from where they stand.
 
-use super::assemble::{NoValue, Reason};
+use super::assemble::NoValue;
 use super::function::Source;
 use super::structure::{Drive, RateDrive};
 use super::{Configuration, Driven, Parameters, Scratch, State, System};
@@ -189,22 +189,7 @@ impl Configuration<'_> {
                 _ => 0.0,
             });
         }
-        scratch.by_input.clear();
-        scratch.by_input.resize(program.inputs.len(), 0.0);
-        scratch.by_literal.clear();
-        scratch.by_literal.resize(function.literals.len(), 0.0);
-        let value = program
-            .eval_with_derivatives(
-                &scratch.inputs,
-                &self.parameters.theta()[function.literals.clone()],
-                &mut scratch.program,
-                &mut scratch.by_input,
-                &mut scratch.by_literal,
-            )
-            .map_err(|error| NoValue {
-                element: function.owner.clone(),
-                reason: Reason::Function(error),
-            })?;
+        let value = function.run(program, self.parameters.theta(), scratch)?;
         let by_time = function.sources.iter().zip(&scratch.by_input);
         let slope = by_time.filter(|(source, _)| matches!(source, Source::Time));
         Ok((value, slope.map(|(_, by)| by).sum()))

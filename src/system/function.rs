@@ -47,6 +47,37 @@ pub(crate) struct CompiledFunction {
     pub apart: bool,
 }
 
+impl CompiledFunction {
+    /// Zeros for the derivatives by inputs and literals.
+    fn forget(&self, program: &Program, scratch: &mut Scratch) {
+        scratch.by_input.clear();
+        scratch.by_input.resize(program.inputs.len(), 0.0);
+        scratch.by_literal.clear();
+        scratch.by_literal.resize(self.literals.len(), 0.0);
+    }
+
+    /// Value of its program at the inputs in `scratch`, whose derivatives by inputs and literals are left there.
+    pub(super) fn run(
+        &self,
+        program: &Program,
+        theta: &[f64],
+        scratch: &mut Scratch,
+    ) -> Result<f64, NoValue> {
+        self.forget(program, scratch);
+        let value = program.eval_with_derivatives(
+            &scratch.inputs,
+            &theta[self.literals.clone()],
+            &mut scratch.program,
+            &mut scratch.by_input,
+            &mut scratch.by_literal,
+        );
+        value.map_err(|error| NoValue {
+            element: self.owner.clone(),
+            reason: Reason::Function(error),
+        })
+    }
+}
+
 impl Configuration<'_> {
     /// Values and gradients of all functions of the equilibrium, into `scratch`.
     pub(super) fn evaluate_functions(&mut self) -> Result<(), NoValue> {
@@ -74,23 +105,10 @@ impl Configuration<'_> {
                 self.scratch.spans.push(self.scratch.gradient.len());
             }
             let scratch = &mut *self.scratch;
-            scratch.by_input.clear();
-            scratch.by_input.resize(program.inputs.len(), 0.0);
-            scratch.by_literal.clear();
-            scratch.by_literal.resize(function.literals.len(), 0.0);
-            if !replaced {
-                value = program
-                    .eval_with_derivatives(
-                        &scratch.inputs,
-                        &self.parameters.theta()[function.literals.clone()],
-                        &mut scratch.program,
-                        &mut scratch.by_input,
-                        &mut scratch.by_literal,
-                    )
-                    .map_err(|error| NoValue {
-                        element: function.owner.clone(),
-                        reason: Reason::Function(error),
-                    })?;
+            if replaced {
+                function.forget(program, scratch);
+            } else {
+                value = function.run(program, self.parameters.theta(), scratch)?;
             }
             let mut at = first;
             for (&end, &by) in scratch.spans.iter().zip(&scratch.by_input) {

@@ -1,7 +1,6 @@
 //! Work on many things at once: patterns, arithmetic, command files, removal with all that hangs on it, extracts, other units, results.
 
 use std::path::Path;
-use std::process::Command;
 
 use admire::model::{Model, convert_units};
 use admire::results::{GraphicsFile, MessageFile, StepKind};
@@ -11,6 +10,7 @@ use admire::system::System;
 use admire::text::{Source, apply_edits};
 use admire::units::{FORCE_UNITS, LENGTH_UNITS, MASS_UNITS, TIME_UNITS, Unit};
 
+use super::folder::{Folder, run};
 use crate::common::{files_below, shared};
 
 const DECK: &str = "a title\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\nPART/1, GROUND\nMARKER/10, PART=1\n\
@@ -20,47 +20,9 @@ BUSHING/1, I=20, J=10, K=1000, 2000, 3000.0, KT=1E5, 1E5, 1E5\n! adams_view_name
 BUSHING/3, I=30, J=21, K=50, 60, 70, KT=1000, 1000, 1000\nSFORCE/4, I=30, J=10, TRANSLATIONAL, FUNCTION=-0.5*(DM(30,10)-150)+VARVAL(1)\n\
 VARIABLE/1, FUNCTION=3*DX(30,10)\nREQUEST/1, DISPLACEMENT, I=30, J=10\nACCGRAV/KGRAV=-9806.65\nEND\n";
 
-struct Folder(tempfile::TempDir);
-
-impl Folder {
-    fn new() -> Self {
-        let folder = Self(tempfile::tempdir().expect("a folder"));
-        folder.write("d.adm", DECK);
-        folder
-    }
-
-    fn write(&self, name: &str, text: &str) {
-        std::fs::write(self.0.path().join(name), text).expect("written");
-    }
-
-    fn read(&self, name: &str) -> String {
-        std::fs::read_to_string(self.0.path().join(name)).expect("readable")
-    }
-
-    /// Exit code, standard output, standard error.
-    fn run(&self, words: &[&str]) -> (i32, String, String) {
-        run(self.0.path(), words)
-    }
-}
-
-fn run(folder: &Path, words: &[&str]) -> (i32, String, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_admire"))
-        .current_dir(folder)
-        .args(words)
-        .env("NO_COLOR", "1")
-        .output()
-        .expect("admire runs");
-    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    (
-        output.status.code().expect("no signal"),
-        text(&output.stdout),
-        text(&output.stderr),
-    )
-}
-
 #[test]
 fn patterns_and_arithmetic_change_many_values() {
-    let folder = Folder::new();
+    let folder = Folder::with(DECK);
     let set = |words: &[&str]| {
         let mut all = vec!["set", "d.adm"];
         all.extend(words);
@@ -104,7 +66,7 @@ fn patterns_and_arithmetic_change_many_values() {
 
 #[test]
 fn commands_are_read_and_changed_like_statements() {
-    let folder = Folder::new();
+    let folder = Folder::with(DECK);
     let commands = "file/model=d\nequil/maxit=100, error=1E-3\nsimulate/statics, end=1, steps=10\nsforce/4, function=2*TIME\nsimulate/statics, end=2, steps=5\nstop\n";
     folder.write("r.acf", commands);
     let (_, out, _) = folder.run(&[
@@ -142,7 +104,7 @@ fn commands_are_read_and_changed_like_statements() {
 
 #[test]
 fn a_part_goes_with_all_that_hangs_on_it() {
-    let folder = Folder::new();
+    let folder = Folder::with(DECK);
     let (code, _, err) = folder.run(&["remove", "d.adm", "PART/3"]);
     assert_eq!(code, 1, "markers would be left alone: {err}");
     let (code, out, err) = folder.run(&["remove", "d.adm", "PART/3", "--cascade"]);
@@ -166,7 +128,7 @@ fn a_part_goes_with_all_that_hangs_on_it() {
 /// What acts on the part in the extract is what acts on it in the whole model at the design position.
 #[test]
 fn an_extract_feels_the_forces_of_the_whole() {
-    let folder = Folder::new();
+    let folder = Folder::with(DECK);
     let (code, out, err) = folder.run(&["extract", "d.adm", "PART/3"]);
     assert_eq!(code, 0, "{err}");
     assert!(
@@ -271,7 +233,7 @@ fn other_units_are_the_same_mechanism() {
 
 #[test]
 fn what_cannot_be_converted_is_named() {
-    let folder = Folder::new();
+    let folder = Folder::with(DECK);
     folder.write(
         "x.adm",
         &DECK.replace("FUNCTION=3*DX(30,10)", "FUNCTION=USER(1,2)"),
@@ -291,7 +253,7 @@ fn what_cannot_be_converted_is_named() {
 
 #[test]
 fn graphs_name_bodies_and_what_joins_them() {
-    let folder = Folder::new();
+    let folder = Folder::with(DECK);
     let (_, dot, _) = folder.run(&["graph", "d.adm", "--dot"]);
     assert!(
         dot.contains("\"PART/2\" -- \"PART/1\" [label = \"front_left\""),
@@ -310,7 +272,7 @@ fn graphs_name_bodies_and_what_joins_them() {
 /// Degrees of freedom are counted where a function has no value at the design position, and in decks with faults.
 #[test]
 fn freedoms_are_always_counted() {
-    let folder = Folder::new();
+    let folder = Folder::with(DECK);
     // Two parts, twelve freedoms, none taken; DM of coincident markers divides by zero.
     let broken = DECK.replace("-0.5*(DM(30,10)-150)+VARVAL(1)", "1/DX(20,20)");
     folder.write("x.adm", &broken);

@@ -1,66 +1,43 @@
 //! `admire check` as a user calls it: command files against their deck, statements ADAMS rejects, and what is shown to whom.
 
 use std::path::Path;
-use std::process::Command;
 
+use super::folder::{Folder, run};
 use crate::common::{files_below, shared};
 
 const DECK: &str = "a title\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\nPART/1, GROUND\n\
 MARKER/10, PART=1\nPART/2, MASS=1.5, CM=20, IP=1E4, 1E4, 1E4\nMARKER/20, PART=2\nJOINT/1, REVOLUTE, I=20, J=10\n\
 JOINT/7, REVOLUTE, I=20, J=10\nSFORCE/3, I=20, J=10, ROTATIONAL, FUNCTION=2*AZ(20,10)\nACCGRAV/KGRAV=-9806.65\nEND\n";
 
-struct Folder(tempfile::TempDir);
-
 impl Folder {
-    fn new() -> Self {
-        let folder = Self(tempfile::tempdir().expect("a folder"));
-        folder.write("d.adm", DECK);
-        folder
-    }
-
-    fn write(&self, name: &str, text: &str) {
-        let path = self.0.path().join(name);
-        std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
-        std::fs::write(path, text).expect("written");
-    }
-
-    fn read(&self, name: &str) -> String {
-        std::fs::read_to_string(self.0.path().join(name)).expect("readable")
-    }
-
-    /// Exit code and standard output.
-    fn run(&self, words: &[&str]) -> (i32, String) {
-        run(self.0.path(), words)
+    /// Exit code and all that is said.
+    fn said(&self, words: &[&str]) -> (i32, String) {
+        let (code, out, errors) = self.run(words);
+        (code, out + &errors)
     }
 
     /// The complaints about a command file beside the deck, one line each.
     fn commands(&self, commands: &str) -> (i32, String) {
         self.write("r.acf", &format!("\nfile/model=d\n{commands}"));
-        self.run(&["check", "r.acf", "--format", "plain"])
+        self.said(&["check", "r.acf", "--format", "plain"])
     }
 
     /// The complaints about a deck, one line each.
     fn deck(&self, text: &str) -> (i32, String) {
         self.write("x.adm", text);
-        self.run(&["check", "x.adm", "--format", "plain"])
+        self.said(&["check", "x.adm", "--format", "plain"])
     }
 }
 
-fn run(folder: &Path, words: &[&str]) -> (i32, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_admire"))
-        .current_dir(folder)
-        .args(words)
-        .env("NO_COLOR", "1")
-        .output()
-        .expect("admire runs");
-    let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
-    (output.status.code().expect("no signal"), text + &errors)
+/// Exit code and all that is said.
+fn said(folder: &Path, words: &[&str]) -> (i32, String) {
+    let (code, out, errors) = run(folder, words);
+    (code, out + &errors)
 }
 
 #[test]
 fn commands_name_objects_of_their_deck() {
-    let folder = Folder::new();
+    let folder = Folder::with(DECK);
     let (code, said) = folder.commands("DEACTIVATE/JOINT, ID=4711\n");
     assert_eq!(code, 1, "{said}");
     assert!(
@@ -91,27 +68,27 @@ fn commands_name_objects_of_their_deck() {
 
 #[test]
 fn a_model_that_is_not_there_is_an_error_and_one_of_another_computer_a_warning() {
-    let folder = Folder::new();
+    let folder = Folder::with(DECK);
     folder.write("r.acf", "file/model=nowhere\nsimulate/statics\n");
-    let (code, said) = folder.run(&["check", "r.acf", "--format", "plain"]);
+    let (code, said) = folder.said(&["check", "r.acf", "--format", "plain"]);
     assert_eq!(code, 1);
     assert!(
         said.contains("r.acf:1:12: error[cannot-read]: there is no file `nowhere`"),
         "{said}"
     );
     folder.write("r.acf", "file/model=C:\\runs\\nowhere\nsimulate/statics\n");
-    let (code, said) = folder.run(&["check", "r.acf", "--format", "plain"]);
+    let (code, said) = folder.said(&["check", "r.acf", "--format", "plain"]);
     assert_eq!(code, 0);
     assert!(said.contains("warning[cannot-read]"), "{said}");
     folder.write("old.acf", "d\nd\nDEACTIVATE/JOINT, ID=2\n");
-    let (code, said) = folder.run(&["check", "old.acf", "--format", "plain"]);
+    let (code, said) = folder.said(&["check", "old.acf", "--format", "plain"]);
     assert_eq!(code, 1);
     assert!(said.contains("JOINT/2 is not in"), "{said}");
 }
 
 #[test]
 fn times_of_simulations_go_on() {
-    let folder = Folder::new();
+    let folder = Folder::with(DECK);
     for (wrong, code, message) in [
         ("SIMULATE/STATICS, END=1\n", 0, "no STEPS or DTOUT"),
         ("SIMULATE/DYNAMICS, DTOUT=1\n", 1, "no END or DURATION"),
@@ -143,7 +120,7 @@ fn times_of_simulations_go_on() {
 
 #[test]
 fn what_adams_rejects_is_an_error_that_says_what_was_meant() {
-    let folder = Folder::new();
+    let folder = Folder::with(DECK);
     for (old, new, message) in [
         (
             "MARKER/20, PART=2",
@@ -186,21 +163,21 @@ fn what_adams_rejects_is_an_error_that_says_what_was_meant() {
 
 #[test]
 fn unsafe_fixes_write_what_alone_was_meant() {
-    let folder = Folder::new();
+    let folder = Folder::with(DECK);
     let broken = DECK
         .replace("MARKER/20, PART=2", "MARKR/20, PRAT=2\nQP=0, 0, 0")
         .replace("KGRAV", "GGRAV");
     folder.write("x.adm", &broken);
-    assert_eq!(folder.run(&["fix", "x.adm", "--write"]).0, 0);
+    assert_eq!(folder.said(&["fix", "x.adm", "--write"]).0, 0);
     assert_eq!(folder.read("x.adm"), broken, "nothing of it is safe");
-    assert_eq!(folder.run(&["fix", "x.adm", "--write", "--unsafe"]).0, 0);
+    assert_eq!(folder.said(&["fix", "x.adm", "--write", "--unsafe"]).0, 0);
     // Three arguments are as near to GGRAV: nobody knows which was meant.
     let mended = DECK
         .replace("MARKER/20, PART=2", "MARKER/20, PART=2\n, QP=0, 0, 0")
         .replace("KGRAV", "GGRAV");
     assert_eq!(folder.read("x.adm"), mended);
     folder.write("r.acf", "file/model=d\nDEACTIVTE/JOINT, ID=1\n");
-    assert_eq!(folder.run(&["fix", "r.acf", "--write", "--unsafe"]).0, 0);
+    assert_eq!(folder.said(&["fix", "r.acf", "--write", "--unsafe"]).0, 0);
     assert_eq!(
         folder.read("r.acf"),
         "file/model=d\nDEACTIVATE/JOINT, ID=1\n"
@@ -209,7 +186,7 @@ fn unsafe_fixes_write_what_alone_was_meant() {
 
 #[test]
 fn codes_profiles_and_comments_say_what_is_shown() {
-    let folder = Folder::new();
+    let folder = Folder::with(DECK);
     let deck = DECK.replace(
         "END\n",
         "SFORCE/8, I=20, J=10, ROTATIONAL, FUNCTION=USER(1)\nGRAPHICS/1, EXTERNAL, RM=20, FILE=a.xmt\n\
@@ -218,7 +195,7 @@ fn codes_profiles_and_comments_say_what_is_shown() {
     let count = |words: &[&str], code: &str| {
         let mut all = vec!["check", "x.adm", "--format", "plain"];
         all.extend(words);
-        let (_, said) = folder.run(&all);
+        let (_, said) = folder.said(&all);
         said.lines()
             .filter(|line| line.contains(&format!("[{code}]")))
             .count()
@@ -237,9 +214,9 @@ fn codes_profiles_and_comments_say_what_is_shown() {
     assert_eq!(count(&["--select", "tab"], "user-subroutine"), 0);
     assert!(count(&["--select", "tab"], "tab") > 0);
     assert_eq!(count(&["--quiet"], "user-subroutine"), 0);
-    assert_eq!(folder.run(&["check", "x.adm"]).0, 0);
-    assert_eq!(folder.run(&["check", "x.adm", "--strict"]).0, 1);
-    let (code, said) = folder.run(&["check", "x.adm", "--ignore", "tabs"]);
+    assert_eq!(folder.said(&["check", "x.adm"]).0, 0);
+    assert_eq!(folder.said(&["check", "x.adm", "--strict"]).0, 1);
+    let (code, said) = folder.said(&["check", "x.adm", "--ignore", "tabs"]);
     assert!(code == 2 && said.contains("did you mean tab?"), "{said}");
     let silent = deck.replace(
         "FUNCTION=USER(1)",
@@ -251,14 +228,14 @@ fn codes_profiles_and_comments_say_what_is_shown() {
 
 #[test]
 fn a_table_sets_what_a_folder_shows() {
-    let folder = Folder::new();
+    let folder = Folder::with(DECK);
     let tabbed = DECK.replace("MARKER/20, PART=2", "MARKER/20,\tPART=2");
     folder.write("models/a/x.adm", &tabbed);
     folder.write("models/old/y.adm", "t\nMARKR/1\nEND\n");
     let check = |words: &[&str]| {
         let mut all = vec!["check", "models", "--format", "plain"];
         all.extend(words);
-        folder.run(&all)
+        folder.said(&all)
     };
     let (code, said) = check(&[]);
     assert!(
@@ -290,7 +267,7 @@ fn a_table_sets_what_a_folder_shows() {
 
 #[test]
 fn folders_and_patterns_name_files_and_other_programs_read_the_answer() {
-    let folder = Folder::new();
+    let folder = Folder::with(DECK);
     folder.write("runs/a.adm", &DECK.replace("MARKER/20", "MARKR/20"));
     folder.write("runs/deep/b.ADM", DECK);
     folder.write(
@@ -298,11 +275,11 @@ fn folders_and_patterns_name_files_and_other_programs_read_the_answer() {
         "file/model=b\nDEACTIVATE/JOINT, ID=4711\n",
     );
     folder.write("runs/readme.txt", "nothing");
-    let (code, said) = folder.run(&["check", "runs/*.adm", "--format", "github"]);
+    let (code, said) = folder.said(&["check", "runs/*.adm", "--format", "github"]);
     assert_eq!(code, 1);
     let line = "::error file=runs/a.adm,line=6,endLine=6,col=1,endColumn=6,title=unknown-statement::MARKR is not a statement%0Adid you mean MARKER?";
     assert!(said.lines().any(|said| said == line), "{said}");
-    let (code, said) = folder.run(&["check", "runs", "--format", "sarif"]);
+    let (code, said) = folder.said(&["check", "runs", "--format", "sarif"]);
     assert_eq!(code, 1);
     let log: serde_json::Value = serde_json::from_str(&said).expect("one JSON document");
     let results = log["runs"][0]["results"].as_array().expect("results");
@@ -324,7 +301,7 @@ fn folders_and_patterns_name_files_and_other_programs_read_the_answer() {
     let place = &of_commands["locations"][0]["physicalLocation"];
     assert_eq!(place["artifactLocation"]["uri"], "runs/deep/c.acf");
     assert_eq!(place["region"]["startLine"], 2);
-    let (code, said) = folder.run(&["check", "runs/*.dat"]);
+    let (code, said) = folder.said(&["check", "runs/*.dat"]);
     assert_eq!(code, 1);
     assert!(said.contains("no file is called"), "{said}");
 }
@@ -340,7 +317,7 @@ fn real_command_files_are_fine() {
     assert!(files.len() >= 9);
     for file in files {
         let name = file.to_str().expect("a name");
-        let (code, said) = run(
+        let (code, said) = said(
             &folder,
             &["check", name, "--for", "adams", "--format", "plain"],
         );
@@ -369,7 +346,7 @@ fn a_study_is_checked_with_its_folder() {
         let name = path.file_name().expect("a name");
         std::fs::copy(&path, folder.path().join(name)).expect("a copy");
     }
-    let check = || run(folder.path(), &["check", ".", "--format", "plain"]);
+    let check = || said(folder.path(), &["check", ".", "--format", "plain"]);
     assert_eq!(check().0, 0, "{}", check().1);
     let study = folder.path().join("study.toml");
     let text = std::fs::read_to_string(&study).expect("readable");

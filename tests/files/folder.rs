@@ -1,0 +1,49 @@
+//! A folder with a deck in it, and `admire` called there.
+
+use std::path::Path;
+use std::process::Command;
+
+/// A folder that is gone afterwards.
+pub struct Folder(tempfile::TempDir);
+
+impl Folder {
+    /// With this text as `d.adm`.
+    pub fn with(deck: &str) -> Self {
+        let folder = Self(tempfile::tempdir().expect("a folder"));
+        folder.write("d.adm", deck);
+        folder
+    }
+
+    /// Writes a file, and the folders it is in.
+    pub fn write(&self, name: &str, text: &str) {
+        let path = self.0.path().join(name);
+        std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+        std::fs::write(path, text).expect("written");
+    }
+
+    /// The text of a file.
+    pub fn read(&self, name: &str) -> String {
+        std::fs::read_to_string(self.0.path().join(name)).expect("readable")
+    }
+
+    /// Exit code, standard output, standard error.
+    pub fn run(&self, words: &[&str]) -> (i32, String, String) {
+        run(self.0.path(), words)
+    }
+}
+
+/// Calls `admire` in a folder: exit code, standard output, standard error.
+pub fn run(folder: &Path, words: &[&str]) -> (i32, String, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_admire"))
+        .current_dir(folder)
+        .args(words)
+        .env("NO_COLOR", "1")
+        .output()
+        .expect("admire runs");
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    (
+        output.status.code().expect("no signal"),
+        text(&output.stdout),
+        text(&output.stderr),
+    )
+}
