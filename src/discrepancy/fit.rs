@@ -28,8 +28,13 @@ const NEAR: f64 = 30.0;
 /// A step that lowers the objective by less than this is a small one; after so many in a row a fit ends.
 const LITTLE: f64 = 0.2;
 const SLOW: usize = 3;
-/// Steps that led uphill are shortened so often.
-const SHORTER: usize = 8;
+/// Steps that led uphill are damped so often: at first by so much, then by so many times more; what led down is damped less by so
+/// many times, and below a limit no more.
+const TRIALS: usize = 8;
+const FIRST: f64 = 0.3;
+const HARDER: f64 = 6.0;
+const EASE: f64 = 6.0;
+const EASED: f64 = 0.3;
 
 /// A model linearised where its fit ended, and what the readings say there.
 #[derive(Clone, Debug)]
@@ -82,13 +87,12 @@ pub struct Estimate {
 }
 
 impl Fitted {
-    /// Turned residual (reading minus prediction) and Jacobian, whitened at the fit's sizes.
+    /// Turned residual (reading minus prediction) where the linear model ends, and Jacobian, whitened at the fit's sizes. What a fit
+    /// stopped short of its minimum by would look like structure along directions that it absorbs.
     pub fn whitened(&self) -> (DVector<f64>, DMatrix<f64>) {
         let weights = self.whitening.weights(&self.sizes.ln);
-        let residual = self
-            .whitening
-            .apply_vector(&-&self.misfit)
-            .component_mul(&weights);
+        let end = &self.misfit + &self.jacobian * &self.posterior.step;
+        let residual = self.whitening.apply_vector(&-end).component_mul(&weights);
         let mut jacobian = self.turned.clone();
         for (mut row, weight) in jacobian.row_iter_mut().zip(weights.iter()) {
             row *= *weight;
@@ -263,7 +267,18 @@ pub fn fit(
         Some((warm, _)) => warm.sizes.at(warm.sizes.modest(1.0)),
         None => subject.sizes.clone(),
     };
-    let settled = sweep.settle(x, &first, steps, warm.is_none());
+    let mut settled = sweep.settle(x, &first, steps, warm.is_none());
+    // Stiffnesses that were fitted as if all else were exact can be so wrong that nothing leads away from them.
+    if warm.is_none() && settled.as_ref().is_none_or(|s| s.posterior.gain > NEAR) {
+        let again = sweep.settle(unknowns.start.clone(), &first, 2 * steps, false);
+        let reached = |s: &Option<Settled>| {
+            s.as_ref()
+                .map_or(f64::NEG_INFINITY, |s| s.posterior.ln_z - s.posterior.gain)
+        };
+        if reached(&again) > reached(&settled) {
+            settled = again;
+        }
+    }
     subject.spend(sweep.predictor.sweeps());
     let settled = settled?;
     let (mut thetas, mut states) = (Vec::new(), Vec::new());
@@ -452,7 +467,7 @@ impl Sweep<'_> {
         let mut list = self.unknowns.list.clone();
         list.set_shares(&self.predictor.shares(&list.springs()).unwrap_or_default());
         let count = list.len();
-        let mut slow = 0;
+        let (mut slow, mut damping) = (0, 0.0);
         for step_number in 0.. {
             let linear = self.linear(&evaluation, &x);
             // Far from the answer the sizes would take up what is not fitted yet.
@@ -473,34 +488,33 @@ impl Sweep<'_> {
             }
             let reach = REACH[step_number.min(1)];
             let (low, high) = list.limits(&vec![1.0; count], reach);
-            let limited: Vec<(usize, f64)> = (0..count)
-                .filter(|k| self.unknowns.is_logarithm(*k))
-                .map(|k| (k, posterior.step[k].clamp(low[k], high[k])))
-                .filter(|(k, step)| *step != posterior.step[*k])
-                .collect();
-            let mut step = posterior.step_with(&limited);
-            for (k, (low, high)) in low.iter().zip(&high).enumerate() {
-                if self.unknowns.is_logarithm(k) {
-                    step[k] = step[k].clamp(*low, *high);
-                }
-            }
             let mut next = None;
-            for _ in 0..SHORTER {
+            for _ in 0..TRIALS {
+                let damped = linear.damped(&sizes, damping)?;
+                let limited: Vec<(usize, f64)> = (0..count)
+                    .filter(|k| self.unknowns.is_logarithm(*k))
+                    .map(|k| (k, damped.step[k].clamp(low[k], high[k])))
+                    .filter(|(k, step)| *step != damped.step[*k])
+                    .collect();
+                let mut step = damped.step_with(&limited);
+                for (k, (low, high)) in low.iter().zip(&high).enumerate() {
+                    if self.unknowns.is_logarithm(k) {
+                        step[k] = step[k].clamp(*low, *high);
+                    }
+                }
                 let mut there = list.moved(&x, &step.rows(0, count).into_owned());
                 there.extend(x.iter().zip(step.iter()).skip(count).map(|(x, s)| x + s));
                 if let Some(found) = self.evaluate(&there, None) {
                     let value = self.linear(&found, &there).objective(&sizes);
                     if value <= objective + ENOUGH {
-                        slow = if objective - value < LITTLE {
-                            slow + 1
-                        } else {
-                            0
-                        };
+                        let small = objective - value < LITTLE;
+                        slow = if small { slow + 1 } else { 0 };
                         next = Some((there, found));
+                        damping = if damping < EASED { 0.0 } else { damping / EASE };
                         break;
                     }
                 }
-                step *= 0.35;
+                damping = (damping * HARDER).max(FIRST);
             }
             let Some((there, found)) = next else {
                 // Where no step leads down the answers are those of the last trial; go back.

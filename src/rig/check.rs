@@ -10,7 +10,7 @@ use super::orientation::{
 };
 use super::study::{MarkFiles, Study};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::mechanics::Vec3;
+use crate::mechanics::{Pose, Vec3};
 use crate::model::{Model, PartKind};
 
 /// Length units people mix up: name of the wrong unit and how many deck units are in one of it, for decks in millimetres; for
@@ -23,6 +23,9 @@ const FACTORS: &[(f64, &str)] = &[
     (1e-3, "thousandths of the deck's unit"),
     (0.1, "tenths of the deck's unit"),
 ];
+
+/// Readings in a wrong unit put a part at least so many times as far from its place in the deck.
+const NEARER: f64 = 3.0;
 
 /// A mark layout this narrow still gives a pose, but a poor one.
 const POOR_SPREAD: f64 = 0.05;
@@ -148,12 +151,13 @@ fn on_part_units(
             .filter(|marker| marker.part == marked.part)
             .map(|marker| marker.qp)
             .collect();
+        let pose = model.parts[marked.part.0].pose;
         let (size, deck_size) = (extents(&listed)[0], extents(&of_deck)[0]);
         if size <= 0.0 || deck_size <= 0.0 {
             continue;
         }
         // Marks may sit closer together than the markers of the part, so only a gross mismatch counts, and the readings must
-        // agree with it: either they contradict the listed marks by the same factor, or both are small.
+        // agree with it: either they contradict the listed marks by the same factor, or both put the part elsewhere than the deck.
         let ratio = size / deck_size;
         let mut scales: Vec<f64> = (0..to.cases.len())
             .filter_map(|case| {
@@ -168,7 +172,9 @@ fn on_part_units(
             let listed_fits = (ratio * factor).ln().abs() < (ratio.ln().abs() / 3.0).max(0.7);
             let gross = ratio.ln().abs() > 1.5;
             let readings_right = (scale / factor).ln().abs() < 0.1;
-            gross && listed_fits && (readings_right || scale.ln().abs() < 0.1)
+            let both_wrong = scale.ln().abs() < 0.1
+                && NEARER * distance(to, at, &pose, *factor) < distance(to, at, &pose, 1.0);
+            gross && listed_fits && (readings_right || both_wrong)
         });
         if let Some((factor, name)) = candidate {
             found.push((at, factor, name));
@@ -194,6 +200,18 @@ fn on_part_units(
         });
     }
     grouped.finish(out);
+}
+
+/// How far a part's marks lie from where the deck has the part, by the median over the cases, if all coordinates are to be multiplied
+/// by `factor`.
+fn distance(to: &Measurement, part: usize, pose: &Pose, factor: f64) -> f64 {
+    let mean = |points: &[Vec3]| points.iter().sum::<Vec3>() * factor / points.len() as f64;
+    let of_case = |case: usize| {
+        let (on_part, measured) = to.pairs(case, part);
+        (!on_part.is_empty()).then(|| (mean(&measured) - pose.point(&mean(&on_part))).norm())
+    };
+    let mut distances: Vec<f64> = (0..to.cases.len()).filter_map(of_case).collect();
+    median(&mut distances).unwrap_or(f64::INFINITY)
 }
 
 fn layouts(to: &Measurement, marks: &MarkFiles, out: &mut Vec<Diagnostic>) {

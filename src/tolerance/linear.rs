@@ -209,7 +209,7 @@ impl Linear {
     }
 
     /// Factor of `M`, `S`, `b`, the information, `z'W z + |x0/S|^2` and the logarithms of variances.
-    fn solved(&self, sizes: &Sizes) -> Option<Solved> {
+    fn solved(&self, sizes: &Sizes, damping: f64) -> Option<Solved> {
         let S = self.prior_sds(sizes);
         let (H, g, q, logs) = self.sums(&sizes.ln);
         let n = S.len();
@@ -218,7 +218,7 @@ impl Linear {
             for row in 0..n {
                 M[(row, column)] *= S[row] * S[column];
             }
-            M[(column, column)] += 1.0;
+            M[(column, column)] += 1.0 + damping;
         }
         let from = DVector::from_fn(n, |k, _| {
             if S[k] > 0.0 {
@@ -257,13 +257,13 @@ impl Linear {
 
     /// Logarithm of the evidence at these sizes.
     pub fn ln_z(&self, sizes: &Sizes) -> f64 {
-        self.solved(sizes)
+        self.solved(sizes, 0.0)
             .map_or(f64::NEG_INFINITY, |solved| solved.ln_z)
     }
 
     /// The evidence, its gradient by the logarithms of the sizes, and Fisher's information of each alone.
     pub fn evidence(&self, sizes: &Sizes) -> Option<(f64, Vec<f64>, Vec<f64>)> {
-        let solved = self.solved(sizes)?;
+        let solved = self.solved(sizes, 0.0)?;
         let inverse = inverse(&solved.factor);
         let (S, mu) = (&solved.S, &solved.mu);
         let mut gradient: Vec<f64> = sizes
@@ -316,7 +316,13 @@ impl Linear {
 
     /// The posterior at these sizes; `None` if the model has no finite answer.
     pub fn posterior(&self, sizes: &Sizes) -> Option<Posterior> {
-        let solved = self.solved(sizes)?;
+        self.damped(sizes, 0.0)
+    }
+
+    /// The posterior if the unknowns were also known to be near where the model was linearised: a prior `1 / sqrt(damping)` times as wide
+    /// as their own holds them there. Its step is that of Levenberg and Marquardt in units of the priors.
+    pub fn damped(&self, sizes: &Sizes, damping: f64) -> Option<Posterior> {
+        let solved = self.solved(sizes, damping)?;
         let inverse = inverse(&solved.factor);
         let S = &solved.S;
         let n = S.len();
