@@ -73,7 +73,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let keep = arguments.keep.then(|| arguments.out.join("runs"));
     let mut backend = solver::backend(&loaded.study, keep, shell);
     let outcome = noise(&mut loaded, backend.as_mut())
-        .and_then(|()| identified(&loaded, backend.as_mut(), shell));
+        .and_then(|()| among_tolerances(&loaded, backend.as_mut(), shell));
     let positions = outcome.as_ref().map_or_else(
         |_| Vec::new(),
         |fit| positions(&loaded, fit, backend.as_mut()),
@@ -81,15 +81,10 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     for remark in backend.remarks() {
         shell.say(&format!("{remark}\n"));
     }
-    let mut fit = outcome.map_err(|error| {
+    let fit = outcome.map_err(|error| {
         shell.fail(Diagnostic::error(Code::NoFit, error.to_string()));
         Exit::NoAnswer
     })?;
-    if allows_for_tolerances(&loaded, &fit)
-        && let Some(found) = tolerant(&loaded.problem())
-    {
-        found.apply(&mut fit);
-    }
     write(&loaded, &fit, &positions, arguments, shell)?;
     if shell.format == Format::Json {
         shell.print(&fit.to_json());
@@ -120,23 +115,43 @@ pub(super) fn noise(
     estimate_noise(loaded, external.then_some(backend))
 }
 
-/// Whether tolerances are fitted beside the stiffnesses: for readings with noise, solved by the built-in solver, by the method that
-/// knows how exact it is.
-fn allows_for_tolerances(loaded: &LoadedStudy, fit: &Fit) -> bool {
+/// The fit with tolerances beside the stiffnesses, where they can be had: the intervals are those, and profiles would be for nothing.
+fn among_tolerances(
+    loaded: &LoadedStudy,
+    backend: &mut dyn Backend,
+    shell: &Shell,
+) -> Result<Fit, IdentifyError> {
+    if !allows_for_tolerances(loaded) {
+        return identified(loaded, backend, shell, true);
+    }
+    let mut fit = identified(loaded, backend, shell, false)?;
+    if fit.interrupted {
+        return Ok(fit);
+    }
+    let problem = loaded.problem();
+    match fit.fit_test.as_ref().and_then(|_| tolerant(&problem)) {
+        Some(found) => found.apply(&mut fit),
+        None => fit = identified(loaded, backend, shell, true)?,
+    }
+    Ok(fit)
+}
+
+/// Whether tolerances may be fitted beside the stiffnesses: by the built-in solver and the method that knows how exact it is.
+fn allows_for_tolerances(loaded: &LoadedStudy) -> bool {
     let settings = &loaded.study.identify;
     let frames = settings.frame_sd.length > 0.0 || settings.frame_sd.angle_deg > 0.0;
     settings.method == Method::GaussNewton
         && loaded.study.solver.backend == BackendChoice::Native
-        && fit.fit_test.is_some()
-        && !fit.interrupted
         && !frames
 }
 
-/// Runs the study's method on a backend, showing how it goes.
+/// Runs the study's method on a backend, showing how it goes; with `profile`, poorly known numbers get intervals by profile likelihood
+/// if the built-in solver is behind it.
 pub(super) fn identified(
     loaded: &LoadedStudy,
     backend: &mut dyn Backend,
     shell: &Shell,
+    profile: bool,
 ) -> Result<Fit, IdentifyError> {
     let problem = loaded.problem();
     interrupt::listen();
@@ -184,13 +199,9 @@ pub(super) fn identified(
             };
             let options = Options {
                 start: Start::Auto,
-                profile: true,
+                // Profile likelihood over an external program would take hundreds of runs.
+                profile: profile && !external,
                 watch: Some(Box::new(watch)),
-            };
-            // Profile likelihood over an external program would take hundreds of runs.
-            let options = Options {
-                profile: !external,
-                ..options
             };
             let other: Option<&mut dyn Backend> = if external { Some(backend) } else { None };
             fit_study(&problem, &prepared, other, options)?.fit

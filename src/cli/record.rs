@@ -40,7 +40,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         None => solver::recording(&loaded.study),
     };
     backend.record = Some(recording.clone());
-    let outcome = identified(&loaded, &mut backend, shell);
+    let outcome = identified(&loaded, &mut backend, shell, true);
     let (runs, failed) = backend.tally();
     shell.print(&format!(
         "{} of {runs} runs gave an answer and were recorded; {} holds {} runs\n",
