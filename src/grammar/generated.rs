@@ -1417,7 +1417,7 @@ pub static STATEMENTS: &[StatementDef] = &[
         ],
         presence: &[],
         laws: &[],
-        solved: Solved::External("stiction, which acts in statics unless INACTIVE=STATIC or EFFECT=SLIDING, is not solved by the built-in solver"),
+        solved: Solved::Native("friction, in motion"),
         doc: "Friction in a joint.",
         source: "adams_solver/state_friction.html",
         unchecked: "",

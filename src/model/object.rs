@@ -1,5 +1,5 @@
 use super::{
-    ArrayData, Bushing, Coupler, Diff, Gcon, Gear, Header, Joint, LinearStates, Marker, Motion,
+    ArrayData, Bushing, Coupler, Diff, Friction, Gcon, Gear, Header, Joint, LinearStates, Marker, Motion,
     Nforce, PairForce, Part, PartKind, PlantPort, Primitive, Request, Sensor, Sforce, Spline,
     SpringDamper, StringData, Variable, VectorForce, VectorForceKind,
 };
@@ -50,6 +50,7 @@ objects! {
     Primitive: |_primitive, _kind| true,
     Coupler: |_coupler, _kind| true,
     Gear: |_gear, _kind| true,
+    Friction: |_friction, _kind| true,
     Gcon: |_gcon, _kind| true,
     Motion: |_motion, _kind| true,
     Bushing: |_bushing, _kind| true,

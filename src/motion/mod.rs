@@ -8,6 +8,7 @@ mod bordered;
 mod consistent;
 mod dense;
 mod error;
+mod gripping;
 mod integrator;
 mod kinematic;
 mod modes;

@@ -32,7 +32,8 @@ impl Session<'_> {
                 .help("FILE/MODEL=name reads one");
             return self.misunderstood(missing, Some(place));
         }
-        let errors = self.model().compiled().value.errors.clone();
+        let mut errors = self.model().compiled().value.errors.clone();
+        errors.retain(|error| error.code != Code::NotSolvedInStatics);
         if !errors.is_empty() {
             for diagnostic in &errors {
                 self.complain(diagnostic);

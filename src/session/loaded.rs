@@ -280,6 +280,9 @@ fn carry_over(state: &mut State, before: State) {
     if state.states.len() == before.state_rates.len() {
         state.state_rates = before.state_rates;
     }
+    if state.grips.len() == before.grips.len() {
+        state.grips = before.grips;
+    }
     if state.driven.len() == before.driven.len() {
         state.driven = before.driven;
     }

@@ -53,9 +53,10 @@ impl Session<'_> {
             return Ok(());
         };
         let compiled = loaded.compiled();
-        let errors = compiled.value.errors.clone();
+        let mut errors = compiled.value.errors.clone();
         let warnings = compiled.diagnostics;
         let statics = command.has("STATICS") || command.text("TYPE", source).is_some();
+        errors.retain(|error| statics || error.code != Code::NotSolvedInStatics);
         for diagnostic in warnings.iter().chain(&errors) {
             // What is still in statics moves in motion.
             if statics || diagnostic.code != Code::InactiveInStatics {
@@ -63,7 +64,12 @@ impl Session<'_> {
             }
         }
         let lacks =
-            |d: &Diagnostic| matches!(d.code, Code::NotSolvedNatively | Code::UserSubroutine);
+            |d: &Diagnostic| {
+                matches!(
+                    d.code,
+                    Code::NotSolvedNatively | Code::NotSolvedInStatics | Code::UserSubroutine
+                )
+            };
         if !errors.iter().all(lacks) {
             return Err(Stop::Model);
         }

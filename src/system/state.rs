@@ -1,3 +1,4 @@
+use super::Grip;
 use crate::mechanics::{Pose, Vec3};
 
 /// Velocity of a part, or its acceleration: of the origin and of the rotation, ground axes.
@@ -59,6 +60,8 @@ pub struct State {
     pub state_rates: Vec<f64>,
     /// MOTIONs that prescribe a velocity or an acceleration, in the order of the model.
     pub driven: Vec<Driven>,
+    /// Where each friction of a joint stands.
+    pub grips: Vec<Grip>,
     /// What SENVAL gives, in the order of the model's SENSORs; the session sets it when a sensor fires.
     pub sensors: Vec<f64>,
 }
@@ -80,6 +83,7 @@ impl State {
             accelerations: Vec::new(),
             state_rates: Vec::new(),
             driven: Vec::new(),
+            grips: Vec::new(),
             sensors: Vec::new(),
         }
     }
@@ -101,6 +105,9 @@ impl State {
         self.velocities.clear();
         self.accelerations.clear();
         self.state_rates.clear();
+        for grip in &mut self.grips {
+            grip.sticking = false;
+        }
     }
 
     /// The answer of this state, without what only the solver needs.
@@ -134,6 +141,7 @@ impl Clone for State {
         self.accelerations.clone_from(&other.accelerations);
         self.state_rates.clone_from(&other.state_rates);
         self.driven.clone_from(&other.driven);
+        self.grips.clone_from(&other.grips);
         self.sensors.clone_from(&other.sensors);
     }
 }
