@@ -11,9 +11,11 @@ mod error;
 mod gripping;
 mod integrator;
 mod kinematic;
+mod linearised;
 mod modes;
 mod newton;
 mod settings;
+mod state_matrices;
 mod tableau;
 #[cfg(test)]
 mod tests;
@@ -25,3 +27,4 @@ pub use integrator::{Integrator, Statistics};
 pub use kinematic::{advance, check_determined};
 pub use modes::{Mode, modes};
 pub use settings::Settings;
+pub use state_matrices::{StateMatrices, state_matrices};

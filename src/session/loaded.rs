@@ -210,6 +210,12 @@ impl Loaded {
             Some(placed) => {
                 let mut state = System::compile(&self.model).value.state();
                 placed.put_into(&mut state)?;
+                // What moved goes on; what stood still is at rest, or begins with the dataset.
+                self.beginning = if state.moves() {
+                    Beginning::Changed
+                } else {
+                    self.beginning.after_statics(state.time)
+                };
                 Some(state)
             }
             None => None,

@@ -152,6 +152,13 @@ impl Session<'_> {
         let mut memory = Consistent::new(&self.model().compiled().value.system);
         let mut k = 1;
         let mut steps = 0;
+        let first = Row {
+            time: times.start,
+            step: times.at(1) - times.start,
+            evaluations: 0,
+            steps: 0,
+        };
+        self.messages.progress(&mut progress, first);
         while k <= times.count {
             let time = times.at(k);
             k += 1;

@@ -372,9 +372,11 @@ impl Configuration<'_> {
             let (bending, by_overlap) = match of.overlap {
                 None => (of.bending, 0.0),
                 Some((start, delta)) => {
-                    let grip = &self.state.grips[number];
                     let (place, _) = self.joint_place(friction);
-                    let moved = delta * (place - grip.first.unwrap_or(place));
+                    // Before the first assembly nothing is displaced.
+                    let first = self.state.grips[number].first;
+                    let delta = first.map_or(0.0, |_| delta);
+                    let moved = delta * (place - first.unwrap_or(place));
                     let least = start * LEAST_OVERLAP;
                     let x = (start + moved).max(least);
                     let slope = if start + moved > least { delta } else { 0.0 };

@@ -110,6 +110,23 @@ impl State {
         }
     }
 
+    /// The angles that turns are counted from, one after the other.
+    pub fn turns(&self) -> Vec<f64> {
+        let pairs = self.pair_angles.iter().flat_map(|angles| angles.iter());
+        pairs.chain(&self.measure_angles).copied().collect()
+    }
+
+    /// Counts turns from these angles; those of another model are left.
+    pub fn set_turns(&mut self, turns: &[f64]) {
+        let pairs = 3 * self.pair_angles.len();
+        if turns.len() == pairs + self.measure_angles.len() {
+            for (angles, from) in self.pair_angles.iter_mut().zip(turns.chunks_exact(3)) {
+                *angles = Vec3::from_column_slice(from);
+            }
+            self.measure_angles.copy_from_slice(&turns[pairs..]);
+        }
+    }
+
     /// The answer of this state, without what only the solver needs.
     pub fn equilibrium(&self) -> Equilibrium {
         Equilibrium {

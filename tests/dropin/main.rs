@@ -7,6 +7,7 @@ mod commands;
 mod entities;
 mod errors;
 mod external;
+mod friction;
 mod launch;
 mod motion;
 mod redefinitions;

@@ -413,7 +413,7 @@ fn bad_motions_end_with_time_element_and_reason() {
     assert!(ran.stdout.contains("violated"), "{}", ran.stdout);
     // What is not solved in motion is refused by name, and statics goes on.
     let (_, ran) = ball(
-        "FRICTION/1, JOINT=1, MU_STATIC=0.1, MU_DYNAMIC=0.1, INACTIVE=STATIC\n",
+        "FRICTION/1, JOINT=1, FORMULATION=LUGRE, MU_STATIC=0.1, MU_DYNAMIC=0.1, INACTIVE=STATIC\n",
         "SIM/DYN, END=1, STEPS=10\nSPRINGDAMPER/9, K=1",
     );
     assert!(
