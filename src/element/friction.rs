@@ -64,6 +64,7 @@ fn radial(x: &Vec3, size: f64, g: f64, slope: f64) -> Mat3 {
 
 impl FrictionLaw {
     /// The same transitions with both coefficients one: the direction of a preload that no coefficient multiplies.
+    #[must_use]
     pub fn direction(&self) -> Self {
         Self {
             mu_static: 1.0,
@@ -197,7 +198,10 @@ mod tests {
                     let by_c = (LAW.coefficient(&v, &(c + step)).value
                         - LAW.coefficient(&v, &(c - step)).value)
                         / (2.0 * h);
-                    assert!((by_v - found.by_velocity.column(k)).norm() < 1e-6, "{v} {c}");
+                    assert!(
+                        (by_v - found.by_velocity.column(k)).norm() < 1e-6,
+                        "{v} {c}"
+                    );
                     assert!((by_c - found.by_creep.column(k)).norm() < 1e-5, "{v} {c}");
                 }
             }

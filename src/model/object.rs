@@ -1,7 +1,7 @@
 use super::{
-    ArrayData, Bushing, Coupler, Diff, Friction, Gcon, Gear, Header, Joint, LinearStates, Marker, Motion,
-    Nforce, PairForce, Part, PartKind, PlantPort, Primitive, Request, Sensor, Sforce, Spline,
-    SpringDamper, StringData, Variable, VectorForce, VectorForceKind,
+    ArrayData, Bushing, Coupler, Diff, Friction, Gcon, Gear, Header, Joint, LinearStates, Marker,
+    Motion, Nforce, PairForce, Part, PartKind, PlantPort, Primitive, Request, Sensor, Sforce,
+    Spline, SpringDamper, StringData, Variable, VectorForce, VectorForceKind,
 };
 
 /// What every object of a model has.

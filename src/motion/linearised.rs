@@ -131,7 +131,9 @@ impl Linearised {
         };
         let left = match basis {
             // The left inverse of Z, which is orthonormal where rotations are taken times the length.
-            Basis::Orthonormal => DMatrix::from_fn(r, n, |i, j| Z[(j, i)] * lengths[j] * lengths[j]),
+            Basis::Orthonormal => {
+                DMatrix::from_fn(r, n, |i, j| Z[(j, i)] * lengths[j] * lengths[j])
+            }
             Basis::Coordinates => {
                 DMatrix::from_fn(r, n, |i, j| f64::from(u8::from(chosen[i] == j)))
             }

@@ -137,16 +137,25 @@ fn moved(system: &System, state: &State, level: usize, column: usize, h: f64) ->
 
 /// Every joint with friction between parts in general position; stiction below a velocity.
 fn frictions(stiction: f64) -> String {
-    let parts: String = EVERYTHING
+    let parts: Vec<&str> = EVERYTHING
         .lines()
         .filter(|line| ["PART", "POIN", "MARK"].iter().any(|w| line.starts_with(w)))
-        .map(|line| format!("{line}\n"))
         .collect();
-    let mut all = parts;
+    let mut all = parts.join("\n") + "\n";
     let joints = [
-        ("TRANSLATIONAL", "20", "30", ", INITIAL_OVERLAP=2, OVERLAP_DELTA=INCREASE"),
+        (
+            "TRANSLATIONAL",
+            "20",
+            "30",
+            ", INITIAL_OVERLAP=2, OVERLAP_DELTA=INCREASE",
+        ),
         ("REVOLUTE", "31", "21", ", BENDING_REACTION_ARM=0.3"),
-        ("CYLINDRICAL", "21", "1", ", OVERLAP_DELTA=DECREASE, INITIAL_OVERLAP=3"),
+        (
+            "CYLINDRICAL",
+            "21",
+            "1",
+            ", OVERLAP_DELTA=DECREASE, INITIAL_OVERLAP=3",
+        ),
         ("HOOKE", "30", "1", ""),
         ("UNIVERSAL", "20", "31", ""),
         ("SPHERICAL", "31", "20", ""),

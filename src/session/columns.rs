@@ -245,14 +245,8 @@ impl Builder {
         let columns: Vec<(&str, Option<&str>)> = [
             (&["FX", "FY", "FZ"][..], Some(force.as_str())),
             (&["TX", "TY", "TZ"], Some(torque.as_str())),
-            (
-                &["MUX", "MUY", "MUZ", "MURX", "MURY", "MURZ", "MU1"],
-                None,
-            ),
-            (
-                &["VX", "VY", "VZ", "WX", "WY", "WZ"],
-                Some(speed.as_str()),
-            ),
+            (&["MUX", "MUY", "MUZ", "MURX", "MURY", "MURZ", "MU1"], None),
+            (&["VX", "VY", "VZ", "WX", "WY", "WZ"], Some(speed.as_str())),
             (
                 &[
                     "CREEP_X", "CREEP_Y", "CREEP_Z", "CREEP_AX", "CREEP_AY", "CREEP_AZ",

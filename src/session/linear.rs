@@ -110,7 +110,12 @@ impl Session<'_> {
         let variable = |id: &u32| {
             let mut all = model.variables.iter();
             let found = all.position(|v| v.header.id == *id);
-            found.ok_or_else(|| format!("{kind}/{} names VARIABLE/{id}, which is not there", port.header.id))
+            found.ok_or_else(|| {
+                format!(
+                    "{kind}/{} names VARIABLE/{id}, which is not there",
+                    port.header.id
+                )
+            })
         };
         port.variables.iter().map(variable).collect()
     }
@@ -126,7 +131,12 @@ impl Session<'_> {
             }
         };
         let asked = command.argument("FORMAT");
-        let asked = asked.map_or("MATRIXX", |a| a.choices(place.source).first().copied().unwrap_or("MATRIXX"));
+        let asked = asked.map_or("MATRIXX", |a| {
+            a.choices(place.source)
+                .first()
+                .copied()
+                .unwrap_or("MATRIXX")
+        });
         if asked != "MATLAB" {
             let warning = Diagnostic::warning(
                 Code::OutputNotWritten,
@@ -139,7 +149,9 @@ impl Session<'_> {
             if command.has(word) {
                 let warning = Diagnostic::warning(
                     Code::OutputNotWritten,
-                    format!("{word} of LINEAR is not followed: the states are coordinates of parts in ground axes"),
+                    format!(
+                        "{word} of LINEAR is not followed: the states are coordinates of parts in ground axes"
+                    ),
                 );
                 self.complain(&Some(place).label(warning));
             }
@@ -156,7 +168,9 @@ impl Session<'_> {
             Ok(found) => found,
             Err(reason) => return self.not_linearised(time, &reason, place),
         };
-        let name = command.text("FILE", place.source).map(std::borrow::Cow::into_owned);
+        let name = command
+            .text("FILE", place.source)
+            .map(std::borrow::Cow::into_owned);
         let mut files = vec![("a", numbers(&found.A)), ("st", listed(&found.states))];
         if !inputs.is_empty() {
             files.push(("b", numbers(&found.B)));
@@ -170,7 +184,9 @@ impl Session<'_> {
         let mut written = Vec::new();
         for (suffix, text) in files {
             let path = match &name {
-                Some(name) => self.directory.join(native_spelling(&format!("{name}{suffix}"))),
+                Some(name) => self
+                    .directory
+                    .join(native_spelling(&format!("{name}{suffix}"))),
                 None => self.model().outputs.beside(suffix),
             };
             let done = self.policy.check(&path).and_then(|()| {
@@ -182,7 +198,12 @@ impl Session<'_> {
             if let Err(diagnostic) = done {
                 return self.refused(diagnostic, Some(place));
             }
-            written.push(path.file_name().unwrap_or_default().to_string_lossy().into_owned());
+            written.push(
+                path.file_name()
+                    .unwrap_or_default()
+                    .to_string_lossy()
+                    .into_owned(),
+            );
         }
         self.messages.say(&format!(
             "\n  State matrices at time {}: {} states, {} inputs, {} outputs, in {}\n",
@@ -208,8 +229,11 @@ fn numbers(matrix: &nalgebra::DMatrix<f64>) -> String {
 
 /// The states by number.
 fn listed(states: &[String]) -> String {
-    let lines = states.iter().enumerate();
-    lines.map(|(k, state)| format!("{:>5}  {state}\n", k + 1)).collect()
+    let mut text = String::new();
+    for (k, state) in states.iter().enumerate() {
+        _ = writeln!(text, "{:>5}  {state}", k + 1);
+    }
+    text
 }
 
 /// One of a pair, or a real eigenvalue.

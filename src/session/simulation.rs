@@ -63,13 +63,12 @@ impl Session<'_> {
                 self.complain(diagnostic);
             }
         }
-        let lacks =
-            |d: &Diagnostic| {
-                matches!(
-                    d.code,
-                    Code::NotSolvedNatively | Code::NotSolvedInStatics | Code::UserSubroutine
-                )
-            };
+        let lacks = |d: &Diagnostic| {
+            matches!(
+                d.code,
+                Code::NotSolvedNatively | Code::NotSolvedInStatics | Code::UserSubroutine
+            )
+        };
         if !errors.iter().all(lacks) {
             return Err(Stop::Model);
         }

@@ -527,7 +527,11 @@ impl Configuration<'_> {
                 let to = if slide == Slide::AlongZ {
                     [&mut out.mu, &mut out.velocity, &mut out.creep]
                 } else {
-                    [&mut out.mu_turn, &mut out.turn_velocity, &mut out.turn_creep]
+                    [
+                        &mut out.mu_turn,
+                        &mut out.turn_velocity,
+                        &mut out.turn_creep,
+                    ]
                 };
                 for (to, value) in to.into_iter().zip([all.0, all.1, all.2]) {
                     *to += axis * value;

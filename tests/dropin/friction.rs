@@ -94,7 +94,11 @@ fn a_sliding_block_comes_to_rest() {
     };
     let reached = 1.5 * VS;
     let mut t = (2.0 - reached) / (DYNAMIC * G);
-    let mut y = [(4.0 - reached * reached) / (2.0 * DYNAMIC * G), reached, 0.0];
+    let mut y = [
+        (4.0 - reached * reached) / (2.0 * DYNAMIC * G),
+        reached,
+        0.0,
+    ];
     let h = 2e-6;
     loop {
         let next: [f64; 3] = step(y, h, false);
@@ -220,7 +224,10 @@ SPRINGDAMPER/1, ROTATIONAL, I=20, J=11, KT=100
 FRICTION/1, JOINT=1, MU_STATIC=0, MU_DYNAMIC=0, STICTION_TRANSITION_VELOCITY=1E-4, FRICTION_TORQUE_PRELOAD=2
 , MAX_STICTION_DEFORMATION=1E-5
 ";
-    let found = run(pendulum, "simulate/dynamic, end=5, dtout=0.0314159265358979323846");
+    let found = run(
+        pendulum,
+        "simulate/dynamic, end=5, dtout=0.0314159265358979323846",
+    );
     let phi = found.column("PART_2_XFORM", "PSI");
     let phi: Vec<f64> = phi
         .iter()
@@ -291,7 +298,10 @@ ACCGRAV/KGRAV=-9.81
         let found = run(&deck, "simulate/dynamic, end=1, steps=20");
         near(found.column("PART_2_XFORM", column)[20], 6.0 - braked, 1e-5);
         let other = if yoke == "I_YOKE" { "J_YOKE" } else { "I_YOKE" };
-        let free = run(&deck.replace(yoke, other), "simulate/dynamic, end=1, steps=20");
+        let free = run(
+            &deck.replace(yoke, other),
+            "simulate/dynamic, end=1, steps=20",
+        );
         near(free.column("PART_2_XFORM", column)[20], 6.0, 1e-6);
     }
 }
@@ -318,5 +328,9 @@ fn statics_asks_for_friction_to_be_off() {
         &deck.replace("MU_STATIC", "FORMULATION=LUGRE, MU_STATIC"),
         "simulate/dynamic, end=0.1, steps=2",
     );
-    assert!(ran.code == 1 && ran.stdout.contains("LUGRE"), "{}", ran.stdout);
+    assert!(
+        ran.code == 1 && ran.stdout.contains("LUGRE"),
+        "{}",
+        ran.stdout
+    );
 }

@@ -9,6 +9,7 @@ mod errors;
 mod external;
 mod friction;
 mod launch;
+mod mechanisms;
 mod motion;
 mod redefinitions;
 mod reference;

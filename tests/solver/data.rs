@@ -181,7 +181,10 @@ fn friction_that_sticks_is_refused() {
     let compiled = System::compile(&model);
     let said = &compiled.diagnostics[0];
     assert!(
-        compiled.has_errors() && said.message.starts_with("FRICTION/1 is not solved in statics")
+        compiled.has_errors()
+            && said
+                .message
+                .starts_with("FRICTION/1 is not solved in statics")
     );
     assert!(
         said.message

@@ -24,10 +24,10 @@ pub(super) fn unsolved(
         "FIELD" if formulation == Some("NONLINEAR") => {
             "FORMULATION=NONLINEAR: its law is not published"
         }
-        "FRICTION" if formulation == Some("LUGRE") => {
-            "FORMULATION=LUGRE: its law is not published"
-        }
-        "FRICTION" if statement.has("MAX_FRICTION_FORCE") || statement.has("MAX_FRICTION_TORQUE") => {
+        "FRICTION" if formulation == Some("LUGRE") => "FORMULATION=LUGRE: its law is not published",
+        "FRICTION"
+            if statement.has("MAX_FRICTION_FORCE") || statement.has("MAX_FRICTION_TORQUE") =>
+        {
             "how ADAMS limits its force is not published"
         }
         "BEAM" if formulation == Some("STRING") => {

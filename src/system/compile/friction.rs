@@ -91,7 +91,11 @@ impl Compiler<'_> {
             };
             // EFFECT: without stiction the coefficient of sliding holds to rest, without sliding nothing is left of it beyond the transition.
             let law = FrictionLaw {
-                mu_static: if f.stiction { f.mu_static } else { f.mu_dynamic },
+                mu_static: if f.stiction {
+                    f.mu_static
+                } else {
+                    f.mu_dynamic
+                },
                 mu_dynamic: if f.sliding { f.mu_dynamic } else { 0.0 },
                 stiction_velocity: f.stiction_velocity,
                 sliding_velocity: f.stiction_velocity * f.transition.max(1.0 + 1e-9),
