@@ -24,7 +24,7 @@ impl Draw {
     }
 
     fn below(&mut self, n: usize) -> usize {
-        ((self.next() + 1.0) / 2.0 * n as f64) as usize % n
+        ((0.5 * self.next() + 0.5) * n as f64) as usize % n
     }
 
     fn three(&mut self, size: f64) -> [f64; 3] {
