@@ -183,6 +183,13 @@ impl<'a> Integrator<'a> {
         Ok(())
     }
 
+    /// The first time from here on at which a function of the time is not smooth.
+    fn next_break(&self) -> Option<f64> {
+        let breaks = &self.system.breaks;
+        let after = breaks.partition_point(|time| self.left(*time).is_none());
+        breaks.get(after).copied()
+    }
+
     /// The time to `end`; none where what is left is round-off.
     fn left(&self, end: f64) -> Option<f64> {
         let left = end - self.state.time;
@@ -194,11 +201,18 @@ impl<'a> Integrator<'a> {
     /// # Errors
     /// [`MotionError`] as of [`Self::advance_to`].
     pub fn step_towards(&mut self, end: f64) -> Result<bool, MotionError> {
-        let Some(left) = self.left(end) else {
+        if self.left(end).is_none() {
             return Ok(false);
-        };
-        self.take_step(left, end)?;
-        self.settle_grips()?;
+        }
+        // A break ends a step: nothing is stepped over, and the next step begins anew.
+        let target = self.next_break().map_or(end, |next| next.min(end));
+        if let Some(left) = self.left(target) {
+            self.take_step(left, target)?;
+            self.settle_grips()?;
+        }
+        if target < end && self.left(target).is_none() {
+            self.restart();
+        }
         Ok(true)
     }
 

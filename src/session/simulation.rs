@@ -141,6 +141,7 @@ impl Session<'_> {
                         self.warn_if_unstable();
                     }
                     self.write_step(kind)?;
+                    self.tell(times.moment(time, times.at(1) - times.start))?;
                     let sensed = self.sense();
                     halted = sensed.halts;
                     if sensed.halts || sensed.returns {

@@ -261,6 +261,8 @@ pub struct System {
     pub(crate) reference_mass: f64,
     /// A length of the size of the model.
     pub(crate) length: f64,
+    /// Times at which functions of the time are not smooth, increasing.
+    pub(crate) breaks: Vec<f64>,
 }
 
 impl System {

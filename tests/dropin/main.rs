@@ -18,6 +18,7 @@ mod run_files;
 mod security;
 mod sensors;
 mod shims;
+mod solving;
 mod status;
 mod study_solver;
 mod task;

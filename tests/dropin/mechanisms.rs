@@ -321,3 +321,25 @@ END
         1e-9,
     );
 }
+
+/// A push of two milliseconds between two stages of a step is not stepped over: v = impulse / m.
+#[test]
+fn a_short_push_is_not_stepped_over() {
+    let deck = "push
+UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=METER, TIME=SECOND
+PART/1, GROUND
+MARKER/1, PART=1
+PART/2, MASS=2, CM=20, IP=1,2,3
+MARKER/20, PART=2
+SFORCE/1, TRANSLATIONAL, ACTIONONLY, I=20, J=1
+, FUNCTION=1000*(STEP(TIME,0.303,0,0.304,1)-STEP(TIME,0.305,0,0.306,1))
+INTEGRATOR/GSTIFF, ERROR=1E-6
+RESULTS/FORMATTED, XRF
+END
+";
+    let (found, _, _folder) = run(deck, "SIM/DYN, END=1, STEPS=10");
+    let v = found.column("PART_2_XFORM", "VZ");
+    near(v[3], 0.0, 1e-12);
+    near(v[4], 1.0, 1e-6);
+    near(*v.last().unwrap(), 1.0, 1e-6);
+}

@@ -93,6 +93,8 @@ struct Compiler<'a> {
     users: Vec<Name>,
     /// Where MOTIONs that prescribe a rate begin.
     driven: Vec<Driven>,
+    /// Times at which functions of the time are not smooth.
+    breaks: Vec<f64>,
 }
 
 /// An argument of a statement as the grammar has it.
@@ -139,6 +141,7 @@ impl<'a> Compiler<'a> {
             sensors: Vec::new(),
             users: Vec::new(),
             driven: Vec::new(),
+            breaks: Vec::new(),
         }
     }
 
@@ -478,8 +481,10 @@ impl<'a> Compiler<'a> {
             joint_of,
             reference_mass: reference_mass(model),
             length,
+            breaks: self.breaks,
         };
         let mut system = system;
+        system.breaks.sort_by(f64::total_cmp);
         system.not_in_motion = not_in_motion(&system, model);
         Checked {
             value: system,
