@@ -145,7 +145,10 @@ impl Settings {
         let of_pictures = code == Code::CannotRead && diagnostic.severity == Severity::Note;
         let of_ours = matches!(
             code,
-            Code::NotSolvedNatively | Code::InactiveInStatics | Code::UserSubroutine
+            Code::NotSolvedNatively
+                | Code::NotSolvedInStatics
+                | Code::InactiveInStatics
+                | Code::UserSubroutine
         );
         match self.solver {
             None => true,

@@ -49,6 +49,7 @@ mod sensitivity;
 mod set;
 mod shell;
 mod solve;
+mod solve_run;
 mod solver;
 mod summary;
 mod target;

@@ -1,6 +1,5 @@
 use std::fmt::Write as _;
-use std::io::BufWriter;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use comfy_table::{CellAlignment, Table, presets};
 use serde_json::{Value, json};
@@ -9,7 +8,6 @@ use crate::check::is_command_file;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::mechanics::psi_theta_phi;
 use crate::model::{Ignore, Model, PartIx, PartKind};
-use crate::session::Session;
 use crate::statics::{
     Continuation, Report, Settings, Settled, Softest, SolveError, Solver, history_table,
 };
@@ -20,15 +18,19 @@ use super::Outcome;
 use super::input::{Solvable, solvable};
 use super::render::table_text;
 use super::shell::{Exit, Format, Shell};
+use super::solve_run::{self, Taken};
 
 /// Find the static equilibrium of a dataset, or execute a command file.
 ///
 /// For a dataset the answer is printed: where the parts are, and what the bushings carry. A command file is executed as `mdi`
-/// does, in the working directory, with the exit codes of `admire`.
+/// does, in the working directory, with the exit codes of `admire`. It tells how far it is on a terminal; after Ctrl-C the files hold
+/// everything up to the last output.
 #[derive(clap::Args, Debug)]
 pub(super) struct Arguments {
     /// A dataset (.adm) or a command file (.acf).
     file: PathBuf,
+    /// A command file that is executed on the dataset, whatever model it names itself.
+    commands: Option<PathBuf>,
     /// TIME at which the equilibrium is sought.
     #[arg(long, default_value_t = 0.0)]
     time: f64,
@@ -44,6 +46,8 @@ pub(super) struct Arguments {
     /// Leave out statements that are not solved, where the equilibrium would be refused: CONTACT, FRICTION/3, ...
     #[arg(long, value_name = "STATEMENTS", value_parser = ignored)]
     ignore: Vec<Ignored>,
+    #[command(flatten)]
+    taken: Taken,
 }
 
 /// What one `--ignore` names.
@@ -57,19 +61,33 @@ fn ignored(list: &str) -> Result<Ignored, String> {
 /// Solves and prints.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let ignored: Vec<Ignore> = arguments.ignore.iter().flat_map(|i| i.0.clone()).collect();
-    if is_command_file(&arguments.file) {
-        if arguments.stable {
-            let message =
-                "--stable is for a dataset; a command file gives the equilibria that `mdi` gives";
-            shell.complain(&[Diagnostic::error(Code::ConflictingArguments, message)]);
-            return Err(Exit::Usage);
+    let conflict = |shell: &Shell, message: &str| {
+        shell.complain(&[Diagnostic::error(Code::ConflictingArguments, message)]);
+        Err(Exit::Usage)
+    };
+    let files = match &arguments.commands {
+        None if is_command_file(&arguments.file) => Some((None, arguments.file.as_path())),
+        None => None,
+        Some(_) if is_command_file(&arguments.file) => {
+            return conflict(shell, "the dataset comes before the command file");
         }
-        let console = Box::new(BufWriter::new(std::io::stdout().lock()));
-        let session = Session::new(console, Path::new(""))
-            .confined(&arguments.allow_path)
-            .ignoring(ignored);
-        let ending = session.run_file(&arguments.file.to_string_lossy());
-        return Ok(Exit::of_code(ending.exit_code(true)));
+        Some(commands) => Some((Some(arguments.file.as_path()), commands.as_path())),
+    };
+    if let Some(files) = files {
+        if arguments.stable {
+            return conflict(
+                shell,
+                "--stable is for a dataset; a command file gives the equilibria that `mdi` gives",
+            );
+        }
+        let allowed = (arguments.allow_path.as_slice(), ignored);
+        return solve_run::run(files, allowed, &arguments.taken, shell);
+    }
+    if arguments.taken.is_asked() {
+        return conflict(
+            shell,
+            "--csv and --plot take columns from the results of a command file",
+        );
     }
     let Solvable {
         model,

@@ -58,6 +58,8 @@ codes! {
     DuplicateId = "duplicate-id",
     /// A statement ADAMS accepts and the built-in solver does not solve.
     NotSolvedNatively = "not-solved-natively",
+    /// A statement ADAMS takes into account in statics, and the built-in solver in motion alone.
+    NotSolvedInStatics = "not-solved-in-statics",
     /// A statement that has no effect on a static answer, or is inactive in statics.
     InactiveInStatics = "inactive-in-statics",
     /// A user-written subroutine, which only real ADAMS can run.

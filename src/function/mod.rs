@@ -5,6 +5,7 @@
 //! in [`measure`] from given poses; forces of other elements enter as inputs that the caller fills.
 
 mod akima;
+mod breaks;
 mod build;
 mod call;
 mod compiler;
@@ -23,6 +24,7 @@ mod step;
 #[cfg(test)]
 mod tests;
 
+pub use breaks::time_breaks;
 pub use compiler::Compiler;
 pub use error::{EvalError, Fault};
 pub use input::{

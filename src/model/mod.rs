@@ -9,6 +9,7 @@ mod data;
 mod extract;
 mod force;
 mod frame;
+mod friction;
 pub mod lint;
 mod lower;
 mod object;
@@ -32,6 +33,7 @@ pub use force::{
     VectorForceKind, law_arguments,
 };
 pub use frame::{InitialVelocity, Marker, MarkerIx, Orientation, Part, PartIx, PartKind};
+pub use friction::{Friction, FrictionInputs};
 pub use lower::lower;
 pub use settings::{
     EquilibriumSettings, IntegratorSettings, KinematicsSettings, OutputSettings, ResultsSettings,
@@ -118,8 +120,8 @@ pub struct Model {
     pub sensors: Vec<Sensor>,
     /// PINPUTs and POUTPUTs.
     pub plant_ports: Vec<PlantPort>,
-    /// FRICTIONs, for their columns in the results; those that act in statics are among `unsolved`.
-    pub frictions: Vec<Header>,
+    /// FRICTIONs.
+    pub frictions: Vec<Friction>,
     /// REQUESTs.
     pub requests: Vec<Request>,
     /// EQUILIBRIUM.

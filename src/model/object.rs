@@ -1,7 +1,7 @@
 use super::{
-    ArrayData, Bushing, Coupler, Diff, Gcon, Gear, Header, Joint, LinearStates, Marker, Motion,
-    Nforce, PairForce, Part, PartKind, PlantPort, Primitive, Request, Sensor, Sforce, Spline,
-    SpringDamper, StringData, Variable, VectorForce, VectorForceKind,
+    ArrayData, Bushing, Coupler, Diff, Friction, Gcon, Gear, Header, Joint, LinearStates, Marker,
+    Motion, Nforce, PairForce, Part, PartKind, PlantPort, Primitive, Request, Sensor, Sforce,
+    Spline, SpringDamper, StringData, Variable, VectorForce, VectorForceKind,
 };
 
 /// What every object of a model has.
@@ -50,6 +50,7 @@ objects! {
     Primitive: |_primitive, _kind| true,
     Coupler: |_coupler, _kind| true,
     Gear: |_gear, _kind| true,
+    Friction: |_friction, _kind| true,
     Gcon: |_gcon, _kind| true,
     Motion: |_motion, _kind| true,
     Bushing: |_bushing, _kind| true,

@@ -79,6 +79,8 @@ pub struct IntegratorSettings {
     pub adaptivity: f64,
     /// INTERPOLATE=ON.
     pub interpolate: bool,
+    /// What is given and has no effect on the built-in method: KMAX, PATTERN, ...
+    pub without_effect: Vec<&'static str>,
 }
 
 impl IntegratorSettings {
@@ -104,6 +106,7 @@ impl Default for IntegratorSettings {
             maxit: None,
             adaptivity: 0.0,
             interpolate: false,
+            without_effect: Vec::new(),
         }
     }
 }

@@ -27,7 +27,7 @@ pub fn effect_of(kind: &str) -> Option<&'static str> {
         "COUPLER" | "CVCV" | "GCON" | "PTCV" | "UCON" => "it would constrain the parts",
         "FE_LOAD" => "it would load a flexible beam",
         "FE_PART" | "FLEX_BODY" => "it would deform under its loads",
-        "FRICTION" => "its stiction would hold the joint against forces",
+        "FRICTION" => "it would hold or brake its joint",
         "GSE" => "its outputs would feed functions",
         "MARKER" => "it would move with what hangs on it",
         "MFORCE" => "it would load the modes of a flexible body",
@@ -114,6 +114,9 @@ impl Model {
             leave(unsolved.kind, &mut unsolved.header);
         }
         let user = |function: &Function| matches!(function, Function::User(_));
+        for friction in &mut self.frictions {
+            leave("FRICTION", &mut friction.header);
+        }
         for force in self.sforces.iter_mut().filter(|f| user(&f.function)) {
             leave("SFORCE", &mut force.header);
         }

@@ -74,6 +74,8 @@ pub struct Integrator<'a> {
     statistics: Statistics,
     /// What was worst in the last step that was given up.
     worst: String,
+    /// Surface speeds of frictions less those of stiction.
+    pub(super) slips: Vec<f64>,
 }
 
 impl<'a> Integrator<'a> {
@@ -107,9 +109,12 @@ impl<'a> Integrator<'a> {
             fresh: false,
             statistics: Statistics::default(),
             worst: String::new(),
+            slips: Vec::new(),
             settings,
             state,
         };
+        let scratch = &mut new.equations.scratch;
+        system.grip_on(parameters, &mut new.state, scratch);
         new.grow_sizes();
         // A step in which the accelerations alone move things by the tolerance.
         let mut most = 0.0_f64;
@@ -166,14 +171,29 @@ impl<'a> Integrator<'a> {
     /// # Errors
     /// [`MotionError`]; the state is that of the last step that was found.
     pub fn advance_to(&mut self, end: f64) -> Result<(), MotionError> {
-        loop {
-            let left = end - self.state.time;
-            // What is left is round-off of the time.
-            if left <= 1e-12 * end.abs().max(self.settings.hmax) {
-                return Ok(());
-            }
+        while self.step_towards(end)? {}
+        Ok(())
+    }
+
+    /// The same without a look at the frictions: what is known of them on the way does not change.
+    pub(super) fn advance_plainly(&mut self, end: f64) -> Result<(), MotionError> {
+        while let Some(left) = self.left(end) {
             self.take_step(left, end)?;
         }
+        Ok(())
+    }
+
+    /// The first time from here on at which a function of the time is not smooth.
+    fn next_break(&self) -> Option<f64> {
+        let breaks = &self.system.breaks;
+        let after = breaks.partition_point(|time| self.left(*time).is_none());
+        breaks.get(after).copied()
+    }
+
+    /// The time to `end`; none where what is left is round-off.
+    fn left(&self, end: f64) -> Option<f64> {
+        let left = end - self.state.time;
+        (left > 1e-12 * end.abs().max(self.settings.hmax)).then_some(left)
     }
 
     /// One step, at most to `end`. False if it is there.
@@ -181,11 +201,18 @@ impl<'a> Integrator<'a> {
     /// # Errors
     /// [`MotionError`] as of [`Self::advance_to`].
     pub fn step_towards(&mut self, end: f64) -> Result<bool, MotionError> {
-        let left = end - self.state.time;
-        if left <= 1e-12 * end.abs().max(self.settings.hmax) {
+        if self.left(end).is_none() {
             return Ok(false);
         }
-        self.take_step(left, end)?;
+        // A break ends a step: nothing is stepped over, and the next step begins anew.
+        let target = self.next_break().map_or(end, |next| next.min(end));
+        if let Some(left) = self.left(target) {
+            self.take_step(left, target)?;
+            self.settle_grips()?;
+        }
+        if target < end && self.left(target).is_none() {
+            self.restart();
+        }
         Ok(true)
     }
 
@@ -528,6 +555,7 @@ impl<'a> Integrator<'a> {
         let scratch = &mut self.equations.scratch;
         system.drive_on(self.parameters, &mut end, scratch)?;
         system.accept(self.parameters, &mut end, scratch);
+        system.grip_on(self.parameters, &mut end, scratch);
         self.origin = std::mem::replace(&mut self.state, end);
         std::mem::swap(&mut self.unknowns, &mut self.polynomial);
         self.last = Some(h);

@@ -71,7 +71,9 @@ fn place(
     memory.positions(system, parameters, state, None)?;
     system.drive_on(parameters, state, &mut memory.scratch)?;
     system.accept(parameters, state, &mut memory.scratch);
-    memory.reconcile(system, parameters, state, 1e-2 * step)
+    memory.reconcile(system, parameters, state, 1e-2 * step)?;
+    system.grip_on(parameters, state, &mut memory.scratch);
+    Ok(())
 }
 
 /// Refuses a mechanism that can move by itself.

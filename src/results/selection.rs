@@ -113,6 +113,23 @@ impl Selection {
         Ok(steps)
     }
 
+    /// The values of the columns in the steps that a filter takes, a row per step.
+    ///
+    /// # Errors
+    /// When reading fails.
+    pub fn values_of<R: Read>(
+        &self,
+        reader: &mut XrfReader<R>,
+        filter: &StepFilter,
+    ) -> Result<Vec<Vec<f64>>, ResultsError> {
+        let mut rows = Vec::new();
+        self.rows(reader, filter, |_, _, values| {
+            rows.push(values.to_vec());
+            Ok(())
+        })?;
+        Ok(rows)
+    }
+
     /// Writes the remaining steps of a reader as CSV: a line of names with units (`arm_XFORM.X [mm]`), then a line per step
     /// with its kind and values in their shortest spelling.
     ///

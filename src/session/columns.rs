@@ -35,8 +35,8 @@ pub(super) enum Item {
     Variables(Vec<Option<usize>>),
     /// States and outputs of linear state equations: index into the model.
     LinearStates(usize),
-    /// What is switched off in statics: so many zeros.
-    Zeros(usize),
+    /// A FRICTION: its id.
+    Friction(u32),
 }
 
 /// The columns of a run in the order of the values of a step (guide/formats.md 6.1, 12).
@@ -234,15 +234,37 @@ impl Builder {
         }
     }
 
-    /// Joint friction takes no part in statics here: its entities are there for those who look for them, and zero.
+    /// Forces in ground axes; coefficients, surface velocities and creeps in those of I.
     fn add_frictions(&mut self, model: &Model) {
+        let unit = |dimension: Dimension| model.units.name(dimension);
+        let (force, torque) = (unit(Dimension::FORCE), unit(Dimension::TORQUE));
+        let (speed, length) = (
+            unit(Dimension::new(0, 0, 1, -1, 0)),
+            unit(Dimension::LENGTH),
+        );
+        let columns: Vec<(&str, Option<&str>)> = [
+            (&["FX", "FY", "FZ"][..], Some(force.as_str())),
+            (&["TX", "TY", "TZ"], Some(torque.as_str())),
+            (&["MUX", "MUY", "MUZ", "MURX", "MURY", "MURZ", "MU1"], None),
+            (&["VX", "VY", "VZ", "WX", "WY", "WZ"], Some(speed.as_str())),
+            (
+                &[
+                    "CREEP_X", "CREEP_Y", "CREEP_Z", "CREEP_AX", "CREEP_AY", "CREEP_AZ",
+                ],
+                Some(length.as_str()),
+            ),
+            (&["BETA"], None),
+        ]
+        .into_iter()
+        .flat_map(|(names, unit)| names.iter().map(move |name| (*name, unit)))
+        .collect();
         for friction in &model.frictions {
-            self.item(
-                EntityKind::Friction,
-                &friction.name,
-                friction.id,
-                Item::Zeros(6),
-            );
+            let (name, id) = (&friction.header.name, friction.header.id);
+            let kind = EntityKind::Friction;
+            let name = (!name.is_empty()).then_some(name.as_str());
+            self.numbering
+                .named(kind, name, i64::from(id), None, &columns);
+            self.items.push((kind, Item::Friction(id)));
         }
     }
 

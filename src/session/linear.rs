@@ -1,4 +1,4 @@
-//! LINEAR/EIGENSOL: eigenvalues and mode shapes where the model stands.
+//! LINEAR/EIGENSOL and STATEMAT: eigenvalues, mode shapes and state matrices where the model stands.
 
 use std::fmt::Write as _;
 
@@ -6,9 +6,10 @@ use serde_json::json;
 
 use super::loaded::Compiled;
 use super::message::exponent;
+use super::paths::native_spelling;
 use super::run::{Flow, Locate, Place, Session};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::motion::{Mode, modes};
+use crate::motion::{self, Mode, modes};
 use crate::syntax::Statement;
 
 /// What the six numbers of a part are called.
@@ -17,10 +18,10 @@ const COORDINATES: [&str; 6] = ["X", "Y", "Z", "RX", "RY", "RZ"];
 impl Session<'_> {
     /// Executes a LINEAR command.
     pub(super) fn linear(&mut self, command: &Statement, place: Option<Place<'_>>) -> Flow {
-        if !command.has("EIGENSOL") {
+        if !command.has("EIGENSOL") && !command.has("STATEMAT") {
             let refusal = Diagnostic::error(
                 Code::CommandNotSupported,
-                "of LINEAR only EIGENSOL is executed here; this command is left out",
+                "of LINEAR only EIGENSOL and STATEMAT are executed here; this command is left out",
             );
             return self.refused(refusal, place);
         }
@@ -32,7 +33,8 @@ impl Session<'_> {
                 .help("FILE/MODEL=name reads one");
             return self.misunderstood(missing, Some(place));
         }
-        let errors = self.model().compiled().value.errors.clone();
+        let mut errors = self.model().compiled().value.errors.clone();
+        errors.retain(|error| error.code != Code::NotSolvedInStatics);
         if !errors.is_empty() {
             for diagnostic in &errors {
                 self.complain(diagnostic);
@@ -52,6 +54,9 @@ impl Session<'_> {
             self.motion_failed(&error, place);
             return self.simulation_failed();
         }
+        if command.has("STATEMAT") {
+            return self.state_matrices(command, place);
+        }
         let Compiled {
             system,
             parameters,
@@ -62,14 +67,7 @@ impl Session<'_> {
         let found = modes(system, parameters, state, !command.has("NODAMPIN"));
         let found = match found {
             Ok(found) => found,
-            Err(reason) => {
-                let diagnostic = Diagnostic::error(
-                    Code::NoMotion,
-                    format!("the equations are not linearised at time {time}: {reason}"),
-                );
-                self.complain(&Some(place).label(diagnostic));
-                return self.simulation_failed();
-            }
+            Err(reason) => return self.not_linearised(time, &reason, place),
         };
         let names: Vec<String> = self
             .model()
@@ -86,6 +84,156 @@ impl Session<'_> {
             Err(diagnostic) => self.unwritable(&diagnostic),
         }
     }
+}
+
+impl Session<'_> {
+    fn not_linearised(&mut self, time: f64, reason: &motion::Reason, place: Place<'_>) -> Flow {
+        let diagnostic = Diagnostic::error(
+            Code::NoMotion,
+            format!("the equations are not linearised at time {time}: {reason}"),
+        );
+        self.complain(&Some(place).label(diagnostic));
+        self.simulation_failed()
+    }
+
+    /// The VARIABLEs of a PINPUT or POUTPUT that a command names; none if it names none.
+    fn port(&mut self, command: &Statement, kind: &'static str) -> Result<Vec<usize>, String> {
+        let Some(id) = command.first(kind) else {
+            return Ok(Vec::new());
+        };
+        let model = &self.model().model;
+        let mut ports = model.plant_ports.iter();
+        let port = ports.find(|p| p.kind == kind && f64::from(p.header.id) == id);
+        let Some(port) = port else {
+            return Err(format!("there is no {kind}/{id}"));
+        };
+        let variable = |id: &u32| {
+            let mut all = model.variables.iter();
+            let found = all.position(|v| v.header.id == *id);
+            found.ok_or_else(|| {
+                format!(
+                    "{kind}/{} names VARIABLE/{id}, which is not there",
+                    port.header.id
+                )
+            })
+        };
+        port.variables.iter().map(variable).collect()
+    }
+
+    /// LINEAR/STATEMAT: the matrices as text that MATLAB loads, and the list of the states.
+    fn state_matrices(&mut self, command: &Statement, place: Place<'_>) -> Flow {
+        let ports = (self.port(command, "PINPUT"), self.port(command, "POUTPUT"));
+        let (inputs, outputs) = match ports {
+            (Ok(inputs), Ok(outputs)) => (inputs, outputs),
+            (Err(why), _) | (_, Err(why)) => {
+                let diagnostic = Diagnostic::error(Code::UndefinedId, why);
+                return self.misunderstood(diagnostic, Some(place));
+            }
+        };
+        let asked = command.argument("FORMAT");
+        let asked = asked.map_or("MATRIXX", |a| {
+            a.choices(place.source)
+                .first()
+                .copied()
+                .unwrap_or("MATRIXX")
+        });
+        if asked != "MATLAB" {
+            let warning = Diagnostic::warning(
+                Code::OutputNotWritten,
+                "the state matrices are written for MATLAB: the form of MATRIXX is not known",
+            )
+            .help("FORMAT=MATLAB asks for it");
+            self.complain(&Some(place).label(warning));
+        }
+        for word in ["PSTATE", "RM"] {
+            if command.has(word) {
+                let warning = Diagnostic::warning(
+                    Code::OutputNotWritten,
+                    format!(
+                        "{word} of LINEAR is not followed: the states are coordinates of parts in ground axes"
+                    ),
+                );
+                self.complain(&Some(place).label(warning));
+            }
+        }
+        let Compiled {
+            system,
+            parameters,
+            state,
+            ..
+        } = self.model().compiled().value;
+        let time = state.time;
+        let found = motion::state_matrices(system, parameters, state, (&inputs, &outputs));
+        let found = match found {
+            Ok(found) => found,
+            Err(reason) => return self.not_linearised(time, &reason, place),
+        };
+        let name = command
+            .text("FILE", place.source)
+            .map(std::borrow::Cow::into_owned);
+        let mut files = vec![("a", numbers(&found.A)), ("st", listed(&found.states))];
+        if !inputs.is_empty() {
+            files.push(("b", numbers(&found.B)));
+        }
+        if !outputs.is_empty() {
+            files.push(("c", numbers(&found.C)));
+        }
+        if !inputs.is_empty() && !outputs.is_empty() {
+            files.push(("d", numbers(&found.D)));
+        }
+        let mut written = Vec::new();
+        for (suffix, text) in files {
+            let path = match &name {
+                Some(name) => self
+                    .directory
+                    .join(native_spelling(&format!("{name}{suffix}"))),
+                None => self.model().outputs.beside(suffix),
+            };
+            let done = self.policy.check(&path).and_then(|()| {
+                std::fs::write(&path, text).map_err(|error| {
+                    let message = format!("`{}` cannot be written: {error}", path.display());
+                    Diagnostic::error(Code::CannotWrite, message)
+                })
+            });
+            if let Err(diagnostic) = done {
+                return self.refused(diagnostic, Some(place));
+            }
+            written.push(
+                path.file_name()
+                    .unwrap_or_default()
+                    .to_string_lossy()
+                    .into_owned(),
+            );
+        }
+        self.messages.say(&format!(
+            "\n  State matrices at time {}: {} states, {} inputs, {} outputs, in {}\n",
+            exponent(time, 5),
+            found.states.len(),
+            inputs.len(),
+            outputs.len(),
+            written.join(", ")
+        ));
+        Ok(())
+    }
+}
+
+/// A matrix as MATLAB's `load` reads it: one line per row.
+fn numbers(matrix: &nalgebra::DMatrix<f64>) -> String {
+    let mut text = String::new();
+    for row in matrix.row_iter() {
+        let cells: Vec<String> = row.iter().map(|x| format!("{:>24.16e}", x + 0.0)).collect();
+        text += &(cells.join(" ") + "\n");
+    }
+    text
+}
+
+/// The states by number.
+fn listed(states: &[String]) -> String {
+    let mut text = String::new();
+    for (k, state) in states.iter().enumerate() {
+        _ = writeln!(text, "{:>5}  {state}", k + 1);
+    }
+    text
 }
 
 /// One of a pair, or a real eigenvalue.

@@ -210,6 +210,12 @@ impl Loaded {
             Some(placed) => {
                 let mut state = System::compile(&self.model).value.state();
                 placed.put_into(&mut state)?;
+                // What moved goes on; what stood still is at rest, or begins with the dataset.
+                self.beginning = if state.moves() {
+                    Beginning::Changed
+                } else {
+                    self.beginning.after_statics(state.time)
+                };
                 Some(state)
             }
             None => None,
@@ -279,6 +285,9 @@ fn carry_over(state: &mut State, before: State) {
     }
     if state.states.len() == before.state_rates.len() {
         state.state_rates = before.state_rates;
+    }
+    if state.grips.len() == before.grips.len() {
+        state.grips = before.grips;
     }
     if state.driven.len() == before.driven.len() {
         state.driven = before.driven;

@@ -255,7 +255,22 @@ impl Columns {
                 values.extend(variables.iter().map(value));
             }
             Item::LinearStates(index) => measures.linear_states(model, *index, values),
-            Item::Zeros(count) => values.resize(values.len() + count, 0.0),
+            Item::Friction(id) => {
+                let read = measures.here().read_friction(*id).unwrap_or_default();
+                for vector in [read.force, read.torque, read.mu, read.mu_turn] {
+                    values.extend(vector.iter());
+                }
+                values.push(read.mu_1);
+                for vector in [
+                    read.velocity,
+                    read.turn_velocity,
+                    read.creep,
+                    read.turn_creep,
+                ] {
+                    values.extend(vector.iter());
+                }
+                values.push(read.beta);
+            }
             Item::FloatingMarker(index) => {
                 // A floating marker is kept on the I marker of its force.
                 let pose = measures.marker(model, model.vector_forces[*index].i);

@@ -231,6 +231,12 @@ impl<'a> Messages<'a> {
             "\n  ****** Performing Dynamic Simulation using {asked} {} Integrator ******\n   ADMIRE: Radau IIA order 5, stabilised index 2 (deck asks for {} {})\n",
             settings.formulation, settings.method, settings.formulation
         ));
+        if !settings.without_effect.is_empty() {
+            self.say(&format!(
+                "   ADMIRE: without effect on this method: {}\n",
+                settings.without_effect.join(", ")
+            ));
+        }
         if determined {
             self.frame(
                 "WARNING",

@@ -257,12 +257,17 @@ impl Outputs {
         Ok(())
     }
 
+    /// A file next to the others of the run.
+    pub fn beside(&self, extension: &str) -> std::path::PathBuf {
+        with_extension(&self.prefix, extension)
+    }
+
     /// Writes a file of its own beside the others.
     ///
     /// # Errors
     /// When it cannot be written.
     pub fn write_beside(&self, extension: &str, text: &str) -> Result<(), Diagnostic> {
-        let path = with_extension(&self.prefix, extension);
+        let path = self.beside(extension);
         std::fs::write(&path, text).map_err(|error| cannot_write(&path, &error))
     }
 

@@ -12,6 +12,7 @@ use super::located::Sources;
 use super::message::Messages;
 use super::outputs::Outputs;
 use super::paths::{FilePolicy, find_file, native_spelling};
+use super::progress::Watcher;
 use super::saving::Kept;
 
 /// Command files that read command files, one inside of the other.
@@ -31,10 +32,12 @@ pub enum Stop {
     Model,
     /// PREFERENCES/SIMFAIL=STOPCF and a simulation failed.
     Simulation,
+    /// Whoever watches the run asked it to stop.
+    Interrupted,
 }
 
 /// What came of a run.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Ending {
     /// Why it ended.
     pub stop: Stop,
@@ -44,6 +47,8 @@ pub struct Ending {
     pub refused: usize,
     /// Simulations without an answer.
     pub failed: usize,
+    /// The results of the last model that has any.
+    pub results: Option<PathBuf>,
 }
 
 /// What `mdi` ends with, for `mdi --help`; the page `drop_in` of the guide has the same table.
@@ -69,7 +74,7 @@ impl Ending {
         match self.stop {
             Stop::File => 2,
             Stop::Model => 1,
-            Stop::Simulation => 3,
+            Stop::Simulation | Stop::Interrupted => 3,
             Stop::Finished if self.misunderstood > 0 || self.refused > 0 => 1,
             Stop::Finished if strict && self.failed > 0 => 3,
             Stop::Finished => 0,
@@ -95,6 +100,7 @@ pub struct Session<'a> {
     ending: Ending,
     /// The stem of the message file of a run that reads no model.
     stem: Option<String>,
+    pub(super) watcher: Option<Watcher<'a>>,
 }
 
 /// What executing a command leads to; `Err` ends the run.
@@ -119,8 +125,10 @@ impl<'a> Session<'a> {
                 misunderstood: 0,
                 refused: 0,
                 failed: 0,
+                results: None,
             },
             stem: None,
+            watcher: None,
         }
     }
 
@@ -208,10 +216,14 @@ impl<'a> Session<'a> {
     }
 
     fn close_model(&mut self) -> Flow {
-        if let Some(mut loaded) = self.loaded.take()
-            && let Err(diagnostic) = loaded.outputs.finish()
-        {
-            return self.unwritable(&diagnostic);
+        if let Some(mut loaded) = self.loaded.take() {
+            let results = loaded.outputs.beside("res");
+            if let Err(diagnostic) = loaded.outputs.finish() {
+                return self.unwritable(&diagnostic);
+            }
+            if results.is_file() {
+                self.ending.results = Some(results);
+            }
         }
         Ok(())
     }

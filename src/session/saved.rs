@@ -4,7 +4,7 @@ use std::path::Path;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::mechanics::{Mat3, Pose, Vec3};
 use crate::model::Model;
-use crate::system::State;
+use crate::system::{Driven, Grip, Rates, State};
 
 use super::run::LARGEST;
 
@@ -27,6 +27,16 @@ pub(super) struct Placed {
     poses: Vec<Pose>,
     variables: Vec<f64>,
     states: Vec<f64>,
+    /// Of a motion; empty at rest.
+    velocities: Vec<Rates>,
+    /// MOTIONs that prescribe a rate.
+    driven: Vec<Driven>,
+    /// Where angles are counted from.
+    turns: Vec<f64>,
+    /// SENVAL.
+    sensors: Vec<f64>,
+    /// Frictions of joints.
+    grips: Vec<Grip>,
 }
 
 impl Saved {
@@ -39,6 +49,11 @@ impl Saved {
                 poses: state.poses.clone(),
                 variables: state.variables.clone(),
                 states: state.states.clone(),
+                velocities: state.velocities.clone(),
+                driven: state.driven.clone(),
+                turns: state.turns(),
+                sensors: state.sensors.clone(),
+                grips: state.grips.clone(),
             }),
         }
     }
@@ -82,6 +97,22 @@ impl Saved {
             }
             line("variables", &mut placed.variables.iter().copied());
             line("states", &mut placed.states.iter().copied());
+            for rates in &placed.velocities {
+                let both = rates.linear.iter().chain(rates.angular.iter());
+                line("velocity", &mut both.copied());
+            }
+            for driven in &placed.driven {
+                let numbers = [driven.time, driven.value, driven.rate];
+                line("driven", &mut numbers.into_iter());
+            }
+            line("turns", &mut placed.turns.iter().copied());
+            line("sensors", &mut placed.sensors.iter().copied());
+            for grip in &placed.grips {
+                let sticking = f64::from(u8::from(grip.sticking));
+                let before = [sticking, grip.place].into_iter();
+                let vectors = grip.creep.iter().chain(grip.turn.iter()).copied();
+                line("grip", &mut before.chain(vectors).chain(grip.first));
+            }
         }
         std::fs::write(path, text).map_err(|error| cannot(&error.to_string()))
     }
@@ -112,6 +143,11 @@ impl Saved {
             poses: Vec::new(),
             variables: Vec::new(),
             states: Vec::new(),
+            velocities: Vec::new(),
+            driven: Vec::new(),
+            turns: Vec::new(),
+            sensors: Vec::new(),
+            grips: Vec::new(),
         };
         let mut any = false;
         for line in lines {
@@ -130,6 +166,24 @@ impl Saved {
                 }),
                 ("variables", _) => placed.variables = values,
                 ("states", _) => placed.states = values,
+                ("velocity", all) if all.len() == 6 => placed.velocities.push(Rates {
+                    linear: Vec3::from_column_slice(&all[..3]),
+                    angular: Vec3::from_column_slice(&all[3..]),
+                }),
+                ("driven", [time, value, rate]) => placed.driven.push(Driven {
+                    time: *time,
+                    value: *value,
+                    rate: *rate,
+                }),
+                ("turns", _) => placed.turns = values,
+                ("sensors", _) => placed.sensors = values,
+                ("grip", all) if (14..=15).contains(&all.len()) => placed.grips.push(Grip {
+                    sticking: all[0] != 0.0,
+                    place: all[1],
+                    creep: Vec3::from_column_slice(&all[2..5]),
+                    turn: Mat3::from_column_slice(&all[5..14]),
+                    first: all.get(14).copied(),
+                }),
                 _ => return Err(cannot("a line is damaged")),
             }
         }
@@ -163,6 +217,20 @@ impl Placed {
         if self.states.len() == state.states.len() {
             state.states = self.states;
         }
+        if self.velocities.len() == state.poses.len() {
+            state.velocities = self.velocities;
+            state.set_moving();
+        }
+        if self.driven.len() == state.driven.len() {
+            state.driven = self.driven;
+        }
+        if self.sensors.len() == state.sensors.len() {
+            state.sensors = self.sensors;
+        }
+        if self.grips.len() == state.grips.len() {
+            state.grips = self.grips;
+        }
+        state.set_turns(&self.turns);
         Ok(())
     }
 }

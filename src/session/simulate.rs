@@ -1,3 +1,4 @@
+use super::progress::Moment;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::syntax::Statement;
 use crate::text::{Source, Span};
@@ -60,6 +61,16 @@ impl OutputTimes {
 }
 
 impl OutputTimes {
+    /// Where a simulation stands at an output.
+    pub fn moment(&self, time: f64, step: f64) -> Moment {
+        Moment {
+            time,
+            start: self.start,
+            end: self.end,
+            step,
+        }
+    }
+
     /// Outputs every `dt` from `now` to the same end; `None` if they are too many.
     pub fn every(&self, dt: f64, now: f64) -> Option<Self> {
         // An interval that divides the span but for round-off divides it.

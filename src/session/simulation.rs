@@ -53,17 +53,22 @@ impl Session<'_> {
             return Ok(());
         };
         let compiled = loaded.compiled();
-        let errors = compiled.value.errors.clone();
+        let mut errors = compiled.value.errors.clone();
         let warnings = compiled.diagnostics;
         let statics = command.has("STATICS") || command.text("TYPE", source).is_some();
+        errors.retain(|error| statics || error.code != Code::NotSolvedInStatics);
         for diagnostic in warnings.iter().chain(&errors) {
             // What is still in statics moves in motion.
             if statics || diagnostic.code != Code::InactiveInStatics {
                 self.complain(diagnostic);
             }
         }
-        let lacks =
-            |d: &Diagnostic| matches!(d.code, Code::NotSolvedNatively | Code::UserSubroutine);
+        let lacks = |d: &Diagnostic| {
+            matches!(
+                d.code,
+                Code::NotSolvedNatively | Code::NotSolvedInStatics | Code::UserSubroutine
+            )
+        };
         if !errors.iter().all(lacks) {
             return Err(Stop::Model);
         }
@@ -136,6 +141,7 @@ impl Session<'_> {
                         self.warn_if_unstable();
                     }
                     self.write_step(kind)?;
+                    self.tell(times.moment(time, times.at(1) - times.start))?;
                     let sensed = self.sense();
                     halted = sensed.halts;
                     if sensed.halts || sensed.returns {

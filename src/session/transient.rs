@@ -152,6 +152,13 @@ impl Session<'_> {
         let mut memory = Consistent::new(&self.model().compiled().value.system);
         let mut k = 1;
         let mut steps = 0;
+        let first = Row {
+            time: times.start,
+            step: times.at(1) - times.start,
+            evaluations: 0,
+            steps: 0,
+        };
+        self.messages.progress(&mut progress, first);
         while k <= times.count {
             let time = times.at(k);
             k += 1;
@@ -267,6 +274,11 @@ impl Session<'_> {
                 if let Err(diagnostic) = written {
                     return self.unwritable(&diagnostic).map(|()| None);
                 }
+                let step = integrator.step();
+                if let Err(stop) = self.tell(times.moment(time, step)) {
+                    ended = Err(stop);
+                    break;
+                }
             }
             if !sensed.said.is_empty() {
                 self.messages.say(&sensed.said);
@@ -307,6 +319,7 @@ impl Session<'_> {
         place: Place<'_>,
     ) -> Result<After, Stop> {
         self.write_step(kind)?;
+        self.tell(times.moment(time, times.at(1) - times.start))?;
         let sensed = self.sense();
         self.messages.flush();
         if sensed.halts || sensed.returns {

@@ -80,6 +80,9 @@ impl System {
         for number in 0..self.joints.len() {
             here.add_joint(number, g, sink);
         }
+        if here.moving() {
+            here.add_frictions(g, sink)?;
+        }
         here.add_conditions(g, sink)?;
         here.add_data(g, sink);
         Ok(())
@@ -107,7 +110,7 @@ impl System {
 
 impl Configuration<'_> {
     /// Adds `scratch.contribution` to the balances and its derivative to the Jacobian.
-    fn add<S: Sink>(&mut self, g: &mut [f64], sink: &mut S) {
+    pub(super) fn add<S: Sink>(&mut self, g: &mut [f64], sink: &mut S) {
         let scratch = &mut *self.scratch;
         let wrench = &scratch.contribution;
         scratch.largest = scratch.largest.max(wrench.size(self.system.length));

@@ -201,7 +201,7 @@ impl Configuration<'_> {
     ///
     /// With r from the origin of the part to the marker, `dv = dV + dw x r + w x (dphi x r)` and
     /// `da = dA + db x r + b x (dphi x r) + dw x (w x r) + w x (dw x r) + w x (w x (dphi x r))`.
-    fn moved(&mut self, measure: &RateMeasure) -> f64 {
+    pub(super) fn moved(&mut self, measure: &RateMeasure) -> f64 {
         if !self.moving() {
             return 0.0;
         }

@@ -1,5 +1,6 @@
 use super::System;
 use super::contribution::Contribution;
+use super::friction::SLOTS;
 use crate::constraint::Equations;
 use crate::element::{MultiWrench, Wrench};
 use crate::mechanics::{Pose, RelativeMotion, Vec3};
@@ -55,7 +56,10 @@ impl Scratch {
         Self {
             markers: vec![Pose::identity(); system.owners.len()],
             arms: vec![Vec3::zeros(); system.owners.len()],
-            functions: vec![FunctionValue::default(); system.functions.len()],
+            functions: vec![
+                FunctionValue::default();
+                system.functions.len() + SLOTS * system.frictions.len()
+            ],
             ..Self::default()
         }
     }

@@ -1,3 +1,4 @@
+use super::Grip;
 use crate::mechanics::{Pose, Vec3};
 
 /// Velocity of a part, or its acceleration: of the origin and of the rotation, ground axes.
@@ -59,6 +60,8 @@ pub struct State {
     pub state_rates: Vec<f64>,
     /// MOTIONs that prescribe a velocity or an acceleration, in the order of the model.
     pub driven: Vec<Driven>,
+    /// Where each friction of a joint stands.
+    pub grips: Vec<Grip>,
     /// What SENVAL gives, in the order of the model's SENSORs; the session sets it when a sensor fires.
     pub sensors: Vec<f64>,
 }
@@ -80,6 +83,7 @@ impl State {
             accelerations: Vec::new(),
             state_rates: Vec::new(),
             driven: Vec::new(),
+            grips: Vec::new(),
             sensors: Vec::new(),
         }
     }
@@ -101,6 +105,26 @@ impl State {
         self.velocities.clear();
         self.accelerations.clear();
         self.state_rates.clear();
+        for grip in &mut self.grips {
+            grip.sticking = false;
+        }
+    }
+
+    /// The angles that turns are counted from, one after the other.
+    pub fn turns(&self) -> Vec<f64> {
+        let pairs = self.pair_angles.iter().flat_map(|angles| angles.iter());
+        pairs.chain(&self.measure_angles).copied().collect()
+    }
+
+    /// Counts turns from these angles; those of another model are left.
+    pub fn set_turns(&mut self, turns: &[f64]) {
+        let pairs = 3 * self.pair_angles.len();
+        if turns.len() == pairs + self.measure_angles.len() {
+            for (angles, from) in self.pair_angles.iter_mut().zip(turns.chunks_exact(3)) {
+                *angles = Vec3::from_column_slice(from);
+            }
+            self.measure_angles.copy_from_slice(&turns[pairs..]);
+        }
     }
 
     /// The answer of this state, without what only the solver needs.
@@ -134,6 +158,7 @@ impl Clone for State {
         self.accelerations.clone_from(&other.accelerations);
         self.state_rates.clone_from(&other.state_rates);
         self.driven.clone_from(&other.driven);
+        self.grips.clone_from(&other.grips);
         self.sensors.clone_from(&other.sensors);
     }
 }

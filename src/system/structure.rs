@@ -2,6 +2,7 @@ use std::fmt;
 use std::ops::Range;
 
 use super::contribution::Exerted;
+use super::friction::Friction;
 use super::function::CompiledFunction;
 use super::multi::Multi;
 use super::{Catalogue, Parameters, State};
@@ -225,6 +226,7 @@ pub struct System {
     pub(crate) elements: Vec<Element>,
     pub(crate) multis: Vec<Multi>,
     pub(crate) joints: Vec<Joint>,
+    pub(crate) frictions: Vec<Friction>,
     pub(crate) conditions: Vec<Condition>,
     pub(crate) variables: Vec<Algebraic>,
     pub(crate) states: Vec<StateEquation>,
@@ -259,6 +261,8 @@ pub struct System {
     pub(crate) reference_mass: f64,
     /// A length of the size of the model.
     pub(crate) length: f64,
+    /// Times at which functions of the time are not smooth, increasing.
+    pub(crate) breaks: Vec<f64>,
 }
 
 impl System {

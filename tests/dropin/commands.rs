@@ -347,7 +347,7 @@ fn exit_codes_are_those_of_adams_or_of_the_house() {
             0,
             3,
         ),
-        ("\nfile/model=slider\nLINEAR/STATEMAT\nSTOP\n", 1, 1),
+        ("\nfile/model=slider\nLINEAR/MKB\nSTOP\n", 1, 1),
     ] {
         let broken = SLIDER.replace("I=21, J=11", "I=99, J=11");
         let folder = folder(&[

@@ -149,7 +149,7 @@ fn codes_and_statuses_are_those_of_the_table() {
         ),
         ("SIM/STAT\nSIM/DYNAMIC, END=1, STEPS=5", 0, 0, "Successful"),
         ("SIM/STAT\nLINEAR/EIGENSOL", 0, 0, "Successful"),
-        ("SIM/STAT\nLINEAR/STATEMAT", 1, 1, "Failed"),
+        ("SIM/STAT\nLINEAR/MKB", 1, 1, "Failed"),
         ("SIM/STAT\nSFORSE/1, FUNCTION=5", 1, 1, "Successful"),
     ] {
         let acf = format!("\nfile/model=slider\n{commands}\n");

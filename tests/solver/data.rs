@@ -184,11 +184,11 @@ fn friction_that_sticks_is_refused() {
         compiled.has_errors()
             && said
                 .message
-                .starts_with("FRICTION/1 is not solved: stiction")
+                .starts_with("FRICTION/1 is not solved in statics")
     );
     assert!(
         said.message
-            .ends_with("; its stiction would hold the joint against forces")
+            .ends_with(": its stiction would hold the joint against forces")
     );
     assert!(
         said.help

@@ -6,6 +6,7 @@ mod balance;
 mod closed_forms;
 #[path = "../common/mod.rs"]
 mod common;
+mod conservation;
 mod coverage;
 mod data;
 mod deck;

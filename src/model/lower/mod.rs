@@ -5,6 +5,7 @@ mod data;
 mod dimensions;
 mod force;
 mod frame;
+mod friction;
 mod ids;
 mod reader;
 mod rules;
@@ -31,6 +32,7 @@ macro_rules! in_list {
             "JPRIM" => $do!(primitives, constraint::primitive, $($arguments)*),
             "COUPLER" => $do!(couplers, constraint::coupler, $($arguments)*),
             "GEAR" => $do!(gears, constraint::gear, $($arguments)*),
+            "FRICTION" => $do!(frictions, friction::friction, $($arguments)*),
             "GCON" => $do!(gcons, constraint::gcon, $($arguments)*),
             "MOTION" => $do!(motions, constraint::motion, $($arguments)*),
             "BUSHING" => $do!(bushings, force::bushing, $($arguments)*),
@@ -311,10 +313,7 @@ impl Lowering<'_> {
                 kind: def.name,
                 why,
             });
-            // A friction that is left out has its columns in the results all the same.
-            if def.name != "FRICTION" {
-                return;
-            }
+            return;
         }
         let known = self.diagnostics.len();
         let (ids, diagnostics) = (&self.ids, &mut self.diagnostics);
@@ -326,11 +325,8 @@ impl Lowering<'_> {
         }
         in_list!(
             def.name,
-            match def.name {
-                "FRICTION" => self.model.frictions.push(reader.header(None)),
-                _ => {
-                    settings::settings(&mut reader, &mut self.model);
-                }
+            {
+                settings::settings(&mut reader, &mut self.model);
             },
             push,
         );
@@ -449,13 +445,6 @@ impl Model {
                 format!("{} is not solved: {}", reader.called(), unsolved.why),
             );
             reader.complain(diagnostic, command.keyword);
-            let friction = def.name == "FRICTION" && !command.sticks_in_statics(source);
-            if friction {
-                let all = self.unsolved.iter_mut();
-                for it in all.filter(|it| it.kind == "FRICTION" && it.header.id == id) {
-                    it.header.active = false;
-                }
-            }
             return;
         }
         macro_rules! replace {

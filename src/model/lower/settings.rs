@@ -109,6 +109,11 @@ fn equilibrium(reader: &Reader, old: &EquilibriumSettings) -> EquilibriumSetting
     }
 }
 
+/// Arguments of INTEGRATOR that only ADAMS' own methods know.
+const WITHOUT_EFFECT: [&str; 10] = [
+    "KMAX", "PATTERN", "FIXIT", "HRATIO", "MAXERR", "SCALE", "CRATIO", "ALPHA", "BETA", "GAMMA",
+];
+
 fn integrator(reader: &Reader, old: &IntegratorSettings) -> IntegratorSettings {
     let default = IntegratorSettings::default();
     let old = if reader.flag("DEFAULT", false) {
@@ -124,6 +129,12 @@ fn integrator(reader: &Reader, old: &IntegratorSettings) -> IntegratorSettings {
         found.unwrap_or(old)
     };
     let number = |name: &str, old: Option<f64>| reader.statement.first(name).or(old);
+    let mut without_effect = old.without_effect.clone();
+    for word in WITHOUT_EFFECT {
+        if reader.statement.has(word) && !without_effect.contains(&word) {
+            without_effect.push(word);
+        }
+    }
     IntegratorSettings {
         method: named(
             &[
@@ -155,6 +166,7 @@ fn integrator(reader: &Reader, old: &IntegratorSettings) -> IntegratorSettings {
         interpolate: reader
             .choice("INTERPOLATE")
             .map_or(old.interpolate, |word| word == "ON"),
+        without_effect,
     }
 }
 

@@ -8,9 +8,6 @@ pub(super) fn unsolved(
     def: &'static StatementDef,
     source: &Source,
 ) -> Option<String> {
-    if def.name == "FRICTION" && !statement.sticks_in_statics(source) {
-        return None;
-    }
     if let Solved::External(why) = def.solved {
         return Some(why.to_string());
     }
@@ -26,6 +23,12 @@ pub(super) fn unsolved(
         }
         "FIELD" if formulation == Some("NONLINEAR") => {
             "FORMULATION=NONLINEAR: its law is not published"
+        }
+        "FRICTION" if formulation == Some("LUGRE") => "FORMULATION=LUGRE: its law is not published",
+        "FRICTION"
+            if statement.has("MAX_FRICTION_FORCE") || statement.has("MAX_FRICTION_TORQUE") =>
+        {
+            "how ADAMS limits its force is not published"
         }
         "BEAM" if formulation == Some("STRING") => {
             "FORMULATION=STRING: its simplified non-linear law is not published"

@@ -11,19 +11,22 @@ use crate::text::Span;
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     let mut external: BTreeMap<&str, (usize, &Statement, &str)> = BTreeMap::new();
     let mut inactive: BTreeMap<&str, (usize, &Statement)> = BTreeMap::new();
+    let mut sticking: BTreeMap<&str, (usize, &Statement)> = BTreeMap::new();
     let mut users: BTreeMap<&str, (usize, Span)> = BTreeMap::new();
     let mut functions: BTreeMap<&str, (&FunctionDef, Span)> = BTreeMap::new();
     for statement in context.statements() {
         let Some(def) = statement.def else { continue };
         match def.solved {
-            Solved::External(_)
-                if def.name == "FRICTION"
-                    && !statement.sticks_in_statics(context.dataset.source()) =>
-            {
-                inactive.entry(def.name).or_insert((0, statement)).0 += 1;
-            }
             Solved::External(why) => {
                 external.entry(def.name).or_insert((0, statement, why)).0 += 1;
+            }
+            Solved::Native(_) if def.name == "FRICTION" => {
+                let list = if statement.sticks_in_statics(context.dataset.source()) {
+                    &mut sticking
+                } else {
+                    &mut inactive
+                };
+                list.entry(def.name).or_insert((0, statement)).0 += 1;
             }
             Solved::Native(_) | Solved::NoEffect(_) => {}
         }
@@ -51,6 +54,15 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
             context
                 .warning(Code::NotSolvedNatively, Context::head(first), message)
                 .help(format!("{why}; without them the answer is another one")),
+        );
+    }
+    for (kind, (count, first)) in sticking {
+        let acts = if count == 1 { "acts" } else { "act" };
+        let message = format!("{count} {kind} of this dataset {acts} in statics too");
+        found.push(
+            context
+                .warning(Code::NotSolvedInStatics, Context::head(first), message)
+                .help("the built-in solver refuses a static solution with it, a motion has it"),
         );
     }
     for (kind, (count, first)) in inactive {

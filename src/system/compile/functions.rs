@@ -2,7 +2,7 @@
 
 use super::{Compiler, Function, Name, name, way_out};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::function::{ElementIx, ForceMeasure, Input, MeasureKind};
+use crate::function::{ElementIx, ForceMeasure, Input, MeasureKind, time_breaks};
 use crate::model::{ArrayKind, MarkerIx, RequestKind, effect_of};
 use crate::system::catalogue::{Quantity, Role};
 use crate::system::contribution::Exerted;
@@ -24,6 +24,9 @@ impl Compiler<'_> {
         let id = (owner.kind, Some(owner.id));
         let (program, literals) = match function {
             Function::Expression(expression) => {
+                if !matches!(owner.kind, "REQUEST" | "SENSOR") {
+                    self.breaks.extend(time_breaks(expression));
+                }
                 let literals: Vec<f64> = expression.literals.iter().map(|n| n.value).collect();
                 match self.programs.compile(expression) {
                     Ok(program) => (Some(program), literals),

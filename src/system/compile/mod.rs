@@ -4,6 +4,7 @@
 
 mod constraints;
 mod forces;
+mod friction;
 mod functions;
 mod motion;
 
@@ -13,6 +14,7 @@ use self::motion::{not_in_motion, reference_mass};
 
 use super::catalogue::{Catalogue, Group, Quantity, Role};
 use super::contribution::Exerted;
+use super::friction::{Friction, Grip};
 use super::function::CompiledFunction;
 use super::multi::Multi;
 use super::structure::{
@@ -53,6 +55,7 @@ impl System {
         compiler.parts();
         compiler.forces();
         compiler.constraints();
+        compiler.joint_frictions();
         compiler.data();
         compiler.readings();
         compiler.left_out();
@@ -70,6 +73,7 @@ struct Compiler<'a> {
     elements: Vec<Element>,
     multis: Vec<Multi>,
     joints: Vec<Joint>,
+    frictions: Vec<Friction>,
     conditions: Vec<Condition>,
     variables: Vec<Algebraic>,
     states: Vec<StateEquation>,
@@ -89,6 +93,8 @@ struct Compiler<'a> {
     users: Vec<Name>,
     /// Where MOTIONs that prescribe a rate begin.
     driven: Vec<Driven>,
+    /// Times at which functions of the time are not smooth.
+    breaks: Vec<f64>,
 }
 
 /// An argument of a statement as the grammar has it.
@@ -118,6 +124,7 @@ impl<'a> Compiler<'a> {
             elements: Vec::new(),
             multis: Vec::new(),
             joints: Vec::new(),
+            frictions: Vec::new(),
             conditions: Vec::new(),
             variables: Vec::new(),
             states: Vec::new(),
@@ -134,6 +141,7 @@ impl<'a> Compiler<'a> {
             sensors: Vec::new(),
             users: Vec::new(),
             driven: Vec::new(),
+            breaks: Vec::new(),
         }
     }
 
@@ -434,6 +442,7 @@ impl<'a> Compiler<'a> {
             accelerations: Vec::new(),
             state_rates: Vec::new(),
             driven: self.driven,
+            grips: vec![Grip::none(); self.frictions.len()],
             sensors: vec![0.0; model.sensors.len()],
         };
         let system = System {
@@ -449,6 +458,7 @@ impl<'a> Compiler<'a> {
             elements: self.elements,
             multis: self.multis,
             joints: self.joints,
+            frictions: self.frictions,
             conditions: self.conditions,
             variables: self.variables,
             states,
@@ -471,8 +481,10 @@ impl<'a> Compiler<'a> {
             joint_of,
             reference_mass: reference_mass(model),
             length,
+            breaks: self.breaks,
         };
         let mut system = system;
+        system.breaks.sort_by(f64::total_cmp);
         system.not_in_motion = not_in_motion(&system, model);
         Checked {
             value: system,

@@ -29,18 +29,6 @@ pub(super) fn not_in_motion(system: &System, model: &Model) -> Vec<Diagnostic> {
                 .help("real ADAMS solves it; a static or quasi-static simulation does without"),
         );
     };
-    let unsolved = |kind: &str, id: u32| {
-        let mut all = model.unsolved.iter();
-        all.any(|u| u.kind == kind && u.header.id == id)
-    };
-    for friction in model.frictions.iter().filter(|f| f.active) {
-        if !unsolved("FRICTION", friction.id) {
-            refuse(format!(
-                "FRICTION/{} '{}' is not solved in motion: it would hold or brake its joint",
-                friction.id, friction.name
-            ));
-        }
-    }
     for force in model.nforces.iter().filter(|f| f.header.active && f.damped) {
         refuse(format!(
             "the damping of NFORCE/{} '{}' is not solved",

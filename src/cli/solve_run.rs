@@ -1,0 +1,245 @@
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::model::Ignore;
+use crate::report::{Chart, DrawingError, Figure, Mark, Page, Series};
+use crate::results::{ResultsError, Selection, StepFilter};
+use crate::session::{Moment, Session};
+use crate::syntax::CommandFile;
+use crate::text::{Edit, Source, apply_edits};
+
+use super::Outcome;
+use super::interrupt;
+use super::output_folder::{Replacing, refuse_replacing};
+use super::results::{open, refused, selection};
+use super::shell::{Exit, Shell};
+
+/// Curves in one picture; more of them cannot be told apart.
+const CURVES: usize = 8;
+
+/// What is written of a run besides the files of ADAMS.
+#[derive(clap::Args, Debug)]
+pub(super) struct Taken {
+    /// Of a command file: columns of its results for --csv and --plot, as `admire results --get` has them; all if absent.
+    #[arg(long, num_args = 1.., value_name = "PATTERN")]
+    columns: Vec<String>,
+    /// Of a command file: write these columns as CSV.
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Of a command file: draw these columns over the time, one picture for each unit, into an HTML page.
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    #[command(flatten)]
+    replacing: Replacing,
+}
+
+impl Taken {
+    /// True if anything is to be written.
+    pub fn is_asked(&self) -> bool {
+        self.csv.is_some() || self.plot.is_some()
+    }
+}
+
+/// Runs a command file, on a dataset of its own if one is given, and writes what is taken of its results.
+pub(super) fn run(
+    (deck, commands): (Option<&Path>, &Path),
+    (allowed, ignored): (&[PathBuf], Vec<Ignore>),
+    taken: &Taken,
+    shell: &mut Shell,
+) -> Outcome {
+    for path in [&taken.csv, &taken.plot].into_iter().flatten() {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        refuse_replacing(folder, &[&*name], taken.replacing, shell)?;
+    }
+    let given = match deck {
+        Some(deck) => Some(on_deck(deck, &shell.read(commands)?)),
+        None => None,
+    };
+    let mut folders = allowed.to_vec();
+    if given.is_some() {
+        let all = [Some(commands), deck].into_iter().flatten();
+        folders.extend(all.filter_map(Path::parent).map(Path::to_path_buf));
+    }
+    interrupt::listen();
+    let bar = ProgressBar::new_spinner().with_style(
+        ProgressStyle::with_template("{spinner} {msg}").expect("the template is valid"),
+    );
+    if !shell.shows_progress() {
+        bar.set_draw_target(indicatif::ProgressDrawTarget::hidden());
+    }
+    let began = Instant::now();
+    let console = Box::new(BufWriter::new(std::io::stdout().lock()));
+    let session = Session::new(console, Path::new(""))
+        .confined(&folders)
+        .ignoring(ignored)
+        .watched(|moment| {
+            bar.set_message(told(&moment, began.elapsed()));
+            bar.tick();
+            !interrupt::asked()
+        });
+    let ending = match given {
+        Some(source) => session.run_commands(&source),
+        None => session.run_file(&commands.to_string_lossy()),
+    };
+    bar.finish_and_clear();
+    if taken.is_asked() {
+        let Some(results) = &ending.results else {
+            let message = "the run wrote no results: there are no columns to take";
+            return Err(shell.fail(Diagnostic::error(Code::CannotRead, message)));
+        };
+        take(results, taken, shell)?;
+    }
+    if interrupt::asked() {
+        return Ok(Exit::Interrupted);
+    }
+    Ok(Exit::of_code(ending.exit_code(true)))
+}
+
+/// One line: the time of the end, the step, what is left.
+fn told(moment: &Moment, elapsed: Duration) -> String {
+    let share = moment.share();
+    let left = if share > 0.0 {
+        elapsed.mul_f64((1.0 - share) / share)
+    } else {
+        Duration::ZERO
+    };
+    format!(
+        "time {:.4} of {}, step {:.1e}, {:.0} %, {} left",
+        moment.time,
+        moment.end,
+        moment.step,
+        100.0 * share,
+        indicatif::HumanDuration(left)
+    )
+}
+
+/// The commands with another model in the place of theirs.
+fn on_deck(deck: &Path, source: &Source) -> Source {
+    let name = deck.to_string_lossy();
+    let file = CommandFile::parse(source.clone()).value;
+    let mut edits = Vec::new();
+    if let Some(head) = file.head() {
+        edits.push(Edit::new(head.model, name.as_ref()));
+    }
+    let reading = file.commands().iter().filter(|c| c.kind() == Some("FILE"));
+    for model in reading.filter_map(|command| command.argument("MODEL")) {
+        edits.push(Edit::new(model.value_span(), name.as_ref()));
+    }
+    let bytes = if edits.is_empty() {
+        let mut text = format!("\nfile/model={name}\n").into_bytes();
+        text.extend(source.bytes());
+        text
+    } else {
+        apply_edits(source.bytes(), &edits).unwrap_or_else(|_| source.bytes().to_vec())
+    };
+    Source::new(source.name(), bytes)
+}
+
+/// Writes the columns of a results file.
+fn take(results: &Path, taken: &Taken, shell: &Shell) -> Result<(), Exit> {
+    let read = || -> Result<_, Exit> {
+        let reader = open(results, shell)?;
+        let selection = if taken.columns.is_empty() {
+            Selection::all(reader.catalogue())
+        } else {
+            let mut patterns = vec!["TIME".to_string()];
+            patterns.extend(taken.columns.iter().cloned());
+            selection(&reader, &patterns, shell)?
+        };
+        Ok((reader, selection))
+    };
+    let filter = StepFilter::default();
+    let wrong = |error: ResultsError| match error {
+        ResultsError::Io(error) => shell.fail(Diagnostic::error(
+            Code::CannotRead,
+            format!("`{}` cannot be read: {error}", results.display()),
+        )),
+        error @ ResultsError::Refused(_) => refused(error, shell),
+    };
+    if let Some(path) = &taken.csv {
+        let (mut reader, selection) = read()?;
+        let mut bytes = Vec::new();
+        let written = selection.write_csv_of(&mut reader, &mut bytes, &filter, false);
+        written.map_err(wrong)?;
+        shell.write(path, &bytes)?;
+    }
+    if let Some(path) = &taken.plot {
+        let (mut reader, selection) = read()?;
+        let rows = selection.values_of(&mut reader, &filter).map_err(wrong)?;
+        let page = page(results, &selection, &rows)
+            .map_err(|error| shell.fail(Diagnostic::error(Code::CannotWrite, error.to_string())))?;
+        shell.write(path, page.as_bytes())?;
+    }
+    Ok(())
+}
+
+/// A page with the columns over the time.
+fn page(results: &Path, selection: &Selection, rows: &[Vec<f64>]) -> Result<String, DrawingError> {
+    let is_time = |path: &str| {
+        path.rsplit('.')
+            .next()
+            .is_some_and(|n| n.eq_ignore_ascii_case("TIME"))
+    };
+    let columns = &selection.columns;
+    let time = columns.iter().position(|column| is_time(&column.path));
+    let x = match time.and_then(|at| columns[at].units.as_ref()) {
+        Some(unit) => format!("time [{unit}]"),
+        None => "time".to_string(),
+    };
+    // Columns of one unit share a picture, in the order of the file.
+    let mut groups: Vec<(String, Vec<usize>)> = Vec::new();
+    for (at, column) in columns.iter().enumerate() {
+        if Some(at) == time {
+            continue;
+        }
+        let unit = column.units.clone().unwrap_or_default();
+        let room = groups
+            .iter_mut()
+            .find(|(known, all)| *known == unit && all.len() < CURVES);
+        match room {
+            Some((_, all)) => all.push(at),
+            None => groups.push((unit, vec![at])),
+        }
+    }
+    let name = results.file_name().unwrap_or_default().to_string_lossy();
+    let lead = format!(
+        "{} columns over {} steps",
+        columns.len() - usize::from(time.is_some()),
+        rows.len()
+    );
+    let mut page = Page::new(&name, &lead);
+    let mut figures = Vec::new();
+    for (unit, all) in groups {
+        let series = all.iter().map(|&at| Series {
+            name: columns[at].path.clone(),
+            points: rows
+                .iter()
+                .enumerate()
+                .map(|(k, row)| (time.map_or(k as f64, |time| row[time]), row[at]))
+                .collect(),
+            mark: Mark::Line,
+        });
+        let series: Vec<Series> = series.collect();
+        let title = match series.as_slice() {
+            [one] => one.name.clone(),
+            [first, ..] => format!("{} and {} more", first.name, series.len() - 1),
+            [] => String::new(),
+        };
+        let chart = Chart {
+            title,
+            x: x.clone(),
+            y: unit,
+            series,
+            log_y: false,
+            level: None,
+        };
+        figures.push(Figure::chart(&chart, "")?);
+    }
+    page.figures(&figures);
+    Ok(page.finish(&format!("admire {}", env!("CARGO_PKG_VERSION"))))
+}

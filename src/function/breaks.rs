@@ -1,0 +1,109 @@
+//! The times at which a function of the time is not smooth: ends of steps and sweeps, zeros of tests.
+
+use crate::syntax::Expression;
+use crate::syntax::expression::{BinaryOperator, Constant, Node};
+
+/// Functions of a first argument that is compared with the others at these places; of ABS with zero.
+const ENDS: [(&str, &[usize]); 5] = [
+    ("STEP", &[1, 3]),
+    ("STEP5", &[1, 3]),
+    ("HAVSIN", &[1, 3]),
+    ("SWEEP", &[2, 4]),
+    ("ABS", &[]),
+];
+
+/// Breaks of an expression by the time alone, in no order: where an argument that is linear in TIME meets the constants it is compared
+/// with. Splines have none: their pieces meet smoothly.
+pub fn time_breaks(expression: &Expression) -> Vec<f64> {
+    let mut found = Vec::new();
+    let mut open = vec![&expression.root];
+    while let Some(node) = open.pop() {
+        open.extend(node.children());
+        match node {
+            Node::If(parts) => {
+                found.extend(meeting(expression, &parts[0], 0.0));
+            }
+            Node::Call {
+                function,
+                arguments,
+                ..
+            } => {
+                let known = ENDS.iter().find(|(name, _)| *name == function.name);
+                let (Some((_, ends)), Some(compared)) = (known, arguments.first()) else {
+                    continue;
+                };
+                if ends.is_empty() {
+                    found.extend(meeting(expression, compared, 0.0));
+                }
+                for end in ends.iter().filter_map(|at| arguments.get(*at)) {
+                    if let Some((0.0, value)) = linear(expression, end) {
+                        found.extend(meeting(expression, compared, value));
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+/// The time at which a node that is linear in TIME has a value.
+fn meeting(expression: &Expression, node: &Node, value: f64) -> Option<f64> {
+    let (slope, start) = linear(expression, node)?;
+    let time = (value - start) / slope;
+    (slope != 0.0 && time.is_finite()).then_some(time)
+}
+
+/// (a, b) of a node that is `a TIME + b`.
+fn linear(expression: &Expression, node: &Node) -> Option<(f64, f64)> {
+    let of = |node: &Node| linear(expression, node);
+    Some(match node {
+        Node::Literal(k) => (0.0, expression.literals.get(*k)?.value),
+        Node::Constant(Constant::Pi) => (0.0, std::f64::consts::PI),
+        Node::Constant(Constant::Rtod) => (0.0, 1.0_f64.to_degrees()),
+        Node::Constant(Constant::Dtor) => (0.0, 1.0_f64.to_radians()),
+        Node::Name(function) if function.name == "TIME" => (1.0, 0.0),
+        Node::Negate(inner) => {
+            let (a, b) = of(inner)?;
+            (-a, -b)
+        }
+        Node::Binary(operator, left, right) => {
+            let ((a, b), (c, d)) = (of(left)?, of(right)?);
+            match operator {
+                BinaryOperator::Add => (a + c, b + d),
+                BinaryOperator::Subtract => (a - c, b - d),
+                BinaryOperator::Multiply if a == 0.0 => (b * c, b * d),
+                BinaryOperator::Multiply if c == 0.0 => (a * d, b * d),
+                BinaryOperator::Divide if c == 0.0 => (a / d, b / d),
+                _ => return None,
+            }
+        }
+        _ => return None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn breaks_are_where_linear_arguments_meet_constants() {
+        for (text, expected) in [
+            ("STEP(TIME,0.1,0,0.2,1)", &[0.1, 0.2][..]),
+            ("3*STEP5(2*(TIME-1),-1,0,PI/PI,1)+DX(1)", &[0.5, 1.5]),
+            ("IF(TIME-0.3: 0, 1, IF(5-TIME/2: 1, 2, 3))", &[0.3, 10.0]),
+            ("ABS(TIME-2)+HAVSIN(-TIME,-4,0,-3,1)", &[2.0, 3.0, 4.0]),
+            ("SWEEP(TIME,1,0.5,2,8,3,0.1)", &[0.5, 8.0]),
+            ("STEP(DX(1),0,0,1,1)+SIN(TIME)+STEP(TIME**2,1,0,2,1)", &[]),
+            ("STEP(TIME,TIME,0,VARVAL(1),1)", &[]),
+        ] {
+            let expression = Expression::parse_str(text).unwrap();
+            let mut found = time_breaks(&expression);
+            found.sort_by(f64::total_cmp);
+            assert_eq!(found.len(), expected.len(), "{text}: {found:?}");
+            for (found, expected) in found.iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-12, "{text}: {found}");
+            }
+        }
+    }
+}

@@ -1,0 +1,336 @@
+//! FRICTION of joints in motion through `mdi`: closed forms, an integration of the law by other means, and the columns of the results.
+
+use crate::run::{Ran, Results, folder, mdi};
+
+const HEAD: &str = "\
+friction
+UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=METER, TIME=SECOND
+PART/1, GROUND
+MARKER/1, PART=1
+INTEGRATOR/GSTIFF, ERROR=1E-6
+RESULTS/FORMATTED, XRF
+";
+
+/// Runs a deck; fails unless it runs to the end.
+fn run(statements: &str, commands: &str) -> Results {
+    let (results, ran) = attempt(statements, commands);
+    assert_eq!(ran.code, 0, "{} {}", ran.stdout, ran.stderr);
+    results
+}
+
+fn attempt(statements: &str, commands: &str) -> (Results, Ran) {
+    let deck = format!("{HEAD}{statements}END\n");
+    let acf = format!("\nfile/model=joint\n{commands}\nstop\n");
+    let folder = folder(&[("joint.adm", &deck), ("run.acf", &acf)]);
+    let ran = mdi(folder.path(), &["ru-s", "run"]);
+    (Results::read_all(folder.path(), "joint.res"), ran)
+}
+
+fn near(found: f64, expected: f64, error: f64) {
+    assert!((found - expected).abs() < error, "{found} and {expected}");
+}
+
+/// STEP5 as its help has it.
+fn step5(x: f64, x0: f64, h0: f64, x1: f64, h1: f64) -> f64 {
+    let t = ((x - x0) / (x1 - x0)).clamp(0.0, 1.0);
+    h0 + (h1 - h0) * t.powi(3) * (10.0 - 15.0 * t + 6.0 * t * t)
+}
+
+const G: f64 = 9.81;
+const STATIC: f64 = 0.5;
+const DYNAMIC: f64 = 0.3;
+const VS: f64 = 0.01;
+const D: f64 = 0.001;
+
+/// The law in one direction, after the tables of real ADAMS (guide/motion.md).
+fn coefficient(v: f64, creep: f64) -> f64 {
+    let speed = v.abs();
+    if speed >= VS {
+        return -v.signum() * step5(speed, VS, STATIC, 1.5 * VS, DYNAMIC);
+    }
+    let beta = step5(speed, -VS, -1.0, VS, 1.0);
+    -v.signum() * beta * STATIC - (1.0 - beta) * STATIC * step5(creep, -D, -1.0, D, 1.0)
+}
+
+/// A block of 2 kg on a rail along ground x, its weight across.
+fn block(start: &str, force: &str) -> String {
+    format!(
+        "MARKER/11, PART=1, REULER=90D,90D,0D
+PART/2, MASS=2, CM=20, IP=1,1,1{start}
+MARKER/20, PART=2
+MARKER/21, PART=2, REULER=90D,90D,0D
+JOINT/1, TRANSLATIONAL, I=21, J=11
+FRICTION/1, JOINT=1, MU_STATIC={STATIC}, MU_DYNAMIC={DYNAMIC}, STICTION_TRANSITION_VELOCITY={VS}
+, MAX_STICTION_DEFORMATION={D}, INPUTS=REACTION_FORCE
+ACCGRAV/KGRAV=-{G}
+SFORCE/1, TRANSLATIONAL, ACTIONONLY, I=20, J=11, FUNCTION={force}
+"
+    )
+}
+
+/// Deceleration by Coulomb's law, then the law itself by a Runge-Kutta method with small steps: the creep begins where v passes VS.
+#[test]
+fn a_sliding_block_comes_to_rest() {
+    let found = run(&block(", VX=2", "0"), "simulate/dynamic, end=1, dtout=0.01");
+    let (x, v) = (
+        found.column("PART_2_XFORM", "X"),
+        found.column("PART_2_XFORM", "VX"),
+    );
+    let creep = found.column("FRICTION_1", "CREEP_Z");
+    near(x[50], 2.0 * 0.5 - 0.5 * DYNAMIC * G * 0.25, 1e-6);
+    near(v[50], 2.0 - DYNAMIC * G * 0.5, 1e-6);
+    let slope = |y: [f64; 3], sticks: bool| {
+        let creep = if sticks { y[2] } else { 0.0 };
+        let mu = coefficient(y[1], creep);
+        [y[1], mu * G, if sticks { y[1] } else { 0.0 }]
+    };
+    let step = |y: [f64; 3], h: f64, sticks: bool| {
+        let add = |y: [f64; 3], h: f64, k: [f64; 3]| std::array::from_fn(|i| y[i] + h * k[i]);
+        let a = slope(y, sticks);
+        let b = slope(add(y, 0.5 * h, a), sticks);
+        let c = slope(add(y, 0.5 * h, b), sticks);
+        let d = slope(add(y, h, c), sticks);
+        std::array::from_fn(|i| y[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]))
+    };
+    let reached = 1.5 * VS;
+    let mut t = (2.0 - reached) / (DYNAMIC * G);
+    let mut y = [
+        (4.0 - reached * reached) / (2.0 * DYNAMIC * G),
+        reached,
+        0.0,
+    ];
+    let h = 2e-6;
+    loop {
+        let next: [f64; 3] = step(y, h, false);
+        if next[1] < VS {
+            let part = h * (y[1] - VS) / (y[1] - next[1]);
+            y = step(y, part, false);
+            t += part;
+            break;
+        }
+        (y, t) = (next, t + h);
+    }
+    for output in [68, 70, 75, 80] {
+        let end = 0.01 * f64::from(output);
+        let count = ((end - t) / h).ceil();
+        for _ in 0..count as usize {
+            y = step(y, (end - t) / count, true);
+        }
+        t = end;
+        let k = output as usize;
+        near(x[k], y[0], 1e-7);
+        near(v[k], y[1], 1e-7);
+        near(creep[k], y[2], 1e-8);
+    }
+}
+
+/// At rest under a share of the greatest stiction the creep is the inverse of the quintic; above it the block slides.
+#[test]
+fn a_load_is_held_by_its_creep() {
+    for (share, expected) in [
+        (0.25, 0.134963289728),
+        (0.5, 0.281127670421),
+        (0.9, 0.621489245124),
+    ] {
+        let load = format!("{}*STEP(TIME,0,0,1,1)", share * STATIC * 2.0 * G);
+        let found = run(&block("", &load), "simulate/dynamic, end=8, steps=80");
+        let last = |name: &str| *found.column("FRICTION_1", name).last().unwrap();
+        near(last("CREEP_Z") / D, expected, 1e-6);
+        near(last("MU1"), share * STATIC, 1e-6);
+        near(last("FX"), -share * STATIC * 2.0 * G, 1e-5);
+    }
+    let load = format!("{}", 1.1 * STATIC * 2.0 * G);
+    let found = run(&block("", &load), "simulate/dynamic, end=1, steps=100");
+    let v = found.column("PART_2_XFORM", "VX");
+    near((v[100] - v[90]) / 0.1, (1.1 * STATIC - DYNAMIC) * G, 1e-6);
+}
+
+/// What is written of a friction satisfies the law, row by row: coefficients from the printed velocity and creep.
+#[test]
+fn the_columns_satisfy_the_law() {
+    let force = format!("{}*SIN(7*TIME)", 0.8 * STATIC * 2.0 * G * 1.4);
+    let found = run(&block("", &force), "simulate/dynamic, end=4, steps=400");
+    let column = |name: &str| found.column("FRICTION_1", name);
+    let (v, c, mu, beta, mu_1) = (
+        column("VZ"),
+        column("CREEP_Z"),
+        column("MUZ"),
+        column("BETA"),
+        column("MU1"),
+    );
+    let force = column("FX");
+    let (mut stuck, mut slid) = (0, 0);
+    for k in 1..v.len() {
+        near(mu[k], coefficient(v[k], c[k]), 1e-12);
+        near(force[k], mu[k] * 2.0 * G, 1e-9);
+        if v[k].abs() < VS {
+            near(beta[k], step5(v[k].abs(), -VS, -1.0, VS, 1.0), 1e-12);
+            near(mu_1[k], STATIC * step5(c[k].abs(), -D, -1.0, D, 1.0), 1e-12);
+            stuck += 1;
+        } else {
+            near(c[k], 0.0, 1e-300);
+            slid += 1;
+        }
+    }
+    assert!(stuck > 20 && slid > 100, "{stuck} {slid}");
+    assert_eq!(found.column("FRICTION_1", "CREEP_AZ")[100], 0.0);
+}
+
+/// A wheel on a pin along ground x, tilted weight, its centre beside the joint: radial force, axial force and bending moment all brake it.
+#[test]
+fn a_wheel_on_a_pin_slows_down_evenly() {
+    let wheel = "MARKER/11, PART=1, REULER=90D,90D,0D
+PART/2, MASS=3, CM=20, IP=0.5,0.5,0.5, WX=20
+MARKER/20, PART=2, QP=0.1,0,0
+MARKER/21, PART=2, REULER=90D,90D,0D
+JOINT/1, REVOLUTE, I=21, J=11
+FRICTION/1, JOINT=1, MU_STATIC=0.4, MU_DYNAMIC=0.2, STICTION_TRANSITION_VELOCITY=0.001, PIN_RADIUS=0.05, FRICTION_ARM=0.07
+, BENDING_REACTION_ARM=0.5INPUTS
+ACCGRAV/KGRAV=-8, IGRAV=-6
+";
+    let (radial, axial, bending) = (3.0 * 8.0, 3.0 * 6.0, 3.0 * 8.0 * 0.1);
+    let load = [
+        ("", 0.05 * (radial + bending / 0.5) + 0.07 * axial),
+        (", INPUTS=REACTION_FORCE", 0.05 * radial + 0.07 * axial),
+        (", INPUTS=BENDING_MOMENT", 0.05 * bending / 0.5),
+        (", INPUTS=NONE", 0.0),
+    ];
+    for (inputs, arm) in load {
+        let found = run(
+            &wheel.replace("INPUTS", inputs),
+            "simulate/dynamic, end=1, steps=20",
+        );
+        let w = found.column("PART_2_XFORM", "WX");
+        near(w[20], 20.0 - 0.2 * arm / 0.5, 2e-5);
+        near(found.column("FRICTION_1", "TX")[10], -0.2 * arm, 1e-6);
+    }
+    // A preload torque alone brakes by itself.
+    let preload = ", FRICTION_TORQUE_PRELOAD=2, INPUTS=PRELOAD";
+    let found = run(
+        &wheel.replace("INPUTS", preload),
+        "simulate/dynamic, end=1, steps=20",
+    );
+    near(found.column("PART_2_XFORM", "WX")[20], 16.0, 2e-5);
+}
+
+/// A pendulum of a torsion spring under Coulomb friction loses 2 T0 / k of its amplitude in every half swing, and sticks at last.
+#[test]
+fn a_pendulum_decays_by_the_same_every_half_swing() {
+    let pendulum = "MARKER/11, PART=1
+PART/2, MASS=1, CM=20, IP=1,1,1, REULER=0,0,0.5
+MARKER/20, PART=2
+JOINT/1, REVOLUTE, I=20, J=1
+SPRINGDAMPER/1, ROTATIONAL, I=20, J=11, KT=100
+FRICTION/1, JOINT=1, MU_STATIC=0, MU_DYNAMIC=0, STICTION_TRANSITION_VELOCITY=1E-4, FRICTION_TORQUE_PRELOAD=2
+, MAX_STICTION_DEFORMATION=1E-5
+";
+    let found = run(
+        pendulum,
+        "simulate/dynamic, end=5, dtout=0.0314159265358979323846",
+    );
+    let phi = found.column("PART_2_XFORM", "PSI");
+    let phi: Vec<f64> = phi
+        .iter()
+        .zip(found.column("PART_2_XFORM", "PHI"))
+        .map(|(a, b)| a + b)
+        .collect();
+    // Half a swing takes pi / 10; step 0 is the assembly, the motion begins there too.
+    for half in 0..12 {
+        let sign = if half % 2 == 0 { 1.0 } else { -1.0 };
+        near(phi[10 * half], sign * (0.5 - 0.04 * half as f64), 3e-5);
+    }
+    // After twelve half swings 0.02 is left: held from there on, at 2 N m.
+    let last = *phi.last().unwrap();
+    near(last, 0.02, 5e-4);
+}
+
+/// A sleeve that slides and turns: friction acts against the sum of both surface velocities, so with m R^2 = I it keeps its direction.
+#[test]
+fn a_sleeve_slows_down_along_its_screw() {
+    let sleeve = "MARKER/11, PART=1, REULER=90D,90D,0D
+PART/2, MASS=2, CM=20, IP=0.02,0.02,0.02, VX=3, WX=40
+MARKER/20, PART=2
+MARKER/21, PART=2, REULER=90D,90D,0D
+JOINT/1, CYLINDRICAL, I=21, J=11
+FRICTION/1, JOINT=1, MU_STATIC=0.5, MU_DYNAMIC=0.3, STICTION_TRANSITION_VELOCITY=0.001, PIN_RADIUS=0.1, FRICTION_FORCE_PRELOAD=1
+ACCGRAV/KGRAV=-9.81
+";
+    let found = run(sleeve, "simulate/dynamic, end=1, steps=20");
+    // Surface speeds 3 and 4, together 5; the load is the weight and the preload.
+    let left = 5.0 - 0.3 * (2.0 * G + 1.0) / 2.0;
+    near(found.column("PART_2_XFORM", "VX")[20], 0.6 * left, 1e-5);
+    near(found.column("PART_2_XFORM", "WX")[20], 8.0 * left, 1e-4);
+    near(found.column("FRICTION_1", "MUZ")[10], -0.18, 1e-9);
+    near(found.column("FRICTION_1", "MURZ")[10], -0.24, 1e-9);
+}
+
+/// Balls and cross pins: a body with its centre in the joint slows down by the lever of the friction.
+#[test]
+fn balls_and_crosses_slow_down_evenly() {
+    let body = |joint: &str, spin: &str, friction: &str| {
+        format!(
+            "PART/2, MASS=2, CM=20, IP=0.1,0.1,0.1, {spin}
+MARKER/20, PART=2
+MARKER/21, PART=2REULER
+JOINT/1, {joint}, I=21, J=1
+FRICTION/1, JOINT=1, MU_STATIC=0.5, MU_DYNAMIC=0.3, STICTION_TRANSITION_VELOCITY=0.001, {friction}
+ACCGRAV/KGRAV=-9.81
+"
+        )
+    };
+    let braked = 0.3 * 0.02 * 2.0 * G / 0.1;
+    // Spherical: |T| = BALL_RADIUS |mu| |F|, against the spin.
+    let ball = body("SPHERICAL", "WX=6, WY=-3, WZ=2", "BALL_RADIUS=0.02").replace("REULER", "");
+    let found = run(&ball, "simulate/dynamic, end=1, steps=20");
+    for (name, start) in [("WX", 6.0), ("WY", -3.0), ("WZ", 2.0)] {
+        let w = found.column("PART_2_XFORM", name)[20];
+        near(w, start * (1.0 - braked / 7.0), 1e-5);
+    }
+    // Hooke: pins along x of I and y of J; universal: along z of I and z of J. The weight is across the pin.
+    let cases = [
+        ("HOOKE", "", "WX=6", "WX", "I_YOKE"),
+        ("HOOKE", "", "WY=6", "WY", "J_YOKE"),
+        ("UNIVERSAL", ", REULER=90D,90D,0D", "WX=6", "WX", "I_YOKE"),
+    ];
+    for (joint, turned, spin, column, yoke) in cases {
+        let friction = format!("{yoke}, PIN_RADIUS=0.02, FRICTION_ARM=0.02");
+        let deck = body(joint, spin, &friction).replace("REULER", turned);
+        let found = run(&deck, "simulate/dynamic, end=1, steps=20");
+        near(found.column("PART_2_XFORM", column)[20], 6.0 - braked, 1e-5);
+        let other = if yoke == "I_YOKE" { "J_YOKE" } else { "I_YOKE" };
+        let free = run(
+            &deck.replace(yoke, other),
+            "simulate/dynamic, end=1, steps=20",
+        );
+        near(free.column("PART_2_XFORM", column)[20], 6.0, 1e-6);
+    }
+}
+
+/// Statics refuses friction that would act in it, a motion does not; INACTIVE=STATIC lets both run.
+#[test]
+fn statics_asks_for_friction_to_be_off() {
+    let deck = block(", VX=2", "0");
+    let both = "simulate/static\nsimulate/dynamic, end=0.1, steps=2";
+    let (_, ran) = attempt(&deck, both);
+    assert_eq!(ran.code, 1);
+    assert!(
+        ran.stdout.contains("FRICTION/1") && ran.stdout.contains("not solved in statics"),
+        "{}",
+        ran.stdout
+    );
+    let off = deck.replace("INPUTS=REACTION_FORCE", "INACTIVE=STATIC");
+    let spring = "SFORCE/2, TRANSLATIONAL, ACTIONONLY, I=20, J=11, FUNCTION=5-100*DX(20)\n";
+    let found = run(&format!("{off}{spring}"), both);
+    near(found.column("PART_2_XFORM", "X")[0], 0.05, 1e-9);
+    assert_eq!(found.column("FRICTION_1", "FX")[0], 0.0);
+    assert!(found.column("FRICTION_1", "FX").last().unwrap().abs() > 1.0);
+    let (_, ran) = attempt(
+        &deck.replace("MU_STATIC", "FORMULATION=LUGRE, MU_STATIC"),
+        "simulate/dynamic, end=0.1, steps=2",
+    );
+    assert!(
+        ran.code == 1 && ran.stdout.contains("LUGRE"),
+        "{}",
+        ran.stdout
+    );
+}
