@@ -70,6 +70,9 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if let Some(method) = arguments.method {
         loaded.study.identify.method = method.into();
     }
+    if loaded.unknowns.is_empty() {
+        return Err(shell.fail(nothing_to_identify(&loaded)));
+    }
     let keep = arguments.keep.then(|| arguments.out.join("runs"));
     let mut backend = solver::backend(&loaded.study, keep, shell);
     let outcome = noise(&mut loaded, backend.as_mut())
@@ -109,6 +112,33 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     } else {
         Exit::NoAnswer
     })
+}
+
+/// What a study asks for that names no number, at its place.
+fn nothing_to_identify(loaded: &LoadedStudy) -> Diagnostic {
+    let study = &loaded.study;
+    let message = "the study names nothing to identify";
+    let help = if loaded.model.bushings.is_empty() {
+        "the deck has no BUSHING; name numbers: stiffnesses = [\"SPRINGDAMPER/1.K\"]".to_string()
+    } else {
+        let names: Vec<String> = loaded
+            .model
+            .bushings
+            .iter()
+            .take(3)
+            .map(|bushing| format!("\"BUSHING/{}\"", bushing.header.id))
+            .collect();
+        format!(
+            "bushings = [{}]; without the key every BUSHING is sought",
+            names.join(", ")
+        )
+    };
+    let error = Diagnostic::error(Code::MissingSetting, message).help(help);
+    error.label(
+        study.source.name(),
+        study.place(&["identify", "bushings"]),
+        "",
+    )
 }
 
 /// Estimates what the study does not state of its sensors' noise, with whoever solves it.

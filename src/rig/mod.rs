@@ -36,7 +36,7 @@ pub use measurement::{
 pub use resolve::part;
 pub use rigidity::{ForeignMarks, foreign_marks};
 pub use scatter::Scatter;
-pub use section::Spelled;
+pub use section::{Spelled, meant};
 pub use stated::{Stated, ToleranceSettings};
 pub use study::{MarkFiles, Study};
 pub use table::{Cell, Table};

@@ -139,12 +139,7 @@ impl<'a> Section<'a> {
         match number {
             Some(number) if number >= least && number <= most => Some(number),
             _ => {
-                let expected = if most.is_finite() {
-                    format!("a number from {least} to {most}")
-                } else {
-                    format!("a number, {least} or more")
-                };
-                self.wrong(key, span, &expected, diagnostics);
+                self.wrong(key, span, &range((least, most)), diagnostics);
                 None
             }
         }
@@ -359,6 +354,41 @@ pub(super) fn with_number(text: &str, section: &str, key: &str, value: f64) -> S
     }
     let header = format!("[{section}]");
     changed.replacen(&header, &format!("{header}\n{key} = {value:?}"), 1)
+}
+
+/// What a number may be, in words; a bound that only keeps zero out is said as that.
+fn range((least, most): (f64, f64)) -> String {
+    match (least > 0.0 && least < 1e-6, most.is_finite()) {
+        (true, true) => format!("a number more than 0, at most {most}"),
+        (true, false) => "a number more than 0".to_string(),
+        (false, true) => format!("a number from {least} to {most}"),
+        (false, false) => format!("a number, {least} or more"),
+    }
+}
+
+/// What a name that was not found may have meant, and what there is: the help of a complaint.
+///
+/// Ids are compared whole: `BUSHING/3` is no slip of the pen for `BUSHING/2`.
+pub fn meant(word: &str, place: &str, there: &[String]) -> String {
+    const SHOWN: usize = 8;
+    let digits = |text: &str| -> String { text.chars().filter(char::is_ascii_digit).collect() };
+    let alike = there
+        .iter()
+        .map(String::as_str)
+        .filter(|name| digits(name) == digits(word));
+    if let Some(near) = nearest(word, alike) {
+        return format!("did you mean `{near}`?");
+    }
+    // Where there are addresses, names are only compared.
+    let listed =
+        |name: &&String| name.contains('/') || !there.iter().any(|name| name.contains('/'));
+    let there: Vec<&str> = there.iter().filter(listed).map(String::as_str).collect();
+    let names = there[..there.len().min(SHOWN)].join(", ");
+    match there.len() {
+        0 => format!("{place} has none"),
+        n if n > SHOWN => format!("{place} has {names} and {} more", n - SHOWN),
+        _ => format!("{place} has {names}"),
+    }
 }
 
 /// The candidate that differs from `word` by few letters, to ask "did you mean".

@@ -73,6 +73,26 @@ impl Study {
         }
     }
 
+    /// Where a key stands in `study.toml`, or the section that should have it, or the beginning of the file.
+    pub fn place(&self, keys: &[&str]) -> Span {
+        let text = String::from_utf8_lossy(self.source.bytes());
+        let (document, _) = DeTable::parse_recoverable(&text);
+        let (mut table, mut span) = (Some(document.get_ref()), Span::at(0));
+        for key in keys {
+            let Some((name, value)) = table.and_then(|table| table.get_key_value(*key)) else {
+                break;
+            };
+            table = value.get_ref().as_table();
+            // The value itself where it is no table, the name of a section otherwise.
+            span = Span::from(if table.is_some() {
+                name.span()
+            } else {
+                value.span()
+            });
+        }
+        span
+    }
+
     /// SHA-256 over every input file, in hexadecimal: two runs with the same value saw the same bytes.
     pub fn inputs_sha256(&self) -> String {
         let tables = [
@@ -113,11 +133,7 @@ fn read(folder: &Path, out: &mut Vec<Diagnostic>) -> Option<Study> {
     let source = match Source::read(&path) {
         Ok(source) => source,
         Err(error) => {
-            let text = format!("{} cannot be read: {error}", path.display());
-            out.push(
-                Diagnostic::error(Code::CannotRead, text)
-                    .help("a study is a folder with a file study.toml"),
-            );
+            out.push(no_study(&folder, &path, &error));
             return None;
         }
     };
@@ -152,6 +168,39 @@ fn read(folder: &Path, out: &mut Vec<Diagnostic>) -> Option<Study> {
         folder,
         ..parts
     })
+}
+
+/// Why there is no study here, and how to begin one.
+fn no_study(folder: &Path, path: &Path, error: &std::io::Error) -> Diagnostic {
+    let shown = folder.display();
+    let begin = |deck: &str| {
+        format!(
+            "a study is a folder with a file study.toml; `admire new STUDY --from {deck}` begins one"
+        )
+    };
+    if folder.is_file() {
+        let deck = folder
+            .extension()
+            .is_some_and(|end| end.eq_ignore_ascii_case("adm"));
+        let what = if deck { "a deck" } else { "a file" };
+        let message = format!("`{shown}` is {what}, not the folder of a study");
+        let name = if deck {
+            shown.to_string()
+        } else {
+            "model.adm".to_string()
+        };
+        return Diagnostic::error(Code::CannotRead, message).help(begin(&name));
+    }
+    if !folder.exists() {
+        let message = format!("there is no folder `{shown}`");
+        return Diagnostic::error(Code::CannotRead, message).help(begin("model.adm"));
+    }
+    if !path.exists() {
+        let message = format!("`{shown}` is no study: it has no file study.toml");
+        return Diagnostic::error(Code::CannotRead, message).help(begin("model.adm"));
+    }
+    let text = format!("{} cannot be read: {error}", path.display());
+    Diagnostic::error(Code::CannotRead, text)
 }
 
 /// Reads every section; the caller completes folder and source.
