@@ -3,7 +3,7 @@ use std::path::{Component, Path, PathBuf};
 use sha2::Digest;
 use toml::de::DeTable;
 
-use super::section::{Section, Spelled};
+use super::section::{Inquiry, Key, Section, Spelled};
 use super::settings::{
     ChannelSettings, IdentifySettings, RegressionSettings, SolverSettings, WheelSettings,
 };
@@ -119,6 +119,34 @@ impl Study {
             .flat_map(|byte| digits(*byte))
             .collect()
     }
+}
+
+/// Every key of `study.toml`, as the reader asks for them.
+pub fn study_keys() -> Vec<Key> {
+    let source = Source::new("study.toml".to_string(), Vec::new());
+    let files = Files {
+        folder: Path::new(""),
+        study: &source,
+    };
+    let mut keys: Vec<Key> = Vec::new();
+    for texts in [false, true] {
+        let inquiry = Inquiry {
+            texts,
+            ..Inquiry::default()
+        };
+        // What an empty study lacks is not the question.
+        let _ = sections(
+            &mut Section::inquiring(&source, &inquiry),
+            &files,
+            &mut Vec::new(),
+        );
+        for key in inquiry.keys.into_inner() {
+            if !keys.contains(&key) {
+                keys.push(key);
+            }
+        }
+    }
+    keys
 }
 
 fn read(folder: &Path, out: &mut Vec<Diagnostic>) -> Option<Study> {
