@@ -26,13 +26,16 @@ pub(super) struct Arguments {
     /// What was measured; asked on a terminal, marks otherwise.
     #[arg(long, value_enum, value_delimiter = ',')]
     measured: Vec<Measured>,
+    /// The bushings to identify, by id; asked on a terminal, all otherwise.
+    #[arg(long, value_delimiter = ',', value_name = "ID")]
+    bushings: Vec<String>,
     #[command(flatten)]
     replacing: Replacing,
 }
 
 const EXAMPLES: &str = "Examples:
   admire new my-axle --from front.adm
-  admire new my-axle --from front.adm --measured marks,wheel
+  admire new my-axle --from front.adm --measured marks,wheel --bushings 1,2
   admire check my-axle                       # what is still missing";
 
 /// `--measured`.
@@ -83,12 +86,19 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         .iter()
         .map(|kind| (*kind).into())
         .collect();
-    let mut bushings = Vec::new();
+    let all = starter.bushings();
+    let wanted: Vec<&str> = arguments.bushings.iter().map(String::as_str).collect();
+    let Some(mut bushings) = chosen(&wanted, &all) else {
+        let message = format!("the deck has no such bushing: it has {}", all.join(", "));
+        return Err(shell.usage(Diagnostic::error(Code::UndefinedId, message)));
+    };
     if std::io::stdin().is_terminal() && std::io::stderr().is_terminal() {
         if kinds.is_empty() {
             kinds = ask_kinds(shell);
         }
-        bushings = ask_bushings(&starter.bushings(), shell);
+        if bushings.is_empty() {
+            bushings = ask_bushings(&all, shell);
+        }
     }
     if kinds.is_empty() {
         kinds.insert(Kind::Marks);
@@ -168,18 +178,19 @@ fn ask_bushings(all: &[String], shell: &Shell) -> Vec<String> {
             .split([',', ' '])
             .filter(|word| !word.is_empty() && *word != "all")
             .collect();
-        let found: Option<Vec<String>> = wanted
-            .iter()
-            .map(|word| {
-                let id = word.rsplit('/').next().unwrap_or(word);
-                all.iter()
-                    .find(|name| name.rsplit('/').next() == Some(id))
-                    .cloned()
-            })
-            .collect();
-        match found {
+        match chosen(&wanted, all) {
             Some(found) => return found,
             None => shell.say("their ids with commas between, please: 1, 2\n"),
         }
     }
+}
+
+/// Bushings by id or address; `None` if one of them is none.
+fn chosen(wanted: &[&str], all: &[String]) -> Option<Vec<String>> {
+    let of = |word: &&str| {
+        let id = word.trim().rsplit('/').next().unwrap_or(word);
+        let same = |name: &&String| name.rsplit('/').next() == Some(id);
+        all.iter().find(same).cloned()
+    };
+    wanted.iter().map(of).collect()
 }

@@ -37,6 +37,7 @@ macro_rules! pages {
 }
 
 pages! {
+    tutorial
     drop_in
     motion
     real_adams
