@@ -459,7 +459,7 @@ fn rigidity(loaded: &LoadedStudy) -> Option<f64> {
 /// Sd of a coordinate that cases with the same loads show, and how many of them follow another of the same loads.
 fn repeats(loaded: &LoadedStudy) -> Option<(f64, usize)> {
     let cases = &loaded.measurement.cases;
-    let (mut squares, mut count, mut pairs) = (0.0, 0, 0);
+    let (mut squares, mut count, mut pairs) = (0.0, 0_usize, 0);
     for second in 1..cases.len() {
         let Some(first) = (0..second)
             .rev()

@@ -43,7 +43,7 @@ pub(super) fn check(to: &mut Measurement, study: &Study, model: &Model, out: &mu
     let nothing = to.cases.iter().all(|case| {
         case.marks.is_empty() && case.wheel.is_none() && case.channels.iter().all(Option::is_none)
     });
-    if nothing {
+    if nothing && !to.cases.is_empty() {
         out.push(
             Diagnostic::error(
                 Code::MissingMarks,

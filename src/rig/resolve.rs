@@ -275,7 +275,8 @@ fn point(
 /// The case of a row, unless the load cases do not have it.
 fn case_of(cell: &Cell, table: &Table, to: &Measurement, grouped: &mut Grouped) -> Option<usize> {
     let found = to.case(&cell.text);
-    if found.is_none() {
+    // Without any load case that has been said already.
+    if found.is_none() && !to.cases.is_empty() {
         grouped.add(format!("case {}", cell.text), || {
             let message = format!(
                 "the load cases have no case `{}`; its readings are left out",

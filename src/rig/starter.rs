@@ -246,7 +246,7 @@ measured = \"marks_measured.csv\"     # case,part,mark,x,y,z  in the ground fram
                     );
                 }
                 None => {
-                    text += "marker = \"MARKER/?\"                 # FILL IN: a marker at the wheel's centre, on the carrier\naxis = \"y\"                         # its axis the wheel spins about\n"
+                    text += "marker = \"MARKER/?\"                 # FILL IN: a marker at the wheel's centre, on the carrier\naxis = \"y\"                         # its axis the wheel spins about\n";
                 }
             }
             text += "measured = \"wheel.csv\"              # case,x,y,z,camber_deg,steer_deg\n# sigma = { position = 0.05, angle_deg = 0.01 }\n";
