@@ -2,6 +2,8 @@ use std::path::PathBuf;
 
 use crate::check::{self, is_command_file};
 use crate::diagnostic::{Diagnostic, Severity};
+use crate::report::Plausibility;
+use crate::rig::{Study, missing};
 use crate::syntax::lint::Options;
 use crate::syntax::property::PropertyFile;
 use crate::syntax::{CommandFile, Dataset};
@@ -11,6 +13,7 @@ use super::Outcome;
 use super::check_settings::{AllSettings, Flags};
 use super::input::read_study;
 use super::inputs::files_of;
+use super::plausibility;
 use super::shell::{Exit, Shell, exit_of};
 
 /// Check datasets, command files, property files and studies.
@@ -74,11 +77,16 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         found.extend(shown);
         strict |= settings.strict && found[before..].iter().any(|d| d.severity > Severity::Note);
     }
+    let (mut tables, mut steps) = (Vec::new(), Vec::new());
     for folder in &arguments.files {
         if !folder.join("study.toml").is_file() {
             continue;
         }
         let read = read_study(folder, shell);
+        match &read.value {
+            Some(loaded) => tables.push(Plausibility::of(loaded)),
+            None => steps.extend(Study::read(folder).value.iter().flat_map(missing)),
+        }
         // What there is to say of its deck has been said, or is not to be shown.
         let deck = read
             .value
@@ -91,8 +99,20 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         checked += 1;
     }
     shell.findings(&found);
+    for table in &tables {
+        shell.say(&plausibility::text(table));
+    }
+    if !steps.is_empty() {
+        shell.say("still to fill in, in this order:\n");
+        for (at, step) in steps.iter().enumerate() {
+            shell.say(&format!("  {}. {step}\n", at + 1));
+        }
+    }
     if checked > 1 {
         shell.say(&counted(checked, &found));
+    }
+    if tables.iter().any(|table| !table.allows_a_fit()) || !steps.is_empty() {
+        return Err(Exit::Findings);
     }
     if unread || strict {
         return Err(Exit::Findings);

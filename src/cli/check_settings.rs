@@ -20,9 +20,6 @@ pub(super) struct Flags {
     /// Do not tell complaints of these codes.
     #[arg(long, value_delimiter = ',', value_name = "CODE")]
     ignore: Vec<String>,
-    /// Tell errors only.
-    #[arg(long, short)]
-    quiet: bool,
     /// Warnings make the check fail, too.
     #[arg(long)]
     strict: bool,
@@ -79,7 +76,7 @@ impl<'a> AllSettings<'a> {
         }
         settings.ignore.extend(ignore);
         settings.solver = flags.solver.or(settings.solver);
-        settings.quiet |= flags.quiet;
+        settings.quiet |= shell.is_quiet();
         settings.strict |= flags.strict;
         settings.fortran |= flags.fortran;
         self.known.insert(key, settings.clone());

@@ -1,7 +1,9 @@
 use std::path::PathBuf;
 
 use crate::diagnostic::{Code, Diagnostic};
-use crate::discrepancy::{Finding, Outcome as Diagnosed, Verdict, diagnose, held_out};
+use crate::discrepancy::{
+    Finding, Outcome as Diagnosed, Progress as Watched, SWEEPS, Verdict, diagnose_watched, held_out,
+};
 use crate::identify::{LoadedStudy, estimate_noise};
 use crate::report::{DiagnosisReport, number};
 use crate::rig::settings::BackendChoice;
@@ -11,6 +13,8 @@ use super::Outcome;
 use super::identify::changed_lines;
 use super::input::study;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
+use super::plausibility::before_a_fit;
+use super::progress::Progress;
 use super::shell::{Exit, Format, Shell};
 
 /// Say what a model still gets wrong after its best fit, name the cause, and extend the model by it.
@@ -48,13 +52,21 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         shell.complain(&foreign);
         return Err(Exit::Findings);
     }
+    before_a_fit(&loaded, arguments.replacing.force, shell)?;
     estimate_noise(&mut loaded, None).map_err(|error| {
         shell.fail(Diagnostic::error(Code::NoFit, error.to_string()));
         Exit::NoAnswer
     })?;
     let problem = loaded.problem();
     let held_out = held_out(&loaded.study, &loaded.measurement);
-    let outcome = diagnose(&problem, held_out).map_err(|error| {
+    let watched = Watched::default();
+    let seen = watched.clone();
+    let bar = Progress::new("diagnosing", shell, move || {
+        Some((seen.sweeps(), Some(SWEEPS), "sweeps"))
+    });
+    let found = diagnose_watched(&problem, held_out, &watched);
+    drop(bar);
+    let outcome = found.map_err(|error| {
         shell.fail(Diagnostic::error(Code::NoFit, error.to_string()));
         Exit::NoAnswer
     })?;

@@ -2,21 +2,39 @@ use clap_complete::{ArgValueCompleter, CompletionCandidate};
 
 use crate::diagnostic::Code;
 use crate::grammar::{FUNCTIONS, Lookup, Role, STATEMENTS, find_function, find_statement, nearest};
+use crate::guide::glossary::{self, Entry};
+use crate::rig::schema;
 use crate::syntax::describe::{self, minimal};
 
 use super::Outcome;
 use super::shell::{Exit, Shell};
 
-/// Say what a statement, a command, a function or a complaint's code means.
+/// Say what a word means: a statement, a command, a function, a complaint's code, a key of study.toml, a cause of a diagnosis, a
+/// field of an answer, a column.
 #[derive(clap::Args, Debug)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
-    /// `BUSHING`, `simulate`, `AZ`, `undefined-id`, ... Nothing lists them all.
+    /// `BUSHING`, `simulate`, `AZ`, `undefined-id`, `marks.sigma`, `dry-friction`, ... Nothing lists them all.
     #[arg(add = ArgValueCompleter::new(complete))]
     word: Option<String>,
+    /// Print the JSON Schema of study.toml, for editors.
+    #[arg(long, conflicts_with = "word")]
+    schema: bool,
 }
+
+const EXAMPLES: &str = "Examples:
+  admire explain BUSHING
+  admire explain marks.sigma
+  admire explain link-compliance
+  admire explain --schema > study.schema.json";
 
 /// Prints the page of a word.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    if arguments.schema {
+        let text = serde_json::to_string_pretty(&schema()).expect("a schema prints");
+        shell.print(&(text + "\n"));
+        return Ok(Exit::Fine);
+    }
     let Some(word) = &arguments.word else {
         shell.print(&list());
         return Ok(Exit::Fine);
@@ -42,6 +60,8 @@ fn complete(current: &std::ffi::OsStr) -> Vec<CompletionCandidate> {
     statements
         .chain(functions)
         .chain(codes)
+        .map(str::to_string)
+        .chain(glossary::entries().map(|entry| entry.term))
         .filter(|word| {
             word.get(..typed.len())
                 .is_some_and(|start| start.eq_ignore_ascii_case(&typed))
@@ -71,6 +91,18 @@ fn list() -> String {
             &format!("  {:24} {}", code.as_str(), first.trim()),
         );
     }
+    let mut section = None;
+    for entry in glossary::entries() {
+        if section != Some((entry.page, entry.section)) {
+            section = Some((entry.page, entry.section));
+            line(
+                &mut out,
+                &format!("\n{} (page `{}`):", entry.section, entry.page),
+            );
+        }
+        let meaning = entry.cells.last().map_or("", |(_, text)| text);
+        line(&mut out, &format!("  {:24} {meaning}", entry.term));
+    }
     out
 }
 
@@ -97,6 +129,12 @@ fn page(word: &str) -> Result<String, String> {
         }
         out += &describe::function(def);
     }
+    for entry in glossary::find(word) {
+        if !out.is_empty() {
+            out.push('\n');
+        }
+        out += &of_glossary(&entry);
+    }
     if !out.is_empty() {
         return Ok(out);
     }
@@ -108,6 +146,8 @@ fn page(word: &str) -> Result<String, String> {
         .map(|def| def.name)
         .chain(FUNCTIONS.iter().map(|def| def.name))
         .chain(Code::ALL.iter().map(|code| code.as_str()));
+    let entries: Vec<String> = glossary::entries().map(|entry| entry.term).collect();
+    let names = names.chain(entries.iter().map(String::as_str));
     // Spelling is compared in capitals.
     let capitals: Vec<(String, &str)> = names
         .map(|name| (name.to_ascii_uppercase(), name))
@@ -122,6 +162,17 @@ fn page(word: &str) -> Result<String, String> {
         Some((_, name)) => format!("nothing is called `{word}`; did you mean `{name}`?\n"),
         None => format!("nothing is called `{word}`; `admire explain` lists all there is\n"),
     })
+}
+
+/// A row of the guide: the word, what each column says of it, and where more stands.
+fn of_glossary(entry: &Entry) -> String {
+    let mut out = String::new();
+    line(&mut out, &format!("{} ({})", entry.term, entry.section));
+    for (head, text) in &entry.cells {
+        line(&mut out, &format!("  {head}: {text}"));
+    }
+    line(&mut out, &format!("  more: admire guide {}", entry.page));
+    out
 }
 
 fn line(out: &mut String, text: &str) {
@@ -140,6 +191,13 @@ mod tests {
             text.starts_with("undefined-id\n  An id that no statement"),
             "{text}"
         );
+        assert!(
+            page("marks.sigma")
+                .unwrap()
+                .contains("sd of one coordinate")
+        );
+        assert!(page("dry-friction").unwrap().contains("hysteresis"));
+        assert!(page("marks.sgma").unwrap_err().contains("`marks.sigma`"));
         assert!(
             page("undefined-ids")
                 .unwrap_err()

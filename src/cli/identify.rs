@@ -2,7 +2,6 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use comfy_table::{CellAlignment, Table, presets};
-use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::backend::Backend;
 use crate::diagnostic::{Code, Diagnostic};
@@ -17,6 +16,8 @@ use super::Outcome;
 use super::input::study;
 use super::interrupt;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
+use super::plausibility::before_a_fit;
+use super::progress::Progress;
 use super::render::table_text;
 use super::shell::{Exit, Format, Shell};
 use super::solver;
@@ -70,10 +71,16 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if let Some(method) = arguments.method {
         loaded.study.identify.method = method.into();
     }
+    if loaded.unknowns.is_empty() {
+        return Err(shell.fail(nothing_to_identify(&loaded)));
+    }
+    before_a_fit(&loaded, arguments.replacing.force, shell)?;
     let keep = arguments.keep.then(|| arguments.out.join("runs"));
     let mut backend = solver::backend(&loaded.study, keep, shell);
-    let outcome = noise(&mut loaded, backend.as_mut())
-        .and_then(|()| among_tolerances(&loaded, backend.as_mut(), shell));
+    let sensors = Progress::new("noise of the sensors", shell, || None);
+    let found = noise(&mut loaded, backend.as_mut());
+    drop(sensors);
+    let outcome = found.and_then(|()| among_tolerances(&loaded, backend.as_mut(), shell));
     let positions = outcome.as_ref().map_or_else(
         |_| Vec::new(),
         |fit| positions(&loaded, fit, backend.as_mut()),
@@ -106,6 +113,33 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     })
 }
 
+/// What a study asks for that names no number, at its place.
+fn nothing_to_identify(loaded: &LoadedStudy) -> Diagnostic {
+    let study = &loaded.study;
+    let message = "the study names nothing to identify";
+    let help = if loaded.model.bushings.is_empty() {
+        "the deck has no BUSHING; name numbers: stiffnesses = [\"SPRINGDAMPER/1.K\"]".to_string()
+    } else {
+        let names: Vec<String> = loaded
+            .model
+            .bushings
+            .iter()
+            .take(3)
+            .map(|bushing| format!("\"BUSHING/{}\"", bushing.header.id))
+            .collect();
+        format!(
+            "bushings = [{}]; without the key every BUSHING is sought",
+            names.join(", ")
+        )
+    };
+    let error = Diagnostic::error(Code::MissingSetting, message).help(help);
+    error.label(
+        study.source.name(),
+        study.place(&["identify", "bushings"]),
+        "",
+    )
+}
+
 /// Estimates what the study does not state of its sensors' noise, with whoever solves it.
 pub(super) fn noise(
     loaded: &mut LoadedStudy,
@@ -129,7 +163,10 @@ fn among_tolerances(
         return Ok(fit);
     }
     let problem = loaded.problem();
-    match fit.fit_test.as_ref().and_then(|_| tolerant(&problem)) {
+    let bar = Progress::new("allowing for tolerances", shell, || None);
+    let found = fit.fit_test.as_ref().and_then(|_| tolerant(&problem));
+    drop(bar);
+    match found {
         Some(found) => found.apply(&mut fit),
         None => fit = identified(loaded, backend, shell, true)?,
     }
@@ -155,28 +192,21 @@ pub(super) fn identified(
 ) -> Result<Fit, IdentifyError> {
     let problem = loaded.problem();
     interrupt::listen();
-    let bar = ProgressBar::new_spinner().with_style(
-        ProgressStyle::with_template("{spinner} {msg}").expect("the template is valid"),
-    );
-    if !shell.shows_progress() {
-        bar.set_draw_target(indicatif::ProgressDrawTarget::hidden());
-    }
+    let cases = loaded.programme.cases.len();
+    let bar = Progress::new("identifying", shell, || None);
     let mut fit = match loaded.study.identify.method {
         Method::Regression => {
+            let most = loaded.study.regression.max_iterations;
             let mut watch = |iteration: usize, _: &[f64], moves: f64| {
-                bar.set_message(format!(
-                    "iteration {iteration}: largest change {:.2} %",
-                    100.0 * moves
-                ));
-                bar.tick();
+                bar.detail(format!("largest change {:.2} %", 100.0 * moves));
+                bar.count(iteration, Some(most), "iterations");
                 goes_on()
             };
             regression::identify(&problem, backend, &mut watch)?
         }
         Method::Direct => {
             let mut watch = |round: usize, _: &[f64], moves: f64| {
-                bar.set_message(format!("round {round}: largest change of ln K {moves:.1e}"));
-                bar.tick();
+                bar.detail(format!("round {round}, largest change of ln K {moves:.1e}"));
                 goes_on()
             };
             direct::identify(&problem, backend, &mut watch)?
@@ -189,12 +219,12 @@ pub(super) fn identified(
                 Prepared::new(&problem)?
             };
             let watch = |iteration: usize, sweeps: usize, objective: f64| {
-                bar.set_message(if sweeps == 0 {
+                bar.detail(if sweeps == 0 {
                     "a start from the direct solution".to_string()
                 } else {
-                    format!("step {iteration}: {sweeps} sweeps, half chi-square {objective:.4e}")
+                    format!("step {iteration}, half chi-square {objective:.4e}")
                 });
-                bar.tick();
+                bar.count(sweeps * cases, None, "equilibria");
                 !interrupt::asked()
             };
             let options = Options {
@@ -207,7 +237,7 @@ pub(super) fn identified(
             fit_study(&problem, &prepared, other, options)?.fit
         }
     };
-    bar.finish_and_clear();
+    drop(bar);
     fit.inputs_sha256 = loaded.study.inputs_sha256();
     Ok(fit)
 }

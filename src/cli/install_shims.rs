@@ -53,6 +53,15 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         .and_then(std::fs::canonicalize)
         .map(|admire| admire.with_file_name(format!("mdi{}", std::env::consts::EXE_SUFFIX)))
         .map_err(|error| shell.fail(cannot(folder, &error)))?;
+    if !mdi.is_file() {
+        let message = format!(
+            "`{}` is not there, so that nothing could run",
+            mdi.display()
+        );
+        return Err(shell.fail(Diagnostic::error(Code::CannotRead, message).help(
+            "`cargo install --locked --path .` installs admire and mdi together; `cargo build --release` builds both",
+        )));
+    }
     std::fs::create_dir_all(folder).map_err(|error| shell.fail(cannot(folder, &error)))?;
     let plain = |name: &String| {
         !name.is_empty()

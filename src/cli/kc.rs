@@ -16,6 +16,7 @@ use crate::syntax::files::Files;
 use super::Outcome;
 use super::kc_measured::measured;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
+use super::progress::Progress;
 use super::render::table_text;
 use super::results_kc::Axes;
 use super::shell::{Exit, Format, Shell};
@@ -76,6 +77,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     };
     let tests = |deck: &Deck, path: &Path, shell: &Shell| -> Result<KcRun, Exit> {
         let mut bench = bench(&config, deck, shell)?;
+        let _bar = Progress::new("driving the axle through its tests", shell, || None);
         run_tests(&mut bench, &deck.model.units).map_err(|why| refuse(&why, path, shell))
     };
     let found = tests(&deck, &arguments.deck, shell)?;

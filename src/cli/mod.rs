@@ -34,8 +34,11 @@ mod kc;
 mod kc_measured;
 mod leftover;
 mod lsp;
+mod new;
 mod output_folder;
 mod permissions;
+mod plausibility;
+mod progress;
 mod record;
 mod remove;
 mod render;
@@ -60,7 +63,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
-use shell::{ColorChoice, Exit, Format, Shell};
+use shell::{ColorChoice, Exit, Format, Shell, Verbosity};
 
 /// Reads, checks, edits and solves ADAMS datasets, identifies bushing stiffnesses, and says what a model still gets wrong.
 ///
@@ -77,10 +80,17 @@ struct Cli {
     /// When to colour; `auto` obeys NO_COLOR.
     #[arg(long, global = true, value_enum, default_value_t = ColorChoice::Auto)]
     color: ColorChoice,
+    /// Say nothing but complaints and the answer; of `check`: errors only.
+    #[arg(long, short, global = true, conflicts_with = "verbose")]
+    quiet: bool,
+    /// Say every stage, also where no terminal shows progress.
+    #[arg(long, short, global = true)]
+    verbose: bool,
 }
 
 #[derive(Subcommand, Debug)]
 enum Command {
+    New(new::Arguments),
     Check(check::Arguments),
     Fix(fix::Arguments),
     Get(get::Arguments),
@@ -118,8 +128,14 @@ enum Command {
 pub fn main() -> ExitCode {
     clap_complete::CompleteEnv::with_factory(Cli::command).complete();
     let cli = Cli::parse();
-    let mut shell = Shell::new(cli.format, cli.color);
+    let verbosity = match (cli.quiet, cli.verbose) {
+        (true, _) => Verbosity::Quiet,
+        (_, true) => Verbosity::Verbose,
+        _ => Verbosity::Usual,
+    };
+    let mut shell = Shell::new(cli.format, cli.color, verbosity);
     let exit = match cli.command {
+        Command::New(arguments) => new::run(&arguments, &mut shell),
         Command::Check(arguments) => check::run(&arguments, &mut shell),
         Command::Fix(arguments) => fix::run(&arguments, &mut shell),
         Command::Get(arguments) => get::run(&arguments, &mut shell),

@@ -17,9 +17,9 @@ const MANIFEST: &str = "admire-outputs.json";
 /// Whether files that no earlier run wrote may be replaced.
 #[derive(clap::Args, Clone, Copy, Debug)]
 pub(super) struct Replacing {
-    /// Replace files of the output folder that no earlier run wrote there, or that were changed since.
+    /// Replace files of the output folder that no earlier run wrote there, or that were changed since; fit what is not plausible, too.
     #[arg(long)]
-    force: bool,
+    pub(super) force: bool,
 }
 
 /// What `admire-outputs.json` holds: each file with the SHA-256 of its bytes as they were written.

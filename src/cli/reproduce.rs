@@ -1,7 +1,6 @@
 use std::path::PathBuf;
 
 use comfy_table::{Table, presets};
-use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::identify::reproduction::{Comparison, ReproductionError, Section, reproduce};
@@ -9,6 +8,7 @@ use crate::report::ReproductionReport;
 
 use super::Outcome;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
+use super::progress::Progress;
 use super::render::table_text;
 use super::shell::{Exit, Format, Shell};
 
@@ -36,18 +36,10 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if let Some(out) = &arguments.out {
         refuse_replacing(out, &[OUTPUT], arguments.replacing, shell)?;
     }
-    let bar = ProgressBar::new_spinner().with_style(
-        ProgressStyle::with_template("{spinner} {msg}").expect("the template is valid"),
-    );
-    if !shell.shows_progress() {
-        bar.set_draw_target(indicatif::ProgressDrawTarget::hidden());
-    }
-    let mut progress = |what: &str| {
-        bar.set_message(what.to_string());
-        bar.tick();
-    };
+    let bar = Progress::new("reproducing", shell, || None);
+    let mut progress = |what: &str| bar.detail(what.to_string());
     let made = reproduce(&arguments.corpus, &mut progress);
-    bar.finish_and_clear();
+    drop(bar);
     let sections = made.map_err(|error| {
         if let ReproductionError::Study { diagnostics, .. } = &error {
             shell.complain(diagnostics);

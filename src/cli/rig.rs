@@ -6,6 +6,7 @@ use crate::rig::{LoadTable, RigOptions, Scatter, Tolerances, virtual_rig};
 
 use super::Outcome;
 use super::output_folder::{Replacing, write_folder};
+use super::progress::Progress;
 use super::shell::{Exit, Shell};
 
 /// Measure a study's deck on the virtual test rig and write what a rig would hand over: a whole study folder.
@@ -96,7 +97,10 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         scatter: scatter.unwrap_or_default(),
         programme: arguments.programme.map(LoadTable::from),
     };
-    let run = virtual_rig(&arguments.study, &options).map_err(|diagnostics| {
+    let bar = Progress::new("measuring on the virtual rig", shell, || None);
+    let measured = virtual_rig(&arguments.study, &options);
+    drop(bar);
+    let run = measured.map_err(|diagnostics| {
         shell.complain(&diagnostics);
         Exit::Findings
     })?;

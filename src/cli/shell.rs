@@ -40,6 +40,17 @@ pub(super) enum ColorChoice {
     Never,
 }
 
+/// How much is said beside the answer.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Verbosity {
+    /// Complaints only.
+    Quiet,
+    /// What a person wants to know.
+    Usual,
+    /// Every stage, also where no terminal is.
+    Verbose,
+}
+
 /// What the process returns.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(super) enum Exit {
@@ -71,16 +82,18 @@ impl Exit {
 pub(super) struct Shell {
     pub(super) format: Format,
     color: ColorChoice,
+    verbosity: Verbosity,
     pub(super) sources: Sources,
     /// Why some of the answer did not reach standard output.
     lost: RefCell<Option<std::io::Error>>,
 }
 
 impl Shell {
-    pub(super) fn new(format: Format, color: ColorChoice) -> Self {
+    pub(super) fn new(format: Format, color: ColorChoice, verbosity: Verbosity) -> Self {
         Self {
             format,
             color,
+            verbosity,
             sources: Sources::default(),
             lost: RefCell::default(),
         }
@@ -130,7 +143,7 @@ impl Shell {
 
     /// Says something on standard error, beside the answer.
     pub(super) fn say(&self, text: &str) {
-        if self.format == Format::Text {
+        if self.format == Format::Text && self.verbosity != Verbosity::Quiet {
             // Nobody may be listening.
             let _ = std::io::stderr().write_all(printable(text).as_bytes());
         }
@@ -138,13 +151,26 @@ impl Shell {
 
     /// True if a person watches standard error.
     pub(super) fn shows_progress(&self) -> bool {
-        self.format == Format::Text && std::io::stderr().is_terminal()
+        self.format == Format::Text
+            && self.verbosity != Verbosity::Quiet
+            && std::io::stderr().is_terminal()
+    }
+
+    /// True if nothing but complaints and the answer is wanted.
+    pub(super) fn is_quiet(&self) -> bool {
+        self.verbosity == Verbosity::Quiet
+    }
+
+    /// True if every stage is wanted.
+    pub(super) fn is_verbose(&self) -> bool {
+        self.verbosity == Verbosity::Verbose
     }
 
     /// Prints complaints on standard output: where they are what was asked for.
     pub(super) fn findings(&self, diagnostics: &[Diagnostic]) {
         let colours = self.colours(std::io::stdout().is_terminal());
-        let text = render::diagnostics(diagnostics, &self.sources, self.format, colours);
+        let sources = self.with_streamed(diagnostics);
+        let text = render::diagnostics(diagnostics, &sources, self.format, colours);
         self.put(text.as_bytes());
     }
 

@@ -173,6 +173,8 @@ codes! {
     OutsideStudy = "outside-study",
     /// A CSV file has no column of the needed name.
     MissingColumn = "missing-column",
+    /// A study that cannot be meant: a unit, the noise or the loads are not those of the readings. `--force` fits it all the same.
+    ImplausibleStudy = "implausible-study",
     /// A cell of a CSV file that is no finite number. The reading is left out.
     BadReading = "bad-reading",
     /// A CSV file with semicolons or tabs between its cells, or decimal commas. Says how it was read.

@@ -12,6 +12,7 @@ use super::folds::{Blind, HeldOutTest, marks_gain, moved};
 use super::hypothesis::Hypothesis;
 use super::limits::detection_limits;
 use super::next_measurement::next_measurement;
+use super::progress::Progress;
 use super::search::{Found, Visited, search};
 use super::stiffness::{CorrectedStiffness, corrected};
 use super::structure::{StructureTest, structure};
@@ -79,7 +80,21 @@ pub fn diagnose<'a>(
     problem: &Problem<'a>,
     held_out: Vec<bool>,
 ) -> Result<Outcome<'a>, IdentifyError> {
+    diagnose_watched(problem, held_out, &Progress::default())
+}
+
+/// The same, telling how far it is.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn diagnose_watched<'a>(
+    problem: &Problem<'a>,
+    held_out: Vec<bool>,
+    progress: &Progress,
+) -> Result<Outcome<'a>, IdentifyError> {
+    progress.begin("fitting the model as it is");
     let mut subject = Subject::new(problem, held_out);
+    subject.sweeps = Arc::clone(&progress.sweeps);
     let no_cases = || IdentifyError::NoCases(None);
     let mut none = fit(&subject, &[], None, Data::All, FULL).ok_or_else(no_cases)?;
     let judged = subject.judge_suspects(&none.misfit);
@@ -87,7 +102,9 @@ pub fn diagnose<'a>(
     if judged || subject.is_reweighed() {
         none = refit(&subject, &none, Data::All).ok_or_else(no_cases)?;
     }
+    progress.begin("searching causes");
     let found = search(&subject, none);
+    progress.begin("testing what was found");
     let leading = leading(&found);
     let none = Arc::clone(&found.none);
     let structures = [structure(&subject, &none), structure(&subject, &leading)];

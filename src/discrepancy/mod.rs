@@ -20,6 +20,7 @@ mod hypothesis;
 mod influence;
 mod limits;
 mod next_measurement;
+mod progress;
 mod scan;
 mod search;
 mod stiffness;
@@ -33,7 +34,7 @@ mod wheel_run;
 mod words;
 
 pub use cause::Cause;
-pub use diagnose::{Outcome, diagnose, held_out};
+pub use diagnose::{Outcome, diagnose, diagnose_watched, held_out};
 pub use diagnosis::{
     BaselineFit, DetectionLimit, Diagnosis, Evidence, Finding, Gain, Indistinguishable,
     NextMeasurement, NoiseFound, Parameter, ToleranceFound, Unexplained, Verdict,
@@ -41,9 +42,10 @@ pub use diagnosis::{
 pub use fit::{Estimate, Fitted, Plain};
 pub use folds::{Blind, HeldOutTest, marks_gain};
 pub use hypothesis::Hypothesis;
+pub use progress::Progress;
 pub use stiffness::CorrectedStiffness;
 pub use structure::StructureTest;
-pub use subject::{Data, Subject};
+pub use subject::{Data, SWEEPS, Subject};
 pub use tolerant::{Tolerant, tolerant};
 pub use trend::Trend;
 pub use wheel_run::WheelRun;

@@ -14,7 +14,7 @@ use crate::tolerance::{Layer, LayerOf, MarkBlock, Noise, Scale, Sizes, Tails, Wh
 const HUBER: f64 = 1.345;
 /// How often all load cases may be solved in one search. It is looked at between rounds only, so that what is found does not depend
 /// on the machine.
-const SWEEPS: usize = 3000;
+pub const SWEEPS: usize = 3000;
 
 /// A study under diagnosis: what was read, how exact it is, and the tolerances it stands among.
 #[derive(Clone, Debug)]
@@ -38,7 +38,7 @@ pub struct Subject<'a> {
     blocks: Vec<MarkBlock>,
     single: Vec<(usize, Option<Scale>)>,
     held_out: Vec<bool>,
-    sweeps: Arc<AtomicUsize>,
+    pub(super) sweeps: Arc<AtomicUsize>,
 }
 
 impl<'a> Subject<'a> {

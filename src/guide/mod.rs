@@ -1,6 +1,8 @@
 //! The guide: the same pages here and in the terminal by `admire guide TOPIC`.
 //!
-//! Text only: no code of the project uses a page, except the command that prints it.
+//! Text only. Commands print pages; the glossary of their tables explains words, in the terminal and in the schema of a study.
+
+pub mod glossary;
 
 /// One page of the guide.
 #[derive(Clone, Copy, Debug)]
@@ -35,6 +37,7 @@ macro_rules! pages {
 }
 
 pages! {
+    tutorial
     drop_in
     motion
     real_adams

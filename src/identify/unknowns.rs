@@ -1,7 +1,7 @@
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::Model;
-use crate::rig::Study;
 use crate::rig::settings::{IdentifySettings, Initial, Symmetry};
+use crate::rig::{Study, meant};
 use crate::syntax::Address;
 use crate::units::Dimension;
 
@@ -97,13 +97,31 @@ pub fn unknowns(
     out: &mut Vec<Diagnostic>,
 ) -> Vec<Unknown> {
     let settings = &study.identify;
+    let bushings: Vec<String> = model
+        .bushings
+        .iter()
+        .flat_map(|found| {
+            [
+                format!("BUSHING/{}", found.header.id),
+                found.header.name.clone(),
+            ]
+        })
+        .filter(|name| !name.is_empty())
+        .collect();
     let mut missing = |text: &str, span, what: &str| {
+        let help = if what == "BUSHING" {
+            meant(text, "the deck", &bushings)
+        } else {
+            "a number has an address: SPRINGDAMPER/1.K, BEAM/2.E; `admire get` lists them"
+                .to_string()
+        };
         out.push(
             Diagnostic::error(
                 Code::UnknownTarget,
                 format!("`{text}` is no {what} of the deck"),
             )
-            .label(study.source.name(), span, ""),
+            .label(study.source.name(), span, "")
+            .help(help),
         );
     };
     let mut chosen = Vec::new();

@@ -46,7 +46,7 @@ pub(super) fn check(to: &mut Measurement, study: &Study, model: &Model, out: &mu
     let nothing = to.cases.iter().all(|case| {
         case.marks.is_empty() && case.wheel.is_none() && case.channels.iter().all(Option::is_none)
     });
-    if nothing {
+    if nothing && !to.cases.is_empty() {
         out.push(
             Diagnostic::error(
                 Code::MissingMarks,
@@ -275,6 +275,10 @@ fn noise(to: &mut Measurement, marks: &MarkFiles, out: &mut Vec<Diagnostic>) {
         to.sigma = estimate.sigma;
     } else {
         to.sigma = 0.05;
+        if marks.measured.rows().is_empty() {
+            // Nothing is measured yet, which is said elsewhere.
+            return;
+        }
         out.push(
             Diagnostic::warning(
                 Code::MissingSetting,
@@ -468,6 +472,9 @@ fn missing(to: &Measurement, marks: &MarkFiles, model: &Model, out: &mut Vec<Dia
             );
             out.push(Diagnostic::note(Code::MissingMarks, message).label(file, header, ""));
         }
+    }
+    if to.parts.is_empty() {
+        return;
     }
     for (at, part) in model.parts.iter().enumerate() {
         let marked = to.parts.iter().any(|marked| marked.part.0 == at);

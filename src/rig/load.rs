@@ -1,6 +1,7 @@
 //! Load cases of a study as a programme a backend can run.
 
 use super::measurement::Measurement;
+use super::section::meant;
 use super::study::Study;
 use crate::backend::{Load, LoadCase, LoadProgramme};
 use crate::diagnostic::{Code, Diagnostic};
@@ -20,6 +21,7 @@ pub fn programme(
     for (name, target) in &study.columns {
         let found = Address::parse(&target.text, dataset).ok();
         let Some(target) = found.filter(|address| exists(address, dataset)) else {
+            let help = suggestion(&target.text, dataset);
             let message = format!(
                 "`{}` is nothing in the deck that a load can drive",
                 target.text
@@ -27,9 +29,7 @@ pub fn programme(
             out.push(
                 Diagnostic::error(Code::UnknownTarget, message)
                     .label(study.source.name(), target.span, "")
-                    .help(
-                        "for example SFORCE/3, GFORCE/1.FX, MOTION/1, VARIABLE/5 or MARKER/19.QP.1",
-                    ),
+                    .help(help),
             );
             continue;
         };
@@ -56,6 +56,26 @@ pub fn programme(
         cases: cases.collect(),
         loads,
     }
+}
+
+/// What a load of this deck may be.
+fn suggestion(text: &str, dataset: &Dataset) -> String {
+    let driven: Vec<String> = dataset
+        .statements()
+        .iter()
+        .filter(|statement| statement.argument("FUNCTION").is_some())
+        .filter_map(|statement| {
+            let kind = statement.kind()?;
+            let (id, _) = statement.id?;
+            (kind != "REQUEST").then(|| format!("{kind}/{id}"))
+        })
+        .collect();
+    let example = "SFORCE/3, GFORCE/1.FX, MOTION/1, VARIABLE/5 or MARKER/19.QP.1";
+    if driven.is_empty() {
+        return format!("for example {example}");
+    }
+    let meant = meant(text, "of statements with a FUNCTION the deck", &driven);
+    format!("{meant}; a load is for example {example}")
 }
 
 fn exists(address: &Address, dataset: &Dataset) -> bool {

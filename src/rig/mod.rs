@@ -9,15 +9,18 @@ pub mod effect;
 mod load;
 mod load_table;
 mod measurement;
+mod missing;
 pub mod noise;
 pub mod orientation;
 mod readings;
 mod resolve;
 mod rigidity;
 mod scatter;
+mod schema;
 mod section;
 /// Sections of `study.toml` with their defaults.
 pub mod settings;
+mod starter;
 mod stated;
 mod study;
 mod study_folder;
@@ -33,12 +36,16 @@ pub use load_table::LoadTable;
 pub use measurement::{
     Case, Channel, MarkReading, MarkedPart, Measurement, PartMark, Reference, Wheel,
 };
+pub use missing::missing;
 pub use resolve::part;
 pub use rigidity::{ForeignMarks, foreign_marks};
 pub use scatter::Scatter;
-pub use section::Spelled;
+pub use schema::schema;
+pub use section::{Holds, Key, Spelled, meant};
+
+pub use starter::{Kind, Starter};
 pub use stated::{Stated, ToleranceSettings};
-pub use study::{MarkFiles, Study};
+pub use study::{MarkFiles, Study, study_keys};
 pub use table::{Cell, Table};
 pub use tolerances::Tolerances;
 pub use virtual_rig::{RigOptions, RigRun, virtual_rig};

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::measurement::{
     Case, Channel, Grouped, MarkReading, MarkedPart, Measurement, PartMark, Reference, Wheel, wheel,
 };
-use super::section::nearest;
+use super::section::{meant, nearest};
 use super::settings::ChannelSettings;
 use super::study::{MarkFiles, Study};
 use super::table::{Cell, Table};
@@ -97,7 +97,8 @@ fn load_cases(study: &Study, out: &mut Vec<Diagnostic>) -> Vec<Case> {
                     format!("the load cases have no column `{}`", name.text),
                 )
                 .label(study.source.name(), name.span, "asked for here")
-                .label(file, table.header_span(), "the header line"),
+                .label(file, table.header_span(), "the header line")
+                .help(meant(&name.text, "the header line", &table.header())),
             );
             return cases;
         };
@@ -274,7 +275,8 @@ fn point(
 /// The case of a row, unless the load cases do not have it.
 fn case_of(cell: &Cell, table: &Table, to: &Measurement, grouped: &mut Grouped) -> Option<usize> {
     let found = to.case(&cell.text);
-    if found.is_none() {
+    // Without any load case that has been said already.
+    if found.is_none() && !to.cases.is_empty() {
         grouped.add(format!("case {}", cell.text), || {
             let message = format!(
                 "the load cases have no case `{}`; its readings are left out",
@@ -386,11 +388,22 @@ fn wheel_readings(study: &Study, model: &Model, to: &mut Measurement, out: &mut 
     };
     let Some(marker) = marker(&settings.marker.text, model) else {
         let message = format!("the deck has no marker `{}`", settings.marker.text);
-        out.push(Diagnostic::error(Code::UnknownTarget, message).label(
-            study.source.name(),
-            settings.marker.span,
-            "",
-        ));
+        let there: Vec<String> = model
+            .markers
+            .iter()
+            .flat_map(|marker| {
+                [
+                    format!("MARKER/{}", marker.header.id),
+                    marker.header.name.clone(),
+                ]
+            })
+            .filter(|name| !name.is_empty())
+            .collect();
+        out.push(
+            Diagnostic::error(Code::UnknownTarget, message)
+                .label(study.source.name(), settings.marker.span, "")
+                .help(meant(&settings.marker.text, "the deck", &there)),
+        );
         return;
     };
     let resolved: Wheel = wheel(settings, marker, model);
@@ -464,7 +477,8 @@ fn channel_readings(
                     Code::MissingColumn,
                     format!("the readings have no column `{}`", settings.name),
                 )
-                .label(table.source.name(), table.header_span(), "the header line"),
+                .label(table.source.name(), table.header_span(), "the header line")
+                .help(meant(&settings.name, "the header line", &table.header())),
             );
         }
         let mut relative_to = None;
@@ -479,7 +493,12 @@ fn channel_readings(
                         Code::UnknownCase,
                         format!("the load cases have no case `{}`", label.text),
                     )
-                    .label(study.source.name(), label.span, ""),
+                    .label(study.source.name(), label.span, "")
+                    .help(meant(
+                        &label.text,
+                        "the file of load cases",
+                        &labels(to),
+                    )),
                 );
             }
         }
@@ -543,8 +562,13 @@ fn hold_out(study: &Study, to: &mut Measurement, out: &mut Vec<Diagnostic>) {
                     Code::UnknownCase,
                     format!("the load cases have no case `{}` to hold out", label.text),
                 )
-                .label(study.source.name(), label.span, ""),
+                .label(study.source.name(), label.span, "")
+                .help(meant(&label.text, "the file of load cases", &labels(to))),
             ),
         }
     }
+}
+
+fn labels(to: &Measurement) -> Vec<String> {
+    to.cases.iter().map(|case| case.label.clone()).collect()
 }

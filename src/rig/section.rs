@@ -1,3 +1,4 @@
+use std::cell::RefCell;
 use std::collections::BTreeSet;
 
 use toml::de::{DeTable, DeValue};
@@ -14,6 +15,43 @@ pub struct Spelled {
     pub span: Span,
 }
 
+/// What a key of `study.toml` may hold.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Holds {
+    /// A table of further keys.
+    Table,
+    /// A text.
+    Text,
+    /// A number within these bounds; zero is no member where the least is above it.
+    Number(f64, f64),
+    /// A whole number within these bounds.
+    Count(usize, usize),
+    /// One of these words.
+    Choice(Vec<&'static str>),
+    /// A list of texts.
+    Texts,
+    /// Names of one's own, each with a text.
+    OwnTexts,
+}
+
+/// A key the reader of `study.toml` asks for.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Key {
+    /// Its whole name; a piece `NAME` stands for names of one's own.
+    pub path: String,
+    /// What it may hold.
+    pub holds: Holds,
+}
+
+/// Writes down what the reader asks a study for, instead of answering.
+#[derive(Default)]
+pub(super) struct Inquiry {
+    /// Whether keys that take a text or something else are asked for as texts.
+    pub texts: bool,
+    /// What was asked for, in order.
+    pub keys: RefCell<Vec<Key>>,
+}
+
 /// One table of `study.toml`: every key asked for is remembered, so that the others can be named.
 pub(super) struct Section<'a> {
     source: &'a Source,
@@ -21,9 +59,35 @@ pub(super) struct Section<'a> {
     table: Option<&'a DeTable<'a>>,
     span: Span,
     asked: BTreeSet<&'static str>,
+    inquiry: Option<&'a Inquiry>,
 }
 
 impl<'a> Section<'a> {
+    /// No file at all: every question is written down.
+    pub fn inquiring(source: &'a Source, inquiry: &'a Inquiry) -> Self {
+        Self {
+            source,
+            path: String::new(),
+            table: None,
+            span: Span::at(0),
+            asked: BTreeSet::new(),
+            inquiry: Some(inquiry),
+        }
+    }
+
+    /// Writes down a question, once.
+    fn note(&self, key: &str, holds: Holds) {
+        let Some(inquiry) = self.inquiry else { return };
+        let key = Key {
+            path: self.name(key),
+            holds,
+        };
+        let mut keys = inquiry.keys.borrow_mut();
+        if !keys.contains(&key) {
+            keys.push(key);
+        }
+    }
+
     /// The whole file.
     pub fn root(source: &'a Source, table: &'a DeTable<'a>) -> Self {
         Self {
@@ -32,12 +96,13 @@ impl<'a> Section<'a> {
             table: Some(table),
             span: Span::new(0, source.bytes().len().min(1)),
             asked: BTreeSet::new(),
+            inquiry: None,
         }
     }
 
     /// True if the file has this table.
     pub fn is_present(&self) -> bool {
-        self.table.is_some()
+        self.table.is_some() || self.inquiry.is_some()
     }
 
     /// Where it stands.
@@ -78,6 +143,7 @@ impl<'a> Section<'a> {
 
     /// A table inside this one; an absent one answers every question with nothing.
     pub fn section(&mut self, key: &'static str, diagnostics: &mut Vec<Diagnostic>) -> Section<'a> {
+        self.note(key, Holds::Table);
         let path = self.name(key);
         let found = self.get(key);
         let mut table = None;
@@ -95,6 +161,7 @@ impl<'a> Section<'a> {
             table,
             span,
             asked: BTreeSet::new(),
+            inquiry: self.inquiry,
         }
     }
 
@@ -104,6 +171,7 @@ impl<'a> Section<'a> {
         key: &'static str,
         diagnostics: &mut Vec<Diagnostic>,
     ) -> Option<Spelled> {
+        self.note(key, Holds::Text);
         let (value, span) = self.get(key)?;
         let Some(text) = value.as_str() else {
             self.wrong(key, span, "a text in quotes", diagnostics);
@@ -134,17 +202,13 @@ impl<'a> Section<'a> {
         (least, most): (f64, f64),
         diagnostics: &mut Vec<Diagnostic>,
     ) -> Option<f64> {
+        self.note(key, Holds::Number(least, most));
         let (value, span) = self.get(key)?;
         let number = number_of(value);
         match number {
             Some(number) if number >= least && number <= most => Some(number),
             _ => {
-                let expected = if most.is_finite() {
-                    format!("a number from {least} to {most}")
-                } else {
-                    format!("a number, {least} or more")
-                };
-                self.wrong(key, span, &expected, diagnostics);
+                self.wrong(key, span, &range((least, most)), diagnostics);
                 None
             }
         }
@@ -156,6 +220,7 @@ impl<'a> Section<'a> {
         key: &'static str,
         diagnostics: &mut Vec<Diagnostic>,
     ) -> Option<f64> {
+        self.note(key, Holds::Number(f64::MIN_POSITIVE, f64::INFINITY));
         let (value, span) = self.get(key)?;
         if number_of(value) != Some(0.0) {
             return self.optional_number(key, (f64::MIN_POSITIVE, f64::INFINITY), diagnostics);
@@ -180,6 +245,7 @@ impl<'a> Section<'a> {
         (least, most): (usize, usize),
         diagnostics: &mut Vec<Diagnostic>,
     ) -> usize {
+        self.note(key, Holds::Count(least, most));
         let Some((value, span)) = self.get(key) else {
             return default;
         };
@@ -201,6 +267,10 @@ impl<'a> Section<'a> {
         words: &[(&'static str, T)],
         diagnostics: &mut Vec<Diagnostic>,
     ) -> T {
+        self.note(
+            key,
+            Holds::Choice(words.iter().map(|(word, _)| *word).collect()),
+        );
         let Some((value, span)) = self.get(key) else {
             return default;
         };
@@ -224,6 +294,7 @@ impl<'a> Section<'a> {
         key: &'static str,
         diagnostics: &mut Vec<Diagnostic>,
     ) -> Option<Vec<Spelled>> {
+        self.note(key, Holds::Texts);
         let (value, span) = self.get(key)?;
         let Some(array) = value.as_array() else {
             self.wrong(key, span, "a list of texts", diagnostics);
@@ -245,6 +316,7 @@ impl<'a> Section<'a> {
 
     /// Every key with a text as its value, in the order they are written. Marks all keys as known.
     pub fn all_texts(&mut self, diagnostics: &mut Vec<Diagnostic>) -> Vec<(Spelled, Spelled)> {
+        self.note("NAME", Holds::OwnTexts);
         let mut found = Vec::new();
         for (key, value) in self.entries() {
             match value.0.as_str() {
@@ -267,6 +339,13 @@ impl<'a> Section<'a> {
         diagnostics: &mut Vec<Diagnostic>,
     ) -> Vec<(Spelled, Section<'a>)> {
         let mut found = Vec::new();
+        if self.inquiry.is_some() {
+            let key = Spelled {
+                text: "NAME".to_string(),
+                span: self.span,
+            };
+            found.push((key, self.section("NAME", diagnostics)));
+        }
         for (key, (value, span)) in self.entries() {
             if value.as_table().is_none() {
                 self.wrong(&key.text, span, "a table", diagnostics);
@@ -277,6 +356,7 @@ impl<'a> Section<'a> {
                 table: value.as_table(),
                 span,
                 asked: BTreeSet::new(),
+                inquiry: self.inquiry,
             };
             found.push((key, section));
         }
@@ -285,6 +365,9 @@ impl<'a> Section<'a> {
 
     /// True if the value of this key is a text and not a table.
     pub fn is_text(&mut self, key: &'static str) -> bool {
+        if let Some(inquiry) = self.inquiry {
+            return inquiry.texts;
+        }
         self.get(key).is_some_and(|(value, _)| value.is_str())
     }
 
@@ -359,6 +442,41 @@ pub(super) fn with_number(text: &str, section: &str, key: &str, value: f64) -> S
     }
     let header = format!("[{section}]");
     changed.replacen(&header, &format!("{header}\n{key} = {value:?}"), 1)
+}
+
+/// What a number may be, in words; a bound that only keeps zero out is said as that.
+fn range((least, most): (f64, f64)) -> String {
+    match (least > 0.0 && least < 1e-6, most.is_finite()) {
+        (true, true) => format!("a number more than 0, at most {most}"),
+        (true, false) => "a number more than 0".to_string(),
+        (false, true) => format!("a number from {least} to {most}"),
+        (false, false) => format!("a number, {least} or more"),
+    }
+}
+
+/// What a name that was not found may have meant, and what there is: the help of a complaint.
+///
+/// Ids are compared whole: `BUSHING/3` is no slip of the pen for `BUSHING/2`.
+pub fn meant(word: &str, place: &str, there: &[String]) -> String {
+    const SHOWN: usize = 8;
+    let digits = |text: &str| -> String { text.chars().filter(char::is_ascii_digit).collect() };
+    let alike = there
+        .iter()
+        .map(String::as_str)
+        .filter(|name| digits(name) == digits(word));
+    if let Some(near) = nearest(word, alike) {
+        return format!("did you mean `{near}`?");
+    }
+    // Where there are addresses, names are only compared.
+    let listed =
+        |name: &&String| name.contains('/') || !there.iter().any(|name| name.contains('/'));
+    let there: Vec<&str> = there.iter().filter(listed).map(String::as_str).collect();
+    let names = there[..there.len().min(SHOWN)].join(", ");
+    match there.len() {
+        0 => format!("{place} has none"),
+        n if n > SHOWN => format!("{place} has {names} and {} more", n - SHOWN),
+        _ => format!("{place} has {names}"),
+    }
 }
 
 /// The candidate that differs from `word` by few letters, to ask "did you mean".

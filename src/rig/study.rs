@@ -3,7 +3,7 @@ use std::path::{Component, Path, PathBuf};
 use sha2::Digest;
 use toml::de::DeTable;
 
-use super::section::{Section, Spelled};
+use super::section::{Inquiry, Key, Section, Spelled};
 use super::settings::{
     ChannelSettings, IdentifySettings, RegressionSettings, SolverSettings, WheelSettings,
 };
@@ -73,6 +73,26 @@ impl Study {
         }
     }
 
+    /// Where a key stands in `study.toml`, or the section that should have it, or the beginning of the file.
+    pub fn place(&self, keys: &[&str]) -> Span {
+        let text = String::from_utf8_lossy(self.source.bytes());
+        let (document, _) = DeTable::parse_recoverable(&text);
+        let (mut table, mut span) = (Some(document.get_ref()), Span::at(0));
+        for key in keys {
+            let Some((name, value)) = table.and_then(|table| table.get_key_value(*key)) else {
+                break;
+            };
+            table = value.get_ref().as_table();
+            // The value itself where it is no table, the name of a section otherwise.
+            span = Span::from(if table.is_some() {
+                name.span()
+            } else {
+                value.span()
+            });
+        }
+        span
+    }
+
     /// SHA-256 over every input file, in hexadecimal: two runs with the same value saw the same bytes.
     pub fn inputs_sha256(&self) -> String {
         let tables = [
@@ -101,6 +121,34 @@ impl Study {
     }
 }
 
+/// Every key of `study.toml`, as the reader asks for them.
+pub fn study_keys() -> Vec<Key> {
+    let source = Source::new("study.toml".to_string(), Vec::new());
+    let files = Files {
+        folder: Path::new(""),
+        study: &source,
+    };
+    let mut keys: Vec<Key> = Vec::new();
+    for texts in [false, true] {
+        let inquiry = Inquiry {
+            texts,
+            ..Inquiry::default()
+        };
+        // What an empty study lacks is not the question.
+        let _ = sections(
+            &mut Section::inquiring(&source, &inquiry),
+            &files,
+            &mut Vec::new(),
+        );
+        for key in inquiry.keys.into_inner() {
+            if !keys.contains(&key) {
+                keys.push(key);
+            }
+        }
+    }
+    keys
+}
+
 fn read(folder: &Path, out: &mut Vec<Diagnostic>) -> Option<Study> {
     let folder = if folder.file_name().is_some_and(|name| name == "study.toml") {
         folder
@@ -113,11 +161,7 @@ fn read(folder: &Path, out: &mut Vec<Diagnostic>) -> Option<Study> {
     let source = match Source::read(&path) {
         Ok(source) => source,
         Err(error) => {
-            let text = format!("{} cannot be read: {error}", path.display());
-            out.push(
-                Diagnostic::error(Code::CannotRead, text)
-                    .help("a study is a folder with a file study.toml"),
-            );
+            out.push(no_study(&folder, &path, &error));
             return None;
         }
     };
@@ -152,6 +196,39 @@ fn read(folder: &Path, out: &mut Vec<Diagnostic>) -> Option<Study> {
         folder,
         ..parts
     })
+}
+
+/// Why there is no study here, and how to begin one.
+fn no_study(folder: &Path, path: &Path, error: &std::io::Error) -> Diagnostic {
+    let shown = folder.display();
+    let begin = |deck: &str| {
+        format!(
+            "a study is a folder with a file study.toml; `admire new STUDY --from {deck}` begins one"
+        )
+    };
+    if folder.is_file() {
+        let deck = folder
+            .extension()
+            .is_some_and(|end| end.eq_ignore_ascii_case("adm"));
+        let what = if deck { "a deck" } else { "a file" };
+        let message = format!("`{shown}` is {what}, not the folder of a study");
+        let name = if deck {
+            shown.to_string()
+        } else {
+            "model.adm".to_string()
+        };
+        return Diagnostic::error(Code::CannotRead, message).help(begin(&name));
+    }
+    if !folder.exists() {
+        let message = format!("there is no folder `{shown}`");
+        return Diagnostic::error(Code::CannotRead, message).help(begin("model.adm"));
+    }
+    if !path.exists() {
+        let message = format!("`{shown}` is no study: it has no file study.toml");
+        return Diagnostic::error(Code::CannotRead, message).help(begin("model.adm"));
+    }
+    let text = format!("{} cannot be read: {error}", path.display());
+    Diagnostic::error(Code::CannotRead, text)
 }
 
 /// Reads every section; the caller completes folder and source.

@@ -1,5 +1,6 @@
 use std::collections::BTreeMap;
 
+use super::section::nearest;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::text::{Source, Span};
 
@@ -143,9 +144,28 @@ impl Table {
                 format!("the file has no column {}", words.join(", ")),
             )
             .label(self.source.name(), self.header_span(), "the header line")
-            .help(format!("the header line must name: {}", names.join(","))),
+            .help(match self.slip(missing[0]) {
+                Some(near) => format!(
+                    "is `{near}` meant to be `{}`? the header line must name: {}",
+                    missing[0],
+                    names.join(",")
+                ),
+                None => format!("the header line must name: {}", names.join(",")),
+            }),
         );
         None
+    }
+
+    /// The names of the header line as they are written.
+    pub fn header(&self) -> Vec<String> {
+        self.header.iter().map(|cell| cell.text.clone()).collect()
+    }
+
+    /// The column whose name differs from this one by few letters.
+    fn slip(&self, name: &str) -> Option<&str> {
+        let long = |cell: &&Cell| cell.text.len() > 2;
+        let names = self.header.iter().filter(long);
+        nearest(name, names.map(|cell| cell.text.as_str())).filter(|_| name.len() > 2)
     }
 
     /// The whole header line.

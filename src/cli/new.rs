@@ -1,0 +1,196 @@
+use std::collections::BTreeSet;
+use std::io::{BufRead, IsTerminal, Write};
+use std::path::PathBuf;
+
+use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::model::Model;
+use crate::rig::{Kind, Starter};
+use crate::syntax::Dataset;
+
+use super::Outcome;
+use super::output_folder::{Replacing, refuse_replacing, write_folder};
+use super::shell::{Exit, Shell};
+
+/// Begin a study of a deck: a commented study.toml, tables with the right headings, and what to fill in.
+///
+/// Bushings, loads and a wheel are looked for in the deck, which is copied into the study. On a terminal two questions are asked; an
+/// empty answer takes the proposal, and no question is asked of a script.
+#[derive(clap::Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct Arguments {
+    /// The folder of the study; it is made if missing.
+    study: PathBuf,
+    /// The deck.
+    #[arg(long, value_name = "DECK")]
+    from: PathBuf,
+    /// What was measured; asked on a terminal, marks otherwise.
+    #[arg(long, value_enum, value_delimiter = ',')]
+    measured: Vec<Measured>,
+    /// The bushings to identify, by id; asked on a terminal, all otherwise.
+    #[arg(long, value_delimiter = ',', value_name = "ID")]
+    bushings: Vec<String>,
+    #[command(flatten)]
+    replacing: Replacing,
+}
+
+const EXAMPLES: &str = "Examples:
+  admire new my-axle --from front.adm
+  admire new my-axle --from front.adm --measured marks,wheel --bushings 1,2
+  admire check my-axle                       # what is still missing";
+
+/// `--measured`.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, clap::ValueEnum)]
+enum Measured {
+    /// Marks on parts: coordinate measuring machine, cameras.
+    Marks,
+    /// The wheel, by a K&C rig.
+    Wheel,
+    /// Sensors: string pots, load cells, inclinometers.
+    Readings,
+}
+
+impl From<Measured> for Kind {
+    fn from(measured: Measured) -> Self {
+        match measured {
+            Measured::Marks => Self::Marks,
+            Measured::Wheel => Self::Wheel,
+            Measured::Readings => Self::Readings,
+        }
+    }
+}
+
+/// Looks into the deck, asks and writes.
+pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    let parsed = Dataset::parse(shell.read(&arguments.from)?);
+    let files = shell.read_files(&parsed.value);
+    let lowered = Model::lower_with(&parsed.value, &files.value);
+    let mut complaints = parsed.diagnostics;
+    complaints.extend(files.diagnostics);
+    complaints.extend(lowered.diagnostics);
+    complaints.retain(|complaint| complaint.severity == Severity::Error);
+    shell.complain(&complaints);
+    if !complaints.is_empty() {
+        return Err(Exit::Findings);
+    }
+    let Some(deck) = arguments.from.file_name() else {
+        let message = format!("`{}` is no deck", arguments.from.display());
+        return Err(shell.usage(Diagnostic::error(Code::CannotRead, message)));
+    };
+    let deck = deck.to_string_lossy().into_owned();
+    let starter = Starter::of(&lowered.value);
+    for line in starter.found() {
+        shell.say(&format!("{line}\n"));
+    }
+    let mut kinds: BTreeSet<Kind> = arguments
+        .measured
+        .iter()
+        .map(|kind| (*kind).into())
+        .collect();
+    let all = starter.bushings();
+    let wanted: Vec<&str> = arguments.bushings.iter().map(String::as_str).collect();
+    let Some(mut bushings) = chosen(&wanted, &all) else {
+        let message = format!("the deck has no such bushing: it has {}", all.join(", "));
+        return Err(shell.usage(Diagnostic::error(Code::UndefinedId, message)));
+    };
+    if std::io::stdin().is_terminal() && std::io::stderr().is_terminal() {
+        if kinds.is_empty() {
+            kinds = ask_kinds(shell);
+        }
+        if bushings.is_empty() {
+            bushings = ask_bushings(&all, shell);
+        }
+    }
+    if kinds.is_empty() {
+        kinds.insert(Kind::Marks);
+    }
+    let mut files: Vec<(PathBuf, Vec<u8>)> = starter
+        .files(&deck, &kinds, &bushings)
+        .into_iter()
+        .map(|(name, text)| (PathBuf::from(name), text.into_bytes()))
+        .collect();
+    let here = arguments.study.join(&deck);
+    let is_there = here
+        .canonicalize()
+        .ok()
+        .is_some_and(|there| arguments.from.canonicalize().ok() == Some(there));
+    if !is_there {
+        files.push((PathBuf::from(&deck), parsed.value.bytes().to_vec()));
+    }
+    let names: Vec<&str> = files.iter().filter_map(|(name, _)| name.to_str()).collect();
+    refuse_replacing(&arguments.study, &names, arguments.replacing, shell)?;
+    write_folder(&arguments.study, &files, arguments.replacing, shell)?;
+    let study = arguments.study.display();
+    let mut text = String::new();
+    for (name, _) in &files {
+        text += &format!("{}\n", arguments.study.join(name).display());
+    }
+    text += &format!(
+        "next: look through {}, fill in the tables,\nthen `admire check {study}` says what is still missing\n",
+        arguments.study.join("study.toml").display()
+    );
+    shell.print(&text);
+    Ok(Exit::Fine)
+}
+
+/// A line that a person typed; empty where the input ended.
+fn answer(question: &str, shell: &Shell) -> String {
+    shell.say(question);
+    let _ = std::io::stderr().flush();
+    let mut line = String::new();
+    // Input that ends is an empty answer.
+    let _ = std::io::stdin().lock().read_line(&mut line);
+    line.trim().to_lowercase()
+}
+
+fn ask_kinds(shell: &Shell) -> BTreeSet<Kind> {
+    loop {
+        let line = answer("what was measured: marks, wheel, readings? [marks] ", shell);
+        let words: Vec<&str> = line
+            .split([',', ' '])
+            .filter(|word| !word.is_empty())
+            .collect();
+        let kinds: Option<BTreeSet<Kind>> = words
+            .iter()
+            .map(|word| match *word {
+                "marks" | "m" => Some(Kind::Marks),
+                "wheel" | "w" => Some(Kind::Wheel),
+                "readings" | "r" => Some(Kind::Readings),
+                _ => None,
+            })
+            .collect();
+        match kinds {
+            Some(kinds) => return kinds,
+            None => shell.say("one or more of these words, please\n"),
+        }
+    }
+}
+
+fn ask_bushings(all: &[String], shell: &Shell) -> Vec<String> {
+    if all.len() < 2 {
+        return Vec::new();
+    }
+    loop {
+        let line = answer(
+            &format!("bushings to identify, of {}? [all] ", all.join(", ")),
+            shell,
+        );
+        let wanted: Vec<&str> = line
+            .split([',', ' '])
+            .filter(|word| !word.is_empty() && *word != "all")
+            .collect();
+        match chosen(&wanted, all) {
+            Some(found) => return found,
+            None => shell.say("their ids with commas between, please: 1, 2\n"),
+        }
+    }
+}
+
+/// Bushings by id or address; `None` if one of them is none.
+fn chosen(wanted: &[&str], all: &[String]) -> Option<Vec<String>> {
+    let of = |word: &&str| {
+        let id = word.trim().rsplit('/').next().unwrap_or(word);
+        let same = |name: &&String| name.rsplit('/').next() == Some(id);
+        all.iter().find(same).cloned()
+    };
+    wanted.iter().map(of).collect()
+}

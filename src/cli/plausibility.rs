@@ -1,0 +1,55 @@
+//! The table of plausibility: shown before every fit, which it may refuse.
+
+use comfy_table::{ContentArrangement, Table, presets};
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::identify::LoadedStudy;
+use crate::report::{Plausibility, Verdict};
+
+use super::render::table_text;
+use super::shell::{Exit, Shell};
+
+/// Shows the table beside the answer; a study that cannot be meant ends the command unless it is forced.
+pub(super) fn before_a_fit(loaded: &LoadedStudy, force: bool, shell: &Shell) -> Result<(), Exit> {
+    let found = Plausibility::of(loaded);
+    shell.say(&text(&found));
+    if found.allows_a_fit() {
+        return Ok(());
+    }
+    let why: Vec<&str> = found
+        .checks
+        .iter()
+        .filter(|check| check.verdict == Verdict::Impossible)
+        .map(|check| check.why.as_str())
+        .collect();
+    let message = format!("this cannot be meant: {}", why.join("; "));
+    if force {
+        shell.complain(&[Diagnostic::warning(Code::ImplausibleStudy, message)]);
+        return Ok(());
+    }
+    Err(shell.fail(
+        Diagnostic::error(Code::ImplausibleStudy, message).help("`--force` fits all the same"),
+    ))
+}
+
+/// The table for a terminal.
+pub(super) fn text(found: &Plausibility) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table.set_content_arrangement(ContentArrangement::Dynamic);
+    table.set_width(80);
+    for check in &found.checks {
+        let word = match check.verdict {
+            Verdict::Plausible => "ok",
+            Verdict::Doubtful => "look",
+            Verdict::Impossible => "no",
+        };
+        let told = if check.why.is_empty() {
+            check.found.clone()
+        } else {
+            format!("{}\n-> {}", check.found, check.why)
+        };
+        table.add_row([word, check.what, &told]);
+    }
+    table_text(&table) + "\n"
+}

@@ -1,0 +1,173 @@
+//! How far a command is, on a terminal: stage, count, rate and the time that is left, from half a second on.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use super::shell::Shell;
+
+/// Before this nobody wonders.
+const PATIENCE: Duration = Duration::from_millis(500);
+/// Between two looks.
+const TICK: Duration = Duration::from_millis(120);
+
+/// What is shown: the stage, and how much of it is done.
+#[derive(Clone, Debug, Default)]
+struct State {
+    stage: String,
+    detail: String,
+    /// Done so far, of how many at most, and of what.
+    count: Option<(usize, Option<usize>, &'static str)>,
+}
+
+/// A line on a terminal that says how far a command is; it goes when this is dropped.
+pub(super) struct Progress {
+    state: Arc<Mutex<State>>,
+    ended: Arc<AtomicBool>,
+    painter: Option<JoinHandle<()>>,
+    /// Where nobody watches a terminal and more is asked for, each stage is a line.
+    lines: bool,
+}
+
+impl Progress {
+    /// Begins to show; `look` is asked for the count at every tick, if the command does not tell it.
+    pub fn new(
+        stage: &str,
+        shell: &Shell,
+        look: impl Fn() -> Option<(usize, Option<usize>, &'static str)> + Send + 'static,
+    ) -> Self {
+        let state = Arc::new(Mutex::new(State::default()));
+        let ended = Arc::new(AtomicBool::new(false));
+        let shown = (Arc::clone(&state), Arc::clone(&ended));
+        let painter = shell
+            .shows_progress()
+            .then(|| std::thread::spawn(move || paint(&shown.0, &shown.1, &look)));
+        let progress = Self {
+            state,
+            ended,
+            painter,
+            lines: shell.is_verbose() && !shell.shows_progress(),
+        };
+        progress.stage(stage);
+        progress
+    }
+
+    /// The next stage begins.
+    pub fn stage(&self, stage: &str) {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        if state.stage == stage {
+            return;
+        }
+        state.stage = stage.to_string();
+        if self.lines {
+            eprintln!("{stage}");
+        }
+    }
+
+    /// What there is to say within the stage.
+    pub fn detail(&self, detail: String) {
+        if self.lines {
+            eprintln!("  {detail}");
+        }
+        self.state
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .detail = detail;
+    }
+
+    /// So many of something are done, of at most so many.
+    pub fn count(&self, done: usize, most: Option<usize>, of: &'static str) {
+        self.state
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .count = Some((done, most, of));
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.ended.store(true, Ordering::Relaxed);
+        if let Some(painter) = self.painter.take() {
+            painter.thread().unpark();
+            // A painter that failed has nothing to clean up.
+            let _ = painter.join();
+        }
+    }
+}
+
+/// Paints the line until the end.
+fn paint(
+    state: &Mutex<State>,
+    ended: &AtomicBool,
+    look: &dyn Fn() -> Option<(usize, Option<usize>, &'static str)>,
+) {
+    let began = Instant::now();
+    let style = ProgressStyle::with_template("{spinner} {msg}").expect("the template is valid");
+    let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden()).with_style(style);
+    let mut visible = false;
+    while !ended.load(Ordering::Relaxed) {
+        if !visible && began.elapsed() >= PATIENCE {
+            bar.set_draw_target(ProgressDrawTarget::stderr());
+            visible = true;
+        }
+        let mut now = state.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        now.count = look().or(now.count);
+        bar.set_message(line(&now, began.elapsed()));
+        bar.tick();
+        std::thread::park_timeout(TICK);
+    }
+    bar.finish_and_clear();
+}
+
+/// `search: 812 sweeps · 61/s · at most 36 s more · 13 s`.
+fn line(state: &State, elapsed: Duration) -> String {
+    let mut pieces = Vec::new();
+    if !state.detail.is_empty() {
+        pieces.push(state.detail.clone());
+    }
+    let seconds = elapsed.as_secs_f64();
+    if let Some((done, most, of)) = state.count.filter(|(done, ..)| *done > 0) {
+        let rate = done as f64 / seconds.max(1e-3);
+        pieces.push(match most {
+            Some(most) => format!("{done} of at most {most} {of}"),
+            None => format!("{done} {of}"),
+        });
+        pieces.push(format!("{rate:.0}/s"));
+        if let Some(left) = most.map(|most| most.saturating_sub(done)) {
+            pieces.push(format!("at most {:.0} s more", left as f64 / rate));
+        }
+    }
+    pieces.push(format!("{seconds:.0} s"));
+    format!("{}: {}", state.stage, pieces.join(" · "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_line_tells_stage_count_rate_and_what_is_left() {
+        let state = State {
+            stage: "search".to_string(),
+            detail: String::new(),
+            count: Some((600, Some(3000), "sweeps")),
+        };
+        assert_eq!(
+            line(&state, Duration::from_secs(10)),
+            "search: 600 of at most 3000 sweeps · 60/s · at most 40 s more · 10 s"
+        );
+        assert_eq!(
+            line(
+                &State {
+                    stage: "fit".to_string(),
+                    ..State::default()
+                },
+                Duration::from_secs(2)
+            ),
+            "fit: 2 s"
+        );
+    }
+}

@@ -1,0 +1,518 @@
+//! What a study looks like before anything is fitted: what was found, in which units, and whether it can be meant.
+
+use nalgebra::DMatrix;
+
+use crate::diagnostic::Severity;
+use crate::identify::LoadedStudy;
+use crate::identify::global::gauss_newton::LeastSquares;
+use crate::identify::global::{
+    Observations, Prepared, UNIDENTIFIABLE, fit_unknowns, global_problem,
+};
+use crate::mechanics::Vec3;
+use crate::model::PartKind;
+use crate::model::lint::implausible_units;
+use crate::rig::settings::BackendChoice;
+
+/// What to think of a line.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub enum Verdict {
+    /// As such things are.
+    Plausible,
+    /// Unusual; a person should look.
+    Doubtful,
+    /// Cannot be meant: a fit of this would answer another question.
+    Impossible,
+}
+
+/// One line of the table.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Check {
+    /// What was looked at.
+    pub what: &'static str,
+    /// What it is, with its unit.
+    pub found: String,
+    /// What to think of it.
+    pub verdict: Verdict,
+    /// Why, where it is not plausible.
+    pub why: String,
+}
+
+/// The table.
+#[derive(Clone, Default, PartialEq, Debug)]
+pub struct Plausibility {
+    /// Line by line.
+    pub checks: Vec<Check>,
+}
+
+/// The marks show so many times the stated noise: the study states another unit, or the noise of another sensor.
+const NOISE_IMPOSSIBLE: f64 = 20.0;
+/// So many times more or less is worth a look.
+const NOISE_DOUBTFUL: f64 = 2.0;
+/// A mechanism on a test rig is between these sizes, in metres.
+const SIZE: (f64, f64) = (0.02, 50.0);
+/// All its moving parts together weigh between these, in kilograms.
+const MASS: (f64, f64) = (1e-3, 1e5);
+/// Rubber, joints and links: stiffness in newtons per metre.
+const STIFFNESS: (f64, f64) = (1.0, 1e11);
+/// Marks that move by fewer of their own noise tell nothing.
+const MOVED: f64 = 3.0;
+
+impl Plausibility {
+    /// Looks at a study; the forecast solves all load cases once with the start values.
+    pub fn of(loaded: &LoadedStudy) -> Self {
+        let mut table = Self::default();
+        table.loads(loaded);
+        table.readings(loaded);
+        table.units(loaded);
+        table.sizes(loaded);
+        table.noise(loaded);
+        table.movement(loaded);
+        table.forecast(loaded);
+        table
+    }
+
+    /// True if nothing speaks against a fit.
+    pub fn allows_a_fit(&self) -> bool {
+        self.checks
+            .iter()
+            .all(|check| check.verdict != Verdict::Impossible)
+    }
+
+    fn add(&mut self, what: &'static str, found: String, verdict: Verdict, why: impl Into<String>) {
+        let why = if verdict == Verdict::Plausible {
+            String::new()
+        } else {
+            why.into()
+        };
+        self.checks.push(Check {
+            what,
+            found,
+            verdict,
+            why,
+        });
+    }
+
+    fn loads(&mut self, loaded: &LoadedStudy) {
+        let cases = &loaded.measurement.cases;
+        let mut constant = Vec::new();
+        let mut ranges = Vec::new();
+        for (at, load) in loaded.programme.loads.iter().enumerate() {
+            let values = || cases.iter().map(|case| case.loads[at]);
+            let (least, most) = (
+                values().fold(f64::INFINITY, f64::min),
+                values().fold(f64::NEG_INFINITY, f64::max),
+            );
+            ranges.push(format!("{} {least} to {most}", load.name));
+            if least == most {
+                constant.push(load.name.clone());
+            }
+        }
+        let verdict = if constant.len() == ranges.len() && cases.len() > 1 {
+            Verdict::Doubtful
+        } else {
+            Verdict::Plausible
+        };
+        self.add(
+            "load cases",
+            format!("{}: {}", cases.len(), ranges.join(", ")),
+            verdict,
+            "no load ever changes",
+        );
+    }
+
+    fn readings(&mut self, loaded: &LoadedStudy) {
+        let to = &loaded.measurement;
+        let marks: usize = to.parts.iter().map(|part| part.marks.len()).sum();
+        if marks > 0 {
+            let read: usize = to.cases.iter().map(|case| case.marks.len()).sum();
+            self.counted(
+                "marks",
+                format!("{marks} on {} parts", to.parts.len()),
+                read,
+                marks * to.cases.len(),
+            );
+        }
+        if to.wheel.is_some()
+            && loaded
+                .study
+                .wheel
+                .as_ref()
+                .is_some_and(|(_, table)| table.is_some())
+        {
+            let read = to.cases.iter().filter(|case| case.wheel.is_some()).count();
+            self.counted("wheel", String::new(), read, to.cases.len());
+        }
+        if !to.channels.is_empty() {
+            let read: usize = to
+                .cases
+                .iter()
+                .map(|case| case.channels.iter().flatten().count())
+                .sum();
+            self.counted(
+                "channels",
+                format!("{}", to.channels.len()),
+                read,
+                to.channels.len() * to.cases.len(),
+            );
+        }
+    }
+
+    /// So many readings of as many as there could be.
+    fn counted(&mut self, what: &'static str, of: String, read: usize, full: usize) {
+        let verdict = if 2 * read < full {
+            Verdict::Doubtful
+        } else {
+            Verdict::Plausible
+        };
+        let of = if of.is_empty() { of } else { format!("{of}, ") };
+        let text = if read == full {
+            format!("{of}{read} readings, none missing")
+        } else {
+            format!("{of}{read} readings, {} missing", full - read)
+        };
+        self.add(
+            what,
+            text,
+            verdict,
+            "more than half of the readings are missing",
+        );
+    }
+
+    fn units(&mut self, loaded: &LoadedStudy) {
+        let units = &loaded.model.units;
+        let mut found = format!(
+            "{}, {}, {}, {}",
+            units.force.word, units.mass.word, units.length.word, units.time.word
+        );
+        let mut verdict = Verdict::Plausible;
+        let mut why = String::new();
+        if !units.stated {
+            found += " (not stated)";
+            verdict = Verdict::Doubtful;
+            why = "the deck states no UNITS; these are taken".to_string();
+        }
+        if let Some(complaint) = implausible_units(&loaded.dataset, &loaded.model) {
+            verdict = if complaint.severity == Severity::Error {
+                Verdict::Impossible
+            } else {
+                Verdict::Doubtful
+            };
+            why = complaint.message;
+        }
+        self.add("units", found, verdict, why);
+    }
+
+    fn sizes(&mut self, loaded: &LoadedStudy) {
+        let (model, units) = (&loaded.model, &loaded.model.units);
+        let design: Vec<Vec3> = model
+            .markers
+            .iter()
+            .filter(|marker| !marker.floating)
+            .filter(|marker| model.parts[marker.part.0].kind != PartKind::Ground)
+            .map(|marker| model.parts[marker.part.0].pose.point(&marker.qp))
+            .collect();
+        let size = diagonal(&design);
+        let factor = if units.stated { units.length.si } else { 1e-3 };
+        let judge = |value: f64, (least, most): (f64, f64)| {
+            if value < least || value > most {
+                Verdict::Doubtful
+            } else {
+                Verdict::Plausible
+            }
+        };
+        self.add(
+            "mechanism",
+            format!("{} {} across", short(size), units.length.word),
+            judge(size * factor, SIZE),
+            "no axle has this size: is the length unit right?",
+        );
+        let mass: f64 = model
+            .parts
+            .iter()
+            .filter(|part| part.kind != PartKind::Ground)
+            .map(|part| part.mass)
+            .sum();
+        if mass > 0.0 {
+            let kilograms = mass * if units.stated { units.mass.si } else { 1.0 };
+            self.add(
+                "moving mass",
+                format!("{} {}", short(mass), units.mass.word),
+                judge(kilograms, MASS),
+                "is the mass unit right?",
+            );
+        }
+        let of_deck: Vec<f64> = model
+            .bushings
+            .iter()
+            .flat_map(|bushing| bushing.k)
+            .filter(|k| *k > 0.0)
+            .collect();
+        if let (Some(least), Some(most)) = (least(&of_deck), most(&of_deck)) {
+            let si = if units.stated {
+                units.force.si / units.length.si
+            } else {
+                1e3
+            };
+            let verdict = judge(least * si, STIFFNESS).max(judge(most * si, STIFFNESS));
+            self.add(
+                "bushings",
+                format!(
+                    "{} to {} {}/{}",
+                    short(least),
+                    short(most),
+                    units.force.word,
+                    units.length.word
+                ),
+                verdict,
+                "no rubber is so soft or so stiff: are force and length in these units?",
+            );
+        }
+    }
+
+    fn noise(&mut self, loaded: &LoadedStudy) {
+        let to = &loaded.measurement;
+        let length = loaded.model.units.length.word;
+        if to.parts.is_empty() {
+            return;
+        }
+        let shown = rigidity(loaded);
+        let repeats = repeats(loaded);
+        let stated = if to.sigma_estimated {
+            format!("{} {length}, taken from the marks", short(to.sigma))
+        } else {
+            format!("{} {length} stated", short(to.sigma))
+        };
+        let mut found = stated;
+        if let Some(shown) = shown {
+            found += &format!("; parts that stay rigid show {}", short(shown));
+        }
+        if let Some((repeats, count)) = repeats {
+            found += &format!("; {count} repeated loads show {}", short(repeats));
+        }
+        let ratio = shown
+            .filter(|_| !to.sigma_estimated && to.sigma > 0.0)
+            .map_or(1.0, |shown| shown / to.sigma);
+        let (verdict, why) = if ratio > NOISE_IMPOSSIBLE {
+            (
+                Verdict::Impossible,
+                format!(
+                    "the marks scatter {ratio:.0} times as much as marks.sigma says: remove the key, or put it right"
+                ),
+            )
+        } else if ratio > NOISE_DOUBTFUL {
+            (
+                Verdict::Doubtful,
+                format!("the marks scatter {ratio:.1} times as much as marks.sigma says"),
+            )
+        } else if ratio < 1.0 / NOISE_DOUBTFUL && to.sigma > 1e-3 {
+            (
+                Verdict::Doubtful,
+                "the marks scatter much less than marks.sigma says".to_string(),
+            )
+        } else {
+            (Verdict::Plausible, String::new())
+        };
+        self.add("noise of a mark", found, verdict, why);
+    }
+
+    fn movement(&mut self, loaded: &LoadedStudy) {
+        let to = &loaded.measurement;
+        let mut largest: f64 = 0.0;
+        for (part, marked) in to.parts.iter().enumerate() {
+            for mark in 0..marked.marks.len() {
+                let all: Vec<Vec3> = to
+                    .cases
+                    .iter()
+                    .flat_map(|case| &case.marks)
+                    .filter(|read| (read.part, read.mark) == (part, mark))
+                    .map(|read| read.x)
+                    .collect();
+                largest = largest.max(diagonal(&all));
+            }
+        }
+        if to.parts.is_empty() || to.cases.len() < 2 {
+            return;
+        }
+        let times = if to.sigma > 0.0 {
+            format!(", {:.0} times the noise", largest / to.sigma)
+        } else {
+            String::new()
+        };
+        let verdict = if largest < MOVED * to.sigma {
+            Verdict::Doubtful
+        } else {
+            Verdict::Plausible
+        };
+        self.add(
+            "largest movement",
+            format!(
+                "{} {}{times}",
+                short(largest),
+                loaded.model.units.length.word
+            ),
+            verdict,
+            "no mark moves more than its noise: are the load cases those of the readings?",
+        );
+    }
+
+    /// How well each number sought would be known if the start values were true.
+    fn forecast(&mut self, loaded: &LoadedStudy) {
+        let count = loaded.unknowns.len();
+        if count == 0 || loaded.study.solver.backend != BackendChoice::Native {
+            return;
+        }
+        let Some(sd) = forecast(loaded) else {
+            self.add(
+                "forecast",
+                "the start values give no equilibrium in some load case".to_string(),
+                Verdict::Doubtful,
+                "other start values may: identify.initial",
+            );
+            return;
+        };
+        let open: Vec<String> = sd
+            .iter()
+            .zip(&loaded.unknowns)
+            .filter(|(sd, _)| **sd > UNIDENTIFIABLE)
+            .map(|(_, unknown)| unknown.address.to_string())
+            .collect();
+        let mut found = format!(
+            "{} of {count} numbers can be identified",
+            count - open.len()
+        );
+        if !open.is_empty() {
+            let shown = open[..open.len().min(6)].join(", ");
+            let more = if open.len() > 6 {
+                format!(" and {} more", open.len() - 6)
+            } else {
+                String::new()
+            };
+            found += &format!("; not {shown}{more}");
+        }
+        let verdict = if open.len() == count {
+            Verdict::Doubtful
+        } else {
+            Verdict::Plausible
+        };
+        self.add(
+            "forecast",
+            found,
+            verdict,
+            "at the start values the readings tell none of them",
+        );
+    }
+}
+
+/// Posterior sd of ln K of each number sought, linearised at the start values.
+fn forecast(loaded: &LoadedStudy) -> Option<Vec<f64>> {
+    let problem = loaded.problem();
+    let prepared = Prepared::new(&problem).ok()?;
+    let cases: Vec<usize> = problem.measurement.fitted_cases().collect();
+    let observations = Observations::new(problem.measurement, problem.model, &cases);
+    let unknowns = fit_unknowns(&problem, &prepared.system, None);
+    let predictor = prepared
+        .native(&problem, observations.observed.clone())
+        .ok()?;
+    let mut global = global_problem(&problem, observations, unknowns, Box::new(predictor));
+    let start = global.start();
+    let J = global.evaluate(&start, true)?.jacobian;
+    // In units of each prior the information of the priors is the identity.
+    let sd: Vec<f64> = global
+        .priors()
+        .iter()
+        .map(|prior| if prior.sd.is_finite() { prior.sd } else { 1e6 })
+        .collect();
+    let mut scaled = J;
+    for (mut column, sd) in scaled.column_iter_mut().zip(&sd) {
+        column *= *sd;
+    }
+    let information = scaled.transpose() * &scaled + DMatrix::identity(sd.len(), sd.len());
+    let covariance = nalgebra::Cholesky::new(information)?.inverse();
+    let of = |k: usize| covariance[(k, k)].sqrt() * sd[k];
+    Some((0..loaded.unknowns.len()).map(of).collect())
+}
+
+/// Sd of a coordinate that the fits of rigid parts to their marks show; fits that stand out are left out.
+fn rigidity(loaded: &LoadedStudy) -> Option<f64> {
+    let to = &loaded.measurement;
+    let mut spreads: Vec<(f64, usize)> = Vec::new();
+    for case in 0..to.cases.len() {
+        for part in 0..to.parts.len() {
+            let Ok(fit) = to.orientation(case, part) else {
+                continue;
+            };
+            if fit.dof > 0 {
+                spreads.push((fit.residuals.iter().map(Vec3::norm_squared).sum(), fit.dof));
+            }
+        }
+    }
+    let each = |(squares, dof): &(f64, usize)| (squares / *dof as f64).sqrt();
+    spreads.sort_by(|a, b| each(a).total_cmp(&each(b)));
+    let typical = each(spreads.get(spreads.len() / 2)?);
+    spreads.retain(|spread| each(spread) <= 4.0 * typical);
+    let (squares, dof) = spreads
+        .iter()
+        .fold((0.0, 0), |(a, n), (b, m)| (a + b, n + m));
+    (dof >= 6).then(|| (squares / dof as f64).sqrt())
+}
+
+/// Sd of a coordinate that cases with the same loads show, and how many of them follow another of the same loads.
+fn repeats(loaded: &LoadedStudy) -> Option<(f64, usize)> {
+    let cases = &loaded.measurement.cases;
+    let (mut squares, mut count, mut pairs) = (0.0, 0_usize, 0);
+    for second in 1..cases.len() {
+        let Some(first) = (0..second)
+            .rev()
+            .find(|first| cases[*first].loads == cases[second].loads)
+        else {
+            continue;
+        };
+        pairs += 1;
+        for a in &cases[first].marks {
+            let same = cases[second]
+                .marks
+                .iter()
+                .find(|b| (a.part, a.mark) == (b.part, b.mark));
+            if let Some(b) = same {
+                squares += (a.x - b.x).norm_squared();
+                count += 3;
+            }
+        }
+    }
+    // A difference has twice the variance of a reading.
+    (count > 0).then(|| ((squares / (2 * count) as f64).sqrt(), pairs))
+}
+
+/// The diagonal of the box that holds these points.
+fn diagonal(points: &[Vec3]) -> f64 {
+    let Some(first) = points.first() else {
+        return 0.0;
+    };
+    let (mut least, mut most) = (*first, *first);
+    for point in points {
+        least = least.inf(point);
+        most = most.sup(point);
+    }
+    (most - least).norm()
+}
+
+fn least(values: &[f64]) -> Option<f64> {
+    values.iter().copied().min_by(f64::total_cmp)
+}
+
+fn most(values: &[f64]) -> Option<f64> {
+    values.iter().copied().max_by(f64::total_cmp)
+}
+
+/// Three digits that count.
+fn short(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    let digits = 2 - value.abs().log10().floor() as i32;
+    if (-3..=6).contains(&digits) {
+        format!("{value:.*}", digits.max(0) as usize)
+    } else {
+        format!("{value:.2e}")
+    }
+}

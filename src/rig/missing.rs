@@ -1,0 +1,50 @@
+//! What a study still lacks before anything can be computed from it.
+
+use super::study::Study;
+use super::table::Table;
+
+/// What to fill in, in order, one sentence each; empty when every table of the study holds rows.
+pub fn missing(study: &Study) -> Vec<String> {
+    let mut steps = Vec::new();
+    if study.columns.is_empty() {
+        steps.push(
+            "study.toml: `loads.columns` names no load; say what each column of the load cases drives"
+                .to_string(),
+        );
+    }
+    let mut empty = |table: &Table, what: &str| {
+        if table.rows().is_empty() {
+            steps.push(format!("{}: {what}", table.source.name()));
+        }
+    };
+    empty(
+        &study.loads,
+        "one row per load case, in the order they were applied",
+    );
+    if let Some(marks) = &study.marks {
+        empty(
+            &marks.on_parts,
+            "where each mark sits on its part, three or more a part",
+        );
+        empty(&marks.measured, "where each mark was in each load case");
+    }
+    if let Some((_, Some(wheel))) = &study.wheel {
+        empty(wheel, "place and angles of the wheel in each load case");
+    }
+    if let Some((readings, _)) = &study.readings {
+        empty(readings, "what each channel read in each load case");
+    }
+    let measured = study.marks.is_some()
+        || study.readings.is_some()
+        || study
+            .wheel
+            .as_ref()
+            .is_some_and(|(_, table)| table.is_some());
+    if !measured {
+        steps.push(
+            "study.toml: nothing is measured; give [marks], a measured [wheel] or [readings]"
+                .to_string(),
+        );
+    }
+    steps
+}

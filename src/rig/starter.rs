@@ -1,0 +1,493 @@
+//! The beginning of a study: what a deck says of itself, written as a commented `study.toml` with tables to fill in.
+
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+
+use super::schema::schema;
+use crate::mechanics::Vec3;
+use crate::model::{Function, MarkerIx, Model, Part, PartKind, SforceKind};
+use crate::syntax::expression::Node;
+
+/// What was measured.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub enum Kind {
+    /// Marks on parts, by a coordinate measuring machine or cameras.
+    Marks,
+    /// The wheel, by a K&C rig.
+    Wheel,
+    /// Any scalar a sensor gives.
+    Readings,
+}
+
+/// A load a deck may be driven by.
+#[derive(Clone, PartialEq, Debug)]
+struct Driven {
+    /// The name of its column.
+    column: String,
+    /// What it drives.
+    target: String,
+    /// What it is, in words.
+    what: String,
+}
+
+/// The beginning of a study of one deck.
+#[derive(Clone, Debug)]
+pub struct Starter<'a> {
+    model: &'a Model,
+    loads: Vec<Driven>,
+    /// The marker that looks most like the centre of a wheel.
+    wheel: Option<MarkerIx>,
+}
+
+/// Words that parts and markers at a wheel carry in their names.
+const WHEEL_WORDS: [&str; 9] = [
+    "wheel", "hub", "knuckle", "upright", "spindle", "carrier", "tire", "tyre", "rim",
+];
+
+impl<'a> Starter<'a> {
+    /// Looks for loads and a wheel.
+    pub fn of(model: &'a Model) -> Self {
+        let loads = loads(model);
+        Self {
+            wheel: wheel(model),
+            model,
+            loads,
+        }
+    }
+
+    /// Addresses of the bushings that can be identified.
+    pub fn bushings(&self) -> Vec<String> {
+        let address = |found: &crate::model::Bushing| format!("BUSHING/{}", found.header.id);
+        self.model.bushings.iter().map(address).collect()
+    }
+
+    /// What was found, one line each.
+    pub fn found(&self) -> Vec<String> {
+        let many = |list: Vec<String>, none: &str| {
+            if list.is_empty() {
+                none.to_string()
+            } else {
+                list.join(", ")
+            }
+        };
+        let loads = self.loads.iter().map(|load| load.target.clone()).collect();
+        let wheel = self.wheel.map(|at| self.marker(at)).into_iter().collect();
+        vec![
+            format!(
+                "bushings  {}",
+                many(
+                    self.bushings(),
+                    "none: name other numbers in identify.stiffnesses"
+                )
+            ),
+            format!(
+                "loads     {}",
+                many(
+                    loads,
+                    "none with a number as its FUNCTION: name them in loads.columns"
+                )
+            ),
+            format!(
+                "wheel     {}",
+                many(wheel, "no part or marker looks like one")
+            ),
+        ]
+    }
+
+    fn marker(&self, at: MarkerIx) -> String {
+        let marker = &self.model.markers[at.0];
+        let part = &self.model.parts[marker.part.0].header.name;
+        format!("MARKER/{} on {part}", marker.header.id)
+    }
+
+    /// The files of a study: names and texts. `bushings`: those to identify, all if empty.
+    pub fn files(
+        &self,
+        deck: &str,
+        kinds: &BTreeSet<Kind>,
+        bushings: &[String],
+    ) -> Vec<(String, String)> {
+        let mut files = vec![
+            ("study.toml".to_string(), self.toml(deck, kinds, bushings)),
+            ("load_cases.csv".to_string(), self.load_cases()),
+        ];
+        let parts = self.parts();
+        if kinds.contains(&Kind::Marks) {
+            let on_parts = format!(
+                "part,mark,x,y,z\n# Where each mark sits on its part, in the part's own frame; {}.\n# Three or more marks a part, not on one line.\n# part is one of: {parts}\n# {},1,10.0,-20.0,5.0\n",
+                self.length(),
+                self.example_part(),
+            );
+            files.push(("marks_on_parts.csv".to_string(), on_parts));
+            let measured = format!(
+                "case,part,mark,x,y,z\n# Where each mark was in each load case, in the ground frame; {}.\n# 1,{},1,110.0,-620.0,205.0\n",
+                self.length(),
+                self.example_part(),
+            );
+            files.push(("marks_measured.csv".to_string(), measured));
+        }
+        if kinds.contains(&Kind::Wheel) {
+            let text = format!(
+                "case,x,y,z,camber_deg,steer_deg\n# The wheel's centre in the ground frame, {}; angles from the design position, see `admire guide study`.\n# 1,0.4,-720.1,305.2,-0.31,0.05\n",
+                self.length()
+            );
+            files.push(("wheel.csv".to_string(), text));
+        }
+        if kinds.contains(&Kind::Readings) {
+            files.push((
+                "readings.csv".to_string(),
+                "case,top_height\n# One column per channel of [readings.channels]; an empty cell is a missing reading.\n# 1,305.2\n".to_string(),
+            ));
+        }
+        let schema = serde_json::to_string_pretty(&schema()).expect("a schema prints");
+        files.push(("study.schema.json".to_string(), schema + "\n"));
+        files
+    }
+
+    fn length(&self) -> String {
+        format!("in {}", self.model.units.length.word)
+    }
+
+    fn rigid(&self) -> impl Iterator<Item = &Part> {
+        self.model
+            .parts
+            .iter()
+            .filter(|part| part.kind != PartKind::Ground)
+    }
+
+    fn parts(&self) -> String {
+        let name = |part: &Part| {
+            let (id, name) = (part.header.id, &part.header.name);
+            if name.is_empty() {
+                id.to_string()
+            } else {
+                format!("{name} ({id})")
+            }
+        };
+        self.rigid().map(name).collect::<Vec<_>>().join(", ")
+    }
+
+    fn example_part(&self) -> String {
+        let first = self.rigid().next();
+        first.map_or_else(
+            || "1".to_string(),
+            |part| {
+                let plain =
+                    !part.header.name.is_empty() && !part.header.name.contains([',', '"', ';']);
+                if plain {
+                    part.header.name.clone()
+                } else {
+                    part.header.id.to_string()
+                }
+            },
+        )
+    }
+
+    fn load_cases(&self) -> String {
+        let columns: Vec<&str> = self.loads.iter().map(|load| load.column.as_str()).collect();
+        let mut text = format!("case,{}\n", columns.join(","));
+        text += "# One row per load case, in the order they were applied on the rig; friction depends on it.\n";
+        for load in &self.loads {
+            writeln!(text, "# {}: {}", load.column, load.what).expect("writing to a string");
+        }
+        let vertical = columns
+            .iter()
+            .position(|name| *name == "vertical")
+            .unwrap_or(0);
+        let example: Vec<&str> = (0..columns.len())
+            .map(|at| if at == vertical { "1500" } else { "0" })
+            .collect();
+        text + &format!("# 1,{}\n", example.join(","))
+    }
+
+    fn toml(&self, deck: &str, kinds: &BTreeSet<Kind>, bushings: &[String]) -> String {
+        let mut text = format!(
+            "#:schema ./study.schema.json
+# A study: one model, the loads of a rig, what was measured on it.
+# `admire check .` says what is still missing; `admire guide study` explains the format, `admire explain KEY` a key.
+
+[model]
+deck = {}
+
+[loads]
+file = \"load_cases.csv\"             # case,<one column per load>, in the order of application
+",
+            quoted(deck)
+        );
+        if self.loads.is_empty() {
+            text += "# FILL IN: what each column drives, for example { vertical = \"SFORCE/3\", lateral = \"GFORCE/1.FY\", lift = \"MOTION/1\" }\ncolumns = {}\n";
+        } else {
+            let columns: Vec<String> = self
+                .loads
+                .iter()
+                .map(|load| format!("{} = {}", load.column, quoted(&load.target)))
+                .collect();
+            text += "# Found in the deck; take out what the rig does not drive, rename columns as you like.\n";
+            text += &format!("columns = {{ {} }}\n", columns.join(", "));
+        }
+        if kinds.contains(&Kind::Marks) {
+            text += "
+[marks]                             # marks on parts, measured by a coordinate measuring machine or cameras
+on_parts = \"marks_on_parts.csv\"     # part,mark,x,y,z       in each part's own frame
+measured = \"marks_measured.csv\"     # case,part,mark,x,y,z  in the ground frame
+# sigma = 0.05                      # standard deviation of one coordinate; without it the marks themselves tell
+";
+        }
+        if kinds.contains(&Kind::Wheel) {
+            text += "\n[wheel]                             # what a K&C rig reads at the wheel\n";
+            match self.wheel {
+                Some(at) => {
+                    let marker = &self.model.markers[at.0];
+                    text += &format!(
+                        "marker = \"MARKER/{}\"                # looks like the wheel's centre: {}; CHECK\naxis = \"{}\"\n",
+                        marker.header.id,
+                        self.marker(at),
+                        self.spin_axis(at)
+                    );
+                }
+                None => {
+                    text += "marker = \"MARKER/?\"                 # FILL IN: a marker at the wheel's centre, on the carrier\naxis = \"y\"                         # its axis the wheel spins about\n";
+                }
+            }
+            text += "measured = \"wheel.csv\"              # case,x,y,z,camber_deg,steer_deg\n# sigma = { position = 0.05, angle_deg = 0.01 }\n";
+        }
+        if kinds.contains(&Kind::Readings) {
+            let marker = self.wheel.map_or_else(
+                || "11".to_string(),
+                |at| self.model.markers[at.0].header.id.to_string(),
+            );
+            text += &format!(
+                "
+[readings]                          # any scalar a sensor gives, as an ADAMS function of the deck
+file = \"readings.csv\"               # case,<one column per channel>
+[readings.channels]
+top_height = {{ function = \"DZ({marker})\", sigma = 0.1, unit = \"{}\" }}   # FILL IN: your own channels
+",
+                self.model.units.length.word
+            );
+        }
+        let all = self.bushings();
+        let chosen = if bushings.is_empty() {
+            &all[..]
+        } else {
+            bushings
+        };
+        text += "\n[identify]\n";
+        if chosen.is_empty() {
+            text += "# FILL IN: the numbers to identify, for example\n# stiffnesses = [\"SPRINGDAMPER/1.K\"]\n";
+        } else {
+            let names: Vec<String> = chosen.iter().map(|name| quoted(name)).collect();
+            text += &format!(
+                "bushings = [{}]   # the six stiffnesses of each are sought\n",
+                names.join(", ")
+            );
+        }
+        let sound = self
+            .model
+            .bushings
+            .iter()
+            .all(|bushing| bushing.k.iter().chain(&bushing.kt).all(|k| *k > 0.0));
+        if sound && !all.is_empty() {
+            text += "initial = \"deck\"                   # start at the deck's values; or { translational = 1.0e4, rotational_per_degree = 1.0e4 }\n";
+        } else {
+            text += "initial = { translational = 1.0e4, rotational_per_degree = 1.0e4 }   # where they start\n";
+        }
+        text += "# symmetry = { default = \"radial-z\" }   # round bushings: Kx = Ky, KTx = KTy
+
+# [validate]
+# hold_out = [\"3\", \"7\"]             # cases no fit sees, to test the answer on
+";
+        text
+    }
+
+    /// The axis of a marker that points most across the car.
+    fn spin_axis(&self, at: MarkerIx) -> &'static str {
+        let marker = &self.model.markers[at.0];
+        let part = &self.model.parts[marker.part.0].pose;
+        let turned = part.R * marker.R;
+        let across = |axis: &usize| turned[(1, *axis)].abs();
+        let best = (0..3).max_by(|a, b| across(a).total_cmp(&across(b)));
+        ["x", "y", "z"][best.unwrap_or(1)]
+    }
+}
+
+/// A text of TOML in quotes.
+fn quoted(text: &str) -> String {
+    format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
+}
+
+/// True for a FUNCTION that is only a number: nothing but a load case would drive it.
+fn is_number(function: &Function) -> bool {
+    let Function::Expression(expression) = function else {
+        return false;
+    };
+    match &expression.root {
+        Node::Literal(_) => true,
+        Node::Negate(inner) => matches!(**inner, Node::Literal(_)),
+        _ => false,
+    }
+}
+
+fn loads(model: &Model) -> Vec<Driven> {
+    let mut found = Vec::new();
+    let mut taken = BTreeSet::from(["case".to_string()]);
+    let mut add = |name: &str, usual: String, target: String, what: String| {
+        let wanted = if column(name).is_empty() {
+            usual
+        } else {
+            column(name)
+        };
+        let mut free = wanted.clone();
+        let mut count = 2;
+        while !taken.insert(free.clone()) {
+            free = format!("{wanted}_{count}");
+            count += 1;
+        }
+        found.push(Driven {
+            column: free,
+            target,
+            what,
+        });
+    };
+    for force in model
+        .sforces
+        .iter()
+        .filter(|force| force.header.active && is_number(&force.function))
+    {
+        let rotational = force.kind == SforceKind::Rotational;
+        let along = sforce_direction(model, force.i, force.j, force.action_only || rotational);
+        let usual = along.and_then(direction).map_or_else(
+            || format!("sforce_{}", force.header.id),
+            |word| {
+                if rotational {
+                    format!("{word}_torque")
+                } else {
+                    word.to_string()
+                }
+            },
+        );
+        let unit = if rotational {
+            "torque"
+        } else {
+            model.units.force.word
+        };
+        let on = &model.parts[model.markers[force.i.0].part.0].header.name;
+        let along = along.map_or_else(String::new, |d| {
+            format!(" along ({:.2}, {:.2}, {:.2}) of ground", d.x, d.y, d.z)
+        });
+        add(
+            "",
+            usual,
+            format!("SFORCE/{}", force.header.id),
+            format!(
+                "{unit} of SFORCE/{} on {on}{along} at design",
+                force.header.id
+            ),
+        );
+    }
+    for force in model
+        .vector_forces
+        .iter()
+        .filter(|force| force.header.active)
+    {
+        let kind = format!("{:?}", force.kind).to_uppercase();
+        let on = &model.parts[model.markers[force.i.0].part.0].header.name;
+        for (component, word) in force
+            .components
+            .iter()
+            .zip(["FX", "FY", "FZ", "TX", "TY", "TZ"])
+        {
+            if component.as_ref().is_some_and(is_number) {
+                add(
+                    "",
+                    format!("{}_{}", kind.to_lowercase(), word.to_lowercase()),
+                    format!("{kind}/{}.{word}", force.header.id),
+                    format!("{word} of {kind}/{} on {on}", force.header.id),
+                );
+            }
+        }
+    }
+    for motion in model
+        .motions
+        .iter()
+        .filter(|motion| motion.header.active && is_number(&motion.function))
+    {
+        let id = motion.header.id;
+        add(
+            &motion.header.name,
+            format!("motion_{id}"),
+            format!("MOTION/{id}"),
+            format!("displacement that MOTION/{id} prescribes"),
+        );
+    }
+    found
+}
+
+/// The direction of an SFORCE at design, in ground: the z axis of J, or the line of the two markers.
+fn sforce_direction(model: &Model, i: MarkerIx, j: MarkerIx, along_j: bool) -> Option<Vec3> {
+    let [i, j] = [i, j].map(|at| {
+        let marker = &model.markers[at.0];
+        let part = &model.parts[marker.part.0].pose;
+        (part.point(&marker.qp), part.R * marker.R)
+    });
+    let line = if along_j {
+        Vec3::from(j.1.column(2))
+    } else {
+        i.0 - j.0
+    };
+    line.try_normalize(1e-9)
+}
+
+/// A word for a direction that is close to an axis of ground.
+fn direction(along: Vec3) -> Option<&'static str> {
+    let words = ["longitudinal", "lateral", "vertical"];
+    (0..3)
+        .find(|&axis| along[axis].abs() > 0.9)
+        .map(|axis| words[axis])
+}
+
+/// A view name as the name of a column.
+fn column(name: &str) -> String {
+    let last = name.rsplit('.').next().unwrap_or_default();
+    let plain = |c: char| {
+        if c.is_ascii_alphanumeric() {
+            c.to_ascii_lowercase()
+        } else {
+            '_'
+        }
+    };
+    last.chars()
+        .map(plain)
+        .collect::<String>()
+        .trim_matches('_')
+        .to_string()
+}
+
+/// How many words of a wheel a name holds.
+fn wheel_words(name: &str) -> usize {
+    let name = name.to_lowercase();
+    WHEEL_WORDS
+        .iter()
+        .filter(|word| name.contains(**word))
+        .count()
+}
+
+/// The marker that looks most like the centre of a wheel: by its own name, on a part named like one, or where most loads act.
+fn wheel(model: &Model) -> Option<MarkerIx> {
+    let score = |at: usize| {
+        let marker = &model.markers[at];
+        let part = &model.parts[marker.part.0];
+        if part.kind == PartKind::Ground || marker.floating || part.cm == Some(MarkerIx(at)) {
+            return 0;
+        }
+        let name = marker.header.name.to_lowercase();
+        let own = wheel_words(&name);
+        let centre = own > 0 && ["cent", "wc"].iter().any(|word| name.contains(word));
+        let scalar = model.sforces.iter().filter(|force| force.i.0 == at);
+        let vector = model.vector_forces.iter().filter(|force| force.i.0 == at);
+        let loaded = scalar.count() + vector.count();
+        8 * own + 4 * usize::from(centre) + 3 * wheel_words(&part.header.name) + 2 * loaded.min(3)
+    };
+    let best = (0..model.markers.len()).max_by_key(|&at| (score(at), std::cmp::Reverse(at)))?;
+    (score(best) > 2).then_some(MarkerIx(best))
+}

@@ -1,0 +1,113 @@
+use std::collections::BTreeSet;
+
+use serde_json::Value;
+
+use super::run::{admire, copied};
+
+/// Fields whose own fields are names of the study: addresses, loads, parameters of a cause, groups of tolerances.
+const OWN_NAMES: [&str; 4] = ["combination", "parameters", "std_error", "case"];
+
+fn fields(value: &Value, path: &str, found: &mut BTreeSet<String>) {
+    match value {
+        Value::Object(object) => {
+            for (key, value) in object {
+                let last = path.rsplit('.').next().unwrap_or_default();
+                if path == "tolerances" {
+                    fields(value, path, found);
+                    continue;
+                }
+                if !path.is_empty()
+                    && OWN_NAMES.contains(&last)
+                    && !value.is_array()
+                    && !value.is_object()
+                    && (last != "parameters" || path.contains("findings"))
+                    && path.contains('.')
+                {
+                    continue;
+                }
+                let whole = if path.is_empty() {
+                    key.clone()
+                } else {
+                    format!("{path}.{key}")
+                };
+                found.insert(whole.clone());
+                fields(value, &whole, found);
+            }
+        }
+        Value::Array(items) => items.iter().for_each(|item| fields(item, path, found)),
+        _ => {}
+    }
+}
+
+/// Whatever stands in an answer is explained by `admire explain`.
+#[test]
+fn every_field_of_the_answers_is_explained() {
+    // An axle with a wheel and cases held out; and one whose tie rod yields.
+    let (folder, _study) = copied("kc-experiment");
+    let identified = admire(folder.path(), &["identify", "study", "--out", "out"]);
+    assert_eq!(identified.code, 0, "{}", identified.err);
+    let (other, _study) = copied("pseudo-mcpherson");
+    let effect = "link-compliance@PART/6:stiffness=6000";
+    let measured = admire(
+        other.path(),
+        &[
+            "rig",
+            "study",
+            "--out",
+            "measured",
+            "--programme",
+            "up-and-down",
+            "--effect",
+            effect,
+        ],
+    );
+    assert_eq!(measured.code, 0, "{}", measured.err);
+    let diagnosed = admire(other.path(), &["diagnose", "measured", "--out", "out"]);
+    assert_eq!(diagnosed.code, 0, "{}", diagnosed.err);
+    let mut found = BTreeSet::new();
+    for path in [
+        folder.path().join("out/identification.json"),
+        other.path().join("out/diagnosis.json"),
+    ] {
+        let text = std::fs::read_to_string(path).unwrap();
+        fields(&serde_json::from_str(&text).unwrap(), "", &mut found);
+    }
+    assert!(found.len() > 60, "{found:?}");
+    let lacking: Vec<&String> = found
+        .iter()
+        .filter(|field| !admire::guide::glossary::entries().any(|entry| entry.term == **field))
+        .collect();
+    assert!(lacking.is_empty(), "{lacking:?}");
+    let said = admire(
+        folder.path(),
+        &["explain", "findings.gain.held_out_rms_after"],
+    );
+    assert_eq!(said.code, 0, "{}", said.err);
+}
+
+/// The causes are those the code names in `diagnosis.json`.
+#[test]
+fn every_cause_is_explained() {
+    let code = include_str!("../../src/discrepancy/cause.rs");
+    let causes: Vec<&str> = code
+        .lines()
+        .filter_map(|line| {
+            line.trim()
+                .strip_prefix("Self::")?
+                .split_once("=> \"")?
+                .1
+                .strip_suffix("\",")
+        })
+        .collect();
+    assert!(causes.len() >= 18, "{causes:?}");
+    let folder = tempfile::tempdir().unwrap();
+    for cause in causes {
+        let said = admire(folder.path(), &["explain", cause]);
+        assert_eq!(said.code, 0, "{cause}");
+        assert!(
+            said.out.contains("address:") && said.out.contains("meaning:"),
+            "{}",
+            said.out
+        );
+    }
+}

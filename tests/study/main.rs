@@ -1,0 +1,7 @@
+//! From a deck to a diagnosed study, as a person goes: what is begun, asked, refused and explained on the way.
+
+mod explaining;
+mod messages;
+mod new_study;
+mod run;
+mod tutorial;

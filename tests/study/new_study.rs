@@ -1,0 +1,153 @@
+use admire::rig::Study;
+
+use super::run::{admire, change, copied, corpus};
+
+/// A deck alone becomes a study: loads, bushings and the wheel are found, and what is missing is said in order.
+#[test]
+fn a_study_begins_with_a_deck() {
+    let folder = tempfile::tempdir().unwrap();
+    let deck = corpus("pseudo-mcpherson/model.adm");
+    let deck = deck.to_str().unwrap();
+    let said = admire(
+        folder.path(),
+        &[
+            "new",
+            "axle",
+            "--from",
+            deck,
+            "--measured",
+            "marks,wheel,readings",
+        ],
+    );
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert!(
+        said.err.contains("SFORCE/1, SFORCE/2, SFORCE/3"),
+        "{}",
+        said.err
+    );
+    let study = folder.path().join("axle");
+    let read = Study::read(&study);
+    assert!(!read.has_errors(), "{:?}", read.diagnostics);
+    let read = read.value.unwrap();
+    let columns: Vec<(&str, &str)> = read
+        .columns
+        .iter()
+        .map(|(name, target)| (name.text.as_str(), target.text.as_str()))
+        .collect();
+    assert_eq!(
+        columns,
+        [
+            ("longitudinal", "SFORCE/1"),
+            ("lateral", "SFORCE/2"),
+            ("vertical", "SFORCE/3")
+        ]
+    );
+    assert!(read.wheel.is_some() && read.readings.is_some());
+    let said = admire(folder.path(), &["check", "axle"]);
+    assert_eq!(said.code, 1);
+    let order = [
+        "load_cases.csv",
+        "marks_on_parts.csv",
+        "marks_measured.csv",
+        "wheel.csv",
+        "readings.csv",
+    ];
+    let places: Vec<usize> = order
+        .iter()
+        .map(|name| {
+            said.err
+                .find(&format!("{name}: "))
+                .unwrap_or_else(|| panic!("{name}: {}", said.err))
+        })
+        .collect();
+    assert!(places.is_sorted(), "{}", said.err);
+    // Nothing of the user's is replaced unasked.
+    change(
+        &study.join("study.toml"),
+        "deck = \"model.adm\"",
+        "deck = \"model.adm\" # mine",
+    );
+    let said = admire(folder.path(), &["new", "axle", "--from", deck]);
+    assert_eq!(said.code, 1, "{}", said.out);
+    assert!(
+        std::fs::read_to_string(study.join("study.toml"))
+            .unwrap()
+            .contains("# mine")
+    );
+}
+
+/// A deck that is in its study already stays where it is; one with errors begins nothing.
+#[test]
+fn a_deck_stays_in_its_own_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::copy(
+        corpus("double-wishbone/model.adm"),
+        folder.path().join("front.adm"),
+    )
+    .unwrap();
+    let said = admire(folder.path(), &["new", ".", "--from", "front.adm"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert!(folder.path().join("study.toml").is_file());
+    std::fs::write(folder.path().join("bad.adm"), "t\nMARKER/1, PART=9\nEND\n").unwrap();
+    let said = admire(folder.path(), &["new", "other", "--from", "bad.adm"]);
+    assert_eq!(said.code, 1);
+    assert!(said.err.contains("PART/9 is not defined"), "{}", said.err);
+    assert!(!folder.path().join("other").exists());
+    let said = admire(
+        folder.path(),
+        &["new", "other", "--from", "front.adm", "--bushings", "999"],
+    );
+    assert_eq!(said.code, 2, "{}", said.err);
+}
+
+/// The table of plausibility comes before the fit, and refuses noise that is stated three orders too small.
+#[test]
+fn a_study_that_cannot_be_meant_is_refused_before_the_fit() {
+    let (folder, study) = copied("pseudo-mcpherson");
+    let fit = |more: &[&str]| {
+        let arguments = [
+            &["identify", "study", "--out", "out", "--method", "direct"],
+            more,
+        ]
+        .concat();
+        admire(folder.path(), &arguments)
+    };
+    let said = fit(&[]);
+    assert!(
+        said.err.contains("noise of a mark") && said.err.contains("forecast"),
+        "{}",
+        said.err
+    );
+    assert_eq!(fit(&["-q"]).err.find("forecast"), None);
+    change(&study.join("study.toml"), "sigma = 0.05", "sigma = 5e-5");
+    let said = fit(&[]);
+    assert_eq!(said.code, 1, "{}", said.out);
+    assert!(
+        said.err.contains("times as much as marks.sigma says") && said.err.contains("--force"),
+        "{}",
+        said.err
+    );
+    let said = fit(&["--force"]);
+    assert!(said.code == 0 || said.code == 3, "{}", said.err);
+    assert!(folder.path().join("out/report.html").is_file());
+}
+
+/// Millimetres taken for metres: the lint of the deck says so, and so does the table.
+#[test]
+fn a_unit_slip_of_the_deck_is_seen() {
+    let (folder, study) = copied("pseudo-mcpherson");
+    let deck = study.join("model.adm");
+    let text = std::fs::read_to_string(&deck).unwrap();
+    let changed = text
+        .replace("LENGTH = MILLIMETER", "LENGTH = METER")
+        .replace("LENGTH=MILLIMETER", "LENGTH=METER");
+    assert_ne!(text, changed);
+    std::fs::write(&deck, changed).unwrap();
+    let said = admire(folder.path(), &["check", "study"]);
+    assert!(
+        said.err.contains("no axle has this size"),
+        "{}\n{}",
+        said.out,
+        said.err
+    );
+}

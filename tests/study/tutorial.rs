@@ -1,0 +1,60 @@
+use std::path::Path;
+use std::process::Command;
+
+use admire::guide;
+
+/// The words of a text, whatever the line ends.
+fn words(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// The commands of the tutorial run as they are printed, one after the other, and say what the page says they say.
+#[test]
+#[cfg(unix)]
+fn the_tutorial_runs_as_it_is_printed() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    std::os::unix::fs::symlink(root.join("corpus"), folder.path().join("corpus")).unwrap();
+    let programs = Path::new(env!("CARGO_BIN_EXE_admire")).parent().unwrap();
+    let path = std::env::var("PATH").unwrap_or_default();
+    let page = guide::page("tutorial").expect("the page");
+    let mut commands = 0;
+    for block in page.text.split("```console\n").skip(1) {
+        let block = block.split("```").next().unwrap();
+        for piece in block.split("$ ").skip(1) {
+            let (command, expected) = piece.split_once('\n').unwrap();
+            let run = Command::new("sh")
+                .args(["-c", &format!("{{ {command}; }} 2>&1")])
+                .current_dir(folder.path())
+                .env("PATH", format!("{}:{path}", programs.display()))
+                .stdin(std::process::Stdio::null())
+                .output()
+                .unwrap();
+            let said = words(&String::from_utf8_lossy(&run.stdout));
+            assert!(run.status.success(), "{command}: {said}");
+            for line in expected.lines() {
+                assert!(
+                    said.contains(&words(line)),
+                    "{command}\nsays no `{line}`:\n{said}"
+                );
+            }
+            commands += 1;
+        }
+    }
+    assert!(commands >= 10, "{commands}");
+    let diagnosis = folder.path().join("target/lesson/diagnosed/diagnosis.json");
+    let text = std::fs::read_to_string(diagnosis).unwrap();
+    let found: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let first = &found["findings"][0];
+    assert_eq!(
+        (first["cause"].as_str(), first["address"].as_str()),
+        (Some("link-compliance"), Some("PART/6"))
+    );
+    // What was planted: 6000 N/mm.
+    let compliance = first["parameters"]["compliance"].as_f64().unwrap();
+    let error = first["std_error"]["compliance"].as_f64().unwrap();
+    assert!(
+        (compliance - 1.0 / 6000.0).abs() < 3.0 * error,
+        "{compliance} +- {error}"
+    );
+}
