@@ -3,6 +3,7 @@ use std::sync::Arc;
 
 use super::averaged::averaged;
 use super::cause::Cause;
+use super::cross_validation::Folds;
 use super::diagnosis::{
     BaselineFit, Diagnosis, Evidence, Finding, Gain, Indistinguishable, NoiseFound, ToleranceFound,
     Unexplained, Verdict,
@@ -13,6 +14,7 @@ use super::hypothesis::Hypothesis;
 use super::limits::detection_limits;
 use super::next_measurement::next_measurement;
 use super::progress::Progress;
+use super::remainder::remainder;
 use super::search::{Found, Visited, search};
 use super::stiffness::{CorrectedStiffness, corrected};
 use super::structure::{StructureTest, structure};
@@ -131,6 +133,12 @@ pub fn diagnose_watched<'a>(
     } else {
         Verdict::Consistent
     };
+    if unexplained.structured {
+        unexplained.remainder = remainder(&subject, &leading);
+    }
+    let cross_validation = (!findings.is_empty())
+        .then(|| Folds::new(&subject)?.validate(&none, &found.models))
+        .flatten();
     let mut listed = faults_of_marks(&subject);
     listed.append(&mut findings);
     let baseline_rms = tests.and_then(|[before, _]| before?.marks_rms);
@@ -151,6 +159,7 @@ pub fn diagnose_watched<'a>(
                 estimated: subject.noise.estimated,
                 dof: subject.tails.map(|tails| tails.nu),
             },
+            cross_validation,
             unexplained,
             next_measurement: next,
             interrupted: found.cut_short,
@@ -246,6 +255,7 @@ fn findings(
     let after_test = after
         .as_ref()
         .and_then(|blind| blind.test(subject, leading));
+    let folds = Folds::new(subject);
     let of = |k: usize| {
         let h = &leading.chosen[k];
         let mut rivals: Vec<Indistinguishable> = Vec::new();
@@ -279,6 +289,10 @@ fn findings(
             without.at_sizes(&leading.sizes)
         };
         let (marks, wheel) = moved(subject, &leading.misfit, &misfit);
+        let advantage = folds
+            .as_ref()
+            .filter(|_| h.only_case(&subject.rows).is_none())
+            .and_then(|folds| folds.advantage(leading, &without));
         let numbers = leading.estimates(k);
         let count = numbers.len();
         let finding = Finding {
@@ -307,6 +321,7 @@ fn findings(
                 held_out_rms_before: before_test.and_then(|test| test.marks_rms),
                 held_out_rms_after: after_test.and_then(|test| test.marks_rms),
                 held_out_p_value: after_test.map(|test| test.p_value),
+                cross_validated_nats: advantage,
             },
         };
         let group = probability
@@ -318,7 +333,14 @@ fn findings(
         (finding, group, k)
     };
     let mut out: Vec<(Finding, f64, usize)> = (0..leading.chosen.len()).map(of).collect();
-    out.retain(|(_, group, _)| *group > NAMED);
+    // What makes the prediction of other cases worse is no cause.
+    out.retain(|(finding, group, _)| {
+        *group > NAMED
+            && finding
+                .gain
+                .cross_validated_nats
+                .is_none_or(|nats| nats > 0.0)
+    });
     out.sort_by(|(a, ..), (b, ..)| {
         a.minor
             .cmp(&b.minor)
@@ -477,6 +499,7 @@ fn unexplained(after: &[StructureTest]) -> Unexplained {
             .filter(|test| test.p_value * count < STRUCTURED)
             .map(|test| format!("{} (p = {:.1e})", test.what, test.p_value))
             .collect(),
+        remainder: None,
     }
 }
 

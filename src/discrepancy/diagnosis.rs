@@ -3,6 +3,8 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::cause::Cause;
+use super::cross_validation::CrossValidation;
+use super::remainder::Remainder;
 use crate::identify::Status;
 pub use crate::identify::{NoiseFound, ToleranceFound};
 
@@ -64,6 +66,8 @@ pub struct Gain {
     pub held_out_rms_after: Option<f64>,
     /// Whether the held-out readings agree with the prediction and its own covariance.
     pub held_out_p_value: Option<f64>,
+    /// By how many nats groups of cases are predicted better with it, each from the others; `None` for what acts in one case alone.
+    pub cross_validated_nats: Option<f64>,
 }
 
 /// One thing that is wrong.
@@ -105,6 +109,8 @@ pub struct Unexplained {
     /// Where it is, one sentence each. For the report only.
     #[serde(skip)]
     pub places: Vec<String>,
+    /// The extra force that it looks most like; `None` where no place stands out.
+    pub remainder: Option<Remainder>,
 }
 
 /// A measurement that would tell rivals apart.
@@ -167,6 +173,8 @@ pub struct Diagnosis {
     pub noise: NoiseFound,
     /// What could not be seen: how far off each hardpoint has to be.
     pub detection_limits: Vec<DetectionLimit>,
+    /// Groups of cases, each predicted from the others with causes chosen anew; `None` with too few cases or no finding.
+    pub cross_validation: Option<CrossValidation>,
     /// What remains.
     pub unexplained: Unexplained,
     /// What to measure next.

@@ -226,6 +226,11 @@ pub fn number(kind: &str, id: u32, argument: &str, index: Option<usize>) -> Addr
     }
 }
 
+/// How the address of a bushing's component ends: `K.1` to `KT.3`.
+pub fn component(axis: usize) -> String {
+    format!("{}.{}", ["K", "KT"][axis / 3], axis % 3 + 1)
+}
+
 /// Names of six components.
 pub const SIX: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
 /// Components of a vector force.

@@ -4,12 +4,13 @@
 //! the virtual rig are not known here.
 //!
 //! One direction: `subject` (what was read, and its tolerances) and `hypothesis` (data) <- `unknowns` <- `fit` <- `survey` <- `causes`,
-//! `columns` <- `scan` <- `search` <- `folds`, `structure`, `averaged` <- `diagnose`, and what shows its outcome.
+//! `columns` <- `scan` <- `search` <- `folds`, `cross_validation`, `structure`, `remainder`, `averaged` <- `diagnose`, and what shows its outcome.
 
 mod averaged;
 mod cause;
 mod causes;
 mod columns;
+mod cross_validation;
 mod diagnose;
 mod diagnosis;
 mod extended_deck;
@@ -21,6 +22,7 @@ mod influence;
 mod limits;
 mod next_measurement;
 mod progress;
+mod remainder;
 mod scan;
 mod search;
 mod stiffness;
@@ -34,6 +36,7 @@ mod wheel_run;
 mod words;
 
 pub use cause::Cause;
+pub use cross_validation::{CrossValidation, GroupGain};
 pub use diagnose::{Outcome, diagnose, diagnose_watched, held_out};
 pub use diagnosis::{
     BaselineFit, DetectionLimit, Diagnosis, Evidence, Finding, Gain, Indistinguishable,
@@ -43,6 +46,7 @@ pub use fit::{Estimate, Fitted, Plain};
 pub use folds::{Blind, HeldOutTest, marks_gain};
 pub use hypothesis::Hypothesis;
 pub use progress::Progress;
+pub use remainder::{Over, Remainder, RemainderPoint};
 pub use stiffness::CorrectedStiffness;
 pub use structure::StructureTest;
 pub use subject::{Data, SWEEPS, Subject};

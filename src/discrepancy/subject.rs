@@ -212,14 +212,20 @@ impl<'a> Subject<'a> {
 
     /// What brings rows to independence, over the cases of this data.
     pub fn whitening(&self, data: Data) -> Whitening {
+        self.whitening_of(&|case| data == Data::All || !self.held_out[case])
+    }
+
+    /// What brings rows to independence, over the cases that are seen.
+    pub fn whitening_of(&self, is_seen: &dyn Fn(usize) -> bool) -> Whitening {
         let precision: Vec<f64> = self
             .rows
             .iter()
             .zip(&self.precision)
-            .map(|(row, precision)| {
-                let seen = data == Data::All || !self.held_out[row.case()];
-                if seen { *precision } else { 0.0 }
-            })
+            .map(
+                |(row, precision)| {
+                    if is_seen(row.case()) { *precision } else { 0.0 }
+                },
+            )
             .collect();
         Whitening::new(&self.blocks, &self.single, &precision, &self.sizes)
     }

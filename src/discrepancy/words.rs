@@ -5,6 +5,7 @@ use super::diagnose::Outcome;
 use super::diagnosis::ToleranceFound;
 use super::fit::Fitted;
 use super::folds::Blind;
+use super::remainder::{Over, RemainderPoint};
 use crate::identify::global::Row;
 
 /// A bias is worth a sentence from so many of its standard errors on.
@@ -12,6 +13,8 @@ const NOTABLE: f64 = 2.0;
 
 /// A size whose logarithm moves by less says nothing.
 const SEEN: f64 = 0.05;
+/// A place for what remains is named as a rival when it is so few nats behind.
+const RIVAL_PLACE: f64 = 5.0;
 /// So many failing tests are listed.
 const LISTED: usize = 6;
 
@@ -27,6 +30,7 @@ impl Outcome<'_> {
         out.extend(self.exactness());
         out.extend(self.probabilities());
         out.extend(self.gained());
+        out.extend(self.cross_validated());
         out.extend(self.biases());
         if let Some(next) = &self.diagnosis.next_measurement {
             let loads = next
@@ -47,6 +51,7 @@ impl Outcome<'_> {
             let more = places.len() - LISTED;
             out.push(format!("{more} more tests of structure fail."));
         }
+        out.extend(self.remains());
         if self.cut_short {
             let sweeps = self.subject.sweeps();
             out.push(format!(
@@ -322,7 +327,72 @@ impl Outcome<'_> {
             after.chi_square / after.dof as f64,
             after.p_value
         ));
-        Some(format!("On cases no fit saw {}.", parts.join(", ")))
+        Some(format!("On the cases held out {}.", parts.join(", ")))
+    }
+
+    /// The extra force that what is left looks most like.
+    fn remains(&self) -> Option<String> {
+        let found = self.diagnosis.unexplained.remainder.as_ref()?;
+        let over = match (&found.load, found.over) {
+            (Some(load), _) => format!("{load} changes"),
+            (None, Over::Order) => "the cases follow each other".to_string(),
+            (None, _) => "it deflects".to_string(),
+        };
+        let by_force = |a: &&RemainderPoint, b: &&RemainderPoint| a.force.total_cmp(&b.force);
+        let least = found.points.iter().min_by(by_force)?;
+        let most = found.points.iter().max_by(by_force)?;
+        let at = |point: &RemainderPoint| {
+            format!(
+                "{:.3} +- {:.3} in case {}",
+                point.force, point.std_error, point.case
+            )
+        };
+        let rival = match &found.next {
+            Some((address, behind)) if *behind < RIVAL_PLACE => {
+                format!("; {address} does nearly as well")
+            }
+            _ => String::new(),
+        };
+        Some(format!(
+            "What remains is most like an extra force at {} that varies smoothly as {over}, from {} to {}: it takes up {:.0} percent of it{rival}.",
+            found.address,
+            at(least),
+            at(most),
+            100.0 * found.share
+        ))
+    }
+
+    /// What groups of cases say that are predicted from the others.
+    fn cross_validated(&self) -> Vec<String> {
+        let Some(found) = &self.diagnosis.cross_validation else {
+            return Vec::new();
+        };
+        let what = match found.of {
+            "mark" => "the rms of the marks goes",
+            _ => "the rms in units of the noise goes",
+        };
+        let mut out = vec![format!(
+            "In {} groups of cases, each predicted from the others with the causes chosen anew, {what} from {:.4} to {:.4} (by {:.4} +- {:.4}).",
+            found.groups.len(),
+            found.rms_before,
+            found.rms_after,
+            found.gain,
+            found.gain_std_error
+        )];
+        if let Some(groups) = found.spread() {
+            let [least, most] = groups.map(|group| {
+                format!(
+                    "from {:.4} to {:.4} for {}",
+                    group.rms_before,
+                    group.rms_after,
+                    labels(&group.cases)
+                )
+            });
+            out.push(format!(
+                "The gain depends on the cases that are held out: least {least}, most {most}."
+            ));
+        }
+        out
     }
 
     /// Rms of each channel in the cases held out.
@@ -376,6 +446,17 @@ impl Outcome<'_> {
             })
             .collect();
         (!listed.is_empty()).then(|| format!("The wrong model had {}.", listed.join(", ")))
+    }
+}
+
+/// `case 7`, `cases 1 to 8` of the first and last, `cases 1, 4, 9`.
+fn labels(cases: &[String]) -> String {
+    match cases {
+        [one] => format!("case {one}"),
+        [first, .., last] if cases.len() > 6 => {
+            format!("{} cases from {first} to {last}", cases.len())
+        }
+        _ => format!("cases {}", cases.join(", ")),
     }
 }
 

@@ -5,7 +5,7 @@ use crate::mechanics::Vec6;
 
 use super::super::cause::Cause;
 use super::super::hypothesis::{
-    Change, Column, FORCES, Hypothesis, MemoryPlan, Number, Unknown, number,
+    Change, Column, FORCES, Hypothesis, MemoryPlan, Number, Unknown, component, number,
 };
 use super::super::survey::{Survey, statement};
 
@@ -55,7 +55,7 @@ pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                     variable(place, "0.0".to_string()),
                     variable(flow, format!("{rate}")),
                 ];
-                let address = format!("BUSHING/{}.{}", bushing.header.id, super::component(axis));
+                let address = format!("BUSHING/{}.{}", bushing.header.id, component(axis));
                 let plain = Hypothesis::plain(Cause::Creep, address, form, vec![share, part]);
                 out.push(Hypothesis {
                     one_sided: true,

@@ -7,7 +7,9 @@ use crate::identify::global::Carries;
 use crate::model::{JointKind, MarkerIx};
 
 use super::super::cause::Cause;
-use super::super::hypothesis::{Change, Column, Hypothesis, MemoryPlan, Number, Unknown, number};
+use super::super::hypothesis::{
+    Change, Column, Hypothesis, MemoryPlan, Number, Unknown, component, number,
+};
 use super::super::survey::Survey;
 
 use super::super::survey::statement;
@@ -49,7 +51,7 @@ pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
         let deflections = survey.bushing_deflections(k);
         for axis in 0..6 {
             let u: Vec<f64> = deflections.iter().map(|d| d[axis]).collect();
-            let address = format!("BUSHING/{}.{}", bushing.header.id, super::component(axis));
+            let address = format!("BUSHING/{}.{}", bushing.header.id, component(axis));
             put(survey, &address, ((bushing.i, bushing.j), axis), &u, out);
         }
     }

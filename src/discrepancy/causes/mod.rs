@@ -64,8 +64,3 @@ pub fn all(survey: &Survey<'_>) -> Vec<Hypothesis> {
     }
     out
 }
-
-/// How the address of a bushing's component ends.
-fn component(axis: usize) -> String {
-    format!("{}.{}", ["K", "KT"][axis / 3], axis % 3 + 1)
-}

@@ -3,7 +3,7 @@
 use crate::mechanics::Vec6;
 
 use super::super::cause::Cause;
-use super::super::hypothesis::{Change, Column, Hypothesis, Number, Unknown, number};
+use super::super::hypothesis::{Change, Column, Hypothesis, Number, Unknown, component, number};
 use super::super::survey::Survey;
 
 /// Powers of the deflection beside the linear one; the force is odd.
@@ -67,7 +67,7 @@ pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 });
                 out.push(Hypothesis {
                     cause: Cause::ProgressiveStiffness,
-                    address: format!("BUSHING/{id}.{}", super::component(axis)),
+                    address: format!("BUSHING/{id}.{}", component(axis)),
                     members: Vec::new(),
                     side: "",
                     form,

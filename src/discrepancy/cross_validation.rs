@@ -1,0 +1,322 @@
+//! Groups of cases, each predicted from the others, with the causes chosen anew from what the others say.
+//!
+//! Each fitted model is refitted in its linear model to the rows of the other groups; the one of greatest evidence there predicts the
+//! group. Which models were fitted, and where they were linearised, is what the search over all cases left.
+//!
+//! The logarithm of the density with which a model predicts a group from the rest is `ln Z(all) - ln Z(rest)`, both at the same sizes.
+//! Source: the chain rule of probabilities; MacKay, Neural Computation 4 (1992) 415.
+
+use std::sync::Arc;
+
+use nalgebra::DVector;
+use serde::Serialize;
+
+use super::fit::Fitted;
+use super::search::Visited;
+use super::subject::Subject;
+use crate::backend::LoadCase;
+use crate::identify::global::Row;
+
+/// Groups at most; the smallest are put together.
+const MOST: usize = 6;
+/// Groups of one kind of load are cut into so many, where there is one kind only.
+const BLOCKS: usize = 4;
+/// Cases that are needed at all.
+const LEAST: usize = 4;
+/// A load is at its usual value within this part of its range.
+const USUAL: f64 = 1e-3;
+/// Gains of groups that lie further apart than so many times the gain of all depend on the cases.
+const APART: f64 = 1.5;
+
+/// One group, predicted from the others.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct GroupGain {
+    /// Labels of its cases.
+    pub cases: Vec<String>,
+    /// Causes that the other groups chose, `cause address`.
+    pub causes: Vec<String>,
+    /// Rms of what is predicted, by the model without any cause.
+    pub rms_before: f64,
+    /// The same by the model that was chosen.
+    pub rms_after: f64,
+}
+
+/// All groups.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct CrossValidation {
+    /// `mark` if the rms is that of a mark coordinate in the deck's length unit, `noise` if of all readings in units of their noise.
+    pub of: &'static str,
+    /// Over all groups, without any cause.
+    pub rms_before: f64,
+    /// Over all groups, each by the model that the others chose.
+    pub rms_after: f64,
+    /// By how much it falls.
+    pub gain: f64,
+    /// Standard error of that: the groups are left out one after the other (jackknife).
+    pub gain_std_error: f64,
+    /// The groups.
+    pub groups: Vec<GroupGain>,
+}
+
+impl CrossValidation {
+    /// The groups that gain least and most, where it matters which cases are held out.
+    pub fn spread(&self) -> Option<[&GroupGain; 2]> {
+        let gain = |group: &&GroupGain| group.rms_before - group.rms_after;
+        let by_gain = |a: &&GroupGain, b: &&GroupGain| gain(a).total_cmp(&gain(b));
+        let least = self.groups.iter().min_by(by_gain)?;
+        let most = self.groups.iter().max_by(by_gain)?;
+        let apart = gain(&most) - gain(&least);
+        (self.gain > 0.0 && apart > APART * self.gain).then_some([least, most])
+    }
+}
+
+/// Cases with the same loads away from their usual values, in the order of first application; cases at the usual loads belong to what
+/// was applied before them. One kind only is cut into blocks of neighbours. Empty with too few cases.
+pub fn groups(cases: &[LoadCase]) -> Vec<Vec<usize>> {
+    if cases.len() < LEAST {
+        return Vec::new();
+    }
+    let loads = cases.first().map_or(0, |case| case.values.len());
+    let usual: Vec<(f64, f64)> = (0..loads)
+        .map(|k| {
+            let mut values: Vec<f64> = cases.iter().map(|case| case.values[k]).collect();
+            values.sort_by(f64::total_cmp);
+            let range = values[values.len() - 1] - values[0];
+            (most_frequent(&values, USUAL * range), USUAL * range)
+        })
+        .collect();
+    let signature = |case: &LoadCase| -> Vec<i8> {
+        let pairs = case.values.iter().zip(&usual);
+        pairs
+            .map(|(value, (usual, near))| match value - usual {
+                off if off > *near => 1,
+                off if off < -near => -1,
+                _ => 0,
+            })
+            .collect()
+    };
+    let mut found: Vec<(Vec<i8>, Vec<usize>)> = Vec::new();
+    let mut waiting: Vec<usize> = Vec::new();
+    let mut last: Option<usize> = None;
+    for (k, case) in cases.iter().enumerate() {
+        let own = signature(case);
+        if own.iter().all(|sign| *sign == 0) {
+            match last {
+                Some(at) => found[at].1.push(k),
+                None => waiting.push(k),
+            }
+            continue;
+        }
+        let at = found.iter().position(|(of, _)| *of == own);
+        let at = at.unwrap_or_else(|| {
+            found.push((own, std::mem::take(&mut waiting)));
+            found.len() - 1
+        });
+        found[at].1.push(k);
+        last = Some(at);
+    }
+    let mut groups: Vec<Vec<usize>> = found.into_iter().map(|(_, cases)| cases).collect();
+    if groups.len() < 2 {
+        let size = cases.len().div_ceil(BLOCKS);
+        let all: Vec<usize> = (0..cases.len()).collect();
+        return all.chunks(size).map(<[usize]>::to_vec).collect();
+    }
+    while groups.len() > MOST {
+        groups.sort_by_key(|group| std::cmp::Reverse(group.len()));
+        let smallest = groups.pop().unwrap_or_default();
+        if let Some(next) = groups.last_mut() {
+            next.extend(smallest);
+            next.sort_unstable();
+        }
+    }
+    groups.sort_by_key(|group| group.first().copied());
+    groups
+}
+
+/// The value that most of these sorted ones are near.
+fn most_frequent(sorted: &[f64], near: f64) -> f64 {
+    let count = |value: f64| sorted.iter().filter(|v| (*v - value).abs() <= near).count();
+    let mut best = (0, 0.0);
+    for value in sorted {
+        let own = count(*value);
+        if own > best.0 {
+            best = (own, *value);
+        }
+    }
+    best.1
+}
+
+/// Models as the rest of the cases see them.
+pub struct Folds<'a> {
+    subject: &'a Subject<'a>,
+    groups: Vec<Vec<usize>>,
+}
+
+/// A model refitted to the rest of a group.
+struct Refit {
+    misfit: DVector<f64>,
+    /// Evidence of the rest.
+    ln_z: f64,
+}
+
+impl<'a> Folds<'a> {
+    /// Over the cases of a study; `None` with too few.
+    pub fn new(subject: &'a Subject<'a>) -> Option<Self> {
+        let groups = groups(&subject.problem.programme.cases);
+        (!groups.is_empty()).then_some(Self { subject, groups })
+    }
+
+    fn without(&self, fitted: &Fitted, group: usize) -> Option<Refit> {
+        let whitening = self
+            .subject
+            .whitening_of(&|case| !self.groups[group].contains(&case));
+        let (misfit, posterior) = fitted.linearly(&whitening)?;
+        Some(Refit {
+            misfit,
+            ln_z: posterior.ln_z,
+        })
+    }
+
+    /// By how many nats a model predicts the groups, each from the others, better than another.
+    pub fn advantage(&self, fitted: &Fitted, other: &Fitted) -> Option<f64> {
+        let score = |fitted: &Fitted| -> Option<f64> {
+            let mut sum = 0.0;
+            for group in 0..self.groups.len() {
+                sum += fitted.posterior.ln_z - self.without(fitted, group)?.ln_z;
+            }
+            Some(sum)
+        };
+        Some(score(fitted)? - score(other)?)
+    }
+
+    /// The rows of a group that are compared, and what one unit of them is.
+    fn rows(&self, group: usize) -> impl Iterator<Item = usize> + '_ {
+        let subject = self.subject;
+        let marks = !subject.problem.measurement.parts.is_empty();
+        let rows = subject.rows.iter().enumerate();
+        rows.filter(move |(k, row)| {
+            subject.precision[*k] > 0.0
+                && self.groups[group].contains(&row.case())
+                && (!marks || matches!(row, Row::Mark { .. }))
+        })
+        .map(|(k, _)| k)
+    }
+
+    /// Predicts each group by the model that the others choose.
+    pub fn validate(
+        &self,
+        none: &Arc<Fitted>,
+        models: &[(Visited, f64)],
+    ) -> Option<CrossValidation> {
+        let subject = self.subject;
+        let marks = !subject.problem.measurement.parts.is_empty();
+        let (of, unit) = if marks {
+            ("mark", subject.sigma)
+        } else {
+            ("noise", 1.0)
+        };
+        let mut out = Vec::new();
+        let mut sums: Vec<[f64; 3]> = Vec::new();
+        for group in 0..self.groups.len() {
+            let before = self.without(none, group)?;
+            let mut best: Option<(f64, Refit, &Fitted)> = None;
+            for fitted in models.iter().filter_map(|(m, _)| m.fitted.as_deref()) {
+                let Some(refit) = self.without(fitted, group) else {
+                    continue;
+                };
+                let value = refit.ln_z + fitted.ln_prior();
+                if best.as_ref().is_none_or(|(most, ..)| value > *most) {
+                    best = Some((value, refit, fitted));
+                }
+            }
+            let (_, after, chosen) = best?;
+            let square = |misfit: &DVector<f64>| -> f64 {
+                self.rows(group).map(|k| misfit[k].powi(2)).sum::<f64>() * unit * unit
+            };
+            let count = self.rows(group).count() as f64;
+            if count == 0.0 {
+                continue;
+            }
+            let (a, b) = (square(&before.misfit), square(&after.misfit));
+            sums.push([a, b, count]);
+            let labels = self.groups[group].iter();
+            out.push(GroupGain {
+                cases: labels
+                    .map(|k| subject.problem.measurement.cases[*k].label.clone())
+                    .collect(),
+                causes: chosen
+                    .chosen
+                    .iter()
+                    .map(|h| format!("{} {}", h.cause, h.address))
+                    .collect(),
+                rms_before: (a / count).sqrt(),
+                rms_after: (b / count).sqrt(),
+            });
+        }
+        let total = |without: Option<usize>| {
+            let mut sum = [0.0; 3];
+            for (_, own) in sums.iter().enumerate().filter(|(k, _)| Some(*k) != without) {
+                for (sum, own) in sum.iter_mut().zip(own) {
+                    *sum += own;
+                }
+            }
+            [(sum[0] / sum[2]).sqrt(), (sum[1] / sum[2]).sqrt()]
+        };
+        let n = sums.len();
+        if n < 2 {
+            return None;
+        }
+        let gains: Vec<f64> = (0..n)
+            .map(|k| {
+                let [a, b] = total(Some(k));
+                a - b
+            })
+            .collect();
+        let mean = gains.iter().sum::<f64>() / n as f64;
+        let spread: f64 = gains.iter().map(|gain| (gain - mean).powi(2)).sum();
+        let [rms_before, rms_after] = total(None);
+        Some(CrossValidation {
+            of,
+            rms_before,
+            rms_after,
+            gain: rms_before - rms_after,
+            gain_std_error: (spread * (n - 1) as f64 / n as f64).sqrt(),
+            groups: out,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{LoadCase, groups};
+
+    fn cases(values: &[[f64; 2]]) -> Vec<LoadCase> {
+        let case = |(k, values): (usize, &[f64; 2])| LoadCase {
+            label: k.to_string(),
+            values: values.to_vec(),
+        };
+        values.iter().enumerate().map(case).collect()
+    }
+
+    #[test]
+    fn a_loop_and_its_standing_cases_stay_together() {
+        let found = groups(&cases(&[
+            [3.0, 0.0],
+            [4.0, 0.0],
+            [5.0, 0.0],
+            [3.0, 0.0],
+            [3.0, 1.0],
+            [3.0, 2.0],
+            [3.0, 0.0],
+            [3.0, -1.0],
+        ]));
+        assert_eq!(found, [vec![0, 1, 2, 3], vec![4, 5, 6], vec![7]]);
+    }
+
+    #[test]
+    fn one_kind_of_load_is_cut_into_blocks() {
+        let found = groups(&cases(&[[1.0, 0.0]; 6]));
+        assert_eq!(found, [vec![0, 1], vec![2, 3], vec![4, 5]]);
+        assert!(groups(&cases(&[[1.0, 0.0]; 3])).is_empty());
+    }
+}

@@ -1,0 +1,361 @@
+//! What is left after all causes, as an extra force at one place that is a smooth function of one coordinate.
+//!
+//! At each place a force that differs from case to case is added to the linear model of the fit: a Gaussian process over the place's own
+//! deflection, over a load, or over the order of the cases, with a squared exponential covariance. Over its own deflection the constant
+//! and the straight line are taken off: they are the preload and the stiffness. The place, coordinate, length and size of greatest
+//! evidence are shown. Source: Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), chapters 2 and 5.
+
+use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
+use serde::Serialize;
+
+use super::cause::Cause;
+use super::fit::Fitted;
+use super::hypothesis::{Column, Hypothesis, Number, component};
+use super::subject::Subject;
+use super::survey::Survey;
+use crate::mechanics::Vec6;
+use crate::model::{JointKind, MarkerIx};
+
+/// Lengths of the covariance as parts of the range of the coordinate.
+const LENGTHS: [f64; 3] = [0.15, 0.4, 1.0];
+/// Sizes of the force as parts of the largest force or of a newton for each deflection, whichever the place has.
+const SIZES: [f64; 6] = [0.003, 0.01, 0.03, 0.1, 0.3, 1.0];
+/// Directions of the covariance below this part of the largest are left out.
+const LEAST: f64 = 1e-6;
+/// A place stands out from so many nats on, the number of places tried taken off.
+const STANDS_OUT: f64 = 5.0;
+
+/// What the force is a function of.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Over {
+    /// The deflection at the place itself.
+    Deflection,
+    /// A load of the study.
+    Load,
+    /// The order of the cases.
+    Order,
+}
+
+/// The force in one case.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct RemainderPoint {
+    /// Label of the case.
+    pub case: String,
+    /// Value of the coordinate in the deck's units, angles in radians; the position in the order counts from one.
+    pub coordinate: f64,
+    /// Force or torque on the I marker along the component, in the deck's units.
+    pub force: f64,
+    /// Its standard error.
+    pub std_error: f64,
+}
+
+/// An extra force that takes up what no cause explains.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Remainder {
+    /// `BUSHING/2.K.1`: along that component of the bushing; `JOINT/3`: along or about the free axis of the joint.
+    pub address: String,
+    /// What it is a function of.
+    pub over: Over,
+    /// The load, if it is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub load: Option<String>,
+    /// Part of the chi-square beyond its degrees of freedom that it takes up, 0 to 1.
+    pub share: f64,
+    /// By how many nats the evidence rises.
+    pub nats: f64,
+    /// The next best address, and how many nats it is behind.
+    pub next: Option<(String, f64)>,
+    /// One for each case, in the order of the coordinate.
+    pub points: Vec<RemainderPoint>,
+}
+
+/// A component of an element at which a force may be missing.
+struct Place {
+    address: String,
+    pair: (MarkerIx, MarkerIx),
+    axis: usize,
+    deflection: Vec<f64>,
+    /// A usual force.
+    force: f64,
+}
+
+/// A covariance over one coordinate and how well it does.
+struct Process {
+    over: Over,
+    load: Option<String>,
+    coordinate: Vec<f64>,
+    nats: f64,
+    /// What of chi-square it takes up.
+    taken: f64,
+    mean: DVector<f64>,
+    sd: DVector<f64>,
+}
+
+/// The place, coordinate and law that the residuals of a fit speak for most; `None` where none stands out.
+pub fn remainder(subject: &Subject<'_>, fitted: &Fitted) -> Option<Remainder> {
+    let survey = Survey::new(subject, fitted);
+    let places = places(&survey);
+    let weights = fitted.whitening.weights(&fitted.sizes.ln);
+    let (residual, jacobian) = fitted.whitened();
+    let mut tried = 0;
+    let mut found: Vec<(usize, Process)> = Vec::new();
+    for (at, place) in places.iter().enumerate() {
+        let mut effect = fitted.whitening.apply(&effect(&survey, place));
+        for (mut row, weight) in effect.row_iter_mut().zip(weights.iter()) {
+            row *= *weight;
+        }
+        let cross = jacobian.tr_mul(&effect);
+        let information =
+            effect.tr_mul(&effect) - cross.tr_mul(&(&fitted.posterior.covariance * &cross));
+        let gradient = effect.tr_mul(&residual);
+        for (over, load, coordinate) in coordinates(subject, place) {
+            tried += 1;
+            let process = best(&coordinate, over, (&information, &gradient), place.force);
+            let Some((nats, taken, mean, sd)) = process else {
+                continue;
+            };
+            found.push((
+                at,
+                Process {
+                    over,
+                    load,
+                    coordinate,
+                    nats,
+                    taken,
+                    mean,
+                    sd,
+                },
+            ));
+        }
+    }
+    found.sort_by(|a, b| b.1.nats.total_cmp(&a.1.nats));
+    let (at, process) = found.first()?;
+    if process.nats < STANDS_OUT + f64::from(tried).ln() {
+        return None;
+    }
+    let address = places[*at].address.clone();
+    let next = found
+        .iter()
+        .find(|(other, _)| places[*other].address != address)
+        .map(|(other, behind)| {
+            let nats = process.nats - behind.nats;
+            (places[*other].address.clone(), nats)
+        });
+    let cases = &subject.problem.programme.cases;
+    let mut points: Vec<RemainderPoint> = (0..cases.len())
+        .map(|k| RemainderPoint {
+            case: cases[k].label.clone(),
+            coordinate: process.coordinate[k],
+            force: process.mean[k],
+            std_error: process.sd[k],
+        })
+        .collect();
+    points.sort_by(|a, b| a.coordinate.total_cmp(&b.coordinate));
+    let posterior = &fitted.posterior;
+    let excess = posterior.chi_square - (posterior.count - posterior.effective);
+    Some(Remainder {
+        address,
+        over: process.over,
+        load: process.load.clone(),
+        share: (process.taken / excess.max(process.taken)).clamp(0.0, 1.0),
+        nats: process.nats,
+        next,
+        points,
+    })
+}
+
+/// Components of bushings that move, and free motions of joints.
+fn places(survey: &Survey<'_>) -> Vec<Place> {
+    let mut out = Vec::new();
+    let mut put = |address: String, pair, axis: usize, deflection: Vec<f64>, force: f64| {
+        let low = deflection.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = deflection.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        if high - low > 1e-9 && force > 0.0 {
+            out.push(Place {
+                address,
+                pair,
+                axis,
+                deflection,
+                force,
+            });
+        }
+    };
+    let mut largest = 0.0_f64;
+    for (k, bushing) in survey.model.bushings.iter().enumerate() {
+        if !bushing.header.active {
+            continue;
+        }
+        let deflections = survey.bushing_deflections(k);
+        let stiffness = survey.stiffnesses(k);
+        for axis in 0..6 {
+            let u: Vec<f64> = deflections.iter().map(|d| d[axis]).collect();
+            let most = u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
+            let force = stiffness[axis] * most;
+            if axis < 3 {
+                largest = largest.max(force);
+            }
+            let address = format!("BUSHING/{}.{}", bushing.header.id, component(axis));
+            put(address, (bushing.i, bushing.j), axis, u, force);
+        }
+    }
+    let lever = 100.0 * survey.millimetre();
+    for joint in survey.model.joints.iter().filter(|j| j.header.active) {
+        let axes: &[usize] = match joint.kind {
+            JointKind::Translational | JointKind::Cylindrical => &[2],
+            JointKind::Revolute => &[5],
+            _ => continue,
+        };
+        let readings = survey.constraint("JOINT", joint.header.id);
+        for &axis in axes {
+            let of = |r: &crate::system::Reading| match axis {
+                0..3 => r.motion.p_ij_j[axis],
+                _ => r.motion.angles[axis - 3],
+            };
+            let u: Vec<f64> = readings.iter().map(of).collect();
+            let force = if axis < 3 { largest } else { largest * lever };
+            let address = format!("JOINT/{}", joint.header.id);
+            put(address, (joint.i, joint.j), axis, u, force);
+        }
+    }
+    out
+}
+
+/// What the force may be a function of at a place.
+fn coordinates(subject: &Subject<'_>, place: &Place) -> Vec<(Over, Option<String>, Vec<f64>)> {
+    let programme = subject.problem.programme;
+    let order = (1..=programme.cases.len()).map(|k| k as f64).collect();
+    let mut out = vec![
+        (Over::Deflection, None, place.deflection.clone()),
+        (Over::Order, None, order),
+    ];
+    for (k, load) in programme.loads.iter().enumerate() {
+        let values = programme.cases.iter().map(|case| case.values[k]).collect();
+        out.push((Over::Load, Some(load.name.clone()), values));
+    }
+    out
+}
+
+/// How a unit force in each single case moves all rows: one column for each case.
+fn effect(survey: &Survey<'_>, place: &Place) -> DMatrix<f64> {
+    let cases = survey.cases();
+    let number = |case: usize| {
+        let unit = |k: usize| {
+            if k == case {
+                Vec6::ith(place.axis, 1.0)
+            } else {
+                Vec6::zeros()
+            }
+        };
+        Number::linear(
+            "force",
+            1.0,
+            Column::Wrench(place.pair, (0..cases).map(unit).collect()),
+        )
+    };
+    let numbers = (0..cases).map(number).collect();
+    // The cause is not looked at: this is no hypothesis of the catalogue.
+    let all = Hypothesis::plain(
+        Cause::ElementParameter,
+        place.address.clone(),
+        "remainder",
+        numbers,
+    );
+    survey.columns(&[all])
+}
+
+/// Evidence gained, chi-square taken up, mean and standard deviation of the force in each case, at the length and size that do best.
+/// `information` and `gradient` are those of a force in each case, all other unknowns of the fit eliminated.
+fn best(
+    coordinate: &[f64],
+    over: Over,
+    (information, gradient): (&DMatrix<f64>, &DVector<f64>),
+    force: f64,
+) -> Option<(f64, f64, DVector<f64>, DVector<f64>)> {
+    let n = coordinate.len();
+    let low = coordinate.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = coordinate.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let range = high - low;
+    if !(range > 0.0) {
+        return None;
+    }
+    let mut out: Option<(f64, f64, DVector<f64>, DVector<f64>)> = None;
+    for length in LENGTHS {
+        let mut K = DMatrix::from_fn(n, n, |a, b| {
+            let apart = (coordinate[a] - coordinate[b]) / (length * range);
+            (-0.5 * apart * apart).exp()
+        });
+        if over == Over::Deflection {
+            let P = beyond_a_line(coordinate, (low, range));
+            K = &P * K * &P;
+        }
+        let eigen = SymmetricEigen::new(K);
+        let most = eigen.eigenvalues.max();
+        let kept: Vec<usize> = (0..n)
+            .filter(|k| eigen.eigenvalues[*k] > LEAST * most)
+            .collect();
+        let mut root = eigen.eigenvectors.select_columns(&kept);
+        for (mut column, k) in root.column_iter_mut().zip(&kept) {
+            column *= eigen.eigenvalues[*k].sqrt();
+        }
+        let (M, g) = (root.tr_mul(&(information * &root)), root.tr_mul(gradient));
+        for size in SIZES {
+            let s = size * force;
+            let Some(factor) =
+                Cholesky::new(&M * (s * s) + DMatrix::identity(kept.len(), kept.len()))
+            else {
+                continue;
+            };
+            let z = factor.solve(&(&g * s));
+            let logs: f64 = factor.l_dirty().diagonal().iter().map(|d| d.ln()).sum();
+            let nats = 0.5 * s * g.dot(&z) - logs;
+            if nats.is_finite() && out.as_ref().is_none_or(|(most, ..)| nats > *most) {
+                let taken = 2.0 * s * g.dot(&z) - s * s * z.dot(&(&M * &z));
+                let spread = &root * factor.inverse() * root.transpose() * (s * s);
+                let sd = spread.diagonal().map(|v| v.max(0.0).sqrt());
+                out = Some((nats, taken, &root * z * s, sd));
+            }
+        }
+    }
+    out
+}
+
+/// Takes constant and straight line off a function of a coordinate.
+fn beyond_a_line(coordinate: &[f64], (low, range): (f64, f64)) -> DMatrix<f64> {
+    let n = coordinate.len();
+    let X = DMatrix::from_fn(n, 2, |row, column| match column {
+        0 => 1.0,
+        _ => (coordinate[row] - low) / range - 0.5,
+    });
+    let identity = DMatrix::identity(n, n);
+    match Cholesky::new(X.tr_mul(&X)) {
+        Some(factor) => identity - &X * factor.solve(&X.transpose()),
+        None => identity,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Forces in thirty cases, each read with an error of one: a wave over the deflection is found, its band holds it, and a line is none.
+    #[test]
+    fn a_wave_is_found_and_a_line_is_not() {
+        let n = 30;
+        let u: Vec<f64> = (0..n).map(|k| f64::from(k) * 0.1).collect();
+        let wave = DVector::from_fn(n as usize, |k, _| 20.0 * (2.5 * u[k]).sin());
+        let information = DMatrix::identity(n as usize, n as usize);
+        // Reading equals force here: the gradient is the reading itself.
+        let found = best(&u, Over::Deflection, (&information, &wave), 100.0);
+        let (nats, taken, mean, sd) = found.unwrap();
+        assert!(nats > 100.0, "{nats}");
+        assert!(taken > 0.0);
+        let beyond = beyond_a_line(&u, (0.0, 2.9)) * &wave;
+        for k in 0..n as usize {
+            assert!((mean[k] - beyond[k]).abs() < 4.0 * sd[k], "{k}");
+        }
+        let line = DVector::from_fn(n as usize, |k, _| 7.0 + 20.0 * u[k]);
+        let found = best(&u, Over::Deflection, (&information, &line), 100.0);
+        assert!(found.unwrap().0 < 1.0);
+    }
+}
