@@ -343,3 +343,41 @@ END
     near(v[4], 1.0, 1e-6);
     near(*v.last().unwrap(), 1.0, 1e-6);
 }
+
+/// A block of 1 kg on an NFORCE of 100 N/m with CRATIO 0.02, that is 2 Ns/m: -1 +- i sqrt(99), by CMATRIX the same.
+#[test]
+fn multi_point_forces_damp() {
+    let mut unit = vec!["0"; 36];
+    unit[14] = "100";
+    let stiffness = unit.join(",");
+    unit[14] = "2";
+    let damping = unit.join(",");
+    for more in ["CRATIO=0.02", "CMATRIX=2"] {
+        let deck = format!(
+            "block
+UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=METER, TIME=SECOND
+PART/1, GROUND
+MARKER/1, PART=1
+PART/2, MASS=1, CM=20, IP=1,1,1
+MARKER/20, PART=2
+JOINT/1, TRANSLATIONAL, I=20, J=1
+MATRIX/1, FULL=CORDER, ROWS=6, COLUMNS=6, VALUES={stiffness}
+MATRIX/2, FULL=CORDER, ROWS=6, COLUMNS=6, VALUES={damping}
+NFORCE/1, IMARKERS=20, J=1, KMATRIX=1, {more}
+END
+"
+        );
+        let (_, ran, folder) = run(&deck, "SIM/INITIAL_CONDITIONS\nLINEAR/EIGENSOL");
+        let modes = text(folder.path(), "deck.modes.json");
+        let modes: serde_json::Value = serde_json::from_str(&modes).unwrap();
+        let mode = &modes["modes"][0];
+        near(mode["real"].as_f64().unwrap(), -1.0, 1e-9);
+        near(mode["imaginary"].as_f64().unwrap(), 99f64.sqrt(), 1e-9);
+        assert_eq!(
+            modes["modes"].as_array().unwrap().len(),
+            1,
+            "{}",
+            ran.stdout
+        );
+    }
+}
