@@ -7,7 +7,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::Ignore;
 use crate::report::{Chart, DrawingError, Figure, Mark, Page, Series};
-use crate::results::{ResultsError, Selection, StepFilter};
+use crate::results::{ResultsError, Selection, StepFilter, StepKind};
 use crate::session::{Moment, Session};
 use crate::syntax::CommandFile;
 use crate::text::{Edit, Source, apply_edits};
@@ -170,6 +170,14 @@ fn take(results: &Path, taken: &Taken, shell: &Shell) -> Result<(), Exit> {
     }
     if let Some(path) = &taken.plot {
         let (mut reader, selection) = read()?;
+        // The step `input` is the dataset before anything was computed.
+        let filter = StepFilter {
+            kinds: StepKind::NAMED
+                .into_iter()
+                .filter(|kind| *kind != StepKind::Input)
+                .collect(),
+            ..filter
+        };
         let rows = selection.values_of(&mut reader, &filter).map_err(wrong)?;
         let page = page(results, &selection, &rows)
             .map_err(|error| shell.fail(Diagnostic::error(Code::CannotWrite, error.to_string())))?;

@@ -165,6 +165,6 @@ pub struct Nforce {
     pub length: Vec<f64>,
     /// FORCE, 6n values.
     pub force: Vec<f64>,
-    /// CMATRIX or CRATIO is there: not taken into account.
-    pub damped: bool,
+    /// Damping, (6n)^2 values column by column: CMATRIX, or CRATIO times KMATRIX. Empty if there is none.
+    pub damping: Vec<f64>,
 }

@@ -169,6 +169,29 @@ fn frictions(stiction: f64) -> String {
     all
 }
 
+/// Three parts between which matrices act, and a matrix by velocities.
+fn damped_points() -> String {
+    let matrix = |id: usize, first: usize| {
+        let values: Vec<String> = (0..144)
+            .map(|k| format!("{:.6}", number(first + k)))
+            .collect();
+        format!(
+            "MATRIX/{id}, FULL=CORDER, ROWS=12, COLUMNS=12, VALUES={}\n",
+            values.join("\n, ").replace("\n, ", ",\n, ")
+        )
+    };
+    let parts: Vec<&str> = EVERYTHING
+        .lines()
+        .filter(|line| ["PART", "POIN", "MARK"].iter().any(|w| line.starts_with(w)))
+        .collect();
+    format!(
+        "{}\nMARKER/50, PART=1, FLOATING\n{}{}NFORCE/1, IMARKERS=21,31, J=1, KMATRIX=1, CMATRIX=2\nNFORCE/2, IMARKERS=21,1, J=30, KMATRIX=1, CRATIO=0.3\n",
+        parts[..parts.len() - 1].join("\n"),
+        matrix(1, 0),
+        matrix(2, 200)
+    )
+}
+
 /// All frictions stick, with some creep behind them.
 fn stick(deck: &Deck, state: &mut State) {
     let mut scratch = Scratch::new(&deck.system);
@@ -191,6 +214,7 @@ fn derivatives_by_places_velocities_and_accelerations_are_those_of_differences()
         (format!("{EVERYTHING}{joints}"), false),
         (frictions(0.2), false),
         (frictions(40.0), true),
+        (damped_points(), false),
     ] {
         let deck = deck(&statements);
         let system = &deck.system;

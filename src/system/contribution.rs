@@ -56,7 +56,7 @@ pub(crate) struct Scalar {
 }
 
 /// The motion of a further marker that a wrench depends on.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Cross {
     pub marker: usize,
     pub place: Place,
@@ -66,6 +66,26 @@ pub(crate) struct Cross {
     pub s: Vec3,
     /// Derivative by its motion in C, ground axes.
     pub D: Mat6,
+    /// And by its velocity in C.
+    pub rate: Option<ByRate>,
+}
+
+impl Cross {
+    /// What the wrench changes by, of the marker's part and of the part of C: by their motions, and by their velocities.
+    fn columns(&self, c: Option<Place>) -> impl Iterator<Item = (Place, Mat6)> + use<> {
+        let (r, s) = (skew(&self.r), skew(&self.s));
+        let (mut by_k, mut by_c) = (moved_columns(&self.D, &r), -moved_columns(&self.D, &s));
+        let mut later = None;
+        if let Some(rate) = &self.rate {
+            by_k += rate.by_a(&r);
+            by_c += rate.by_c();
+            let k = (rate.later(self.place), moved_columns(&rate.E, &r));
+            let c = c.map(|c| (rate.later(c), -moved_columns(&rate.E, &s)));
+            later = Some([Some(k), c]);
+        }
+        let now = [Some((self.place, by_k)), c.map(|c| (c, by_c))];
+        now.into_iter().chain(later.into_iter().flatten()).flatten()
+    }
 }
 
 /// How a wrench depends on velocities, ground axes.
@@ -84,6 +104,14 @@ pub(crate) struct ByRate {
 }
 
 impl ByRate {
+    /// The columns of the velocities of a body.
+    fn later(&self, place: Place) -> Place {
+        Place {
+            first: place.first + self.unknowns,
+            ..place
+        }
+    }
+
     /// Derivative of the wrench by the position of A.
     fn by_a(&self, r: &Mat3) -> Mat6 {
         let mut N = Mat6::zeros();
@@ -310,25 +338,19 @@ impl Contribution {
             let by_a = moved_columns(&rate.E, &r);
             let by_c = c.map(|(place, s)| (place, -moved_columns(&rate.E, &skew(&s))));
             for (column, N) in [Some((on_a, by_a)), by_c].into_iter().flatten() {
-                let column = Place {
-                    first: column.first + rate.unknowns,
-                    ..column
-                };
+                let column = rate.later(column);
                 add_block(sink, on_a, column, &moved_rows(&r, &N));
                 if let Some((row, _)) = b {
                     add_block(sink, row, column, &-moved_rows(&s_b, &N));
                 }
             }
         }
+        let on_b = self.b.map(|(place, s)| (place, -1.0, s));
         for cross in &self.cross {
-            let by_k = moved_columns(&cross.D, &skew(&cross.r));
-            let by_c = -moved_columns(&cross.D, &skew(&cross.s));
-            let on_b = self.b.map(|(place, s)| (place, -1.0, s));
             for (row, sign, arm) in [Some((on_a, 1.0, self.a.1)), on_b].into_iter().flatten() {
                 let arm = skew(&arm);
-                add_block(sink, row, cross.place, &(moved_rows(&arm, &by_k) * sign));
-                if let Some((c, _)) = self.c {
-                    add_block(sink, row, c, &(moved_rows(&arm, &by_c) * sign));
+                for (column, by) in cross.columns(self.c.map(|c| c.0)) {
+                    add_block(sink, row, column, &(moved_rows(&arm, &by) * sign));
                 }
             }
         }
@@ -389,27 +411,21 @@ impl Contribution {
         if let Some(rate) = &self.rate {
             let (a, r) = (self.a.0, skew(&self.a.1));
             push(a, &(weight * rate.by_a(&r)));
-            let later = |place: Place| Place {
-                first: place.first + rate.unknowns,
-                ..place
-            };
-            push(later(a), &(weight * moved_columns(&rate.E, &r)));
+            push(rate.later(a), &(weight * moved_columns(&rate.E, &r)));
             if let Some((c, s)) = self.c {
-                push(later(c), &-(weight * moved_columns(&rate.E, &skew(&s))));
+                push(
+                    rate.later(c),
+                    &-(weight * moved_columns(&rate.E, &skew(&s))),
+                );
             }
         }
         for cross in &self.cross {
-            push(
-                cross.place,
-                &(weight * moved_columns(&cross.D, &skew(&cross.r))),
-            );
+            for (column, by) in cross.columns(self.c.map(|c| c.0)) {
+                push(column, &(weight * by));
+            }
         }
         if let Some((place, s)) = self.c {
-            let mut N = self.by_frame(&skew(&s));
-            for cross in &self.cross {
-                N -= moved_columns(&cross.D, &skew(&cross.s));
-            }
-            push(place, &(weight * N));
+            push(place, &(weight * self.by_frame(&skew(&s))));
         }
         for scalar in &self.scalars {
             let (F, T) = (&scalar.F, &scalar.T);

@@ -45,22 +45,14 @@ impl Configuration<'_> {
                 let out = &mut scratch.contribution;
                 out.D = Some(turn(&out.R, &scratch.wrench.by_motion));
                 if self.state.moves() && element.damping.is_some() {
-                    let (i, j) = (
-                        self.moving_frame(Some(element.i)),
-                        self.moving_frame(Some(element.j)),
-                    );
                     let E = if element.active {
-                        turn(&j.pose.R, &self.scratch.wrench.by_rate)
+                        let R = self.scratch.markers[element.j].R;
+                        turn(&R, &self.scratch.wrench.by_rate)
                     } else {
                         Mat6::zeros()
                     };
-                    self.scratch.contribution.rate = Some(ByRate {
-                        unknowns: self.system.moving_unknowns,
-                        E,
-                        w_c: j.w,
-                        x: i.v - j.v - j.w.cross(&(i.pose.p - j.pose.p)),
-                        y: i.w - j.w,
-                    });
+                    let rate = self.by_rate((element.i, element.j), E);
+                    self.scratch.contribution.rate = Some(rate);
                 }
                 let scratch = &mut *self.scratch;
                 let out = &mut scratch.contribution;
@@ -91,6 +83,18 @@ impl Configuration<'_> {
             }
         }
         Ok(())
+    }
+
+    /// A derivative by the velocity of I as J sees it, ground axes, with what its chain rule needs.
+    pub(super) fn by_rate(&self, (i, j): (usize, usize), E: Mat6) -> ByRate {
+        let (i, j) = (self.moving_frame(Some(i)), self.moving_frame(Some(j)));
+        ByRate {
+            unknowns: self.system.moving_unknowns,
+            E,
+            w_c: j.w,
+            x: i.v - j.v - j.w.cross(&(i.pose.p - j.pose.p)),
+            y: i.w - j.w,
+        }
     }
 
     /// Evaluates the law of an element; the result is in `scratch.wrench`, in J axes.

@@ -6,6 +6,7 @@ use super::chain::turn;
 use super::contribution::{Cross, Ends};
 use super::structure::Name;
 use crate::element::MultiPoint;
+use crate::mechanics::Mat6;
 
 /// A force between n markers and one.
 #[derive(Debug)]
@@ -16,6 +17,8 @@ pub(crate) struct Multi {
     pub theta: std::ops::Range<usize>,
     /// Angle references, one per I marker.
     pub pairs: Vec<usize>,
+    /// Blocks of the damping matrix, row by row: wrench a by the velocity of marker b, J axes. Empty if there is none.
+    pub damping: Vec<Mat6>,
     pub active: bool,
 }
 
@@ -60,15 +63,27 @@ impl Configuration<'_> {
             frame: Some(multi.j),
             reaction: Some(part_j),
         };
-        self.begin(ends, self.scratch.multi.value[at] * on);
+        let damped = self.moving() && !multi.damping.is_empty();
+        let mut w = self.scratch.multi.value[at];
+        if damped {
+            for (k, &marker) in multi.i.iter().enumerate() {
+                w -= multi.damping[at * n + k] * self.relative_rates(marker, multi.j);
+            }
+        }
+        self.begin(ends, w * on);
         if !tangent {
             return;
         }
         let R = self.scratch.contribution.R;
         for (k, &marker) in multi.i.iter().enumerate() {
             let D = turn(&R, &self.scratch.multi.by_motion[at * n + k]) * on;
+            let rate = damped.then(|| {
+                let E = turn(&R, &(multi.damping[at * n + k] * -on));
+                self.by_rate((marker, multi.j), E)
+            });
             if k == at {
                 self.scratch.contribution.D = Some(D);
+                self.scratch.contribution.rate = rate;
                 continue;
             }
             let cross = Cross {
@@ -77,6 +92,7 @@ impl Configuration<'_> {
                 r: self.scratch.arms[marker],
                 s: self.arm_to(marker, part_j),
                 D,
+                rate,
             };
             self.scratch.contribution.cross.push(cross);
         }

@@ -19,6 +19,8 @@ mod security;
 mod sensors;
 mod shims;
 mod solving;
+#[path = "../common/squeezer.rs"]
+mod squeezer;
 mod status;
 mod study_solver;
 mod task;

@@ -68,6 +68,8 @@ fn columns_become_a_table_and_a_page() {
         let page = std::fs::read_to_string(folder.path().join("swing.html")).unwrap();
         assert_eq!(page.matches("<figure>").count(), 2, "metres and newtons");
         assert!(page.contains("PART_2_XFORM.X") && page.contains("time [sec]"));
+        // The dataset's own step is no place that the motion was at: its joint forces are zero.
+        assert!(page.contains("21 steps"), "the start and twenty outputs");
         // A file of the user's stays.
         let ran = solve(
             folder.path(),

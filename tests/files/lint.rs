@@ -91,6 +91,7 @@ fn each_code_has_a_deck_that_shows_it() {
         Code::BadExpression,
         Code::MissingEnd,
         Code::InactiveInStatics,
+        Code::NotSolvedInStatics,
         Code::UserSubroutine,
     ];
     let of_model = [

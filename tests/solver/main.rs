@@ -7,6 +7,8 @@ mod closed_forms;
 #[path = "../common/mod.rs"]
 mod common;
 mod conservation;
+#[path = "../common/conserved.rs"]
+mod conserved;
 mod coverage;
 mod data;
 mod deck;

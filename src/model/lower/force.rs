@@ -142,7 +142,21 @@ pub(super) fn nforce(reader: &mut Reader, old: Option<&Nforce>) -> Option<Nforce
         return reader.missing(&format!("a KMATRIX of {n} by {n} values"));
     }
     // The model keeps it column by column, as FIELD has it.
-    let k = (0..n * n).map(|at| matrix[at % n][at / n]).collect();
+    let by_columns =
+        |matrix: &[Vec<f64>]| -> Vec<f64> { (0..n * n).map(|at| matrix[at % n][at / n]).collect() };
+    let k = by_columns(&matrix);
+    let ratio = reader.real("CRATIO", None);
+    let damping = match reader.written_id("CMATRIX", None) {
+        Some(id) => {
+            let matrix = reader.matrix("CMATRIX", id)?;
+            if matrix.len() != n || matrix.iter().any(|row| row.len() != n) {
+                return reader.missing(&format!("a CMATRIX of {n} by {n} values"));
+            }
+            by_columns(&matrix)
+        }
+        None if ratio > 0.0 => k.iter().map(|k| ratio * k).collect(),
+        None => Vec::new(),
+    };
     let mut column = |name: &str| match reader.written_id(name, None) {
         Some(id) => {
             let values: Vec<f64> = reader.matrix(name, id)?.into_iter().flatten().collect();
@@ -162,6 +176,6 @@ pub(super) fn nforce(reader: &mut Reader, old: Option<&Nforce>) -> Option<Nforce
         k,
         length,
         force,
-        damped: reader.any(&["CMATRIX", "CRATIO"]),
+        damping,
     })
 }

@@ -60,6 +60,7 @@ impl Compiler<'_> {
                 j: n.j.0,
                 theta: start..self.theta.len(),
                 pairs,
+                damping: blocks(&n.damping, n.i.len()),
                 active: n.header.active && whole,
             });
         }
@@ -224,4 +225,16 @@ fn symmetric(half: &[f64]) -> Mat6 {
         C[(column, row)] = *value;
     }
     C
+}
+
+/// A matrix of 6n by 6n numbers, column by column, as its 6 by 6 blocks, row by row; none if it is empty.
+fn blocks(numbers: &[f64], n: usize) -> Vec<Mat6> {
+    if numbers.len() != 36 * n * n {
+        return Vec::new();
+    }
+    let block = |at: usize| {
+        let (a, b) = (at / n, at % n);
+        Mat6::from_fn(|i, j| numbers[(6 * b + j) * 6 * n + 6 * a + i])
+    };
+    (0..n * n).map(block).collect()
 }

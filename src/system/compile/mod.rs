@@ -485,7 +485,7 @@ impl<'a> Compiler<'a> {
         };
         let mut system = system;
         system.breaks.sort_by(f64::total_cmp);
-        system.not_in_motion = not_in_motion(&system, model);
+        system.not_in_motion = not_in_motion(&system);
         Checked {
             value: system,
             diagnostics: self.diagnostics,

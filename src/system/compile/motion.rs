@@ -21,7 +21,7 @@ pub(super) fn reference_mass(model: &Model) -> f64 {
 }
 
 /// Statements that act in motion and that the equations of motion do not have.
-pub(super) fn not_in_motion(system: &System, model: &Model) -> Vec<Diagnostic> {
+pub(super) fn not_in_motion(system: &System) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     let mut refuse = |message: String| {
         found.push(
@@ -29,12 +29,6 @@ pub(super) fn not_in_motion(system: &System, model: &Model) -> Vec<Diagnostic> {
                 .help("real ADAMS solves it; a static or quasi-static simulation does without"),
         );
     };
-    for force in model.nforces.iter().filter(|f| f.header.active && f.damped) {
-        refuse(format!(
-            "the damping of NFORCE/{} '{}' is not solved",
-            force.header.id, force.header.name
-        ));
-    }
     for joint in system.joints.iter().filter(|joint| joint.active) {
         match joint.drive {
             Drive::Rate(drive) if !only_of_time(system, drive.function) => refuse(format!(
