@@ -15,6 +15,7 @@ mod interval;
 mod kc;
 mod page;
 mod plausibility;
+mod ranking;
 mod reproduction;
 pub mod scene;
 mod study_figures;
