@@ -21,6 +21,9 @@ use super::shell::{Exit, Format, Shell};
 ///
 /// Writes `diagnosis.json`, `extended.adm`, `extended.acf` and `report.html`.
 #[derive(clap::Args, Debug)]
+#[command(
+    after_help = "Examples:\n  admire diagnose corpus/kc-experiment --out target/kc\n  admire diagnose my-axle --out answer --format json | jq .findings"
+)]
 pub(super) struct Arguments {
     /// The study's folder.
     study: PathBuf,

@@ -27,6 +27,9 @@ use super::shell::{Exit, Format, Shell};
 /// of the wheels and from the exact compliance matrix; definitions, signs and every key: `admire guide kc`. Writes `curves.csv`,
 /// `gradients.csv`, `kc.json`, `report.html` and a results file per test with the request names of Adams/Car.
 #[derive(clap::Args, Debug)]
+#[command(
+    after_help = "Examples:\n  admire kc corpus/multilink/model.adm --config corpus/multilink/kc.toml --out target/kc-tests"
+)]
 pub(super) struct Arguments {
     /// The dataset.
     deck: PathBuf,

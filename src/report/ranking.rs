@@ -34,14 +34,14 @@ pub(super) fn ranking(diagnosis: &Diagnosis, units: &Units, scene: &Scene) -> Ta
             sizes(finding, units),
         );
         for rival in &finding.indistinguishable_from {
-            let probability = finding.probability * (-0.5 * rival.bic_behind).exp();
-            line(
-                &mut table,
+            let behind = (0.5 * rival.bic_behind).exp();
+            table.row([
                 format!("or {}", words(rival.cause)),
                 scene.named(&rival.address),
-                probability,
                 String::new(),
-            );
+                String::new(),
+                format!("{behind:.1} times less probable"),
+            ]);
             table.mark(0, "soft");
         }
     }
