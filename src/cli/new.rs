@@ -72,6 +72,14 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if !complaints.is_empty() {
         return Err(Exit::Findings);
     }
+    let named: Vec<&str> = files.value.sources().map(|source| source.name()).collect();
+    if !named.is_empty() {
+        let message = format!(
+            "the deck names files that the study needs, too: copy {} beside it",
+            named.join(", ")
+        );
+        shell.complain(&[Diagnostic::note(Code::CannotRead, message)]);
+    }
     let Some(deck) = arguments.from.file_name() else {
         let message = format!("`{}` is no deck", arguments.from.display());
         return Err(shell.usage(Diagnostic::error(Code::CannotRead, message)));
