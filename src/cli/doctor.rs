@@ -3,12 +3,13 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
+use crate::report::VERSION;
 use crate::rig::Study;
 use crate::rig::settings::BackendChoice;
 
+use super::Outcome;
 use super::shell::{Exit, Shell};
 use super::solver::found_on_path;
-use super::{Outcome, VERSION};
 
 /// Say what is installed here: which `mdi` a script would find, whether a study's program answers, Octave, write permissions.
 ///

@@ -303,7 +303,7 @@ fn page(
         convention,
         facts: &facts,
     };
-    let footer = format!("admire {}", env!("CARGO_PKG_VERSION"));
+    let footer = format!("admire {}", crate::report::VERSION);
     report
         .page(&footer)
         .map_err(|error| shell.fail(Diagnostic::error(Code::CannotWrite, error.to_string())))

@@ -65,10 +65,9 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
-use shell::{ColorChoice, Exit, Format, Shell, Verbosity};
+use crate::report::VERSION;
 
-/// The version with the commit it was built from.
-const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("ADMIRE_COMMIT"), ")");
+use shell::{ColorChoice, Exit, Format, Shell, Verbosity};
 
 const EXAMPLES: &str = "First steps:
   admire new my-axle --from front.adm        begin a study of a deck

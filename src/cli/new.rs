@@ -6,6 +6,7 @@ use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::model::Model;
 use crate::rig::{Kind, Starter};
 use crate::syntax::Dataset;
+use crate::text::Source;
 
 use super::Outcome;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
@@ -72,7 +73,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if !complaints.is_empty() {
         return Err(Exit::Findings);
     }
-    let named: Vec<&str> = files.value.sources().map(|source| source.name()).collect();
+    let named: Vec<&str> = files.value.sources().map(Source::name).collect();
     if !named.is_empty() {
         let message = format!(
             "the deck names files that the study needs, too: copy {} beside it",

@@ -74,7 +74,7 @@ impl DiagnosisReport<'_> {
             ("Date", format!("{} UTC", Timestamp::now().date_time())),
             (
                 "Made by",
-                format!("admire {}, built-in solver", env!("CARGO_PKG_VERSION")),
+                format!("admire {}, built-in solver", super::VERSION),
             ),
             (
                 "Inputs",

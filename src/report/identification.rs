@@ -109,7 +109,7 @@ impl IdentificationReport<'_> {
         }
         page.heading("What changes in the deck");
         page.verbatim(self.diff);
-        Ok(page.finish(&format!("admire {}", env!("CARGO_PKG_VERSION"))))
+        Ok(page.finish(&format!("admire {}", super::VERSION)))
     }
 
     fn parameters(&self) -> Table {
@@ -235,7 +235,7 @@ impl IdentificationReport<'_> {
                 "Made by",
                 format!(
                     "admire {}, solver: {}, method: {}",
-                    env!("CARGO_PKG_VERSION"),
+                    super::VERSION,
                     self.fit.backend,
                     self.fit.method
                 ),
