@@ -65,7 +65,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let watched = Watched::default();
     let seen = watched.clone();
     let bar = Progress::new("diagnosing", shell, move || {
-        Some((seen.sweeps(), Some(SWEEPS), "sweeps"))
+        Some((seen.stage(), (seen.sweeps(), Some(SWEEPS), "sweeps")))
     });
     let found = diagnose_watched(&problem, held_out, &watched);
     drop(bar);
