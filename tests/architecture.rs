@@ -92,7 +92,7 @@ fn imports_point_down() {
             continue;
         };
         let module = inside.split(['/', '.']).next().expect("a first piece");
-        if module == "lib" || module == "bin" {
+        if ["lib", "bin", "build"].contains(&module) {
             continue;
         }
         let Some(floor) = floors.get(module) else {
@@ -124,7 +124,7 @@ fn the_floor_table_lists_what_there_is() {
             .expect("a name")
             .to_string_lossy()
             .to_string();
-        if name != "lib" && name != "bin" {
+        if !["lib", "bin", "build"].contains(&name.as_str()) {
             there.insert(name);
         }
     }

@@ -14,6 +14,9 @@ use super::target::Target;
 /// A statement stands behind the last one of its kind, or before END; nothing else of the deck changes. Without -o or
 /// --in-place the new deck goes to standard output.
 #[derive(clap::Args, Debug)]
+#[command(
+    after_help = "Examples:\n  admire add front.adm 'MARKER/99, PART=2, QP=1,2,3' --name CENTRE --out new.adm"
+)]
 pub(super) struct Arguments {
     /// The dataset.
     deck: PathBuf,

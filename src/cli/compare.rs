@@ -14,6 +14,7 @@ use super::tolerance::tolerance;
 /// Two values are the same if they differ by at most `abs + rel * max(|a|, |b|)`. Exit code 1 if they differ beyond that, or
 /// if a column or a step is in one file only.
 #[derive(clap::Args, Debug)]
+#[command(after_help = "Examples:\n  admire compare before.res after.res")]
 pub(super) struct Arguments {
     /// First results file.
     a: PathBuf,

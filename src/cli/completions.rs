@@ -9,6 +9,7 @@ use super::shell::Exit;
 /// In bash `source <(admire completions bash)`; in zsh the same with zsh; in fish `admire completions fish | source`. The script asks
 /// `admire` itself what may follow, so that it never grows old.
 #[derive(clap::Args, Debug)]
+#[command(after_help = "Examples:\n  source <(admire completions bash)")]
 pub(super) struct Arguments {
     /// Which shell.
     #[arg(value_enum)]

@@ -21,6 +21,9 @@ use super::shell::{Exit, Format, Shell};
 ///
 /// Writes `diagnosis.json`, `extended.adm`, `extended.acf` and `report.html`.
 #[derive(clap::Args, Debug)]
+#[command(
+    after_help = "Examples:\n  admire diagnose corpus/kc-experiment --out target/kc\n  admire diagnose my-axle --out answer --format json | jq .findings"
+)]
 pub(super) struct Arguments {
     /// The study's folder.
     study: PathBuf,
@@ -62,7 +65,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let watched = Watched::default();
     let seen = watched.clone();
     let bar = Progress::new("diagnosing", shell, move || {
-        Some((seen.sweeps(), Some(SWEEPS), "sweeps"))
+        Some((seen.stage(), (seen.sweeps(), Some(SWEEPS), "sweeps")))
     });
     let found = diagnose_watched(&problem, held_out, &watched);
     drop(bar);

@@ -12,6 +12,7 @@ use super::tolerance::tolerance;
 /// Layout, order, comments, the spelling of keywords and numbers, and defaults that are written out do not matter. Exit code 1
 /// if anything changed.
 #[derive(clap::Args, Debug)]
+#[command(after_help = "Examples:\n  admire diff before.adm after.adm")]
 pub(super) struct Arguments {
     /// The dataset before.
     a: PathBuf,

@@ -9,6 +9,7 @@ use super::shell::{Exit, Shell};
 ///
 /// `title`, and `statements` with `kind`, `id`, `name` and `arguments`. Numbers are in the deck's units, angles in radians.
 #[derive(clap::Args, Debug)]
+#[command(after_help = "Examples:\n  admire export front.adm --json > front.json")]
 pub(super) struct Arguments {
     /// The dataset.
     deck: PathBuf,

@@ -26,6 +26,9 @@ use super::solver;
 ///
 /// Writes `identified.adm`, `identification.json` and `report.html`.
 #[derive(clap::Args, Debug)]
+#[command(
+    after_help = "Examples:\n  admire identify corpus/pseudo-mcpherson --out target/first\n  admire identify my-axle --out answer --method direct"
+)]
 pub(super) struct Arguments {
     /// The study's folder.
     study: PathBuf,

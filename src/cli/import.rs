@@ -12,6 +12,9 @@ use super::target::Target;
 ///
 /// Only what differs is edited; everything else keeps its bytes. Without -o or --in-place the new deck goes to standard output.
 #[derive(clap::Args, Debug)]
+#[command(
+    after_help = "Examples:\n  admire export front.adm --json > front.json\n  admire import front.adm front.json"
+)]
 pub(super) struct Arguments {
     /// The dataset that was exported.
     deck: PathBuf,

@@ -59,6 +59,12 @@ pub(super) fn solvable(
 pub(super) fn study(folder: &Path, shell: &mut Shell) -> Result<LoadedStudy, Exit> {
     let checked = read_study(folder, shell);
     shell.complain(&checked.diagnostics);
+    if checked.value.is_none() && folder.join("study.toml").is_file() {
+        let shown = folder.display();
+        shell.say(&format!(
+            "`admire check {shown}` says what is missing, in order\n"
+        ));
+    }
     checked.value.ok_or(Exit::Findings)
 }
 

@@ -27,6 +27,9 @@ use super::shell::{Exit, Format, Shell};
 /// of the wheels and from the exact compliance matrix; definitions, signs and every key: `admire guide kc`. Writes `curves.csv`,
 /// `gradients.csv`, `kc.json`, `report.html` and a results file per test with the request names of Adams/Car.
 #[derive(clap::Args, Debug)]
+#[command(
+    after_help = "Examples:\n  admire kc corpus/multilink/model.adm --config corpus/multilink/kc.toml --out target/kc-tests"
+)]
 pub(super) struct Arguments {
     /// The dataset.
     deck: PathBuf,
@@ -300,7 +303,7 @@ fn page(
         convention,
         facts: &facts,
     };
-    let footer = format!("admire {}", env!("CARGO_PKG_VERSION"));
+    let footer = format!("admire {}", crate::report::VERSION);
     report
         .page(&footer)
         .map_err(|error| shell.fail(Diagnostic::error(Code::CannotWrite, error.to_string())))

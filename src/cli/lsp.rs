@@ -9,6 +9,9 @@ use super::shell::{Exit, Shell};
 /// Complaints as you type, hover, definitions and references, rename, quick fixes, completion and more for datasets (.adm) and command
 /// files (.acf). `admire guide editors` says how to set up VS Code, Neovim and Emacs.
 #[derive(clap::Args, Debug)]
+#[command(
+    after_help = "Examples:\n  admire lsp            # an editor starts it; see admire guide editors"
+)]
 pub(super) struct Arguments {
     /// Standard input and output, as editors ask for by name; there is nothing else.
     #[arg(long)]

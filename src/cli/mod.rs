@@ -16,6 +16,7 @@ mod completions;
 mod convert_units;
 mod diagnose;
 mod diff;
+mod doctor;
 mod edited;
 mod explain;
 mod export;
@@ -28,6 +29,7 @@ mod identify;
 mod import;
 mod input;
 mod inputs;
+mod install;
 mod install_shims;
 mod interrupt;
 mod kc;
@@ -63,14 +65,24 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
+use crate::report::VERSION;
+
 use shell::{ColorChoice, Exit, Format, Shell, Verbosity};
+
+const EXAMPLES: &str = "First steps:
+  admire new my-axle --from front.adm        begin a study of a deck
+  admire check my-axle                       what is missing; whether it is plausible
+  admire identify my-axle --out answer       stiffnesses with their uncertainty
+  admire diagnose my-axle --out diagnosis    what the model still gets wrong
+  admire guide tutorial                      fifteen minutes from a test to a diagnosed model
+  admire doctor                              what is installed here, and what is found";
 
 /// Reads, checks, edits and solves ADAMS datasets, identifies bushing stiffnesses, and says what a model still gets wrong.
 ///
 /// Exit codes: 0 fine; 1 the input has errors, a file cannot be read or written, or a comparison found differences; 2 the
 /// command line is wrong; 3 there is no equilibrium or no fit.
 #[derive(Parser, Debug)]
-#[command(name = "admire", version, max_term_width = 100)]
+#[command(name = "admire", version = VERSION, max_term_width = 100, after_help = EXAMPLES)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -119,6 +131,8 @@ enum Command {
     Commands(commands::Arguments),
     Explain(explain::Arguments),
     Guide(guide::Arguments),
+    Doctor(doctor::Arguments),
+    Install(install::Arguments),
     InstallShims(install_shims::Arguments),
     Lsp(lsp::Arguments),
     Completions(completions::Arguments),
@@ -164,6 +178,8 @@ pub fn main() -> ExitCode {
         Command::Commands(arguments) => commands::run(&arguments, &mut shell),
         Command::Explain(arguments) => explain::run(&arguments, &mut shell),
         Command::Guide(arguments) => guide::run(&arguments, &mut shell),
+        Command::Doctor(arguments) => doctor::run(&arguments, &mut shell),
+        Command::Install(arguments) => install::run(&arguments, &mut shell),
         Command::InstallShims(arguments) => install_shims::run(&arguments, &mut shell),
         Command::Lsp(arguments) => lsp::run(&arguments, &mut shell),
         Command::Completions(arguments) => completions::run(&arguments),

@@ -6,6 +6,7 @@ use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::model::Model;
 use crate::rig::{Kind, Starter};
 use crate::syntax::Dataset;
+use crate::text::Source;
 
 use super::Outcome;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
@@ -71,6 +72,14 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     shell.complain(&complaints);
     if !complaints.is_empty() {
         return Err(Exit::Findings);
+    }
+    let named: Vec<&str> = files.value.sources().map(Source::name).collect();
+    if !named.is_empty() {
+        let message = format!(
+            "the deck names files that the study needs, too: copy {} beside it",
+            named.join(", ")
+        );
+        shell.complain(&[Diagnostic::note(Code::CannotRead, message)]);
     }
     let Some(deck) = arguments.from.file_name() else {
         let message = format!("`{}` is no deck", arguments.from.display());

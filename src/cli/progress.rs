@@ -14,13 +14,18 @@ const PATIENCE: Duration = Duration::from_millis(500);
 /// Between two looks.
 const TICK: Duration = Duration::from_millis(120);
 
+/// So many are done, of how many at most, and of what.
+pub(super) type Count = (usize, Option<usize>, &'static str);
+
+/// A rate counts from so many on.
+const SETTLED: usize = 50;
+
 /// What is shown: the stage, and how much of it is done.
 #[derive(Clone, Debug, Default)]
 struct State {
     stage: String,
     detail: String,
-    /// Done so far, of how many at most, and of what.
-    count: Option<(usize, Option<usize>, &'static str)>,
+    count: Option<Count>,
 }
 
 /// A line on a terminal that says how far a command is; it goes when this is dropped.
@@ -33,11 +38,11 @@ pub(super) struct Progress {
 }
 
 impl Progress {
-    /// Begins to show; `look` is asked for the count at every tick, if the command does not tell it.
+    /// Begins to show; `look` is asked for stage and count at every tick, if the command does not tell it.
     pub fn new(
         stage: &str,
         shell: &Shell,
-        look: impl Fn() -> Option<(usize, Option<usize>, &'static str)> + Send + 'static,
+        look: impl Fn() -> Option<(&'static str, Count)> + Send + 'static,
     ) -> Self {
         let state = Arc::new(Mutex::new(State::default()));
         let ended = Arc::new(AtomicBool::new(false));
@@ -102,7 +107,7 @@ impl Drop for Progress {
 fn paint(
     state: &Mutex<State>,
     ended: &AtomicBool,
-    look: &dyn Fn() -> Option<(usize, Option<usize>, &'static str)>,
+    look: &dyn Fn() -> Option<(&'static str, Count)>,
 ) {
     let began = Instant::now();
     let style = ProgressStyle::with_template("{spinner} {msg}").expect("the template is valid");
@@ -114,7 +119,10 @@ fn paint(
             visible = true;
         }
         let mut now = state.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        now.count = look().or(now.count);
+        if let Some((stage, count)) = look() {
+            now.stage = stage.to_string();
+            now.count = Some(count);
+        }
         bar.set_message(line(&now, began.elapsed()));
         bar.tick();
         std::thread::park_timeout(TICK);
@@ -131,17 +139,24 @@ fn line(state: &State, elapsed: Duration) -> String {
     let seconds = elapsed.as_secs_f64();
     if let Some((done, most, of)) = state.count.filter(|(done, ..)| *done > 0) {
         let rate = done as f64 / seconds.max(1e-3);
-        pieces.push(match most {
-            Some(most) => format!("{done} of at most {most} {of}"),
-            None => format!("{done} {of}"),
-        });
+        pieces.push(format!("{done} {of}"));
         pieces.push(format!("{rate:.0}/s"));
-        if let Some(left) = most.map(|most| most.saturating_sub(done)) {
-            pieces.push(format!("at most {:.0} s more", left as f64 / rate));
+        if let Some(left) = most.filter(|_| done >= SETTLED) {
+            let left = left.saturating_sub(done) as f64 / rate;
+            pieces.push(format!("at most {} more", span(left)));
         }
     }
-    pieces.push(format!("{seconds:.0} s"));
+    pieces.push(span(seconds));
     format!("{}: {}", state.stage, pieces.join(" · "))
+}
+
+/// `40 s`, `12 min`.
+fn span(seconds: f64) -> String {
+    if seconds < 120.0 {
+        format!("{seconds:.0} s")
+    } else {
+        format!("{:.0} min", seconds / 60.0)
+    }
 }
 
 #[cfg(test)]
@@ -157,7 +172,7 @@ mod tests {
         };
         assert_eq!(
             line(&state, Duration::from_secs(10)),
-            "search: 600 of at most 3000 sweeps · 60/s · at most 40 s more · 10 s"
+            "search: 600 sweeps · 60/s · at most 40 s more · 10 s"
         );
         assert_eq!(
             line(

@@ -15,6 +15,9 @@ use super::solver;
 /// The study is identified as `admire identify` would with `backend = "command"`; each run that gave an answer is kept with its deck,
 /// command file, results and messages, under the content of the first two. Nothing else is written.
 #[derive(clap::Args, Debug)]
+#[command(
+    after_help = "Examples:\n  admire record my-axle\n  admire record my-axle --into recordings"
+)]
 pub(super) struct Arguments {
     /// The study's folder.
     study: PathBuf,

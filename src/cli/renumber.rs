@@ -19,6 +19,7 @@ use super::shell::{Exit, Shell};
 ///
 /// The change is shown as a diff; with --in-place or --out it is made.
 #[derive(clap::Args, Debug)]
+#[command(after_help = "Examples:\n  admire renumber front.adm MARKER=1000 --out renumbered.adm")]
 pub(super) struct Arguments {
     /// The dataset.
     deck: PathBuf,

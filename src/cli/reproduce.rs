@@ -17,6 +17,9 @@ use super::shell::{Exit, Format, Shell};
 /// For `pseudo-mcpherson` (section 4.2), `multilink` (4.3) and `kc-experiment` (4.4) of a corpus: stiffnesses found over true ones,
 /// iterations, what stays unidentified, the order of the wheel curves; and what cannot be compared.
 #[derive(clap::Args, Debug)]
+#[command(
+    after_help = "Examples:\n  admire reproduce\n  admire reproduce corpus --out target/paper"
+)]
 pub(super) struct Arguments {
     /// The folder that holds the three studies.
     #[arg(default_value = "corpus")]

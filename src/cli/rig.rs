@@ -13,6 +13,9 @@ use super::shell::{Exit, Shell};
 ///
 /// Nothing in the folder tells what was planted; `--truth` writes that elsewhere.
 #[derive(clap::Args, Debug)]
+#[command(
+    after_help = "Examples:\n  admire rig my-axle --out measured --seed 3\n  admire rig my-axle --out measured --effect link-compliance@PART/6:stiffness=6000 --truth truth.txt"
+)]
 pub(super) struct Arguments {
     /// The study's folder; its own readings need not exist.
     study: PathBuf,

@@ -22,6 +22,7 @@ use super::shell::{Exit, Format, Shell};
 /// The derivatives of motions, forces or measures by stiffnesses, preloads, marker positions, spring lengths, loads: exact,
 /// from the tangent of the equilibrium, in the deck's units (angles in radians).
 #[derive(clap::Args, Debug)]
+#[command(after_help = "Examples:\n  admire sensitivity front.adm --of KNUCKLE --by BUSHING/1.K")]
 pub(super) struct Arguments {
     /// The dataset.
     deck: PathBuf,

@@ -26,6 +26,7 @@ use super::solve_run::{self, Taken};
 /// does, in the working directory, with the exit codes of `admire`. It tells how far it is on a terminal; after Ctrl-C the files hold
 /// everything up to the last output.
 #[derive(clap::Args, Debug)]
+#[command(after_help = "Examples:\n  admire solve front.adm\n  admire solve run.acf")]
 pub(super) struct Arguments {
     /// A dataset (.adm) or a command file (.acf).
     file: PathBuf,

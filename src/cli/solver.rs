@@ -59,7 +59,7 @@ pub(super) fn command(study: &Study, keep: Option<PathBuf>, shell: &Shell) -> Co
 }
 
 /// Where the system finds a program.
-fn found_on_path(program: &str) -> Option<PathBuf> {
+pub(super) fn found_on_path(program: &str) -> Option<PathBuf> {
     let given = Path::new(program);
     let folders: Vec<PathBuf> = if given.components().count() > 1 {
         vec![PathBuf::new()]

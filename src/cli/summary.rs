@@ -18,6 +18,7 @@ use super::shell::{Exit, Format, Shell};
 ///
 /// Masses and lengths are in the deck's units; the centre of mass is where the dataset puts the parts.
 #[derive(clap::Args, Debug)]
+#[command(after_help = "Examples:\n  admire summary front.adm")]
 pub(super) struct Arguments {
     /// The dataset.
     deck: PathBuf,

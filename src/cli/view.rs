@@ -171,7 +171,7 @@ fn footer(arguments: &Arguments) -> String {
     format!(
         "{}{run} · admire {} · {} UTC",
         arguments.deck.display(),
-        env!("CARGO_PKG_VERSION"),
+        crate::report::VERSION,
         Timestamp::now().date_time()
     )
 }

@@ -47,7 +47,7 @@ pub struct Chart {
 /// Width and height in pixels. Two stand side by side on a screen, and letters stay readable on a narrow one.
 const SIZE: (f64, f64) = (560.0, 340.0);
 /// Room at the left, right, top and bottom of the plot.
-const ROOM: [f64; 4] = [66.0, 14.0, 30.0, 46.0];
+const ROOM: [f64; 4] = [66.0, 14.0, 12.0, 46.0];
 const LEGEND_ROW: f64 = 18.0;
 /// Colours of the style sheet; from here on they repeat with another dash.
 const COLOURS: usize = 8;
@@ -76,12 +76,10 @@ impl Chart {
         let px = |value: f64| x.share(value).map(|share| left + share * wide);
         let py = |value: f64| y.share(value).map(|share| top + (1.0 - share) * tall);
         let mut out = format!(
-            "<svg class=\"chart\" role=\"img\" aria-label=\"{}\" viewBox=\"0 0 {} {height}\" width=\"{}\" height=\"{height}\">\n\
-             <text class=\"title\" x=\"{left}\" y=\"18\">{}</text>\n",
+            "<svg class=\"chart\" role=\"img\" aria-label=\"{}\" viewBox=\"0 0 {} {height}\" width=\"{}\" height=\"{height}\">\n",
             escape(&self.described()),
             SIZE.0,
-            SIZE.0,
-            escape(&self.title)
+            SIZE.0
         );
         let mut push = |text: std::fmt::Arguments<'_>| {
             out.write_fmt(text).expect("a String takes all");

@@ -2,8 +2,13 @@ use crate::discrepancy::{Fitted, Outcome, StructureTest, Verdict, WheelRun};
 use crate::identify::global::Row;
 
 use super::diagnosis_view::{diagnosis_scene, headline};
-use super::{Align, Chart, DrawingError, Figure, HeatMap, Mark, Page, Series, Table, number};
+use super::interval::IntervalScale;
+use super::ranking::{ranking, words};
+use super::{
+    Align, Chart, DrawingError, Figure, HeatMap, Mark, Page, Scene, Series, Table, number,
+};
 use crate::identify::LoadedStudy;
+use crate::identify::global::confidence::NORMAL_975;
 use crate::results::Timestamp;
 
 /// Up to so many cases a map of them can be read.
@@ -17,6 +22,12 @@ pub struct DiagnosisReport<'a> {
     pub outcome: &'a Outcome<'a>,
     /// What changed in the deck.
     pub diff: &'a str,
+}
+
+/// `vertical = 4500, lateral = 0`.
+fn loads(case: &std::collections::BTreeMap<String, f64>) -> String {
+    let one = |(name, value): (&String, &f64)| format!("{name} = {value}");
+    case.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
 /// Steer against a load: as read, before and after.
@@ -63,7 +74,7 @@ impl DiagnosisReport<'_> {
             ("Date", format!("{} UTC", Timestamp::now().date_time())),
             (
                 "Made by",
-                format!("admire {}, built-in solver", env!("CARGO_PKG_VERSION")),
+                format!("admire {}, built-in solver", super::VERSION),
             ),
             (
                 "Inputs",
@@ -76,14 +87,27 @@ impl DiagnosisReport<'_> {
         ));
         page.list(&self.outcome.sentences());
         if !diagnosis.findings.is_empty() {
-            page.heading("Findings");
-            page.table(&self.findings());
+            page.heading("Causes");
+            page.table(&ranking(diagnosis, &self.loaded.model.units, &scene));
             page.note(
-                "Held-out rms: marks of cases that no fit saw, without and with the finding. Causes under \"or\" are no \
-                 less probable than by a factor of twenty. Probabilities are those of the cause at its place, among all models looked at.",
+                "Probabilities are those of the cause at its place, among all models looked at. Causes after \"or\" do as well on these \
+                 readings, and are less probable by a factor of twenty at most.",
             );
+            if let Some(next) = &diagnosis.next_measurement {
+                page.paragraph(&format!(
+                    "To measure next: {}. It {}.",
+                    loads(&next.case),
+                    next.why
+                ));
+            }
+            page.heading("Gain on load cases that no fit saw");
+            page.table(&self.gains(&scene));
             page.heading("Stiffnesses, corrected");
-            page.table(&self.stiffnesses());
+            page.table(&self.stiffnesses(&scene));
+            page.note(
+                "The bar is the 95 percent interval with the cause in the model, on a logarithmic scale around its estimate; the diamond is what the \
+                 model without the cause had.",
+            );
         }
         page.heading("The mechanism");
         page.scene(&scene);
@@ -150,9 +174,9 @@ impl DiagnosisReport<'_> {
     fn limits(&self) -> Table {
         let mut table = Table::new(&[
             ("point", Align::Left),
-            ("x", Align::Right),
-            ("y", Align::Right),
-            ("z", Align::Right),
+            ("x, mm", Align::Right),
+            ("y, mm", Align::Right),
+            ("z, mm", Align::Right),
         ]);
         for limit in &self.outcome.diagnosis.detection_limits {
             let [x, y, z] = limit
@@ -171,13 +195,14 @@ impl DiagnosisReport<'_> {
             ("unit", Align::Left),
         ]);
         let diagnosis = &self.outcome.diagnosis;
-        let shown = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:.3e}"));
+        let shown =
+            |value: Option<f64>| value.map_or_else(String::new, |v| number(v, Some(v.abs() * 0.1)));
         if diagnosis.noise.estimated.is_some() || diagnosis.noise.declared.is_some() {
             table.row([
                 "noise of marks".to_string(),
                 shown(diagnosis.noise.estimated),
                 shown(diagnosis.noise.declared),
-                "deck".to_string(),
+                self.loaded.model.units.length.word.to_string(),
             ]);
         }
         for (name, size) in &diagnosis.tolerances {
@@ -191,14 +216,25 @@ impl DiagnosisReport<'_> {
         table
     }
 
-    fn stiffnesses(&self) -> Table {
+    fn stiffnesses(&self, scene: &Scene) -> Table {
+        let all = &self.outcome.stiffnesses;
+        let sides =
+            |after: (f64, f64)| [-1.0, 1.0].map(|side| 1.0 + side * NORMAL_975 * after.1 / after.0);
+        let widest = all.iter().flat_map(|found| {
+            let [low, high] = sides(found.after);
+            [low, high, found.before.0 / found.after.0]
+        });
+        let scale = IntervalScale::over(widest);
+        let picture = scale.ends();
         let mut table = Table::new(&[
             ("number", Align::Left),
+            ("unit", Align::Left),
             ("as the model was", Align::Right),
             ("as it is extended", Align::Right),
+            (picture.as_str(), Align::Left),
             ("bias", Align::Right),
         ]);
-        for stiffness in &self.outcome.stiffnesses {
+        for stiffness in all {
             let (before, after) = (stiffness.before, stiffness.after);
             let shown = |(value, error): (f64, f64)| {
                 format!(
@@ -207,14 +243,26 @@ impl DiagnosisReport<'_> {
                     number(error, Some(error))
                 )
             };
+            let unit = self
+                .loaded
+                .unknowns
+                .iter()
+                .find(|unknown| unknown.address.to_string() == stiffness.address)
+                .map_or_else(String::new, |unknown| unknown.unit.clone());
             table.row([
-                stiffness.address.clone(),
+                scene.named(&stiffness.address),
+                unit,
                 shown(before),
+                shown(after),
                 shown(after),
                 format!("{:+.1} %", 100.0 * stiffness.bias()),
             ]);
+            let [low, high] = sides(after);
+            let low = Some(low).filter(|low| *low > 0.0);
+            let diamond = before.0 / after.0;
+            table.picture(4, scale.svg(low, Some(high), Some(diamond), &shown(after)));
             if (before.0 - after.0).abs() > 2.0 * before.1.hypot(after.1) {
-                table.mark(3, "bad");
+                table.mark(5, "bad");
             }
         }
         table
@@ -280,42 +328,33 @@ impl DiagnosisReport<'_> {
         })
     }
 
-    fn findings(&self) -> Table {
+    /// What each finding gains on cases that no fit saw.
+    fn gains(&self, scene: &Scene) -> Table {
+        let length = self.loaded.model.units.length.word;
+        let (before, after) = (
+            format!("error without it, {length}"),
+            format!("with it, {length}"),
+        );
         let mut table = Table::new(&[
-            ("cause", Align::Left),
-            ("address", Align::Left),
-            ("probability", Align::Right),
-            ("numbers", Align::Left),
-            ("held-out rms before", Align::Right),
-            ("after", Align::Right),
-            ("or", Align::Left),
+            ("finding", Align::Left),
+            (before.as_str(), Align::Right),
+            (after.as_str(), Align::Right),
+            ("chi-square per degree of freedom without", Align::Right),
+            ("with", Align::Right),
         ]);
         let rms = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:.4}"));
         for finding in &self.outcome.diagnosis.findings {
-            let numbers: Vec<String> = finding
-                .parameters
-                .iter()
-                .map(|(name, value)| {
-                    let error = finding.std_error.get(name).copied();
-                    format!("{name} = {}", number(*value, error))
-                })
-                .collect();
-            let rivals: Vec<String> = finding
-                .indistinguishable_from
-                .iter()
-                .map(|rival| format!("{} {}", rival.cause, rival.address))
-                .collect();
+            let gain = &finding.gain;
             table.row([
-                finding.cause.to_string(),
-                match &finding.form {
-                    Some(form) => format!("{} ({form})", finding.address),
-                    None => finding.address.clone(),
-                },
-                format!("{:.2}", finding.probability),
-                numbers.join(", "),
-                rms(finding.gain.held_out_rms_before),
-                rms(finding.gain.held_out_rms_after),
-                rivals.join("; "),
+                format!(
+                    "{}, {}",
+                    words(finding.cause),
+                    scene.named(&finding.address)
+                ),
+                rms(gain.held_out_rms_before),
+                rms(gain.held_out_rms_after),
+                format!("{:.2}", gain.chi2_per_dof_before),
+                format!("{:.2}", gain.chi2_per_dof_after),
             ]);
         }
         table

@@ -1,3 +1,4 @@
+use super::ranking::words;
 use super::scene::Role;
 use super::{Positions, Scene, number, study_scene};
 use crate::discrepancy::{Fitted, Outcome, Verdict};
@@ -20,7 +21,7 @@ pub(super) fn diagnosis_scene(loaded: &LoadedStudy, outcome: &Outcome<'_>) -> Sc
     );
     let mut scene = study_scene(loaded, &[before, after]);
     for finding in &outcome.diagnosis.findings {
-        let label = finding.cause.to_string().replace('-', " ");
+        let label = words(finding.cause);
         for address in std::iter::once(&finding.address).chain(&finding.members) {
             scene.highlight(address, &label);
         }
@@ -61,12 +62,23 @@ pub(super) fn headline(loaded: &LoadedStudy, outcome: &Outcome<'_>, scene: &Scen
         }
         .to_string();
     };
+    let rivals: Vec<String> = finding
+        .indistinguishable_from
+        .iter()
+        .map(|rival| format!("{} at {}", words(rival.cause), scene.named(&rival.address)))
+        .collect();
     let mut text = format!(
         "The model does not behave like the car: the cause is {} at {}, with a probability of {:.0} %.",
-        finding.cause.to_string().replace('-', " "),
+        words(finding.cause),
         scene.named(&finding.address),
         (100.0 * finding.probability).min(99.0)
     );
+    if !rivals.is_empty() {
+        text += &format!(
+            " These readings do not tell it from {}.",
+            rivals.join(", or from ")
+        );
+    }
     if let (Some(before), Some(after)) = (
         finding.gain.held_out_rms_before,
         finding.gain.held_out_rms_after,

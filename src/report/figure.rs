@@ -36,7 +36,8 @@ impl Figure {
     /// The `<figure>` element. Its data are a link that holds them, so that the page stays one file.
     pub(super) fn html(&self) -> String {
         format!(
-            "<figure>{}<figcaption>{} <a download=\"{}.csv\" href=\"data:text/csv;charset=utf-8,{}\">Data (CSV)</a></figcaption></figure>\n",
+            "<figure><h3>{}</h3>{}<figcaption>{} <a download=\"{}.csv\" href=\"data:text/csv;charset=utf-8,{}\">Data (CSV)</a></figcaption></figure>\n",
+            escape(&self.name),
             self.svg,
             escape(&self.caption),
             file_name(&self.name),

@@ -29,10 +29,8 @@ impl HeatMap {
         let width = LEFT + self.columns.len() * CELL.0 + 30;
         let height = TOP + self.rows.len() * CELL.1 + 40;
         let mut out = format!(
-            "<svg class=\"map\" role=\"img\" aria-label=\"{}\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">\n\
-             <text class=\"title\" x=\"0\" y=\"18\">{}</text>\n",
-            escape(&format!("{}: {}", self.title, self.what)),
-            escape(&self.title)
+            "<svg class=\"map\" role=\"img\" aria-label=\"{}\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">\n",
+            escape(&format!("{}: {}", self.title, self.what))
         );
         let mut push = |text: String| out.push_str(&text);
         for (c, name) in self.columns.iter().enumerate() {

@@ -109,7 +109,7 @@ impl IdentificationReport<'_> {
         }
         page.heading("What changes in the deck");
         page.verbatim(self.diff);
-        Ok(page.finish(&format!("admire {}", env!("CARGO_PKG_VERSION"))))
+        Ok(page.finish(&format!("admire {}", super::VERSION)))
     }
 
     fn parameters(&self) -> Table {
@@ -185,7 +185,7 @@ impl IdentificationReport<'_> {
         table
     }
 
-    /// `A.K.1 = A.K.2 (BUSHING/1)` where the deck names its bushings.
+    /// `A (BUSHING/1.K.1) = A (BUSHING/1.K.2)` where the deck names its bushings.
     fn named(&self, parameter: &ParameterFit) -> String {
         std::iter::once(&parameter.address)
             .chain(&parameter.tied)
@@ -197,10 +197,10 @@ impl IdentificationReport<'_> {
     fn address_named(&self, address: &str) -> String {
         match self.element_and_number(address) {
             (element, number) if number.is_empty() => element,
-            (element, number) => format!(
-                "{}.{number}",
-                element.split(" (").next().unwrap_or(&element)
-            ),
+            (element, number) => match element.strip_suffix(')') {
+                Some(open) => format!("{open}.{number})"),
+                None => format!("{element}.{number}"),
+            },
         }
     }
 
@@ -235,7 +235,7 @@ impl IdentificationReport<'_> {
                 "Made by",
                 format!(
                     "admire {}, solver: {}, method: {}",
-                    env!("CARGO_PKG_VERSION"),
+                    super::VERSION,
                     self.fit.backend,
                     self.fit.method
                 ),

@@ -141,6 +141,21 @@ fn reading<'s>(sample: &'s Sample, entity: &str, component: &str) -> Option<&'s 
     all.find(|reading| reading.entity == entity && reading.component == component)
 }
 
+/// True if the way back lies on the way there, to a thousandth of what is drawn.
+fn one_curve(up: &[(f64, f64)], down: &[(f64, f64)]) -> bool {
+    let values = || up.iter().map(|point| point.1);
+    let (least, most) = (
+        values().fold(f64::INFINITY, f64::min),
+        values().fold(f64::NEG_INFINITY, f64::max),
+    );
+    let near = |(x, y): &(f64, f64)| {
+        let apart = |point: &&(f64, f64)| (point.0 - x).abs();
+        let there = up.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)));
+        there.is_some_and(|point| (point.1 - y).abs() <= 1e-3 * (most - least))
+    };
+    up.len() == down.len() && down.iter().all(near)
+}
+
 impl KcReport<'_> {
     /// The page. `footer` says what made it.
     ///
@@ -334,7 +349,10 @@ impl KcReport<'_> {
                 continue;
             }
             let named = |what: &str| format!("{word} {what}").trim().to_string();
-            let down = points(test, Branch::Down, &mut unit);
+            let mut down = points(test, Branch::Down, &mut unit);
+            if one_curve(&up, &down) {
+                down.clear();
+            }
             series.push(Series {
                 name: named(if down.is_empty() { "" } else { "up" }),
                 points: up,

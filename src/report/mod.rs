@@ -15,6 +15,7 @@ mod interval;
 mod kc;
 mod page;
 mod plausibility;
+mod ranking;
 mod reproduction;
 pub mod scene;
 mod study_figures;
@@ -35,6 +36,9 @@ pub use scene::Scene;
 pub use study_view::{Positions, study_scene};
 pub use table::{Align, Table};
 pub use topology_graph::{Body, Link, TopologyGraph};
+
+/// The version of this program with the commit it was built from.
+pub const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("ADMIRE_COMMIT"), ")");
 
 /// Why a picture could not be drawn.
 #[derive(Debug, thiserror::Error)]

@@ -28,7 +28,7 @@ impl ReproductionReport<'_> {
                     .to_string(),
             ),
             ("Date", format!("{} UTC", Timestamp::now().date_time())),
-            ("Made by", format!("admire {}, built-in solver", env!("CARGO_PKG_VERSION"))),
+            ("Made by", format!("admire {}, built-in solver", super::VERSION)),
         ]);
         let first = |section: &Section| {
             let finding = section.findings.first()?;
@@ -78,6 +78,6 @@ impl ReproductionReport<'_> {
             page.subheading("What cannot be compared");
             page.list(&section.limits);
         }
-        Ok(page.finish(&format!("admire {}", env!("CARGO_PKG_VERSION"))))
+        Ok(page.finish(&format!("admire {}", super::VERSION)))
     }
 }

@@ -21,6 +21,9 @@ struct Cell {
     picture: Option<String>,
 }
 
+/// From so many columns on a table does not fit a telephone.
+const CARDS: usize = 5;
+
 /// A table of texts.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
@@ -91,7 +94,13 @@ impl Table {
                 format!(" class=\"{}\"", both.trim())
             }
         };
-        let mut out = String::from("<table>\n<thead><tr>");
+        // On a telephone a row of many cells becomes a card.
+        let cards = if self.columns.len() >= CARDS {
+            " class=\"cards\""
+        } else {
+            ""
+        };
+        let mut out = format!("<table{cards}>\n<thead><tr>");
         for (name, align) in &self.columns {
             write!(
                 out,
@@ -116,7 +125,12 @@ impl Table {
                 } else {
                     ("td", "td")
                 };
-                write!(out, "<{open}{class}>{inside}</{close}>").expect("a String takes all");
+                let head = if k == 0 || cards.is_empty() {
+                    String::new()
+                } else {
+                    format!(" data-head=\"{}\"", escape(&self.columns[k].0))
+                };
+                write!(out, "<{open}{class}{head}>{inside}</{close}>").expect("a String takes all");
             }
             out.push_str("</tr>\n");
         }

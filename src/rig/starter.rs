@@ -472,7 +472,7 @@ fn wheel_words(name: &str) -> usize {
         .count()
 }
 
-/// The marker that looks most like the centre of a wheel: by its own name, on a part named like one, or where most loads act.
+/// The marker that looks most like the centre of a wheel: by its own name, or on a part named like one where most loads act.
 fn wheel(model: &Model) -> Option<MarkerIx> {
     let score = |at: usize| {
         let marker = &model.markers[at];
@@ -486,8 +486,12 @@ fn wheel(model: &Model) -> Option<MarkerIx> {
         let scalar = model.sforces.iter().filter(|force| force.i.0 == at);
         let vector = model.vector_forces.iter().filter(|force| force.i.0 == at);
         let loaded = scalar.count() + vector.count();
-        8 * own + 4 * usize::from(centre) + 3 * wheel_words(&part.header.name) + 2 * loaded.min(3)
+        let on_part = wheel_words(&part.header.name);
+        if own + on_part == 0 {
+            return 0;
+        }
+        8 * own + 4 * usize::from(centre) + 3 * on_part + 2 * loaded.min(3)
     };
     let best = (0..model.markers.len()).max_by_key(|&at| (score(at), std::cmp::Reverse(at)))?;
-    (score(best) > 2).then_some(MarkerIx(best))
+    (score(best) > 0).then_some(MarkerIx(best))
 }

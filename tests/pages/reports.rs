@@ -1,7 +1,101 @@
 use std::path::Path;
 use std::process::Command;
 
-use super::browser::{chromium, sound};
+use super::browser::{Seen, chromium, sound};
+
+fn admire(arguments: &[&str], folder: &Path) {
+    let run = Command::new(env!("CARGO_BIN_EXE_admire"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&run.stderr);
+    assert!(run.status.success(), "{arguments:?}: {said}");
+}
+
+/// Every figure has its data, every table its heads.
+fn accessible(page: &Path, seen: &Seen) {
+    let page = std::fs::read_to_string(page).unwrap();
+    assert_eq!(page.matches("download=").count(), seen.pictures.len());
+    assert!(page.contains("scope=\"col\"") && page.contains("scope=\"row\""));
+    assert_eq!(
+        page.matches("<svg").count(),
+        page.matches("role=\"img\" aria-label=").count()
+    );
+}
+
+/// A tie rod that yields: the page names it in its first sentences, and marks it in the picture.
+#[test]
+fn the_report_of_a_diagnosis_is_whole() {
+    let Some(chromium) = chromium() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/pseudo-mcpherson");
+    let effect = "link-compliance@PART/6:stiffness=6000";
+    let rig = [
+        "rig",
+        shipped.to_str().unwrap(),
+        "--out",
+        "measured",
+        "--programme",
+        "up-and-down",
+        "--effect",
+        effect,
+    ];
+    admire(&rig, folder.path());
+    admire(&["diagnose", "measured", "--out", "out"], folder.path());
+    let path = folder.path().join("out/report.html");
+    let seen = sound(&chromium, &path);
+    assert_eq!(seen.scenes.len(), 1);
+    assert_eq!(
+        (seen.scenes[0].slider, seen.scenes[0].step),
+        (Some(true), Some(true))
+    );
+    accessible(&path, &seen);
+    let page = std::fs::read_to_string(&path).unwrap();
+    let lead = page
+        .split("<p class=\"lead\">")
+        .nth(1)
+        .unwrap()
+        .split("</p>")
+        .next()
+        .unwrap();
+    assert!(
+        lead.contains("link compliance at TIE_ROD (PART/6)"),
+        "{lead}"
+    );
+    assert!(
+        lead.contains("These readings do not tell it from body compliance at TIE_INNER (JOINT/5)"),
+        "{lead}"
+    );
+    assert!(
+        page.contains("PART/6\",\"label\":\"link compliance\"")
+            || page.contains("\"label\":\"link compliance\"")
+    );
+}
+
+/// The standard tests of an axle.
+#[test]
+fn the_report_of_the_standard_tests_is_whole() {
+    let Some(chromium) = chromium() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/multilink");
+    let (deck, config) = (shipped.join("model.adm"), shipped.join("kc.toml"));
+    admire(
+        &[
+            "kc",
+            deck.to_str().unwrap(),
+            "--config",
+            config.to_str().unwrap(),
+            "--out",
+            "out",
+        ],
+        folder.path(),
+    );
+    let path = folder.path().join("out/report.html");
+    let seen = sound(&chromium, &path);
+    assert!(seen.pictures.len() > 20, "{}", seen.pictures.len());
+    accessible(&path, &seen);
+}
 
 /// The page of an identification: its view, its charts and its data, under a deck whose names try to break out.
 #[test]

@@ -4,4 +4,5 @@ mod explaining;
 mod messages;
 mod new_study;
 mod run;
+mod terminal;
 mod tutorial;

@@ -32,7 +32,7 @@ fn slips_of_the_pen_are_recognised() {
             "the deck has BUSHING/1, BUSHING/2, BUSHING/3",
         ),
         ("lateral = ", "latral = ", "did you mean `lateral`?"),
-        ("\"SFORCE/2\"", "\"SFORC/2\"", "did you mean `SFORCE/2`?"),
+        ("\"SFORCE/2\"", "\"SFRCE/2\"", "did you mean `SFORCE/2`?"),
     ] {
         let (text, code) = said(from, to);
         assert_eq!(code, 1);

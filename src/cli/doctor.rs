@@ -1,0 +1,208 @@
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::report::VERSION;
+use crate::rig::Study;
+use crate::rig::settings::BackendChoice;
+
+use super::Outcome;
+use super::shell::{Exit, Shell};
+use super::solver::found_on_path;
+
+/// Say what is installed here: which `mdi` a script would find, whether a study's program answers, Octave, write permissions.
+///
+/// Nothing is solved and no licence is taken: programs are only asked for their first words.
+#[derive(clap::Args, Debug)]
+#[command(
+    after_help = "Examples:\n  admire doctor\n  admire doctor my-axle            # the program of its study.toml, too"
+)]
+pub(super) struct Arguments {
+    /// A study whose external program is asked, too.
+    study: Option<PathBuf>,
+}
+
+/// A program that says nothing for so long does not answer.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// Prints what was found; exit code 1 if something is broken.
+pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    let mut report = Report::default();
+    programs(&mut report);
+    if let Some(folder) = &arguments.study {
+        of_study(folder, &mut report);
+    }
+    let octave = ["octave-cli", "octave"].into_iter().find_map(found_on_path);
+    match octave {
+        Some(path) => {
+            let words = first_words(&path, &["--version"]);
+            report.fine(
+                "Octave",
+                &words.unwrap_or_else(|| format!("{}, silent", path.display())),
+            );
+        }
+        None => report.look("Octave", "not on the PATH; only scripts for MATLAB need it"),
+    }
+    for (what, folder) in [
+        (
+            "working directory",
+            std::env::current_dir().unwrap_or_default(),
+        ),
+        ("temporary files", std::env::temp_dir()),
+    ] {
+        match tempfile::NamedTempFile::new_in(&folder) {
+            Ok(_) => report.fine(what, &format!("{}, can be written", folder.display())),
+            Err(error) => report.broken(what, &format!("{}: {error}", folder.display())),
+        }
+    }
+    shell.print(&report.text);
+    if report.is_broken {
+        return Err(Exit::Findings);
+    }
+    Ok(Exit::Fine)
+}
+
+#[derive(Default)]
+struct Report {
+    text: String,
+    is_broken: bool,
+}
+
+impl Report {
+    fn fine(&mut self, what: &str, found: &str) {
+        self.line("ok", what, found);
+    }
+
+    fn look(&mut self, what: &str, found: &str) {
+        self.line("look", what, found);
+    }
+
+    fn broken(&mut self, what: &str, found: &str) {
+        self.is_broken = true;
+        self.line("no", what, found);
+    }
+
+    fn line(&mut self, word: &str, what: &str, found: &str) {
+        self.text += &format!("{word:4}  {what:18}  {found}\n");
+    }
+}
+
+/// This program, the solver beside it, and the one a script finds.
+fn programs(report: &mut Report) {
+    let own = std::env::current_exe().and_then(std::fs::canonicalize);
+    let shown = own
+        .as_ref()
+        .map_or_else(ToString::to_string, |path| path.display().to_string());
+    report.fine("admire", &format!("{VERSION}, {shown}"));
+    let beside = own
+        .ok()
+        .map(|path| path.with_file_name(format!("mdi{}", std::env::consts::EXE_SUFFIX)))
+        .filter(|path| path.is_file());
+    match &beside {
+        Some(path) => report.fine("its solver", &path.display().to_string()),
+        None => report.broken(
+            "its solver",
+            "no mdi beside admire: cargo install --locked --path . installs both",
+        ),
+    }
+    let Some(found) = found_on_path("mdi") else {
+        return report.look(
+            "mdi on the PATH",
+            "none: scripts find no solver; admire install-shims FOLDER makes one",
+        );
+    };
+    let whose = if is_ours(&found, beside.as_deref()) {
+        "this solver"
+    } else {
+        "another program, ADAMS perhaps"
+    };
+    report.fine("mdi on the PATH", &format!("{} ({whose})", found.display()));
+}
+
+/// True for the solver beside this program, or a shim that starts it.
+fn is_ours(found: &Path, beside: Option<&Path>) -> bool {
+    let Some(beside) = beside else { return false };
+    let same = found.canonicalize().ok().as_deref() == Some(beside);
+    let mut head = Vec::new();
+    let file = std::fs::File::open(found).map(|file| file.take(4096).read_to_end(&mut head));
+    let starts =
+        file.is_ok() && String::from_utf8_lossy(&head).contains(&*beside.to_string_lossy());
+    same || starts
+}
+
+/// The program that a study's `[solver]` names.
+fn of_study(folder: &Path, report: &mut Report) {
+    let Some(study) = Study::read(folder).value else {
+        return report.broken(
+            "study",
+            &format!(
+                "`{}` cannot be read: admire check says why",
+                folder.display()
+            ),
+        );
+    };
+    if study.solver.backend == BackendChoice::Native {
+        return report.fine("study", "solved by the built-in solver");
+    }
+    let Some(program) = study.solver.command.first() else {
+        return report.broken("study", "solver.command is empty");
+    };
+    let beside = study.folder.join(program);
+    let found = if Path::new(program).components().count() > 1 {
+        beside.is_file().then_some(beside)
+    } else {
+        found_on_path(program)
+    };
+    let Some(found) = found else {
+        return report.broken("program of study", &format!("`{program}` is not there"));
+    };
+    // `exit` leaves ADAMS' menu of commands before any product, and its licence, is asked for.
+    match first_words(&found, &["-c", "exit"]) {
+        Some(words) => report.fine(
+            "program of study",
+            &format!("{} says: {words}", found.display()),
+        ),
+        None => report.look(
+            "program of study",
+            &format!("{} starts but says nothing", found.display()),
+        ),
+    }
+}
+
+/// The first line with words that a program says; `None` if it says none or does not end.
+fn first_words(program: &Path, arguments: &[&str]) -> Option<String> {
+    let folder = tempfile::tempdir().ok()?;
+    let mut child = Command::new(program)
+        .args(arguments)
+        .current_dir(folder.path())
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .ok()?;
+    let mut out = child.stdout.take()?;
+    let reader = std::thread::spawn(move || {
+        let mut text = Vec::new();
+        // What came before an error is enough.
+        let _ = out.by_ref().take(65_536).read_to_end(&mut text);
+        text
+    });
+    let began = Instant::now();
+    while child.try_wait().ok()?.is_none() {
+        if began.elapsed() > PATIENCE {
+            let _ = child.kill();
+            let _ = child.wait();
+            return None;
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let text = reader.join().ok()?;
+    let text = String::from_utf8_lossy(&text).into_owned();
+    let words = |line: &&str| line.chars().filter(|c| c.is_alphabetic()).count() > 3;
+    let line = text
+        .lines()
+        .map(|line| line.trim_matches(|c: char| c == '|' || c.is_whitespace()))
+        .find(words)?;
+    Some(line.to_string())
+}

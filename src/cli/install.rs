@@ -1,0 +1,96 @@
+use std::path::{Path, PathBuf};
+
+use clap::CommandFactory;
+use clap_complete::env::Shells;
+
+use crate::diagnostic::{Code, Diagnostic};
+
+use super::shell::{Exit, Shell};
+use super::{Cli, Outcome};
+
+/// Install manual pages and completions for bash, zsh and fish.
+///
+/// They go where shells and `man` look below a prefix: share/man/man1, share/bash-completion, share/zsh, share/fish. Files of an
+/// earlier installation are replaced; nothing else is touched.
+#[derive(clap::Args, Debug)]
+#[command(
+    after_help = "Examples:\n  admire install\n  sudo admire install --prefix /usr/local\n  man admire-identify"
+)]
+pub(super) struct Arguments {
+    /// The prefix; `~/.local` without it.
+    #[arg(long, value_name = "DIR")]
+    prefix: Option<PathBuf>,
+}
+
+/// Where each shell looks for a completion of `admire`, below a prefix.
+const COMPLETIONS: [(&str, &str); 3] = [
+    ("bash", "share/bash-completion/completions/admire"),
+    ("zsh", "share/zsh/site-functions/_admire"),
+    ("fish", "share/fish/vendor_completions.d/admire.fish"),
+];
+
+/// Writes the files.
+pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    let home = || std::env::var_os("HOME").map(|home| PathBuf::from(home).join(".local"));
+    let Some(prefix) = arguments.prefix.clone().or_else(home) else {
+        let message = "there is no home folder to install below";
+        return Err(shell.usage(
+            Diagnostic::error(Code::CannotWrite, message).help("name a folder: --prefix DIR"),
+        ));
+    };
+    let mut files = pages().map_err(|error| refused(&prefix, &error, shell))?;
+    let shells = Shells::builtins();
+    for (name, path) in COMPLETIONS {
+        let completer = shells.completer(name).expect("a shell of the list");
+        let mut text = Vec::new();
+        completer
+            .write_registration("COMPLETE", "admire", "admire", "admire", &mut text)
+            .map_err(|error| refused(&prefix, &error, shell))?;
+        files.push((path.to_string(), text));
+    }
+    let pages = files.len() - COMPLETIONS.len();
+    for (path, bytes) in &files {
+        let path = prefix.join(path);
+        let folder = path.parent().unwrap_or(&prefix);
+        std::fs::create_dir_all(folder).map_err(|error| refused(folder, &error, shell))?;
+        shell.write(&path, bytes)?;
+    }
+    let mut text = format!(
+        "{pages} manual pages below {}\n",
+        prefix.join("share/man/man1").display()
+    );
+    for (name, path) in COMPLETIONS {
+        text += &format!("completions of {name}: {}\n", prefix.join(path).display());
+    }
+    shell.print(&text);
+    Ok(Exit::Fine)
+}
+
+fn refused(path: &Path, error: &std::io::Error, shell: &Shell) -> Exit {
+    let message = format!("`{}` cannot be written: {error}", path.display());
+    shell.fail(Diagnostic::error(Code::CannotWrite, message))
+}
+
+/// A manual page of `admire` and of each of its commands.
+fn pages() -> std::io::Result<Vec<(String, Vec<u8>)>> {
+    let mut command = Cli::command();
+    command.build();
+    let mut files = vec![page("admire", command.clone())?];
+    for inner in command.get_subcommands() {
+        if inner.get_name() != "help" {
+            files.push(page(
+                &format!("admire-{}", inner.get_name()),
+                inner.clone(),
+            )?);
+        }
+    }
+    Ok(files)
+}
+
+fn page(name: &str, command: clap::Command) -> std::io::Result<(String, Vec<u8>)> {
+    let mut text = Vec::new();
+    clap_mangen::Man::new(command.display_name(name.to_string()))
+        .title(name.to_uppercase())
+        .render(&mut text)?;
+    Ok((format!("share/man/man1/{name}.1"), text))
+}

@@ -1,0 +1,139 @@
+//! The ranking of causes: each with its probability as a bar, its rivals below it.
+
+use super::scene::Scene;
+use super::{Align, Table, escape, number};
+use crate::discrepancy::{Cause, Diagnosis, Finding};
+use crate::units::Units;
+
+/// Width and height of a bar.
+const SIZE: (f64, f64) = (150.0, 14.0);
+
+/// Causes, the most important first, each followed by what would do as well.
+pub(super) fn ranking(diagnosis: &Diagnosis, units: &Units, scene: &Scene) -> Table {
+    let mut table = Table::new(&[
+        ("cause", Align::Left),
+        ("where", Align::Left),
+        ("probability", Align::Left),
+        ("", Align::Right),
+        ("how large", Align::Wrap),
+    ]);
+    for finding in &diagnosis.findings {
+        let place = scene.named(&finding.address);
+        let place = match finding.form.as_deref() {
+            Some("point") => format!("{place}, all parts that meet there"),
+            Some("part") => format!("{place}, this part only"),
+            Some(form) => format!("{place} ({form})"),
+            None => place,
+        };
+        let minor = if finding.minor { " (minor)" } else { "" };
+        line(
+            &mut table,
+            format!("{}{minor}", words(finding.cause)),
+            place,
+            finding.probability,
+            sizes(finding, units),
+        );
+        for rival in &finding.indistinguishable_from {
+            let behind = (0.5 * rival.bic_behind).exp();
+            table.row([
+                format!("or {}", words(rival.cause)),
+                scene.named(&rival.address),
+                String::new(),
+                String::new(),
+                format!("{behind:.1} times less probable"),
+            ]);
+            table.mark(0, "soft");
+        }
+    }
+    if !diagnosis.findings.is_empty() {
+        line(
+            &mut table,
+            "none of the catalogue".to_string(),
+            String::new(),
+            diagnosis.none_of_these,
+            String::new(),
+        );
+        table.mark(0, "soft");
+    }
+    table
+}
+
+fn line(table: &mut Table, cause: String, place: String, probability: f64, sizes: String) {
+    let text = percent(probability);
+    table.row([cause, place, text.clone(), text.clone(), sizes]);
+    table.picture(2, bar(probability, &text));
+}
+
+/// A cause as a person says it.
+pub(super) fn words(cause: Cause) -> String {
+    cause.to_string().replace('-', " ")
+}
+
+fn percent(probability: f64) -> String {
+    match 100.0 * probability {
+        p if p > 99.0 => "> 99 %".to_string(),
+        p if p < 1.0 => "< 1 %".to_string(),
+        p => format!("{p:.0} %"),
+    }
+}
+
+fn bar(probability: f64, text: &str) -> String {
+    let (width, height) = SIZE;
+    let full = width * probability.clamp(0.0, 1.0);
+    format!(
+        "<svg class=\"interval\" role=\"img\" aria-label=\"{}\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">\
+         <path class=\"grid\" d=\"M0.5 1V{:.0}M{:.1} 1V{:.0}\"/><g class=\"s1\"><path d=\"M0 3H{full:.1}V{:.0}H0Z\"/></g></svg>",
+        escape(text),
+        height - 1.0,
+        width - 0.5,
+        height - 1.0,
+        height - 3.0
+    )
+}
+
+/// The numbers of a finding with their units and errors.
+fn sizes(finding: &Finding, units: &Units) -> String {
+    let texts = finding.parameters.iter().map(|(name, value)| {
+        let error = finding
+            .std_error
+            .get(name)
+            .copied()
+            .filter(|error| *error > 0.0);
+        let unit = unit(finding, name, units);
+        let mut text = format!("{} {}", name.replace('_', " "), number(*value, error));
+        if let Some(error) = error {
+            text += &format!(" ± {}", number(error, Some(error)));
+        }
+        if !unit.is_empty() {
+            text += &format!(" {unit}");
+        }
+        // A stiffness is what an engineer has in mind.
+        if name == "compliance" && *value > 0.0 {
+            let relative = error.map(|error| error / (value * value));
+            text += &format!(
+                ", that is {} {}/{}",
+                number(1.0 / value, relative),
+                units.force.word,
+                units.length.word
+            );
+        }
+        text
+    });
+    texts.collect::<Vec<_>>().join("; ")
+}
+
+/// The unit of a number of a finding; empty where it has none, or where only the deck knows it.
+fn unit(finding: &Finding, name: &str, units: &Units) -> String {
+    let (force, length) = (units.force.word, units.length.word);
+    let turns = finding.address.contains(".KT");
+    match name {
+        "compliance" => format!("{length}/{force}"),
+        "force" if turns => format!("{force}-{length}"),
+        "force" => force.to_string(),
+        "stiffness" if turns => format!("{force}-{length}/rad"),
+        "stiffness" => format!("{force}/{length}"),
+        "anchor" if turns => "rad".to_string(),
+        "anchor" | "clearance_shift" => length.to_string(),
+        _ => String::new(),
+    }
+}
