@@ -185,5 +185,5 @@ fn a_study_is_identified_into_a_deck_numbers_and_a_report() {
     // The links of a page hold its data; none leads out of it.
     let links = report.matches("href=").count();
     assert_eq!(links, report.matches("href=\"data:text/csv").count());
-    assert!(report.contains("B.K.1") && !report.contains("src="));
+    assert!(report.contains("B (BUSHING/2.K.1)") && !report.contains("src="));
 }
