@@ -1,4 +1,6 @@
-use crate::discrepancy::{Fitted, Outcome, StructureTest, Verdict, WheelRun};
+use crate::discrepancy::{
+    CrossValidation, Fitted, Outcome, Over, Remainder, StructureTest, Verdict, WheelRun,
+};
 use crate::identify::global::Row;
 
 use super::diagnosis_view::{diagnosis_scene, headline};
@@ -28,6 +30,80 @@ pub struct DiagnosisReport<'a> {
 fn loads(case: &std::collections::BTreeMap<String, f64>) -> String {
     let one = |(name, value): (&String, &f64)| format!("{name} = {value}");
     case.iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
+/// Groups of cases predicted from the others, the sum of all in the last row.
+fn groups(found: &CrossValidation, length: &str) -> Table {
+    let unit = match found.of {
+        "mark" => length,
+        _ => "sigmas",
+    };
+    let (before, after) = (
+        format!("rms without any cause, {unit}"),
+        format!("with the causes chosen, {unit}"),
+    );
+    let mut table = Table::new(&[
+        ("cases predicted from all others", Align::Left),
+        ("causes that those choose", Align::Left),
+        (before.as_str(), Align::Right),
+        (after.as_str(), Align::Right),
+    ]);
+    for group in &found.groups {
+        let cases = match group.cases.as_slice() {
+            [first, .., last] if group.cases.len() > 6 => {
+                format!("{} from {first} to {last}", group.cases.len())
+            }
+            few => few.join(", "),
+        };
+        let causes = if group.causes.is_empty() {
+            "none".to_string()
+        } else {
+            group.causes.join(", ")
+        };
+        table.row([
+            cases,
+            causes,
+            format!("{:.4}", group.rms_before),
+            format!("{:.4}", group.rms_after),
+        ]);
+    }
+    table.row([
+        "all".to_string(),
+        String::new(),
+        format!("{:.4}", found.rms_before),
+        format!("{:.4}", found.rms_after),
+    ]);
+    table
+}
+
+/// What remains, as a force over its coordinate.
+fn remainder(found: &Remainder) -> Chart {
+    let over = match (&found.load, found.over) {
+        (Some(load), _) => load.clone(),
+        (None, Over::Order) => "position in the order of the cases".to_string(),
+        (None, _) => "deflection, units of the deck and radians".to_string(),
+    };
+    let series = |name: &str, mark: Mark, errors: f64| Series {
+        name: name.to_string(),
+        points: found
+            .points
+            .iter()
+            .map(|p| (p.coordinate, p.force + errors * p.std_error))
+            .collect(),
+        mark,
+    };
+    Chart {
+        title: format!("What remains, as a force at {}", found.address),
+        x: over,
+        y: "extra force or torque, units of the deck".to_string(),
+        series: vec![
+            series("extra force", Mark::LinePoints, 0.0),
+            series("two standard errors above", Mark::Dashed, 2.0),
+            series("two standard errors below", Mark::Dashed, -2.0),
+        ],
+        log_y: false,
+        level: Some(0.0),
+    }
 }
 
 /// Steer against a load: as read, before and after.
@@ -100,8 +176,15 @@ impl DiagnosisReport<'_> {
                     next.why
                 ));
             }
-            page.heading("Gain on load cases that no fit saw");
+            page.heading("Gain on load cases held out");
             page.table(&self.gains(&scene));
+            page.note("Both models are refitted without the cases held out. The causes themselves were chosen with them.");
+            if let Some(found) = &diagnosis.cross_validation {
+                page.table(&groups(found, self.loaded.model.units.length.word));
+                page.note(
+                    "Each group of like loads predicted from the others, by the model that those choose among all that were fitted.",
+                );
+            }
             page.heading("Stiffnesses, corrected");
             page.table(&self.stiffnesses(&scene));
             page.note(
@@ -142,6 +225,13 @@ impl DiagnosisReport<'_> {
             figures.push(Figure::chart(
                 &chart,
                 "The residual that follows a force most closely, before and after.",
+            )?);
+        }
+        if let Some(found) = &diagnosis.unexplained.remainder {
+            figures.push(Figure::chart(
+                &remainder(found),
+                "An extra force at one place, a smooth function of one coordinate, that takes up most of what no cause explains; with twice its \
+                 standard error. It shows where to look and is no law.",
             )?);
         }
         page.figures(&figures);
@@ -328,7 +418,7 @@ impl DiagnosisReport<'_> {
         })
     }
 
-    /// What each finding gains on cases that no fit saw.
+    /// What each finding gains on the cases held out.
     fn gains(&self, scene: &Scene) -> Table {
         let length = self.loaded.model.units.length.word;
         let (before, after) = (
