@@ -16,6 +16,7 @@ use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::plausibility::before_a_fit;
 use super::progress::Progress;
 use super::shell::{Exit, Format, Shell};
+use super::solver;
 
 /// Say what a model still gets wrong after its best fit, name the cause, and extend the model by it.
 ///
@@ -46,9 +47,6 @@ const OUTPUTS: [&str; 4] = [
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     refuse_replacing(&arguments.out, &OUTPUTS, arguments.replacing, shell)?;
     let mut loaded = study(&arguments.study, shell)?;
-    if loaded.study.solver.backend != BackendChoice::Native {
-        shell.say("the diagnosis solves with the built-in solver; the program of study.toml is not started\n");
-    }
     let foreign = foreign(&loaded);
     if !foreign.is_empty() {
         // Nobody asks what is wrong with a model when the readings are not of its parts.
@@ -69,10 +67,13 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     });
     let found = diagnose_watched(&problem, held_out, &watched);
     drop(bar);
-    let outcome = found.map_err(|error| {
+    let mut outcome = found.map_err(|error| {
         shell.fail(Diagnostic::error(Code::NoFit, error.to_string()));
         Exit::NoAnswer
     })?;
+    if loaded.study.solver.backend != BackendChoice::Native {
+        compare(&loaded, &mut outcome, shell);
+    }
     write(&loaded, &outcome, arguments, shell)?;
     if shell.format == Format::Json {
         shell.print(&outcome.diagnosis.to_json());
@@ -85,6 +86,20 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         ));
     }
     Ok(Exit::Fine)
+}
+
+/// Holds the solver of the study against the built-in one, which searches. Without an answer of it the diagnosis stands, and says so.
+fn compare(loaded: &LoadedStudy, outcome: &mut Diagnosed<'_>, shell: &mut Shell) {
+    let mut backend = solver::backend(&loaded.study, None, shell);
+    if let Err(error) = outcome.compare(backend.as_mut()) {
+        shell.complain(&[Diagnostic::warning(
+            Code::NoFit,
+            format!("the solver of the study is not compared with the built-in one, which made this diagnosis: {error}"),
+        )]);
+    }
+    for remark in backend.remarks() {
+        shell.say(&format!("{remark}\n"));
+    }
 }
 
 /// Marks that belong to other parts, with the cases where they do.

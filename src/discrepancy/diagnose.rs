@@ -145,6 +145,7 @@ pub fn diagnose_watched<'a>(
     Ok(Outcome {
         diagnosis: Diagnosis {
             verdict,
+            solver: None,
             baseline: BaselineFit {
                 chi2_per_dof: none.posterior.chi_square_per_dof(),
                 held_out_rms: baseline_rms,

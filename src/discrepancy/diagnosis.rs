@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::cause::Cause;
 use super::cross_validation::CrossValidation;
 use super::remainder::Remainder;
+use super::solver_difference::SolverDifference;
 use crate::identify::Status;
 pub use crate::identify::{NoiseFound, ToleranceFound};
 
@@ -159,6 +160,9 @@ pub struct DetectionLimit {
 pub struct Diagnosis {
     /// In one word.
     pub verdict: Verdict,
+    /// How far the solver of the study is from the built-in one, which searches; absent where the study has no other.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub solver: Option<SolverDifference>,
     /// The model as it was.
     pub baseline: BaselineFit,
     /// What is wrong, the most important first.

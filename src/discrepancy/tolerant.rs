@@ -25,6 +25,8 @@ pub struct Tolerant {
     pub chi_square: (f64, f64),
     /// Tests of structure in what is left.
     pub structure: Vec<StructureTest>,
+    /// Equilibria it took.
+    pub equilibria: usize,
 }
 
 /// Fits stiffnesses and tolerances to the cases that are not held out. `None` where the built-in solver cannot.
@@ -66,6 +68,7 @@ pub fn tolerant(problem: &Problem<'_>) -> Option<Tolerant> {
         noise,
         chi_square,
         structure,
+        equilibria: subject.sweeps() * problem.measurement.cases.len(),
     })
 }
 
@@ -97,6 +100,7 @@ impl Tolerant {
             .map_or_else(Vec::new, |test| test.readings);
         fit.fit_test = FitTest::new(self.chi_square.0, self.chi_square.1, readings);
         fit.structure = self.structure;
+        fit.solver_runs += self.equilibria;
         fit.tolerances = self.tolerances;
         fit.noise = Some(self.noise);
     }

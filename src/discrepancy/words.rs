@@ -23,6 +23,12 @@ impl Outcome<'_> {
     /// what the wrong model did to the stiffnesses, what remains.
     pub fn sentences(&self) -> Vec<String> {
         let mut out = Vec::new();
+        let (sigma, unit) = (
+            self.subject.mark_sigma(),
+            self.subject.problem.model.units.length.word,
+        );
+        let solver = self.diagnosis.solver.iter();
+        out.extend(solver.map(|solver| solver.sentence(sigma, unit)));
         out.extend(self.worst_mark());
         out.extend(self.worst_angle());
         out.extend(self.worst_channel());

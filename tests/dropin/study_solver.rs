@@ -289,3 +289,58 @@ fn what_only_adams_solves_is_left_to_it() {
         assert!((a / b - 1.0).abs() < 1e-6, "{address}: {a} {b}");
     }
 }
+
+/// The diagnosis searches with the built-in solver and says first how far the solver of the study is from it: a stand-in with another
+/// spring by much, `mdi` itself by nothing.
+#[cfg(unix)]
+#[test]
+fn a_diagnosis_says_first_how_the_solvers_differ() {
+    let place = folder(&[]);
+    let folder = place.path();
+    let mdi = env!("CARGO_BIN_EXE_mdi");
+    let adams = format!(
+        "#!/bin/sh\ncp run.adm kept\nsed 's/K = 60.0$/K = 58.0/' kept > run.adm\n\
+         '{mdi}' ru-standard \"$1\"\ncode=$?\nmv kept run.adm\nexit $code\n"
+    );
+    std::fs::write(folder.join("adams"), adams).unwrap();
+    let executable = Command::new("chmod")
+        .args(["+x", "adams"])
+        .current_dir(folder)
+        .status()
+        .unwrap();
+    assert!(executable.success());
+    let path = format!("{}:/usr/local/bin:/usr/bin:/bin", folder_of_mdi());
+    let diagnosed = |command: &str, out: &str| -> serde_json::Value {
+        let solver = format!("[solver]\nbackend = \"command\"\ncommand = {command}");
+        let gauss = "method = \"gauss-newton\"\nbushings = [\"BUSHING/1\", \"BUSHING/2\"]";
+        study(folder, &solver, gauss);
+        let run = admire(folder, &["diagnose", ".", "--out", out], &path);
+        assert_eq!(run.status.code(), Some(0), "{}", errors(&run));
+        let said = String::from_utf8_lossy(&run.stdout).into_owned();
+        let first = said
+            .lines()
+            .find(|line| line.starts_with("With the fitted"));
+        assert!(first.is_some(), "{said}");
+        serde_json::from_str(&text(&folder.join(out), "diagnosis.json")).unwrap()
+    };
+    let other = diagnosed("[\"./adams\", \"{acf}\"]", "other");
+    assert!(
+        other["solver"]["rms"].as_f64().unwrap() > 0.05,
+        "{}",
+        other["solver"]
+    );
+    let [own, foreign] = [0, 1].map(|k| other["solver"]["residual_rms"][k].as_f64().unwrap());
+    assert!(foreign > 1.2 * own, "{own} {foreign}");
+
+    let same = diagnosed(
+        "[\"mdi\", \"ru-standard\", \"i\", \"{acf}\", \"exit\"]",
+        "same",
+    );
+    assert_eq!(same["solver"]["solver"], "command");
+    // The digits of a .res.
+    assert!(
+        same["solver"]["rms"].as_f64().unwrap() < 1e-5,
+        "{}",
+        same["solver"]
+    );
+}

@@ -78,6 +78,7 @@ pub fn open(chromium: &Path, page: &Path, width: u32, dark: bool) -> Seen {
             "--headless",
             "--no-sandbox",
             "--disable-gpu",
+            "--disable-dev-shm-usage",
             "--disable-quic",
             "--no-first-run",
         ])
