@@ -13,7 +13,7 @@ const SENSE: f64 = 1.0;
 /// times the rotation phi of I about zi, measured from where xi points along zj. Turns are counted by taking phi nearest to
 /// what the rack's place asks for. One equation; other joints hold the axes perpendicular. Parameter: PD, the pitch diameter,
 /// signed. Valid as long as xi does not lie along the pinion axis. Source: Adams Solver help, `state_joint`,
-/// `constraint_mod_joi_rac`; the sign as [`SENSE`] says.
+/// `constraint_mod_joi_rac`; the sign as `SENSE` says.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct RackPinion;
 

@@ -1,7 +1,7 @@
 //! Force laws: one file per element.
 //!
 //! A new law is one entry in the grammar, whose `law` line names it and its arguments; one file here, whose `LAWS` hold it; and its
-//! `mod` line and place in [`FILES`] below.
+//! `mod` line and place in `FILES` below.
 //!
 //! A law sees only the relative motion of its marker pair and its own parameters; it returns a wrench on I with exact
 //! derivatives. Reaction on J, chain rule to part coordinates and geometric stiffness are written once, in `system`.

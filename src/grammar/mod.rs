@@ -1,6 +1,6 @@
 //! The dataset language as data: statements, commands and functions with their arguments.
 //!
-//! The tables in [`generated`] are written by `cargo run -p grammar` from `grammar/*.grammar`; this module looks things up
+//! The tables in `generated` are written by `cargo run -p grammar` from `grammar/*.grammar`; this module looks things up
 //! in them. Knows nothing about texts, models or solving.
 
 mod definition;

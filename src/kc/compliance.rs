@@ -37,7 +37,7 @@ impl Compliance {
         self.of((side, i), (side, j)) - self.of((side, i), (side.other(), j))
     }
 
-    /// The same for points `p = wheel centre + d` of the carriers: `J C J^T`, J = [[I, -[d]x], [0, I]] for each wheel.
+    /// The same for points `p = wheel centre + d` of the carriers: `J C J^T`, `J = [[I, -[d]x], [0, I]]` for each wheel.
     #[must_use]
     pub fn at(&self, d: [Vec3; 2]) -> Self {
         let mut j = Mat12::identity();

@@ -133,7 +133,7 @@ pub struct Measurement {
 }
 
 impl Measurement {
-    /// Resolves a study's files against its model and runs the checks of [`check`](super::check): what can safely be worked around
+    /// Resolves a study's files against its model and runs the checks of `check`: what can safely be worked around
     /// is, with a warning; errors mean that no fit should be trusted.
     pub fn resolve(study: &Study, model: &Model) -> Checked<Self> {
         let mut out = Vec::new();

@@ -38,7 +38,7 @@ pub struct Study {
     pub deck_path: PathBuf,
     /// `[solver]`.
     pub solver: SolverSettings,
-    /// Load cases: case,<one column per load>.
+    /// Load cases: `case`, then one column per load.
     pub loads: Table,
     /// Column and the address it drives, in the order of `study.toml`.
     pub columns: Vec<(Spelled, Spelled)>,

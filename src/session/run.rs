@@ -69,7 +69,7 @@ impl Ending {
     ///
     /// As ADAMS does, 0 when the end was reached, even if a static solution failed on the way: funnels of static solutions
     /// count on it; with `strict` that is 3. What ADAMS would have solved or understood and this solver did not is 1 with and
-    /// without: ADAMS would not have failed. See [`EXIT_CODES`].
+    /// without: ADAMS would not have failed. See `EXIT_CODES`.
     pub fn exit_code(&self, strict: bool) -> u8 {
         match self.stop {
             Stop::File => 2,

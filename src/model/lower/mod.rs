@@ -59,7 +59,7 @@ macro_rules! in_list {
     };
 }
 
-/// Resolves a dataset without looking at other files; see [`lower_with`].
+/// Resolves a dataset without looking at other files; see `lower_with`.
 pub fn lower(dataset: &Dataset) -> Checked<Model> {
     lower_with(dataset, &Files::default())
 }
@@ -389,7 +389,7 @@ impl Model {
         lower(dataset)
     }
 
-    /// Resolves a dataset whose splines may stand in other files; see [`lower_with`].
+    /// Resolves a dataset whose splines may stand in other files; see `lower_with`.
     pub fn lower_with(dataset: &Dataset, files: &Files) -> Checked<Self> {
         lower_with(dataset, files)
     }

@@ -8,7 +8,7 @@ use crate::units::LENGTH_UNITS;
 /// The steps of a results file as frames of a scene.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Motion {
-    /// At most [`MOST`] of them, spread evenly.
+    /// At most `MOST` of them, spread evenly.
     pub frames: Vec<Frame>,
     /// How many steps the file has.
     pub steps: usize,
