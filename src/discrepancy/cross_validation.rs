@@ -12,6 +12,7 @@ use nalgebra::DVector;
 use serde::Serialize;
 
 use super::fit::Fitted;
+use super::jackknife::{Squares, fall};
 use super::search::Visited;
 use super::subject::Subject;
 use crate::backend::LoadCase;
@@ -216,7 +217,7 @@ impl<'a> Folds<'a> {
             ("noise", 1.0)
         };
         let mut out = Vec::new();
-        let mut sums: Vec<[f64; 3]> = Vec::new();
+        let mut sums: Vec<Squares> = Vec::new();
         for group in 0..self.groups.len() {
             let before = self.without(none, group)?;
             let mut best: Option<(f64, Refit, &Fitted)> = None;
@@ -238,7 +239,11 @@ impl<'a> Folds<'a> {
                 continue;
             }
             let (a, b) = (square(&before.misfit), square(&after.misfit));
-            sums.push([a, b, count]);
+            sums.push(Squares {
+                before: a,
+                after: b,
+                count,
+            });
             let labels = self.groups[group].iter();
             out.push(GroupGain {
                 cases: labels
@@ -253,34 +258,16 @@ impl<'a> Folds<'a> {
                 rms_after: (b / count).sqrt(),
             });
         }
-        let total = |without: Option<usize>| {
-            let mut sum = [0.0; 3];
-            for (_, own) in sums.iter().enumerate().filter(|(k, _)| Some(*k) != without) {
-                for (sum, own) in sum.iter_mut().zip(own) {
-                    *sum += own;
-                }
-            }
-            [(sum[0] / sum[2]).sqrt(), (sum[1] / sum[2]).sqrt()]
-        };
-        let n = sums.len();
-        if n < 2 {
+        if sums.len() < 2 {
             return None;
         }
-        let gains: Vec<f64> = (0..n)
-            .map(|k| {
-                let [a, b] = total(Some(k));
-                a - b
-            })
-            .collect();
-        let mean = gains.iter().sum::<f64>() / n as f64;
-        let spread: f64 = gains.iter().map(|gain| (gain - mean).powi(2)).sum();
-        let [rms_before, rms_after] = total(None);
+        let fall = fall(&sums)?;
         Some(CrossValidation {
             of,
-            rms_before,
-            rms_after,
-            gain: rms_before - rms_after,
-            gain_std_error: (spread * (n - 1) as f64 / n as f64).sqrt(),
+            rms_before: fall.before,
+            rms_after: fall.after,
+            gain: fall.before - fall.after,
+            gain_std_error: fall.std_error,
             groups: out,
         })
     }

@@ -8,7 +8,7 @@ use super::diagnosis::{
     BaselineFit, Diagnosis, Evidence, Finding, Gain, Indistinguishable, NoiseFound, ToleranceFound,
     Unexplained, Verdict,
 };
-use super::fit::{FULL, Fitted, Plain, fit, refit};
+use super::fit::{ANY, Fitted, Plain, fit, refit};
 use super::folds::{Blind, HeldOutTest, marks_gain, moved};
 use super::hypothesis::Hypothesis;
 use super::limits::detection_limits;
@@ -98,7 +98,7 @@ pub fn diagnose_watched<'a>(
     let mut subject = Subject::new(problem, held_out);
     subject.sweeps = Arc::clone(&progress.sweeps);
     let no_cases = || IdentifyError::NoCases(None);
-    let mut none = fit(&subject, &[], None, Data::All, FULL).ok_or_else(no_cases)?;
+    let mut none = fit(&subject, &[], None, Data::All, ANY).ok_or_else(no_cases)?;
     let judged = subject.judge_suspects(&none.misfit);
     subject.weigh(Some(&none.misfit));
     if judged || subject.is_reweighed() {

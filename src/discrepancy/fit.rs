@@ -213,13 +213,14 @@ impl Fitted {
 }
 
 /// Fits the deck extended by some hypotheses; `guesses` of their numbers are in units of their priors. What `warm` knows better is
-/// taken from there. `None` where the extended deck cannot be compiled or solved.
+/// taken from there. A fit that promises less than `least` nats of evidence, prior left out, stops where it is. `None` where the
+/// extended deck cannot be compiled or solved.
 pub fn fit(
     subject: &Subject<'_>,
     chosen: &[(Hypothesis, Vec<f64>)],
     warm: Option<(&Fitted, &[f64])>,
     data: Data,
-    steps: usize,
+    least: f64,
 ) -> Option<Fitted> {
     let deck = deck_of(
         subject,
@@ -267,10 +268,10 @@ pub fn fit(
         Some((warm, _)) => warm.sizes.at(warm.sizes.modest(1.0)),
         None => subject.sizes.clone(),
     };
-    let mut settled = sweep.settle(x, &first, steps, warm.is_none());
+    let mut settled = sweep.settle(x, &first, (STEPS, least), warm.is_none());
     // Stiffnesses that were fitted as if all else were exact can be so wrong that nothing leads away from them.
     if warm.is_none() && settled.as_ref().is_none_or(|s| s.posterior.gain > NEAR) {
-        let again = sweep.settle(unknowns.start.clone(), &first, 2 * steps, false);
+        let again = sweep.settle(unknowns.start.clone(), &first, (2 * STEPS, least), false);
         let reached = |s: &Option<Settled>| {
             s.as_ref()
                 .map_or(f64::NEG_INFINITY, |s| s.posterior.ln_z - s.posterior.gain)
@@ -355,8 +356,8 @@ impl Plain {
     }
 }
 
-/// Steps of an ordinary fit.
-pub const FULL: usize = STEPS;
+/// Of a fit that is to be carried to its end however poor it is.
+pub const ANY: f64 = f64::NEG_INFINITY;
 
 /// The model of a fit on other data or with other weights, from where it ended.
 pub fn refit(subject: &Subject<'_>, fitted: &Fitted, data: Data) -> Option<Fitted> {
@@ -365,7 +366,7 @@ pub fn refit(subject: &Subject<'_>, fitted: &Fitted, data: Data) -> Option<Fitte
         &unguessed(fitted),
         Some((fitted, &fitted.x)),
         data,
-        FULL,
+        ANY,
     )
 }
 
@@ -452,12 +453,13 @@ impl Sweep<'_> {
         }
     }
 
-    /// Gauss-Newton over everything, the sizes by their evidence: at every step where the stiffnesses `alone` were fitted before.
+    /// Gauss-Newton over everything, the sizes by their evidence: at every step where the stiffnesses `alone` were fitted before. Ends
+    /// early where less than `least` nats are promised.
     fn settle(
         &mut self,
         start: Vec<f64>,
         first: &Sizes,
-        steps: usize,
+        (steps, least): (usize, f64),
         alone: bool,
     ) -> Option<Settled> {
         let mut sizes = first.clone();
@@ -468,8 +470,8 @@ impl Sweep<'_> {
         list.set_shares(&self.predictor.shares(&list.springs()).unwrap_or_default());
         let count = list.len();
         let (mut slow, mut damping) = (0, 0.0);
+        let mut linear = self.linear(&evaluation, &x);
         for step_number in 0.. {
-            let linear = self.linear(&evaluation, &x);
             // Far from the answer the sizes would take up what is not fitted yet.
             let mut posterior = linear.posterior(&sizes)?;
             if alone || step_number >= HELD || posterior.gain < NEAR {
@@ -477,7 +479,9 @@ impl Sweep<'_> {
                 posterior = linear.posterior(&sizes)?;
             }
             let objective = linear.objective(&sizes);
-            if posterior.gain < ENOUGH || step_number >= steps || slow == SLOW {
+            // What the linear model promises counts for the fit here.
+            let hopeless = step_number >= HELD && posterior.ln_z < least;
+            if posterior.gain < ENOUGH || step_number >= steps || slow == SLOW || hopeless {
                 return Some(Settled {
                     x,
                     evaluation,
@@ -505,18 +509,19 @@ impl Sweep<'_> {
                 let mut there = list.moved(&x, &step.rows(0, count).into_owned());
                 there.extend(x.iter().zip(step.iter()).skip(count).map(|(x, s)| x + s));
                 if let Some(found) = self.evaluate(&there, None) {
-                    let value = self.linear(&found, &there).objective(&sizes);
+                    let further = self.linear(&found, &there);
+                    let value = further.objective(&sizes);
                     if value <= objective + ENOUGH {
                         let small = objective - value < LITTLE;
                         slow = if small { slow + 1 } else { 0 };
-                        next = Some((there, found));
+                        next = Some((there, found, further));
                         damping = if damping < EASED { 0.0 } else { damping / EASE };
                         break;
                     }
                 }
                 damping = (damping * HARDER).max(FIRST);
             }
-            let Some((there, found)) = next else {
+            let Some(next) = next else {
                 // Where no step leads down the answers are those of the last trial; go back.
                 let evaluation = self.evaluate(&x, None)?;
                 return Some(Settled {
@@ -527,7 +532,7 @@ impl Sweep<'_> {
                     posterior,
                 });
             };
-            (x, evaluation) = (there, found);
+            (x, evaluation, linear) = next;
         }
         None
     }

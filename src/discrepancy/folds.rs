@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::fit::Fitted;
+use super::jackknife::{Squares, fall};
 use super::subject::{Data, Subject};
 use crate::identify::global::Row;
 use crate::rig::orientation::chi_square_p_value;
@@ -120,10 +121,11 @@ fn unseen(subject: &Subject<'_>) -> Vec<usize> {
         .collect()
 }
 
-/// By how much the rms of marks held out falls from one model to another, with its standard error: the cases are left out one after
-/// the other (jackknife), because the readings of one case share their errors.
+/// By how much the rms of marks held out falls from one model to another, with its standard error by the jackknife: the readings of
+/// one case share their errors.
 pub fn marks_gain(subject: &Subject<'_>, before: &Blind, after: &Blind) -> Option<(f64, f64)> {
     let mut by_case = BTreeMap::new();
+    let unit = subject.sigma.powi(2);
     for k in unseen(subject) {
         let Row::Mark { case, .. } = subject.rows[k] else {
             continue;
@@ -131,33 +133,14 @@ pub fn marks_gain(subject: &Subject<'_>, before: &Blind, after: &Blind) -> Optio
         if subject.precision[k] == 0.0 {
             continue;
         }
-        let sums = by_case.entry(case).or_insert([0.0; 3]);
-        sums[0] += before.misfit[k].powi(2);
-        sums[1] += after.misfit[k].powi(2);
-        sums[2] += 1.0;
+        let sums: &mut Squares = by_case.entry(case).or_default();
+        sums.before += before.misfit[k].powi(2) * unit;
+        sums.after += after.misfit[k].powi(2) * unit;
+        sums.count += 1.0;
     }
-    let gain = |without: Option<usize>| {
-        let mut sums = [0.0; 3];
-        for (_, own) in by_case.iter().filter(|(case, _)| Some(**case) != without) {
-            for (sum, own) in sums.iter_mut().zip(own) {
-                *sum += own;
-            }
-        }
-        ((sums[0] / sums[2]).sqrt() - (sums[1] / sums[2]).sqrt()) * subject.sigma
-    };
-    let n = by_case.len() as f64;
-    if by_case.is_empty() {
-        return None;
-    }
-    let left: Vec<f64> = by_case.keys().map(|case| gain(Some(*case))).collect();
-    let mean = left.iter().sum::<f64>() / n;
-    let spread: f64 = left.iter().map(|g| (g - mean).powi(2)).sum();
-    let error = if n > 1.0 {
-        (spread * (n - 1.0) / n).sqrt()
-    } else {
-        f64::NAN
-    };
-    Some((gain(None), error))
+    let by_case: Vec<Squares> = by_case.into_values().collect();
+    let fall = fall(&by_case)?;
+    Some((fall.before - fall.after, fall.std_error))
 }
 
 /// By how much two models differ in their readings: rms of marks and channels in units of their noise, and of wheel angles in degrees.

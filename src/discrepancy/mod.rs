@@ -19,6 +19,7 @@ mod fit;
 mod folds;
 mod hypothesis;
 mod influence;
+mod jackknife;
 mod limits;
 mod next_measurement;
 mod progress;

@@ -18,7 +18,7 @@ use crate::model::{JointKind, MarkerIx};
 
 /// Lengths of the covariance as parts of the range of the coordinate.
 const LENGTHS: [f64; 3] = [0.15, 0.4, 1.0];
-/// Sizes of the force as parts of the largest force or of a newton for each deflection, whichever the place has.
+/// Sizes of the force as parts of the place's usual force: the largest of the bushing component, for a joint that of all bushings.
 const SIZES: [f64; 6] = [0.003, 0.01, 0.03, 0.1, 0.3, 1.0];
 /// Directions of the covariance below this part of the largest are left out.
 const LEAST: f64 = 1e-6;

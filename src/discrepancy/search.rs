@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::fit::{FULL, Fitted, fit, unguessed};
+use super::fit::{ANY, Fitted, fit, unguessed};
 use super::hypothesis::{Hypothesis, Number, Unknown};
 use super::scan::{Catalogue, Weighed};
 use super::subject::{Data, Subject};
@@ -22,6 +22,8 @@ const LINEAR: f64 = 8.0;
 const MOST: usize = 12;
 /// Forms of one cause at one place that are looked at; laws of different shape are all fitted.
 const FORMS: usize = 3;
+/// Further forms of a place whose first form ended so many nats behind are not fitted, and no fit goes on that promises less.
+const BEHIND: f64 = 50.0;
 /// Slip lengths are tried again at these parts of themselves.
 const SLIPS: [f64; 2] = [0.4, 2.0];
 /// A model has to be better by so many nats.
@@ -140,13 +142,19 @@ impl Search<'_, '_> {
         out
     }
 
-    /// Fits `base` with one more cause from where the linear model puts it.
-    fn with(&self, base: &Fitted, h: &Hypothesis, weighed: &Weighed) -> Option<Arc<Fitted>> {
+    /// Fits `base` with one more cause from where the linear model puts it, as long as it may come to `least` nats, prior included.
+    fn with(
+        &self,
+        base: &Fitted,
+        (h, weighed): (&Hypothesis, &Weighed),
+        least: f64,
+    ) -> Option<Arc<Fitted>> {
         let mut all = unguessed(base);
         all.push((h.clone(), weighed.guesses.clone()));
         let mut start = base.clone();
         start.sizes = weighed.sizes.clone();
-        let from = |x: &[f64]| fit(self.subject, &all, Some((&start, x)), Data::All, FULL);
+        let least = least - base.ln_prior() - h.ln_prior;
+        let from = |x: &[f64]| fit(self.subject, &all, Some((&start, x)), Data::All, least);
         let found = from(&weighed.x).or_else(|| from(&base.x))?;
         let last = found.chosen.len() - 1;
         (!found.has_wrong_sign(last)).then(|| Arc::new(found))
@@ -161,25 +169,39 @@ impl Search<'_, '_> {
         least: f64,
     ) -> Option<Arc<Fitted>> {
         let best = candidates.first()?.1.ln_posterior;
-        let mut places: Vec<&Hypothesis> = Vec::new();
-        let mut winner: Option<Arc<Fitted>> = None;
+        // Of every place its most promising form first.
+        let mut forms: [Vec<(&Hypothesis, &Weighed)>; FORMS] = Default::default();
         for (at, weighed) in candidates {
             let h = &catalogue.hypotheses[*at];
-            let friction = h.memory.is_some();
-            let forms = if h.cause.has_rough_law() { FORMS } else { 1 };
-            let within = if friction { WITHIN.1 } else { WITHIN.0 };
-            let known = places.iter().filter(|p| p.same_place(h)).count();
-            let new = distinct(&places);
+            let within = if h.memory.is_some() {
+                WITHIN.1
+            } else {
+                WITHIN.0
+            };
+            let same = |of: &&(&Hypothesis, &Weighed)| of.0.same_place(h);
+            let known = forms.iter().flatten().filter(same).count();
+            let most = if h.cause.has_rough_law() { FORMS } else { 1 };
             if weighed.ln_posterior < (best - within).max(least + HOPELESS)
-                || (known == 0 && new >= REFITTED)
-                || known >= forms
+                || (known == 0 && forms[0].len() >= REFITTED)
+                || known >= most
             {
                 continue;
             }
-            places.push(h);
-            let Some(found) = self.with(base, h, weighed) else {
+            forms[known].push((h, weighed));
+        }
+        let mut reached: Vec<(&Hypothesis, f64)> = Vec::new();
+        let mut winner: Option<Arc<Fitted>> = None;
+        for (h, weighed) in forms.into_iter().flatten() {
+            let leads = winner.as_ref().map_or(least, |w| w.ln_posterior());
+            let far =
+                |(other, ln): &(&Hypothesis, f64)| other.same_place(h) && *ln < leads - BEHIND;
+            if reached.iter().any(far) {
+                continue;
+            }
+            let Some(found) = self.with(base, (h, weighed), leads - BEHIND) else {
                 continue;
             };
+            reached.push((h, found.ln_posterior()));
             self.note(&found);
             if winner
                 .as_ref()
@@ -215,7 +237,7 @@ impl Search<'_, '_> {
                 let mut x = current.x.clone();
                 x[place] += f64::ln(factor);
                 let chosen = unguessed(&current);
-                let found = fit(self.subject, &chosen, Some((&current, &x)), Data::All, FULL);
+                let found = fit(self.subject, &chosen, Some((&current, &x)), Data::All, ANY);
                 let Some(found) = found.filter(|found| !found.has_wrong_sign(at)) else {
                     continue;
                 };
@@ -240,7 +262,7 @@ impl Search<'_, '_> {
             &all,
             Some((fitted, &fitted.x)),
             Data::All,
-            FULL,
+            ANY,
         )?;
         let found = Arc::new(found);
         self.note(&found);

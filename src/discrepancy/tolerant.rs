@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::averaged::averaged;
 use super::diagnose::tolerances;
 use super::diagnosis::{NoiseFound, Parameter, ToleranceFound};
-use super::fit::{FULL, fit, refit};
+use super::fit::{ANY, fit, refit};
 use super::search::Visited;
 use super::structure::structure;
 use super::subject::{Data, Subject};
@@ -33,7 +33,7 @@ pub struct Tolerant {
 pub fn tolerant(problem: &Problem<'_>) -> Option<Tolerant> {
     let cases = problem.measurement.cases.iter();
     let mut subject = Subject::new(problem, cases.map(|case| case.held_out).collect());
-    let mut found = fit(&subject, &[], None, Data::Fitted, FULL)?;
+    let mut found = fit(&subject, &[], None, Data::Fitted, ANY)?;
     let judged = subject.judge_suspects(&found.misfit);
     subject.weigh(Some(&found.misfit));
     if judged || subject.is_reweighed() {

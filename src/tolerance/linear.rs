@@ -191,11 +191,12 @@ impl Linear {
         let (mut q, mut logs) = (0.0, 0.0);
         for share in &self.shares {
             let variance = share.class.variance(ln);
-            for (to, from) in H.iter_mut().zip(share.H.iter()) {
-                *to += from / variance;
+            let precision = 1.0 / variance;
+            for (to, from) in H.as_mut_slice().iter_mut().zip(share.H.as_slice()) {
+                *to += from * precision;
             }
-            g.axpy(1.0 / variance, &share.g, 1.0);
-            q += share.q / variance;
+            g.axpy(precision, &share.g, 1.0);
+            q += share.q * precision;
             logs += share.count * variance.ln();
         }
         (H, g, q, logs)

@@ -54,6 +54,23 @@ fn friction_and_a_soft_tie_rod_are_found_and_the_loops_no_fit_saw_are_reproduced
     let rod = finding(&outcome, "link-compliance", "PART/6");
     assert!(friction.gain.held_out_p_value.unwrap() > 0.01);
 
+    // Groups of cases that are predicted from the others choose the friction too, and gain by it.
+    let groups = diagnosis.cross_validation.as_ref().unwrap();
+    assert!(groups.groups.len() > 2);
+    for group in &groups.groups {
+        let known = group
+            .causes
+            .iter()
+            .any(|c| c == "dry-friction BUSHING/2.K.1");
+        assert!(known, "{group:?}");
+        assert!(group.rms_after < 0.6 * group.rms_before, "{group:?}");
+    }
+    assert!(groups.rms_after < 0.5 * groups.rms_before, "{groups:?}");
+    assert!(groups.gain > groups.gain_std_error, "{groups:?}");
+    for cause in [friction, rod] {
+        assert!(cause.gain.cross_validated_nats.unwrap() > 0.0, "{cause:?}");
+    }
+
     // Figure 11: steer under a lateral and under a longitudinal force, there and back. Neither fit has seen these cases.
     let runs = outcome.wheel_runs();
     for load in ["lateral", "longitudinal"] {

@@ -241,6 +241,23 @@ fn no_file_of_a_study_lies_outside_of_it() {
     }
 }
 
+/// An `adams` in the folder that solves the deck of a run as `edit`, a command of sed, leaves it, and puts the deck back.
+#[cfg(unix)]
+fn stand_in(folder: &Path, edit: &str) {
+    let mdi = env!("CARGO_BIN_EXE_mdi");
+    let script = format!(
+        "#!/bin/sh\ncp run.adm kept\nsed '{edit}' kept > run.adm\n\
+         '{mdi}' ru-standard \"$1\"\ncode=$?\nmv kept run.adm\nexit $code\n"
+    );
+    std::fs::write(folder.join("adams"), script).unwrap();
+    let executable = Command::new("chmod")
+        .args(["+x", "adams"])
+        .current_dir(folder)
+        .status()
+        .unwrap();
+    assert!(executable.success());
+}
+
 /// The deck of the study with a force that only a subroutine of ADAMS knows.
 const USER_FORCE: &str = "SFORCE/99, TRANSLATIONAL, I=20, J=48\n, FUNCTION=USER(1)\nEND";
 
@@ -261,17 +278,7 @@ fn what_only_adams_solves_is_left_to_it() {
     assert!(errors(&alone).contains("user-written subroutine"));
 
     // An ADAMS that has the subroutine, whose force is zero, beside the study: a relative path is one from there.
-    let mdi = env!("CARGO_BIN_EXE_mdi");
-    let adams = format!(
-        "#!/bin/sh\ncp run.adm kept\nsed 's/USER(1)/0/' kept > run.adm\n'{mdi}' ru-standard \"$1\"\ncode=$?\nmv kept run.adm\nexit $code\n"
-    );
-    std::fs::write(folder.join("adams"), adams).unwrap();
-    let executable = Command::new("chmod")
-        .args(["+x", "adams"])
-        .current_dir(folder)
-        .status()
-        .unwrap();
-    assert!(executable.success());
+    stand_in(folder, "s/USER(1)/0/");
     let solver = "[solver]\nbackend = \"command\"\ncommand = [\"./adams\", \"{acf}\"]";
     let toml = text(folder, "study.toml").replacen("[loads]", &format!("{solver}\n[loads]"), 1);
     std::fs::write(folder.join("study.toml"), toml).unwrap();
@@ -297,18 +304,7 @@ fn what_only_adams_solves_is_left_to_it() {
 fn a_diagnosis_says_first_how_the_solvers_differ() {
     let place = folder(&[]);
     let folder = place.path();
-    let mdi = env!("CARGO_BIN_EXE_mdi");
-    let adams = format!(
-        "#!/bin/sh\ncp run.adm kept\nsed 's/K = 60.0$/K = 58.0/' kept > run.adm\n\
-         '{mdi}' ru-standard \"$1\"\ncode=$?\nmv kept run.adm\nexit $code\n"
-    );
-    std::fs::write(folder.join("adams"), adams).unwrap();
-    let executable = Command::new("chmod")
-        .args(["+x", "adams"])
-        .current_dir(folder)
-        .status()
-        .unwrap();
-    assert!(executable.success());
+    stand_in(folder, "s/K = 60.0$/K = 58.0/");
     let path = format!("{}:/usr/local/bin:/usr/bin:/bin", folder_of_mdi());
     let diagnosed = |command: &str, out: &str| -> serde_json::Value {
         let solver = format!("[solver]\nbackend = \"command\"\ncommand = {command}");
