@@ -253,7 +253,13 @@ impl<'a> Integrator<'a> {
                 return Err(reason.at(time));
             }
             self.predict(h);
-            let Ok(iterations) = self.solve(h) else {
+            let mut solved = self.solve(h, false);
+            if solved.is_err() && self.fresh {
+                // Derivatives of the start will not do for all stages.
+                self.predict(h);
+                solved = self.solve(h, true);
+            }
+            let Ok(iterations) = solved else {
                 self.statistics.rejected += 1;
                 failures += 1;
                 if self.fresh || failures > 1 {
@@ -366,18 +372,19 @@ impl<'a> Integrator<'a> {
         }
     }
 
-    /// Newton's iteration; gives how many iterations it took.
-    fn solve(&mut self, h: f64) -> Result<usize, NotSettled> {
+    /// Newton's iteration, simplified or with derivatives of all stages; gives how many iterations it took.
+    fn solve(&mut self, h: f64, coupled: bool) -> Result<usize, NotSettled> {
         let mut before = 0.0;
         let limit = KAPPA * self.settings.corrector * (1.0 + self.settings.adaptivity / h);
         for iteration in 1..=self.settings.maxit {
-            let change = match self.equations.iterate(
-                self.system,
-                self.parameters,
-                &self.state,
-                h,
-                &mut self.unknowns,
-            ) {
+            let (equations, unknowns) = (&mut self.equations, &mut self.unknowns);
+            let (system, parameters, start) = (self.system, self.parameters, &self.state);
+            let done = if coupled {
+                equations.iterate_coupled(system, parameters, start, h, unknowns)
+            } else {
+                equations.iterate(system, parameters, start, h, unknowns)
+            };
+            let change = match done {
                 Ok(change) => change,
                 Err(reason) => {
                     self.worst = reason.to_string();

@@ -6,6 +6,7 @@
 mod assembly;
 mod bordered;
 mod consistent;
+mod coupled;
 mod dense;
 mod error;
 mod gripping;

@@ -53,6 +53,14 @@ pub(super) struct Residuals {
     r4: Stages,
 }
 
+impl Residuals {
+    /// Of one stage: balances, constraints and states, then rates of displacements, then rates of constraints.
+    pub fn of(&self, stage: usize) -> impl Iterator<Item = f64> + '_ {
+        let parts = [&self.g[stage], &self.r1[stage], &self.r4[stage]];
+        parts.into_iter().flatten().copied()
+    }
+}
+
 /// What a correction changes.
 pub(super) struct Correction<T> {
     pub z: Vec<T>,
@@ -73,8 +81,8 @@ pub(super) struct Equations {
     values: Vec<f64>,
     pair_values: Vec<Complex<f64>>,
     pub scratch: Scratch,
-    stage: State,
-    residuals: Residuals,
+    pub(super) stage: State,
+    pub(super) residuals: Residuals,
     v: Vec<f64>,
     pub evaluations: usize,
     pub jacobians: usize,
@@ -224,7 +232,31 @@ impl Equations {
         }
     }
 
-    fn stage_residuals(
+    /// Puts a stage of a step into `stage`.
+    pub(super) fn place_stage(
+        &mut self,
+        system: &System,
+        start: &State,
+        h: f64,
+        i: usize,
+        unknowns: &Unknowns,
+    ) {
+        let B = self.tableau.B[i];
+        let rate_of =
+            |all: &Stages, k: usize| (B[0] * all[0][k] + B[1] * all[1][k] + B[2] * all[2][k]) / h;
+        let mut stage = std::mem::replace(&mut self.stage, State::empty());
+        self.stage_state(
+            system,
+            start,
+            start.time + C[i] * h,
+            (&unknowns.z[i], &unknowns.w[i]),
+            (&|k| rate_of(&unknowns.w, k), &|k| rate_of(&unknowns.z, k)),
+            &mut stage,
+        );
+        self.stage = stage;
+    }
+
+    pub(super) fn stage_residuals(
         &mut self,
         system: &System,
         parameters: &Parameters,
@@ -239,16 +271,7 @@ impl Equations {
             let rate_of = |all: &Stages, k: usize| {
                 (B[0] * all[0][k] + B[1] * all[1][k] + B[2] * all[2][k]) / h
             };
-            let mut stage = std::mem::replace(&mut self.stage, State::empty());
-            self.stage_state(
-                system,
-                start,
-                start.time + C[i] * h,
-                (&unknowns.z[i], &unknowns.w[i]),
-                (&|k| rate_of(&unknowns.w, k), &|k| rate_of(&unknowns.z, k)),
-                &mut stage,
-            );
-            self.stage = stage;
+            self.place_stage(system, start, h, i, unknowns);
             let g = &mut self.residuals.g[i];
             let (scratch, rows) = (&mut self.scratch, &mut self.stage_rows);
             system.residual_and_rows(parameters, &self.stage, scratch, g, rows)?;
@@ -388,7 +411,7 @@ impl Equations {
     }
 }
 
-fn add(to: &mut [f64], change: &[f64]) {
+pub(super) fn add(to: &mut [f64], change: &[f64]) {
     for (x, dx) in to.iter_mut().zip(change) {
         *x += dx;
     }

@@ -1,4 +1,4 @@
-//! Mechanisms with known motions through `mdi`: Andrews' squeezer, a heavy top, state matrices.
+//! Mechanisms with known motions through `mdi`: Andrews' squeezer, a heavy top, the benchmark of IFToMM, state matrices.
 
 use std::path::Path;
 
@@ -70,6 +70,175 @@ END
             near(off - off.round(), 0.0, 1e-4);
         }
     }
+}
+
+const SI: &str = "UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=METER, TIME=SECOND\nPART/1, GROUND\nMARKER/1, PART=1\n";
+
+/// A rod of 1 m and 1 kg from `a` to `b`, its origin at `a`, with markers `part * 100` in the middle and, as given, at both ends.
+fn rod(
+    part: u32,
+    [a, b]: [[f64; 3]; 2],
+    thick: f64,
+    [at_a, at_b]: [&str; 2],
+    rest: &str,
+) -> String {
+    let d = [0, 1, 2].map(|k| b[k] - a[k]);
+    let across = 1.0 / 12.0 + thick * thick / 16.0;
+    let ip = d.map(|d| {
+        if d == 0.0 {
+            across
+        } else {
+            thick * thick / 8.0
+        }
+    });
+    let (m, list) = (part * 100, |v: [f64; 3]| {
+        format!("{},{},{}", v[0], v[1], v[2])
+    });
+    format!(
+        "PART/{part}, MASS=1, CM={m}, IP={}, QG={}{rest}\nMARKER/{m}, PART={part}, QP={}\n\
+         MARKER/{}, PART={part}{at_a}\nMARKER/{}, PART={part}, QP={}{at_b}\n",
+        list(ip),
+        list(a),
+        list(d.map(|d| 0.5 * d)),
+        m + 1,
+        m + 2,
+        list(d)
+    )
+}
+
+/// A02 of the benchmark: windows of rods side by side. The rods lie in one line ten times in ten seconds, and there the mechanism could
+/// leave its motion for others; all stay parallel: one equation holds, `J q'' = m g sin q` with q from the vertical.
+#[test]
+fn four_bars_pass_their_singular_positions() {
+    let windows = 2;
+    let mut deck = format!("four-bars\n{SI}");
+    let mut joints = Vec::new();
+    for k in 0..=windows {
+        let x = f64::from(k);
+        let ends = [[x, 0.0, 0.0], [x, 1.0, 0.0]];
+        deck += &rod(2 + k, ends, 0.1, ["", ""], ", VX=0.5, WZ=-1");
+        deck += &format!("MARKER/{}, PART=1, QP={k},0,0\n", 10 + k);
+        joints.push(((2 + k) * 100 + 1, 10 + k));
+    }
+    for k in 0..windows {
+        let (x, part) = (f64::from(k), 20 + k);
+        let ends = [[x, 1.0, 0.0], [x + 1.0, 1.0, 0.0]];
+        deck += &rod(part, ends, 0.1, ["", ""], ", VX=1");
+        joints.push((part * 100 + 1, (2 + k) * 100 + 2));
+        joints.push((part * 100 + 2, (3 + k) * 100 + 2));
+    }
+    for (k, (i, j)) in joints.iter().enumerate() {
+        deck += &format!("JOINT/{}, REVOLUTE, I={i}, J={j}\n", k + 1);
+    }
+    deck += "ACCGRAV/JGRAV=-9.81\nINTEGRATOR/GSTIFF, ERROR=1E-6\nRESULTS/FORMATTED, XRF\nEND\n";
+    let (found, ran, _folder) = run(&deck, "SIMULATE/DYNAMIC, END=10, STEPS=1000");
+    assert!(ran.stdout.contains("redundant constraints"));
+
+    let n = f64::from(windows);
+    let third = 1.0 / 3.0 + 0.01 / 16.0;
+    let (J, m) = ((n + 1.0) * third + n, 0.5 * (n + 1.0) + n);
+    let rate = |[q, w]: [f64; 2]| [w, m * 9.81 * q.sin() / J];
+    let mut exact: [f64; 2] = [0.0, 1.0];
+    let (x, y) = (
+        found.column("PART_21_XFORM", "X"),
+        found.column("PART_21_XFORM", "Y"),
+    );
+    assert_eq!(x.len(), 1001);
+    let mut turned = 0;
+    for k in 0..x.len() {
+        near(x[k], 1.0 + exact[0].sin(), 1e-5);
+        near(y[k], exact[0].cos(), 1e-5);
+        let before = exact[0];
+        for _ in 0..20 {
+            exact = runge_kutta(rate, exact, 0.01 / 20.0);
+        }
+        let quarter = |q: f64| (q / std::f64::consts::PI + 0.5).floor();
+        turned += usize::from(quarter(before) != quarter(exact[0]));
+    }
+    assert_eq!(turned, 10, "positions in one line");
+}
+
+/// One step of the classical method of order 4.
+fn runge_kutta(rate: impl Fn([f64; 2]) -> [f64; 2], y: [f64; 2], h: f64) -> [f64; 2] {
+    let from = |k: [f64; 2], h: f64| [y[0] + h * k[0], y[1] + h * k[1]];
+    let a = rate(y);
+    let b = rate(from(a, 0.5 * h));
+    let c = rate(from(b, 0.5 * h));
+    let d = rate(from(c, h));
+    [0, 1].map(|k| y[k] + h / 6.0 * (a[k] + 2.0 * b[k] + 2.0 * c[k] + d[k]))
+}
+
+/// A04 of the benchmark: Bricard's loop of six revolute joints along edges of a cube moves although it has as many equations as freedoms
+/// and one more. It keeps its energy.
+#[test]
+fn bricards_loop_moves_and_keeps_its_energy() {
+    const CORNERS: [[f64; 3]; 6] = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.0, -1.0, 0.0],
+        [1.0, -1.0, 1.0],
+        [0.0, -1.0, 1.0],
+        [0.0, 0.0, 1.0],
+    ];
+    let (x, y, z) = (", REULER=90D,90D,0", ", REULER=0,-90D,0", "");
+    let axes = [y, z, x, y, z, x];
+    let thick = 0.1;
+    let mut deck = format!(
+        "bricard\n{SI}MARKER/11, PART=1{}\nMARKER/12, PART=1, QP=0,0,1{}\n",
+        axes[0], axes[5]
+    );
+    for k in 0..5 {
+        let part = k as u32 + 2;
+        let ends = [CORNERS[k], CORNERS[k + 1]];
+        deck += &rod(part, ends, thick, [axes[k], axes[k + 1]], "");
+        let before = if k == 0 { 11 } else { part * 100 - 98 };
+        let joint = format!("REVOLUTE, I={}, J={before}", part * 100 + 1);
+        deck += &format!("JOINT/{}, {joint}\n", k + 1);
+    }
+    deck += "JOINT/6, REVOLUTE, I=602, J=12\nACCGRAV/JGRAV=-9.81\nINTEGRATOR/GSTIFF, ERROR=1E-6\n\
+             RESULTS/FORMATTED, XRF\nEND\n";
+    let (found, ..) = run(&deck, "SIMULATE/DYNAMIC, END=10, STEPS=500");
+    let column = |part: usize, name: &str| found.column(&format!("PART_{part}_XFORM"), name);
+    let three = |part: usize, names: [&str; 3]| names.map(|name| column(part, name));
+    let rods: Vec<[[Vec<f64>; 3]; 4]> = (2..7)
+        .map(|part| {
+            [
+                three(part, ["X", "Y", "Z"]),
+                three(part, ["VX", "VY", "VZ"]),
+                three(part, ["WX", "WY", "WZ"]),
+                three(part, ["PSI", "THETA", "PHI"]),
+            ]
+        })
+        .collect();
+    let energy = |step: usize| -> f64 {
+        let at = |columns: &[Vec<f64>; 3]| {
+            nalgebra::Vector3::new(columns[0][step], columns[1][step], columns[2][step])
+        };
+        let of = |k: usize| {
+            let [p, v, w, angles] = &rods[k];
+            let (p, v, w, angles) = (at(p), at(v), at(w), at(angles));
+            let turn = |axis, angle| nalgebra::Rotation3::from_axis_angle(&axis, angle);
+            let (z, x) = (nalgebra::Vector3::z_axis(), nalgebra::Vector3::x_axis());
+            let R = turn(z, angles[0]) * turn(x, angles[1]) * turn(z, angles[2]);
+            let along =
+                nalgebra::Vector3::from(CORNERS[k + 1]) - nalgebra::Vector3::from(CORNERS[k]);
+            let (axis, middle) = (R * along, R * along * 0.5);
+            // A round rod: J w = across w + (along - across) axis (axis . w).
+            let (across, own) = (1.0 / 12.0 + thick * thick / 16.0, thick * thick / 8.0);
+            let spin = axis.dot(&w);
+            let turning = across * (w.norm_squared() - spin * spin) + own * spin * spin;
+            0.5 * (v + w.cross(&middle)).norm_squared() + 0.5 * turning + 9.81 * (p + middle).y
+        };
+        (0..5).map(of).sum()
+    };
+    let first = energy(0);
+    for step in 0..=500 {
+        near(energy(step), first, 1e-6);
+    }
+    // It moves: the far corner goes through its whole way.
+    let way = column(5, "X");
+    let low = way.iter().copied().fold(f64::INFINITY, f64::min);
+    near(low, -1.0, 1e-3);
 }
 
 /// The numbers of a file that MATLAB's `load` reads.
