@@ -88,6 +88,15 @@ impl Levels {
         self.next = self.slots.len();
     }
 
+    /// At which levels each entry stands, whatever its value, in the order of [`Self::entries`].
+    pub fn standing(&self) -> Vec<[bool; 3]> {
+        let mut out = vec![[false; 3]; self.places.len()];
+        for &(at, level) in &self.slots {
+            out[at as usize][level as usize] = true;
+        }
+        out
+    }
+
     /// Fills `values` with the sum of the levels, weighted by row and column, and gives it as a matrix.
     pub fn combined<'a, T: Scalar>(
         &'a self,

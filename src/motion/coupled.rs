@@ -19,35 +19,45 @@ use crate::linear::{Levels, Lu, Matrix, Sink};
 use crate::mechanics::{Mat3, Vec3, turning_rate};
 use crate::system::{NoValue, Parameters, Rows, State, System};
 
-/// Turning rates of every body at the displacements of a stage; the identity where a body does not turn.
-fn turns(system: &System, z: &[f64]) -> Vec<Mat3> {
-    let each = system.bodies.iter().map(|body| {
-        if body.freedoms < 6 {
-            return Mat3::identity();
-        }
-        let at = body.first + 3;
-        turning_rate(&Vec3::new(z[at], z[at + 1], z[at + 2]))
-    });
-    each.collect()
+/// The matrix of the iteration with its factors; its pattern stays.
+#[derive(Debug)]
+pub(super) struct Coupled {
+    matrix: Matrix,
+    factors: Lu,
+    levels: Levels,
+    rows: Rows,
+    g: Vec<f64>,
 }
 
-impl Equations {
+impl Coupled {
+    pub fn new(system: &System) -> Self {
+        let size = 3 * (system.moving_unknowns + system.first_equation + system.equations);
+        Self {
+            matrix: Matrix::new(size),
+            factors: Lu::new(size),
+            levels: Levels::new(system.moving_unknowns),
+            rows: Rows::new(system),
+            g: vec![0.0; system.moving_unknowns],
+        }
+    }
+
     /// One iteration with derivatives of every stage; gives the correction for its size.
-    pub fn iterate_coupled(
+    pub fn iterate(
         &mut self,
+        equations: &mut Equations,
         system: &System,
         parameters: &Parameters,
         start: &State,
         h: f64,
         unknowns: &mut Unknowns,
     ) -> Result<Unknowns, NoValue> {
-        self.stage_residuals(system, parameters, start, h, unknowns)?;
-        let (n, all, equations) = (
+        equations.stage_residuals(system, parameters, start, h, unknowns)?;
+        let (n, all, count) = (
             system.first_equation,
             system.moving_unknowns,
             system.equations,
         );
-        let size = all + n + equations;
+        let size = all + n + count;
         let (y, w, mu) = (
             |i: usize, k: usize| i * size + k,
             |i: usize, k: usize| i * size + all + k,
@@ -57,35 +67,39 @@ impl Equations {
         let first_state = system.first_variable + system.variables.len();
         let plain = plain_weight(system);
         let turns: [Vec<Mat3>; 3] = std::array::from_fn(|i| turns(system, &unknowns.z[i]));
-        let B = self.tableau.B.map(|row| row.map(|b| b / h));
-        let mut matrix = Matrix::new(3 * size);
-        let mut put = |row: usize, column: usize, value: f64| {
-            if value != 0.0 {
-                matrix.add(row, column, value);
-            }
-        };
-        let mut levels = Levels::new(all);
-        let mut rows = Rows::new(system);
-        let mut g = vec![0.0; all];
+        let B = equations.tableau.B.map(|row| row.map(|b| b / h));
+        let Coupled {
+            matrix,
+            factors,
+            levels,
+            rows,
+            g,
+        } = self;
+        matrix.clear();
+        let mut put = |row: usize, column: usize, value: f64| matrix.add(row, column, value);
         for i in 0..3 {
-            self.place_stage(system, start, h, i, unknowns);
+            equations.place_stage(system, start, h, i, unknowns);
             levels.clear();
-            let (stage, scratch) = (&self.stage, &mut self.scratch);
-            system.assemble(parameters, stage, scratch, &mut g, &mut levels)?;
+            let (stage, scratch) = (&equations.stage, &mut equations.scratch);
+            system.assemble(parameters, stage, scratch, g, levels)?;
             levels.finish();
-            system.constraints_and_rows(parameters, stage, scratch, &mut g, &mut rows)?;
-            for (row, column, [k, c, m]) in levels.entries() {
-                put(y(i, row), y(i, column), k);
+            system.constraints_and_rows(parameters, stage, scratch, g, rows)?;
+            let standing = levels.standing();
+            for ((row, column, [k, c, m]), [by_k, by_c, by_m]) in levels.entries().zip(standing) {
+                if by_k {
+                    put(y(i, row), y(i, column), k);
+                }
                 if constraints.contains(&row) {
                     continue;
                 }
-                if column < n {
+                let of_a_body = column < n;
+                if of_a_body && by_c {
                     put(y(i, row), w(i, column), c);
-                    for j in 0..3 {
+                }
+                for j in 0..3 {
+                    if of_a_body && by_m {
                         put(y(i, row), w(j, column), m * B[i][j]);
-                    }
-                } else if column >= first_state {
-                    for j in 0..3 {
+                    } else if column >= first_state && by_c {
                         put(y(i, row), y(j, column), c * B[i][j]);
                     }
                 }
@@ -132,20 +146,18 @@ impl Equations {
                     }
                 }
             }
-            for k in 0..equations {
-                if start.redundant.get(k) == Some(&true) || !system.equation_is_active(k) {
-                    put(mu(i, k), mu(i, k), 1.0);
-                }
+            for k in 0..count {
+                let out = start.redundant.get(k) == Some(&true) || !system.equation_is_active(k);
+                put(mu(i, k), mu(i, k), f64::from(u8::from(out)));
             }
         }
         matrix.finish();
-        let mut factors = Lu::new(3 * size);
-        factors.factor(&matrix);
-        self.factorisations += 1;
-        self.jacobians += 3;
+        factors.factor(matrix);
+        equations.factorisations += 1;
+        equations.jacobians += 3;
         let mut b = vec![0.0; 3 * size];
         for i in 0..3 {
-            let from = self.residuals.of(i);
+            let from = equations.residuals.of(i);
             for (to, value) in b[i * size..(i + 1) * size].iter_mut().zip(from) {
                 *to = -value;
             }
@@ -155,7 +167,7 @@ impl Equations {
         for i in 0..3 {
             change.z[i].copy_from_slice(&b[y(i, 0)..y(i, all)]);
             change.w[i].copy_from_slice(&b[w(i, 0)..w(i, n)]);
-            change.mu[i].copy_from_slice(&b[mu(i, 0)..mu(i, equations)]);
+            change.mu[i].copy_from_slice(&b[mu(i, 0)..mu(i, count)]);
             for (part, body) in system.bodies.iter().enumerate() {
                 if body.freedoms < 6 {
                     continue;
@@ -171,4 +183,16 @@ impl Equations {
         }
         Ok(change)
     }
+}
+
+/// Turning rates of every body at the displacements of a stage; the identity where a body does not turn.
+fn turns(system: &System, z: &[f64]) -> Vec<Mat3> {
+    let each = system.bodies.iter().map(|body| {
+        if body.freedoms < 6 {
+            return Mat3::identity();
+        }
+        let at = body.first + 3;
+        turning_rate(&Vec3::new(z[at], z[at + 1], z[at + 2]))
+    });
+    each.collect()
 }

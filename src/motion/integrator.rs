@@ -1,4 +1,5 @@
 use super::consistent::Consistent;
+use super::coupled::Coupled;
 use super::error::{MotionError, Reason};
 use super::newton::{Equations, Stages, Unknowns};
 use super::settings::{INSIDE, Settings};
@@ -54,6 +55,8 @@ pub struct Integrator<'a> {
     pub(super) settings: Settings,
     pub(super) state: State,
     pub(super) equations: Equations,
+    /// The iteration with derivatives of every stage, once it was needed.
+    coupled: Option<Box<Coupled>>,
     pub(super) consistent: Consistent,
     unknowns: Unknowns,
     /// The unknowns of the last step: what the next one begins with.
@@ -90,6 +93,7 @@ impl<'a> Integrator<'a> {
             system,
             parameters,
             equations: Equations::new(system),
+            coupled: None,
             consistent: Consistent::new(system),
             unknowns: Unknowns::new(system),
             polynomial: Unknowns::new(system),
@@ -380,7 +384,9 @@ impl<'a> Integrator<'a> {
             let (equations, unknowns) = (&mut self.equations, &mut self.unknowns);
             let (system, parameters, start) = (self.system, self.parameters, &self.state);
             let done = if coupled {
-                equations.iterate_coupled(system, parameters, start, h, unknowns)
+                let coupled = &mut self.coupled;
+                let coupled = coupled.get_or_insert_with(|| Box::new(Coupled::new(system)));
+                coupled.iterate(equations, system, parameters, start, h, unknowns)
             } else {
                 equations.iterate(system, parameters, start, h, unknowns)
             };
