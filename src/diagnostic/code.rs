@@ -179,6 +179,8 @@ codes! {
     BadReading = "bad-reading",
     /// A CSV file with semicolons or tabs between its cells, or decimal commas. Says how it was read.
     CsvDialect = "csv-dialect",
+    /// Which column of a rig's file each curve of `[kc]` is read from, in which unit and with which sign.
+    KcCurves = "kc-curves",
     /// An address of `study.toml` that names nothing in the deck, or nothing of the needed kind.
     UnknownTarget = "unknown-target",
     /// A part named in a CSV file that the deck does not have.

@@ -1,5 +1,6 @@
 use std::collections::BTreeMap;
 
+use super::kc_curves::Helper;
 use super::orientation::{Orientation, OrientationError, absolute_orientation};
 use super::resolve;
 use super::settings::WheelSettings;
@@ -80,10 +81,14 @@ pub struct Wheel {
 /// A scalar sensor.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Channel {
-    /// Its column.
+    /// Its name.
     pub name: String,
+    /// Its column, and what one unit there is in units of the channel.
+    pub column: (String, f64),
     /// The text of an ADAMS function of the deck.
     pub function: String,
+    /// Markers of this function that the deck has not.
+    pub helpers: Vec<Helper>,
     /// Sd of one reading. Where it is not stated, a tenth of the readings' rms until it is estimated from what a fit leaves.
     pub sigma: f64,
     /// True if the study does not state `sigma`.

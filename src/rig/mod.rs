@@ -6,6 +6,8 @@
 mod check;
 pub mod deflection;
 pub mod effect;
+mod kc_curves;
+mod kc_readings;
 mod load;
 mod load_table;
 mod measurement;
@@ -31,6 +33,7 @@ mod tolerances;
 mod virtual_rig;
 pub mod wheel;
 
+pub use kc_curves::{Curve, CurveSettings, Helper, KcSettings, with_helpers};
 pub use load::programme;
 pub use load_table::LoadTable;
 pub use measurement::{

@@ -2,17 +2,18 @@
 
 use std::collections::BTreeMap;
 
+use super::kc_readings::kc_readings;
 use super::measurement::{
     Case, Channel, Grouped, MarkReading, MarkedPart, Measurement, PartMark, Reference, Wheel, wheel,
 };
-use super::section::{meant, nearest};
+use super::section::{Spelled, meant, nearest};
 use super::settings::ChannelSettings;
 use super::study::{MarkFiles, Study};
 use super::table::{Cell, Table};
 use super::wheel::WheelReading;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::mechanics::Vec3;
-use crate::model::{Model, PartIx};
+use crate::model::{MarkerIx, Model, PartIx};
 
 /// Everything of a study, resolved. What names nothing is complained about and left out.
 pub(super) fn measurement(study: &Study, model: &Model, out: &mut Vec<Diagnostic>) -> Measurement {
@@ -36,6 +37,9 @@ pub(super) fn measurement(study: &Study, model: &Model, out: &mut Vec<Diagnostic
     wheel_readings(study, model, &mut measured, out);
     if let Some((table, channels)) = &study.readings {
         channel_readings(study, table, channels, &mut measured, out);
+    }
+    if let Some((settings, table)) = &study.kc {
+        kc_readings(study, model, (settings, table), &mut measured, out);
     }
     hold_out(study, &mut measured, out);
     measured
@@ -74,6 +78,22 @@ pub fn part(name: &str, model: &Model) -> Option<PartIx> {
     exact.or_else(loose).map(PartIx)
 }
 
+/// The label of a row: its cell, or its number where the file has no column for it.
+pub(super) fn label_of(
+    table: &Table,
+    row: &[Cell],
+    column: Option<usize>,
+    number: usize,
+) -> Option<Cell> {
+    match column {
+        Some(column) => table.cell(row, column).cloned(),
+        None => Some(Cell {
+            text: (number + 1).to_string(),
+            span: table.row_span(row),
+        }),
+    }
+}
+
 fn load_cases(study: &Study, out: &mut Vec<Diagnostic>) -> Vec<Case> {
     let table = &study.loads;
     let file = table.source.name();
@@ -85,9 +105,11 @@ fn load_cases(study: &Study, out: &mut Vec<Diagnostic>) -> Vec<Case> {
                 .help("for example columns = { vertical = \"SFORCE/3\" }"),
         );
     }
-    let Some([label]) = table.columns(["case"], out) else {
+    let label = table.column("case");
+    if label.is_none() && table.has_slip("case") {
+        let _ = table.columns(["case"], out);
         return cases;
-    };
+    }
     let mut columns = Vec::new();
     for (name, _) in &study.columns {
         let Some(column) = table.column(&name.text) else {
@@ -105,9 +127,9 @@ fn load_cases(study: &Study, out: &mut Vec<Diagnostic>) -> Vec<Case> {
         columns.push(column);
     }
     let mut places: BTreeMap<String, usize> = BTreeMap::new();
-    for row in table.rows() {
+    for (number, row) in table.rows().iter().enumerate() {
         let place = table.row_span(row);
-        let Some(label) = table.cell(row, label) else {
+        let Some(label) = label_of(table, row, label, number) else {
             out.push(
                 Diagnostic::error(Code::BadReading, "a load case without a label")
                     .label(file, place, ""),
@@ -116,10 +138,8 @@ fn load_cases(study: &Study, out: &mut Vec<Diagnostic>) -> Vec<Case> {
         };
         let mut loads = Vec::with_capacity(columns.len());
         for &column in &columns {
-            let value = table
-                .cell(row, column)
-                .and_then(|cell| cell.text.parse::<f64>().ok());
-            let Some(value) = value.filter(|value| value.is_finite()) else {
+            let value = table.cell(row, column).and_then(|cell| table.value(cell));
+            let Some(value) = value else {
                 let at = row.get(column).map_or(place, |cell| cell.span);
                 out.push(
                     Diagnostic::error(
@@ -273,7 +293,12 @@ fn point(
 }
 
 /// The case of a row, unless the load cases do not have it.
-fn case_of(cell: &Cell, table: &Table, to: &Measurement, grouped: &mut Grouped) -> Option<usize> {
+pub(super) fn case_of(
+    cell: &Cell,
+    table: &Table,
+    to: &Measurement,
+    grouped: &mut Grouped,
+) -> Option<usize> {
     let found = to.case(&cell.text);
     // Without any load case that has been said already.
     if found.is_none() && !to.cases.is_empty() {
@@ -386,24 +411,7 @@ fn wheel_readings(study: &Study, model: &Model, to: &mut Measurement, out: &mut 
     let Some((settings, table)) = &study.wheel else {
         return;
     };
-    let Some(marker) = marker(&settings.marker.text, model) else {
-        let message = format!("the deck has no marker `{}`", settings.marker.text);
-        let there: Vec<String> = model
-            .markers
-            .iter()
-            .flat_map(|marker| {
-                [
-                    format!("MARKER/{}", marker.header.id),
-                    marker.header.name.clone(),
-                ]
-            })
-            .filter(|name| !name.is_empty())
-            .collect();
-        out.push(
-            Diagnostic::error(Code::UnknownTarget, message)
-                .label(study.source.name(), settings.marker.span, "")
-                .help(meant(&settings.marker.text, "the deck", &there)),
-        );
+    let Some(marker) = marker_of(study, &settings.marker, model, out) else {
         return;
     };
     let resolved: Wheel = wheel(settings, marker, model);
@@ -445,8 +453,38 @@ fn wheel_readings(study: &Study, model: &Model, to: &mut Measurement, out: &mut 
     grouped.finish(out);
 }
 
+/// The marker that a study names; what is none is complained about.
+pub(super) fn marker_of(
+    study: &Study,
+    name: &Spelled,
+    model: &Model,
+    out: &mut Vec<Diagnostic>,
+) -> Option<MarkerIx> {
+    let found = marker(&name.text, model);
+    if found.is_none() {
+        let message = format!("the deck has no marker `{}`", name.text);
+        let there: Vec<String> = model
+            .markers
+            .iter()
+            .flat_map(|marker| {
+                [
+                    format!("MARKER/{}", marker.header.id),
+                    marker.header.name.clone(),
+                ]
+            })
+            .filter(|name| !name.is_empty())
+            .collect();
+        out.push(
+            Diagnostic::error(Code::UnknownTarget, message)
+                .label(study.source.name(), name.span, "")
+                .help(meant(&name.text, "the deck", &there)),
+        );
+    }
+    found
+}
+
 /// The marker with this address (`MARKER/20`), id or view name.
-fn marker(name: &str, model: &Model) -> Option<crate::model::MarkerIx> {
+fn marker(name: &str, model: &Model) -> Option<MarkerIx> {
     let name = name.trim();
     let id = name.split_once('/').map_or(name, |(_, id)| id).trim();
     match id.parse::<u32>() {
@@ -455,7 +493,7 @@ fn marker(name: &str, model: &Model) -> Option<crate::model::MarkerIx> {
             .markers
             .iter()
             .position(|marker| marker.header.name == name)
-            .map(crate::model::MarkerIx),
+            .map(MarkerIx),
     }
 }
 
@@ -505,7 +543,9 @@ fn channel_readings(
         columns.push(column);
         to.channels.push(Channel {
             name: settings.name.clone(),
+            column: (settings.name.clone(), 1.0),
             function: settings.function.text.clone(),
+            helpers: Vec::new(),
             sigma: settings.sigma.unwrap_or(1.0),
             sigma_estimated: settings.sigma.is_none(),
             unit: settings.unit.clone(),
@@ -569,6 +609,6 @@ fn hold_out(study: &Study, to: &mut Measurement, out: &mut Vec<Diagnostic>) {
     }
 }
 
-fn labels(to: &Measurement) -> Vec<String> {
+pub(super) fn labels(to: &Measurement) -> Vec<String> {
     to.cases.iter().map(|case| case.label.clone()).collect()
 }

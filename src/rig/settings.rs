@@ -302,6 +302,18 @@ pub struct SpinAxis {
     pub sign: Option<i8>,
 }
 
+impl SpinAxis {
+    /// `axis = "y"`, which it is by default, with or without a sign.
+    pub(super) fn read(section: &mut Section<'_>, out: &mut Vec<Diagnostic>) -> Self {
+        let words = ["x", "y", "z", "+x", "+y", "+z", "-x", "-y", "-z"];
+        let axes = std::array::from_fn::<_, 9, _>(|at| {
+            let sign = [None, Some(1), Some(-1)][at / 3];
+            (words[at], Self { axis: at % 3, sign })
+        });
+        section.choice("axis", axes[1].1, &axes, out)
+    }
+}
+
 /// `[wheel]` without its table.
 #[derive(Clone, PartialEq, Debug)]
 pub struct WheelSettings {
@@ -318,20 +330,7 @@ pub struct WheelSettings {
 impl WheelSettings {
     pub(super) fn read(section: &mut Section<'_>, out: &mut Vec<Diagnostic>) -> Option<Self> {
         let marker = section.text("marker", out);
-        let y = SpinAxis {
-            axis: 1,
-            sign: None,
-        };
-        let axes: Vec<(&'static str, SpinAxis)> =
-            ["x", "y", "z", "+x", "+y", "+z", "-x", "-y", "-z"]
-                .into_iter()
-                .enumerate()
-                .map(|(at, word)| {
-                    let sign = [None, Some(1), Some(-1)][at / 3];
-                    (word, SpinAxis { axis: at % 3, sign })
-                })
-                .collect();
-        let axis = section.choice("axis", y, &axes, out);
+        let axis = SpinAxis::read(section, out);
         let mut sigma = section.section("sigma", out);
         let positive = (1e-12, f64::INFINITY);
         let (sigma_position, sigma_angle_deg) = (

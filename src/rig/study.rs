@@ -3,6 +3,7 @@ use std::path::{Component, Path, PathBuf};
 use sha2::Digest;
 use toml::de::DeTable;
 
+use super::kc_curves::KcSettings;
 use super::section::{Inquiry, Key, Section, Spelled};
 use super::settings::{
     ChannelSettings, IdentifySettings, RegressionSettings, SolverSettings, WheelSettings,
@@ -48,6 +49,8 @@ pub struct Study {
     pub wheel: Option<(WheelSettings, Option<Table>)>,
     /// `[readings]`: the file and its channels.
     pub readings: Option<(Table, Vec<ChannelSettings>)>,
+    /// `[kc]` and its file.
+    pub kc: Option<(KcSettings, Table)>,
     /// `[identify]`.
     pub identify: IdentifySettings,
     /// `[regression]`.
@@ -104,6 +107,7 @@ impl Study {
             self.marks.as_ref().map(|marks| &marks.measured),
             self.wheel.as_ref().and_then(|(_, table)| table.as_ref()),
             self.readings.as_ref().map(|(table, _)| table),
+            self.kc.as_ref().map(|(_, table)| table),
         ])
         .flatten()
         .map(|table| &table.source);
@@ -295,6 +299,18 @@ fn sections(root: &mut Section<'_>, files: &Files<'_>, out: &mut Vec<Diagnostic>
     };
     section.finish(out);
 
+    let mut section = root.section("kc", out);
+    let kc = if section.is_present() {
+        let file = files.readings(&mut section, "file", out);
+        let settings = KcSettings::read(&mut section, out);
+        settings
+            .zip(file)
+            .map(|(settings, (source, _))| (settings, Table::read(source, out)))
+    } else {
+        None
+    };
+    section.finish(out);
+
     let mut section = root.section("identify", out);
     let identify = IdentifySettings::read(&mut section, out);
     section.finish(out);
@@ -328,6 +344,7 @@ fn sections(root: &mut Section<'_>, files: &Files<'_>, out: &mut Vec<Diagnostic>
         marks,
         wheel,
         readings,
+        kc,
         identify,
         regression,
         tolerances,

@@ -99,36 +99,64 @@ pub(super) fn files(
             seen.into_bytes(),
         ));
     }
+    let of_readings = study.readings.as_ref().map_or(0, |(_, own)| own.len());
     if let Some((table, _)) = &study.readings {
-        let mut seen = String::from("case");
-        for channel in &measured.channels {
-            let _ = write!(seen, ",{}", channel.name);
-        }
-        seen.push('\n');
-        // What was not read on the study's own rig is not read here, unless nothing was.
-        let all: Vec<bool> = (0..measured.channels.len())
-            .map(|k| measured.cases.iter().all(|case| case.channels[k].is_none()))
-            .collect();
-        for (at, (case, values)) in measured.cases.iter().zip(&read.channels).enumerate() {
-            seen += &case.label;
-            for (k, value) in values.iter().enumerate() {
-                let channel = &measured.channels[k];
-                let counts = channel.relative_to.is_none() || channel.reference(at).is_some();
-                if counts && (all[k] || case.channels[k].is_some()) {
-                    let _ = write!(seen, ",{value:.9e}");
-                } else {
-                    seen.push(',');
-                }
-            }
-            seen.push('\n');
-        }
-        files.push((relative(table.source.name()), seen.into_bytes()));
+        let text = channels(measured, read, 0..of_readings, &[]);
+        files.push((relative(table.source.name()), text.into_bytes()));
+    }
+    if let Some((_, table)) = &study.kc {
+        let name = relative(table.source.name());
+        // One file may hold loads and curves.
+        let both = name == relative(study.loads.source.name());
+        let loads: Vec<&str> = study.columns.iter().map(|(n, _)| n.text.as_str()).collect();
+        let loads = if both { loads.as_slice() } else { &[] };
+        let text = channels(measured, read, of_readings..measured.channels.len(), loads);
+        files.retain(|(other, _)| *other != name);
+        files.push((name, text.into_bytes()));
     }
     files.push((
         PathBuf::from("study.toml"),
         without_section(&toml, "reference").into_bytes(),
     ));
     files
+}
+
+/// A file with a row for each case: `loads` if any, then channels in the units of their columns.
+fn channels(
+    measured: &Measurement,
+    read: &Readings,
+    range: std::ops::Range<usize>,
+    loads: &[&str],
+) -> String {
+    let mut out = String::from("case");
+    for name in loads {
+        let _ = write!(out, ",{name}");
+    }
+    for channel in &measured.channels[range.clone()] {
+        let _ = write!(out, ",{}", channel.column.0);
+    }
+    out.push('\n');
+    // What was not read on the study's own rig is not read here, unless nothing was.
+    let all: Vec<bool> = (0..measured.channels.len())
+        .map(|k| measured.cases.iter().all(|case| case.channels[k].is_none()))
+        .collect();
+    for (at, (case, values)) in measured.cases.iter().zip(&read.channels).enumerate() {
+        out += &case.label;
+        for load in &case.loads[..loads.len()] {
+            let _ = write!(out, ",{load}");
+        }
+        for k in range.clone() {
+            let channel = &measured.channels[k];
+            let counts = channel.relative_to.is_none() || channel.reference(at).is_some();
+            if counts && (all[k] || case.channels[k].is_some()) {
+                let _ = write!(out, ",{:.9e}", values[k] / channel.column.1);
+            } else {
+                out.push(',');
+            }
+        }
+        out.push('\n');
+    }
+    out
 }
 
 /// A reference deck says what another reality was: the new study has none.

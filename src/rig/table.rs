@@ -194,6 +194,20 @@ impl Table {
         }
     }
 
+    /// True if a column's name is this one but for few letters.
+    pub fn has_slip(&self, name: &str) -> bool {
+        self.slip(name).is_some()
+    }
+
+    /// The finite number of a cell.
+    pub fn value(&self, cell: &Cell) -> Option<f64> {
+        let number = match cell.text.parse().ok() {
+            None if self.decimal_commas => decimal(&cell.text),
+            number => number,
+        };
+        number.filter(|x: &f64| x.is_finite())
+    }
+
     /// A number of a row. `None` for an empty cell (silently) and for what is no finite number (with a warning).
     pub fn number(
         &self,
@@ -202,11 +216,7 @@ impl Table {
         diagnostics: &mut Vec<Diagnostic>,
     ) -> Option<f64> {
         let cell = self.cell(row, column)?;
-        let number = match cell.text.parse().ok() {
-            None if self.decimal_commas => decimal(&cell.text),
-            number => number,
-        };
-        let number = number.filter(|x: &f64| x.is_finite());
+        let number = self.value(cell);
         if number.is_none() {
             diagnostics.push(
                 Diagnostic::warning(

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::effect::{EffectSpec, Marked, Memory, Reality, plant};
+use super::kc_curves::with_helpers;
 use super::load::programme;
 use super::load_table::LoadTable;
 use super::measurement::Measurement;
@@ -249,6 +250,10 @@ fn displacement(model: &Model, poses: &[Pose], memory: &Memory) -> f64 {
 
 /// One more REQUEST per channel, which evaluates its function.
 fn with_requests(mut model: Model, measured: &Measurement) -> Result<Model, Diagnostic> {
+    with_helpers(
+        &mut model,
+        measured.channels.iter().flat_map(|c| &c.helpers),
+    );
     for channel in &measured.channels {
         let request = Request::of_function(&channel.name, &channel.function)?;
         model.requests.push(request);

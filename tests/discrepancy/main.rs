@@ -8,6 +8,7 @@ mod common;
 mod extension;
 mod found;
 mod hidden;
+mod kc_curves;
 mod kc_experiment;
 mod plant;
 #[path = "../common/proportion.rs"]

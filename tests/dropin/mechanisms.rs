@@ -136,8 +136,8 @@ fn four_bars_pass_their_singular_positions() {
 
     let n = f64::from(windows);
     let third = 1.0 / 3.0 + 0.01 / 16.0;
-    let (J, m) = ((n + 1.0) * third + n, 0.5 * (n + 1.0) + n);
-    let rate = |[q, w]: [f64; 2]| [w, m * 9.81 * q.sin() / J];
+    let (inertia, m) = ((n + 1.0) * third + n, 0.5 * (n + 1.0) + n);
+    let rate = |[q, w]: [f64; 2]| [w, m * 9.81 * q.sin() / inertia];
     let mut exact: [f64; 2] = [0.0, 1.0];
     let (x, y) = (
         found.column("PART_21_XFORM", "X"),
@@ -219,10 +219,10 @@ fn bricards_loop_moves_and_keeps_its_energy() {
             let (p, v, w, angles) = (at(p), at(v), at(w), at(angles));
             let turn = |axis, angle| nalgebra::Rotation3::from_axis_angle(&axis, angle);
             let (z, x) = (nalgebra::Vector3::z_axis(), nalgebra::Vector3::x_axis());
-            let R = turn(z, angles[0]) * turn(x, angles[1]) * turn(z, angles[2]);
+            let turned = turn(z, angles[0]) * turn(x, angles[1]) * turn(z, angles[2]);
             let along =
                 nalgebra::Vector3::from(CORNERS[k + 1]) - nalgebra::Vector3::from(CORNERS[k]);
-            let (axis, middle) = (R * along, R * along * 0.5);
+            let (axis, middle) = (turned * along, turned * along * 0.5);
             // A round rod: J w = across w + (along - across) axis (axis . w).
             let (across, own) = (1.0 / 12.0 + thick * thick / 16.0, thick * thick / 8.0);
             let spin = axis.dot(&w);

@@ -13,6 +13,7 @@ mod common;
 mod deck;
 mod direct;
 mod global;
+mod kc_curves;
 mod kc_experiment;
 mod options;
 mod regression;

@@ -2,7 +2,7 @@
 
 use crate::diagnostic::Diagnostic;
 use crate::model::{Model, Request};
-use crate::rig::Measurement;
+use crate::rig::{Measurement, with_helpers};
 use crate::system::{NoValue, Parameters, Scratch, State, System};
 
 use super::unknown::Direction;
@@ -18,6 +18,8 @@ pub fn with_channels(
     further: &[String],
 ) -> Result<(Model, Channels), Diagnostic> {
     let mut model = model.clone();
+    let helpers = measurement.channels.iter().flat_map(|c| &c.helpers);
+    with_helpers(&mut model, helpers);
     let first = model.requests.len();
     let measured = measurement
         .channels
