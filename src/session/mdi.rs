@@ -7,7 +7,8 @@ use crate::model::Ignore;
 use crate::text::Source;
 
 use super::launcher::{Launch, LaunchInput};
-use super::run::{EXIT_CODES, Ending, Session};
+use super::ending::{EXIT_CODES, Ending};
+use super::run::Session;
 
 const HELP: &str = "\
 mdi: solves ADAMS datasets for static equilibrium, with ADAMS' own command line
