@@ -48,6 +48,7 @@
 //! | 15 | discrepancy | causes, search, extension, gain |
 //! | 16 | report | HTML and SVG |
 //! | 17 | lsp | the language server |
+//! | 17 | front | a deck, its runs, studies, results: what most programs need |
 //! | 18 | cli | subcommands |
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 
@@ -58,6 +59,7 @@ pub mod constraint;
 pub mod diagnostic;
 pub mod discrepancy;
 pub mod element;
+pub mod front;
 pub mod function;
 pub mod grammar;
 pub mod guide;

@@ -6,8 +6,8 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::model::Ignore;
 use crate::text::Source;
 
-use super::launcher::{Launch, LaunchInput};
 use super::ending::{EXIT_CODES, Ending};
+use super::launcher::{Launch, LaunchInput};
 use super::run::Session;
 
 const HELP: &str = "\
