@@ -50,6 +50,7 @@
 //! | 17 | lsp | the language server |
 //! | 17 | front | a deck, its runs, studies, results: what most programs need |
 //! | 18 | cli | subcommands |
+//! | 18 | python | the Python package |
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 
 pub mod backend;
@@ -70,6 +71,8 @@ pub mod lsp;
 pub mod mechanics;
 pub mod model;
 pub mod motion;
+#[cfg(feature = "python")]
+mod python;
 pub mod report;
 pub mod results;
 pub mod rig;

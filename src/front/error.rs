@@ -28,7 +28,7 @@ pub enum ErrorKind {
 }
 
 /// A complaint with its places worked out.
-#[derive(Clone, PartialEq, Debug, serde::Serialize)]
+#[derive(Clone, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Complaint {
     /// Stable code, for example `undefined-id`.
     pub code: Code,
@@ -45,7 +45,7 @@ pub struct Complaint {
 }
 
 /// A place in a file.
-#[derive(Clone, PartialEq, Eq, Debug, serde::Serialize)]
+#[derive(Clone, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Place {
     /// The file, as it was named.
     pub file: String,
@@ -101,13 +101,6 @@ impl Error {
     /// An error without a place.
     pub(crate) fn plain(kind: ErrorKind, diagnostic: &Diagnostic) -> Self {
         Self::new(kind, std::slice::from_ref(diagnostic), &Sources::default())
-    }
-
-    /// An address or option that means nothing.
-    pub(crate) fn usage(mut diagnostic: Diagnostic, text: &str) -> Self {
-        diagnostic.labels.clear();
-        diagnostic.message = format!("`{text}`: {}", diagnostic.message);
-        Self::plain(ErrorKind::Usage, &diagnostic)
     }
 
     /// A file that cannot be read.

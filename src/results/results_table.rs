@@ -3,7 +3,7 @@ use std::io::{self, Write};
 use super::{Catalogue, Header, NumberStyle, StepKind, Style, XrfWriter};
 
 /// The results of a run in memory: what an XRF file holds, a row of values for each step.
-#[derive(Clone, PartialEq, Debug, Default)]
+#[derive(Clone, PartialEq, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct ResultsTable {
     /// What the file would say of itself.
     pub header: Header,
@@ -15,7 +15,8 @@ pub struct ResultsTable {
     pub status: String,
     /// Kind of each step.
     pub kinds: Vec<StepKind>,
-    /// All values, step by step.
+    /// All values, step by step. Not among what is serialised: JSON would take several times their room.
+    #[serde(skip)]
     pub values: Vec<f64>,
 }
 
@@ -51,11 +52,19 @@ impl ResultsTable {
     /// # Errors
     /// When the output cannot be written.
     pub fn write(&self, output: impl Write) -> io::Result<()> {
+        self.write_as(&self.header, output)
+    }
+
+    /// The same under another header.
+    ///
+    /// # Errors
+    /// When the output cannot be written.
+    pub fn write_as(&self, header: &Header, output: impl Write) -> io::Result<()> {
         let style = Style {
             numbers: self.numbers,
             ..Style::default()
         };
-        let mut writer = XrfWriter::create(output, &self.header, &self.catalogue, style)?;
+        let mut writer = XrfWriter::create(output, header, &self.catalogue, style)?;
         let width = self.catalogue.len().max(1);
         for (kind, values) in self.kinds.iter().zip(self.values.chunks(width)) {
             writer.step(*kind, values)?;

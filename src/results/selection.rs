@@ -74,8 +74,11 @@ impl Selection {
         self.columns.iter().map(|column| column.id).collect()
     }
 
-    /// Hands out the steps of a reader that a filter takes: kind, block and the values of the columns.
-    fn rows<R: Read>(
+    /// Hands out the steps of a reader that a filter takes: kind, block and the values of the columns. Gives their number.
+    ///
+    /// # Errors
+    /// When reading fails, or `row` does.
+    pub fn rows<R: Read>(
         &self,
         reader: &mut XrfReader<R>,
         filter: &StepFilter,

@@ -1,7 +1,7 @@
 use std::path::PathBuf;
 
 /// Why a run ended.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
 pub enum Stop {
     /// STOP, or the end of the commands.
     Finished,
@@ -16,7 +16,7 @@ pub enum Stop {
 }
 
 /// What came of a run.
-#[derive(Clone, PartialEq, Eq, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Ending {
     /// Why it ended.
     pub stop: Stop,
