@@ -20,7 +20,7 @@ use super::run::Run;
 use super::sensitivity::{SensitivityTable, Unavailable};
 use super::value::{address, typed, value};
 use super::watch::{Watch, Watched};
-use super::writing::replace_file;
+use super::writing::{may_replace, replace_file};
 
 /// A dataset (.adm): its values by address, its equilibrium, its runs. Cheap to clone.
 ///
@@ -417,20 +417,6 @@ impl Deck {
         let sources = sources_of(self.dataset());
         Err(Error::new(ErrorKind::Input, found, &sources))
     }
-}
-
-/// Refuses to replace a file unless that is asked for.
-pub(super) fn may_replace(path: &Path, replace: bool) -> Result<(), Error> {
-    if replace || path.symlink_metadata().is_err() {
-        return Ok(());
-    }
-    let message = format!("`{}` is there already", path.display());
-    let refused = Diagnostic::error(Code::CannotWrite, message);
-    let kind = ErrorKind::File(std::io::ErrorKind::AlreadyExists);
-    Err(Error::plain(
-        kind,
-        &refused.help("name another file, or replace it on purpose"),
-    ))
 }
 
 fn sources_of(dataset: &Dataset) -> Sources {

@@ -10,11 +10,10 @@ use crate::results::{Catalogue, ResultsTable, SelectedColumn, Selection, StepKin
 use crate::session::{Ending, Session, Stop, folder_of};
 use crate::syntax::{CommandFile, Dataset};
 
-use super::deck::may_replace;
 use super::error::{Complaint, Error, ErrorKind};
 use super::results::{one_column, selected};
 use super::watch::Watch;
-use super::writing::replace_file;
+use super::writing::{may_replace, replace_file};
 
 /// What came of executing commands on a deck: results, messages and other files, all in memory.
 ///

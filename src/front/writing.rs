@@ -5,8 +5,25 @@ use std::path::Path;
 
 use tempfile::NamedTempFile;
 
+use crate::diagnostic::{Code, Diagnostic};
+
+use super::error::{Error, ErrorKind};
 use super::leftover;
 use super::permissions::{as_new_files, can_be_replaced};
+
+/// Refuses to replace a file unless that is asked for.
+pub(super) fn may_replace(path: &Path, replace: bool) -> Result<(), Error> {
+    if replace || path.symlink_metadata().is_err() {
+        return Ok(());
+    }
+    let message = format!("`{}` is there already", path.display());
+    let refused = Diagnostic::error(Code::CannotWrite, message);
+    let kind = ErrorKind::File(std::io::ErrorKind::AlreadyExists);
+    Err(Error::plain(
+        kind,
+        &refused.help("name another file, or replace it on purpose"),
+    ))
+}
 
 /// Writes a file whole or not at all: through a temporary file beside it that takes its place.
 pub(crate) fn replace_file(path: &Path, bytes: &[u8]) -> std::io::Result<()> {

@@ -1,7 +1,6 @@
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use numpy::PyArray2;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyList};
@@ -11,6 +10,7 @@ use crate::front::{self, Setting, Watched};
 use crate::kc::Convention;
 use crate::syntax::diff::Tolerance;
 
+use super::block::Block;
 use super::refusal::{json, raised};
 use super::run::Run;
 use super::work::work;
@@ -153,18 +153,13 @@ impl Deck {
 
     /// Names of columns, addresses, values and the derivatives, a row for each address.
     #[allow(clippy::type_complexity)]
-    fn sensitivity<'py>(
+    fn sensitivity(
         &self,
-        py: Python<'py>,
+        py: Python<'_>,
         of: Vec<String>,
         by: Vec<String>,
         time: f64,
-    ) -> PyResult<(
-        Vec<String>,
-        Vec<String>,
-        Vec<f64>,
-        Bound<'py, PyArray2<f64>>,
-    )> {
+    ) -> PyResult<(Vec<String>, Vec<String>, Vec<f64>, Block)> {
         let deck = self.now(py);
         let job = move || deck.sensitivity(&of, &by, time);
         let table = work(py, &Watched::default(), None, job)?;
@@ -172,14 +167,10 @@ impl Deck {
         for row in table.by {
             addresses.push(row.address);
             values.push(row.value);
-            rows.push(row.derivatives);
+            rows.extend(row.derivatives);
         }
-        let array = if rows.is_empty() {
-            PyArray2::zeros(py, [0, table.of.len()], false)
-        } else {
-            PyArray2::from_vec2(py, &rows)?
-        };
-        Ok((table.of, addresses, values, array))
+        let block = Block::new(rows, table.of.len());
+        Ok((table.of, addresses, values, block))
     }
 
     /// `kc.json`, `curves.csv`, `gradients.csv`, the report, complaints as JSON.

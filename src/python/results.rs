@@ -1,12 +1,12 @@
 use std::path::PathBuf;
 
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::front::{self, Watched};
 use crate::results::{StepFilter, StepKind};
 
+use super::block::Block;
 use super::run::named;
 use super::work::work;
 
@@ -38,28 +38,24 @@ impl Results {
         named(self.0.columns())
     }
 
-    fn column<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    fn column(&self, py: Python<'_>, name: &str) -> PyResult<Block> {
         let (results, name) = (self.0.clone(), name.to_string());
         let watched = Watched::default();
         let watch = watched.clone();
         let job = move || results.column(&name, &watch);
-        Ok(work(py, &watched, None, job)?.into_pyarray(py))
+        Ok(Block::new(work(py, &watched, None, job)?, 1))
     }
 
     /// Names and units of the columns, kinds of the steps, and the values, a row for each step.
     #[allow(clippy::type_complexity)]
-    fn select<'py>(
+    fn select(
         &self,
-        py: Python<'py>,
+        py: Python<'_>,
         patterns: Vec<String>,
         steps: &str,
         kinds: Vec<String>,
         times: (f64, f64),
-    ) -> PyResult<(
-        Vec<(String, String)>,
-        Vec<&'static str>,
-        Bound<'py, PyArray2<f64>>,
-    )> {
+    ) -> PyResult<(Vec<(String, String)>, Vec<&'static str>, Block)> {
         let mut filter = StepFilter {
             from: times.0,
             to: times.1,
@@ -84,8 +80,7 @@ impl Results {
             results.select(&patterns, &filter, &watch)
         };
         let rows = work(py, &watched, None, job)?;
-        let shape = [rows.kinds.len(), rows.columns.len()];
-        let values = rows.values.into_pyarray(py).reshape(shape)?;
+        let values = Block::new(rows.values, rows.columns.len());
         let kinds = rows.kinds.iter().map(|kind| kind.step_type()).collect();
         Ok((named(&rows.columns), kinds, values))
     }

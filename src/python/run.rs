@@ -1,14 +1,13 @@
 use std::path::PathBuf;
 
-use numpy::ndarray::ArrayView2;
-use numpy::{PyArray2, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyType};
+use pyo3::types::{PyBytes, PyDict, PyType};
 
 use crate::front::{self, Watched};
 use crate::results::SelectedColumn;
 
+use super::block::interface;
 use super::refusal::{json, raised};
 use super::work::work;
 
@@ -33,18 +32,15 @@ pub(super) fn named(columns: &[SelectedColumn]) -> Vec<(String, String)> {
 
 #[pymethods]
 impl Run {
-    /// All values, a row for each step, lent by the run: NumPy reads the memory of the table.
-    fn values<'py>(this: &Bound<'py, Self>) -> Bound<'py, PyArray2<f64>> {
-        let table = this.get().0.table();
+    /// All values, a row for each step, where the table has them: a run never changes.
+    #[getter]
+    fn __array_interface__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let table = self.0.table();
         let (width, values) = table.map_or((0, &[][..]), |table| {
             (table.catalogue.len(), table.values.as_slice())
         });
         let steps = values.len().checked_div(width).unwrap_or(0);
-        let view = ArrayView2::from_shape((steps, width), values).expect("rows of one length");
-        // SAFETY: the table is never changed or moved while the run lives, the array keeps the run alive, and nobody may write to it.
-        let array = unsafe { PyArray2::borrow_from_array(&view, this.clone().into_any()) };
-        array.readwrite().make_nonwriteable();
-        array
+        interface(py, values, (steps, width))
     }
 
     /// Names and units of the columns, in the order of their values; positions without a name are left out.
