@@ -16,6 +16,8 @@ mod run;
 mod sensitivity;
 pub(crate) mod solver;
 mod study;
+#[cfg(test)]
+mod tests;
 mod value;
 mod watch;
 mod writing;
