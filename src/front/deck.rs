@@ -363,7 +363,7 @@ impl Deck {
 
     /// Executes commands that are given as text; files they name are looked up beside `name`. The run ends early when the watch says so.
     pub fn run_watched(&self, name: &str, commands: &str, watch: &dyn Watch) -> Run {
-        let parsed = CommandFile::parse(Source::new(name, commands.as_bytes()));
+        let parsed = CommandFile::parse_commands(Source::new(name, commands.as_bytes()));
         Run::execute(&self.read, &parsed, watch)
     }
 

@@ -3,8 +3,8 @@ use std::path::{Path, PathBuf};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::grammar::nearest;
 use crate::results::{
-    AnyResults, Catalogue, Header, ResultsError, SelectedColumn, Selection, StepFilter, StepKind,
-    open_any,
+    AnyResults, Catalogue, EntityKind, Header, ResultsError, SelectedColumn, Selection, StepFilter,
+    StepKind, open_any,
 };
 
 use super::error::{Error, ErrorKind};
@@ -62,7 +62,7 @@ impl Results {
         &self.columns
     }
 
-    /// A column, a value per step.
+    /// A column, a value per step: `KNUCKLE.X`, `KNUCKLE_XFORM.X`, `BUSHING/1.FX`.
     ///
     /// # Errors
     /// When there is no such column, the name means several, or the file cannot be read to its end.
@@ -141,6 +141,10 @@ pub(crate) fn selected(catalogue: &Catalogue, patterns: &[&str]) -> Result<Selec
         let plain = object.rsplit('.').next().unwrap_or(object);
         known.push(column.path());
         known.push(format!("{plain}.{}", column.component.name));
+        if let (Some(class), Some(id)) = (&column.entity.ent_type, column.entity.object_id) {
+            let keyword = EntityKind::keyword(class);
+            known.push(format!("{keyword}/{id}.{}", column.component.name));
+        }
     }
     let capitals: Vec<String> = known.iter().map(|path| path.to_uppercase()).collect();
     let near = nearest(pattern, capitals.iter().map(String::as_str))

@@ -129,7 +129,7 @@ impl Run {
         self.table().map_or(&[], |table| &table.kinds)
     }
 
-    /// Which value of each step a name means, from 0: `KNUCKLE.X`, `knuckle_XFORM.X`, `BUSHING_1.FX`.
+    /// Which value of each step a name means, from 0: `KNUCKLE.X`, `knuckle_XFORM.X`, `BUSHING/1.FX`.
     ///
     /// # Errors
     /// When there is no such column, or the name means several.

@@ -18,6 +18,7 @@ use pyo3::prelude::*;
 
 #[pymodule]
 fn _admire(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    work::loaded();
     module.add("__version__", crate::report::VERSION)?;
     module.add_class::<block::Block>()?;
     module.add_class::<deck::Deck>()?;

@@ -1,7 +1,7 @@
 //! Long work beside the interpreter: without its lock, on threads of the package's own, while the caller listens for Ctrl-C.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
 use crossbeam_channel::{RecvTimeoutError, bounded};
@@ -43,6 +43,30 @@ fn pool() -> PyResult<Arc<ThreadPool>> {
 /// Leaves the threads to a job that does not end; the next one has threads of its own.
 fn abandon() {
     *POOL.lock().unwrap_or_else(PoisonError::into_inner) = None;
+}
+
+/// The process that loaded the package.
+static LOADED_BY: OnceLock<u32> = OnceLock::new();
+
+/// Remembers the process that loads the package.
+pub(super) fn loaded() {
+    LOADED_BY.get_or_init(std::process::id);
+}
+
+/// Does a job that is over in milliseconds, in the calling thread and without the lock of the interpreter: to wake another thread would
+/// take as long as the job.
+pub(super) fn at_once<T: Send + 'static>(
+    py: Python<'_>,
+    job: impl FnOnce() -> Result<T, Error> + Send + 'static,
+) -> PyResult<T> {
+    if LOADED_BY.get() != Some(&std::process::id()) {
+        // What the job shares among threads stayed with the parent of this process.
+        return work(py, &Watched::default(), None, job);
+    }
+    match py.detach(|| catch_unwind(AssertUnwindSafe(job))) {
+        Ok(done) => done.map_err(|error| raised(py, &error)),
+        Err(_) => Err(PyRuntimeError::new_err("admire failed; this is a bug")),
+    }
 }
 
 /// Does a job without the lock of the interpreter. `watched` is stopped by Ctrl-C, which raises within a second whatever the job does;

@@ -87,7 +87,7 @@ def others(path, size):
 
 
 def variant(deck, k):
-    return deck.solve({"BUSHING/1.K.1": k})["BUSHING_1.FX"].tobytes()
+    return deck.solve({"BUSHING/1.K.1": k})["BUSHING/1.FX"].tobytes()
 
 
 def variants(deck, count):

@@ -14,14 +14,14 @@ ACF = "SFORCE/3, FUNCTION=1000\nSIMULATE/STATICS\nSFORCE/3, FUNCTION=2000\nSIMUL
 
 def test_columns_are_lent_and_read_only(deck: admire.Deck) -> None:
     run = deck.solve()
-    column = run["BUSHING_1.FX"]
+    column = run["BUSHING/1.FX"]
     assert column.base is not None and np.shares_memory(column, run.values)
     with pytest.raises(ValueError):
         column[0] = 1.0
     del run
     assert np.isfinite(column).all()
     with pytest.raises(KeyError, match="did you mean"):
-        deck.solve()["BUSHING_1.FQ"]
+        deck.solve()["BUSHING/1.FQ"]
 
 
 def test_loads_are_given_without_changing_the_deck(deck: admire.Deck) -> None:
@@ -68,10 +68,10 @@ def test_results_are_read_back(deck: admire.Deck, tmp_path: Path) -> None:
     results = admire.results(path)
     assert results.columns == run.columns and results.units == run.units
     # 17 decimals are written.
-    assert np.allclose(results["BUSHING_1.FX"], run["BUSHING_1.FX"], rtol=1e-15, atol=1e-16)
-    some = results.select("BUSHING_1.F?", steps="last")
+    assert np.allclose(results["BUSHING/1.FX"], run["BUSHING/1.FX"], rtol=1e-15, atol=1e-16)
+    some = results.select("BUSHING/1.F?", steps="last")
     assert len(some) >= 3 and all(len(column) == 1 for column in some.values())
-    assert results.select("BUSHING_1.FX", kind="quasiStatic")[list(some)[0]].shape == (2,)
+    assert results.select("BUSHING/1.FX", kind="quasiStatic")[list(some)[0]].shape == (2,)
     with pytest.raises(KeyError):
         results["nothing"]
     with pytest.raises(ValueError):
@@ -91,7 +91,7 @@ def test_a_cut_off_file_is_read_up_to_its_last_step(deck: admire.Deck, tmp_path:
 
 def test_frames_have_time_and_kind(deck: admire.Deck) -> None:
     pandas = pytest.importorskip("pandas")
-    frame = deck.solve(ACF).to_pandas("BUSHING_1.F?")
+    frame = deck.solve(ACF).to_pandas("BUSHING/1.F?")
     assert isinstance(frame, pandas.DataFrame)
     assert list(frame["step"]) == ["input", "quasiStatic", "quasiStatic"]
 
@@ -101,8 +101,8 @@ def test_sensitivities_are_those_of_differences(deck: admire.Deck) -> None:
     assert table.values.shape == (len(table.by), 6) and np.asarray(table) is table.values
     k = deck["BUSHING/1.K.1"]
     step = 1e-4 * k
-    high = deck.solve({"BUSHING/1.K.1": k + step})["BUSHING_1.FX"][-1]
-    low = deck.solve({"BUSHING/1.K.1": k - step})["BUSHING_1.FX"][-1]
+    high = deck.solve({"BUSHING/1.K.1": k + step})["BUSHING/1.FX"][-1]
+    low = deck.solve({"BUSHING/1.K.1": k - step})["BUSHING/1.FX"][-1]
     numeric = (high - low) / (2 * step)
     exact = table[table.by[0], table.of[0]]
     assert exact != 0.0 and abs(numeric - exact) <= 1e-3 * abs(exact) + 1e-9

@@ -16,13 +16,13 @@ print(run.columns[:8])
 loads = np.linspace(0.0, 4000.0, 9)
 commands = "".join(f"SFORCE/3, FUNCTION={load}\nSIMULATE/STATICS\n" for load in loads)
 curve = deck.solve(commands)
-forces = curve["BUSHING_3.FZ"][1:]
+forces = curve["BUSHING/3.FZ"][1:]
 assert forces.shape == loads.shape
 assert np.all(np.diff(forces) > 0.0) or np.all(np.diff(forces) < 0.0), "more load, more force in the top mount"
 
 # %% What a stiffness does: a variant for each value, and the exact derivative beside it.
 stiffnesses = [8000.0, 10000.0, 12000.0]
-found = [deck.solve({"SFORCE/1": 1000.0, "BUSHING/1.K.1": k})["BUSHING_1.FX"][-1] for k in stiffnesses]
+found = [deck.solve({"SFORCE/1": 1000.0, "BUSHING/1.K.1": k})["BUSHING/1.FX"][-1] for k in stiffnesses]
 loaded = deck.copy()
 loaded["SFORCE/1"] = 1000.0
 table = loaded.sensitivity(of="BUSHING/1", by="BUSHING/1.K.1")

@@ -4,7 +4,7 @@
 >>> deck = admire.read("corpus/pseudo-mcpherson/model.adm")
 >>> deck["BUSHING/1.K.1"] = 12000.0
 >>> run = deck.solve()
->>> run["BUSHING_1.FX"].shape
+>>> run["BUSHING/1.FX"].shape
 (2,)
 
 Everything happens in this process, without files: no ADAMS, no ``mdi``, no folder for runs. The answers are those of the command line,

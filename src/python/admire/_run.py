@@ -111,7 +111,7 @@ class Run:
         return found
 
     def __getitem__(self, name: str) -> Column:
-        """A column: ``KNUCKLE.X``, ``knuckle_XFORM.X``, ``BUSHING_1.FX``, upper and lower case alike."""
+        """A column: ``KNUCKLE.X``, ``knuckle_XFORM.X``, ``BUSHING/1.FX``, upper and lower case alike."""
         return self.values[:, self._inner.position(name)]
 
     def __contains__(self, name: object) -> bool:
