@@ -13,6 +13,7 @@ import admire
 def test_values_are_read_and_set_by_address(deck: admire.Deck) -> None:
     before = bytes(deck)
     assert deck["BUSHING/1.K.1"] == 10000.0
+    assert "BUSHING/1" in deck and "BUSHING/99" not in deck and "BUSHING/1.KK" not in deck
     assert isinstance(deck["BUSHING/1.K"], np.ndarray)
     deck["BUSHING/1.K.1"] = 12000.0
     assert deck["BUSHING/1.K.1"] == 12000.0

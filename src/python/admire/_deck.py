@@ -266,6 +266,15 @@ class Deck:
         values, curves, gradients, html, told = self._inner.kc(os.fspath(config), convention)
         return AxleTests(json.loads(values), curves, gradients, html, complaints_of(told))
 
+    def __contains__(self, address: object) -> bool:
+        """True if the deck has an object with this address and, where one is named, this argument."""
+        if not isinstance(address, str):
+            return False
+        try:
+            return self[address] is not None
+        except KeyError:
+            return False
+
     def __iter__(self) -> Iterator[Any]:
         raise TypeError('a deck is not iterable; deck["BUSHING/*"] has all objects of a kind')
 
