@@ -172,7 +172,7 @@ def identify(
     >>> import admire
     >>> found = admire.identify("corpus/pseudo-mcpherson", method="direct")
     >>> found["BUSHING/1.K.1"].unit
-    'N/mm'
+    'newton/mm'
     """
     opened = _opened(study)
     with shown(progress) as told:
