@@ -16,7 +16,7 @@
 //!     .set("BUSHING/*.K.1", 20_000.0)?
 //!     .solve()?;
 //! // A value per step: the deck as it was read, then the equilibrium.
-//! let (soft, stiff) = (before.column("tie_rod.X")?, after.column("tie_rod.X")?);
+//! let (soft, stiff) = (before.column("front_arm.X")?, after.column("front_arm.X")?);
 //! assert!((stiff[1] - stiff[0]).abs() < (soft[1] - soft[0]).abs());
 //! # Ok(())
 //! # }

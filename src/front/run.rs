@@ -71,10 +71,9 @@ impl Run {
             return Ok(());
         }
         let kind = match self.ending.stop {
-            Stop::Model | Stop::File => ErrorKind::Input,
             Stop::Simulation | Stop::Interrupted => ErrorKind::NoAnswer,
             Stop::Finished if self.ending.failed > 0 => ErrorKind::NoAnswer,
-            Stop::Finished => ErrorKind::Input,
+            Stop::Model | Stop::File | Stop::Finished => ErrorKind::Input,
         };
         let mut told = self.complaints.clone();
         told.sort_by_key(|complaint| std::cmp::Reverse(complaint.severity));

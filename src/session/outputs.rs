@@ -47,7 +47,7 @@ pub(super) struct Outputs {
 /// Where steps of results go.
 enum Results {
     File(XrfWriter<Sink>),
-    Memory(ResultsTable),
+    Memory(Box<ResultsTable>),
 }
 
 impl Results {
@@ -196,7 +196,11 @@ impl Outputs {
         let values = std::mem::take(&mut self.values);
         let mut results = if self.record.is_some() {
             let catalogue = columns.catalogue.clone();
-            Results::Memory(ResultsTable::new(header, catalogue, style.numbers))
+            Results::Memory(Box::new(ResultsTable::new(
+                header,
+                catalogue,
+                style.numbers,
+            )))
         } else {
             self.create("res", |file| {
                 XrfWriter::create(file, &header, &columns.catalogue, style).map(Results::File)
@@ -361,7 +365,7 @@ impl Outputs {
             Some((Results::Memory(mut table), _)) => {
                 table.status = status.to_string();
                 if let Some(record) = &mut self.record {
-                    record.results = Some(table);
+                    record.results = Some(*table);
                 }
             }
             None => {}

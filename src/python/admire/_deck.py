@@ -238,8 +238,11 @@ class Deck:
             commands = what
         elif what is not None:
             path = os.fspath(what)
-        with shown(progress) as told:
-            run = Run(self._inner.run(values, path, commands, told))
+        if progress is False:
+            run = Run(self._inner.run(values, path, commands, None))
+        else:
+            with shown(progress) as told:
+                run = Run(self._inner.run(values, path, commands, told))
         if check and run.exit_code != 0:
             try:
                 run._inner.succeeded()
