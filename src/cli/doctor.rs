@@ -7,9 +7,10 @@ use crate::report::VERSION;
 use crate::rig::Study;
 use crate::rig::settings::BackendChoice;
 
+use crate::front::solver::found_on_path;
+
 use super::Outcome;
 use super::shell::{Exit, Shell};
-use super::solver::found_on_path;
 
 /// Say what is installed here: which `mdi` a script would find, whether a study's program answers, Octave, write permissions.
 ///

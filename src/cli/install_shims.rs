@@ -2,8 +2,9 @@ use std::path::{Path, PathBuf};
 
 use crate::diagnostic::{Code, Diagnostic};
 
+use crate::front::permissions::make_executable;
+
 use super::Outcome;
-use super::permissions::make_executable;
 use super::shell::{Exit, Shell};
 
 /// Put commands called like ADAMS' own into a folder; each runs this installation's `mdi`.

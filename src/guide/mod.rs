@@ -45,6 +45,7 @@ pages! {
     diagnosis
     toolkit
     editors
+    python
     conventions
     kc
     mathematics

@@ -81,16 +81,15 @@ impl Beginning {
 impl Loaded {
     /// Reads a dataset. The model can be used if no complaint is an error.
     pub fn read(
-        source: Source,
+        parsed: &Checked<Dataset>,
         outputs: Outputs,
         policy: &FilePolicy,
         ignored: &[Ignore],
     ) -> Checked<Self> {
-        let parsed = Dataset::parse(source);
         let folder = folder_of(parsed.value.source());
         let files = read_files(&parsed.value, &folder, policy);
         let lowered = Model::lower_with(&parsed.value, &files.value);
-        let mut diagnostics = parsed.diagnostics;
+        let mut diagnostics = parsed.diagnostics.clone();
         diagnostics.extend(files.diagnostics);
         diagnostics.extend(lowered.diagnostics);
         diagnostics.extend(not_written(&parsed.value));

@@ -6,8 +6,9 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::model::Ignore;
 use crate::text::Source;
 
+use super::ending::{EXIT_CODES, Ending};
 use super::launcher::{Launch, LaunchInput};
-use super::run::{EXIT_CODES, Ending, Session};
+use super::run::Session;
 
 const HELP: &str = "\
 mdi: solves ADAMS datasets for static equilibrium, with ADAMS' own command line

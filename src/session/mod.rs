@@ -3,6 +3,7 @@
 //! Knows how ADAMS' command line, messages and output files look. Does not know how an equilibrium is found.
 
 mod columns;
+mod ending;
 mod files;
 mod harmless;
 mod launcher;
@@ -16,6 +17,7 @@ mod output_options;
 mod outputs;
 mod paths;
 mod progress;
+mod record;
 mod recorded_commands;
 mod run;
 mod saved;
@@ -26,6 +28,7 @@ mod simulation;
 mod transient;
 mod watching;
 
+pub use ending::{Ending, Stop};
 pub use files::{folder_of, read_files};
 pub use launcher::{Launch, LaunchInput};
 pub use located::{Sources, located};
@@ -33,5 +36,6 @@ pub use mdi::mdi;
 pub use message::{Messages, exponent};
 pub use paths::{FilePolicy, find_file, native_spelling};
 pub use progress::Moment;
+pub use record::Record;
 pub use recorded_commands::recorded_commands;
-pub use run::{Ending, Session, Stop};
+pub use run::Session;
