@@ -6,6 +6,7 @@ use serde_json::json;
 
 use super::loaded::Compiled;
 use super::message::exponent;
+use super::outputs::write_text;
 use super::paths::native_spelling;
 use super::run::{Flow, Locate, Place, Session};
 use crate::diagnostic::{Code, Diagnostic};
@@ -190,7 +191,7 @@ impl Session<'_> {
                 None => self.model().outputs.beside(suffix),
             };
             let done = self.policy.check(&path).and_then(|()| {
-                std::fs::write(&path, text).map_err(|error| {
+                write_text(&path, &text).map_err(|error| {
                     let message = format!("`{}` cannot be written: {error}", path.display());
                     Diagnostic::error(Code::CannotWrite, message)
                 })

@@ -1,5 +1,4 @@
 use std::fmt::Write as _;
-use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -9,7 +8,7 @@ use crate::results::Timestamp;
 use crate::text::printable;
 
 use super::located::{Sources, located};
-use super::outputs::emptied;
+use super::outputs::{RunFile, emptied};
 use super::simulate::Phases;
 use super::transient::{Progress, Row};
 
@@ -19,7 +18,7 @@ use super::transient::{Progress, Row};
 /// scripts look for are those of guide/formats.md 6.5. A message file that cannot be written does not stop a run.
 pub struct Messages<'a> {
     console: Box<dyn Write + 'a>,
-    file: Option<BufWriter<File>>,
+    file: Option<RunFile>,
     path: Option<PathBuf>,
     pending: Vec<u8>,
     /// Why the file could not be written to its end.

@@ -3,6 +3,7 @@
 //! Knows how ADAMS' command line, messages and output files look. Does not know how an equilibrium is found.
 
 mod columns;
+mod file_policy;
 mod files;
 mod harmless;
 mod launcher;
@@ -25,13 +26,16 @@ mod simulate;
 mod simulation;
 mod transient;
 mod watching;
+mod windows_names;
 
+pub use file_policy::FilePolicy;
 pub use files::{folder_of, read_files};
 pub use launcher::{Launch, LaunchInput};
 pub use located::{Sources, located};
 pub use mdi::mdi;
 pub use message::{Messages, exponent};
-pub use paths::{FilePolicy, find_file, native_spelling};
+pub use paths::{find_file, native_spelling};
 pub use progress::Moment;
 pub use recorded_commands::recorded_commands;
 pub use run::{Ending, Session, Stop};
+pub use windows_names::check_name;

@@ -10,16 +10,20 @@ use crate::results::{
     Style, Tabular, TabularRequest, Timestamp, XrfWriter, write_tabular,
 };
 use crate::system::State;
+use crate::text::{LineEnds, patiently};
 
 use super::columns::{Columns, usual_names};
+use super::file_policy::FilePolicy;
 use super::measures::Measures;
-use super::paths::FilePolicy;
 
 /// Extensions of the files a run writes beside `.msg`.
 const EXTENSIONS: [&str; 4] = ["res", "req", "gra", "out"];
 
 /// So many values of requests are kept for the tables of `.out` before they are written.
 const KEPT: usize = 1 << 17;
+
+/// A file of a run that is being written.
+pub(super) type RunFile = BufWriter<LineEnds<File>>;
 
 /// The output files of one model.
 ///
@@ -30,9 +34,9 @@ pub(super) struct Outputs {
     /// Files of an earlier run that nothing was written to yet.
     unused: Vec<PathBuf>,
     begun: bool,
-    results: Option<(XrfWriter<BufWriter<File>>, Columns)>,
-    requests: Option<RequestWriter<BufWriter<File>>>,
-    graphics: Option<(GraphicsWriter<BufWriter<File>>, Vec<usize>)>,
+    results: Option<(XrfWriter<RunFile>, Columns)>,
+    requests: Option<RequestWriter<RunFile>>,
+    graphics: Option<(GraphicsWriter<RunFile>, Vec<usize>)>,
     tables: Option<Tables>,
     values: Vec<f64>,
     /// Time of the last step written, until something is redefined.
@@ -43,7 +47,7 @@ pub(super) struct Outputs {
 
 /// The tables of `.out`, written request by request, so that their rows have to be kept.
 struct Tables {
-    file: BufWriter<File>,
+    file: RunFile,
     title: String,
     spelling: Tabular,
     /// Each simulation has tables of its own.
@@ -130,7 +134,7 @@ impl Outputs {
     fn create<T>(
         &mut self,
         extension: &str,
-        begin: impl FnOnce(BufWriter<File>) -> io::Result<T>,
+        begin: impl FnOnce(RunFile) -> io::Result<T>,
     ) -> Result<T, Diagnostic> {
         let path = with_extension(&self.prefix, extension);
         self.unused.retain(|unused| *unused != path);
@@ -268,7 +272,7 @@ impl Outputs {
     /// When it cannot be written.
     pub fn write_beside(&self, extension: &str, text: &str) -> Result<(), Diagnostic> {
         let path = self.beside(extension);
-        std::fs::write(&path, text).map_err(|error| cannot_write(&path, &error))
+        write_text(&path, text).map_err(|error| cannot_write(&path, &error))
     }
 
     /// A simulation is over: unless OUTPUT/NOSEPARATOR, the next one begins tables of its own.
@@ -366,22 +370,28 @@ fn tabular(request: &Request, ypr: bool) -> TabularRequest {
     }
 }
 
-/// Opens a file to write it from its beginning; what it held is gone.
+/// Opens a file to write text from its beginning; what it held is gone.
+///
+/// On Windows lines end with CR LF, as in files that ADAMS wrote there (grammar/NOTES.md, "Files of a run on Windows").
 ///
 /// One line end stays until the first write goes over it: some file systems take a file that was cut to nothing for one that is
 /// replaced, write it to the disk as soon as it is closed, and let the next run wait for the disk (ext4, `auto_da_alloc`).
-pub(super) fn emptied(path: &Path) -> io::Result<File> {
-    let mut file = File::options()
-        .write(true)
-        .create(true)
-        .truncate(false)
-        .open(path)?;
+pub(super) fn emptied(path: &Path) -> io::Result<LineEnds<File>> {
+    let mut options = File::options();
+    options.write(true).create(true).truncate(false);
+    let mut file = patiently(|| options.open(path))?;
     if file.metadata()?.len() > 0 {
         file.write_all(b"\n")?;
         file.set_len(1)?;
         file.rewind()?;
     }
-    Ok(file)
+    Ok(LineEnds::of_system(file))
+}
+
+/// Writes a text file of a run.
+pub(super) fn write_text(path: &Path, text: &str) -> io::Result<()> {
+    let file = patiently(|| File::create(path))?;
+    LineEnds::of_system(file).write_all(text.as_bytes())
 }
 
 /// The prefix with a dot and an extension behind it: a prefix may hold dots of its own.

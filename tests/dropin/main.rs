@@ -25,3 +25,5 @@ mod status;
 mod study_solver;
 mod task;
 mod toolkit;
+#[cfg(windows)]
+mod windows;
