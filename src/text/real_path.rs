@@ -12,6 +12,9 @@ pub fn real_path(path: &Path) -> Result<PathBuf> {
             return Err(error);
         }
         let whole = std::path::absolute(path)?;
+        if whole.to_string_lossy().starts_with(r"\\?\") {
+            return Ok(whole);
+        }
         let mut verbatim = std::ffi::OsString::from(r"\\?\");
         verbatim.push(whole);
         Ok(PathBuf::from(verbatim))
