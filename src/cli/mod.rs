@@ -145,6 +145,9 @@ pub fn main() -> ExitCode {
         _ => Verbosity::Usual,
     };
     let mut shell = Shell::new(cli.format, cli.color, verbosity);
+    if let Err(exit) = shell.obey_code_page() {
+        return ExitCode::from(exit as u8);
+    }
     let exit = match cli.command {
         Command::New(arguments) => new::run(&arguments, &mut shell),
         Command::Check(arguments) => check::run(&arguments, &mut shell),

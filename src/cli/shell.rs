@@ -1,13 +1,14 @@
+use std::borrow::Cow;
 use std::cell::RefCell;
 use std::io::{ErrorKind, IsTerminal, Read, Write};
 use std::path::Path;
 
 use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
 use crate::front::replace_file;
-use crate::session::{FilePolicy, Sources, folder_of, read_files};
+use crate::session::{FilePolicy, Sources, check_name, folder_of, read_files};
 use crate::syntax::Dataset;
 use crate::syntax::files::Files;
-use crate::text::{Source, check_size, printable};
+use crate::text::{CodePage, Source, check_size, printable};
 
 use super::render;
 
@@ -81,6 +82,8 @@ pub(super) struct Shell {
     color: ColorChoice,
     verbosity: Verbosity,
     pub(super) sources: Sources,
+    /// How text is printed where there is no terminal.
+    page: CodePage,
     /// Why some of the answer did not reach standard output.
     lost: RefCell<Option<std::io::Error>>,
 }
@@ -92,8 +95,22 @@ impl Shell {
             color,
             verbosity,
             sources: Sources::default(),
+            page: CodePage::Utf8,
             lost: RefCell::default(),
         }
+    }
+
+    /// Prints in the code page that the environment asks for.
+    pub(super) fn obey_code_page(&mut self) -> Result<(), Exit> {
+        let page = CodePage::of_environment();
+        self.page = page.map_err(|why| self.usage(Diagnostic::error(Code::CannotWrite, why)))?;
+        Ok(())
+    }
+
+    /// What is sent to a stream to show a text.
+    fn encoded<'a>(&self, text: &'a str, terminal: bool) -> Cow<'a, [u8]> {
+        let page = if terminal { CodePage::Utf8 } else { self.page };
+        page.encode(text)
     }
 
     fn colours(&self, terminal: bool) -> bool {
@@ -101,7 +118,9 @@ impl Shell {
             ColorChoice::Always => true,
             ColorChoice::Never => false,
             ColorChoice::Auto => {
-                terminal && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+                terminal
+                    && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+                    && takes_colours()
             }
         }
     }
@@ -111,11 +130,12 @@ impl Shell {
         if diagnostics.is_empty() {
             return;
         }
-        let colours = self.colours(std::io::stderr().is_terminal());
+        let terminal = std::io::stderr().is_terminal();
+        let colours = self.colours(terminal);
         let sources = self.with_streamed(diagnostics);
         let text = render::diagnostics(diagnostics, &sources, self.format, colours);
         // Nobody may be listening.
-        let _ = std::io::stderr().write_all(text.as_bytes());
+        let _ = std::io::stderr().write_all(&self.encoded(&text, terminal));
     }
 
     /// The files of complaints, those too that are read step by step and not kept: to show the place in them. Huge ones are not
@@ -142,7 +162,9 @@ impl Shell {
     pub(super) fn say(&self, text: &str) {
         if self.format == Format::Text && self.verbosity != Verbosity::Quiet {
             // Nobody may be listening.
-            let _ = std::io::stderr().write_all(printable(text).as_bytes());
+            let text = printable(text);
+            let terminal = std::io::stderr().is_terminal();
+            let _ = std::io::stderr().write_all(&self.encoded(&text, terminal));
         }
     }
 
@@ -165,15 +187,17 @@ impl Shell {
 
     /// Prints complaints on standard output: where they are what was asked for.
     pub(super) fn findings(&self, diagnostics: &[Diagnostic]) {
-        let colours = self.colours(std::io::stdout().is_terminal());
+        let terminal = std::io::stdout().is_terminal();
+        let colours = self.colours(terminal);
         let sources = self.with_streamed(diagnostics);
         let text = render::diagnostics(diagnostics, &sources, self.format, colours);
-        self.put(text.as_bytes());
+        self.put(&self.encoded(&text, terminal));
     }
 
     /// Prints on standard output. What files brought cannot command the terminal.
     pub(super) fn print(&self, text: &str) {
-        self.put(printable(text).as_bytes());
+        let text = printable(text);
+        self.put(&self.encoded(&text, std::io::stdout().is_terminal()));
     }
 
     /// Bytes on standard output. A closed pipe ends nothing; what a full disk swallowed is remembered for the exit code.
@@ -222,7 +246,9 @@ impl Shell {
                 .and_then(|size| check_size(size as u64, Source::LARGEST))
                 .map(|()| Source::new("-", bytes))
         } else {
-            Source::read(path)
+            check_name(&path.to_string_lossy())
+                .map_err(std::io::Error::other)
+                .and_then(|()| Source::read(path))
         };
         match source {
             Ok(source) => {
@@ -289,6 +315,14 @@ impl Shell {
             ))
         })
     }
+}
+
+/// True if the terminal understands colours: it is no "dumb" one, and no console of Windows that would show their codes as text.
+fn takes_colours() -> bool {
+    if cfg!(windows) {
+        return anstyle_query::windows::enable_ansi_colors() == Some(true);
+    }
+    std::env::var_os("TERM").is_none_or(|kind| kind != "dumb")
 }
 
 /// Findings when any complaint is an error.

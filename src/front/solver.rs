@@ -1,5 +1,6 @@
 //! Who solves a study: the backend `[solver]` asks for, announced before it runs.
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -65,24 +66,6 @@ pub(crate) fn command(
 }
 
 /// Where the system finds a program.
-pub(crate) fn found_on_path(program: &str) -> Option<PathBuf> {
-    let given = Path::new(program);
-    let folders: Vec<PathBuf> = if given.components().count() > 1 {
-        vec![PathBuf::new()]
-    } else {
-        std::env::split_paths(&std::env::var_os("PATH")?).collect()
-    };
-    let endings: &[&str] = if cfg!(windows) {
-        &["", ".exe", ".bat", ".cmd"]
-    } else {
-        &[""]
-    };
-    folders
-        .iter()
-        .flat_map(|folder| {
-            endings
-                .iter()
-                .map(move |ending| folder.join(format!("{program}{ending}")))
-        })
-        .find(|path| path.is_file())
+pub(crate) fn found_on_path(program: impl AsRef<OsStr>) -> Option<PathBuf> {
+    which::which(program).ok()
 }

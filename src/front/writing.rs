@@ -1,11 +1,13 @@
 //! Files that are written whole or not at all.
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
 use crate::diagnostic::{Code, Diagnostic};
+use crate::session::check_name;
+use crate::text::{persist, real_path};
 
 use super::error::{Error, ErrorKind};
 use super::leftover;
@@ -27,8 +29,8 @@ pub(super) fn may_replace(path: &Path, replace: bool) -> Result<(), Error> {
 
 /// Writes a file whole or not at all: through a temporary file beside it that takes its place.
 pub(crate) fn replace_file(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    // A link is followed, so that the file it points to is replaced and not the link.
-    let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+    check_name(&path.to_string_lossy()).map_err(std::io::Error::other)?;
+    let path = whole(path);
     // A device or a pipe is written to. A new file in its place would be its end.
     if std::fs::metadata(&path).is_ok_and(|there| !there.is_file() && !there.is_dir()) {
         let mut device = std::fs::OpenOptions::new().write(true).open(&path)?;
@@ -48,16 +50,28 @@ pub(crate) fn replace_file(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
 
 /// Puts a whole new file in the place of another, with its owner, permissions and further names.
 pub(crate) fn take_place(new: NamedTempFile, path: &Path) -> std::io::Result<()> {
-    // A link is followed, so that the file it points to is replaced and not the link.
-    let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+    let path = whole(path);
     if let Ok(before) = std::fs::metadata(&path) {
         if !can_be_replaced(&before, new.path()) {
             return overwrite(&path, new);
         }
-        std::fs::set_permissions(new.path(), before.permissions())?;
+        if cfg!(unix) {
+            std::fs::set_permissions(new.path(), before.permissions())?;
+        }
     }
-    new.persist(&path).map_err(|failed| failed.error)?;
-    Ok(())
+    persist(new, &path)
+}
+
+/// The whole path of a file that may not exist yet. A link is followed, so that the file it points to is replaced and not the link; on
+/// Windows a path of this form may be longer than 260 characters.
+fn whole(path: &Path) -> PathBuf {
+    let beside = || {
+        let folder = path.parent().filter(|it| !it.as_os_str().is_empty());
+        let folder = real_path(folder.unwrap_or(Path::new("."))).ok()?;
+        Some(folder.join(path.file_name()?))
+    };
+    let real = real_path(path).ok();
+    real.or_else(beside).unwrap_or_else(|| path.to_path_buf())
 }
 
 /// Writes into a file whose place no other can take: it has further names, or an owner that cannot be given. `new` stays if its bytes

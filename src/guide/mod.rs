@@ -39,6 +39,7 @@ macro_rules! pages {
 pages! {
     tutorial
     drop_in
+    windows
     motion
     real_adams
     study

@@ -6,10 +6,10 @@ use crate::syntax::{Address, Argument, Dataset, Statement, Value};
 use crate::system::{Parameters, Slot, State, System};
 use crate::text::Source;
 
+use super::file_policy::FilePolicy;
 use super::files::{folder_of, read_files};
 use super::output_options::not_written;
 use super::outputs::Outputs;
-use super::paths::FilePolicy;
 use super::saved::Saved;
 
 /// A model that was read, and where it stands.

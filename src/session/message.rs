@@ -1,6 +1,5 @@
 use std::fmt::Write as _;
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use crate::diagnostic::{Diagnostic, Severity};
@@ -10,6 +9,7 @@ use crate::text::printable;
 
 use super::located::{Sources, located};
 use super::outputs::emptied;
+use super::record::Sink;
 use super::simulate::Phases;
 use super::transient::{Progress, Row};
 
@@ -19,7 +19,7 @@ use super::transient::{Progress, Row};
 /// scripts look for are those of guide/formats.md 6.5. A message file that cannot be written does not stop a run.
 pub struct Messages<'a> {
     console: Box<dyn Write + 'a>,
-    file: Option<BufWriter<File>>,
+    file: Option<Sink>,
     path: Option<PathBuf>,
     pending: Vec<u8>,
     /// Why the file could not be written to its end.
@@ -65,7 +65,7 @@ impl<'a> Messages<'a> {
         if self.path.as_deref() == Some(path) {
             return Ok(());
         }
-        let mut file = BufWriter::new(emptied(path)?);
+        let mut file = Sink::file(emptied(path)?);
         file.write_all(&self.pending)?;
         self.pending.clear();
         if let Some(mut before) = self.file.replace(file) {

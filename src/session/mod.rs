@@ -4,6 +4,7 @@
 
 mod columns;
 mod ending;
+mod file_policy;
 mod files;
 mod harmless;
 mod launcher;
@@ -27,15 +28,18 @@ mod simulate;
 mod simulation;
 mod transient;
 mod watching;
+mod windows_names;
 
 pub use ending::{Ending, Stop};
+pub use file_policy::FilePolicy;
 pub use files::{folder_of, read_files};
 pub use launcher::{Launch, LaunchInput};
 pub use located::{Sources, located};
 pub use mdi::mdi;
 pub use message::{Messages, exponent};
-pub use paths::{FilePolicy, find_file, native_spelling};
+pub use paths::{find_file, native_spelling};
 pub use progress::Moment;
 pub use record::Record;
 pub use recorded_commands::recorded_commands;
 pub use run::Session;
+pub use windows_names::check_name;

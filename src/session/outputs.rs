@@ -10,10 +10,11 @@ use crate::results::{
     StepKind, Style, Tabular, TabularRequest, Timestamp, XrfWriter, write_tabular,
 };
 use crate::system::State;
+use crate::text::{LineEnds, patiently};
 
 use super::columns::{Columns, usual_names};
+use super::file_policy::FilePolicy;
 use super::measures::Measures;
-use super::paths::FilePolicy;
 use super::record::{Record, Sink};
 
 /// Extensions of the files a run writes beside `.msg`.
@@ -326,7 +327,7 @@ impl Outputs {
             record.add(path, text);
             return Ok(());
         }
-        std::fs::write(path, text).map_err(|error| cannot_write(path, &error))
+        write_text(path, text).map_err(|error| cannot_write(path, &error))
     }
 
     /// True if nothing is written to a disk.
@@ -439,22 +440,28 @@ fn tabular(request: &Request, ypr: bool) -> TabularRequest {
     }
 }
 
-/// Opens a file to write it from its beginning; what it held is gone.
+/// Opens a file to write text from its beginning; what it held is gone.
+///
+/// On Windows lines end with CR LF, as in files that ADAMS wrote there (grammar/NOTES.md, "Files of a run on Windows").
 ///
 /// One line end stays until the first write goes over it: some file systems take a file that was cut to nothing for one that is
 /// replaced, write it to the disk as soon as it is closed, and let the next run wait for the disk (ext4, `auto_da_alloc`).
-pub(super) fn emptied(path: &Path) -> io::Result<File> {
-    let mut file = File::options()
-        .write(true)
-        .create(true)
-        .truncate(false)
-        .open(path)?;
+pub(super) fn emptied(path: &Path) -> io::Result<LineEnds<File>> {
+    let mut options = File::options();
+    options.write(true).create(true).truncate(false);
+    let mut file = patiently(|| options.open(path))?;
     if file.metadata()?.len() > 0 {
         file.write_all(b"\n")?;
         file.set_len(1)?;
         file.rewind()?;
     }
-    Ok(file)
+    Ok(LineEnds::of_system(file))
+}
+
+/// Writes a text file of a run.
+pub(super) fn write_text(path: &Path, text: &str) -> io::Result<()> {
+    let file = patiently(|| File::create(path))?;
+    LineEnds::of_system(file).write_all(text.as_bytes())
 }
 
 /// The prefix with a dot and an extension behind it: a prefix may hold dots of its own.

@@ -8,6 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::diagnostic::Diagnostic;
 use crate::results::ResultsTable;
+use crate::text::LineEnds;
 
 use super::located::Sources;
 
@@ -56,12 +57,12 @@ impl Record {
 /// Where an output file goes: to the disk or into memory.
 #[derive(Debug)]
 pub(super) enum Sink {
-    File(BufWriter<File>),
+    File(BufWriter<LineEnds<File>>),
     Memory(Text),
 }
 
 impl Sink {
-    pub fn file(file: File) -> Self {
+    pub fn file(file: LineEnds<File>) -> Self {
         Self::File(BufWriter::new(file))
     }
 }

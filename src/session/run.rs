@@ -7,12 +7,13 @@ use crate::syntax::{CommandFile, Dataset, Statement};
 use crate::text::{Source, read_at_most};
 
 use super::ending::{Ending, Stop};
+use super::file_policy::FilePolicy;
 use super::harmless::{asks_for_results, is_harmless, is_in, place_in_file};
 use super::loaded::{Loaded, as_error};
 use super::located::Sources;
 use super::message::Messages;
 use super::outputs::Outputs;
-use super::paths::{FilePolicy, find_file, native_spelling};
+use super::paths::{find_file, native_spelling};
 use super::progress::Watcher;
 use super::record::Record;
 use super::saving::Kept;
