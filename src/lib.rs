@@ -48,6 +48,7 @@
 //! | 15 | discrepancy | causes, search, extension, gain |
 //! | 16 | report | HTML and SVG |
 //! | 17 | lsp | the language server |
+//! | 17 | sweep | variants by the thousand: cases, shards, the table of answers |
 //! | 18 | cli | subcommands |
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 
@@ -73,6 +74,7 @@ pub mod results;
 pub mod rig;
 pub mod session;
 pub mod statics;
+pub mod sweep;
 pub mod syntax;
 pub mod system;
 pub mod text;

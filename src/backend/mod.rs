@@ -8,6 +8,7 @@ mod bushing_check;
 mod case_check;
 mod command;
 mod contract;
+mod deck_run;
 mod native;
 mod process;
 mod process_tree;
@@ -21,6 +22,7 @@ pub use command::CommandBackend;
 pub use contract::{
     Backend, BackendError, CaseFailure, CaseOutcome, RunError, Sweep, SweepRequest,
 };
+pub use deck_run::{DeckAnswer, DeckRun, ProgramRun};
 pub use native::{NativeBackend, compile, slot, tight_settings};
 pub use process_tree::end_runs;
 pub use programme::{Load, LoadCase, LoadProgramme};

@@ -76,6 +76,10 @@ impl Session<'_> {
             .iter()
             .map(|part| part.header.name.clone())
             .collect();
+        if let Some(tap) = &mut self.model().outputs.tap {
+            tap.modes = shown(&found).cloned().collect();
+            return Ok(());
+        }
         let text = table(&found, &names, time, !command.has("NOVECTOR"));
         self.messages.say(&text);
         let written = to_json(&found, &names, time);
@@ -180,6 +184,9 @@ impl Session<'_> {
         }
         if !inputs.is_empty() && !outputs.is_empty() {
             files.push(("d", numbers(&found.D)));
+        }
+        if self.memory.is_some() {
+            return Ok(());
         }
         let mut written = Vec::new();
         for (suffix, text) in files {

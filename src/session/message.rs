@@ -24,6 +24,8 @@ pub struct Messages<'a> {
     pending: Vec<u8>,
     /// Why the file could not be written to its end.
     error: Option<String>,
+    /// What was first wrong, of a run that keeps no messages.
+    silent: Option<Option<String>>,
 }
 
 impl<'a> Messages<'a> {
@@ -35,9 +37,27 @@ impl<'a> Messages<'a> {
             path: None,
             pending: Vec::new(),
             error: None,
+            silent: None,
         };
         messages.banner(directory);
         messages
+    }
+
+    /// Messages that nobody reads: only the first error is kept.
+    pub(super) fn silent() -> Self {
+        Self {
+            console: Box::new(io::sink()),
+            file: None,
+            path: None,
+            pending: Vec::new(),
+            error: None,
+            silent: Some(None),
+        }
+    }
+
+    /// The first error of a silent run.
+    pub(super) fn first_error(&mut self) -> Option<String> {
+        self.silent.as_mut().and_then(Option::take)
     }
 
     /// Truncates `path` and writes what was said so far and what comes to it. The same path again goes on with the file.
@@ -65,6 +85,9 @@ impl<'a> Messages<'a> {
 
     /// Says text as it is.
     pub fn say(&mut self, text: &str) {
+        if self.silent.is_some() {
+            return;
+        }
         // Nobody may be listening: a closed pipe is not a failure of the run.
         let _ = self.console.write_all(printable(text).as_bytes());
         match &mut self.file {
@@ -152,6 +175,12 @@ impl<'a> Messages<'a> {
 
     /// A diagnostic in its frame; a note without one.
     pub fn diagnostic(&mut self, diagnostic: &Diagnostic, sources: &Sources) {
+        if let Some(first) = &mut self.silent {
+            if diagnostic.severity == Severity::Error {
+                first.get_or_insert_with(|| diagnostic.message.clone());
+            }
+            return;
+        }
         let text = located(diagnostic, sources);
         match diagnostic.severity {
             Severity::Note => self.say(&text),

@@ -14,6 +14,7 @@ use crate::system::State;
 use super::columns::{Columns, usual_names};
 use super::measures::Measures;
 use super::paths::FilePolicy;
+use super::trial::Tap;
 
 /// Extensions of the files a run writes beside `.msg`.
 const EXTENSIONS: [&str; 4] = ["res", "req", "gra", "out"];
@@ -35,6 +36,8 @@ pub(super) struct Outputs {
     graphics: Option<(GraphicsWriter<BufWriter<File>>, Vec<usize>)>,
     tables: Option<Tables>,
     values: Vec<f64>,
+    /// Takes the place of all files in a run that writes none.
+    pub tap: Option<Tap>,
     /// Time of the last step written, until something is redefined.
     pub last: Option<f64>,
     /// A simulation had no answer: the results are not called successful.
@@ -77,9 +80,27 @@ impl Outputs {
             graphics: None,
             tables: None,
             values: Vec::new(),
+            tap: None,
             last: None,
             failed: false,
         })
+    }
+
+    /// Outputs that write no files: what a tap takes is kept.
+    pub fn in_memory(tap: Tap) -> Self {
+        Self {
+            prefix: PathBuf::new(),
+            unused: Vec::new(),
+            begun: false,
+            results: None,
+            requests: None,
+            graphics: None,
+            tables: None,
+            values: Vec::new(),
+            tap: Some(tap),
+            last: None,
+            failed: false,
+        }
     }
 
     /// The path of the message file.
@@ -96,6 +117,10 @@ impl Outputs {
             return Ok(());
         }
         self.begun = true;
+        if let Some(tap) = &mut self.tap {
+            tap.begin(model);
+            return Ok(());
+        }
         let when = Timestamp::now();
         if model.results.present {
             self.begin_results(model, initial, when)?;
@@ -207,6 +232,10 @@ impl Outputs {
     ) -> Result<(), Diagnostic> {
         let state = measures.state;
         self.last = Some(state.time);
+        if let Some(tap) = &mut self.tap {
+            tap.step(model, measures);
+            return Ok(());
+        }
         let prefix = &self.prefix;
         let failed =
             |extension, error: io::Error| cannot_write(&with_extension(prefix, extension), &error);
@@ -267,6 +296,9 @@ impl Outputs {
     /// # Errors
     /// When it cannot be written.
     pub fn write_beside(&self, extension: &str, text: &str) -> Result<(), Diagnostic> {
+        if self.tap.is_some() {
+            return Ok(());
+        }
         let path = self.beside(extension);
         std::fs::write(&path, text).map_err(|error| cannot_write(&path, &error))
     }

@@ -14,6 +14,7 @@ use super::outputs::Outputs;
 use super::paths::{FilePolicy, find_file, native_spelling};
 use super::progress::Watcher;
 use super::saving::Kept;
+use super::trial::Memory;
 
 /// Command files that read command files, one inside of the other.
 const DEEPEST: usize = 16;
@@ -85,7 +86,7 @@ impl Ending {
 /// Executes commands against a model and writes what ADAMS would write.
 pub struct Session<'a> {
     pub(super) messages: Messages<'a>,
-    sources: Sources,
+    pub(super) sources: Sources,
     pub(super) directory: PathBuf,
     /// Folders to look files up in: the working directory, then those of the command files.
     folders: Vec<PathBuf>,
@@ -101,6 +102,8 @@ pub struct Session<'a> {
     /// The stem of the message file of a run that reads no model.
     stem: Option<String>,
     pub(super) watcher: Option<Watcher<'a>>,
+    /// The dataset and the columns of a run that writes no files.
+    pub(super) memory: Option<Memory>,
 }
 
 /// What executing a command leads to; `Err` ends the run.
@@ -129,6 +132,7 @@ impl<'a> Session<'a> {
             },
             stem: None,
             watcher: None,
+            memory: None,
         }
     }
 
@@ -194,7 +198,7 @@ impl<'a> Session<'a> {
         self.finish(flow, start)
     }
 
-    fn finish(mut self, flow: Flow, start: std::time::Instant) -> Ending {
+    pub(super) fn finish(&mut self, flow: Flow, start: std::time::Instant) -> Ending {
         if let Err(stop) = flow {
             self.ending.stop = stop;
         }
@@ -212,12 +216,16 @@ impl<'a> Session<'a> {
             self.messages
                 .last(&format!("The run is not complete: {why}"));
         }
-        self.ending
+        self.ending.clone()
     }
 
     fn close_model(&mut self) -> Flow {
         if let Some(mut loaded) = self.loaded.take() {
             let results = loaded.outputs.beside("res");
+            if let Some(memory) = &mut self.memory {
+                memory.tap = loaded.outputs.tap.take().unwrap_or_default();
+                return Ok(());
+            }
             if let Err(diagnostic) = loaded.outputs.finish() {
                 return self.unwritable(&diagnostic);
             }
@@ -309,7 +317,7 @@ impl<'a> Session<'a> {
     }
 
     /// Executes commands line by line, each echoed before what it does.
-    fn execute(&mut self, source: &Source, depth: usize) -> Flow {
+    pub(super) fn execute(&mut self, source: &Source, depth: usize) -> Flow {
         self.sources.add(source.clone());
         let parsed = CommandFile::parse(source.clone());
         let file = parsed.value;
@@ -443,6 +451,10 @@ impl<'a> Session<'a> {
         place: Option<Place<'_>>,
     ) -> Flow {
         self.close_model()?;
+        if let Some(memory) = &mut self.memory {
+            let (source, tap) = (memory.deck.clone(), std::mem::take(&mut memory.tap));
+            return self.load(source, Outputs::in_memory(tap));
+        }
         let found = find_file(written, "adm", &self.folders).value;
         if let Some(model) = &found {
             self.policy.allow_beside(model);
@@ -464,6 +476,11 @@ impl<'a> Session<'a> {
             self.complain(&unwritable);
         }
         let (source, _) = self.read(written, "adm", place)?;
+        self.load(source, outputs)
+    }
+
+    /// Takes a dataset as the model of the run.
+    fn load(&mut self, source: Source, outputs: Outputs) -> Flow {
         let loaded = Loaded::read(source, outputs, &self.policy, &self.ignored);
         let mut errors = 0;
         for diagnostic in &loaded.diagnostics {
