@@ -96,14 +96,23 @@ fn results_in(folder: &Path) -> Result<PathBuf, RunError> {
         return Ok(usual);
     }
     let all = std::fs::read_dir(folder).map_err(|error| RunError::Files(error.to_string()))?;
-    let is_one = |path: &PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("res"));
-    let mut found: Vec<PathBuf> = all.flatten().map(|entry| entry.path()).filter(is_one).collect();
+    let is_one = |path: &PathBuf| {
+        path.extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("res"))
+    };
+    let mut found: Vec<PathBuf> = all
+        .flatten()
+        .map(|entry| entry.path())
+        .filter(is_one)
+        .collect();
     match (found.pop(), found.is_empty()) {
         (Some(path), true) => Ok(path),
         (first, _) => Err(RunError::Results {
             reason: match first {
                 None => "the run wrote no results".to_string(),
-                Some(_) => "the run wrote several results files: which one counts is not known".to_string(),
+                Some(_) => {
+                    "the run wrote several results files: which one counts is not known".to_string()
+                }
             },
             tail: tail(folder),
         }),
@@ -124,11 +133,16 @@ fn read(path: &Path, columns: &[usize], folder: &Path) -> Result<DeckAnswer, Run
         .columns()
         .find(|column| column.component.name.eq_ignore_ascii_case("TIME"))
         .map_or(1, |column| column.component.id);
-    let mut ids = vec![time];
-    ids.extend(columns);
+    // A step is read from its beginning to its end.
+    let mut ids: Vec<usize> = columns.iter().copied().chain([time]).collect();
+    ids.sort_unstable();
+    ids.dedup();
+    let place = |id: &usize| ids.binary_search(id).unwrap_or_default();
     let mut steps = Vec::new();
     loop {
-        let step = reader.next_step().map_err(|error| wrong(error.to_string()))?;
+        let step = reader
+            .next_step()
+            .map_err(|error| wrong(error.to_string()))?;
         let Some(step) = step else { break };
         if step.kind == StepKind::Input {
             continue;
@@ -136,14 +150,18 @@ fn read(path: &Path, columns: &[usize], folder: &Path) -> Result<DeckAnswer, Run
         let mut values = Vec::with_capacity(ids.len());
         step.pick(&ids, &mut values)
             .map_err(|error| wrong(error.to_string()))?;
-        let time = values.remove(0);
-        steps.push((time, values));
+        let row = columns.iter().map(|id| values[place(id)]).collect();
+        steps.push((values[place(&time)], row));
     }
     let successful = reader.run_status() == Some("Successful") && !steps.is_empty();
     Ok(DeckAnswer {
         catalogue,
         steps,
         successful,
-        complaint: if successful { String::new() } else { tail(folder) },
+        complaint: if successful {
+            String::new()
+        } else {
+            tail(folder)
+        },
     })
 }

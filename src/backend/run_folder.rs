@@ -47,7 +47,9 @@ impl RunFiles {
     /// The files of a deck with a command file of its own. Files the deck names stand beside `original`.
     pub fn of_deck(deck: &Source, commands: &Source, original: &Dataset) -> Self {
         Self {
-            deck: with_xrf(Dataset::parse(deck.clone()).value).bytes().to_vec(),
+            deck: with_xrf(Dataset::parse(deck.clone()).value)
+                .bytes()
+                .to_vec(),
             commands: on_deck(STEM, commands).bytes().to_vec(),
             beside: beside(original),
         }

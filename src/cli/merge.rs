@@ -53,13 +53,28 @@ pub(super) fn whole(folder: &SweepFolder, shell: &Shell) -> Outcome {
             report.display()
         ));
     }
-    Ok(Exit::Fine)
+    let answered = summary.statuses.get("ok").copied().unwrap_or_default();
+    Ok(if answered > 0 {
+        Exit::Fine
+    } else {
+        Exit::NoAnswer
+    })
 }
 
 fn text(summary: &Summary) -> String {
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
-    table.set_header(["", "unit", "deck as it is", "mean", "sd", "5 %", "median", "95 %", "most by"]);
+    table.set_header([
+        "",
+        "unit",
+        "deck as it is",
+        "mean",
+        "sd",
+        "5 %",
+        "median",
+        "95 %",
+        "most by",
+    ]);
     for output in &summary.outputs {
         let spread = &output.spread;
         let values = [
@@ -85,22 +100,35 @@ fn text(summary: &Summary) -> String {
     let ok = summary.statuses.get("ok").copied().unwrap_or_default();
     out += &format!("{ok} of {} cases have an answer\n", summary.cases);
     for (reason, count) in summary.reasons.iter().take(5) {
-        out += &format!("  {count} without: {}\n", reason.lines().next().unwrap_or_default());
+        out += &format!(
+            "  {count} without: {}\n",
+            reason.lines().next().unwrap_or_default()
+        );
     }
     out
 }
 
 /// The number that matters most, and how much.
 fn most(output: &crate::sweep::OutputSummary) -> String {
-    let by_total = output.indices.iter().max_by(|a, b| a.total[0].total_cmp(&b.total[0]));
+    let by_total = output
+        .indices
+        .iter()
+        .max_by(|a, b| a.total[0].total_cmp(&b.total[0]));
     if let Some(index) = by_total {
         return format!("{} (total index {:.2})", index.name, index.total[0]);
     }
-    let by_size = output.effects.iter().max_by(|a, b| a.size[0].total_cmp(&b.size[0]));
+    let by_size = output
+        .effects
+        .iter()
+        .max_by(|a, b| a.size[0].total_cmp(&b.size[0]));
     if let Some(effect) = by_size {
         return format!("{} (effect {})", effect.name, six_digits(effect.size[0]));
     }
     output.swings.first().map_or_else(String::new, |swing| {
-        format!("{} ({})", swing.name, six_digits((swing.high - swing.low).abs()))
+        format!(
+            "{} ({})",
+            swing.name,
+            six_digits((swing.high - swing.low).abs())
+        )
     })
 }

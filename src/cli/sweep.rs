@@ -5,7 +5,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::report::VERSION;
 use crate::sweep::{
-    MOST_SHARDS, Manifest, Progress as Done, Runner, Shard, ShardError, SweepFolder, SweepPlan, run_shard,
+    MOST_SHARDS, Manifest, Progress as Done, Runner, Shard, ShardError, SweepFolder, SweepPlan,
+    run_shard,
 };
 
 use super::Outcome;
@@ -39,7 +40,12 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "N", requires = "slurm", value_parser = clap::value_parser!(u64).range(1..=MOST_SHARDS))]
     shards: Option<u64>,
     /// Of --slurm: an option for every `sbatch`, such as --sbatch=--partition=short; may be given again.
-    #[arg(long, value_name = "OPTION", requires = "slurm", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "OPTION",
+        requires = "slurm",
+        allow_hyphen_values = true
+    )]
     sbatch: Vec<String>,
     /// So many cases at a time; as many as there are cores if absent.
     #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -63,14 +69,24 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let Some(plan) = read.value else {
         return Err(Exit::Findings);
     };
+    if let Some(program) = &plan.program {
+        shell.complain(&[Diagnostic::note(
+            Code::RunsProgram,
+            format!(
+                "every case is solved by a program that {} names: {}",
+                arguments.plan.display(),
+                program.command.join(" ")
+            ),
+        )]);
+    }
     let shard = arguments.shard.unwrap_or(Shard::WHOLE);
     let manifest = Manifest::of(&plan, arguments.shards.unwrap_or(shard.of), VERSION);
+    SweepFolder::look(&arguments.out, manifest.clone()).map_err(|wrong| shell.fail(wrong))?;
     let runner = Runner::prepare(&plan).map_err(|found| {
         shell.complain(&found);
         Exit::Findings
     })?;
-    let folder =
-        SweepFolder::begin(&arguments.out, manifest).map_err(|wrong| shell.fail(wrong))?;
+    let folder = SweepFolder::begin(&arguments.out, manifest).map_err(|wrong| shell.fail(wrong))?;
     if arguments.slurm {
         return sweep_slurm::submit(&arguments.plan, &folder, &arguments.sbatch, shell);
     }
@@ -123,9 +139,8 @@ fn cases(
         !interrupt::asked()
     });
     drop(bar);
-    let ran = ran.map_err(|error| {
-        shell.fail(Diagnostic::error(Code::CannotWrite, error.to_string()))
-    })?;
+    let ran =
+        ran.map_err(|error| shell.fail(Diagnostic::error(Code::CannotWrite, error.to_string())))?;
     if ran.before > 0 {
         shell.say(&format!(
             "{} of {} cases were finished by an earlier run\n",

@@ -51,7 +51,10 @@ pub(super) fn submit(
         quoted(&own),
         quoted(&out)
     );
-    let scripts = [(place.join("array.sh"), array), (place.join("merge.sh"), merge)];
+    let scripts = [
+        (place.join("array.sh"), array),
+        (place.join("merge.sh"), merge),
+    ];
     for (path, text) in &scripts {
         shell.write(path, text.as_bytes())?;
     }
@@ -78,7 +81,12 @@ pub(super) fn submit(
 }
 
 /// Submits a script; gives the number of the job.
-fn sbatch(own: &[String], options: &[String], script: &Path, shell: &Shell) -> Result<String, Exit> {
+fn sbatch(
+    own: &[String],
+    options: &[String],
+    script: &Path,
+    shell: &Shell,
+) -> Result<String, Exit> {
     let ran = Command::new("sbatch")
         .arg("--parsable")
         .args(own)
@@ -94,14 +102,25 @@ fn sbatch(own: &[String], options: &[String], script: &Path, shell: &Shell) -> R
         script.display()
     );
     let output = ran.map_err(|error| {
-        refuse(format!("`sbatch` cannot be started: {error}"), by_hand.clone())
+        refuse(
+            format!("`sbatch` cannot be started: {error}"),
+            by_hand.clone(),
+        )
     })?;
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     // With several clusters their name stands behind a semicolon.
-    let job = text.trim().split(';').next().unwrap_or_default().to_string();
+    let job = text
+        .trim()
+        .split(';')
+        .next()
+        .unwrap_or_default()
+        .to_string();
     if !output.status.success() || job.is_empty() {
         let said = String::from_utf8_lossy(&output.stderr).trim().to_string();
-        return Err(refuse(format!("`sbatch` submitted nothing: {said}"), by_hand));
+        return Err(refuse(
+            format!("`sbatch` submitted nothing: {said}"),
+            by_hand,
+        ));
     }
     Ok(job)
 }

@@ -47,6 +47,7 @@ pages! {
     editors
     conventions
     kc
+    sweep
     mathematics
     formats
     paper

@@ -24,8 +24,10 @@ pub struct Messages<'a> {
     pending: Vec<u8>,
     /// Why the file could not be written to its end.
     error: Option<String>,
-    /// What was first wrong, of a run that keeps no messages.
-    silent: Option<Option<String>>,
+    /// Nothing is said or written.
+    silent: bool,
+    /// What was first wrong, of a silent run.
+    first_error: Option<String>,
 }
 
 impl<'a> Messages<'a> {
@@ -37,7 +39,8 @@ impl<'a> Messages<'a> {
             path: None,
             pending: Vec::new(),
             error: None,
-            silent: None,
+            silent: false,
+            first_error: None,
         };
         messages.banner(directory);
         messages
@@ -51,13 +54,14 @@ impl<'a> Messages<'a> {
             path: None,
             pending: Vec::new(),
             error: None,
-            silent: Some(None),
+            silent: true,
+            first_error: None,
         }
     }
 
     /// The first error of a silent run.
     pub(super) fn first_error(&mut self) -> Option<String> {
-        self.silent.as_mut().and_then(Option::take)
+        self.first_error.take()
     }
 
     /// Truncates `path` and writes what was said so far and what comes to it. The same path again goes on with the file.
@@ -85,7 +89,7 @@ impl<'a> Messages<'a> {
 
     /// Says text as it is.
     pub fn say(&mut self, text: &str) {
-        if self.silent.is_some() {
+        if self.silent {
             return;
         }
         // Nobody may be listening: a closed pipe is not a failure of the run.
@@ -175,9 +179,10 @@ impl<'a> Messages<'a> {
 
     /// A diagnostic in its frame; a note without one.
     pub fn diagnostic(&mut self, diagnostic: &Diagnostic, sources: &Sources) {
-        if let Some(first) = &mut self.silent {
+        if self.silent {
             if diagnostic.severity == Severity::Error {
-                first.get_or_insert_with(|| diagnostic.message.clone());
+                self.first_error
+                    .get_or_insert_with(|| diagnostic.message.clone());
             }
             return;
         }

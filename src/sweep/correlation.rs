@@ -28,7 +28,8 @@ impl Correlation {
         // The first keeps its number to the last bit.
         for (row, &at) in self.members.iter().enumerate().skip(1) {
             let score: f64 = (0..=row).map(|k| self.lower[(row, k)] * scores[k]).sum();
-            unit[at] = normal::probability(score).clamp(f64::MIN_POSITIVE, 1.0 - f64::EPSILON / 2.0);
+            unit[at] =
+                normal::probability(score).clamp(f64::MIN_POSITIVE, 1.0 - f64::EPSILON / 2.0);
         }
     }
 }
@@ -42,7 +43,11 @@ mod tests {
     fn normal_scores_have_the_correlation_asked_for() {
         let matrix = DMatrix::from_row_slice(2, 2, &[1.0, -0.6, -0.6, 1.0]);
         let group = Correlation::new(vec![2, 0], &matrix).unwrap();
-        let streams = [Stream::named(1, "a"), Stream::named(1, "b"), Stream::named(1, "c")];
+        let streams = [
+            Stream::named(1, "a"),
+            Stream::named(1, "b"),
+            Stream::named(1, "c"),
+        ];
         let count = 20_000;
         let mut sums = [0.0; 5];
         for case in 0..count {

@@ -1,7 +1,7 @@
 //! Which cases a sweep has: a point of the unit cube for every case.
 
-use sobol::params::JoeKuoD6;
 use sobol::Sobol;
+use sobol::params::JoeKuoD6;
 
 use super::random::{Stream, to_unit};
 
@@ -77,10 +77,7 @@ impl Design {
     /// A plan of `size` for numbers of these names.
     pub fn new(plan: Plan, size: u64, seed: u64, names: &[&str]) -> Self {
         let dimensions = names.len();
-        let streams: Vec<Stream> = names
-            .iter()
-            .map(|name| Stream::named(seed, name))
-            .collect();
+        let streams: Vec<Stream> = names.iter().map(|name| Stream::named(seed, name)).collect();
         let needed = match plan {
             Plan::Sobol => dimensions,
             Plan::SobolIndices => 2 * dimensions,
@@ -251,10 +248,18 @@ mod tests {
         // Unshifted, points 1 to 4 of `new-joe-kuo-6.21201` in three numbers.
         let mut design = Design::new(Plan::Sobol, 8, 0, &["a", "b", "c"]);
         design.shifts.fill(0);
-        let expected = [[0.5, 0.5, 0.5], [0.75, 0.25, 0.25], [0.25, 0.75, 0.75], [0.375, 0.375, 0.625]];
+        let expected = [
+            [0.5, 0.5, 0.5],
+            [0.75, 0.25, 0.25],
+            [0.25, 0.75, 0.75],
+            [0.375, 0.375, 0.625],
+        ];
         for (case, point) in expected.iter().enumerate() {
             for (found, expected) in unit(&design, case as u64 + 1).iter().zip(point) {
-                assert!((found - expected).abs() < 1e-15, "{case}: {found} {expected}");
+                assert!(
+                    (found - expected).abs() < 1e-15,
+                    "{case}: {found} {expected}"
+                );
             }
         }
     }
@@ -281,7 +286,10 @@ mod tests {
         for trajectory in 0..9 {
             let mut changed = Vec::new();
             for step in 0..3 {
-                let (p, q) = (unit(&design, trajectory * 4 + step), unit(&design, trajectory * 4 + step + 1));
+                let (p, q) = (
+                    unit(&design, trajectory * 4 + step),
+                    unit(&design, trajectory * 4 + step + 1),
+                );
                 let moved: Vec<usize> = (0..3).filter(|&n| p[n] != q[n]).collect();
                 assert_eq!(moved.len(), 1);
                 assert_eq!((p[moved[0]] - q[moved[0]]).abs(), 0.5);

@@ -76,13 +76,18 @@ mod tests {
             values: vec![3.0, 5.0, 9.0],
             cumulative: vec![0.25, 0.5, 1.0],
         };
-        let all: Vec<f64> = (0..8).map(|k| d.quantile((f64::from(k) + 0.5) / 8.0)).collect();
+        let all: Vec<f64> = (0..8)
+            .map(|k| d.quantile((f64::from(k) + 0.5) / 8.0))
+            .collect();
         assert_eq!(all, [3.0, 3.0, 5.0, 5.0, 9.0, 9.0, 9.0, 9.0]);
     }
 
     #[test]
     fn quantiles_of_the_log_normal_are_those_of_the_normal() {
-        let d = Distribution::LogNormal { median: 100.0, sigma: 0.2 };
+        let d = Distribution::LogNormal {
+            median: 100.0,
+            sigma: 0.2,
+        };
         assert!((d.quantile(0.5) - 100.0).abs() < 1e-12);
         let upper = d.quantile(0.841_344_746_068_542_9);
         assert!((upper / (100.0 * 0.2_f64.exp()) - 1.0).abs() < 1e-13);

@@ -68,7 +68,8 @@ pub fn run_shard(
     }
     let mut journal = Journal::open(&folder.journal(shard), &folder.manifest.key(shard))?;
     if folder.part(shard).is_file() {
-        // Another process ended it while this one waited.
+        // Another process ended it just now.
+        let _ = std::fs::remove_file(folder.journal(shard));
         progress.before = progress.all;
         return Ok(progress);
     }
@@ -149,7 +150,10 @@ pub fn layout(runner: &Runner<'_>, plan: &SweepPlan, folder: &SweepFolder, shard
         version: folder.manifest.version.clone(),
         hash: folder.manifest.inputs_sha256.clone(),
         facts: vec![
-            ("admire.version".to_string(), folder.manifest.version.clone()),
+            (
+                "admire.version".to_string(),
+                folder.manifest.version.clone(),
+            ),
             (
                 "admire.inputs_sha256".to_string(),
                 folder.manifest.inputs_sha256.clone(),

@@ -46,8 +46,10 @@ impl Manifest {
     pub fn of(plan: &SweepPlan, shards: u64, version: &str) -> Self {
         let name = |source: &Source| {
             let path = Path::new(source.name());
-            path.file_name()
-                .map_or_else(|| source.name().to_string(), |n| n.to_string_lossy().into_owned())
+            path.file_name().map_or_else(
+                || source.name().to_string(),
+                |n| n.to_string_lossy().into_owned(),
+            )
         };
         let mut all = Sha256::new();
         let mut inputs = BTreeMap::new();
@@ -75,7 +77,11 @@ impl Manifest {
 
     /// What marks the journals of a shard.
     pub fn key(&self, shard: Shard) -> Vec<u8> {
-        format!("{}\n{}\n{}\n{shard}", self.version, self.inputs_sha256, self.cases).into_bytes()
+        format!(
+            "{}\n{}\n{}\n{shard}",
+            self.version, self.inputs_sha256, self.cases
+        )
+        .into_bytes()
     }
 }
 
@@ -97,6 +103,22 @@ pub struct SweepFolder {
 }
 
 impl SweepFolder {
+    /// What a folder would be for a sweep; nothing is written yet.
+    ///
+    /// # Errors
+    /// A folder that is about something else or holds files of somebody else.
+    pub fn look(path: &Path, manifest: Manifest) -> Result<Self, Diagnostic> {
+        let folder = Self {
+            path: path.to_path_buf(),
+            manifest,
+        };
+        folder.refuse_strangers()?;
+        if let Some(there) = read_manifest(path)? {
+            folder.refuse_other(&there)?;
+        }
+        Ok(folder)
+    }
+
     /// Makes a folder for a sweep, or goes on with one that is about the same.
     ///
     /// # Errors
@@ -105,32 +127,27 @@ impl SweepFolder {
         let io = |error: std::io::Error| {
             Diagnostic::error(Code::CannotWrite, format!("`{}`: {error}", path.display()))
         };
+        let folder = Self::look(path, manifest)?;
         std::fs::create_dir_all(path.join(SHARDS)).map_err(io)?;
-        let folder = Self {
-            path: path.to_path_buf(),
-            manifest,
-        };
-        folder.refuse_strangers()?;
-        match read_manifest(path)? {
-            Some(there) => folder.refuse_other(&there)?,
-            None => {
-                let text = serde_json::to_string_pretty(&folder.manifest)
-                    .expect("names and digits print");
-                // Shards that begin at the same time write the same.
-                let new = tempfile::Builder::new()
-                    .prefix(".sweep-")
-                    .tempfile_in(path)
-                    .map_err(io)?;
-                std::fs::write(new.path(), text + "\n").map_err(io)?;
-                #[cfg(unix)]
-                {
-                    use std::os::unix::fs::PermissionsExt;
-                    let all = std::fs::Permissions::from_mode(0o644);
-                    std::fs::set_permissions(new.path(), all).map_err(io)?;
-                }
-                new.persist(path.join(MANIFEST))
-                    .map_err(|failed| io(failed.error))?;
+        if let Some(there) = read_manifest(path)? {
+            folder.refuse_other(&there)?;
+        } else {
+            let text =
+                serde_json::to_string_pretty(&folder.manifest).expect("names and digits print");
+            // Shards that begin at the same time write the same.
+            let new = tempfile::Builder::new()
+                .prefix(".sweep-")
+                .tempfile_in(path)
+                .map_err(io)?;
+            std::fs::write(new.path(), text + "\n").map_err(io)?;
+            #[cfg(unix)]
+            {
+                use std::os::unix::fs::PermissionsExt;
+                let all = std::fs::Permissions::from_mode(0o644);
+                std::fs::set_permissions(new.path(), all).map_err(io)?;
             }
+            new.persist(path.join(MANIFEST))
+                .map_err(|failed| io(failed.error))?;
         }
         Ok(folder)
     }
@@ -141,7 +158,10 @@ impl SweepFolder {
     /// A folder that is not one, or that holds files of somebody else.
     pub fn open(path: &Path) -> Result<Self, Diagnostic> {
         let Some(manifest) = read_manifest(path)? else {
-            let message = format!("`{}` is no folder of a sweep: it has no {MANIFEST}", path.display());
+            let message = format!(
+                "`{}` is no folder of a sweep: it has no {MANIFEST}",
+                path.display()
+            );
             return Err(Diagnostic::error(Code::CannotRead, message)
                 .help("`admire sweep SWEEP.toml --out DIR` makes one"));
         };
@@ -181,11 +201,20 @@ impl SweepFolder {
                 "holds cases of admire {}, this is {}",
                 there.version, own.version
             );
-            return refuse(what, "cases of two versions are not mixed: name another folder, or go on with the other version");
+            return refuse(
+                what,
+                "cases of two versions are not mixed: name another folder, or go on with the other version",
+            );
         }
         if there.shards != own.shards {
-            let what = format!("is divided into {} shards, not {}", there.shards, own.shards);
-            let help = format!("go on with --shard I/{}, or name another folder", there.shards);
+            let what = format!(
+                "is divided into {} shards, not {}",
+                there.shards, own.shards
+            );
+            let help = format!(
+                "go on with --shard I/{}, or name another folder",
+                there.shards
+            );
             return refuse(what, &help);
         }
         Ok(())
@@ -234,12 +263,16 @@ impl SweepFolder {
 
     /// The journal of a shard.
     pub fn journal(&self, shard: Shard) -> PathBuf {
-        self.path.join(SHARDS).join(format!("{}.journal", shard.stem()))
+        self.path
+            .join(SHARDS)
+            .join(format!("{}.journal", shard.stem()))
     }
 
     /// The finished part of a shard.
     pub fn part(&self, shard: Shard) -> PathBuf {
-        self.path.join(SHARDS).join(format!("{}.parquet", shard.stem()))
+        self.path
+            .join(SHARDS)
+            .join(format!("{}.parquet", shard.stem()))
     }
 
     /// The whole answer.
@@ -265,12 +298,9 @@ fn read_manifest(path: &Path) -> Result<Option<Manifest>, Diagnostic> {
         }
     };
     let manifest = serde_json::from_slice::<Manifest>(&bytes).ok();
-    match manifest.filter(|manifest| manifest.written_by == WRITER) {
-        Some(manifest) => Ok(Some(manifest)),
-        None => {
-            let message = format!("no sweep wrote `{}`", file.display());
-            Err(Diagnostic::error(Code::CannotRead, message)
-                .help("name a folder of its own for the sweep"))
-        }
+    if let Some(manifest) = manifest.filter(|manifest| manifest.written_by == WRITER) {
+        return Ok(Some(manifest));
     }
+    let message = format!("no sweep wrote `{}`", file.display());
+    Err(Diagnostic::error(Code::CannotRead, message).help("name a folder of its own for the sweep"))
 }

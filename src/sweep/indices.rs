@@ -51,7 +51,9 @@ pub fn indices(answers: &[f64], numbers: usize) -> Option<(Vec<Index>, usize)> {
     }
     let error = |k: usize| {
         let (sum, squares) = sums[k];
-        ((squares - sum * sum / drawn) / (drawn - 1.0)).max(0.0).sqrt()
+        ((squares - sum * sum / drawn) / (drawn - 1.0))
+            .max(0.0)
+            .sqrt()
     };
     let found = (0..numbers).map(|k| Index {
         first: all[k],
@@ -103,9 +105,7 @@ mod tests {
     fn indices_of_the_ishigami_function_are_those_of_its_closed_form() {
         // Ishigami and Homma 1990: sin x1 + a sin^2 x2 + b x3^4 sin x1 on (-pi, pi), a = 7, b = 0.1.
         let (a, b): (f64, f64) = (7.0, 0.1);
-        let f = |x: &[f64]| {
-            x[0].sin() + a * x[1].sin().powi(2) + b * x[2].powi(4) * x[0].sin()
-        };
+        let f = |x: &[f64]| x[0].sin() + a * x[1].sin().powi(2) + b * x[2].powi(4) * x[0].sin();
         let v1 = 0.5 * (1.0 + b * PI.powi(4) / 5.0).powi(2);
         let v2 = a * a / 8.0;
         let v13 = b * b * PI.powi(8) * (1.0 / 18.0 - 1.0 / 50.0);
@@ -131,9 +131,18 @@ mod tests {
             let (found, blocks) = indices(&answers, 4).unwrap();
             assert_eq!(blocks, 4096);
             for (index, (first, total)) in found.iter().zip(expected) {
-                assert!((index.first - first).abs() < 4.0 * index.first_error + 1e-6, "{index:?} {first}");
-                assert!((index.total - total).abs() < 4.0 * index.total_error + 1e-6, "{index:?} {total}");
-                assert!(index.first_error < 0.03 && index.total_error < 0.03, "{index:?}");
+                assert!(
+                    (index.first - first).abs() < 4.0 * index.first_error + 1e-6,
+                    "{index:?} {first}"
+                );
+                assert!(
+                    (index.total - total).abs() < 4.0 * index.total_error + 1e-6,
+                    "{index:?} {total}"
+                );
+                assert!(
+                    index.first_error < 0.03 && index.total_error < 0.03,
+                    "{index:?}"
+                );
             }
         }
     }

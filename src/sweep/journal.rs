@@ -221,12 +221,18 @@ fn next(reader: &mut impl Read) -> Option<(Row, u64)> {
     if checksum(&payload) != sum {
         return None;
     }
-    let number = |at: usize| Some(f64::from_le_bytes(payload.get(at..at + 8)?.try_into().ok()?));
+    let number = |at: usize| {
+        Some(f64::from_le_bytes(
+            payload.get(at..at + 8)?.try_into().ok()?,
+        ))
+    };
     let case = u64::from_le_bytes(payload.get(..8)?.try_into().ok()?);
     let status = *Status::ALL.get(usize::from(*payload.get(8)?))?;
     let seconds = number(9)?;
     let count = u32::from_le_bytes(payload.get(17..21)?.try_into().ok()?) as usize;
-    let outputs = (0..count).map(|k| number(21 + 8 * k)).collect::<Option<_>>()?;
+    let outputs = (0..count)
+        .map(|k| number(21 + 8 * k))
+        .collect::<Option<_>>()?;
     let reason = String::from_utf8(payload.get(21 + 8 * count..)?.to_vec()).ok()?;
     let row = Row {
         case,
@@ -252,8 +258,16 @@ mod tests {
     fn row(case: u64) -> Row {
         Row {
             case,
-            status: if case % 3 == 0 { Status::NoAnswer } else { Status::Ok },
-            reason: if case % 3 == 0 { format!("why {case}") } else { String::new() },
+            status: if case % 3 == 0 {
+                Status::NoAnswer
+            } else {
+                Status::Ok
+            },
+            reason: if case % 3 == 0 {
+                format!("why {case}")
+            } else {
+                String::new()
+            },
             seconds: 0.25,
             outputs: vec![case as f64, f64::NAN, -1.0 / 3.0],
         }
@@ -291,7 +305,11 @@ mod tests {
         for cut in 0..=whole.len() {
             std::fs::write(&path, &whole[..cut]).unwrap();
             let mut journal = Journal::open(&path, b"key").unwrap();
-            let kept = ends.iter().filter(|end| **end <= cut as u64).count().saturating_sub(1);
+            let kept = ends
+                .iter()
+                .filter(|end| **end <= cut as u64)
+                .count()
+                .saturating_sub(1);
             assert_eq!(journal.cases().collect::<Vec<_>>(), [4, 0, 3, 1][..kept]);
             journal.add(&row(9)).unwrap();
             let mut expected: Vec<u64> = [4, 0, 3, 1][..kept].to_vec();
@@ -306,8 +324,14 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("j");
         let first = Journal::open(&path, b"key").unwrap();
-        assert!(matches!(Journal::open(&path, b"key"), Err(JournalError::Locked(_))));
+        assert!(matches!(
+            Journal::open(&path, b"key"),
+            Err(JournalError::Locked(_))
+        ));
         drop(first);
-        assert!(matches!(Journal::open(&path, b"yek"), Err(JournalError::Foreign(_))));
+        assert!(matches!(
+            Journal::open(&path, b"yek"),
+            Err(JournalError::Foreign(_))
+        ));
     }
 }

@@ -134,7 +134,8 @@ mod tests {
 
     #[test]
     fn steps_become_one_value() {
-        let steps: Vec<(f64, Vec<f64>)> = vec![(0.0, vec![1.0]), (1.0, vec![5.0]), (3.0, vec![-3.0])];
+        let steps: Vec<(f64, Vec<f64>)> =
+            vec![(0.0, vec![1.0]), (1.0, vec![5.0]), (3.0, vec![-3.0])];
         let of = |at: At| at.of(&steps, 0);
         assert_eq!(of(At::Last), Some(-3.0));
         assert_eq!(of(At::First), Some(1.0));

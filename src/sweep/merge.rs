@@ -53,7 +53,10 @@ pub fn merge(folder: &SweepFolder) -> Result<(), Vec<Diagnostic>> {
             continue;
         }
         let mut refuse = |code: Code, why: String| {
-            wrong.push(Diagnostic::error(code, format!("`{}`: {why}", path.display())));
+            wrong.push(Diagnostic::error(
+                code,
+                format!("`{}`: {why}", path.display()),
+            ));
         };
         let table = match TableReader::open(&path) {
             Ok(table) => table,
@@ -63,8 +66,16 @@ pub fn merge(folder: &SweepFolder) -> Result<(), Vec<Diagnostic>> {
             }
         };
         for (key, own, what) in [
-            ("admire.version", &folder.manifest.version, "version of admire"),
-            ("admire.inputs_sha256", &folder.manifest.inputs_sha256, "inputs"),
+            (
+                "admire.version",
+                &folder.manifest.version,
+                "version of admire",
+            ),
+            (
+                "admire.inputs_sha256",
+                &folder.manifest.inputs_sha256,
+                "inputs",
+            ),
         ] {
             let there = table.fact(key).unwrap_or("none");
             if there != own {
@@ -78,13 +89,20 @@ pub fn merge(folder: &SweepFolder) -> Result<(), Vec<Diagnostic>> {
         if table.rows() != cases.end - cases.start {
             refuse(
                 Code::WrongCount,
-                format!("{} rows for {} cases", table.rows(), cases.end - cases.start),
+                format!(
+                    "{} rows for {} cases",
+                    table.rows(),
+                    cases.end - cases.start
+                ),
             );
             continue;
         }
         let columns = Columns::of(&table, inputs);
         if *first.get_or_insert_with(|| columns.clone()) != columns {
-            refuse(Code::WrongCount, "other columns than the first part".to_string());
+            refuse(
+                Code::WrongCount,
+                "other columns than the first part".to_string(),
+            );
         }
     }
     if !missing.is_empty() {
@@ -126,7 +144,12 @@ fn join(folder: &SweepFolder, columns: &Columns) -> Result<(), SweepError> {
         number: 1,
         of: folder.manifest.shards,
     }))?;
-    let fact = |key: &str| (key.to_string(), first.fact(key).unwrap_or_default().to_string());
+    let fact = |key: &str| {
+        (
+            key.to_string(),
+            first.fact(key).unwrap_or_default().to_string(),
+        )
+    };
     let layout = Layout {
         inputs: columns.inputs.clone(),
         outputs: columns.outputs.clone(),

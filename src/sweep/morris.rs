@@ -43,7 +43,12 @@ fn effect(steps: &[f64]) -> Effect {
     let mean_of = |value: &dyn Fn(f64) -> f64| steps.iter().map(|s| value(*s)).sum::<f64>() / n;
     let spread_of = |value: &dyn Fn(f64) -> f64| {
         let mean = mean_of(value);
-        (steps.iter().map(|s| (value(*s) - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt()
+        (steps
+            .iter()
+            .map(|s| (value(*s) - mean).powi(2))
+            .sum::<f64>()
+            / (n - 1.0))
+            .sqrt()
     };
     Effect {
         mean: mean_of(&|s| s),
@@ -87,7 +92,10 @@ mod tests {
         }
         assert!(near(found[4].size, 0.0));
         answers[7] = f64::NAN;
-        let lost: usize = effects(&answers, &numbers).iter().map(|e| 50 - e.count).sum();
+        let lost: usize = effects(&answers, &numbers)
+            .iter()
+            .map(|e| 50 - e.count)
+            .sum();
         assert_eq!(lost, 2);
     }
 }

@@ -101,7 +101,11 @@ mod tests {
             (0.001, -3.090_232_306_167_813_5),
             (1e-20, -9.262_340_089_798_408),
         ] {
-            assert!((quantile(p) / z - 1.0).abs() < 2e-15, "{p}: {}", quantile(p));
+            assert!(
+                (quantile(p) / z - 1.0).abs() < 2e-15,
+                "{p}: {}",
+                quantile(p)
+            );
         }
     }
 

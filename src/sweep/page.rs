@@ -8,9 +8,13 @@ use super::summary::{OutputSummary, Spread, Summary};
 /// Bars of a tornado.
 const MOST_BARS: usize = 15;
 
-/// A number with six digits, for a person.
+/// A number with six digits, for a person; nothing where there is none.
 pub fn six_digits(value: f64) -> String {
-    number(value, None)
+    if value.is_finite() {
+        number(value, None)
+    } else {
+        String::new()
+    }
 }
 
 /// The page as one file.
@@ -28,7 +32,9 @@ pub fn page(folder: &SweepFolder, summary: &Summary) -> Result<String, DrawingEr
     );
     let mut page = Page::new("Sweep", &lead);
     page.heading("What is kept");
-    page.table(&spreads(summary.outputs.iter().map(|o| (&o.spread, o.nominal))));
+    page.table(&spreads(
+        summary.outputs.iter().map(|o| (&o.spread, o.nominal)),
+    ));
     if ok < summary.cases {
         page.heading("Cases without an answer");
         let mut table = Table::new(&[("why", Align::Wrap), ("cases", Align::Right)]);
@@ -36,7 +42,10 @@ pub fn page(folder: &SweepFolder, summary: &Summary) -> Result<String, DrawingEr
             table.row([reason.clone(), count.to_string()]);
         }
         if summary.more_reasons > 0 {
-            table.row(["other reasons".to_string(), summary.more_reasons.to_string()]);
+            table.row([
+                "other reasons".to_string(),
+                summary.more_reasons.to_string(),
+            ]);
         }
         page.table(&table);
     }
@@ -52,15 +61,32 @@ pub fn page(folder: &SweepFolder, summary: &Summary) -> Result<String, DrawingEr
     page.table(&spreads(summary.inputs.iter().map(|input| (input, None))));
     page.facts(&[
         ("Version", folder.manifest.version.clone()),
-        ("SHA-256 of the inputs", folder.manifest.inputs_sha256.clone()),
-        ("Time of all cases together", format!("{:.1} s", summary.seconds)),
+        (
+            "SHA-256 of the inputs",
+            folder.manifest.inputs_sha256.clone(),
+        ),
+        (
+            "Time of all cases together",
+            format!("{:.1} s", summary.seconds),
+        ),
     ]);
     Ok(page.finish(&format!("admire {}", folder.manifest.version)))
 }
 
 fn spreads<'s>(all: impl Iterator<Item = (&'s Spread, Option<f64>)>) -> Table {
     let heads = [
-        "", "unit", "deck as it is", "mean", "sd", "least", "1 %", "5 %", "median", "95 %", "99 %", "most",
+        "",
+        "unit",
+        "deck as it is",
+        "mean",
+        "sd",
+        "least",
+        "1 %",
+        "5 %",
+        "median",
+        "95 %",
+        "99 %",
+        "most",
     ];
     let columns: Vec<(&str, Align)> = heads
         .iter()
@@ -157,7 +183,12 @@ fn indices(page: &mut Page, output: &OutputSummary) {
         ("std error", Align::Right),
     ]);
     for index in &output.indices {
-        let values = [index.first[0], index.first[1], index.total[0], index.total[1]];
+        let values = [
+            index.first[0],
+            index.first[1],
+            index.total[0],
+            index.total[1],
+        ];
         let cells = values.map(|value| format!("{value:.4}"));
         table.row(std::iter::once(index.name.clone()).chain(cells));
     }

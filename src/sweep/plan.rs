@@ -3,9 +3,9 @@ use std::path::Path;
 use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
 use crate::kc::Config;
 use crate::model::{Ignore, Model};
-use crate::session::{FilePolicy, folder_of, on_deck, read_files};
+use crate::session::{FilePolicy, find_file, folder_of, on_deck, read_files};
 use crate::syntax::files::Files;
-use crate::syntax::Dataset;
+use crate::syntax::{CommandFile, Dataset};
 use crate::text::{Source, Span};
 
 use super::correlation::Correlation;
@@ -125,8 +125,15 @@ impl SweepPlan {
             if !(solver.get_ref().timeout_s > 0.0) {
                 out.wrong(Code::OutOfRange, solver.span(), "`timeout_s` is above zero");
             }
+            let mut words = words.clone();
+            // A program beside SWEEP.toml; runs have folders of their own.
+            if Path::new(&words[0]).components().count() > 1 {
+                let beside = folder.join(&words[0]);
+                let whole = std::path::absolute(&beside).unwrap_or(beside);
+                words[0] = whole.display().to_string();
+            }
             Some(Program {
-                command: words.clone(),
+                command: words,
                 timeout_s: solver.get_ref().timeout_s,
             })
         });
@@ -205,6 +212,7 @@ fn task(
         (Some(name), None) => {
             let source = out.source(&folder.join(name.get_ref()), Some(name.span()))?;
             inputs.push(source.clone());
+            inputs.extend(included(&source, folder));
             Some(Task::Commands(on_deck(file.deck.get_ref(), &source)))
         }
         (None, Some(name)) => {
@@ -216,11 +224,35 @@ fn task(
             Some(Task::Tests(Box::new(config.value?)))
         }
         _ => {
-            let message = "a sweep runs `commands = \"run.acf\"` or `kc = \"kc.toml\"`, one of them";
+            let message =
+                "a sweep runs `commands = \"run.acf\"` or `kc = \"kc.toml\"`, one of them";
             out.wrong(Code::BadSetting, file.deck.span(), message);
             None
         }
     }
+}
+
+/// The command files that a command file reads, and those that they read.
+fn included(source: &Source, folder: &Path) -> Vec<Source> {
+    let mut found: Vec<Source> = Vec::new();
+    let mut next = vec![source.clone()];
+    while let Some(source) = next.pop() {
+        let file = CommandFile::parse(source.clone()).value;
+        for command in file.commands().iter().filter(|c| c.kind() == Some("FILE")) {
+            let Some(name) = command.text("COMMAND", &source) else {
+                continue;
+            };
+            // What cannot be read is told when the deck as it is runs.
+            let path = find_file(&name, "acf", &[folder]).value;
+            if let Some(read) = path.and_then(|path| Source::read(&path).ok())
+                && found.iter().all(|known| known.name() != read.name())
+            {
+                found.push(read.clone());
+                next.push(read);
+            }
+        }
+    }
+    found
 }
 
 /// What is wrong with a SWEEP.toml, with places in it.

@@ -31,8 +31,12 @@ pub(super) fn keeps(
         );
         if !fits {
             let message = match task {
-                Task::Tests(_) => "K&C tests have characteristics only: `characteristic = \"toe_angle.left\"`",
-                Task::Commands(_) => "characteristics are those of `kc = \"kc.toml\"`; a command file has columns and modes",
+                Task::Tests(_) => {
+                    "K&C tests have characteristics only: `characteristic = \"toe_angle.left\"`"
+                }
+                Task::Commands(_) => {
+                    "characteristics are those of `kc = \"kc.toml\"`; a command file has columns and modes"
+                }
             };
             out.wrong(Code::BadSetting, span, message);
             continue;
@@ -57,15 +61,14 @@ fn one(
         (Some(pattern), None, None) => {
             let at = match (&keep.at, &keep.step, &keep.time) {
                 (None, None, None) => At::Last,
-                (Some(word), None, None) => match At::of_word(word.get_ref()) {
-                    Some(at) => at,
-                    None => {
-                        let message =
-                            "`at` is last, first, max, min, mean, range or rms; or say `step = 2` or `time = 0.5`";
+                (Some(word), None, None) => {
+                    let Some(at) = At::of_word(word.get_ref()) else {
+                        let message = "`at` is last, first, max, min, mean, range or rms; or say `step = 2` or `time = 0.5`";
                         out.wrong(Code::BadSetting, word.span(), message);
                         return None;
-                    }
-                },
+                    };
+                    at
+                }
                 (None, Some(step), None) if *step.get_ref() > 0 => At::Step(*step.get_ref()),
                 (None, Some(step), None) => {
                     out.wrong(Code::OutOfRange, step.span(), "steps count from 1");
@@ -93,7 +96,9 @@ fn one(
         (None, None, Some(path)) => {
             let test = keep.test.as_ref();
             if let Some(test) = test
-                && !TestKind::ALL.iter().any(|kind| kind.name() == test.get_ref())
+                && !TestKind::ALL
+                    .iter()
+                    .any(|kind| kind.name() == test.get_ref())
             {
                 let names: Vec<&str> = TestKind::ALL.iter().map(|kind| kind.name()).collect();
                 let message = format!("there is no such test: {}", names.join(", "));

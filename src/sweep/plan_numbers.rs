@@ -67,7 +67,11 @@ pub(super) fn numbers(
         out.wrong(Code::MissingArgument, file.sampling.plan.span(), message);
     }
     let mut names = BTreeSet::new();
-    let spans = file.vary.iter().map(Spanned::span).chain(std::iter::repeat(file.sampling.plan.span()));
+    let spans = file
+        .vary
+        .iter()
+        .map(Spanned::span)
+        .chain(std::iter::repeat(file.sampling.plan.span()));
     for (variation, span) in variations.iter().zip(spans) {
         if !names.insert(variation.name.clone()) {
             let message = format!("two variations are called `{}`", variation.name);
@@ -84,8 +88,11 @@ pub(super) fn numbers(
     if let Some(first) = (!is_table).then_some(&variations) {
         // Each address takes a number: what cannot be written is told before anything runs.
         for (variation, vary) in first.iter().zip(&file.vary) {
-            let typical = variation.distribution.quantile(0.5);
-            if let Err(why) = varied(deck, std::slice::from_ref(variation), &[typical]) {
+            let typical = [0.2, 0.7].map(|u| variation.distribution.quantile(u));
+            let refused = typical
+                .iter()
+                .find_map(|number| varied(deck, std::slice::from_ref(variation), &[*number]).err());
+            if let Some(why) = refused {
                 out.refused(vary.get_ref().address.span(), *why);
             }
         }
@@ -105,11 +112,19 @@ fn twice(variations: &[Variation], file: &PlanFile, out: &mut Complaints) {
         for (address, _) in &variation.targets {
             if let Some((_, other)) = seen.iter().find(|(known, _)| *known == address) {
                 let message = format!("{address} is varied by `{other}` too");
-                let span = file.vary.get(at).map_or(0..0, |v| v.get_ref().address.span());
+                let span = file
+                    .vary
+                    .get(at)
+                    .map_or(0..0, |v| v.get_ref().address.span());
                 out.wrong(Code::ConflictingArguments, span, &message);
             }
         }
-        seen.extend(variation.targets.iter().map(|(a, _)| (a, variation.name.as_str())));
+        seen.extend(
+            variation
+                .targets
+                .iter()
+                .map(|(a, _)| (a, variation.name.as_str())),
+        );
     }
 }
 
@@ -132,7 +147,9 @@ fn targets(
         for address in found {
             let old = deck.value_at(&address).unwrap_or(f64::NAN);
             if apply != Apply::Set && old.is_nan() {
-                let message = format!("{address} is no number of the deck that could be changed by a factor or an offset");
+                let message = format!(
+                    "{address} is no number of the deck that could be changed by a factor or an offset"
+                );
                 out.wrong(Code::WrongType, span.clone(), &message);
                 return None;
             }
@@ -155,7 +172,11 @@ fn variation(
     };
     let targets = targets(&patterns, &vary.address.span(), (deck, vary.apply), out)?;
     if targets.is_empty() {
-        out.wrong(Code::MissingArgument, vary.address.span(), "no address is named");
+        out.wrong(
+            Code::MissingArgument,
+            vary.address.span(),
+            "no address is named",
+        );
         return None;
     }
     let name = vary
@@ -207,7 +228,8 @@ fn distribution(
     let count = named.iter().filter(|named| **named).count();
     if plan == PlanWord::Table {
         if count > 0 {
-            let message = "the values of this plan stand in its table: no distribution is asked for";
+            let message =
+                "the values of this plan stand in its table: no distribution is asked for";
             out.wrong(Code::ConflictingArguments, span.clone(), message);
             return None;
         }
@@ -219,7 +241,11 @@ fn distribution(
         return None;
     }
     if let (Some(weights), None) = (&vary.weights, &vary.values) {
-        out.wrong(Code::BadSetting, weights.span(), "`weights` are those of `values`");
+        out.wrong(
+            Code::BadSetting,
+            weights.span(),
+            "`weights` are those of `values`",
+        );
         return None;
     }
     let mut refuse = |span: Range<usize>, message: &str| {
@@ -229,7 +255,10 @@ fn distribution(
     if let Some(uniform) = &vary.uniform {
         let [low, high] = *uniform.get_ref();
         if !(low < high && low.is_finite() && high.is_finite()) {
-            return refuse(uniform.span(), "this range is empty: the first end is below the second");
+            return refuse(
+                uniform.span(),
+                "this range is empty: the first end is below the second",
+            );
         }
         return Some(Distribution::Uniform([low, high]));
     }
@@ -238,18 +267,30 @@ fn distribution(
         if !(n.sd > 0.0 && n.sd.is_finite() && n.mean.is_finite()) {
             return refuse(normal.span(), "`sd` is above zero, and both are numbers");
         }
-        return Some(Distribution::Normal { mean: n.mean, sd: n.sd });
+        return Some(Distribution::Normal {
+            mean: n.mean,
+            sd: n.sd,
+        });
     }
     if let Some(log) = &vary.log_normal {
         let n = *log.get_ref();
         if !(n.sigma > 0.0 && n.median > 0.0 && n.sigma.is_finite() && n.median.is_finite()) {
-            return refuse(log.span(), "`median` and `sigma`, the standard deviation of the natural logarithm, are above zero");
+            return refuse(
+                log.span(),
+                "`median` and `sigma`, the standard deviation of the natural logarithm, are above zero",
+            );
         }
-        return Some(Distribution::LogNormal { median: n.median, sigma: n.sigma });
+        return Some(Distribution::LogNormal {
+            median: n.median,
+            sigma: n.sigma,
+        });
     }
     let values = vary.values.as_ref()?;
     if values.get_ref().is_empty() || values.get_ref().iter().any(|v| !v.is_finite()) {
-        return refuse(values.span(), "`values` has one number at least, and no other than numbers");
+        return refuse(
+            values.span(),
+            "`values` has one number at least, and no other than numbers",
+        );
     }
     let count = values.get_ref().len();
     let weights = match &vary.weights {
@@ -260,7 +301,10 @@ fn distribution(
                 && all.iter().all(|w| *w >= 0.0 && w.is_finite())
                 && all.iter().sum::<f64>() > 0.0;
             if !fine {
-                return refuse(weights.span(), "there is a weight of zero or more for every value, and one above zero");
+                return refuse(
+                    weights.span(),
+                    "there is a weight of zero or more for every value, and one above zero",
+                );
             }
             all.clone()
         }
@@ -291,7 +335,10 @@ fn correlations(
     for group in &file.correlate {
         let (span, group) = (group.span(), group.get_ref());
         let plan = *file.sampling.plan.get_ref();
-        if !matches!(plan, PlanWord::Random | PlanWord::LatinHypercube | PlanWord::Sobol) {
+        if !matches!(
+            plan,
+            PlanWord::Random | PlanWord::LatinHypercube | PlanWord::Sobol
+        ) {
             let message = "numbers of this plan do not vary together: random, latin-hypercube and sobol have correlations";
             out.wrong(Code::ConflictingArguments, span, message);
             continue;
@@ -320,20 +367,19 @@ fn correlations(
                 DMatrix::from_fn(n, n, |i, j| rows[i][j])
             }
             _ => {
-                let message = format!("`coefficient = r` or `matrix` of {n} rows of {n} numbers says how they vary together");
+                let message = format!(
+                    "`coefficient = r` or `matrix` of {n} rows of {n} numbers says how they vary together"
+                );
                 out.wrong(Code::WrongCount, span, &message);
                 continue;
             }
         };
-        let proper = (0..n).all(|i| matrix[(i, i)] == 1.0)
-            && matrix == matrix.transpose()
-            && n > 1;
-        match Correlation::new(members, &matrix).filter(|_| proper) {
-            Some(found) => groups.push(found),
-            None => {
-                let message = "no two or more numbers have these correlations: the matrix is symmetric with ones on its diagonal, and positive definite";
-                out.wrong(Code::OutOfRange, span, message);
-            }
+        let proper = (0..n).all(|i| matrix[(i, i)] == 1.0) && matrix == matrix.transpose() && n > 1;
+        if let Some(found) = Correlation::new(members, &matrix).filter(|_| proper) {
+            groups.push(found);
+        } else {
+            let message = "no two or more numbers have these correlations: the matrix is symmetric with ones on its diagonal, and positive definite";
+            out.wrong(Code::OutOfRange, span, message);
         }
     }
     groups
@@ -381,7 +427,8 @@ fn design(
         _ => 0,
     };
     if needed > MOST_SOBOL {
-        let message = format!("the Sobol sequence has {MOST_SOBOL} numbers here, and {needed} are needed");
+        let message =
+            format!("the Sobol sequence has {MOST_SOBOL} numbers here, and {needed} are needed");
         out.wrong(Code::LimitExceeded, sampling.plan.span(), &message);
         return None;
     }
@@ -432,28 +479,35 @@ fn cases_of(
     let mut places = Vec::new();
     for head in &heads {
         let known = variations.iter().position(|v| v.name == head);
-        let place = match known {
-            Some(place) => place,
-            None => {
-                let found = match Address::matching(head, deck) {
-                    Ok(found) => found,
-                    Err(why) => return refuse(1, &format!("`{head}` is no variation, and as an address: {}", why.message)),
-                };
-                variations.push(Variation {
-                    name: head.to_string(),
-                    targets: found
-                        .into_iter()
-                        .map(|address| {
-                            let old = deck.value_at(&address).unwrap_or(f64::NAN);
-                            (address, old)
-                        })
-                        .collect(),
-                    apply: Apply::Set,
-                    degrees: false,
-                    distribution: Distribution::Given,
-                });
-                variations.len() - 1
-            }
+        let place = if let Some(place) = known {
+            place
+        } else {
+            let found = match Address::matching(head, deck) {
+                Ok(found) => found,
+                Err(why) => {
+                    return refuse(
+                        1,
+                        &format!(
+                            "`{head}` is no variation, and as an address: {}",
+                            why.message
+                        ),
+                    );
+                }
+            };
+            variations.push(Variation {
+                name: head.to_string(),
+                targets: found
+                    .into_iter()
+                    .map(|address| {
+                        let old = deck.value_at(&address).unwrap_or(f64::NAN);
+                        (address, old)
+                    })
+                    .collect(),
+                apply: Apply::Set,
+                degrees: false,
+                distribution: Distribution::Given,
+            });
+            variations.len() - 1
         };
         if places.contains(&place) {
             return refuse(1, &format!("there are two columns `{head}`"));
@@ -461,7 +515,10 @@ fn cases_of(
         places.push(place);
     }
     if let Some(missing) = (0..variations.len()).find(|k| !places.contains(k)) {
-        return refuse(1, &format!("there is no column `{}`", variations[missing].name));
+        return refuse(
+            1,
+            &format!("there is no column `{}`", variations[missing].name),
+        );
     }
     let mut rows = Vec::new();
     for record in reader.records() {

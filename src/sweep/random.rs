@@ -51,7 +51,9 @@ impl Stream {
     /// Where `index` goes in a random order of the numbers below `count`: four rounds of a Feistel cipher with numbers out of range
     /// sent round again (Black and Rogaway 2002). Takes no memory.
     pub fn shuffled(&self, index: u64, count: u64) -> u64 {
-        let half = (64 - count.saturating_sub(1).leading_zeros()).div_ceil(2).max(1);
+        let half = (64 - count.saturating_sub(1).leading_zeros())
+            .div_ceil(2)
+            .max(1);
         let mask = (1_u64 << half) - 1;
         let keys: [u64; 4] = std::array::from_fn(|round| self.bits(u64::MAX - round as u64));
         let mut at = index;
@@ -88,7 +90,10 @@ mod tests {
     fn a_number_depends_on_seed_name_and_index_alone() {
         let a = Stream::named(1, "a");
         let forward: Vec<u64> = (0..100).map(|k| a.bits(k)).collect();
-        let backward: Vec<u64> = (0..100).rev().map(|k| Stream::named(1, "a").bits(k)).collect();
+        let backward: Vec<u64> = (0..100)
+            .rev()
+            .map(|k| Stream::named(1, "a").bits(k))
+            .collect();
         assert!(forward.iter().eq(backward.iter().rev()));
         assert_ne!(a.bits(0), Stream::named(1, "b").bits(0));
         assert_ne!(a.bits(0), Stream::named(2, "a").bits(0));
@@ -101,7 +106,10 @@ mod tests {
             key: [0; 32],
             stream: 0,
         };
-        assert_eq!(zero.bits(0).to_le_bytes(), [0x3e, 0x00, 0xef, 0x2f, 0x89, 0x5f, 0x40, 0xd6]);
+        assert_eq!(
+            zero.bits(0).to_le_bytes(),
+            [0x3e, 0x00, 0xef, 0x2f, 0x89, 0x5f, 0x40, 0xd6]
+        );
     }
 
     #[test]
@@ -109,7 +117,11 @@ mod tests {
         for count in [1, 2, 3, 10, 64, 65, 1000] {
             let stream = Stream::named(7, "order");
             let mut all: Vec<u64> = (0..count).map(|k| stream.shuffled(k, count)).collect();
-            let moved = all.iter().enumerate().filter(|(k, to)| *k as u64 != **to).count();
+            let moved = all
+                .iter()
+                .enumerate()
+                .filter(|(k, to)| *k as u64 != **to)
+                .count();
             assert!(count < 10 || moved > count as usize / 2);
             all.sort_unstable();
             assert!(all.into_iter().eq(0..count));

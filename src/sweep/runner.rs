@@ -312,9 +312,11 @@ impl<'p> Runner<'p> {
             columns: &self.ids,
         };
         match program.run(&run) {
-            Ok(answer) if answer.successful => {
-                Ok(Seen::Steps(Some(answer.catalogue), answer.steps, Vec::new()))
-            }
+            Ok(answer) if answer.successful => Ok(Seen::Steps(
+                Some(answer.catalogue),
+                answer.steps,
+                Vec::new(),
+            )),
             Ok(answer) => Err((Status::NoAnswer, answer.complaint)),
             Err(error @ (RunError::Deck(_) | RunError::Files(_))) => {
                 Err((Status::Invalid, error.to_string()))
@@ -343,12 +345,8 @@ impl<'p> Runner<'p> {
         run.map(|run| Seen::Tests(Box::new(run)))
             .map_err(|error| match error {
                 BenchError::Deck(all) => invalid(&all).unwrap_or_else(failed),
-                BenchError::Free { at, motion } => {
-                    (Status::NoAnswer, format!("{at}: {motion}"))
-                }
-                BenchError::NoEquilibrium { at, why } => {
-                    (Status::NoAnswer, format!("{at}: {why}"))
-                }
+                BenchError::Free { at, motion } => (Status::NoAnswer, format!("{at}: {motion}")),
+                BenchError::NoEquilibrium { at, why } => (Status::NoAnswer, format!("{at}: {why}")),
             })
     }
 

@@ -29,9 +29,13 @@ impl Shard {
     /// The shard whose files begin so.
     pub fn of_stem(stem: &str) -> Option<Self> {
         let (number, of) = stem.split_once("-of-")?;
-        let shard: Self = format!("{}/{}", number.parse::<u64>().ok()?, of.parse::<u64>().ok()?)
-            .parse()
-            .ok()?;
+        let shard: Self = format!(
+            "{}/{}",
+            number.parse::<u64>().ok()?,
+            of.parse::<u64>().ok()?
+        )
+        .parse()
+        .ok()?;
         (shard.stem() == stem).then_some(shard)
     }
 }

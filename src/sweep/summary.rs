@@ -134,7 +134,14 @@ impl Spread {
             _ => [f64::NAN; 2],
         };
         let wide = ends[1] - ends[0];
-        let mut bars = vec![0; if wide > 0.0 { BARS } else { usize::from(count > 0) }];
+        let mut bars = vec![
+            0;
+            if wide > 0.0 {
+                BARS
+            } else {
+                usize::from(count > 0)
+            }
+        ];
         for value in &sorted {
             let at = if wide > 0.0 {
                 ((value - ends[0]) / wide * BARS as f64) as usize
@@ -150,7 +157,10 @@ impl Spread {
             mean,
             sd: if count > 1 { variance.sqrt() } else { 0.0 },
             ends,
-            quantiles: SHARES.iter().map(|share| quantile(&sorted, *share)).collect(),
+            quantiles: SHARES
+                .iter()
+                .map(|share| quantile(&sorted, *share))
+                .collect(),
             bars,
         }
     }
@@ -229,17 +239,22 @@ impl Summary {
             if reason.is_empty() {
                 return;
             }
-            if let Some(count) = reasons.get_mut(reason) {
+            let reason = without_numbers(reason);
+            if let Some(count) = reasons.get_mut(&reason) {
                 *count += 1;
             } else if reasons.len() < 1000 {
-                reasons.insert(reason.to_string(), 1);
+                reasons.insert(reason, 1);
             } else {
                 more_reasons += 1;
             }
         })?;
         let mut reasons: Vec<(String, u64)> = reasons.into_iter().collect();
         reasons.sort_by(|a, b| b.1.cmp(&a.1).then_with(|| a.0.cmp(&b.0)));
-        more_reasons += reasons.iter().skip(REASONS).map(|(_, count)| count).sum::<u64>();
+        more_reasons += reasons
+            .iter()
+            .skip(REASONS)
+            .map(|(_, count)| count)
+            .sum::<u64>();
         reasons.truncate(REASONS);
         let mut summary = Self {
             plan: folder.manifest.plan.clone(),
@@ -306,6 +321,19 @@ impl Summary {
     }
 }
 
+/// A reason with `...` for its numbers: the same failure of many cases is one.
+fn without_numbers(reason: &str) -> String {
+    let words = reason.split(' ').map(|word| {
+        let bare = word.trim_end_matches([',', ':', ';']);
+        if bare.parse::<f64>().is_ok() && bare.contains(['.', 'e', 'E']) {
+            format!("...{}", &word[bare.len()..])
+        } else {
+            word.to_string()
+        }
+    });
+    words.collect::<Vec<_>>().join(" ")
+}
+
 fn named_indices(values: &[f64], names: &[String]) -> Vec<NamedIndex> {
     let Some((found, _)) = indices(values, names.len()) else {
         return Vec::new();
@@ -345,10 +373,24 @@ mod tests {
     }
 
     #[test]
+    fn failures_that_differ_by_a_number_are_one_reason() {
+        assert_eq!(
+            without_numbers("no equilibrium after 25 iterations: imbalance 1.5e8, at PART/2"),
+            "no equilibrium after 25 iterations: imbalance ..., at PART/2"
+        );
+    }
+
+    #[test]
     fn a_spread_counts_every_value_once() {
-        let values: Vec<f64> = (0..1000).map(|k| f64::from(k) / 7.0).chain([f64::NAN]).collect();
+        let values: Vec<f64> = (0..1000)
+            .map(|k| f64::from(k) / 7.0)
+            .chain([f64::NAN])
+            .collect();
         let spread = Spread::of("x", None, &values);
-        assert_eq!((spread.count, spread.bars.iter().sum::<u64>()), (1000, 1000));
+        assert_eq!(
+            (spread.count, spread.bars.iter().sum::<u64>()),
+            (1000, 1000)
+        );
         assert_eq!(spread.bars, vec![25; 40]);
         let one = Spread::of("x", None, &[3.0, 3.0]);
         assert_eq!((one.bars, one.sd), (vec![2], 0.0));

@@ -29,7 +29,11 @@ impl TableReader {
     /// The names of its columns.
     pub fn columns(&self) -> Vec<String> {
         let schema = self.reader.metadata().file_metadata().schema_descr();
-        schema.columns().iter().map(|c| c.name().to_string()).collect()
+        schema
+            .columns()
+            .iter()
+            .map(|c| c.name().to_string())
+            .collect()
     }
 
     /// The number of rows.
@@ -39,7 +43,11 @@ impl TableReader {
 
     /// What the file says of itself under a key.
     pub fn fact(&self, key: &str) -> Option<&str> {
-        let all = self.reader.metadata().file_metadata().key_value_metadata()?;
+        let all = self
+            .reader
+            .metadata()
+            .file_metadata()
+            .key_value_metadata()?;
         all.iter().find(|fact| fact.key == key)?.value.as_deref()
     }
 
@@ -59,15 +67,13 @@ impl TableReader {
     ///
     /// # Errors
     /// When the file cannot be read or the column holds no texts.
-    pub fn texts(
-        &self,
-        column: usize,
-        mut take: impl FnMut(&str),
-    ) -> Result<(), ParquetError> {
+    pub fn texts(&self, column: usize, mut take: impl FnMut(&str)) -> Result<(), ParquetError> {
         for group in 0..self.reader.num_row_groups() {
             let mut texts = Vec::new();
             self.group_texts(group, column, &mut texts)?;
-            texts.iter().for_each(|text| take(text));
+            for text in &texts {
+                take(text);
+            }
         }
         Ok(())
     }
@@ -98,8 +104,9 @@ impl TableReader {
             let (statuses, reasons) = (texts(behind)?, texts(behind + 1)?);
             let seconds = numbers(behind + 2)?;
             for (k, case) in cases.iter().enumerate() {
-                let status = Status::of_word(&statuses[k])
-                    .ok_or_else(|| ParquetError::General(format!("`{}` is no status", statuses[k])))?;
+                let status = Status::of_word(&statuses[k]).ok_or_else(|| {
+                    ParquetError::General(format!("`{}` is no status", statuses[k]))
+                })?;
                 let row = Row {
                     case: *case as u64,
                     status,
@@ -107,7 +114,10 @@ impl TableReader {
                     seconds: seconds[k],
                     outputs: values[inputs..].iter().map(|column| column[k]).collect(),
                 };
-                take(row, values[..inputs].iter().map(|column| column[k]).collect())?;
+                take(
+                    row,
+                    values[..inputs].iter().map(|column| column[k]).collect(),
+                )?;
             }
         }
         Ok(())
@@ -132,7 +142,11 @@ impl TableReader {
                 reader.read_records(rows, None, None, &mut values)?;
                 all.extend(values.into_iter().map(|value| value as f64));
             }
-            _ => return Err(ParquetError::General("a column holds no numbers".to_string())),
+            _ => {
+                return Err(ParquetError::General(
+                    "a column holds no numbers".to_string(),
+                ));
+            }
         }
         Ok(())
     }
@@ -192,10 +206,22 @@ mod tests {
         let count = 20_000;
         let row = |case: u64| Row {
             case,
-            status: if case % 7 == 0 { Status::NoAnswer } else { Status::Ok },
-            reason: if case % 7 == 0 { "no".to_string() } else { String::new() },
+            status: if case % 7 == 0 {
+                Status::NoAnswer
+            } else {
+                Status::Ok
+            },
+            reason: if case % 7 == 0 {
+                "no".to_string()
+            } else {
+                String::new()
+            },
             seconds: 0.5,
-            outputs: if case % 7 == 0 { Vec::new() } else { vec![case as f64 / 3.0] },
+            outputs: if case % 7 == 0 {
+                Vec::new()
+            } else {
+                vec![case as f64 / 3.0]
+            },
         };
         let mut writer = TableWriter::create(&path, layout).unwrap();
         for case in 0..count {
@@ -205,16 +231,32 @@ mod tests {
         writer.finish().unwrap();
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
         let reader = TableReader::open(&path).unwrap();
-        assert_eq!((reader.rows(), reader.fact("admire.shard")), (count, Some("1/1")));
+        assert_eq!(
+            (reader.rows(), reader.fact("admire.shard")),
+            (count, Some("1/1"))
+        );
         assert_eq!(
             reader.columns(),
-            ["case", "BUSHING/1.K.1", "b", "arm.X", "status", "reason", "seconds", "admire", "inputs_sha256"]
+            [
+                "case",
+                "BUSHING/1.K.1",
+                "b",
+                "arm.X",
+                "status",
+                "reason",
+                "seconds",
+                "admire",
+                "inputs_sha256"
+            ]
         );
         let mut next = 0;
         reader
             .each((2, 1), |found, inputs| -> Result<(), ParquetError> {
                 let expected = row(next);
-                assert_eq!((found.case, found.status, &found.reason), (next, expected.status, &expected.reason));
+                assert_eq!(
+                    (found.case, found.status, &found.reason),
+                    (next, expected.status, &expected.reason)
+                );
                 let value = expected.outputs.first().copied().unwrap_or(f64::NAN);
                 assert_eq!(found.outputs[0].to_bits(), value.to_bits());
                 assert_eq!(inputs[0].to_bits(), (next as f64).to_bits());

@@ -98,7 +98,9 @@ impl TableWriter {
         let mut group = self.writer.next_row_group()?;
         let cases: Vec<i64> = rows.iter().map(|(row, _)| row.case as i64).collect();
         let mut column = next(&mut group)?;
-        column.typed::<Int64Type>().write_batch(&cases, None, None)?;
+        column
+            .typed::<Int64Type>()
+            .write_batch(&cases, None, None)?;
         column.close()?;
         for k in 0..self.layout.inputs.len() {
             let values: Vec<f64> = rows.iter().map(|(_, inputs)| inputs[k]).collect();
@@ -120,7 +122,11 @@ impl TableWriter {
             .map(|(row, _)| i16::from(!row.reason.is_empty()))
             .collect();
         let reasons = rows.iter().map(|(row, _)| row.reason.as_str());
-        texts(&mut group, reasons.filter(|text| !text.is_empty()), Some(&there))?;
+        texts(
+            &mut group,
+            reasons.filter(|text| !text.is_empty()),
+            Some(&there),
+        )?;
         let seconds: Vec<f64> = rows.iter().map(|(row, _)| row.seconds).collect();
         doubles(&mut group, &seconds, None)?;
         for text in [&self.layout.version, &self.layout.hash] {
@@ -158,7 +164,11 @@ fn next<'c>(
         .ok_or_else(|| ParquetError::General("a column too many".to_string()))
 }
 
-fn doubles(group: &mut Group<'_>, values: &[f64], there: Option<&[i16]>) -> Result<(), ParquetError> {
+fn doubles(
+    group: &mut Group<'_>,
+    values: &[f64],
+    there: Option<&[i16]>,
+) -> Result<(), ParquetError> {
     let mut column = next(group)?;
     column
         .typed::<DoubleType>()
@@ -202,6 +212,8 @@ fn schema(layout: &Layout) -> Result<TypePtr, ParquetError> {
     fields.push(field("seconds", number, given)?);
     fields.push(field("admire", text, given)?);
     fields.push(field("inputs_sha256", text, given)?);
-    let root = Type::group_type_builder("sweep").with_fields(fields).build()?;
+    let root = Type::group_type_builder("sweep")
+        .with_fields(fields)
+        .build()?;
     Ok(Arc::new(root))
 }
