@@ -279,6 +279,20 @@ fn or_here(folder: &Path) -> &Path {
     }
 }
 
+/// The base name of a model: what its output files are called unless a prefix is given.
+pub(super) fn default_prefix(model: &str) -> PathBuf {
+    let path = native_spelling(model);
+    let is_adm = path
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("adm"));
+    let base = if is_adm {
+        path.file_stem()
+    } else {
+        path.file_name()
+    };
+    PathBuf::from(base.unwrap_or_default())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -11,7 +11,7 @@ use super::loaded::{Loaded, as_error};
 use super::located::Sources;
 use super::message::Messages;
 use super::outputs::Outputs;
-use super::paths::{FilePolicy, find_file, native_spelling};
+use super::paths::{FilePolicy, default_prefix, find_file, native_spelling};
 use super::progress::Watcher;
 use super::saving::Kept;
 use super::trial::Memory;
@@ -592,18 +592,4 @@ impl Locate for Option<Place<'_>> {
             _ => diagnostic,
         }
     }
-}
-
-/// The base name of a model: what its output files are called unless a prefix is given.
-fn default_prefix(model: &str) -> PathBuf {
-    let path = native_spelling(model);
-    let is_adm = path
-        .extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("adm"));
-    let base = if is_adm {
-        path.file_stem()
-    } else {
-        path.file_name()
-    };
-    PathBuf::from(base.unwrap_or_default())
 }

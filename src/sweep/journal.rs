@@ -258,12 +258,12 @@ mod tests {
     fn row(case: u64) -> Row {
         Row {
             case,
-            status: if case % 3 == 0 {
+            status: if case.is_multiple_of(3) {
                 Status::NoAnswer
             } else {
                 Status::Ok
             },
-            reason: if case % 3 == 0 {
+            reason: if case.is_multiple_of(3) {
                 format!("why {case}")
             } else {
                 String::new()

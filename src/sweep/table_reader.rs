@@ -206,18 +206,18 @@ mod tests {
         let count = 20_000;
         let row = |case: u64| Row {
             case,
-            status: if case % 7 == 0 {
+            status: if case.is_multiple_of(7) {
                 Status::NoAnswer
             } else {
                 Status::Ok
             },
-            reason: if case % 7 == 0 {
+            reason: if case.is_multiple_of(7) {
                 "no".to_string()
             } else {
                 String::new()
             },
             seconds: 0.5,
-            outputs: if case % 7 == 0 {
+            outputs: if case.is_multiple_of(7) {
                 Vec::new()
             } else {
                 vec![case as f64 / 3.0]
