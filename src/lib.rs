@@ -83,6 +83,7 @@
 //! | 16 | report | HTML and SVG |
 //! | 17 | lsp | the language server |
 //! | 17 | front | a deck, its runs, studies, results: what most programs need |
+//! | 17 | sweep | variants by the thousand: cases, shards, the table of answers |
 //! | 18 | cli | subcommands |
 //! | 18 | python | the Python package |
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
@@ -112,6 +113,7 @@ pub mod results;
 pub mod rig;
 pub mod session;
 pub mod statics;
+pub mod sweep;
 pub mod syntax;
 pub mod system;
 pub mod text;

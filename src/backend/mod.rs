@@ -8,6 +8,7 @@ mod bushing_check;
 mod case_check;
 mod command;
 mod contract;
+mod deck_run;
 #[cfg(windows)]
 mod job;
 mod native;
@@ -25,6 +26,7 @@ pub use command::CommandBackend;
 pub use contract::{
     Backend, BackendError, CaseFailure, CaseOutcome, RunError, Sweep, SweepRequest,
 };
+pub use deck_run::{DeckAnswer, DeckRun, ProgramRun};
 pub use native::{NativeBackend, compile, slot, tight_settings};
 pub use process::end_runs;
 pub use programme::{Load, LoadCase, LoadProgramme};

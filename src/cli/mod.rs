@@ -35,6 +35,7 @@ mod interrupt;
 mod kc;
 mod kc_measured;
 mod lsp;
+mod merge;
 mod new;
 mod output_folder;
 mod plausibility;
@@ -54,6 +55,8 @@ mod shell;
 mod solve;
 mod solve_run;
 mod summary;
+mod sweep;
+mod sweep_slurm;
 mod target;
 mod tolerance;
 mod view;
@@ -121,6 +124,8 @@ enum Command {
     Record(record::Arguments),
     Rig(rig::Arguments),
     Kc(kc::Arguments),
+    Sweep(sweep::Arguments),
+    Merge(merge::Arguments),
     Reproduce(reproduce::Arguments),
     Results(results::Arguments),
     Compare(compare::Arguments),
@@ -170,6 +175,8 @@ pub fn main() -> ExitCode {
         Command::Diagnose(arguments) => diagnose::run(&arguments, &mut shell),
         Command::Record(arguments) => record::run(&arguments, &mut shell),
         Command::Kc(arguments) => kc::run(&arguments, &mut shell),
+        Command::Sweep(arguments) => sweep::run(&arguments, &mut shell),
+        Command::Merge(arguments) => merge::run(&arguments, &mut shell),
         Command::Rig(arguments) => rig::run(&arguments, &mut shell),
         Command::Reproduce(arguments) => reproduce::run(&arguments, &mut shell),
         Command::Results(arguments) => results::run(&arguments, &mut shell),

@@ -49,6 +49,7 @@ pages! {
     python
     conventions
     kc
+    sweep
     mathematics
     formats
     paper

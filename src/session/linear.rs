@@ -76,6 +76,8 @@ impl Session<'_> {
             .iter()
             .map(|part| part.header.name.clone())
             .collect();
+        let kept = shown(&found).cloned();
+        self.model().outputs.keep_modes(kept);
         let text = table(&found, &names, time, !command.has("NOVECTOR"));
         self.messages.say(&text);
         let written = to_json(&found, &names, time);

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::mechanics::psi_theta_phi;
 use crate::model::{Model, Orientation, PartKind, Request};
+use crate::motion::Mode;
 use crate::results::{
     GraphicsMarker, GraphicsWriter, Header, NumberStyle, RequestEntry, RequestWriter, ResultsTable,
     StepKind, Style, Tabular, TabularRequest, Timestamp, XrfWriter, write_tabular,
@@ -328,6 +329,13 @@ impl Outputs {
             return Ok(());
         }
         write_text(path, text).map_err(|error| cannot_write(path, &error))
+    }
+
+    /// Keeps modes beside results in memory; nothing where files are written.
+    pub fn keep_modes(&mut self, modes: impl Iterator<Item = Mode>) {
+        if let Some(record) = &mut self.record {
+            record.modes = modes.collect();
+        }
     }
 
     /// True if nothing is written to a disk.

@@ -7,6 +7,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::diagnostic::Diagnostic;
+use crate::motion::Mode;
 use crate::results::ResultsTable;
 use crate::text::LineEnds;
 
@@ -20,6 +21,8 @@ type Text = Arc<Mutex<Vec<u8>>>;
 pub struct Record {
     /// The results of the last model that has any, whether or not it asks for a file of them.
     pub results: Option<ResultsTable>,
+    /// The modes of the last LINEAR/EIGENSOL, one of each pair, in the order of `.modes.json`.
+    pub modes: Vec<Mode>,
     /// What the message file would hold.
     pub messages: Vec<u8>,
     /// Warnings and errors in the order they were told.
