@@ -4,6 +4,40 @@
 //! for static equilibrium, identifies bushing stiffnesses from measured part displacements, and says what a model still gets
 //! wrong.
 //!
+//! # First steps
+//!
+//! ```
+//! use admire::Deck;
+//!
+//! # fn main() -> Result<(), admire::Error> {
+//! let before = Deck::open("corpus/pseudo-mcpherson/model.adm")?.set("SFORCE/1", 1000.0)?.solve()?;
+//! let after = Deck::open("corpus/pseudo-mcpherson/model.adm")?
+//!     .set("SFORCE/1", 1000.0)?
+//!     .set("BUSHING/*.K.1", 20_000.0)?
+//!     .solve()?;
+//! // A value per step: the deck as it was read, then the equilibrium.
+//! let (soft, stiff) = (before.column("front_arm.X")?, after.column("front_arm.X")?);
+//! assert!((stiff[1] - stiff[0]).abs() < (soft[1] - soft[0]).abs());
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! A [`Deck`] reads, changes, checks and saves a dataset, finds its equilibrium and executes command files; a [`Run`] holds what files would.
+//! [`Results`] reads results files of any size. A [`Study`] identifies stiffnesses and diagnoses:
+//!
+//! ```
+//! use admire::{Study, Watched};
+//!
+//! # fn main() -> Result<(), admire::Error> {
+//! let answer = Study::open("corpus/pseudo-mcpherson")?.identify(false, &Watched::default())?;
+//! let first = &answer.fit.parameters[0];
+//! assert_eq!(first.address, "BUSHING/1.K.1");
+//! // The true stiffness of the shipped study.
+//! assert!((first.value - 13875.0).abs() < 4.0 * first.std_error.expect("an identified number has one"));
+//! # Ok(())
+//! # }
+//! ```
+//!
 //! # The ladder: one word, one owner, one direction
 //!
 //! ```text
@@ -48,7 +82,10 @@
 //! | 15 | discrepancy | causes, search, extension, gain |
 //! | 16 | report | HTML and SVG |
 //! | 17 | lsp | the language server |
+//! | 17 | front | a deck, its runs, studies, results: what most programs need |
+//! | 17 | sweep | variants by the thousand: cases, shards, the table of answers |
 //! | 18 | cli | subcommands |
+//! | 18 | python | the Python package |
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 
 pub mod backend;
@@ -58,6 +95,7 @@ pub mod constraint;
 pub mod diagnostic;
 pub mod discrepancy;
 pub mod element;
+pub mod front;
 pub mod function;
 pub mod grammar;
 pub mod guide;
@@ -68,13 +106,18 @@ pub mod lsp;
 pub mod mechanics;
 pub mod model;
 pub mod motion;
+#[cfg(feature = "python")]
+mod python;
 pub mod report;
 pub mod results;
 pub mod rig;
 pub mod session;
 pub mod statics;
+pub mod sweep;
 pub mod syntax;
 pub mod system;
 pub mod text;
 pub mod tolerance;
 pub mod units;
+
+pub use front::{Complaint, Deck, Error, ErrorKind, Results, Run, Setting, Study, Watch, Watched};

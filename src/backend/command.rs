@@ -7,6 +7,7 @@ use super::answer::{Answer, licence_failure, read};
 use super::bushing_check::ForceFrame;
 use super::process::{execute, tail};
 use super::run_folder::{RunFiles, STEM};
+use super::scratch_folder::ScratchFolder;
 use super::{Backend, BackendError, Recording, RunError, Sweep, SweepRequest};
 
 /// Any program with ADAMS' command line.
@@ -60,22 +61,13 @@ impl CommandBackend {
             dead: false,
         };
         let prefix = format!("run-{number:04}-");
-        let mut builder = tempfile::Builder::new();
         let folder = match &self.keep {
-            Some(keep) => {
-                std::fs::create_dir_all(keep).map_err(no_folder)?;
-                builder.prefix(&prefix).tempdir_in(keep)
-            }
-            None => builder.prefix("admire-run-").tempdir(),
+            Some(keep) => ScratchFolder::lasting(keep, &prefix),
+            None => ScratchFolder::temporary(),
         }
         .map_err(no_folder)?;
         match self.run_in(folder.path(), request) {
-            Ok(answer) => {
-                if self.keep.is_some() {
-                    let _ = folder.keep();
-                }
-                Ok(answer)
-            }
+            Ok(answer) => Ok(answer),
             Err(reason) => Err(BackendError::Run {
                 reason: Box::new(reason),
                 folder: folder.keep(),

@@ -8,21 +8,27 @@ mod bushing_check;
 mod case_check;
 mod command;
 mod contract;
+mod deck_run;
+#[cfg(windows)]
+mod job;
 mod native;
 mod process;
+#[cfg(not(windows))]
 mod process_tree;
 mod programme;
 mod recording;
 mod replay;
 mod run_folder;
+mod scratch_folder;
 
 pub use bushing_check::ForceFrame;
 pub use command::CommandBackend;
 pub use contract::{
     Backend, BackendError, CaseFailure, CaseOutcome, RunError, Sweep, SweepRequest,
 };
+pub use deck_run::{DeckAnswer, DeckRun, ProgramRun};
 pub use native::{NativeBackend, compile, slot, tight_settings};
-pub use process_tree::end_runs;
+pub use process::end_runs;
 pub use programme::{Load, LoadCase, LoadProgramme};
 pub use recording::Recording;
 pub use replay::ReplayBackend;

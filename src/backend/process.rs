@@ -6,8 +6,11 @@ use std::path::Path;
 use std::process::{Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
-use super::RunError;
+#[cfg(windows)]
+use super::job as process_tree;
+#[cfg(not(windows))]
 use super::process_tree;
+use super::{RunError, scratch_folder};
 
 /// What a run prints, on both of its outputs.
 pub(super) const CONSOLE: &str = "console.log";
@@ -41,27 +44,30 @@ pub(super) fn execute(
     // Into a file: a pipe that nobody empties would hang the run.
     let log = File::create(folder.join(CONSOLE)).map_err(start)?;
     let also = log.try_clone().map_err(start)?;
-    let mut command = Command::new(program);
+    let mut command = if cfg!(windows) {
+        // Windows itself looks beside this program first, and for nothing but an .exe; `mdi` of ADAMS is a .bat.
+        let found = which::which(program).map_err(|e| start(std::io::Error::other(e)))?;
+        Command::new(found)
+    } else {
+        Command::new(program)
+    };
     command
         .args(arguments)
         .current_dir(folder)
         .stdin(Stdio::null())
         .stdout(log)
         .stderr(also);
-    let (mut child, tree) = process_tree::start(&mut command).map_err(start)?;
+    let mut tree = process_tree::start(command).map_err(start)?;
     let begin = Instant::now();
     let mut pause = Duration::from_micros(200);
     loop {
-        if let Some(status) = child.try_wait().map_err(start)? {
+        if let Some(status) = tree.try_wait().map_err(start)? {
             return Ok(status);
         }
         let late = begin.elapsed() > timeout;
         let too_much = too_much(folder);
         if late || too_much.is_some() {
             drop(tree);
-            // The answer is no longer wanted; that it has just ended is no error.
-            let _ = child.kill();
-            let _ = child.wait();
             let tail = tail(folder);
             return Err(match too_much {
                 Some(what) => RunError::Output { what, tail },
@@ -74,6 +80,12 @@ pub(super) fn execute(
         std::thread::sleep(pause);
         pause = (pause * 2).min(Duration::from_millis(50));
     }
+}
+
+/// Ends all runs that go on, and removes their folders: before this process ends itself.
+pub fn end_runs() {
+    process_tree::end_runs();
+    scratch_folder::remove_all();
 }
 
 /// What of a run's output is larger than any answer, if anything is.

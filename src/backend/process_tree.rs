@@ -1,10 +1,10 @@
-//! All processes a run starts, ended with it.
+//! All processes a run starts on Unix, ended with it.
 //!
 //! ADAMS' own `mdi` is a script, and the solver behind it holds the licence; a program may also put itself into a session of its own.
 //! A run leads a process group, its processes carry a mark in their environment, and on Linux orphans become children of this
 //! process (PR_SET_CHILD_SUBREAPER), so that none is lost.
 
-use std::process::{Child, Command};
+use std::process::{Child, Command, ExitStatus};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
@@ -12,7 +12,6 @@ use std::sync::{Mutex, PoisonError};
 static RUNNING: Mutex<Vec<(u32, String)>> = Mutex::new(Vec::new());
 
 /// True if this process had children before its first run: a shell may have started some and become this program.
-#[cfg(unix)]
 static HAS_OTHERS: std::sync::OnceLock<bool> = std::sync::OnceLock::new();
 
 /// Carries the mark.
@@ -21,6 +20,7 @@ const MARK: &str = "ADMIRE_RUN";
 /// The processes of one run; they end when it goes out of scope.
 #[derive(Debug)]
 pub(super) struct ProcessTree {
+    child: Child,
     root: u32,
     mark: String,
 }
@@ -29,13 +29,12 @@ pub(super) struct ProcessTree {
 ///
 /// # Errors
 /// When it cannot be started.
-pub(super) fn start(command: &mut Command) -> std::io::Result<(Child, ProcessTree)> {
+pub(super) fn start(mut command: Command) -> std::io::Result<ProcessTree> {
     static COUNT: AtomicUsize = AtomicUsize::new(0);
     let count = COUNT.fetch_add(1, Ordering::Relaxed);
     let mark = format!("{}-{count}", std::process::id());
     command.env(MARK, &mark);
-    #[cfg(unix)]
-    std::os::unix::process::CommandExt::process_group(command, 0);
+    std::os::unix::process::CommandExt::process_group(&mut command, 0);
     #[cfg(target_os = "linux")]
     {
         // Without it orphans are found by their mark all the same.
@@ -43,7 +42,6 @@ pub(super) fn start(command: &mut Command) -> std::io::Result<(Child, ProcessTre
     }
     // Known before anybody looks for orphans.
     running(|runs| {
-        #[cfg(unix)]
         HAS_OTHERS.get_or_init(|| {
             let me = std::process::id();
             processes(&mark).iter().any(|process| process.parent == me)
@@ -51,19 +49,32 @@ pub(super) fn start(command: &mut Command) -> std::io::Result<(Child, ProcessTre
         let child = command.spawn()?;
         let root = child.id();
         runs.push((root, mark.clone()));
-        Ok((child, ProcessTree { root, mark }))
+        Ok(ProcessTree { child, root, mark })
     })
+}
+
+impl ProcessTree {
+    /// How the program ended; `None` while it goes on.
+    ///
+    /// # Errors
+    /// When the system does not tell.
+    pub(super) fn try_wait(&mut self) -> std::io::Result<Option<ExitStatus>> {
+        self.child.try_wait()
+    }
 }
 
 impl Drop for ProcessTree {
     fn drop(&mut self) {
         end(self.root, &self.mark);
+        // That it has ended by itself is no error.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
         running(|runs| runs.retain(|(root, _)| *root != self.root));
     }
 }
 
 /// Ends all runs that go on: before this process ends itself.
-pub fn end_runs() {
+pub(super) fn end_runs() {
     for (root, mark) in running(|runs| runs.clone()) {
         end(root, &mark);
     }
@@ -74,7 +85,6 @@ fn running<T>(work: impl FnOnce(&mut Vec<(u32, String)>) -> T) -> T {
 }
 
 /// One process of the system.
-#[cfg(unix)]
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 struct Process {
     id: u32,
@@ -85,7 +95,6 @@ struct Process {
 }
 
 /// Kills what belongs to a run, again until nothing does: what is about to start another process is found the next time.
-#[cfg(unix)]
 fn end(root: u32, mark: &str) {
     use nix::sys::signal::{Signal, kill};
     use nix::sys::wait::{WaitPidFlag, waitpid};
@@ -121,17 +130,8 @@ fn end(root: u32, mark: &str) {
     }
 }
 
-#[cfg(not(unix))]
-fn end(root: u32, _: &str) {
-    let id = root.to_string();
-    let _ = Command::new("taskkill")
-        .args(["/T", "/F", "/PID", &id])
-        .output();
-}
-
 /// The processes of a run: marked ones, the group of its root, all below these; and orphans that left the group, where the run is
 /// `alone` and they can be nobody else's.
-#[cfg(unix)]
 fn members(all: &[Process], root: u32, me: u32, others: &[u32], alone: bool) -> Vec<u32> {
     let own_group = all.iter().find(|p| p.id == me).map(|p| p.group);
     let mut found: Vec<u32> = Vec::new();
@@ -197,7 +197,7 @@ fn parent_and_group(stat: &[u8]) -> Option<(u32, u32)> {
 }
 
 /// All processes of the system; nothing shows their marks.
-#[cfg(all(unix, not(target_os = "linux")))]
+#[cfg(not(target_os = "linux"))]
 fn processes(_: &str) -> Vec<Process> {
     let listed = Command::new("ps")
         .args(["-A", "-o", "pid=,ppid=,pgid=,stat="])
@@ -221,7 +221,6 @@ fn processes(_: &str) -> Vec<Process> {
 }
 
 #[cfg(test)]
-#[cfg(unix)]
 mod tests {
     use super::*;
 

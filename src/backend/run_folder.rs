@@ -6,9 +6,10 @@ use sha2::Digest;
 
 use super::{Load, SweepRequest};
 use crate::diagnostic::Diagnostic;
-use crate::session::{find_file, folder_of, native_spelling};
+use crate::session::{find_file, folder_of, native_spelling, on_deck};
 use crate::syntax::files::references;
 use crate::syntax::{Address, Dataset, NewStatement};
+use crate::text::Source;
 
 /// Base name of the files of a run.
 pub(super) const STEM: &str = "run";
@@ -41,6 +42,17 @@ impl RunFiles {
             commands,
             beside: beside(request.dataset),
         })
+    }
+
+    /// The files of a deck with a command file of its own. Files the deck names stand beside `original`.
+    pub fn of_deck(deck: &Source, commands: &Source, original: &Dataset) -> Self {
+        Self {
+            deck: with_xrf(Dataset::parse(deck.clone()).value)
+                .bytes()
+                .to_vec(),
+            commands: on_deck(STEM, commands).bytes().to_vec(),
+            beside: beside(original),
+        }
     }
 
     /// Writes them into a folder.
@@ -128,11 +140,16 @@ fn deck(request: &SweepRequest<'_>) -> Result<Dataset, Box<Diagnostic>> {
         let edits = deck.set(address, *value).map_err(Box::new)?;
         deck = edited(&deck, &edits);
     }
+    Ok(with_xrf(deck))
+}
+
+/// The deck with RESULTS/XRF where it does not ask for results in that form.
+fn with_xrf(deck: Dataset) -> Dataset {
     let has_xrf = deck
         .statement("RESULTS", None)
         .map(|results| results.has("XRF"));
     let edits = match (has_xrf, deck.statement("RESULTS", None)) {
-        (Some(true), _) => return Ok(deck),
+        (Some(true), _) => return deck,
         (Some(false), Some(results)) => {
             vec![crate::text::Edit::new(
                 crate::text::Span::at(results.span.end()),
@@ -146,7 +163,7 @@ fn deck(request: &SweepRequest<'_>) -> Result<Dataset, Box<Diagnostic>> {
             arguments: vec![("XRF".to_string(), None)],
         }),
     };
-    Ok(edited(&deck, &edits))
+    edited(&deck, &edits)
 }
 
 fn edited(deck: &Dataset, edits: &[crate::text::Edit]) -> Dataset {

@@ -1,9 +1,8 @@
 //! What an assignment of the command line means: `BUSHING/*.K.1*=1.2` is one value for each of several addresses.
 
 use crate::diagnostic::{Code, Diagnostic};
-use crate::grammar::{ArgumentDef, STATEMENTS, ValueKind};
+use crate::front::{is_angle, rounded};
 use crate::syntax::{Address, Argument, Dataset, Value, number, spell_like};
-use crate::units::Dimension;
 
 use super::shell::{Exit, Shell};
 
@@ -150,35 +149,10 @@ fn places(address: &Address, dataset: &Dataset) -> Vec<Address> {
     (1..=count).map(place).collect()
 }
 
-fn definition(address: &Address) -> Option<&'static ArgumentDef> {
-    let def = STATEMENTS.iter().find(|def| def.name == address.kind)?;
-    let name = address.argument.as_deref()?;
-    def.arguments.iter().find(|argument| argument.name == name)
-}
-
-/// True if an address is that of an angle. Numbers inside of functions have no unit but that of their suffix.
-pub(super) fn is_angle(address: &Address, dataset: &Dataset) -> bool {
-    match definition(address) {
-        Some(def) if def.kind == ValueKind::Real => def.dimension == Dimension::ANGLE,
-        Some(def) if def.kind == ValueKind::Function => {
-            address.index.is_some()
-                && dataset
-                    .number_at(address)
-                    .is_some_and(|number| number.degrees)
-        }
-        _ => false,
-    }
-}
-
 fn plain_number(value: &str) -> Option<f64> {
     number::parse_number(value.as_bytes())
         .filter(|(_, degrees)| !degrees)
         .map(|(number, _)| number)
-}
-
-/// Fifteen digits: what is reckoned has rounding errors nobody wants in a deck.
-pub(super) fn rounded(value: f64) -> f64 {
-    format!("{value:.14e}").parse().unwrap_or(value)
 }
 
 #[cfg(test)]

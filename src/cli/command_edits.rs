@@ -1,11 +1,11 @@
 //! `get` and `set` on command files: `SIMULATE#2.END`, `SFORCE/3.FUNCTION`.
 
 use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::front::edits;
 use crate::grammar::{Lookup, Role, find_statement};
 use crate::syntax::{Address, CommandFile, Dataset, lint};
 use crate::text::{Source, Span, apply_edits};
 
-use super::set::edits;
 use super::shell::{Exit, Shell};
 
 /// What a text names among the commands of a file: for each of them its own name (`SIMULATE#2.END`), the command as the only

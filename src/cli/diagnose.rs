@@ -4,19 +4,18 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::discrepancy::{
     Finding, Outcome as Diagnosed, Progress as Watched, SWEEPS, Verdict, diagnose_watched, held_out,
 };
+use crate::front::fit::changed_lines;
+use crate::front::{foreign_parts, solver};
 use crate::identify::{LoadedStudy, estimate_noise};
 use crate::report::{DiagnosisReport, number};
 use crate::rig::settings::BackendChoice;
-use crate::rig::{ForeignMarks, foreign_marks};
 
 use super::Outcome;
-use super::identify::changed_lines;
 use super::input::study;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::plausibility::before_a_fit;
 use super::progress::Progress;
 use super::shell::{Exit, Format, Shell};
-use super::solver;
 
 /// Say what a model still gets wrong after its best fit, name the cause, and extend the model by it.
 ///
@@ -47,7 +46,7 @@ const OUTPUTS: [&str; 4] = [
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     refuse_replacing(&arguments.out, &OUTPUTS, arguments.replacing, shell)?;
     let mut loaded = study(&arguments.study, shell)?;
-    let foreign = foreign(&loaded);
+    let foreign = foreign_parts(&loaded);
     if !foreign.is_empty() {
         // Nobody asks what is wrong with a model when the readings are not of its parts.
         shell.complain(&foreign);
@@ -90,7 +89,9 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
 
 /// Holds the solver of the study against the built-in one, which searches. Without an answer of it the diagnosis stands, and says so.
 fn compare(loaded: &LoadedStudy, outcome: &mut Diagnosed<'_>, shell: &mut Shell) {
-    let mut backend = solver::backend(&loaded.study, None, shell);
+    let mut backend = solver::backend(&loaded.study, None, &|note| {
+        shell.complain(std::slice::from_ref(note));
+    });
     if let Err(error) = outcome.compare(backend.as_mut()) {
         shell.complain(&[Diagnostic::warning(
             Code::NoFit,
@@ -100,37 +101,6 @@ fn compare(loaded: &LoadedStudy, outcome: &mut Diagnosed<'_>, shell: &mut Shell)
     for remark in backend.remarks() {
         shell.say(&format!("{remark}\n"));
     }
-}
-
-/// Marks that belong to other parts, with the cases where they do.
-fn foreign(loaded: &LoadedStudy) -> Vec<Diagnostic> {
-    let measurement = &loaded.measurement;
-    let Some(marks) = &loaded.study.marks else {
-        return Vec::new();
-    };
-    let of = |foreign: ForeignMarks| {
-        let name = &measurement.parts[foreign.part].name;
-        let labels: Vec<&str> = foreign
-            .cases
-            .iter()
-            .map(|&case| measurement.cases[case].label.as_str())
-            .collect();
-        let first = &measurement.cases[foreign.cases[0]].marks;
-        let place = first.iter().find(|read| read.part == foreign.part);
-        let mut diagnostic = Diagnostic::error(
-            Code::InconsistentMarks,
-            format!(
-                "the marks of {name} in cases {} are not of one part: {:.3} rms are left by the best rigid motion, and no part bends so much",
-                labels.join(", "),
-                foreign.rms
-            ),
-        );
-        if let Some(read) = place {
-            diagnostic = diagnostic.label(marks.measured.source.name(), read.place, "");
-        }
-        diagnostic.help("put the readings right, or leave these cases out; then diagnose again")
-    };
-    foreign_marks(measurement).into_iter().map(of).collect()
 }
 
 fn write(

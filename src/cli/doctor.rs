@@ -7,9 +7,10 @@ use crate::report::VERSION;
 use crate::rig::Study;
 use crate::rig::settings::BackendChoice;
 
+use crate::front::solver::found_on_path;
+
 use super::Outcome;
 use super::shell::{Exit, Shell};
-use super::solver::found_on_path;
 
 /// Say what is installed here: which `mdi` a script would find, whether a study's program answers, Octave, write permissions.
 ///
@@ -90,7 +91,7 @@ impl Report {
 
 /// This program, the solver beside it, and the one a script finds.
 fn programs(report: &mut Report) {
-    let own = std::env::current_exe().and_then(std::fs::canonicalize);
+    let own = std::env::current_exe().and_then(dunce::canonicalize);
     let shown = own
         .as_ref()
         .map_or_else(ToString::to_string, |path| path.display().to_string());
@@ -123,7 +124,7 @@ fn programs(report: &mut Report) {
 /// True for the solver beside this program, or a shim that starts it.
 fn is_ours(found: &Path, beside: Option<&Path>) -> bool {
     let Some(beside) = beside else { return false };
-    let same = found.canonicalize().ok().as_deref() == Some(beside);
+    let same = dunce::canonicalize(found).ok().as_deref() == Some(beside);
     let mut head = Vec::new();
     let file = std::fs::File::open(found).map(|file| file.take(4096).read_to_end(&mut head));
     let starts =

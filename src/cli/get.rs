@@ -1,16 +1,15 @@
 use std::path::PathBuf;
 
 use clap_complete::ArgValueCompleter;
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use crate::check::is_command_file;
-use crate::diagnostic::{Code, Diagnostic};
-use crate::grammar::{STATEMENTS, ValueKind};
-use crate::syntax::{self, Address, Argument, CommandFile, Dataset};
+use crate::diagnostic::Diagnostic;
+use crate::front::value;
+use crate::syntax::{Address, CommandFile, Dataset};
 
 use super::Outcome;
 use super::addresses::complete;
-use super::assignment::{is_angle, rounded};
 use super::command_edits;
 use super::shell::{Exit, Format, Shell};
 
@@ -141,98 +140,4 @@ fn plain(value: &Value) -> String {
         Value::String(text) => text.clone(),
         other => other.to_string(),
     }
-}
-
-/// A number, a list of numbers, a text, or the statement as it is written; what is not written has its default.
-fn value(dataset: &Dataset, address: &Address, degrees: bool) -> Result<Value, Diagnostic> {
-    let source = dataset.source();
-    if address.kind == "TITLE" {
-        return Ok(json!(dataset.title()));
-    }
-    let statement = dataset.find(address);
-    let Some(name) = &address.argument else {
-        return Ok(statement.map_or(Value::Null, |found| json!(source.text(found.span))));
-    };
-    let def = STATEMENTS
-        .iter()
-        .find(|def| def.name == address.kind)
-        .and_then(|def| def.arguments.iter().find(|argument| argument.name == name));
-    let whole =
-        def.is_some_and(|def| matches!(def.kind, ValueKind::Integer | ValueKind::Reference(_)));
-    let in_degrees = degrees && is_angle(address, dataset);
-    let number = |value: f64| {
-        let value = if in_degrees {
-            rounded(value.to_degrees())
-        } else {
-            value
-        };
-        if whole && value.fract() == 0.0 {
-            json!(value as i64)
-        } else {
-            json!(value)
-        }
-    };
-    if let Some(value) = dataset.value_at(address) {
-        return Ok(number(value));
-    }
-    let written = statement.and_then(|statement| Some((statement, statement.argument(name)?)));
-    let Some((statement, argument)) = written else {
-        let default = def.map_or(&[][..], |def| def.default);
-        return match address.index {
-            Some(index) => {
-                let room = def.and_then(|def| def.count.max);
-                match default.get(index - 1) {
-                    Some(value) => Ok(number(*value)),
-                    None if room.is_none_or(|most| index <= most) => Ok(Value::Null),
-                    None => Err(beyond(address, room)),
-                }
-            }
-            None if default.is_empty() => Ok(Value::Null),
-            None => Ok(default.iter().copied().map(number).collect()),
-        };
-    };
-    let numbers: Vec<Value> = statement
-        .all(name)
-        .flat_map(Argument::numbers)
-        .map(|one| number(one.value))
-        .collect();
-    let texts = argument.texts(source);
-    let mut values = if numbers.is_empty() {
-        texts.iter().map(|text| json!(text)).collect()
-    } else {
-        numbers
-    };
-    match address.index {
-        Some(index) if index <= values.len() => Ok(values.swap_remove(index - 1)),
-        Some(_) => {
-            let literals = match &argument.value {
-                syntax::Value::Function(expression) => expression.literals.len(),
-                _ => values.len(),
-            };
-            Err(beyond(address, Some(literals)).label(source.name(), argument.span, ""))
-        }
-        None => Ok(match (values.len(), argument.text(source)) {
-            (0, Some(text)) => json!(text),
-            (0, None) => match &argument.value {
-                syntax::Value::Flag => json!(true),
-                _ => json!(source.text(argument.value_span())),
-            },
-            (1, _) => values.swap_remove(0),
-            _ => Value::Array(values),
-        }),
-    }
-}
-
-/// There is no value at such a place.
-fn beyond(address: &Address, count: Option<usize>) -> Diagnostic {
-    let count = count.unwrap_or(0);
-    let what = Address {
-        index: None,
-        ..address.clone()
-    };
-    let values = if count == 1 { "value" } else { "values" };
-    Diagnostic::error(
-        Code::OutOfRange,
-        format!("{address} is not there: {what} has {count} {values}"),
-    )
 }

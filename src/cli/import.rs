@@ -1,10 +1,11 @@
 use std::path::PathBuf;
 
 use crate::diagnostic::{Code, Diagnostic};
+use crate::front::new_errors;
 use crate::syntax::{Dataset, json};
 
 use super::Outcome;
-use super::edited::{edited, new_errors, refuse_faults};
+use super::edited::{edited, refuse_faults};
 use super::shell::{Exit, Shell};
 use super::target::Target;
 

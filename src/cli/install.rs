@@ -31,7 +31,7 @@ const COMPLETIONS: [(&str, &str); 3] = [
 
 /// Writes the files.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
-    let home = || std::env::var_os("HOME").map(|home| PathBuf::from(home).join(".local"));
+    let home = || std::env::home_dir().map(|home| home.join(".local"));
     let Some(prefix) = arguments.prefix.clone().or_else(home) else {
         let message = "there is no home folder to install below";
         return Err(shell.usage(

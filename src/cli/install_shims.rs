@@ -2,8 +2,9 @@ use std::path::{Path, PathBuf};
 
 use crate::diagnostic::{Code, Diagnostic};
 
+use crate::front::permissions::make_executable;
+
 use super::Outcome;
-use super::permissions::make_executable;
 use super::shell::{Exit, Shell};
 
 /// Put commands called like ADAMS' own into a folder; each runs this installation's `mdi`.
@@ -40,7 +41,7 @@ fn default_names() -> Vec<String> {
     names
 }
 
-/// Writes a Unix shell script and a Windows batch file for each name.
+/// Writes a batch file for each name, and on Unix a shell script.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let folder = &arguments.directory;
     let cannot = |path: &Path, error: &std::io::Error| {
@@ -50,7 +51,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         )
     };
     let mdi = std::env::current_exe()
-        .and_then(std::fs::canonicalize)
+        .and_then(dunce::canonicalize)
         .map(|admire| admire.with_file_name(format!("mdi{}", std::env::consts::EXE_SUFFIX)))
         .map_err(|error| shell.fail(cannot(folder, &error)))?;
     if !mdi.is_file() {
@@ -62,7 +63,9 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             "`cargo install --locked --path .` installs admire and mdi together; `cargo build --release` builds both",
         )));
     }
-    std::fs::create_dir_all(folder).map_err(|error| shell.fail(cannot(folder, &error)))?;
+    let whole = std::fs::create_dir_all(folder)
+        .and_then(|()| dunce::canonicalize(folder))
+        .map_err(|error| shell.fail(cannot(folder, &error)))?;
     let plain = |name: &String| {
         !name.is_empty()
             && name
@@ -76,10 +79,11 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
                 format!("`{name}` is not a name for a command"),
             )));
         }
-        for (file, text) in [
-            (name.clone(), unix_shim(&mdi)),
-            (format!("{name}.bat"), windows_shim(&mdi)),
-        ] {
+        let mut files = vec![(format!("{name}.bat"), windows_shim(&mdi, &whole))];
+        if cfg!(unix) {
+            files.insert(0, (name.clone(), unix_shim(&mdi)));
+        }
+        for (file, text) in files {
             let path = folder.join(file);
             if path.exists()
                 && !arguments.force
@@ -106,10 +110,36 @@ fn unix_shim(mdi: &Path) -> String {
     format!("#!/bin/sh\nexec '{quoted}' \"$@\"\n")
 }
 
-fn windows_shim(mdi: &Path) -> String {
+fn windows_shim(mdi: &Path, folder: &Path) -> String {
+    let ends = "%*\r\nexit /b %ERRORLEVEL%\r\n";
     // `%` would be taken for a variable.
-    let quoted = mdi.display().to_string().replace('%', "%%");
-    format!("@echo off\r\n\"{quoted}\" %*\r\nexit /b %ERRORLEVEL%\r\n")
+    let quoted = |path: &str| path.replace('%', "%%");
+    let whole = quoted(&mdi.to_string_lossy());
+    if whole.is_ascii() {
+        return format!("@echo off\r\n\"{whole}\" {ends}");
+    }
+    // Batch files are read in the code page of the console, which spells other letters its own way. `%~dp0` is the folder of the
+    // batch file itself.
+    if let Some(steps) = steps(folder, mdi).filter(|steps| steps.is_ascii()) {
+        return format!("@echo off\r\n\"%~dp0{}\" {ends}", quoted(&steps));
+    }
+    // The program itself runs in the code page that was there before.
+    format!(
+        "@echo off\r\nsetlocal\r\n\
+        for /f \"tokens=2 delims=:.\" %%p in ('chcp') do set \"page=%%p\"\r\n\
+        chcp 65001 >nul\r\nset \"mdi={whole}\"\r\nchcp %page% >nul\r\n\"%mdi%\" {ends}"
+    )
+}
+
+/// The way from a folder to a file, both absolute; `None` if they are on different drives.
+fn steps(folder: &Path, file: &Path) -> Option<String> {
+    let (from, to): (Vec<_>, Vec<_>) = (folder.components().collect(), file.components().collect());
+    let common = from.iter().zip(&to).take_while(|(a, b)| a == b).count();
+    let names = to[common..]
+        .iter()
+        .map(|part| part.as_os_str().to_string_lossy());
+    let up = std::iter::repeat_n("..".into(), from.len() - common);
+    (common > 0).then(|| up.chain(names).collect::<Vec<_>>().join("\\"))
 }
 
 #[cfg(test)]
@@ -124,8 +154,20 @@ mod tests {
             "#!/bin/sh\nexec '/opt/it'\\''s here/mdi' \"$@\"\n"
         );
         assert_eq!(
-            windows_shim(Path::new(r"C:\100%\mdi.exe")),
+            windows_shim(Path::new(r"C:\100%\mdi.exe"), Path::new(r"C:\bin")),
             "@echo off\r\n\"C:\\100%%\\mdi.exe\" %*\r\nexit /b %ERRORLEVEL%\r\n"
+        );
+        // Letters beyond ASCII stand in no batch file, or in one that says how it is to be read.
+        let mdi = Path::new("/users/j\u{fc}rgen/.cargo/bin/mdi.exe");
+        let near = windows_shim(mdi, Path::new("/users/j\u{fc}rgen/bin"));
+        assert!(
+            near.contains("\r\n\"%~dp0..\\.cargo\\bin\\mdi.exe\" %*\r\n"),
+            "{near}"
+        );
+        let far = windows_shim(mdi, Path::new("/bin"));
+        assert!(
+            far.contains("chcp 65001") && far.contains("\"%mdi%\" %*"),
+            "{far}"
         );
     }
 }

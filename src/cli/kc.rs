@@ -1,14 +1,13 @@
 use std::path::{Path, PathBuf};
 
 use comfy_table::{CellAlignment, Table, presets};
-use serde_json::json;
 
 use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::front::kc_page;
 use crate::kc::{
     Bench, BenchError, Config, Convention, KcRun, deck_files, output, run as run_tests,
 };
 use crate::model::Model;
-use crate::report::{KcReport, MeasuredCurve};
 use crate::statics::{SolveError, history_table};
 use crate::syntax::Dataset;
 use crate::syntax::files::Files;
@@ -140,14 +139,13 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     }
     files.push((
         "report.html".into(),
-        page(
-            arguments,
-            &deck,
+        kc_page(
+            (&arguments.deck, &units),
             (&config, &found),
             (&others, &curves),
             convention,
-            shell,
-        )?
+        )
+        .map_err(|error| shell.fail(Diagnostic::error(Code::CannotWrite, error.to_string())))?
         .into_bytes(),
     ));
     write_folder(&arguments.out, &files, arguments.replacing, shell)?;
@@ -224,89 +222,6 @@ fn refuse(why: &BenchError, path: &Path, shell: &Shell) -> Exit {
             Exit::NoAnswer
         }
     }
-}
-
-fn page(
-    arguments: &Arguments,
-    deck: &Deck,
-    (config, found): (&Config, &KcRun),
-    (others, curves): (&[(String, KcRun)], &[MeasuredCurve]),
-    convention: Convention,
-    shell: &Shell,
-) -> Result<String, Exit> {
-    let name = arguments
-        .deck
-        .file_name()
-        .map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-    let given = |value: Option<String>| value.unwrap_or_else(|| "not given".to_string());
-    let facts = [
-        (
-            "Deck",
-            format!("{}, axes {}", arguments.deck.display(), config.axes),
-        ),
-        (
-            "Axle",
-            if config.mirror {
-                "one wheel, mirrored: no coupling of the wheels".to_string()
-            } else {
-                format!(
-                    "{} wheels, anti-roll bar {}",
-                    config.sides().len(),
-                    config.anti_roll_bar
-                )
-            },
-        ),
-        (
-            "Tyre",
-            given(config.tyre.map(|tyre| match tyre.stiffness {
-                Some(k) => format!("unloaded radius {}, stiffness {k}", tyre.radius),
-                None => format!("unloaded radius {}, rigid", tyre.radius),
-            })),
-        ),
-        (
-            "Ride height",
-            match config.ride_load {
-                Some(load) => format!("vertical load {load} on each wheel"),
-                None => format!("{} over design", config.ride_height),
-            },
-        ),
-        (
-            "Steering",
-            config.steering_lock.as_ref().map_or_else(
-                || "as in the deck".to_string(),
-                |at| format!("locked by {}", at.text),
-            ),
-        ),
-        ("Axes of the answer", convention.word().to_string()),
-        (
-            "Swing arms and roll centre",
-            format!(
-                "vertical load {}",
-                json!(config.vertical_load).as_str().unwrap_or_default()
-            ),
-        ),
-        (
-            "Compliance matrix",
-            match found.ride.seen.axle.compliance {
-                Some(_) => format!("lack of symmetry {:.1e}", found.asymmetry),
-                None => "not defined: nothing but the rig holds the wheels up".to_string(),
-            },
-        ),
-        ("Definitions", format!("version {}", output::DEFINITIONS)),
-    ];
-    let report = KcReport {
-        deck: &name,
-        run: found,
-        others,
-        measured: curves,
-        units: &deck.model.units,
-        convention,
-        facts: &facts,
-    };
-    let footer = format!("admire {}", crate::report::VERSION);
-    report
-        .page(&footer)
-        .map_err(|error| shell.fail(Diagnostic::error(Code::CannotWrite, error.to_string())))
 }
 
 /// Ride height and the gradients of every test.

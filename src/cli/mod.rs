@@ -34,11 +34,10 @@ mod install_shims;
 mod interrupt;
 mod kc;
 mod kc_measured;
-mod leftover;
 mod lsp;
+mod merge;
 mod new;
 mod output_folder;
-mod permissions;
 mod plausibility;
 mod progress;
 mod record;
@@ -55,8 +54,9 @@ mod set;
 mod shell;
 mod solve;
 mod solve_run;
-mod solver;
 mod summary;
+mod sweep;
+mod sweep_slurm;
 mod target;
 mod tolerance;
 mod view;
@@ -124,6 +124,8 @@ enum Command {
     Record(record::Arguments),
     Rig(rig::Arguments),
     Kc(kc::Arguments),
+    Sweep(sweep::Arguments),
+    Merge(merge::Arguments),
     Reproduce(reproduce::Arguments),
     Results(results::Arguments),
     Compare(compare::Arguments),
@@ -148,6 +150,9 @@ pub fn main() -> ExitCode {
         _ => Verbosity::Usual,
     };
     let mut shell = Shell::new(cli.format, cli.color, verbosity);
+    if let Err(exit) = shell.obey_code_page() {
+        return ExitCode::from(exit as u8);
+    }
     let exit = match cli.command {
         Command::New(arguments) => new::run(&arguments, &mut shell),
         Command::Check(arguments) => check::run(&arguments, &mut shell),
@@ -170,6 +175,8 @@ pub fn main() -> ExitCode {
         Command::Diagnose(arguments) => diagnose::run(&arguments, &mut shell),
         Command::Record(arguments) => record::run(&arguments, &mut shell),
         Command::Kc(arguments) => kc::run(&arguments, &mut shell),
+        Command::Sweep(arguments) => sweep::run(&arguments, &mut shell),
+        Command::Merge(arguments) => merge::run(&arguments, &mut shell),
         Command::Rig(arguments) => rig::run(&arguments, &mut shell),
         Command::Reproduce(arguments) => reproduce::run(&arguments, &mut shell),
         Command::Results(arguments) => results::run(&arguments, &mut shell),

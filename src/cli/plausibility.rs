@@ -13,16 +13,9 @@ use super::shell::{Exit, Shell};
 pub(super) fn before_a_fit(loaded: &LoadedStudy, force: bool, shell: &Shell) -> Result<(), Exit> {
     let found = Plausibility::of(loaded);
     shell.say(&text(&found));
-    if found.allows_a_fit() {
+    let Some(message) = found.refusal() else {
         return Ok(());
-    }
-    let why: Vec<&str> = found
-        .checks
-        .iter()
-        .filter(|check| check.verdict == Verdict::Impossible)
-        .map(|check| check.why.as_str())
-        .collect();
-    let message = format!("this cannot be meant: {}", why.join("; "));
+    };
     if force {
         shell.complain(&[Diagnostic::warning(Code::ImplausibleStudy, message)]);
         return Ok(());

@@ -7,6 +7,9 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use crate::front::Watch;
+
+use super::interrupt;
 use super::shell::Shell;
 
 /// Before this nobody wonders.
@@ -59,21 +62,24 @@ impl Progress {
         progress.stage(stage);
         progress
     }
+}
 
-    /// The next stage begins.
-    pub fn stage(&self, stage: &str) {
+impl Watch for Progress {
+    fn stage(&self, stage: &str) {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         if state.stage == stage {
             return;
         }
-        state.stage = stage.to_string();
+        *state = State {
+            stage: stage.to_string(),
+            ..State::default()
+        };
         if self.lines {
             eprintln!("{stage}");
         }
     }
 
-    /// What there is to say within the stage.
-    pub fn detail(&self, detail: String) {
+    fn detail(&self, detail: String) {
         if self.lines {
             eprintln!("  {detail}");
         }
@@ -83,12 +89,15 @@ impl Progress {
             .detail = detail;
     }
 
-    /// So many of something are done, of at most so many.
-    pub fn count(&self, done: usize, most: Option<usize>, of: &'static str) {
+    fn count(&self, done: usize, most: Option<usize>, of: &'static str) {
         self.state
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
             .count = Some((done, most, of));
+    }
+
+    fn goes_on(&self) -> bool {
+        !interrupt::asked()
     }
 }
 

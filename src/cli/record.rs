@@ -2,13 +2,15 @@ use std::path::PathBuf;
 
 use crate::backend::Recording;
 use crate::diagnostic::{Code, Diagnostic};
+use crate::front::{fit::fitted, solver};
 use crate::rig::settings::BackendChoice;
 
 use super::Outcome;
-use super::identify::{MethodChoice, identified};
+use super::identify::MethodChoice;
 use super::input::study;
+use super::interrupt;
+use super::progress::Progress;
 use super::shell::{Exit, Shell};
-use super::solver;
 
 /// Record the runs of a study's external solver, so that `backend = "replay"` serves them without it.
 ///
@@ -37,13 +39,18 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     }
     // Whatever the study asks for otherwise: a native run has nothing to record.
     loaded.study.solver.backend = BackendChoice::Command;
-    let mut backend = solver::command(&loaded.study, None, shell);
+    let mut backend = solver::command(&loaded.study, None, &|note| {
+        shell.complain(std::slice::from_ref(note));
+    });
     let recording = match &arguments.into {
         Some(folder) => Recording::new(folder),
         None => solver::recording(&loaded.study),
     };
     backend.record = Some(recording.clone());
-    let outcome = identified(&loaded, &mut backend, shell, true);
+    interrupt::listen();
+    let bar = Progress::new("identifying", shell, || None);
+    let outcome = fitted(&loaded, &mut backend, &bar, true);
+    drop(bar);
     let (runs, failed) = backend.tally();
     shell.print(&format!(
         "{} of {runs} runs gave an answer and were recorded; {} holds {} runs\n",

@@ -3,6 +3,7 @@ use std::path::PathBuf;
 use comfy_table::{Table, presets};
 
 use crate::diagnostic::{Code, Diagnostic};
+use crate::front::Watch;
 use crate::identify::reproduction::{Comparison, ReproductionError, Section, reproduce};
 use crate::report::ReproductionReport;
 

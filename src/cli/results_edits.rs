@@ -5,13 +5,12 @@ use std::io::{BufReader, BufWriter};
 use std::path::Path;
 
 use crate::diagnostic::{Code, Diagnostic};
+use crate::front::{leftover, permissions::as_new_files, take_place};
 use crate::results::{Change, ResultsError, StepFilter, rewrite};
 
 use super::Outcome;
-use super::leftover;
-use super::permissions::as_new_files;
 use super::results::{open, refused, selection};
-use super::shell::{Exit, Shell, take_place};
+use super::shell::{Exit, Shell};
 use super::target::Target;
 
 /// One `COLUMN=VALUE`, with the operator in front of the equals sign.

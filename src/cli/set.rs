@@ -5,7 +5,7 @@ use clap_complete::ArgValueCompleter;
 
 use crate::check::is_command_file;
 use crate::diagnostic::{Checked, Code, Diagnostic};
-use crate::grammar::{STATEMENTS, ValueKind};
+use crate::front::{edits, new_errors, same_but_for};
 use crate::syntax::{Address, Dataset};
 use crate::text::{Edit, Source};
 
@@ -13,7 +13,7 @@ use super::Outcome;
 use super::addresses::complete;
 use super::assignment::expanded;
 use super::command_edits;
-use super::edited::{edited, new_errors, refuse_faults, same_but_for};
+use super::edited::{edited, refuse_faults};
 use super::shell::{Exit, Shell};
 use super::target::Target;
 
@@ -156,41 +156,6 @@ fn looked_at(
         ));
     }
     Ok(changed)
-}
-
-/// A flag is switched by true and false; a number and anything else is written as it was typed.
-pub(super) fn edits(
-    dataset: &Dataset,
-    address: &Address,
-    value: &str,
-) -> Result<Vec<Edit>, Diagnostic> {
-    if address.kind == "TITLE" {
-        return dataset.set_text(address, value);
-    }
-    if is_flag(address) {
-        return match value.to_ascii_lowercase().as_str() {
-            "true" => dataset.set_flag(address, true),
-            "false" => dataset.set_flag(address, false),
-            _ => Err(Diagnostic::error(
-                Code::WrongType,
-                format!("{address} is a flag, it cannot be `{value}`"),
-            )
-            .help("write =true or =false")),
-        };
-    }
-    dataset
-        .set_typed(address, value)
-        .unwrap_or_else(|| dataset.set_text(address, value))
-}
-
-fn is_flag(address: &Address) -> bool {
-    let def = STATEMENTS.iter().find(|def| def.name == address.kind);
-    let argument = def.and_then(|def| {
-        def.arguments
-            .iter()
-            .find(|argument| address.argument.as_deref() == Some(argument.name))
-    });
-    argument.is_some_and(|argument| argument.kind == ValueKind::Flag)
 }
 
 fn not_written(assignment: &str, shell: &Shell) -> Exit {

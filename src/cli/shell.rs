@@ -1,17 +1,15 @@
+use std::borrow::Cow;
 use std::cell::RefCell;
 use std::io::{ErrorKind, IsTerminal, Read, Write};
 use std::path::Path;
 
-use tempfile::NamedTempFile;
-
 use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
-use crate::session::{FilePolicy, Sources, folder_of, read_files};
+use crate::front::replace_file;
+use crate::session::{FilePolicy, Sources, check_name, folder_of, read_files};
 use crate::syntax::Dataset;
 use crate::syntax::files::Files;
-use crate::text::{Source, check_size, printable};
+use crate::text::{CodePage, Source, check_size, printable};
 
-use super::leftover;
-use super::permissions::{as_new_files, can_be_replaced};
 use super::render;
 
 /// How complaints are printed.
@@ -84,6 +82,8 @@ pub(super) struct Shell {
     color: ColorChoice,
     verbosity: Verbosity,
     pub(super) sources: Sources,
+    /// How text is printed where there is no terminal.
+    page: CodePage,
     /// Why some of the answer did not reach standard output.
     lost: RefCell<Option<std::io::Error>>,
 }
@@ -95,8 +95,22 @@ impl Shell {
             color,
             verbosity,
             sources: Sources::default(),
+            page: CodePage::Utf8,
             lost: RefCell::default(),
         }
+    }
+
+    /// Prints in the code page that the environment asks for.
+    pub(super) fn obey_code_page(&mut self) -> Result<(), Exit> {
+        let page = CodePage::of_environment();
+        self.page = page.map_err(|why| self.usage(Diagnostic::error(Code::CannotWrite, why)))?;
+        Ok(())
+    }
+
+    /// What is sent to a stream to show a text.
+    fn encoded<'a>(&self, text: &'a str, terminal: bool) -> Cow<'a, [u8]> {
+        let page = if terminal { CodePage::Utf8 } else { self.page };
+        page.encode(text)
     }
 
     fn colours(&self, terminal: bool) -> bool {
@@ -104,7 +118,9 @@ impl Shell {
             ColorChoice::Always => true,
             ColorChoice::Never => false,
             ColorChoice::Auto => {
-                terminal && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+                terminal
+                    && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+                    && takes_colours()
             }
         }
     }
@@ -114,11 +130,12 @@ impl Shell {
         if diagnostics.is_empty() {
             return;
         }
-        let colours = self.colours(std::io::stderr().is_terminal());
+        let terminal = std::io::stderr().is_terminal();
+        let colours = self.colours(terminal);
         let sources = self.with_streamed(diagnostics);
         let text = render::diagnostics(diagnostics, &sources, self.format, colours);
         // Nobody may be listening.
-        let _ = std::io::stderr().write_all(text.as_bytes());
+        let _ = std::io::stderr().write_all(&self.encoded(&text, terminal));
     }
 
     /// The files of complaints, those too that are read step by step and not kept: to show the place in them. Huge ones are not
@@ -145,7 +162,9 @@ impl Shell {
     pub(super) fn say(&self, text: &str) {
         if self.format == Format::Text && self.verbosity != Verbosity::Quiet {
             // Nobody may be listening.
-            let _ = std::io::stderr().write_all(printable(text).as_bytes());
+            let text = printable(text);
+            let terminal = std::io::stderr().is_terminal();
+            let _ = std::io::stderr().write_all(&self.encoded(&text, terminal));
         }
     }
 
@@ -168,15 +187,17 @@ impl Shell {
 
     /// Prints complaints on standard output: where they are what was asked for.
     pub(super) fn findings(&self, diagnostics: &[Diagnostic]) {
-        let colours = self.colours(std::io::stdout().is_terminal());
+        let terminal = std::io::stdout().is_terminal();
+        let colours = self.colours(terminal);
         let sources = self.with_streamed(diagnostics);
         let text = render::diagnostics(diagnostics, &sources, self.format, colours);
-        self.put(text.as_bytes());
+        self.put(&self.encoded(&text, terminal));
     }
 
     /// Prints on standard output. What files brought cannot command the terminal.
     pub(super) fn print(&self, text: &str) {
-        self.put(printable(text).as_bytes());
+        let text = printable(text);
+        self.put(&self.encoded(&text, std::io::stdout().is_terminal()));
     }
 
     /// Bytes on standard output. A closed pipe ends nothing; what a full disk swallowed is remembered for the exit code.
@@ -225,7 +246,9 @@ impl Shell {
                 .and_then(|size| check_size(size as u64, Source::LARGEST))
                 .map(|()| Source::new("-", bytes))
         } else {
-            Source::read(path)
+            check_name(&path.to_string_lossy())
+                .map_err(std::io::Error::other)
+                .and_then(|()| Source::read(path))
         };
         match source {
             Ok(source) => {
@@ -294,80 +317,19 @@ impl Shell {
     }
 }
 
+/// True if the terminal understands colours: it is no "dumb" one, and no console of Windows that would show their codes as text.
+fn takes_colours() -> bool {
+    if cfg!(windows) {
+        return anstyle_query::windows::enable_ansi_colors() == Some(true);
+    }
+    std::env::var_os("TERM").is_none_or(|kind| kind != "dumb")
+}
+
 /// Findings when any complaint is an error.
 pub(super) fn exit_of(diagnostics: &[Diagnostic]) -> Exit {
     if diagnostics.iter().any(|d| d.severity == Severity::Error) {
         Exit::Findings
     } else {
         Exit::Fine
-    }
-}
-
-pub(super) fn replace_file(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    // A link is followed, so that the file it points to is replaced and not the link.
-    let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
-    // A device or a pipe is written to. A new file in its place would be its end.
-    if std::fs::metadata(&path).is_ok_and(|there| !there.is_file() && !there.is_dir()) {
-        let mut device = std::fs::OpenOptions::new().write(true).open(&path)?;
-        return device.write_all(bytes).and_then(|()| device.flush());
-    }
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    leftover::remove(folder);
-    let mut file = as_new_files(builder.prefix(&leftover::prefix())).tempfile_in(folder)?;
-    file.write_all(bytes)?;
-    file.as_file().sync_all()?;
-    take_place(file, &path)
-}
-
-/// Puts a whole new file in the place of another, with its owner, permissions and further names.
-pub(super) fn take_place(new: NamedTempFile, path: &Path) -> std::io::Result<()> {
-    // A link is followed, so that the file it points to is replaced and not the link.
-    let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
-    if let Ok(before) = std::fs::metadata(&path) {
-        if !can_be_replaced(&before, new.path()) {
-            return overwrite(&path, new);
-        }
-        std::fs::set_permissions(new.path(), before.permissions())?;
-    }
-    new.persist(&path).map_err(|failed| failed.error)?;
-    Ok(())
-}
-
-/// Writes into a file whose place no other can take: it has further names, or an owner that cannot be given. `new` stays if its bytes
-/// cannot be written.
-fn overwrite(path: &Path, new: NamedTempFile) -> std::io::Result<()> {
-    let copy = || {
-        let mut from = std::fs::File::open(new.path())?;
-        let mut file = std::fs::OpenOptions::new().write(true).open(path)?;
-        let length = std::io::copy(&mut from, &mut file)?;
-        file.set_len(length)?;
-        file.sync_all()
-    };
-    copy().map_err(|error| match new.keep() {
-        Ok((_, kept)) => {
-            let message = format!("{error}; the whole new text is in {}", kept.display());
-            std::io::Error::new(error.kind(), message)
-        }
-        Err(_) => error,
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_file_is_replaced_whole_and_nothing_is_left_beside_it() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.adm");
-        std::fs::write(&path, "before").unwrap();
-        replace_file(&path, b"after").unwrap();
-        assert_eq!(std::fs::read(&path).unwrap(), b"after");
-        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
-        assert!(replace_file(&folder.path().join("missing/a.adm"), b"x").is_err());
     }
 }

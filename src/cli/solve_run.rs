@@ -8,9 +8,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::model::Ignore;
 use crate::report::{Chart, DrawingError, Figure, Mark, Page, Series};
 use crate::results::{ResultsError, Selection, StepFilter, StepKind};
-use crate::session::{Moment, Session};
-use crate::syntax::CommandFile;
-use crate::text::{Edit, Source, apply_edits};
+use crate::session::{Moment, Session, on_deck};
 
 use super::Outcome;
 use super::interrupt;
@@ -57,7 +55,7 @@ pub(super) fn run(
         refuse_replacing(folder, &[&*name], taken.replacing, shell)?;
     }
     let given = match deck {
-        Some(deck) => Some(on_deck(deck, &shell.read(commands)?)),
+        Some(deck) => Some(on_deck(&deck.to_string_lossy(), &shell.read(commands)?)),
         None => None,
     };
     let mut folders = allowed.to_vec();
@@ -116,28 +114,6 @@ fn told(moment: &Moment, elapsed: Duration) -> String {
         100.0 * share,
         indicatif::HumanDuration(left)
     )
-}
-
-/// The commands with another model in the place of theirs.
-fn on_deck(deck: &Path, source: &Source) -> Source {
-    let name = deck.to_string_lossy();
-    let file = CommandFile::parse(source.clone()).value;
-    let mut edits = Vec::new();
-    if let Some(head) = file.head() {
-        edits.push(Edit::new(head.model, name.as_ref()));
-    }
-    let reading = file.commands().iter().filter(|c| c.kind() == Some("FILE"));
-    for model in reading.filter_map(|command| command.argument("MODEL")) {
-        edits.push(Edit::new(model.value_span(), name.as_ref()));
-    }
-    let bytes = if edits.is_empty() {
-        let mut text = format!("\nfile/model={name}\n").into_bytes();
-        text.extend(source.bytes());
-        text
-    } else {
-        apply_edits(source.bytes(), &edits).unwrap_or_else(|_| source.bytes().to_vec())
-    };
-    Source::new(source.name(), bytes)
 }
 
 /// Writes the columns of a results file.

@@ -19,6 +19,11 @@ impl Progress {
         *self.stage.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Asks the search to end after its present step: its budget counts as spent.
+    pub fn stop(&self) {
+        self.sweeps.fetch_max(super::SWEEPS, Ordering::Relaxed);
+    }
+
     pub(super) fn begin(&self, stage: &'static str) {
         *self.stage.lock().unwrap_or_else(PoisonError::into_inner) = stage;
     }

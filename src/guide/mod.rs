@@ -39,14 +39,17 @@ macro_rules! pages {
 pages! {
     tutorial
     drop_in
+    windows
     motion
     real_adams
     study
     diagnosis
     toolkit
     editors
+    python
     conventions
     kc
+    sweep
     mathematics
     formats
     paper

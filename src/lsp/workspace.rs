@@ -246,7 +246,7 @@ pub(super) fn deck_argument(command: &Statement) -> Option<Span> {
 
 /// The path of a file as it is compared with others.
 pub(super) fn normal(path: &Path) -> PathBuf {
-    std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf())
+    dunce::canonicalize(path).unwrap_or_else(|_| path.to_path_buf())
 }
 
 /// The path of what the editor names; its name itself for what is no file.

@@ -1,4 +1,4 @@
-use super::{Chart, DrawingError, HeatMap, escape};
+use super::{Bars, Chart, DrawingError, HeatMap, escape};
 
 /// A picture of a page: drawing, caption and the data behind it.
 #[derive(Clone, Debug)]
@@ -21,6 +21,16 @@ impl Figure {
             name: chart.title.clone(),
             csv: chart.csv(),
         })
+    }
+
+    /// Bars with a caption.
+    pub fn bars(bars: &Bars, caption: &str) -> Self {
+        Self {
+            svg: bars.svg(),
+            caption: caption.to_string(),
+            name: bars.title.clone(),
+            csv: bars.csv(),
+        }
     }
 
     /// A map with a caption.

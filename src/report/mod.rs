@@ -3,6 +3,7 @@
 //! Knows results and how a person reads them; neither solvers nor files. Every text that comes from a study is escaped.
 
 mod axis;
+mod bars;
 mod chart;
 mod convergence;
 mod diagnosis;
@@ -23,6 +24,7 @@ mod study_view;
 mod table;
 mod topology_graph;
 
+pub use bars::Bars;
 pub use chart::{Chart, Mark, Series};
 pub use diagnosis::DiagnosisReport;
 pub use figure::Figure;

@@ -71,6 +71,14 @@ impl Plausibility {
         table
     }
 
+    /// Why this study is not fitted unless that is forced.
+    pub fn refusal(&self) -> Option<String> {
+        let wrong = self.checks.iter();
+        let wrong = wrong.filter(|check| check.verdict == Verdict::Impossible);
+        let why: Vec<&str> = wrong.map(|check| check.why.as_str()).collect();
+        (!why.is_empty()).then(|| format!("this cannot be meant: {}", why.join("; ")))
+    }
+
     /// True if nothing speaks against a fit.
     pub fn allows_a_fit(&self) -> bool {
         self.checks

@@ -1,5 +1,5 @@
 /// One column of results.
-#[derive(Clone, PartialEq, Eq, Debug, serde::Serialize)]
+#[derive(Clone, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Component {
     /// Name inside its entity, for example `FX`.
     pub name: String,
@@ -12,7 +12,7 @@ pub struct Component {
 }
 
 /// An object of the model that has results.
-#[derive(Clone, PartialEq, Eq, Debug, Default, serde::Serialize)]
+#[derive(Clone, PartialEq, Eq, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct Entity {
     /// Name of the result set, for example `arm_XFORM`.
     pub name: String,
@@ -38,7 +38,7 @@ impl Entity {
 }
 
 /// The names of all columns: the StepMap of an XRF file.
-#[derive(Clone, PartialEq, Eq, Debug, Default, serde::Serialize)]
+#[derive(Clone, PartialEq, Eq, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct Catalogue {
     /// Name of the map.
     pub name: String,

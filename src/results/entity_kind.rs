@@ -127,6 +127,28 @@ impl EntityKind {
         }
     }
 
+    /// The keyword of the statement behind a class, as the attribute `entType` has it.
+    pub fn keyword(ent_type: &str) -> String {
+        let keyword = match ent_type {
+            "Single_Component_Force" => "SFORCE",
+            "Primitive_Joint" => "JPRIM",
+            "ADAMS_Variable" => "VARIABLE",
+            "Plant_Input" => "PINPUT",
+            "Plant_Output" => "POUTPUT",
+            "Translational_Spring_Damper" | "Rotational_Spring_Damper" => "SPRINGDAMPER",
+            "Differential_Equation" => "DIFF",
+            "Force_Vector" => "VFORCE",
+            "Torque_Vector" => "VTORQUE",
+            "General_Force" => "GFORCE",
+            "Multi_Point_Force" => "NFORCE",
+            "Floating_Marker" => "MARKER",
+            "Flexible_Body" => "FLEX_BODY",
+            "General_Constraint" => "GCON",
+            other => return other.to_ascii_uppercase(),
+        };
+        keyword.to_string()
+    }
+
     /// The name of an object that has none in the dataset, for example `PART_2`.
     pub fn default_name(self, id: i64) -> String {
         let stem = match self {

@@ -4,7 +4,7 @@ use super::Timestamp;
 
 /// What an XRF file says of itself before its results. Every attribute of real files is here, so that writing a header
 /// that was read gives the same bytes.
-#[derive(Clone, PartialEq, Eq, Debug, Default, serde::Serialize)]
+#[derive(Clone, PartialEq, Eq, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct Header {
     /// Where the file was written, `file://...`.
     pub uri: String,
@@ -57,7 +57,7 @@ pub struct Header {
 }
 
 /// Units of results as the file spells them.
-#[derive(Clone, PartialEq, Eq, Debug, Default, serde::Serialize)]
+#[derive(Clone, PartialEq, Eq, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct ResultUnits {
     /// `rad` or `deg`.
     pub angle: String,

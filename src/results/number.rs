@@ -1,7 +1,7 @@
 use std::io::Write;
 
 /// How numbers are spelled in an XRF file.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
 pub enum NumberStyle {
     /// Versions since 2017: fixed point from 1e-3 up to below 1e5, otherwise an exponent of two digits, both with this many
     /// decimals (RESULTS/DECIMALPLACES, default 17) and trailing zeros trimmed.

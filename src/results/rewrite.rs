@@ -3,6 +3,7 @@ use std::io::{self, BufReader, Read, Write};
 use std::path::Path;
 
 use crate::diagnostic::Diagnostic;
+use crate::text::persist;
 
 use super::step::tokens;
 use super::{Groups, NumberStyle, ResultsError, Step, XrfReader, write_number};
@@ -102,7 +103,7 @@ pub fn rewrite_file(from: &Path, to: &Path, changes: &[Change]) -> Result<Rewrit
         io::BufWriter::with_capacity(1 << 16, scratch.as_file_mut()),
         changes,
     )?;
-    scratch.persist(to).map_err(|error| error.error)?;
+    persist(scratch, to)?;
     Ok(report)
 }
 

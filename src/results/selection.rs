@@ -1,6 +1,6 @@
 use std::io::{Read, Write};
 
-use super::{Catalogue, Column, ResultsError, StepFilter, StepKind, XrfReader};
+use super::{Catalogue, Column, EntityKind, ResultsError, StepFilter, StepKind, XrfReader};
 
 /// Columns picked by name, in the order of their ids.
 #[derive(Clone, PartialEq, Eq, Debug, serde::Serialize)]
@@ -30,7 +30,7 @@ impl Selection {
     ///
     /// A pattern is `ENTITY.COMPONENT`, upper and lower case alike; `*` stands for any text and `?` for one character. The
     /// entity is its result set (`arm_XFORM`), its full name (`testrig.arm_XFORM`) or its object (`testrig.arm`, or `arm` alone).
-    /// A pattern for an entity alone takes all its components.
+    /// An entity may also be named by its statement (`BUSHING/1`). A pattern for an entity alone takes all its components.
     pub fn matching<'p>(catalogue: &Catalogue, patterns: &[&'p str]) -> (Self, Vec<&'p str>) {
         let mut used = vec![false; patterns.len()];
         let selection = Self::new(catalogue, |column| {
@@ -74,8 +74,11 @@ impl Selection {
         self.columns.iter().map(|column| column.id).collect()
     }
 
-    /// Hands out the steps of a reader that a filter takes: kind, block and the values of the columns.
-    fn rows<R: Read>(
+    /// Hands out the steps of a reader that a filter takes: kind, block and the values of the columns. Gives their number.
+    ///
+    /// # Errors
+    /// When reading fails, or `row` does.
+    pub fn rows<R: Read>(
         &self,
         reader: &mut XrfReader<R>,
         filter: &StepFilter,
@@ -240,7 +243,11 @@ fn matches_column(pattern: &str, column: Column<'_>) -> bool {
     let object = column.entity.entity.as_deref().unwrap_or(set);
     // The plain name of the object, without the model it is in: `arm.X`.
     let plain = object.rsplit('.').next().unwrap_or(object);
-    [set, full_set, object, plain]
+    let statement = match (&column.entity.ent_type, column.entity.object_id) {
+        (Some(class), Some(id)) => format!("{}/{id}", EntityKind::keyword(class)),
+        _ => String::new(),
+    };
+    [set, full_set, object, plain, &statement]
         .iter()
         .any(|name| glob(pattern, name) || glob(pattern, &format!("{name}.{component}")))
 }

@@ -11,6 +11,7 @@ use super::settings::{
 use super::stated::ToleranceSettings;
 use super::table::Table;
 use crate::diagnostic::{Checked, Code, Diagnostic};
+use crate::session::native_spelling;
 use crate::text::{Source, Span};
 
 /// The marks of a study: two files and their noise.
@@ -407,11 +408,12 @@ impl Files<'_> {
 
     /// A path of the study, which must lie below its folder whether it exists or not.
     fn path(&self, spelled: &Spelled, out: &mut Vec<Diagnostic>) -> Option<PathBuf> {
-        let relative = Path::new(&spelled.text);
+        // Written on Windows it may have backslashes.
+        let relative = native_spelling(&spelled.text);
         let plain = relative
             .components()
             .all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
-        let path = self.folder.join(relative);
+        let path = self.folder.join(&relative);
         // A link may lead out of the folder although its name does not.
         let inside = plain
             && match (self.folder.canonicalize(), path.canonicalize()) {

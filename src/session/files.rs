@@ -7,7 +7,8 @@ use crate::syntax::files::{FileReference, Files, references};
 use crate::syntax::property::PropertyFile;
 use crate::text::Source;
 
-use super::paths::{FilePolicy, find_file};
+use super::file_policy::FilePolicy;
+use super::paths::find_file;
 
 /// Larger files are no property files.
 const MOST_BYTES: u64 = 64 << 20;

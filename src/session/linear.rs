@@ -76,6 +76,8 @@ impl Session<'_> {
             .iter()
             .map(|part| part.header.name.clone())
             .collect();
+        let kept = shown(&found).cloned();
+        self.model().outputs.keep_modes(kept);
         let text = table(&found, &names, time, !command.has("NOVECTOR"));
         self.messages.say(&text);
         let written = to_json(&found, &names, time);
@@ -189,12 +191,13 @@ impl Session<'_> {
                     .join(native_spelling(&format!("{name}{suffix}"))),
                 None => self.model().outputs.beside(suffix),
             };
-            let done = self.policy.check(&path).and_then(|()| {
-                std::fs::write(&path, text).map_err(|error| {
-                    let message = format!("`{}` cannot be written: {error}", path.display());
-                    Diagnostic::error(Code::CannotWrite, message)
-                })
-            });
+            let outputs = &mut self.model().outputs;
+            let done = if outputs.is_in_memory() {
+                outputs.write_file(&path, &text)
+            } else {
+                let allowed = self.policy.check(&path);
+                allowed.and_then(|()| self.model().outputs.write_file(&path, &text))
+            };
             if let Err(diagnostic) = done {
                 return self.refused(diagnostic, Some(place));
             }

@@ -6,10 +6,10 @@ use crate::syntax::{Address, Argument, Dataset, Statement, Value};
 use crate::system::{Parameters, Slot, State, System};
 use crate::text::Source;
 
+use super::file_policy::FilePolicy;
 use super::files::{folder_of, read_files};
 use super::output_options::not_written;
 use super::outputs::Outputs;
-use super::paths::FilePolicy;
 use super::saved::Saved;
 
 /// A model that was read, and where it stands.
@@ -81,16 +81,15 @@ impl Beginning {
 impl Loaded {
     /// Reads a dataset. The model can be used if no complaint is an error.
     pub fn read(
-        source: Source,
+        parsed: &Checked<Dataset>,
         outputs: Outputs,
         policy: &FilePolicy,
         ignored: &[Ignore],
     ) -> Checked<Self> {
-        let parsed = Dataset::parse(source);
         let folder = folder_of(parsed.value.source());
         let files = read_files(&parsed.value, &folder, policy);
         let lowered = Model::lower_with(&parsed.value, &files.value);
-        let mut diagnostics = parsed.diagnostics;
+        let mut diagnostics = parsed.diagnostics.clone();
         diagnostics.extend(files.diagnostics);
         diagnostics.extend(lowered.diagnostics);
         diagnostics.extend(not_written(&parsed.value));

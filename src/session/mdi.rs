@@ -1,13 +1,14 @@
-use std::io::{BufWriter, Read};
+use std::io::{BufWriter, IsTerminal, Read};
 use std::path::Path;
 use std::process::ExitCode;
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::Ignore;
-use crate::text::Source;
+use crate::text::{CodePage, Encoded, Source};
 
+use super::ending::{EXIT_CODES, Ending};
 use super::launcher::{Launch, LaunchInput};
-use super::run::{EXIT_CODES, Ending, Session};
+use super::run::Session;
 
 const HELP: &str = "\
 mdi: solves ADAMS datasets for static equilibrium, with ADAMS' own command line
@@ -20,7 +21,8 @@ mdi: solves ADAMS datasets for static equilibrium, with ADAMS' own command line
 
 Files are written in the working directory under the prefix that FILE/MODEL or the first lines of the command file give.
 Environment: MDI_STRICT=1 exits with 3 where an equilibrium was not found; ADMIRE_ALLOW_PATH lists further folders that may be
-written; ADMIRE_IGNORE=CONTACT,FRICTION/3 leaves out statements that are not solved, where a simulation would be refused.
+written; ADMIRE_IGNORE=CONTACT,FRICTION/3 leaves out statements that are not solved, where a simulation would be refused;
+ADMIRE_CODE_PAGE=1252 prints in that code page on a pipe.
 
 Exit codes:
 ";
@@ -31,13 +33,24 @@ pub fn mdi() -> ExitCode {
         .skip(1)
         .map(|word| word.to_string_lossy().into_owned())
         .collect();
-    let console = || Box::new(BufWriter::with_capacity(1 << 16, std::io::stdout().lock()));
+    let page = CodePage::of_environment();
+    let shown = match page {
+        Ok(page) if !std::io::stdout().is_terminal() => page,
+        _ => CodePage::Utf8,
+    };
+    let console = || {
+        let out = BufWriter::with_capacity(1 << 16, std::io::stdout().lock());
+        Box::new(Encoded::new(out, shown))
+    };
     let refuse = |refusal: &Diagnostic, words: &[String]| {
         let mut session = Session::new(console(), Path::new(""));
         session.complain(refusal);
         session.refuse(&Launch::stem(words));
         ExitCode::from(2)
     };
+    if let Err(why) = page {
+        return refuse(&Diagnostic::error(Code::LauncherRefused, why), &words);
+    }
     let mut stem = Launch::stem(&words);
     let mut launch = match Launch::parse(&words) {
         Ok(launch) => launch,

@@ -1,6 +1,5 @@
 use std::fmt::Write as _;
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use crate::diagnostic::{Diagnostic, Severity};
@@ -10,6 +9,7 @@ use crate::text::printable;
 
 use super::located::{Sources, located};
 use super::outputs::emptied;
+use super::record::Sink;
 use super::simulate::Phases;
 use super::transient::{Progress, Row};
 
@@ -19,12 +19,17 @@ use super::transient::{Progress, Row};
 /// scripts look for are those of guide/formats.md 6.5. A message file that cannot be written does not stop a run.
 pub struct Messages<'a> {
     console: Box<dyn Write + 'a>,
-    file: Option<BufWriter<File>>,
+    file: Option<Sink>,
     path: Option<PathBuf>,
     pending: Vec<u8>,
     /// Why the file could not be written to its end.
     error: Option<String>,
+    /// Warnings and errors so far, if somebody wants them as data.
+    told: Option<Vec<Diagnostic>>,
 }
+
+/// So many warnings and errors are kept as data.
+const MOST_TOLD: usize = 1000;
 
 impl<'a> Messages<'a> {
     /// Messages that go to `console`, and to a file once it is opened. Says the banner.
@@ -35,9 +40,21 @@ impl<'a> Messages<'a> {
             path: None,
             pending: Vec::new(),
             error: None,
+            told: None,
         };
         messages.banner(directory);
         messages
+    }
+
+    /// From here on keeps warnings and errors as data, too.
+    pub(super) fn record(&mut self) {
+        self.told = Some(Vec::new());
+    }
+
+    /// All that was said, and the warnings and errors among it, of messages that have no file.
+    pub(super) fn take(&mut self) -> (Vec<u8>, Vec<Diagnostic>) {
+        let said = std::mem::take(&mut self.pending);
+        (said, self.told.take().unwrap_or_default())
     }
 
     /// Truncates `path` and writes what was said so far and what comes to it. The same path again goes on with the file.
@@ -48,7 +65,7 @@ impl<'a> Messages<'a> {
         if self.path.as_deref() == Some(path) {
             return Ok(());
         }
-        let mut file = BufWriter::new(emptied(path)?);
+        let mut file = Sink::file(emptied(path)?);
         file.write_all(&self.pending)?;
         self.pending.clear();
         if let Some(mut before) = self.file.replace(file) {
@@ -153,6 +170,11 @@ impl<'a> Messages<'a> {
     /// A diagnostic in its frame; a note without one.
     pub fn diagnostic(&mut self, diagnostic: &Diagnostic, sources: &Sources) {
         let text = located(diagnostic, sources);
+        if let Some(told) = &mut self.told
+            && told.len() < MOST_TOLD
+        {
+            told.push(diagnostic.clone());
+        }
         match diagnostic.severity {
             Severity::Note => self.say(&text),
             Severity::Warning => self.frame("WARNING", &text),

@@ -3,6 +3,8 @@
 //! Knows how ADAMS' command line, messages and output files look. Does not know how an equilibrium is found.
 
 mod columns;
+mod ending;
+mod file_policy;
 mod files;
 mod harmless;
 mod launcher;
@@ -12,10 +14,12 @@ mod located;
 mod mdi;
 mod measures;
 mod message;
+mod on_deck;
 mod output_options;
 mod outputs;
 mod paths;
 mod progress;
+mod record;
 mod recorded_commands;
 mod run;
 mod saved;
@@ -24,14 +28,22 @@ mod sensing;
 mod simulate;
 mod simulation;
 mod transient;
+mod trial;
 mod watching;
+mod windows_names;
 
+pub use ending::{Ending, Stop};
+pub use file_policy::FilePolicy;
 pub use files::{folder_of, read_files};
 pub use launcher::{Launch, LaunchInput};
 pub use located::{Sources, located};
 pub use mdi::mdi;
 pub use message::{Messages, exponent};
-pub use paths::{FilePolicy, find_file, native_spelling};
+pub use on_deck::on_deck;
+pub use paths::{find_file, native_spelling};
 pub use progress::Moment;
+pub use record::Record;
 pub use recorded_commands::recorded_commands;
-pub use run::{Ending, Session, Stop};
+pub use run::Session;
+pub use trial::{Trial, TrialInput};
+pub use windows_names::check_name;

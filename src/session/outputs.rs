@@ -1,19 +1,22 @@
 use std::fs::File;
-use std::io::{self, BufWriter, Seek, Write};
+use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::mechanics::psi_theta_phi;
 use crate::model::{Model, Orientation, PartKind, Request};
+use crate::motion::Mode;
 use crate::results::{
-    GraphicsMarker, GraphicsWriter, Header, NumberStyle, RequestEntry, RequestWriter, StepKind,
-    Style, Tabular, TabularRequest, Timestamp, XrfWriter, write_tabular,
+    GraphicsMarker, GraphicsWriter, Header, NumberStyle, RequestEntry, RequestWriter, ResultsTable,
+    StepKind, Style, Tabular, TabularRequest, Timestamp, XrfWriter, write_tabular,
 };
 use crate::system::State;
+use crate::text::{LineEnds, patiently};
 
 use super::columns::{Columns, usual_names};
+use super::file_policy::FilePolicy;
 use super::measures::Measures;
-use super::paths::FilePolicy;
+use super::record::{Record, Sink};
 
 /// Extensions of the files a run writes beside `.msg`.
 const EXTENSIONS: [&str; 4] = ["res", "req", "gra", "out"];
@@ -30,9 +33,11 @@ pub(super) struct Outputs {
     /// Files of an earlier run that nothing was written to yet.
     unused: Vec<PathBuf>,
     begun: bool,
-    results: Option<(XrfWriter<BufWriter<File>>, Columns)>,
-    requests: Option<RequestWriter<BufWriter<File>>>,
-    graphics: Option<(GraphicsWriter<BufWriter<File>>, Vec<usize>)>,
+    /// What is kept in memory, in place of files.
+    record: Option<Record>,
+    results: Option<(Results, Columns)>,
+    requests: Option<RequestWriter<Sink>>,
+    graphics: Option<(GraphicsWriter<Sink>, Vec<usize>)>,
     tables: Option<Tables>,
     values: Vec<f64>,
     /// Time of the last step written, until something is redefined.
@@ -41,9 +46,24 @@ pub(super) struct Outputs {
     pub failed: bool,
 }
 
+/// Where steps of results go.
+enum Results {
+    File(XrfWriter<Sink>),
+    Memory(Box<ResultsTable>),
+}
+
+impl Results {
+    fn step(&mut self, kind: StepKind, values: &[f64]) -> io::Result<()> {
+        match self {
+            Self::File(writer) => writer.step(kind, values),
+            Self::Memory(table) => table.push(kind, values),
+        }
+    }
+}
+
 /// The tables of `.out`, written request by request, so that their rows have to be kept.
 struct Tables {
-    file: BufWriter<File>,
+    file: Sink,
     title: String,
     spelling: Tabular,
     /// Each simulation has tables of its own.
@@ -68,10 +88,20 @@ impl Outputs {
             }
         }
         policy.check(&with_extension(&prefix, "msg"))?;
-        Ok(Self {
+        Ok(Self::to(prefix, unused, None))
+    }
+
+    /// Outputs that are kept in memory under the names that files would have.
+    pub fn in_memory(prefix: PathBuf) -> Self {
+        Self::to(prefix, Vec::new(), Some(Record::default()))
+    }
+
+    fn to(prefix: PathBuf, unused: Vec<PathBuf>, record: Option<Record>) -> Self {
+        Self {
             prefix,
             unused,
             begun: false,
+            record,
             results: None,
             requests: None,
             graphics: None,
@@ -79,7 +109,12 @@ impl Outputs {
             values: Vec::new(),
             last: None,
             failed: false,
-        })
+        }
+    }
+
+    /// What was kept in memory, taken out; nothing if files are written.
+    pub fn take_record(&mut self) -> Option<Record> {
+        self.record.take()
     }
 
     /// The path of the message file.
@@ -97,7 +132,8 @@ impl Outputs {
         }
         self.begun = true;
         let when = Timestamp::now();
-        if model.results.present {
+        // Who keeps results in memory wants them, whatever files the model asks for.
+        if model.results.present || self.record.is_some() {
             self.begin_results(model, initial, when)?;
         }
         if model.output.reqsave {
@@ -130,12 +166,15 @@ impl Outputs {
     fn create<T>(
         &mut self,
         extension: &str,
-        begin: impl FnOnce(BufWriter<File>) -> io::Result<T>,
+        begin: impl FnOnce(Sink) -> io::Result<T>,
     ) -> Result<T, Diagnostic> {
         let path = with_extension(&self.prefix, extension);
         self.unused.retain(|unused| *unused != path);
-        emptied(&path)
-            .and_then(|file| begin(BufWriter::new(file)))
+        let sink = match &mut self.record {
+            Some(record) => Ok(record.sink(extension)),
+            None => emptied(&path).map(Sink::file),
+        };
+        sink.and_then(begin)
             .map_err(|error| cannot_write(&path, &error))
     }
 
@@ -157,12 +196,22 @@ impl Outputs {
         };
         columns.input(initial, &mut self.values);
         let values = std::mem::take(&mut self.values);
-        let writer = self.create("res", |file| {
-            let mut writer = XrfWriter::create(file, &header, &columns.catalogue, style)?;
-            writer.step(StepKind::Input, &values)?;
-            Ok(writer)
-        })?;
-        self.results = Some((writer, columns));
+        let mut results = if self.record.is_some() {
+            let catalogue = columns.catalogue.clone();
+            Results::Memory(Box::new(ResultsTable::new(
+                header,
+                catalogue,
+                style.numbers,
+            )))
+        } else {
+            self.create("res", |file| {
+                XrfWriter::create(file, &header, &columns.catalogue, style).map(Results::File)
+            })?
+        };
+        results
+            .step(StepKind::Input, &values)
+            .map_err(|error| cannot_write(&self.beside("res"), &error))?;
+        self.results = Some((results, columns));
         Ok(())
     }
 
@@ -266,9 +315,32 @@ impl Outputs {
     ///
     /// # Errors
     /// When it cannot be written.
-    pub fn write_beside(&self, extension: &str, text: &str) -> Result<(), Diagnostic> {
-        let path = self.beside(extension);
-        std::fs::write(&path, text).map_err(|error| cannot_write(&path, &error))
+    pub fn write_beside(&mut self, extension: &str, text: &str) -> Result<(), Diagnostic> {
+        self.write_file(&self.beside(extension), text)
+    }
+
+    /// Writes a whole file, in memory under its name.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn write_file(&mut self, path: &Path, text: &str) -> Result<(), Diagnostic> {
+        if let Some(record) = &mut self.record {
+            record.add(path, text);
+            return Ok(());
+        }
+        write_text(path, text).map_err(|error| cannot_write(path, &error))
+    }
+
+    /// Keeps modes beside results in memory; nothing where files are written.
+    pub fn keep_modes(&mut self, modes: impl Iterator<Item = Mode>) {
+        if let Some(record) = &mut self.record {
+            record.modes = modes.collect();
+        }
+    }
+
+    /// True if nothing is written to a disk.
+    pub fn is_in_memory(&self) -> bool {
+        self.record.is_some()
     }
 
     /// A simulation is over: unless OUTPUT/NOSEPARATOR, the next one begins tables of its own.
@@ -290,12 +362,22 @@ impl Outputs {
     /// # Errors
     /// When a file cannot be written.
     pub fn finish(&mut self) -> Result<(), Diagnostic> {
-        if let Some((writer, _)) = self.results.take() {
-            let path = with_extension(&self.prefix, "res");
-            // How ADAMS calls the end of a run that failed is not known; readers look for `Successful`.
-            writer
-                .finish(if self.failed { "Failed" } else { "Successful" })
-                .map_err(|error| cannot_write(&path, &error))?;
+        // How ADAMS calls the end of a run that failed is not known; readers look for `Successful`.
+        let status = if self.failed { "Failed" } else { "Successful" };
+        match self.results.take() {
+            Some((Results::File(writer), _)) => {
+                let path = with_extension(&self.prefix, "res");
+                writer
+                    .finish(status)
+                    .map_err(|error| cannot_write(&path, &error))?;
+            }
+            Some((Results::Memory(mut table), _)) => {
+                table.status = status.to_string();
+                if let Some(record) = &mut self.record {
+                    record.results = Some(*table);
+                }
+            }
+            None => {}
         }
         if let Some(mut tables) = self.tables.take() {
             let path = with_extension(&self.prefix, "out");
@@ -366,22 +448,28 @@ fn tabular(request: &Request, ypr: bool) -> TabularRequest {
     }
 }
 
-/// Opens a file to write it from its beginning; what it held is gone.
+/// Opens a file to write text from its beginning; what it held is gone.
+///
+/// On Windows lines end with CR LF, as in files that ADAMS wrote there (grammar/NOTES.md, "Files of a run on Windows").
 ///
 /// One line end stays until the first write goes over it: some file systems take a file that was cut to nothing for one that is
 /// replaced, write it to the disk as soon as it is closed, and let the next run wait for the disk (ext4, `auto_da_alloc`).
-pub(super) fn emptied(path: &Path) -> io::Result<File> {
-    let mut file = File::options()
-        .write(true)
-        .create(true)
-        .truncate(false)
-        .open(path)?;
+pub(super) fn emptied(path: &Path) -> io::Result<LineEnds<File>> {
+    let mut options = File::options();
+    options.write(true).create(true).truncate(false);
+    let mut file = patiently(|| options.open(path))?;
     if file.metadata()?.len() > 0 {
         file.write_all(b"\n")?;
         file.set_len(1)?;
         file.rewind()?;
     }
-    Ok(file)
+    Ok(LineEnds::of_system(file))
+}
+
+/// Writes a text file of a run.
+pub(super) fn write_text(path: &Path, text: &str) -> io::Result<()> {
+    let file = patiently(|| File::create(path))?;
+    LineEnds::of_system(file).write_all(text.as_bytes())
 }
 
 /// The prefix with a dot and an extension behind it: a prefix may hold dots of its own.

@@ -2,18 +2,32 @@ use std::path::{Component, Path, PathBuf};
 
 use crate::diagnostic::{Checked, Code, Diagnostic};
 
+use super::windows_names;
+
 /// The file that a dataset, a command file or a command line names, looked up in `folders` in their order.
 ///
 /// Quotes and blanks around the name are dropped, backslashes separate folders, `.{extension}` is added where it is missing
-/// (guide/formats.md 5.1). What only differs in upper and lower case is found with a warning, and so is the base name of a path
+/// (guide/formats.md 5.1). Devices of Windows are refused there. What only differs in upper and lower case is found with a warning, and so is the base name of a path
 /// of another computer (a drive letter, or a folder that is not here).
 pub fn find_file(
     written: &str,
     extension: &str,
     folders: &[impl AsRef<Path>],
 ) -> Checked<Option<PathBuf>> {
+    if let Err(why) = windows_names::check_name(written) {
+        let message = format!("`{}` cannot be read: {why}", written.trim());
+        return Checked {
+            value: None,
+            diagnostics: vec![Diagnostic::error(Code::CannotRead, message)],
+        };
+    }
     let spelled = native_spelling(written);
-    let candidates = with_extension(&spelled, extension);
+    let mut candidates = with_extension(&spelled, extension);
+    // Windows drops dots at the end of a name.
+    let undotted = windows_names::undotted(&spelled.to_string_lossy());
+    if !undotted.is_empty() && Path::new(&undotted) != spelled {
+        candidates.extend(with_extension(Path::new(&undotted), extension));
+    }
     let all =
         |name: &Path| -> Vec<PathBuf> { folders.iter().map(|f| f.as_ref().join(name)).collect() };
     for candidate in &candidates {
@@ -53,7 +67,7 @@ pub fn find_file(
 
 /// The one file of the same name that is here, with a warning; several are refused.
 fn in_place_of(written: &str, here: &[&PathBuf]) -> Checked<Option<PathBuf>> {
-    let whole = |path: &PathBuf| std::fs::canonicalize(path).unwrap_or_else(|_| path.clone());
+    let whole = |path: &PathBuf| dunce::canonicalize(path).unwrap_or_else(|_| path.clone());
     let mut found: Vec<PathBuf> = here.iter().map(|path| whole(path)).collect();
     found.sort();
     found.dedup();
@@ -93,24 +107,14 @@ fn in_place_of(written: &str, here: &[&PathBuf]) -> Checked<Option<PathBuf>> {
     }
 }
 
-/// A file name as this computer spells it: no quotes around it, and on a Unix-like computer `/` for `\` and no drive letter.
+/// A file name as this computer spells it: no quotes around it; on Windows backslashes and no dots at the end of a name, elsewhere
+/// `/` for `\` and no drive letter.
 pub fn native_spelling(written: &str) -> PathBuf {
-    let text = written
-        .trim()
-        .trim_matches(|c| c == '"' || c == '\'')
-        .trim()
-        .replace('\0', "");
-    if cfg!(windows) {
-        return PathBuf::from(text);
-    }
-    let slashed = text.replace('\\', "/");
-    let bytes = slashed.as_bytes();
-    let rest = if bytes.len() >= 2 && bytes[0].is_ascii_alphabetic() && bytes[1] == b':' {
-        &slashed[2..]
+    PathBuf::from(if cfg!(windows) {
+        windows_names::of_windows(written)
     } else {
-        &slashed
-    };
-    PathBuf::from(rest)
+        windows_names::of_unix(written)
+    })
 }
 
 /// The name with and without the extension, the likelier spelling first.
@@ -155,130 +159,6 @@ fn ignoring_case(path: &Path) -> Option<PathBuf> {
     found.is_file().then_some(found)
 }
 
-/// Which files a command file may name. Datasets and command files are not trusted: what they name is held to the folders of the
-/// run.
-#[derive(Clone, Debug)]
-pub struct FilePolicy {
-    /// Real paths of folders; what is below them may be written.
-    folders: Vec<PathBuf>,
-    /// Real paths of folders; what is in them may be written, not what is in folders of theirs.
-    beside: Vec<PathBuf>,
-    /// Nothing outside of `folders` may be read either.
-    confined: bool,
-}
-
-impl FilePolicy {
-    /// The working directory, and the folders that the environment variable `ADMIRE_ALLOW_PATH` lists, may be written. Anything may
-    /// be read.
-    pub fn new(directory: &Path) -> Self {
-        let mut policy = Self {
-            folders: Vec::new(),
-            beside: Vec::new(),
-            confined: false,
-        };
-        policy.allow(directory);
-        if let Some(more) = std::env::var_os("ADMIRE_ALLOW_PATH") {
-            for folder in std::env::split_paths(&more) {
-                if !folder.as_os_str().is_empty() {
-                    policy.allow(&folder);
-                }
-            }
-        }
-        policy
-    }
-
-    /// Lets nothing be read either that may not be written.
-    pub const fn confine(&mut self) {
-        self.confined = true;
-    }
-
-    /// Allows a folder and all below: where the command file of the command line is.
-    pub fn allow(&mut self, folder: &Path) {
-        if let Ok(real) = or_here(folder).canonicalize()
-            && !self.folders.contains(&real)
-        {
-            self.folders.push(real);
-        }
-    }
-
-    /// Allows to write beside a model. Its name comes out of a command file: only a dataset by name opens its folder, and nothing
-    /// below.
-    pub fn allow_beside(&mut self, model: &Path) {
-        let is_adm = model
-            .extension()
-            .is_some_and(|extension| extension.eq_ignore_ascii_case("adm"));
-        if let (true, Some(folder)) = (is_adm, model.parent())
-            && let Ok(real) = or_here(folder).canonicalize()
-            && !self.beside.contains(&real)
-        {
-            self.beside.push(real);
-        }
-    }
-
-    /// True if a file that was found may be read.
-    ///
-    /// # Errors
-    /// `read-outside`.
-    pub fn check_read(&self, path: &Path) -> Result<(), Diagnostic> {
-        let inside = |real: PathBuf| self.folders.iter().any(|folder| real.starts_with(folder));
-        if !self.confined || path.canonicalize().is_ok_and(inside) {
-            return Ok(());
-        }
-        Err(Diagnostic::error(
-            Code::ReadOutside,
-            format!("`{}` lies outside of the folders of this run", path.display()),
-        )
-        .help("what a file names is read below its own folder and the working directory; ADMIRE_ALLOW_PATH, and `--allow-path` of `admire solve`, add folders"))
-    }
-
-    /// True if `path` may be written: its real folder, links followed, is one of the allowed ones or below, and what stands
-    /// there already is a plain file.
-    ///
-    /// # Errors
-    /// `write-outside` or `cannot-write`.
-    pub fn check(&self, path: &Path) -> Result<(), Diagnostic> {
-        let cannot = |why: String| {
-            Diagnostic::error(
-                Code::CannotWrite,
-                format!("`{}` cannot be written: {why}", path.display()),
-            )
-        };
-        let real = if path.symlink_metadata().is_ok() {
-            path.canonicalize().map_err(|e| cannot(e.to_string()))?
-        } else {
-            let name = path
-                .file_name()
-                .ok_or_else(|| cannot("it names no file".into()))?;
-            or_here(path.parent().unwrap_or(Path::new("")))
-                .canonicalize()
-                .map_err(|e| cannot(e.to_string()))?
-                .join(name)
-        };
-        let below = self.folders.iter().any(|folder| real.starts_with(folder));
-        let beside = !self.confined && self.beside.iter().any(|f| real.parent() == Some(f));
-        if !below && !beside {
-            return Err(Diagnostic::error(
-                Code::WriteOutside,
-                format!("`{}` lies outside of the folders of this run", path.display()),
-            )
-            .help("a command file may write beside itself, beside its model and in the working directory; ADMIRE_ALLOW_PATH adds folders"));
-        }
-        if real.exists() && !real.is_file() {
-            return Err(cannot("it is not a plain file".into()));
-        }
-        Ok(())
-    }
-}
-
-/// The folder, or `.` for the empty path.
-fn or_here(folder: &Path) -> &Path {
-    if folder.as_os_str().is_empty() {
-        Path::new(".")
-    } else {
-        folder
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -313,49 +193,25 @@ mod tests {
         let found = find(r"C:\Users\somebody\runs\other");
         assert_eq!(found.value, Some(folder.path().join("other.adm")));
         assert_eq!(codes(&found), [Code::ForeignPath]);
+        let found = find(r"\\server\share\runs\other.adm");
+        assert_eq!(found.value, Some(folder.path().join("other.adm")));
+        assert_eq!(codes(&found), [Code::ForeignPath]);
+        // Mixed separators, several in a row, and the dots that Windows drops.
+        for written in [
+            r"Sub Folder/\Model.adm",
+            r".\Sub Folder\Model.",
+            "Sub Folder/Model.adm. .",
+        ] {
+            assert_eq!(
+                find(written).value.as_deref(),
+                Some(deck.as_path()),
+                "{written}"
+            );
+        }
+        let device = find(r"Sub Folder\AUX.adm");
+        assert_eq!(device.value, None);
+        assert_eq!(device.has_errors(), cfg!(windows));
         assert_eq!(find("nowhere").value, None);
         assert_eq!(find("").value, None);
-    }
-
-    #[test]
-    fn writing_is_held_to_the_folders_of_the_run() {
-        let folder = tempfile::tempdir().unwrap();
-        let run = folder.path().join("run");
-        let model = folder.path().join("model");
-        for path in [&run, &model] {
-            std::fs::create_dir(path).unwrap();
-        }
-        let mut policy = FilePolicy::new(&run);
-        assert!(policy.check(&run.join("a.res")).is_ok());
-        let outside = policy.check(&model.join("a.res")).unwrap_err();
-        assert_eq!(outside.code, Code::WriteOutside);
-        let climbing = policy.check(&run.join("../model/a.res")).unwrap_err();
-        assert_eq!(climbing.code, Code::WriteOutside);
-        // Beside a model, but not below; and only a dataset by name is one.
-        policy.allow_beside(&model.join("passwd"));
-        assert!(policy.check(&model.join("a.res")).is_err());
-        policy.allow_beside(&model.join("a.adm"));
-        assert!(policy.check(&run.join("../model/a.res")).is_ok());
-        std::fs::create_dir(model.join("deeper")).unwrap();
-        assert!(policy.check(&model.join("deeper/a.res")).is_err());
-        std::fs::write(model.join("a.adm"), "x").unwrap();
-        assert!(policy.check_read(&model.join("a.adm")).is_ok());
-        policy.confine();
-        assert_eq!(
-            policy.check_read(&model.join("a.adm")).unwrap_err().code,
-            Code::ReadOutside
-        );
-        assert!(policy.check(&model.join("a.res")).is_err());
-        policy.allow(&model);
-        assert!(policy.check_read(&model.join("a.adm")).is_ok());
-        std::fs::create_dir(run.join("b.res")).unwrap();
-        assert_eq!(
-            policy.check(&run.join("b.res")).unwrap_err().code,
-            Code::CannotWrite
-        );
-        assert_eq!(
-            policy.check(&run.join("missing/a.res")).unwrap_err().code,
-            Code::CannotWrite
-        );
     }
 }

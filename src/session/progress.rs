@@ -1,6 +1,7 @@
 //! What a run tells of itself while it goes on, and how it is asked to stop.
 
-use super::run::{Session, Stop};
+use super::ending::Stop;
+use super::run::Session;
 use crate::diagnostic::{Code, Diagnostic};
 
 /// Where a simulation stands.

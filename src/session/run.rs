@@ -1,18 +1,21 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
 use crate::model::Ignore;
-use crate::syntax::{CommandFile, Statement};
+use crate::syntax::{CommandFile, Dataset, Statement};
 use crate::text::{Source, read_at_most};
 
+use super::ending::{Ending, Stop};
+use super::file_policy::FilePolicy;
 use super::harmless::{asks_for_results, is_harmless, is_in, place_in_file};
 use super::loaded::{Loaded, as_error};
 use super::located::Sources;
 use super::message::Messages;
 use super::outputs::Outputs;
-use super::paths::{FilePolicy, find_file, native_spelling};
+use super::paths::{find_file, native_spelling};
 use super::progress::Watcher;
+use super::record::Record;
 use super::saving::Kept;
 
 /// Command files that read command files, one inside of the other.
@@ -20,67 +23,6 @@ const DEEPEST: usize = 16;
 
 /// The largest file that is read: a command file may name any.
 pub(super) const LARGEST: u64 = 1 << 30;
-
-/// Why a run ended.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Stop {
-    /// STOP, or the end of the commands.
-    Finished,
-    /// A command file or a dataset cannot be read, or an output file cannot be written.
-    File,
-    /// The dataset has errors.
-    Model,
-    /// PREFERENCES/SIMFAIL=STOPCF and a simulation failed.
-    Simulation,
-    /// Whoever watches the run asked it to stop.
-    Interrupted,
-}
-
-/// What came of a run.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Ending {
-    /// Why it ended.
-    pub stop: Stop,
-    /// Commands that could not be understood.
-    pub misunderstood: usize,
-    /// Commands and simulations that ADAMS executes and this solver does not.
-    pub refused: usize,
-    /// Simulations without an answer.
-    pub failed: usize,
-    /// The results of the last model that has any.
-    pub results: Option<PathBuf>,
-}
-
-/// What `mdi` ends with, for `mdi --help`; the page `drop_in` of the guide has the same table.
-pub const EXIT_CODES: &str = "\
-  what happened                                                            code  MDI_STRICT=1  runStatus in .res
-  all commands executed, equilibrium found                                   0        0        Successful
-  harmless and ignored (SHOW, EXIT, an id that is not in the dataset)        0        0        Successful
-  no equilibrium was found; the commands went on                             0        3        Failed
-  the same, and PREFERENCES/SIMFAIL=STOPCF ended them                        3        3        Failed
-  this solver lacks it: an active CONTACT, tyre, user subroutine             1        1        Failed
-  a command cannot be understood                                             1        1        as the simulations
-  the dataset has errors                                                     1        1        no results
-  the command line is wrong; a file cannot be read or written                2        2        none, or cut short
-";
-
-impl Ending {
-    /// The exit code of the process.
-    ///
-    /// As ADAMS does, 0 when the end was reached, even if a static solution failed on the way: funnels of static solutions
-    /// count on it; with `strict` that is 3. What ADAMS would have solved or understood and this solver did not is 1 with and
-    /// without: ADAMS would not have failed. See `EXIT_CODES`.
-    pub fn exit_code(&self, strict: bool) -> u8 {
-        match self.stop {
-            Stop::File => 2,
-            Stop::Model => 1,
-            Stop::Simulation | Stop::Interrupted => 3,
-            Stop::Finished if self.misunderstood > 0 || self.refused > 0 => 1,
-            Stop::Finished if strict && self.failed > 0 => 3,
-            Stop::Finished => 0,
-        }
-    }
-}
 
 /// Executes commands against a model and writes what ADAMS would write.
 pub struct Session<'a> {
@@ -101,6 +43,10 @@ pub struct Session<'a> {
     /// The stem of the message file of a run that reads no model.
     stem: Option<String>,
     pub(super) watcher: Option<Watcher<'a>>,
+    /// The dataset that stands in for any the commands name; its outputs stay in memory.
+    given: Option<&'a Checked<Dataset>>,
+    /// What is kept in memory of the last model.
+    record: Option<Record>,
 }
 
 /// What executing a command leads to; `Err` ends the run.
@@ -129,6 +75,8 @@ impl<'a> Session<'a> {
             },
             stem: None,
             watcher: None,
+            given: None,
+            record: None,
         }
     }
 
@@ -194,7 +142,42 @@ impl<'a> Session<'a> {
         self.finish(flow, start)
     }
 
+    /// Executes commands on a dataset that was read before, whatever model they name, and keeps in memory what else would be files. The
+    /// dataset is read by its name: files it names are looked up beside that.
+    pub fn run_on(
+        mut self,
+        deck: &'a Checked<Dataset>,
+        commands: &Checked<CommandFile>,
+    ) -> (Ending, Record) {
+        let start = std::time::Instant::now();
+        self.given = Some(deck);
+        self.record = Some(Record::default());
+        self.messages.record();
+        self.sources.add(deck.value.source().clone());
+        let file = &commands.value;
+        let names_a_model = file.head().is_some()
+            || file
+                .commands()
+                .iter()
+                .any(|c| c.kind() == Some("FILE") && c.argument("MODEL").is_some());
+        let mut flow = Ok(());
+        if !names_a_model {
+            flow = self.model_file(deck.value.source().name(), None, None);
+        }
+        let flow = flow.and_then(|()| self.execute_file(commands, 0));
+        self.end(flow, start);
+        let mut record = self.record.take().unwrap_or_default();
+        (record.messages, record.diagnostics) = self.messages.take();
+        record.sources = self.sources;
+        (self.ending, record)
+    }
+
     fn finish(mut self, flow: Flow, start: std::time::Instant) -> Ending {
+        self.end(flow, start);
+        self.ending
+    }
+
+    fn end(&mut self, flow: Flow, start: std::time::Instant) {
         if let Err(stop) = flow {
             self.ending.stop = stop;
         }
@@ -212,7 +195,6 @@ impl<'a> Session<'a> {
             self.messages
                 .last(&format!("The run is not complete: {why}"));
         }
-        self.ending
     }
 
     fn close_model(&mut self) -> Flow {
@@ -221,7 +203,9 @@ impl<'a> Session<'a> {
             if let Err(diagnostic) = loaded.outputs.finish() {
                 return self.unwritable(&diagnostic);
             }
-            if results.is_file() {
+            if let Some(record) = loaded.outputs.take_record() {
+                self.record = Some(record);
+            } else if results.is_file() {
                 self.ending.results = Some(results);
             }
         }
@@ -310,10 +294,14 @@ impl<'a> Session<'a> {
 
     /// Executes commands line by line, each echoed before what it does.
     fn execute(&mut self, source: &Source, depth: usize) -> Flow {
+        self.execute_file(&CommandFile::parse(source.clone()), depth)
+    }
+
+    fn execute_file(&mut self, parsed: &Checked<CommandFile>, depth: usize) -> Flow {
+        let file = &parsed.value;
+        let source = file.source();
         self.sources.add(source.clone());
-        let parsed = CommandFile::parse(source.clone());
-        let file = parsed.value;
-        let mut complaints = parsed.diagnostics;
+        let mut complaints = parsed.diagnostics.clone();
         complaints.sort_by_key(place_in_file);
         let mut complaints = complaints.into_iter().peekable();
         if let Some(head) = file.head() {
@@ -443,6 +431,10 @@ impl<'a> Session<'a> {
         place: Option<Place<'_>>,
     ) -> Flow {
         self.close_model()?;
+        if let Some(deck) = self.given {
+            let prefix = default_prefix(deck.value.source().name());
+            return self.load(deck, Outputs::in_memory(self.directory.join(prefix)));
+        }
         let found = find_file(written, "adm", &self.folders).value;
         if let Some(model) = &found {
             self.policy.allow_beside(model);
@@ -464,7 +456,12 @@ impl<'a> Session<'a> {
             self.complain(&unwritable);
         }
         let (source, _) = self.read(written, "adm", place)?;
-        let loaded = Loaded::read(source, outputs, &self.policy, &self.ignored);
+        self.load(&Dataset::parse(source), outputs)
+    }
+
+    /// Resolves a dataset.
+    fn load(&mut self, deck: &Checked<Dataset>, outputs: Outputs) -> Flow {
+        let loaded = Loaded::read(deck, outputs, &self.policy, &self.ignored);
         let mut errors = 0;
         for diagnostic in &loaded.diagnostics {
             errors += usize::from(diagnostic.severity == Severity::Error);

@@ -41,7 +41,11 @@ impl Session<'_> {
             return self.misunderstood(nameless, place);
         };
         let path = self.directory.join(native_spelling(&name));
-        let written = self.policy.check(&path).and_then(|()| saved.write(&path));
+        let written = if loaded.outputs.is_in_memory() {
+            Ok(())
+        } else {
+            self.policy.check(&path).and_then(|()| saved.write(&path))
+        };
         self.kept.files.insert(path, saved);
         match written {
             Ok(()) => Ok(()),

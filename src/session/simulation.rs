@@ -6,11 +6,12 @@ use crate::syntax::Statement;
 use crate::text::Source;
 use std::fmt::Write as _;
 
+use super::ending::Stop;
 use super::loaded::{Compiled, Loaded};
 use super::measures::Measures;
 use super::message::exponent;
 use super::outputs::Outputs;
-use super::run::{Flow, Place, Session, Stop};
+use super::run::{Flow, Place, Session};
 use super::sensing::Sensed;
 use super::simulate::{Analysis, OutputTimes};
 use super::transient::Asked;

@@ -3,10 +3,11 @@
 use std::fmt::Write as _;
 use std::time::Duration;
 
+use super::ending::Stop;
 use super::loaded::{Beginning, Compiled, Loaded};
 use super::measures::Measures;
 use super::message::exponent;
-use super::run::{Flow, Locate, Place, Session, Stop};
+use super::run::{Flow, Locate, Place, Session};
 use super::simulate::{OutputTimes, Phases};
 use super::simulation::{as_adams_names, too_many};
 use super::watching::Watch;

@@ -41,6 +41,16 @@ impl CommandFile {
         let bytes = source.bytes();
         let bom = if bytes.starts_with(BOM) { BOM.len() } else { 0 };
         let (head, body) = head(bytes, bom);
+        Self::read(source, head, body)
+    }
+
+    /// Reads commands alone: a first line that is no command is not taken for the name of a dataset.
+    pub fn parse_commands(source: Source) -> Checked<Self> {
+        Self::read(source, None, 0)
+    }
+
+    fn read(source: Source, head: Option<Head>, body: usize) -> Checked<Self> {
+        let bytes = source.bytes();
         let (logical, _) = logical_lines(bytes, body, false);
         let (commands, diagnostics) = parse_lines(&source, &logical, Role::Command);
         let mut lines = Vec::new();

@@ -15,7 +15,8 @@ fn said(deck: &str, acf: &str) -> String {
         .unwrap();
     let text = ran.stdout[start..end]
         .replace(&here.display().to_string(), "FOLDER")
-        .replace(&folder.path().display().to_string(), "FOLDER");
+        .replace(&folder.path().display().to_string(), "FOLDER")
+        .replace("FOLDER\\", "FOLDER/");
     assert!(ran.stderr.is_empty(), "{}", ran.stderr);
     // How the iteration went is the solver's business.
     let lines: Vec<&str> = text

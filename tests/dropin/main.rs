@@ -6,6 +6,7 @@ mod common;
 mod commands;
 mod entities;
 mod errors;
+#[cfg_attr(windows, allow(dead_code, unused_imports))] // Some of it needs a shell of Unix.
 mod external;
 mod friction;
 mod launch;
@@ -18,10 +19,14 @@ mod run_files;
 mod security;
 mod sensors;
 mod shims;
+#[cfg_attr(windows, allow(dead_code, unused_imports))] // Some of it needs a shell of Unix.
 mod solving;
 #[path = "../common/squeezer.rs"]
 mod squeezer;
 mod status;
+#[cfg_attr(windows, allow(dead_code, unused_imports))] // Some of it needs a shell of Unix.
 mod study_solver;
 mod task;
 mod toolkit;
+#[cfg(windows)]
+mod windows;

@@ -77,10 +77,10 @@ pub fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
     folder
 }
 
-/// The text of a file of a run; empty if there is none.
+/// The text of a file of a run; empty if there is none. Its lines end with LF here, on Windows too.
 pub fn text(folder: &Path, name: &str) -> String {
     std::fs::read(folder.join(name))
-        .map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
+        .map(|bytes| String::from_utf8_lossy(&bytes).replace("\r\n", "\n"))
         .unwrap_or_default()
 }
 

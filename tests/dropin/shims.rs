@@ -41,12 +41,13 @@ fn installed_shims_run_under_every_name() {
     }
 
     // A file of somebody else is not replaced unless told so.
-    std::fs::write(bin.join("mdi"), "mine").unwrap();
+    let name = if cfg!(windows) { "mdi.bat" } else { "mdi" };
+    std::fs::write(bin.join(name), "mine").unwrap();
     let refused = Command::new(env!("CARGO_BIN_EXE_admire"))
         .args(["install-shims", "--names", "mdi"])
         .arg(&bin)
         .output()
         .unwrap();
     assert_eq!(refused.status.code(), Some(2));
-    assert_eq!(std::fs::read(bin.join("mdi")).unwrap(), b"mine");
+    assert_eq!(std::fs::read(bin.join(name)).unwrap(), b"mine");
 }

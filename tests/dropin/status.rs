@@ -221,7 +221,7 @@ fn a_wrong_path_is_told_and_never_guessed() {
     .unwrap();
     let ran = mdi(folder.path(), &["ru-s", "runs/run"]);
     assert_eq!(ran.code, 0, "{}", ran.stdout);
-    let here = std::fs::canonicalize(folder.path().join("slider.adm")).unwrap();
+    let here = dunce::canonicalize(folder.path().join("slider.adm")).unwrap();
     let line = format!(
         "`{}` is read in place of `C:\\wrong\\slider.adm`, which does not exist",
         here.display()

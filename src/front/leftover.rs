@@ -9,12 +9,12 @@ const PREFIX: &str = ".admire-";
 const OLD: Duration = Duration::from_secs(24 * 3600);
 
 /// The beginning of the names of this process' temporary files.
-pub(super) fn prefix() -> String {
+pub(crate) fn prefix() -> String {
     format!("{PREFIX}{}-", std::process::id())
 }
 
 /// Removes temporary files whose process is gone from a folder.
-pub(super) fn remove(folder: &Path) {
+pub(crate) fn remove(folder: &Path) {
     let Ok(entries) = std::fs::read_dir(folder) else {
         return;
     };

@@ -4,7 +4,7 @@ use std::path::Path;
 
 /// A temporary file is private; one that takes the place of a user's file is as readable as any new file.
 #[cfg(unix)]
-pub(super) fn as_new_files<'a, 'b>(
+pub(crate) fn as_new_files<'a, 'b>(
     builder: &'a mut tempfile::Builder<'b, 'b>,
 ) -> &'a mut tempfile::Builder<'b, 'b> {
     use std::os::unix::fs::PermissionsExt;
@@ -13,7 +13,7 @@ pub(super) fn as_new_files<'a, 'b>(
 }
 
 #[cfg(not(unix))]
-pub(super) fn as_new_files<'a, 'b>(
+pub(crate) fn as_new_files<'a, 'b>(
     builder: &'a mut tempfile::Builder<'b, 'b>,
 ) -> &'a mut tempfile::Builder<'b, 'b> {
     builder
@@ -21,7 +21,7 @@ pub(super) fn as_new_files<'a, 'b>(
 
 /// True if a new file can take the place of an old one: it has no other names, and its owner can be given to the new one.
 #[cfg(unix)]
-pub(super) fn can_be_replaced(old: &std::fs::Metadata, new: &Path) -> bool {
+pub(crate) fn can_be_replaced(old: &std::fs::Metadata, new: &Path) -> bool {
     use std::os::unix::fs::{MetadataExt, chown};
     let same =
         std::fs::metadata(new).is_ok_and(|new| (new.uid(), new.gid()) == (old.uid(), old.gid()));
@@ -29,19 +29,19 @@ pub(super) fn can_be_replaced(old: &std::fs::Metadata, new: &Path) -> bool {
 }
 
 #[cfg(not(unix))]
-pub(super) fn can_be_replaced(_: &std::fs::Metadata, _: &Path) -> bool {
+pub(crate) fn can_be_replaced(_: &std::fs::Metadata, _: &Path) -> bool {
     true
 }
 
 /// Lets a file be run as a command.
 #[cfg(unix)]
-pub(super) fn make_executable(path: &Path) -> std::io::Result<()> {
+pub(crate) fn make_executable(path: &Path) -> std::io::Result<()> {
     use std::os::unix::fs::PermissionsExt;
     std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o755))
 }
 
 #[cfg(not(unix))]
-pub(super) fn make_executable(_: &Path) -> std::io::Result<()> {
+pub(crate) fn make_executable(_: &Path) -> std::io::Result<()> {
     Ok(())
 }
 
@@ -50,7 +50,7 @@ pub(super) fn make_executable(_: &Path) -> std::io::Result<()> {
 mod tests {
     use std::os::unix::fs::FileTypeExt;
 
-    use crate::cli::shell::replace_file;
+    use crate::front::replace_file;
 
     #[test]
     fn what_is_no_file_is_never_replaced_by_one() {

@@ -1,5 +1,6 @@
 //! Who solves a study: the backend `[solver]` asks for, announced before it runs.
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -8,25 +9,31 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::rig::Study;
 use crate::rig::settings::BackendChoice;
 
-use super::shell::Shell;
-
 /// The backend of a study. `keep`: run folders of an external program are made there and stay.
-pub(super) fn backend(study: &Study, keep: Option<PathBuf>, shell: &Shell) -> Box<dyn Backend> {
+pub(crate) fn backend(
+    study: &Study,
+    keep: Option<PathBuf>,
+    tell: &dyn Fn(&Diagnostic),
+) -> Box<dyn Backend> {
     match study.solver.backend {
         BackendChoice::Native => Box::new(NativeBackend::new()),
-        BackendChoice::Command => Box::new(command(study, keep, shell)),
+        BackendChoice::Command => Box::new(command(study, keep, tell)),
         BackendChoice::Replay => Box::new(ReplayBackend::new(recording(study))),
     }
 }
 
 /// The recorded runs of a study.
-pub(super) fn recording(study: &Study) -> Recording {
+pub(crate) fn recording(study: &Study) -> Recording {
     Recording::new(study.folder.join(&study.solver.recordings.text))
 }
 
 /// The external program of a study. Says which one it is before it is ever started: only `study.toml` names a program, and
 /// whoever runs a study of somebody else wants to know.
-pub(super) fn command(study: &Study, keep: Option<PathBuf>, shell: &Shell) -> CommandBackend {
+pub(crate) fn command(
+    study: &Study,
+    keep: Option<PathBuf>,
+    tell: &dyn Fn(&Diagnostic),
+) -> CommandBackend {
     let solver = &study.solver;
     let mut words = solver.command.clone();
     let mut shown = words.join(" ");
@@ -48,10 +55,10 @@ pub(super) fn command(study: &Study, keep: Option<PathBuf>, shell: &Shell) -> Co
             )
         );
     }
-    shell.complain(&[Diagnostic::note(
+    tell(&Diagnostic::note(
         Code::RunsProgram,
         format!("every equilibrium is solved by a program that study.toml names: {shown}"),
-    )]);
+    ));
     let mut backend = CommandBackend::new(words, Duration::from_secs_f64(solver.timeout_s));
     backend.jobs = solver.jobs;
     backend.keep = keep;
@@ -59,24 +66,6 @@ pub(super) fn command(study: &Study, keep: Option<PathBuf>, shell: &Shell) -> Co
 }
 
 /// Where the system finds a program.
-pub(super) fn found_on_path(program: &str) -> Option<PathBuf> {
-    let given = Path::new(program);
-    let folders: Vec<PathBuf> = if given.components().count() > 1 {
-        vec![PathBuf::new()]
-    } else {
-        std::env::split_paths(&std::env::var_os("PATH")?).collect()
-    };
-    let endings: &[&str] = if cfg!(windows) {
-        &["", ".exe", ".bat", ".cmd"]
-    } else {
-        &[""]
-    };
-    folders
-        .iter()
-        .flat_map(|folder| {
-            endings
-                .iter()
-                .map(move |ending| folder.join(format!("{program}{ending}")))
-        })
-        .find(|path| path.is_file())
+pub(crate) fn found_on_path(program: impl AsRef<OsStr>) -> Option<PathBuf> {
+    which::which(program).ok()
 }

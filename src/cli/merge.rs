@@ -1,0 +1,134 @@
+use std::path::PathBuf;
+
+use comfy_table::{CellAlignment, Table, presets};
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::sweep::{Summary, SweepFolder, merge, page, six_digits};
+
+use super::Outcome;
+use super::render::table_text;
+use super::shell::{Exit, Format, Shell};
+
+/// Join the shards of a sweep into one table.
+///
+/// Refused, with every reason, while a shard is missing or unfinished, and where parts are of different versions or inputs. Writes
+/// `results.parquet`, `summary.json` and `report.html`.
+#[derive(clap::Args, Debug)]
+#[command(after_help = "Examples:\n  admire merge tolerance")]
+pub(super) struct Arguments {
+    /// The folder of the sweep.
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+}
+
+/// Joins.
+pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    let folder = SweepFolder::open(&arguments.folder).map_err(|wrong| shell.fail(wrong))?;
+    whole(&folder, shell)
+}
+
+/// Joins what is there, and says what came of it.
+pub(super) fn whole(folder: &SweepFolder, shell: &Shell) -> Outcome {
+    merge(folder).map_err(|wrong| {
+        shell.complain(&wrong);
+        Exit::Findings
+    })?;
+    let summary = Summary::of(folder).map_err(|error| {
+        let message = format!("`{}`: {error}", folder.results().display());
+        shell.fail(Diagnostic::error(Code::CannotRead, message))
+    })?;
+    let json = serde_json::to_string_pretty(&summary).expect("numbers print") + "\n";
+    let page = page(folder, &summary)
+        .map_err(|error| shell.fail(Diagnostic::error(Code::CannotWrite, error.to_string())))?;
+    shell.write(&folder.path.join("summary.json"), json.as_bytes())?;
+    let report = folder.path.join("report.html");
+    shell.write(&report, page.as_bytes())?;
+    if shell.format == Format::Json {
+        shell.print(&json);
+    } else {
+        shell.print(&text(&summary));
+        shell.say(&format!(
+            "answer: {}\nreport: {}\n",
+            folder.results().display(),
+            report.display()
+        ));
+    }
+    let answered = summary.statuses.get("ok").copied().unwrap_or_default();
+    Ok(if answered > 0 {
+        Exit::Fine
+    } else {
+        Exit::NoAnswer
+    })
+}
+
+fn text(summary: &Summary) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table.set_header([
+        "",
+        "unit",
+        "deck as it is",
+        "mean",
+        "sd",
+        "5 %",
+        "median",
+        "95 %",
+        "most by",
+    ]);
+    for output in &summary.outputs {
+        let spread = &output.spread;
+        let values = [
+            spread.mean,
+            spread.sd,
+            spread.quantile(0.05),
+            spread.quantile(0.5),
+            spread.quantile(0.95),
+        ];
+        let mut row = vec![
+            spread.name.clone(),
+            spread.unit.clone().unwrap_or_default(),
+            output.nominal.map_or_else(String::new, six_digits),
+        ];
+        row.extend(values.map(six_digits));
+        row.push(most(output));
+        table.add_row(row);
+    }
+    for column in table.column_iter_mut().skip(2).take(6) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    let mut out = table_text(&table);
+    let ok = summary.statuses.get("ok").copied().unwrap_or_default();
+    out += &format!("{ok} of {} cases have an answer\n", summary.cases);
+    for (reason, count) in summary.reasons.iter().take(5) {
+        out += &format!(
+            "  {count} without: {}\n",
+            reason.lines().next().unwrap_or_default()
+        );
+    }
+    out
+}
+
+/// The number that matters most, and how much.
+fn most(output: &crate::sweep::OutputSummary) -> String {
+    let by_total = output
+        .indices
+        .iter()
+        .max_by(|a, b| a.total[0].total_cmp(&b.total[0]));
+    if let Some(index) = by_total {
+        return format!("{} (total index {:.2})", index.name, index.total[0]);
+    }
+    let by_size = output
+        .effects
+        .iter()
+        .max_by(|a, b| a.size[0].total_cmp(&b.size[0]));
+    if let Some(effect) = by_size {
+        return format!("{} (effect {})", effect.name, six_digits(effect.size[0]));
+    }
+    output.swings.first().map_or_else(String::new, |swing| {
+        format!(
+            "{} ({})",
+            swing.name,
+            six_digits((swing.high - swing.low).abs())
+        )
+    })
+}

@@ -1,0 +1,151 @@
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::report::VERSION;
+use crate::sweep::{
+    MOST_SHARDS, Manifest, Progress as Done, Runner, Shard, ShardError, SweepFolder, SweepPlan,
+    run_shard,
+};
+
+use super::Outcome;
+use super::interrupt;
+use super::progress::Progress;
+use super::shell::{Exit, Shell};
+use super::sweep_slurm;
+
+/// Run thousands of variants of a deck and collect the answers in one table.
+///
+/// SWEEP.toml says what varies (addresses with distributions, or a table of cases), what is run (a command file or K&C tests) and what is
+/// kept. Every case is solved from its own deck, cold: order, threads and shards change no bit of the answer. A run that was interrupted
+/// goes on where it stopped when the same command is given again. The answer is DIR/results.parquet, one row a case.
+#[derive(clap::Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct Arguments {
+    /// What varies, what is run, what is kept; `admire guide sweep` has every key.
+    #[arg(value_name = "SWEEP.toml")]
+    plan: PathBuf,
+    /// The folder of the sweep; new, or one this sweep began.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Run one part of several, here or on another computer that sees DIR; `admire merge DIR` joins them.
+    #[arg(long, value_name = "I/N", value_parser = parse_shard)]
+    shard: Option<Shard>,
+    /// Submit the shards as an array of SLURM jobs, and a job that joins them when all are finished. Shards that are finished already are
+    /// left out. Prints the number of the joining job.
+    #[arg(long, requires = "shards", conflicts_with = "shard")]
+    slurm: bool,
+    /// Of --slurm: how many shards.
+    #[arg(long, value_name = "N", requires = "slurm", value_parser = clap::value_parser!(u64).range(1..=MOST_SHARDS))]
+    shards: Option<u64>,
+    /// Of --slurm: an option for every `sbatch`, such as --sbatch=--partition=short; may be given again.
+    #[arg(
+        long,
+        value_name = "OPTION",
+        requires = "slurm",
+        allow_hyphen_values = true
+    )]
+    sbatch: Vec<String>,
+    /// So many cases at a time; as many as there are cores if absent.
+    #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: Option<u16>,
+}
+
+const EXAMPLES: &str = "Examples:
+  admire sweep SWEEP.toml --out tolerance
+  admire sweep SWEEP.toml --out tolerance --shard 3/8
+  admire sweep SWEEP.toml --out tolerance --slurm --shards 8 --sbatch=--time=10:00
+  admire merge tolerance";
+
+fn parse_shard(text: &str) -> Result<Shard, ShardError> {
+    text.parse()
+}
+
+/// Runs what is left, and joins it when all is there.
+pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    let read = SweepPlan::read(&arguments.plan);
+    shell.complain(&read.diagnostics);
+    let Some(plan) = read.value else {
+        return Err(Exit::Findings);
+    };
+    if let Some(program) = &plan.program {
+        shell.complain(&[Diagnostic::note(
+            Code::RunsProgram,
+            format!(
+                "every case is solved by a program that {} names: {}",
+                arguments.plan.display(),
+                program.command.join(" ")
+            ),
+        )]);
+    }
+    let shard = arguments.shard.unwrap_or(Shard::WHOLE);
+    let manifest = Manifest::of(&plan, arguments.shards.unwrap_or(shard.of), VERSION);
+    SweepFolder::look(&arguments.out, manifest.clone()).map_err(|wrong| shell.fail(wrong))?;
+    let runner = Runner::prepare(&plan).map_err(|found| {
+        shell.complain(&found);
+        Exit::Findings
+    })?;
+    let folder = SweepFolder::begin(&arguments.out, manifest).map_err(|wrong| shell.fail(wrong))?;
+    if arguments.slurm {
+        return sweep_slurm::submit(&arguments.plan, &folder, &arguments.sbatch, shell);
+    }
+    let threads = arguments.jobs.map_or_else(
+        || std::thread::available_parallelism().map_or(1, usize::from),
+        usize::from,
+    );
+    if shard != Shard::WHOLE || !folder.results().is_file() {
+        let done = cases(&runner, &plan, (&folder, shard), threads, shell)?;
+        if !done.is_complete() {
+            return Ok(Exit::Interrupted);
+        }
+    }
+    if shard != Shard::WHOLE {
+        shell.say(&format!(
+            "shard {shard} is finished; `admire merge {}` joins all\n",
+            arguments.out.display()
+        ));
+        return Ok(Exit::Fine);
+    }
+    super::merge::whole(&folder, shell)
+}
+
+/// Runs what is left of a shard, showing how far it is.
+fn cases(
+    runner: &Runner<'_>,
+    plan: &SweepPlan,
+    (folder, shard): (&SweepFolder, Shard),
+    threads: usize,
+    shell: &Shell,
+) -> Result<Done, Exit> {
+    interrupt::listen();
+    let all = {
+        let cases = shard.cases(plan.cases());
+        cases.end - cases.start
+    };
+    let done = Arc::new(AtomicU64::new(0));
+    let most = Arc::new(AtomicU64::new(all));
+    let shown = (Arc::clone(&done), Arc::clone(&most));
+    let bar = Progress::new("sweep", shell, move || {
+        let (done, most) = (
+            shown.0.load(Ordering::Relaxed),
+            shown.1.load(Ordering::Relaxed),
+        );
+        Some(("sweep", (done as usize, Some(most as usize), "cases")))
+    });
+    let ran = run_shard(runner, plan, (folder, shard), threads, |progress| {
+        done.store(progress.done, Ordering::Relaxed);
+        most.store(progress.all - progress.before, Ordering::Relaxed);
+        !interrupt::asked()
+    });
+    drop(bar);
+    let ran =
+        ran.map_err(|error| shell.fail(Diagnostic::error(Code::CannotWrite, error.to_string())))?;
+    if ran.before > 0 {
+        shell.say(&format!(
+            "{} of {} cases were finished by an earlier run\n",
+            ran.before, ran.all
+        ));
+    }
+    Ok(ran)
+}

@@ -1,0 +1,134 @@
+use std::fmt;
+use std::io;
+use std::path::Path;
+
+use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::session::{Sources, located};
+
+/// Why there is no answer: the complaints of the command line, at their places.
+#[derive(Clone, Debug)]
+pub struct Error {
+    /// What kind of trouble it is.
+    pub kind: ErrorKind,
+    /// The complaints, the reason first.
+    pub complaints: Vec<Complaint>,
+}
+
+/// What kind of trouble an [`Error`] is.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ErrorKind {
+    /// A deck, command file, study or results file has errors.
+    Input,
+    /// An address, a column or an option that means nothing there.
+    Usage,
+    /// No equilibrium, no motion or no fit.
+    NoAnswer,
+    /// A file cannot be read or written.
+    File(io::ErrorKind),
+}
+
+/// A complaint with its places worked out.
+#[derive(Clone, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
+pub struct Complaint {
+    /// Stable code, for example `undefined-id`.
+    pub code: Code,
+    /// How bad it is.
+    pub severity: Severity,
+    /// One sentence.
+    pub message: String,
+    /// What to do about it.
+    pub help: Option<String>,
+    /// Where it is, the main place first.
+    pub places: Vec<Place>,
+    /// All of it as text, with the line of the file and the place marked.
+    pub text: String,
+}
+
+/// A place in a file.
+#[derive(Clone, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
+pub struct Place {
+    /// The file, as it was named.
+    pub file: String,
+    /// Offset of the first byte.
+    pub start: usize,
+    /// Offset past the last byte.
+    pub end: usize,
+    /// Line, from 1; `None` where the text is not at hand.
+    pub line: Option<usize>,
+    /// Column in bytes, from 1.
+    pub column: Option<usize>,
+    /// What is said of this place.
+    pub message: String,
+}
+
+impl Complaint {
+    /// A complaint with places in these files.
+    pub fn new(diagnostic: &Diagnostic, sources: &Sources) -> Self {
+        let place = |label: &crate::diagnostic::Label| {
+            let source = sources.get(&label.file);
+            let at = source.map(|source| source.line_column(label.span.start()));
+            Place {
+                file: label.file.to_string(),
+                start: label.span.start(),
+                end: label.span.end(),
+                line: at.map(|at| at.line),
+                column: at.map(|at| at.column),
+                message: label.message.clone(),
+            }
+        };
+        Self {
+            code: diagnostic.code,
+            severity: diagnostic.severity,
+            message: diagnostic.message.clone(),
+            help: diagnostic.help.clone(),
+            places: diagnostic.labels.iter().map(place).collect(),
+            text: located(diagnostic, sources),
+        }
+    }
+}
+
+impl Error {
+    /// An error from complaints, those that are errors first.
+    pub(crate) fn new(kind: ErrorKind, diagnostics: &[Diagnostic], sources: &Sources) -> Self {
+        let mut complaints: Vec<Complaint> = diagnostics
+            .iter()
+            .map(|diagnostic| Complaint::new(diagnostic, sources))
+            .collect();
+        complaints.sort_by_key(|complaint| std::cmp::Reverse(complaint.severity));
+        Self { kind, complaints }
+    }
+
+    /// An error without a place.
+    pub(crate) fn plain(kind: ErrorKind, diagnostic: &Diagnostic) -> Self {
+        Self::new(kind, std::slice::from_ref(diagnostic), &Sources::default())
+    }
+
+    /// A file that cannot be read.
+    pub(crate) fn unreadable(path: &Path, error: &io::Error) -> Self {
+        let message = format!("`{}` cannot be read: {error}", path.display());
+        let diagnostic = Diagnostic::error(Code::CannotRead, message);
+        Self::plain(ErrorKind::File(error.kind()), &diagnostic)
+    }
+
+    /// A file that cannot be written.
+    pub(crate) fn unwritable(path: &Path, error: &io::Error) -> Self {
+        let message = format!("`{}` cannot be written: {error}", path.display());
+        let diagnostic = Diagnostic::error(Code::CannotWrite, message);
+        Self::plain(ErrorKind::File(error.kind()), &diagnostic)
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let worst = self.complaints.iter().map(|c| c.severity).max();
+        let told: Vec<&str> = self
+            .complaints
+            .iter()
+            .filter(|complaint| Some(complaint.severity) == worst)
+            .map(|complaint| complaint.text.trim_end())
+            .collect();
+        f.write_str(&told.join("\n"))
+    }
+}
+
+impl std::error::Error for Error {}

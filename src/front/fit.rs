@@ -1,0 +1,195 @@
+//! The fit of a study by its own method: noise, stiffnesses, tolerances.
+
+use std::ops::ControlFlow;
+
+use crate::backend::Backend;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::discrepancy::tolerant;
+use crate::identify::global::{Options, Prepared, Start, fit_study};
+use crate::identify::{Fit, IdentifyError, LoadedStudy, direct, estimate_noise, regression};
+use crate::report::Positions;
+use crate::report::scene::Role;
+use crate::rig::settings::{BackendChoice, Method};
+
+use super::watch::Watch;
+
+/// Identifies the stiffnesses of a study: first the noise of sensors that the study does not state, then the fit, with tolerances beside
+/// the stiffnesses where they can be had.
+///
+/// # Errors
+/// Why there is no fit.
+pub(crate) fn identify(
+    loaded: &mut LoadedStudy,
+    backend: &mut dyn Backend,
+    watch: &dyn Watch,
+) -> Result<Fit, IdentifyError> {
+    watch.stage("noise of the sensors");
+    noise(loaded, backend)?;
+    among_tolerances(loaded, backend, watch)
+}
+
+/// What a study asks for that names no number, at its place.
+pub(crate) fn nothing_to_identify(loaded: &LoadedStudy) -> Diagnostic {
+    let study = &loaded.study;
+    let message = "the study names nothing to identify";
+    let help = if loaded.model.bushings.is_empty() {
+        "the deck has no BUSHING; name numbers: stiffnesses = [\"SPRINGDAMPER/1.K\"]".to_string()
+    } else {
+        let names: Vec<String> = loaded
+            .model
+            .bushings
+            .iter()
+            .take(3)
+            .map(|bushing| format!("\"BUSHING/{}\"", bushing.header.id))
+            .collect();
+        format!(
+            "bushings = [{}]; without the key every BUSHING is sought",
+            names.join(", ")
+        )
+    };
+    let error = Diagnostic::error(Code::MissingSetting, message).help(help);
+    error.label(
+        study.source.name(),
+        study.place(&["identify", "bushings"]),
+        "",
+    )
+}
+
+/// Estimates what the study does not state of its sensors' noise, by the backend that solves it.
+fn noise(loaded: &mut LoadedStudy, backend: &mut dyn Backend) -> Result<(), IdentifyError> {
+    let external = loaded.study.solver.backend != BackendChoice::Native;
+    estimate_noise(loaded, external.then_some(backend))
+}
+
+/// The fit with tolerances beside the stiffnesses, where they can be had: the intervals are those, and profiles would be for nothing.
+fn among_tolerances(
+    loaded: &LoadedStudy,
+    backend: &mut dyn Backend,
+    watch: &dyn Watch,
+) -> Result<Fit, IdentifyError> {
+    if !allows_for_tolerances(loaded) {
+        return fitted(loaded, backend, watch, true);
+    }
+    let mut fit = fitted(loaded, backend, watch, false)?;
+    if fit.interrupted {
+        return Ok(fit);
+    }
+    let problem = loaded.problem();
+    watch.stage("allowing for tolerances");
+    let found = fit.fit_test.as_ref().and_then(|_| tolerant(&problem));
+    match found {
+        Some(found) => found.apply(&mut fit),
+        None => fit = fitted(loaded, backend, watch, true)?,
+    }
+    Ok(fit)
+}
+
+/// Whether tolerances may be fitted beside the stiffnesses: by the built-in solver and the method that knows how exact it is.
+fn allows_for_tolerances(loaded: &LoadedStudy) -> bool {
+    let settings = &loaded.study.identify;
+    let frames = settings.frame_sd.length > 0.0 || settings.frame_sd.angle_deg > 0.0;
+    settings.method == Method::GaussNewton
+        && loaded.study.solver.backend == BackendChoice::Native
+        && !frames
+}
+
+/// Runs the study's method on a backend, showing how it goes; with `profile`, poorly known numbers get intervals by profile likelihood
+/// if the built-in solver is behind it.
+pub(crate) fn fitted(
+    loaded: &LoadedStudy,
+    backend: &mut dyn Backend,
+    watch: &dyn Watch,
+    profile: bool,
+) -> Result<Fit, IdentifyError> {
+    let problem = loaded.problem();
+    let cases = loaded.programme.cases.len();
+    watch.stage("identifying");
+    let mut fit = match loaded.study.identify.method {
+        Method::Regression => {
+            let most = loaded.study.regression.max_iterations;
+            let mut each = |iteration: usize, _: &[f64], moves: f64| {
+                watch.detail(format!("largest change {:.2} %", 100.0 * moves));
+                watch.count(iteration, Some(most), "iterations");
+                flow(watch)
+            };
+            regression::identify(&problem, backend, &mut each)?
+        }
+        Method::Direct => {
+            let mut each = |round: usize, _: &[f64], moves: f64| {
+                watch.detail(format!("round {round}, largest change of ln K {moves:.1e}"));
+                flow(watch)
+            };
+            direct::identify(&problem, backend, &mut each)?
+        }
+        Method::GaussNewton => {
+            let external = loaded.study.solver.backend != BackendChoice::Native;
+            let prepared = if external {
+                Prepared::external(&problem)?
+            } else {
+                Prepared::new(&problem)?
+            };
+            let each = |iteration: usize, sweeps: usize, objective: f64| {
+                watch.detail(if sweeps == 0 {
+                    "a start from the direct solution".to_string()
+                } else {
+                    format!("step {iteration}, half chi-square {objective:.4e}")
+                });
+                watch.count(sweeps * cases, None, "equilibria");
+                watch.goes_on()
+            };
+            let options = Options {
+                start: Start::Auto,
+                // Profile likelihood over an external program would take hundreds of runs.
+                profile: profile && !external,
+                watch: Some(Box::new(each)),
+            };
+            let other: Option<&mut dyn Backend> = if external { Some(backend) } else { None };
+            fit_study(&problem, &prepared, other, options)?.fit
+        }
+    };
+    fit.inputs_sha256 = loaded.study.inputs_sha256();
+    Ok(fit)
+}
+
+/// Breaks a run that was asked to stop.
+fn flow(watch: &dyn Watch) -> ControlFlow<()> {
+    if watch.goes_on() {
+        ControlFlow::Continue(())
+    } else {
+        ControlFlow::Break(())
+    }
+}
+
+/// Where the solver puts the parts with the initial and with the identified numbers; without those it does not tell, as a recording
+/// that lacks them.
+pub(crate) fn positions(
+    loaded: &LoadedStudy,
+    fit: &Fit,
+    backend: &mut dyn Backend,
+) -> Vec<Positions> {
+    // Pictures are not worth the licences of another solver.
+    if loaded.study.solver.backend != BackendChoice::Native {
+        return Vec::new();
+    }
+    let problem = loaded.problem();
+    let wanted = [
+        ("initial", Role::Initial, problem.initial()),
+        ("identified", Role::Fitted, fit.values()),
+    ];
+    let solved = wanted.into_iter().filter_map(|(name, role, values)| {
+        let sweep = problem.sweep(backend, &values).ok()?;
+        Some(Positions::of(name, role, &sweep))
+    });
+    solved.collect()
+}
+
+/// The lines that differ, with the three lines before and behind them that tell whose they are.
+pub(crate) fn changed_lines(before: &[u8], after: &[u8]) -> String {
+    let (before, after) = (
+        String::from_utf8_lossy(before),
+        String::from_utf8_lossy(after),
+    );
+    let diff = similar::TextDiff::from_lines(before.as_ref(), after.as_ref());
+    let text = diff.unified_diff().context_radius(3).to_string();
+    text.replace('\r', "")
+}

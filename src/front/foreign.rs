@@ -1,0 +1,34 @@
+use crate::diagnostic::{Code, Diagnostic};
+use crate::identify::LoadedStudy;
+use crate::rig::{ForeignMarks, foreign_marks};
+
+/// Marks that belong to other parts, with the cases where they do.
+pub(crate) fn foreign_parts(loaded: &LoadedStudy) -> Vec<Diagnostic> {
+    let measurement = &loaded.measurement;
+    let Some(marks) = &loaded.study.marks else {
+        return Vec::new();
+    };
+    let of = |foreign: ForeignMarks| {
+        let name = &measurement.parts[foreign.part].name;
+        let labels: Vec<&str> = foreign
+            .cases
+            .iter()
+            .map(|&case| measurement.cases[case].label.as_str())
+            .collect();
+        let first = &measurement.cases[foreign.cases[0]].marks;
+        let place = first.iter().find(|read| read.part == foreign.part);
+        let mut diagnostic = Diagnostic::error(
+            Code::InconsistentMarks,
+            format!(
+                "the marks of {name} in cases {} are not of one part: {:.3} rms are left by the best rigid motion, and no part bends so much",
+                labels.join(", "),
+                foreign.rms
+            ),
+        );
+        if let Some(read) = place {
+            diagnostic = diagnostic.label(marks.measured.source.name(), read.place, "");
+        }
+        diagnostic.help("put the readings right, or leave these cases out; then diagnose again")
+    };
+    foreign_marks(measurement).into_iter().map(of).collect()
+}

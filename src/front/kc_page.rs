@@ -1,0 +1,83 @@
+use std::path::Path;
+
+use serde_json::json;
+
+use crate::kc::{Config, Convention, KcRun, output};
+use crate::report::{DrawingError, KcReport, MeasuredCurve};
+use crate::units::Units;
+
+/// The report of K&C tests, beside other decks and measured curves.
+pub(crate) fn kc_page(
+    (deck, units): (&Path, &Units),
+    (config, found): (&Config, &KcRun),
+    (others, curves): (&[(String, KcRun)], &[MeasuredCurve]),
+    convention: Convention,
+) -> Result<String, DrawingError> {
+    let name = deck
+        .file_name()
+        .map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+    let given = |value: Option<String>| value.unwrap_or_else(|| "not given".to_string());
+    let facts = [
+        ("Deck", format!("{}, axes {}", deck.display(), config.axes)),
+        (
+            "Axle",
+            if config.mirror {
+                "one wheel, mirrored: no coupling of the wheels".to_string()
+            } else {
+                format!(
+                    "{} wheels, anti-roll bar {}",
+                    config.sides().len(),
+                    config.anti_roll_bar
+                )
+            },
+        ),
+        (
+            "Tyre",
+            given(config.tyre.map(|tyre| match tyre.stiffness {
+                Some(k) => format!("unloaded radius {}, stiffness {k}", tyre.radius),
+                None => format!("unloaded radius {}, rigid", tyre.radius),
+            })),
+        ),
+        (
+            "Ride height",
+            match config.ride_load {
+                Some(load) => format!("vertical load {load} on each wheel"),
+                None => format!("{} over design", config.ride_height),
+            },
+        ),
+        (
+            "Steering",
+            config.steering_lock.as_ref().map_or_else(
+                || "as in the deck".to_string(),
+                |at| format!("locked by {}", at.text),
+            ),
+        ),
+        ("Axes of the answer", convention.word().to_string()),
+        (
+            "Swing arms and roll centre",
+            format!(
+                "vertical load {}",
+                json!(config.vertical_load).as_str().unwrap_or_default()
+            ),
+        ),
+        (
+            "Compliance matrix",
+            match found.ride.seen.axle.compliance {
+                Some(_) => format!("lack of symmetry {:.1e}", found.asymmetry),
+                None => "not defined: nothing but the rig holds the wheels up".to_string(),
+            },
+        ),
+        ("Definitions", format!("version {}", output::DEFINITIONS)),
+    ];
+    let report = KcReport {
+        deck: &name,
+        run: found,
+        others,
+        measured: curves,
+        units,
+        convention,
+        facts: &facts,
+    };
+    let footer = format!("admire {}", crate::report::VERSION);
+    report.page(&footer)
+}

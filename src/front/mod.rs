@@ -1,0 +1,38 @@
+//! The front of the library: a deck, its runs, studies and results files, each with a handful of methods.
+//!
+//! The Python package and the subcommands sit on the same functions, so that all three give the same answers.
+
+mod assignment;
+mod axle;
+mod deck;
+mod error;
+pub(crate) mod fit;
+mod foreign;
+mod kc_page;
+pub(crate) mod leftover;
+pub(crate) mod permissions;
+mod results;
+mod run;
+mod sensitivity;
+pub(crate) mod solver;
+mod study;
+#[cfg(test)]
+mod tests;
+mod value;
+mod watch;
+mod writing;
+
+pub(crate) use assignment::{edits, faults, new_errors, same_but_for};
+pub use axle::AxleTests;
+pub use deck::{Deck, Setting};
+pub use error::{Complaint, Error, ErrorKind, Place};
+pub(crate) use foreign::foreign_parts;
+pub(crate) use kc_page::kc_page;
+pub use results::{Results, Rows};
+pub use run::Run;
+pub(crate) use sensitivity::Unavailable;
+pub use sensitivity::{SensitivityRow, SensitivityTable};
+pub use study::{DiagnosisAnswer, Identification, Study};
+pub(crate) use value::{is_angle, rounded, value};
+pub use watch::{Stand, Watch, Watched};
+pub(crate) use writing::{replace_file, take_place};

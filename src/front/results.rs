@@ -1,0 +1,177 @@
+use std::path::{Path, PathBuf};
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::grammar::nearest;
+use crate::results::{
+    AnyResults, Catalogue, EntityKind, Header, ResultsError, SelectedColumn, Selection, StepFilter,
+    StepKind, open_any,
+};
+
+use super::error::{Error, ErrorKind};
+use super::watch::Watch;
+
+/// A results file of any kind (.res, .req, .gra): names and units at once, values read from the file when they are asked for, step by
+/// step, so that its size does not matter.
+#[derive(Clone, Debug)]
+pub struct Results {
+    path: PathBuf,
+    header: Header,
+    catalogue: Catalogue,
+    columns: Vec<SelectedColumn>,
+}
+
+/// Columns of a results file, a row for each step.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Rows {
+    /// The columns in the order of their values.
+    pub columns: Vec<SelectedColumn>,
+    /// Kind of each step.
+    pub kinds: Vec<StepKind>,
+    /// All values, step by step.
+    pub values: Vec<f64>,
+}
+
+impl Results {
+    /// Reads the head of a results file.
+    ///
+    /// # Errors
+    /// When the file cannot be read or is no results file.
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
+        let path = path.as_ref();
+        let reader = open(path)?;
+        Ok(Self {
+            path: path.to_path_buf(),
+            header: reader.header().clone(),
+            catalogue: reader.catalogue().clone(),
+            columns: Selection::all(reader.catalogue()).columns,
+        })
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// What it says of itself.
+    pub fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// The columns with their units.
+    pub fn columns(&self) -> &[SelectedColumn] {
+        &self.columns
+    }
+
+    /// A column, a value per step: `KNUCKLE.X`, `KNUCKLE_XFORM.X`, `BUSHING/1.FX`.
+    ///
+    /// # Errors
+    /// When there is no such column, the name means several, or the file cannot be read to its end.
+    pub fn column(&self, name: &str, watch: &dyn Watch) -> Result<Vec<f64>, Error> {
+        let columns = vec![one_column(&self.catalogue, name)?];
+        let read = self.read(Selection { columns }, &StepFilter::default(), watch)?;
+        Ok(read.values)
+    }
+
+    /// The columns that any of the patterns names (`*` any text, `?` one character, an entity all its components; all columns without a
+    /// pattern), in the steps that a filter takes.
+    ///
+    /// # Errors
+    /// When a pattern names nothing, or the file cannot be read to its end.
+    pub fn select(
+        &self,
+        patterns: &[&str],
+        filter: &StepFilter,
+        watch: &dyn Watch,
+    ) -> Result<Rows, Error> {
+        let selection = if patterns.is_empty() {
+            Selection::all(&self.catalogue)
+        } else {
+            selected(&self.catalogue, patterns)?
+        };
+        self.read(selection, filter, watch)
+    }
+
+    fn read(
+        &self,
+        selection: Selection,
+        filter: &StepFilter,
+        watch: &dyn Watch,
+    ) -> Result<Rows, Error> {
+        let mut reader = open(&self.path)?;
+        let (mut kinds, mut values) = (Vec::new(), Vec::new());
+        let read = selection.rows(&mut reader, filter, |kind, _, row| {
+            kinds.push(kind);
+            values.extend_from_slice(row);
+            if watch.goes_on() {
+                Ok(())
+            } else {
+                Err(std::io::ErrorKind::Interrupted.into())
+            }
+        });
+        read.map_err(|error| failed(&self.path, error))?;
+        Ok(Rows {
+            columns: selection.columns,
+            kinds,
+            values,
+        })
+    }
+}
+
+fn open(path: &Path) -> Result<AnyResults, Error> {
+    let opened = open_any(path).map_err(|error| failed(path, error))?;
+    Ok(opened.value)
+}
+
+fn failed(path: &Path, error: ResultsError) -> Error {
+    match error {
+        ResultsError::Io(error) => Error::unreadable(path, &error),
+        ResultsError::Refused(refused) => Error::plain(ErrorKind::Input, &refused),
+    }
+}
+
+/// The columns that patterns name; every pattern must name one.
+pub(crate) fn selected(catalogue: &Catalogue, patterns: &[&str]) -> Result<Selection, Error> {
+    let (selection, unused) = Selection::matching(catalogue, patterns);
+    let Some(pattern) = unused.first() else {
+        return Ok(selection);
+    };
+    let mut known: Vec<String> = Vec::new();
+    for column in catalogue.columns() {
+        let object = column.entity.entity.as_deref().unwrap_or_default();
+        let plain = object.rsplit('.').next().unwrap_or(object);
+        known.push(column.path());
+        known.push(format!("{plain}.{}", column.component.name));
+        if let (Some(class), Some(id)) = (&column.entity.ent_type, column.entity.object_id) {
+            let keyword = EntityKind::keyword(class);
+            known.push(format!("{keyword}/{id}.{}", column.component.name));
+        }
+    }
+    let capitals: Vec<String> = known.iter().map(|path| path.to_uppercase()).collect();
+    let near = nearest(pattern, capitals.iter().map(String::as_str))
+        .and_then(|near| capitals.iter().position(|path| path == near));
+    let message = format!("no column is called `{pattern}`");
+    let mut refused = Diagnostic::error(Code::UndefinedId, message);
+    if let Some(at) = near {
+        refused = refused.help(format!("did you mean `{}`?", known[at]));
+    }
+    Err(Error::plain(ErrorKind::Usage, &refused))
+}
+
+/// The one column that a name means.
+pub(crate) fn one_column(catalogue: &Catalogue, name: &str) -> Result<SelectedColumn, Error> {
+    let mut found = selected(catalogue, &[name])?.columns;
+    if found.len() == 1 {
+        return Ok(found.remove(0));
+    }
+    let some: Vec<&str> = found.iter().take(6).map(|c| c.path.as_str()).collect();
+    let message = format!(
+        "`{name}` means {} columns: {} ...",
+        found.len(),
+        some.join(", ")
+    );
+    let refused = Diagnostic::error(Code::AmbiguousKeyword, message);
+    Err(Error::plain(
+        ErrorKind::Usage,
+        &refused.help("name one of them, or select all of them"),
+    ))
+}

@@ -1,0 +1,203 @@
+use std::collections::BTreeMap;
+use std::io;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use serde::{Deserialize, Serialize};
+
+use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
+use crate::results::{Catalogue, ResultsTable, SelectedColumn, Selection, StepKind};
+use crate::session::{Ending, Session, Stop, folder_of};
+use crate::syntax::{CommandFile, Dataset};
+
+use super::error::{Complaint, Error, ErrorKind};
+use super::results::{one_column, selected};
+use super::watch::Watch;
+use super::writing::{may_replace, replace_file};
+
+/// What came of executing commands on a deck: results, messages and other files, all in memory.
+///
+/// Values are the full numbers of what the results file of `admire solve` or `mdi` spells with so many decimals, and
+/// [`write`](Self::write) writes the same bytes as they.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Run {
+    ending: Ending,
+    table: Option<ResultsTable>,
+    complaints: Vec<Complaint>,
+    files: BTreeMap<String, Vec<u8>>,
+    elapsed: Duration,
+}
+
+impl Run {
+    pub(super) fn execute(
+        deck: &Checked<Dataset>,
+        commands: &Checked<CommandFile>,
+        watch: &dyn Watch,
+    ) -> Self {
+        let start = Instant::now();
+        let folders = [deck.value.source(), commands.value.source()].map(folder_of);
+        let (ending, mut record) = Session::new(Box::new(io::sink()), Path::new(""))
+            .confined(&folders)
+            .watched(|moment| {
+                watch.detail(format!("time {:.4} of {}", moment.time, moment.end));
+                watch.goes_on()
+            })
+            .run_on(deck, commands);
+        let mut files = record.files();
+        files.insert("msg".to_string(), std::mem::take(&mut record.messages));
+        let told = record.diagnostics.iter();
+        Self {
+            ending,
+            table: record.results.take(),
+            complaints: told
+                .map(|found| Complaint::new(found, &record.sources))
+                .collect(),
+            files,
+            elapsed: start.elapsed(),
+        }
+    }
+
+    /// How it ended.
+    pub fn ending(&self) -> &Ending {
+        &self.ending
+    }
+
+    /// An error if a command was not understood, refused, or had no answer: where `admire solve` ends with another exit code than 0.
+    ///
+    /// # Errors
+    /// In these cases.
+    pub fn succeeded(&self) -> Result<(), Error> {
+        if self.ending.exit_code(true) == 0 {
+            return Ok(());
+        }
+        let kind = match self.ending.stop {
+            Stop::Simulation | Stop::Interrupted => ErrorKind::NoAnswer,
+            Stop::Finished if self.ending.failed > 0 => ErrorKind::NoAnswer,
+            Stop::Model | Stop::File | Stop::Finished => ErrorKind::Input,
+        };
+        let mut told = self.complaints.clone();
+        told.sort_by_key(|complaint| std::cmp::Reverse(complaint.severity));
+        if told.first().is_none_or(|c| c.severity != Severity::Error) {
+            // What is no error elsewhere ended this run.
+            let last = Diagnostic::error(Code::NoEquilibrium, "the run did not come to its end");
+            let help = last.help("the messages of the run say why");
+            return Err(Error::plain(kind, &help));
+        }
+        Err(Error {
+            kind,
+            complaints: told,
+        })
+    }
+
+    /// Warnings and errors in the order they came up.
+    pub fn complaints(&self) -> &[Complaint] {
+        &self.complaints
+    }
+
+    /// The message file.
+    pub fn messages(&self) -> String {
+        let said = self.files.get("msg").map_or(&[][..], Vec::as_slice);
+        String::from_utf8_lossy(said).into_owned()
+    }
+
+    /// How long it took.
+    pub fn elapsed(&self) -> Duration {
+        self.elapsed
+    }
+
+    /// The results as a table; `None` if no simulation began.
+    pub fn table(&self) -> Option<&ResultsTable> {
+        self.table.as_ref()
+    }
+
+    /// Puts the values back that serialisation leaves out.
+    pub fn set_values(&mut self, values: Vec<f64>) {
+        if let Some(table) = &mut self.table {
+            table.values = values;
+        }
+    }
+
+    /// The columns in the order of their values.
+    pub fn columns(&self) -> Vec<SelectedColumn> {
+        self.table()
+            .map_or_else(Vec::new, |table| Selection::all(&table.catalogue).columns)
+    }
+
+    /// Kind of each step.
+    pub fn kinds(&self) -> &[StepKind] {
+        self.table().map_or(&[], |table| &table.kinds)
+    }
+
+    /// Which value of each step a name means, from 0: `KNUCKLE.X`, `knuckle_XFORM.X`, `BUSHING/1.FX`.
+    ///
+    /// # Errors
+    /// When there is no such column, or the name means several.
+    pub fn position(&self, name: &str) -> Result<usize, Error> {
+        let Some(table) = self.table() else {
+            let none = Diagnostic::error(Code::CannotRead, "the run has no results");
+            return Err(Error::plain(ErrorKind::Usage, &none));
+        };
+        Ok(one_column(&table.catalogue, name)?.id - 1)
+    }
+
+    /// The columns that patterns name, as [`Results::select`](super::Results::select) has them.
+    ///
+    /// # Errors
+    /// When a pattern names nothing.
+    pub fn select(&self, patterns: &[String]) -> Result<Vec<SelectedColumn>, Error> {
+        let patterns: Vec<&str> = patterns.iter().map(String::as_str).collect();
+        let none = Catalogue::default();
+        let catalogue = self.table().map_or(&none, |table| &table.catalogue);
+        Ok(selected(catalogue, &patterns)?.columns)
+    }
+
+    /// A column, a value per step. The first step is the model as it was read.
+    ///
+    /// # Errors
+    /// As [`position`](Self::position).
+    pub fn column(&self, name: &str) -> Result<Vec<f64>, Error> {
+        let first = self.position(name)?;
+        let table = self.table.iter();
+        let values = table.flat_map(|table| {
+            let width = table.catalogue.len();
+            table.values.iter().skip(first).step_by(width)
+        });
+        Ok(values.copied().collect())
+    }
+
+    /// The other files by extension (`msg`, `req`, `gra`, `out`), those of LINEAR by name.
+    pub fn files(&self) -> &BTreeMap<String, Vec<u8>> {
+        &self.files
+    }
+
+    /// Writes a file of the run, chosen by the extension: `.res`, or `.msg`, `.req`, `.gra`, `.out`. A file that is there already is
+    /// replaced only with `replace`.
+    ///
+    /// # Errors
+    /// When the run has no such file, or it cannot be written.
+    pub fn write(&self, path: impl AsRef<Path>, replace: bool) -> Result<(), Error> {
+        let path = path.as_ref();
+        let extension = path.extension().unwrap_or_default().to_string_lossy();
+        let extension = extension.to_ascii_lowercase();
+        let cannot = |error| Error::unwritable(path, &error);
+        let mut results = Vec::new();
+        let bytes = match (extension.as_str(), self.table()) {
+            ("res", Some(table)) => {
+                let mut header = table.header.clone();
+                let shown = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+                header.uri = format!("file://{}", shown.display());
+                table.write_as(&header, &mut results).map_err(cannot)?;
+                &results
+            }
+            _ => self.files.get(&extension).ok_or_else(|| {
+                let kinds: Vec<&str> = self.files.keys().map(String::as_str).collect();
+                let message = format!("this run has no .{extension} file");
+                let help = format!("it has res, {}", kinds.join(", "));
+                let none = Diagnostic::error(Code::CannotWrite, message).help(help);
+                Error::plain(ErrorKind::Usage, &none)
+            })?,
+        };
+        may_replace(path, replace)?;
+        replace_file(path, bytes).map_err(cannot)
+    }
+}

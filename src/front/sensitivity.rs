@@ -1,0 +1,170 @@
+use crate::diagnostic::{Code, Diagnostic};
+use crate::model::{Model, PartIx};
+use crate::statics::{Sensitivity, Settings, SolveError, solve};
+use crate::syntax::Dataset;
+use crate::system::{Quantity, Slot, System};
+
+/// How an equilibrium changes with the numbers of a deck: exact derivatives, in the deck's units (angles in radians).
+#[derive(Clone, PartialEq, Debug)]
+pub struct SensitivityTable {
+    /// What changes: names of the columns, for example `PART/4 x`.
+    pub of: Vec<String>,
+    /// By which numbers, a row each.
+    pub by: Vec<SensitivityRow>,
+}
+
+/// The derivatives by one number.
+#[derive(Clone, PartialEq, Debug)]
+pub struct SensitivityRow {
+    /// Address of the number.
+    pub address: String,
+    /// Its value; NaN where it is a function.
+    pub value: f64,
+    /// The derivative of each column by it.
+    pub derivatives: Vec<f64>,
+}
+
+/// Why there is no table.
+#[derive(Debug)]
+pub(crate) enum Unavailable {
+    /// A word that means nothing.
+    Word(Diagnostic),
+    /// No equilibrium.
+    NoAnswer(SolveError),
+}
+
+impl SensitivityTable {
+    /// Solves and differentiates at a time. `of`: parts (their motion), forces and joints (their force on I), `REQUEST/1.F2`; `by`:
+    /// numbers, all that have an effect if there are none.
+    pub(crate) fn new(
+        (dataset, model, system): (&Dataset, &Model, &System),
+        of: &[String],
+        by: &[String],
+        time: f64,
+    ) -> Result<Self, Unavailable> {
+        let mut columns = Vec::new();
+        for text in of {
+            let found = quantities(text, (dataset, model, system));
+            columns.extend(found.map_err(Unavailable::Word)?);
+        }
+        let slots = slots(by, (dataset, system)).map_err(Unavailable::Word)?;
+        let (parameters, mut state) = (system.parameters(), system.state());
+        state.time = time;
+        let settings = Settings::from(system.settings());
+        let rows = solve(system, &parameters, &mut state, &settings)
+            .and_then(|_| {
+                let quantities: Vec<Quantity> = columns.iter().map(|c| c.quantity).collect();
+                Sensitivity::new(system, &parameters, &state)?.table(&quantities, &slots)
+            })
+            .map_err(Unavailable::NoAnswer)?;
+        let named = slots
+            .iter()
+            .zip(rows)
+            .map(|(&slot, derivatives)| SensitivityRow {
+                address: system.catalogue().info(slot).address.to_string(),
+                value: parameters.get(slot),
+                derivatives,
+            });
+        // Asked for by name even a zero is an answer; else only what has an effect.
+        let all = !by.is_empty();
+        let by = named.filter(|row| all || row.derivatives.iter().any(|d| *d != 0.0));
+        Ok(Self {
+            by: by.collect(),
+            of: columns.into_iter().map(|column| column.head).collect(),
+        })
+    }
+}
+
+/// A column of the table.
+struct Column {
+    head: String,
+    quantity: Quantity,
+}
+
+/// The quantities that a word means.
+fn quantities(
+    text: &str,
+    (dataset, model, system): (&Dataset, &Model, &System),
+) -> Result<Vec<Column>, Diagnostic> {
+    const MOTION: [&str; 6] = ["x", "y", "z", "about x", "about y", "about z"];
+    const WRENCH: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
+    let address = super::value::address(text, dataset)?;
+    let id = address.id.unwrap_or_default();
+    let kind = address.kind.as_str();
+    let six = |names: [&str; 6], make: &dyn Fn(usize) -> Quantity| {
+        (0..6)
+            .map(|k| Column {
+                head: format!("{text} {}", names[k]),
+                quantity: make(k),
+            })
+            .collect()
+    };
+    if matches!(kind, "PART" | "POINT_MASS") {
+        let part = model.parts.iter().position(|p| p.header.id == id);
+        if let Some(part) = part {
+            return Ok(six(MOTION, &|k| Quantity::Motion(PartIx(part), k)));
+        }
+    }
+    if let Some(element) = system.element(kind, id) {
+        return Ok(six(WRENCH, &|k| Quantity::Element(element, k)));
+    }
+    if let Some(constraint) = system.constraint(kind, id) {
+        return Ok(six(WRENCH, &|k| Quantity::Constraint(constraint, k)));
+    }
+    let component = address
+        .argument
+        .as_deref()
+        .and_then(|a| a.strip_prefix('F'))
+        .and_then(|n| n.parse::<usize>().ok())
+        .filter(|n| (1..=8).contains(n));
+    let request = model.requests.iter().position(|r| r.header.id == id);
+    if let ("REQUEST", Some(component), Some(index)) = (kind, component, request) {
+        return Ok(vec![Column {
+            head: text.to_string(),
+            quantity: Quantity::Request(index, component - 1),
+        }]);
+    }
+    let message = format!("`{text}` is no part, force, joint or REQUEST/id.F2");
+    Err(Diagnostic::error(Code::WrongType, message))
+}
+
+/// The numbers that the words mean: those whose address begins so. Without any, all but the literals of functions.
+fn slots(
+    words: &[String],
+    (dataset, system): (&Dataset, &System),
+) -> Result<Vec<Slot>, Diagnostic> {
+    let catalogue = system.catalogue();
+    let all: Vec<(Slot, String)> = catalogue
+        .slots()
+        .map(|slot| (slot, catalogue.info(slot).address.to_string()))
+        .collect();
+    if words.is_empty() {
+        let readings = ["REQUEST", "SENSOR"];
+        let literal = |slot: Slot| {
+            let address = catalogue.info(slot).address;
+            let function = address.argument.as_deref().is_some_and(|a| a == "FUNCTION");
+            readings.contains(&address.kind.as_str()) || (function && address.index.is_some())
+        };
+        return Ok(all
+            .into_iter()
+            .map(|a| a.0)
+            .filter(|s| !literal(*s))
+            .collect());
+    }
+    let mut out = Vec::new();
+    for word in words {
+        let wanted = super::value::address(word, dataset)?.to_string();
+        let before = out.len();
+        for (slot, address) in &all {
+            let rest = address.strip_prefix(&wanted);
+            if rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.')) {
+                out.push(*slot);
+            }
+        }
+        if out.len() == before {
+            let message = format!("`{word}` has no number that the equilibrium depends on");
+            return Err(Diagnostic::error(Code::UndefinedId, message));
+        }
+    }
+    Ok(out)
+}

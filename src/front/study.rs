@@ -1,0 +1,229 @@
+use std::path::{Path, PathBuf};
+
+use crate::backend::Backend;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::discrepancy::{Diagnosis, Progress, diagnose_watched, held_out};
+use crate::identify::{Fit, LoadedStudy, estimate_noise};
+use crate::report::{DiagnosisReport, IdentificationReport, Plausibility, lead};
+use crate::rig::settings::{BackendChoice, Method};
+use crate::session::Sources;
+use crate::text::{Source, read_at_most};
+
+use super::error::{Complaint, Error, ErrorKind};
+use super::fit;
+use super::foreign::foreign_parts;
+use super::solver;
+use super::watch::Watch;
+
+/// The largest file in which places are shown, in bytes.
+const LARGEST_SHOWN: u64 = 64 << 20;
+
+/// A study folder: a deck, load cases and what was measured.
+#[derive(Clone, Debug)]
+pub struct Study {
+    loaded: LoadedStudy,
+    complaints: Vec<Complaint>,
+    sources: Sources,
+}
+
+/// The stiffnesses of a study with their uncertainty.
+#[derive(Clone, Debug)]
+pub struct Identification {
+    /// The numbers, and how well they explain the readings: what `identification.json` holds.
+    pub fit: Fit,
+    /// The answer in a sentence.
+    pub lead: String,
+    /// The deck with the identified numbers.
+    pub deck: Vec<u8>,
+    /// The report, a whole HTML page.
+    pub html: String,
+    /// Remarks of the backend that solved.
+    pub remarks: Vec<String>,
+}
+
+/// What a model gets wrong after its best fit.
+#[derive(Clone, Debug)]
+pub struct DiagnosisAnswer {
+    /// Verdict, findings and their evidence: what `diagnosis.json` holds.
+    pub diagnosis: Diagnosis,
+    /// The answer in sentences.
+    pub sentences: Vec<String>,
+    /// The deck with the causes modelled.
+    pub deck: Vec<u8>,
+    /// The command file that runs it on any ADAMS.
+    pub commands: String,
+    /// The report, a whole HTML page.
+    pub html: String,
+    /// Remarks of the backend of the study.
+    pub remarks: Vec<String>,
+}
+
+impl Study {
+    /// Reads a study folder and everything it names.
+    ///
+    /// # Errors
+    /// What keeps it from being used.
+    pub fn open(folder: impl AsRef<Path>) -> Result<Self, Error> {
+        let folder = folder.as_ref();
+        let read = LoadedStudy::read(folder);
+        let mut sources = Sources::default();
+        if let Some(loaded) = &read.value {
+            sources.add(loaded.study.source.clone());
+            sources.add(loaded.study.deck.clone());
+        }
+        for label in read.diagnostics.iter().flat_map(|found| &found.labels) {
+            // To show the place in it; what is huge is shown by its name alone.
+            if sources.get(&label.file).is_none()
+                && let Ok(bytes) = read_at_most(Path::new(&*label.file), LARGEST_SHOWN)
+            {
+                sources.add(Source::new(&*label.file, bytes));
+            }
+        }
+        match read.value {
+            Some(loaded) => Ok(Self {
+                loaded,
+                complaints: read
+                    .diagnostics
+                    .iter()
+                    .map(|found| Complaint::new(found, &sources))
+                    .collect(),
+                sources,
+            }),
+            None => Err(Error::new(ErrorKind::Input, &read.diagnostics, &sources)),
+        }
+    }
+
+    /// Its folder.
+    pub fn folder(&self) -> &Path {
+        &self.loaded.study.folder
+    }
+
+    /// Warnings and notes about its files.
+    pub fn complaints(&self) -> &[Complaint] {
+        &self.complaints
+    }
+
+    /// The study with everything resolved.
+    pub fn loaded(&self) -> &LoadedStudy {
+        &self.loaded
+    }
+
+    /// Another method than the study's own.
+    pub fn set_method(&mut self, method: Method) {
+        self.loaded.study.identify.method = method;
+    }
+
+    /// The program that the study starts for every equilibrium, if it names one.
+    pub fn starts_program(&self) -> Option<&[String]> {
+        let solver = &self.loaded.study.solver;
+        (solver.backend == BackendChoice::Command).then_some(&solver.command)
+    }
+
+    /// Identifies the stiffnesses. With `force` also of a study that cannot be meant.
+    ///
+    /// # Errors
+    /// When nothing is sought, the study is not plausible, or there is no fit.
+    pub fn identify(&self, force: bool, watch: &dyn Watch) -> Result<Identification, Error> {
+        let mut loaded = self.loaded.clone();
+        if loaded.unknowns.is_empty() {
+            return Err(self.refused(&[fit::nothing_to_identify(&loaded)]));
+        }
+        self.plausible(force)?;
+        let mut backend = backend(&loaded);
+        let fit = fit::identify(&mut loaded, backend.as_mut(), watch)
+            .map_err(|error| no_fit(&error.to_string()))?;
+        let positions = fit::positions(&loaded, &fit, backend.as_mut());
+        let deck = loaded
+            .identified_deck(&fit.values())
+            .map_err(|refused| self.refused(&[refused]))?;
+        let diff = fit::changed_lines(loaded.dataset.bytes(), &deck);
+        let report = IdentificationReport {
+            loaded: &loaded,
+            fit: &fit,
+            diff: &diff,
+            positions: &positions,
+        };
+        let html = report.html().map_err(|error| no_fit(&error.to_string()))?;
+        Ok(Identification {
+            lead: lead(&fit),
+            deck,
+            html,
+            remarks: backend.remarks(),
+            fit,
+        })
+    }
+
+    /// Says what the model still gets wrong after its best fit. With `force` also of a study that cannot be meant.
+    ///
+    /// # Errors
+    /// When the readings are not of the deck's parts, the study is not plausible, or there is no fit.
+    pub fn diagnose(&self, force: bool, watch: &dyn Watch) -> Result<DiagnosisAnswer, Error> {
+        let mut loaded = self.loaded.clone();
+        let foreign = foreign_parts(&loaded);
+        if !foreign.is_empty() {
+            return Err(self.refused(&foreign));
+        }
+        self.plausible(force)?;
+        let progress = Progress::default();
+        watch.diagnoses(&progress);
+        estimate_noise(&mut loaded, None).map_err(|error| no_fit(&error.to_string()))?;
+        let held = held_out(&loaded.study, &loaded.measurement);
+        let problem = loaded.problem();
+        let found = diagnose_watched(&problem, held, &progress);
+        let mut outcome = found.map_err(|error| no_fit(&error.to_string()))?;
+        let mut remarks = Vec::new();
+        if loaded.study.solver.backend != BackendChoice::Native {
+            let mut backend = backend(&loaded);
+            if let Err(error) = outcome.compare(backend.as_mut()) {
+                remarks.push(format!(
+                    "the solver of the study is not compared with the built-in one, which made this diagnosis: {error}"
+                ));
+            }
+            remarks.extend(backend.remarks());
+        }
+        let deck = outcome.extended_deck();
+        let diff = fit::changed_lines(loaded.dataset.bytes(), &deck);
+        let report = DiagnosisReport {
+            loaded: &loaded,
+            outcome: &outcome,
+            diff: &diff,
+        };
+        let html = report.html().map_err(|error| no_fit(&error.to_string()))?;
+        Ok(DiagnosisAnswer {
+            sentences: outcome.sentences(),
+            commands: outcome.extended_commands(),
+            deck,
+            html,
+            remarks,
+            diagnosis: outcome.diagnosis,
+        })
+    }
+
+    /// The path of its deck.
+    pub fn deck(&self) -> PathBuf {
+        PathBuf::from(self.loaded.study.deck.name())
+    }
+
+    fn plausible(&self, force: bool) -> Result<(), Error> {
+        match Plausibility::of(&self.loaded).refusal() {
+            Some(message) if !force => {
+                let refused = Diagnostic::error(Code::ImplausibleStudy, message);
+                Err(self.refused(&[refused.help("`force` fits all the same")]))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn refused(&self, found: &[Diagnostic]) -> Error {
+        Error::new(ErrorKind::Input, found, &self.sources)
+    }
+}
+
+/// Who solves the study. That a program is started is told by [`Study::starts_program`].
+fn backend(loaded: &LoadedStudy) -> Box<dyn Backend> {
+    solver::backend(&loaded.study, None, &|_| {})
+}
+
+fn no_fit(why: &str) -> Error {
+    Error::plain(ErrorKind::NoAnswer, &Diagnostic::error(Code::NoFit, why))
+}

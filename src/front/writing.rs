@@ -1,0 +1,110 @@
+//! Files that are written whole or not at all.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::session::check_name;
+use crate::text::{persist, real_path};
+
+use super::error::{Error, ErrorKind};
+use super::leftover;
+use super::permissions::{as_new_files, can_be_replaced};
+
+/// Refuses to replace a file unless that is asked for.
+pub(super) fn may_replace(path: &Path, replace: bool) -> Result<(), Error> {
+    if replace || path.symlink_metadata().is_err() {
+        return Ok(());
+    }
+    let message = format!("`{}` is there already", path.display());
+    let refused = Diagnostic::error(Code::CannotWrite, message);
+    let kind = ErrorKind::File(std::io::ErrorKind::AlreadyExists);
+    Err(Error::plain(
+        kind,
+        &refused.help("name another file, or replace it on purpose"),
+    ))
+}
+
+/// Writes a file whole or not at all: through a temporary file beside it that takes its place.
+pub(crate) fn replace_file(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    check_name(&path.to_string_lossy()).map_err(std::io::Error::other)?;
+    let path = whole(path);
+    // A device or a pipe is written to. A new file in its place would be its end.
+    if std::fs::metadata(&path).is_ok_and(|there| !there.is_file() && !there.is_dir()) {
+        let mut device = std::fs::OpenOptions::new().write(true).open(&path)?;
+        return device.write_all(bytes).and_then(|()| device.flush());
+    }
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    leftover::remove(folder);
+    let mut file = as_new_files(builder.prefix(&leftover::prefix())).tempfile_in(folder)?;
+    file.write_all(bytes)?;
+    file.as_file().sync_all()?;
+    take_place(file, &path)
+}
+
+/// Puts a whole new file in the place of another, with its owner, permissions and further names.
+pub(crate) fn take_place(new: NamedTempFile, path: &Path) -> std::io::Result<()> {
+    let path = whole(path);
+    if let Ok(before) = std::fs::metadata(&path) {
+        if !can_be_replaced(&before, new.path()) {
+            return overwrite(&path, new);
+        }
+        if cfg!(unix) {
+            std::fs::set_permissions(new.path(), before.permissions())?;
+        }
+    }
+    persist(new, &path)
+}
+
+/// The whole path of a file that may not exist yet. A link is followed, so that the file it points to is replaced and not the link; on
+/// Windows a path of this form may be longer than 260 characters.
+fn whole(path: &Path) -> PathBuf {
+    let beside = || {
+        let folder = path.parent().filter(|it| !it.as_os_str().is_empty());
+        let folder = real_path(folder.unwrap_or(Path::new("."))).ok()?;
+        Some(folder.join(path.file_name()?))
+    };
+    let real = real_path(path).ok();
+    real.or_else(beside).unwrap_or_else(|| path.to_path_buf())
+}
+
+/// Writes into a file whose place no other can take: it has further names, or an owner that cannot be given. `new` stays if its bytes
+/// cannot be written.
+fn overwrite(path: &Path, new: NamedTempFile) -> std::io::Result<()> {
+    let copy = || {
+        let mut from = std::fs::File::open(new.path())?;
+        let mut file = std::fs::OpenOptions::new().write(true).open(path)?;
+        let length = std::io::copy(&mut from, &mut file)?;
+        file.set_len(length)?;
+        file.sync_all()
+    };
+    copy().map_err(|error| match new.keep() {
+        Ok((_, kept)) => {
+            let message = format!("{error}; the whole new text is in {}", kept.display());
+            std::io::Error::new(error.kind(), message)
+        }
+        Err(_) => error,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_replaced_whole_and_nothing_is_left_beside_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.adm");
+        std::fs::write(&path, "before").unwrap();
+        replace_file(&path, b"after").unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"after");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+        assert!(replace_file(&folder.path().join("missing/a.adm"), b"x").is_err());
+    }
+}

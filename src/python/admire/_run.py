@@ -1,0 +1,248 @@
+"""Runs in memory and results files: columns as NumPy arrays."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _admire
+from ._errors import Complaint, complaints_of
+
+if TYPE_CHECKING:
+    import pandas
+
+Column = NDArray[np.float64]
+
+
+def _numbers(block: _admire.Block | _admire.Run) -> Column:
+    """The numbers of the library as an array, without a copy."""
+    found: Column = np.asarray(block, dtype=np.float64)
+    return found
+
+
+def _frame(columns: Mapping[str, Column], kinds: list[str]) -> "pandas.DataFrame":
+    try:
+        import pandas
+    except ImportError as error:
+        raise ImportError("to_pandas needs pandas: pip install admire[pandas]") from error
+    time = next((name for name in columns if name.lower() in ("time", "time.time")), None)
+    frame = pandas.DataFrame(dict(columns))
+    frame.insert(0, "step", kinds)
+    return frame if time is None else frame.set_index(time)
+
+
+class Run:
+    """What came of executing commands on a deck, all in memory.
+
+    ``run["KNUCKLE.X"]`` is a column, a value per step, read only and without a copy; the first step is the model as it was read.
+    Values are the full numbers of what a results file spells with so many decimals (RESULTS/DECIMALPLACES, default 17).
+
+    >>> import admire
+    >>> run = admire.read("corpus/pseudo-mcpherson/model.adm").solve()
+    >>> run.kinds
+    ['input', 'quasiStatic']
+    """
+
+    def __init__(self, inner: _admire.Run) -> None:
+        self._inner = inner
+        self._values: Column | None = None
+
+    @property
+    def values(self) -> Column:
+        """All values, a row for each step, as the results file orders them."""
+        if self._values is None:
+            self._values = _numbers(self._inner)
+        return self._values
+
+    @property
+    def columns(self) -> list[str]:
+        """Full names of the columns."""
+        return [name for name, _ in self._inner.columns()]
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Unit of each column; empty where it has none."""
+        return dict(self._inner.columns())
+
+    @property
+    def kinds(self) -> list[str]:
+        """Kind of each step: ``input``, ``static``, ``quasiStatic``, ``kinematic``, ``dynamic``, ..."""
+        return self._inner.kinds()
+
+    @property
+    def time(self) -> Column:
+        """Time of each step."""
+        return self["time.TIME"]
+
+    @property
+    def messages(self) -> str:
+        """What the message file (.msg) would hold."""
+        return self._inner.messages()
+
+    @property
+    def complaints(self) -> list[Complaint]:
+        """Warnings and errors in the order they came up."""
+        return complaints_of(self._inner.complaints())
+
+    @property
+    def exit_code(self) -> int:
+        """What ``admire solve`` would have ended with: 0 fine, 1 errors of the input, 3 a simulation without an answer."""
+        return self._inner.exit_code()
+
+    @property
+    def seconds(self) -> float:
+        """How long the run took inside of the library."""
+        return self._inner.elapsed()
+
+    @property
+    def files(self) -> list[str]:
+        """The other files of the run: ``msg``, and ``req``, ``gra``, ``out`` where the deck asks for them."""
+        return self._inner.files()
+
+    def file(self, name: str) -> bytes:
+        """The bytes of one of ``files``."""
+        found = self._inner.file(name)
+        if found is None:
+            raise KeyError(name)
+        return found
+
+    def __getitem__(self, name: str) -> Column:
+        """A column: ``KNUCKLE.X``, ``knuckle_XFORM.X``, ``BUSHING/1.FX``, upper and lower case alike."""
+        return self.values[:, self._inner.position(name)]
+
+    def __contains__(self, name: object) -> bool:
+        try:
+            return isinstance(name, str) and self._inner.position(name) >= 0
+        except KeyError:
+            return False
+
+    def __len__(self) -> int:
+        return len(self.kinds)
+
+    def select(self, *patterns: str) -> dict[str, Column]:
+        """The columns that any of the patterns names: ``*`` stands for any text, ``?`` for one character; an entity for all its components."""
+        return {name: self.values[:, at] for name, at in self._inner.select(list(patterns))}
+
+    def to_pandas(self, *patterns: str) -> "pandas.DataFrame":
+        """A frame with a row for each step, its kind in the column ``step``, and the time as index. Without patterns all columns."""
+        if patterns:
+            return _frame({"time.TIME": self.time, **self.select(*patterns)}, self.kinds)
+        positions = self._inner.positions()
+        return _frame({name: self.values[:, at] for name, at in zip(self.columns, positions)}, self.kinds)
+
+    def write(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> None:
+        """Writes ``.res``, or by the extension ``.msg``, ``.req``, ``.gra``, ``.out``: the bytes that ``admire solve`` writes."""
+        self._inner.write(os.fspath(path), overwrite)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (_restored, self._inner.state())
+
+    def __repr__(self) -> str:
+        return f"<admire.Run: {len(self)} steps of {len(self.columns)} columns, exit code {self.exit_code}>"
+
+
+def _restored(text: str, values: bytes) -> Run:
+    return Run(_admire.Run.restore(text, values))
+
+
+class Results:
+    """A results file (.res, .req, .gra): names at once, values when they are asked for, step by step, whatever its size."""
+
+    def __init__(self, inner: _admire.Results) -> None:
+        self._inner = inner
+        self._kept: dict[str, Column] = {}
+
+    @property
+    def path(self) -> str:
+        """The file."""
+        return os.fspath(self._inner.path())
+
+    @property
+    def title(self) -> str:
+        """Title of the model."""
+        return self._inner.title()
+
+    @property
+    def solver(self) -> str:
+        """What wrote it."""
+        return self._inner.solver()
+
+    @property
+    def columns(self) -> list[str]:
+        """Full names of the columns."""
+        return [name for name, _ in self._inner.columns()]
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Unit of each column as the file spells it; empty where it has none."""
+        return dict(self._inner.columns())
+
+    @property
+    def time(self) -> Column:
+        """Time of each step."""
+        return self["time.TIME"]
+
+    def __getitem__(self, name: str) -> Column:
+        """A column, a value per step; read once and kept. Several columns at once are read faster by ``select``."""
+        if name not in self._kept:
+            self._kept[name] = _numbers(self._inner.column(name))[:, 0]
+        return self._kept[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.columns)
+
+    def select(
+        self,
+        *patterns: str,
+        steps: str = "",
+        kind: str | Iterable[str] = (),
+        times: tuple[float, float] = (-np.inf, np.inf),
+    ) -> dict[str, Column]:
+        """The columns that the patterns name, in the steps asked for: ``steps="2-5,last"``, ``kind="dynamic"``, ``times=(0, 1.5)``."""
+        names, _, values = self._rows(patterns, steps, kind, times)
+        return {name: values[:, at] for at, name in enumerate(names)}
+
+    def to_pandas(
+        self,
+        *patterns: str,
+        steps: str = "",
+        kind: str | Iterable[str] = (),
+        times: tuple[float, float] = (-np.inf, np.inf),
+    ) -> "pandas.DataFrame":
+        """The same as a frame, with the kind of each step and the time as index."""
+        wanted = ("time.TIME", *patterns) if patterns else ()
+        names, kinds, values = self._rows(wanted, steps, kind, times)
+        return _frame({name: values[:, at] for at, name in enumerate(names)}, kinds)
+
+    def _rows(
+        self,
+        patterns: Iterable[str],
+        steps: str,
+        kind: str | Iterable[str],
+        times: tuple[float, float],
+    ) -> tuple[list[str], list[str], Column]:
+        kinds = [kind] if isinstance(kind, str) else list(kind)
+        columns, found, values = self._inner.select(list(patterns), steps, kinds, times)
+        return [name for name, _ in columns], found, _numbers(values)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (results, (self.path,))
+
+    def __repr__(self) -> str:
+        return f"<admire.Results: {self.path}, {len(self.columns)} columns>"
+
+
+def results(path: str | os.PathLike[str]) -> Results:
+    """Opens a results file of any kind that can be read.
+
+    >>> import admire
+    >>> run = admire.read("corpus/pseudo-mcpherson/model.adm").solve()
+    >>> run.write("target/doctest.res", overwrite=True)
+    >>> admire.results("target/doctest.res").columns == run.columns
+    True
+    """
+    return Results(_admire.Results.open(os.fspath(path)))

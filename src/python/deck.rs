@@ -1,0 +1,246 @@
+use std::path::PathBuf;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyList};
+use serde_json::Value;
+
+use crate::front::{self, Setting, Watched};
+use crate::kc::Convention;
+use crate::syntax::diff::Tolerance;
+
+use super::block::Block;
+use super::refusal::{json, raised};
+use super::run::Run;
+use super::work::{at_once, work};
+
+/// The commands of a lone equilibrium.
+const EQUILIBRIUM: &str = "SIMULATE/STATICS\n";
+/// So many bytes has a deck whose equilibrium takes milliseconds, found or not.
+const SMALL: usize = 1 << 16;
+
+/// A dataset.
+#[pyclass(frozen, module = "admire._admire")]
+pub(super) struct Deck(Mutex<front::Deck>);
+
+impl Deck {
+    fn lock(&self) -> MutexGuard<'_, front::Deck> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The deck as it is now, to work on without the lock.
+    fn now(&self, py: Python<'_>) -> front::Deck {
+        py.detach(|| self.lock().clone())
+    }
+
+    fn of(deck: front::Deck) -> Self {
+        Self(Mutex::new(deck))
+    }
+}
+
+#[pymethods]
+impl Deck {
+    #[staticmethod]
+    fn open(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let opened = work(py, &Watched::default(), None, move || {
+            front::Deck::open(&path)
+        });
+        opened.map(Self::of)
+    }
+
+    #[staticmethod]
+    fn parse(py: Python<'_>, name: &str, bytes: Vec<u8>) -> PyResult<Self> {
+        let name = name.to_string();
+        let job = move || Ok(front::Deck::parse(&name, bytes));
+        work(py, &Watched::default(), None, job).map(Self::of)
+    }
+
+    fn copy(&self, py: Python<'_>) -> Self {
+        Self::of(self.now(py))
+    }
+
+    fn name(&self, py: Python<'_>) -> String {
+        self.now(py).name().to_string()
+    }
+
+    fn title(&self, py: Python<'_>) -> String {
+        self.now(py).title()
+    }
+
+    fn bytes<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        PyBytes::new(py, self.now(py).bytes())
+    }
+
+    /// The value at an address.
+    fn get<'py>(&self, py: Python<'py>, address: &str) -> PyResult<Bound<'py, PyAny>> {
+        let found = self.now(py).get(address);
+        object(py, &found.map_err(|error| raised(py, &error))?)
+    }
+
+    /// Addresses and values of a pattern.
+    fn values<'py>(
+        &self,
+        py: Python<'py>,
+        pattern: &str,
+    ) -> PyResult<Vec<(String, Bound<'py, PyAny>)>> {
+        let found = self.now(py).values(pattern);
+        let found = found.map_err(|error| raised(py, &error))?;
+        let each = |(address, value): (String, Value)| Ok((address, object(py, &value)?));
+        found.into_iter().map(each).collect()
+    }
+
+    /// Changes all or nothing.
+    fn set(&self, py: Python<'_>, values: Vec<(String, Given)>) -> PyResult<()> {
+        let changed = py.detach(|| {
+            let mut held = self.lock();
+            let mut deck = held.clone();
+            for (address, value) in values {
+                deck.set(&address, Setting::from(value))?;
+            }
+            *held = deck;
+            Ok(())
+        });
+        changed.map_err(|error| raised(py, &error))
+    }
+
+    fn save(&self, py: Python<'_>, force: bool) -> PyResult<()> {
+        let saved = py.detach(|| self.lock().save(force));
+        saved.map_err(|error| raised(py, &error))
+    }
+
+    fn save_as(&self, py: Python<'_>, path: PathBuf, replace: bool, force: bool) -> PyResult<()> {
+        let saved = py.detach(|| self.lock().save_as(path, replace, force));
+        saved.map_err(|error| raised(py, &error))
+    }
+
+    /// Complaints as JSON.
+    fn check(&self, py: Python<'_>) -> PyResult<String> {
+        let deck = self.now(py);
+        let job = move || deck.check();
+        Ok(json(&work(py, &Watched::default(), None, job)?))
+    }
+
+    /// Changes as JSON.
+    fn diff(&self, py: Python<'_>, other: &Self, relative: f64, absolute: f64) -> PyResult<String> {
+        let (a, b) = (self.now(py), other.now(py));
+        let tolerance = Tolerance { absolute, relative };
+        let job = move || Ok(a.diff(&b, tolerance));
+        let found = work(py, &Watched::default(), None, job)?;
+        Ok(serde_json::to_string(&found).expect("differences hold only names and numbers"))
+    }
+
+    /// Executes commands; with a path those of a file, else those of a text.
+    #[pyo3(signature = (values, path, commands, progress))]
+    fn run(
+        &self,
+        py: Python<'_>,
+        values: Vec<(String, Given)>,
+        path: Option<PathBuf>,
+        commands: &str,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Run> {
+        let mut deck = self.now(py);
+        let commands = commands.to_string();
+        let short = path.is_none() && commands == EQUILIBRIUM && deck.bytes().len() <= SMALL;
+        let watched = Watched::default();
+        let watch = watched.clone();
+        let job = move || {
+            for (address, value) in values {
+                deck.set(&address, Setting::from(value))?;
+            }
+            match path {
+                Some(path) => deck.run_file_watched(&path, &watch),
+                None => Ok(deck.run_watched("commands", &commands, &watch)),
+            }
+        };
+        if short {
+            at_once(py, job).map(Run::of)
+        } else {
+            work(py, &watched, progress.as_ref(), job).map(Run::of)
+        }
+    }
+
+    /// Names of columns, addresses, values and the derivatives, a row for each address.
+    #[allow(clippy::type_complexity)]
+    fn sensitivity(
+        &self,
+        py: Python<'_>,
+        of: Vec<String>,
+        by: Vec<String>,
+        time: f64,
+    ) -> PyResult<(Vec<String>, Vec<String>, Vec<f64>, Block)> {
+        let deck = self.now(py);
+        let job = move || deck.sensitivity(&of, &by, time);
+        let table = work(py, &Watched::default(), None, job)?;
+        let (mut addresses, mut values, mut rows) = (Vec::new(), Vec::new(), Vec::new());
+        for row in table.by {
+            addresses.push(row.address);
+            values.push(row.value);
+            rows.extend(row.derivatives);
+        }
+        let block = Block::new(rows, table.of.len());
+        Ok((table.of, addresses, values, block))
+    }
+
+    /// `kc.json`, `curves.csv`, `gradients.csv`, the report, complaints as JSON.
+    fn kc(
+        &self,
+        py: Python<'_>,
+        config: PathBuf,
+        convention: &str,
+    ) -> PyResult<(String, String, String, String, String)> {
+        let convention = match convention {
+            "adams-car" => Convention::AdamsCar,
+            "iso" => Convention::Iso,
+            "sae" => Convention::Sae,
+            other => {
+                let message = format!("`{other}` is none of adams-car, iso, sae");
+                return Err(PyValueError::new_err(message));
+            }
+        };
+        let deck = self.now(py);
+        let job = move || deck.kc(&config, convention);
+        let found = work(py, &Watched::default(), None, job)?;
+        let values = found.values.to_string();
+        let told = json(&found.complaints);
+        Ok((values, found.curves, found.gradients, found.html, told))
+    }
+}
+
+/// A value from Python.
+#[derive(FromPyObject)]
+pub(super) enum Given {
+    Flag(bool),
+    Number(f64),
+    Text(String),
+    Numbers(Vec<f64>),
+}
+
+impl From<Given> for Setting {
+    fn from(given: Given) -> Self {
+        match given {
+            Given::Flag(on) => Self::Flag(on),
+            Given::Number(value) => Self::Number(value),
+            Given::Text(text) => Self::Text(text),
+            Given::Numbers(values) => Self::Numbers(values),
+        }
+    }
+}
+
+/// A value as Python has it.
+fn object<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
+    Ok(match value {
+        Value::Bool(on) => on.into_pyobject(py)?.to_owned().into_any(),
+        Value::Number(number) => match number.as_i64() {
+            Some(whole) => whole.into_pyobject(py)?.into_any(),
+            None => number.as_f64().into_pyobject(py)?.into_any(),
+        },
+        Value::String(text) => text.into_pyobject(py)?.into_any(),
+        Value::Array(all) => {
+            let each: PyResult<Vec<_>> = all.iter().map(|value| object(py, value)).collect();
+            PyList::new(py, each?)?.into_any()
+        }
+        Value::Null | Value::Object(_) => py.None().into_bound(py),
+    })
+}

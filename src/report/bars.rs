@@ -1,0 +1,123 @@
+use std::fmt::Write as _;
+
+use super::axis::{Axis, short};
+use super::escape;
+
+/// Bars from a lower to an upper value, one below the other: a tornado.
+#[derive(Clone, Debug)]
+pub struct Bars {
+    /// Title.
+    pub title: String,
+    /// Label of the axis, with its unit.
+    pub x: String,
+    /// Name of each bar and the values it goes to from the level: the first is drawn in another colour.
+    pub bars: Vec<(String, [f64; 2])>,
+    /// Where the bars begin.
+    pub level: f64,
+}
+
+/// Width in pixels, and the height of a bar with its room.
+const SIZE: (f64, f64) = (560.0, 26.0);
+/// Room for names at the left, at the right, above, and for the axis below.
+const ROOM: [f64; 4] = [170.0, 14.0, 8.0, 46.0];
+/// Letters of a name that fit.
+const LETTERS: usize = 24;
+
+impl Bars {
+    /// The picture as an `<svg>` element that takes its colours from the page.
+    pub fn svg(&self) -> String {
+        let ends = self.bars.iter().flat_map(|(_, ends)| ends.iter().copied());
+        let axis = Axis::over(ends.chain([self.level]), false, 6);
+        let [left, right, top, bottom] = ROOM;
+        let wide = SIZE.0 - left - right;
+        let tall = SIZE.1 * self.bars.len() as f64;
+        let height = top + tall + bottom;
+        let at = |value: f64| axis.share(value).map(|share| left + share * wide);
+        let names: Vec<&str> = self.bars.iter().map(|(name, _)| name.as_str()).collect();
+        let mut out = format!(
+            "<svg class=\"chart\" role=\"img\" aria-label=\"{}\" viewBox=\"0 0 {} {height}\" width=\"{}\" height=\"{height}\">\n",
+            escape(&format!("{}: {}; {}", self.title, self.x, names.join(", "))),
+            SIZE.0,
+            SIZE.0
+        );
+        let floor = top + tall;
+        for tick in &axis.ticks {
+            let Some(x) = at(*tick) else { continue };
+            _ = writeln!(
+                out,
+                "<path class=\"grid\" d=\"M{x:.1} {floor}V{top}\"/><text x=\"{x:.1}\" y=\"{}\" text-anchor=\"middle\">{}</text>",
+                floor + 16.0,
+                short(*tick)
+            );
+        }
+        for (k, (name, ends)) in self.bars.iter().enumerate() {
+            let y = top + SIZE.1 * k as f64;
+            let shown: String = if name.chars().count() > LETTERS {
+                let kept: String = name.chars().take(LETTERS - 1).collect();
+                format!("{kept}\u{2026}")
+            } else {
+                name.clone()
+            };
+            _ = writeln!(
+                out,
+                "<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
+                left - 8.0,
+                y + 0.5 * SIZE.1 + 4.0,
+                escape(&shown)
+            );
+            for (end, class) in ends.iter().zip(["s2", "s1"]) {
+                let (Some(from), Some(to)) = (at(self.level), at(*end)) else {
+                    continue;
+                };
+                _ = writeln!(
+                    out,
+                    "<g class=\"{class}\"><path class=\"line\" style=\"stroke-width:14\" d=\"M{from:.1} {0:.1}H{to:.1}\"/></g>",
+                    y + 0.5 * SIZE.1
+                );
+            }
+        }
+        if let Some(x) = at(self.level) {
+            _ = writeln!(out, "<path class=\"axis\" d=\"M{x:.1} {floor}V{top}\"/>");
+        }
+        _ = write!(
+            out,
+            "<path class=\"axis\" d=\"M{left} {floor}H{}\"/>\n<text class=\"name\" x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n</svg>",
+            left + wide,
+            left + 0.5 * wide,
+            height - 10.0,
+            escape(&self.x)
+        );
+        out
+    }
+
+    /// The data behind the picture: one line per bar.
+    pub fn csv(&self) -> String {
+        let mut out = String::from("name,low,high\n");
+        for (name, [low, high]) in &self.bars {
+            _ = writeln!(out, "\"{}\",{low},{high}", name.replace('"', "\"\""));
+        }
+        out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_bar_is_drawn_to_both_sides() {
+        let bars = Bars {
+            title: "toe".to_string(),
+            x: "change [mm]".to_string(),
+            bars: vec![
+                ("K <1>".to_string(), [-2.0, 2.0]),
+                ("b".to_string(), [1.0, f64::NAN]),
+            ],
+            level: 0.0,
+        };
+        let svg = bars.svg();
+        assert_eq!(svg.matches("class=\"line\"").count(), 3);
+        assert!(svg.contains("K &lt;1&gt;") && !svg.contains("NaN"));
+        assert_eq!(bars.csv(), "name,low,high\n\"K <1>\",-2,2\n\"b\",1,NaN\n");
+    }
+}

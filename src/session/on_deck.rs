@@ -1,0 +1,23 @@
+use crate::syntax::CommandFile;
+use crate::text::{Edit, Source, apply_edits};
+
+/// Commands with another model in the place of theirs, by its name; it is read first where they name none.
+pub fn on_deck(name: &str, source: &Source) -> Source {
+    let file = CommandFile::parse(source.clone()).value;
+    let mut edits = Vec::new();
+    if let Some(head) = file.head() {
+        edits.push(Edit::new(head.model, name));
+    }
+    let reading = file.commands().iter().filter(|c| c.kind() == Some("FILE"));
+    for model in reading.filter_map(|command| command.argument("MODEL")) {
+        edits.push(Edit::new(model.value_span(), name));
+    }
+    let bytes = if edits.is_empty() {
+        let mut text = format!("\nfile/model={name}\n").into_bytes();
+        text.extend(source.bytes());
+        text
+    } else {
+        apply_edits(source.bytes(), &edits).unwrap_or_else(|_| source.bytes().to_vec())
+    };
+    Source::new(source.name(), bytes)
+}

@@ -1,0 +1,91 @@
+//! What a run keeps in memory in place of files.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use crate::diagnostic::Diagnostic;
+use crate::motion::Mode;
+use crate::results::ResultsTable;
+use crate::text::LineEnds;
+
+use super::located::Sources;
+
+/// Text that is still being written, shared by its writer and the record.
+type Text = Arc<Mutex<Vec<u8>>>;
+
+/// The outputs of a run that wrote no files.
+#[derive(Debug, Default)]
+pub struct Record {
+    /// The results of the last model that has any, whether or not it asks for a file of them.
+    pub results: Option<ResultsTable>,
+    /// The modes of the last LINEAR/EIGENSOL, one of each pair, in the order of `.modes.json`.
+    pub modes: Vec<Mode>,
+    /// What the message file would hold.
+    pub messages: Vec<u8>,
+    /// Warnings and errors in the order they were told.
+    pub diagnostics: Vec<Diagnostic>,
+    /// The files they point into.
+    pub sources: Sources,
+    texts: BTreeMap<String, Text>,
+}
+
+impl Record {
+    /// Where the file of an extension is written.
+    pub(super) fn sink(&mut self, extension: &str) -> Sink {
+        let text = Text::default();
+        self.texts.insert(extension.to_string(), text.clone());
+        Sink::Memory(text)
+    }
+
+    /// Keeps a whole file under its name.
+    pub(super) fn add(&mut self, path: &Path, text: &str) {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let text = Arc::new(Mutex::new(text.as_bytes().to_vec()));
+        self.texts.insert(name.into_owned(), text);
+    }
+
+    /// The other files by extension (`req`, `gra`, `out`), those of LINEAR by name.
+    pub fn files(&self) -> BTreeMap<String, Vec<u8>> {
+        let bytes = |text: &Text| text.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        self.texts
+            .iter()
+            .map(|(name, text)| (name.clone(), bytes(text)))
+            .collect()
+    }
+}
+
+/// Where an output file goes: to the disk or into memory.
+#[derive(Debug)]
+pub(super) enum Sink {
+    File(BufWriter<LineEnds<File>>),
+    Memory(Text),
+}
+
+impl Sink {
+    pub fn file(file: LineEnds<File>) -> Self {
+        Self::File(BufWriter::new(file))
+    }
+}
+
+impl Write for Sink {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self {
+            Self::File(file) => file.write(bytes),
+            Self::Memory(text) => {
+                let mut text = text.lock().unwrap_or_else(PoisonError::into_inner);
+                text.extend_from_slice(bytes);
+                Ok(bytes.len())
+            }
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self {
+            Self::File(file) => file.flush(),
+            Self::Memory(_) => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,306 @@
+//! The folder of a sweep: what it holds, and whether it may be used.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::text::Source;
+
+use super::plan::SweepPlan;
+use super::shard::Shard;
+
+/// What a folder is about: `sweep.json`.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
+pub struct Manifest {
+    /// Tells the file from one of somebody else.
+    pub written_by: String,
+    /// The version of the program.
+    pub version: String,
+    /// SHA-256 over all inputs.
+    pub inputs_sha256: String,
+    /// Each input by its name, with the SHA-256 of its bytes.
+    pub inputs: BTreeMap<String, String>,
+    /// The number of cases.
+    pub cases: u64,
+    /// In how many shards it is run.
+    pub shards: u64,
+    /// Names of the numbers that vary.
+    pub vary: Vec<String>,
+    /// The kind of plan.
+    pub plan: String,
+}
+
+const WRITER: &str = "admire sweep";
+const MANIFEST: &str = "sweep.json";
+const SHARDS: &str = "shards";
+
+/// Files of the folder that a sweep writes, besides those of its shards.
+pub const ANSWERS: [&str; 4] = ["results.parquet", "summary.json", "report.html", "slurm"];
+
+impl Manifest {
+    /// What a folder for a plan is about.
+    pub fn of(plan: &SweepPlan, shards: u64, version: &str) -> Self {
+        let name = |source: &Source| {
+            let path = Path::new(source.name());
+            path.file_name().map_or_else(
+                || source.name().to_string(),
+                |n| n.to_string_lossy().into_owned(),
+            )
+        };
+        let mut all = Sha256::new();
+        let mut inputs = BTreeMap::new();
+        for source in &plan.inputs {
+            let digest = Sha256::digest(source.bytes());
+            all.update(digest);
+            // Two files of one name in two folders: the second has a number.
+            let mut key = name(source);
+            while inputs.contains_key(&key) {
+                key.push('+');
+            }
+            inputs.insert(key, hexadecimal(&digest));
+        }
+        Self {
+            written_by: WRITER.to_string(),
+            version: version.to_string(),
+            inputs_sha256: hexadecimal(&all.finalize()),
+            inputs,
+            cases: plan.cases(),
+            shards,
+            vary: plan.variations.iter().map(|v| v.name.clone()).collect(),
+            plan: plan.design.plan.word().to_string(),
+        }
+    }
+
+    /// What marks the journals of a shard.
+    pub fn key(&self, shard: Shard) -> Vec<u8> {
+        format!(
+            "{}\n{}\n{}\n{shard}",
+            self.version, self.inputs_sha256, self.cases
+        )
+        .into_bytes()
+    }
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    let mut text = String::new();
+    for byte in bytes {
+        _ = write!(text, "{byte:02x}");
+    }
+    text
+}
+
+/// The folder of a sweep.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct SweepFolder {
+    /// Where it is.
+    pub path: PathBuf,
+    /// What it is about.
+    pub manifest: Manifest,
+}
+
+impl SweepFolder {
+    /// What a folder would be for a sweep; nothing is written yet.
+    ///
+    /// # Errors
+    /// A folder that is about something else or holds files of somebody else.
+    pub fn look(path: &Path, manifest: Manifest) -> Result<Self, Diagnostic> {
+        let folder = Self {
+            path: path.to_path_buf(),
+            manifest,
+        };
+        folder.refuse_strangers()?;
+        if let Some(there) = read_manifest(path)? {
+            folder.refuse_other(&there)?;
+        }
+        Ok(folder)
+    }
+
+    /// Makes a folder for a sweep, or goes on with one that is about the same.
+    ///
+    /// # Errors
+    /// A folder that is about something else, holds files of somebody else, or cannot be written.
+    pub fn begin(path: &Path, manifest: Manifest) -> Result<Self, Diagnostic> {
+        let io = |error: std::io::Error| {
+            Diagnostic::error(Code::CannotWrite, format!("`{}`: {error}", path.display()))
+        };
+        let folder = Self::look(path, manifest)?;
+        std::fs::create_dir_all(path.join(SHARDS)).map_err(io)?;
+        if let Some(there) = read_manifest(path)? {
+            folder.refuse_other(&there)?;
+        } else {
+            let text =
+                serde_json::to_string_pretty(&folder.manifest).expect("names and digits print");
+            // Shards that begin at the same time write the same.
+            let new = tempfile::Builder::new()
+                .prefix(".sweep-")
+                .tempfile_in(path)
+                .map_err(io)?;
+            std::fs::write(new.path(), text + "\n").map_err(io)?;
+            #[cfg(unix)]
+            {
+                use std::os::unix::fs::PermissionsExt;
+                let all = std::fs::Permissions::from_mode(0o644);
+                std::fs::set_permissions(new.path(), all).map_err(io)?;
+            }
+            new.persist(path.join(MANIFEST))
+                .map_err(|failed| io(failed.error))?;
+        }
+        Ok(folder)
+    }
+
+    /// The folder of a sweep that was begun.
+    ///
+    /// # Errors
+    /// A folder that is not one, or that holds files of somebody else.
+    pub fn open(path: &Path) -> Result<Self, Diagnostic> {
+        let Some(manifest) = read_manifest(path)? else {
+            let message = format!(
+                "`{}` is no folder of a sweep: it has no {MANIFEST}",
+                path.display()
+            );
+            return Err(Diagnostic::error(Code::CannotRead, message)
+                .help("`admire sweep SWEEP.toml --out DIR` makes one"));
+        };
+        let folder = Self {
+            path: path.to_path_buf(),
+            manifest,
+        };
+        folder.refuse_strangers()?;
+        Ok(folder)
+    }
+
+    fn refuse_other(&self, there: &Manifest) -> Result<(), Diagnostic> {
+        let own = &self.manifest;
+        let refuse = |what: String, help: &str| {
+            let message = format!("`{}` {what}", self.path.display());
+            Err(Diagnostic::error(Code::CannotWrite, message).help(help.to_string()))
+        };
+        if there.inputs_sha256 != own.inputs_sha256 {
+            let changed: Vec<&str> = own
+                .inputs
+                .iter()
+                .filter(|(name, digest)| there.inputs.get(*name) != Some(digest))
+                .map(|(name, _)| name.as_str())
+                .collect();
+            let what = format!(
+                "holds cases of other inputs: {}",
+                if changed.is_empty() {
+                    "other files".to_string()
+                } else {
+                    format!("{} changed since", changed.join(", "))
+                }
+            );
+            return refuse(what, "name another folder for the changed sweep");
+        }
+        if there.version != own.version {
+            let what = format!(
+                "holds cases of admire {}, this is {}",
+                there.version, own.version
+            );
+            return refuse(
+                what,
+                "cases of two versions are not mixed: name another folder, or go on with the other version",
+            );
+        }
+        if there.shards != own.shards {
+            let what = format!(
+                "is divided into {} shards, not {}",
+                there.shards, own.shards
+            );
+            let help = format!(
+                "go on with --shard I/{}, or name another folder",
+                there.shards
+            );
+            return refuse(what, &help);
+        }
+        Ok(())
+    }
+
+    /// Files that no sweep writes.
+    fn refuse_strangers(&self) -> Result<(), Diagnostic> {
+        let mut strangers = Vec::new();
+        let io = |error: std::io::Error| {
+            let message = format!("`{}`: {error}", self.path.display());
+            Diagnostic::error(Code::CannotRead, message)
+        };
+        let mut look = |folder: &Path, known: &dyn Fn(&str) -> bool| -> Result<(), Diagnostic> {
+            if !folder.exists() {
+                return Ok(());
+            }
+            for entry in std::fs::read_dir(folder).map_err(io)? {
+                let entry = entry.map_err(io)?;
+                if !known(&entry.file_name().to_string_lossy()) {
+                    strangers.push(format!("`{}`", entry.path().display()));
+                }
+            }
+            Ok(())
+        };
+        look(&self.path, &|name| {
+            let plain = name.strip_suffix(".tmp").unwrap_or(name);
+            name == MANIFEST
+                || name == SHARDS
+                || name.starts_with(".sweep-")
+                || ANSWERS.contains(&plain)
+        })?;
+        look(&self.path.join(SHARDS), &|name| {
+            let stem = name.split('.').next().unwrap_or(name);
+            let rest = &name[stem.len()..];
+            Shard::of_stem(stem).is_some()
+                && [".journal", ".parquet", ".parquet.tmp"].contains(&rest)
+        })?;
+        if strangers.is_empty() {
+            return Ok(());
+        }
+        strangers.sort();
+        let message = format!("no sweep wrote {}", strangers.join(", "));
+        Err(Diagnostic::error(Code::CannotWrite, message)
+            .help("name a folder of its own for the sweep"))
+    }
+
+    /// The journal of a shard.
+    pub fn journal(&self, shard: Shard) -> PathBuf {
+        self.path
+            .join(SHARDS)
+            .join(format!("{}.journal", shard.stem()))
+    }
+
+    /// The finished part of a shard.
+    pub fn part(&self, shard: Shard) -> PathBuf {
+        self.path
+            .join(SHARDS)
+            .join(format!("{}.parquet", shard.stem()))
+    }
+
+    /// The whole answer.
+    pub fn results(&self) -> PathBuf {
+        self.path.join(ANSWERS[0])
+    }
+
+    /// Every shard of the sweep.
+    pub fn shards(&self) -> impl Iterator<Item = Shard> + use<> {
+        let of = self.manifest.shards;
+        (1..=of).map(move |number| Shard { number, of })
+    }
+}
+
+fn read_manifest(path: &Path) -> Result<Option<Manifest>, Diagnostic> {
+    let file = path.join(MANIFEST);
+    let bytes = match std::fs::read(&file) {
+        Ok(bytes) => bytes,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+        Err(error) => {
+            let message = format!("`{}` cannot be read: {error}", file.display());
+            return Err(Diagnostic::error(Code::CannotRead, message));
+        }
+    };
+    let manifest = serde_json::from_slice::<Manifest>(&bytes).ok();
+    if let Some(manifest) = manifest.filter(|manifest| manifest.written_by == WRITER) {
+        return Ok(Some(manifest));
+    }
+    let message = format!("no sweep wrote `{}`", file.display());
+    Err(Diagnostic::error(Code::CannotRead, message).help("name a folder of its own for the sweep"))
+}

@@ -1,0 +1,182 @@
+//! Joins the parts of all shards into one answer.
+
+use crate::diagnostic::{Code, Diagnostic};
+
+use super::engine::SweepError;
+use super::folder::SweepFolder;
+use super::shard::Shard;
+use super::table_reader::TableReader;
+use super::table_writer::{Layout, OTHER_COLUMNS, TableWriter};
+
+/// How many inputs the answer has: what stands between `case` and the columns that are kept.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Columns {
+    /// Names of the numbers that vary.
+    pub inputs: Vec<String>,
+    /// Names of what is kept.
+    pub outputs: Vec<String>,
+}
+
+impl Columns {
+    /// The columns of a table, by the number of inputs it says it has.
+    pub fn of(table: &TableReader, inputs: usize) -> Self {
+        let all = table.columns();
+        let last = all.len() + 1 - OTHER_COLUMNS.len();
+        Self {
+            inputs: all[1..=inputs].to_vec(),
+            outputs: all[1 + inputs..last].to_vec(),
+        }
+    }
+}
+
+/// Joins the parts; nothing is done where the whole is there already.
+///
+/// # Errors
+/// Shards that are missing or not finished, parts of another version or other inputs, parts that lack cases; or what cannot be read or
+/// written.
+pub fn merge(folder: &SweepFolder) -> Result<(), Vec<Diagnostic>> {
+    if folder.results().is_file() {
+        return Ok(());
+    }
+    let inputs = folder.manifest.vary.len();
+    let mut wrong = Vec::new();
+    let mut missing = Vec::new();
+    let mut first: Option<Columns> = None;
+    for shard in folder.shards() {
+        let path = folder.part(shard);
+        if !path.is_file() {
+            missing.push(if folder.journal(shard).is_file() {
+                format!("{shard} (begun)")
+            } else {
+                shard.to_string()
+            });
+            continue;
+        }
+        let mut refuse = |code: Code, why: String| {
+            wrong.push(Diagnostic::error(
+                code,
+                format!("`{}`: {why}", path.display()),
+            ));
+        };
+        let table = match TableReader::open(&path) {
+            Ok(table) => table,
+            Err(error) => {
+                refuse(Code::CannotRead, error.to_string());
+                continue;
+            }
+        };
+        for (key, own, what) in [
+            (
+                "admire.version",
+                &folder.manifest.version,
+                "version of admire",
+            ),
+            (
+                "admire.inputs_sha256",
+                &folder.manifest.inputs_sha256,
+                "inputs",
+            ),
+        ] {
+            let there = table.fact(key).unwrap_or("none");
+            if there != own {
+                refuse(
+                    Code::ConflictingArguments,
+                    format!("another {what}: {there}, and the sweep has {own}"),
+                );
+            }
+        }
+        let cases = shard.cases(folder.manifest.cases);
+        if table.rows() != cases.end - cases.start {
+            refuse(
+                Code::WrongCount,
+                format!(
+                    "{} rows for {} cases",
+                    table.rows(),
+                    cases.end - cases.start
+                ),
+            );
+            continue;
+        }
+        let columns = Columns::of(&table, inputs);
+        if *first.get_or_insert_with(|| columns.clone()) != columns {
+            refuse(
+                Code::WrongCount,
+                "other columns than the first part".to_string(),
+            );
+        }
+    }
+    if !missing.is_empty() {
+        let (count, shown) = (missing.len(), 20.min(missing.len()));
+        let more = if count > shown {
+            format!(" and {} more", count - shown)
+        } else {
+            String::new()
+        };
+        wrong.push(
+            Diagnostic::error(
+                Code::CannotRead,
+                format!("not finished: shards {}{more}", missing[..shown].join(", ")),
+            )
+            .help("the same command with --shard goes on where it stopped"),
+        );
+    }
+    if !wrong.is_empty() {
+        return Err(wrong);
+    }
+    let Some(columns) = first else {
+        return Ok(());
+    };
+    join(folder, &columns).map_err(|error| {
+        vec![Diagnostic::error(
+            Code::CannotWrite,
+            format!("`{}`: {error}", folder.results().display()),
+        )]
+    })
+}
+
+fn join(folder: &SweepFolder, columns: &Columns) -> Result<(), SweepError> {
+    if folder.manifest.shards == 1 {
+        std::fs::rename(folder.part(Shard::WHOLE), folder.results())
+            .map_err(parquet::errors::ParquetError::from)?;
+        return Ok(());
+    }
+    let first = TableReader::open(&folder.part(Shard {
+        number: 1,
+        of: folder.manifest.shards,
+    }))?;
+    let fact = |key: &str| {
+        (
+            key.to_string(),
+            first.fact(key).unwrap_or_default().to_string(),
+        )
+    };
+    let layout = Layout {
+        inputs: columns.inputs.clone(),
+        outputs: columns.outputs.clone(),
+        version: folder.manifest.version.clone(),
+        hash: folder.manifest.inputs_sha256.clone(),
+        facts: vec![
+            fact("admire.version"),
+            fact("admire.inputs_sha256"),
+            ("admire.shard".to_string(), Shard::WHOLE.to_string()),
+            fact("admire.units"),
+            fact("admire.nominal"),
+        ],
+    };
+    let mut whole = TableWriter::create(&folder.results(), layout)?;
+    let mut next = 0;
+    for shard in folder.shards() {
+        let part = TableReader::open(&folder.part(shard))?;
+        let counts = (columns.inputs.len(), columns.outputs.len());
+        part.each(counts, |row, numbers| -> Result<(), SweepError> {
+            if row.case != next {
+                let message = format!("case {} stands where case {next} belongs", row.case);
+                return Err(parquet::errors::ParquetError::General(message).into());
+            }
+            next += 1;
+            Ok(whole.add(row, numbers)?)
+        })?;
+    }
+    whole.finish()?;
+    Ok(())
+}

@@ -1,0 +1,45 @@
+//! Thousands of variants of a deck: what varies, which cases, running them anywhere, one table of answers.
+//!
+//! Every case is solved cold from the text of its own deck, and its numbers are functions of seed, name and case alone. So the order,
+//! the threads and the shards of a run change no bit of the answer. Knows nothing about terminals; who submits shards is the matter of
+//! the command.
+
+mod correlation;
+mod design;
+mod distribution;
+mod engine;
+mod folder;
+mod indices;
+mod journal;
+mod kept;
+mod merge;
+mod morris;
+mod normal;
+mod page;
+mod plan;
+mod plan_file;
+mod plan_keeps;
+mod plan_numbers;
+mod random;
+mod regression;
+mod row;
+mod runner;
+mod shard;
+mod summary;
+mod table_reader;
+mod table_writer;
+mod variation;
+
+pub use design::{Design, Plan};
+pub use engine::{Progress, SweepError, run_shard};
+pub use folder::{Manifest, SweepFolder};
+pub use kept::{At, Keep, Output};
+pub use merge::{Columns, merge};
+pub use page::{page, six_digits};
+pub use plan::{SweepPlan, Task};
+pub use row::{Row, Status};
+pub use runner::Runner;
+pub use shard::{MOST_SHARDS, Shard, ShardError};
+pub use summary::{OutputSummary, Spread, Summary};
+pub use table_reader::TableReader;
+pub use variation::{Apply, Variation};

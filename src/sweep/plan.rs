@@ -1,0 +1,305 @@
+use std::path::Path;
+
+use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
+use crate::kc::Config;
+use crate::model::{Ignore, Model};
+use crate::session::{FilePolicy, find_file, folder_of, on_deck, read_files};
+use crate::syntax::files::Files;
+use crate::syntax::{CommandFile, Dataset};
+use crate::text::{Source, Span};
+
+use super::correlation::Correlation;
+use super::design::{Design, Point};
+use super::kept::Keep;
+use super::plan_file::PlanFile;
+use super::plan_keeps::keeps;
+use super::plan_numbers::{Numbers, numbers};
+use super::variation::{Variation, varied};
+
+/// What is run for a case.
+#[derive(Clone, Debug)]
+pub enum Task {
+    /// A command file.
+    Commands(Source),
+    /// The K&C tests of a `kc.toml`.
+    Tests(Box<Config>),
+}
+
+/// A program that solves in place of the built-in solver.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Program {
+    /// Program and arguments; `{acf}` stands for the command file.
+    pub command: Vec<String>,
+    /// Seconds after which a run is killed.
+    pub timeout_s: f64,
+}
+
+/// A sweep, read and checked: what varies, what is run, what is kept.
+#[derive(Clone, Debug)]
+pub struct SweepPlan {
+    /// SWEEP.toml.
+    pub source: Source,
+    /// The deck as it is.
+    pub deck: Dataset,
+    /// Property files the deck names.
+    pub files: Files,
+    /// What is run.
+    pub task: Task,
+    /// What varies.
+    pub variations: Vec<Variation>,
+    /// Numbers that vary together.
+    pub correlations: Vec<Correlation>,
+    /// The cases.
+    pub design: Design,
+    /// What is kept, with the name asked for and its place in SWEEP.toml.
+    pub keeps: Vec<(Keep, Option<String>, Span)>,
+    /// What may be left out of the model.
+    pub ignored: Vec<Ignore>,
+    /// Who solves, if not the built-in solver.
+    pub program: Option<Program>,
+    /// Every file the answer depends on.
+    pub inputs: Vec<Source>,
+}
+
+impl SweepPlan {
+    /// Reads a SWEEP.toml and all it names. `None` if an error stands in the way.
+    pub fn read(path: &Path) -> Checked<Option<Self>> {
+        let mut out = Complaints::default();
+        let value = Self::read_with(path, &mut out);
+        let failed = out.all.iter().any(|d| d.severity == Severity::Error);
+        Checked {
+            value: value.filter(|_| !failed),
+            diagnostics: out.all,
+        }
+    }
+
+    fn read_with(path: &Path, out: &mut Complaints) -> Option<Self> {
+        let source = out.source(path, None)?;
+        out.file = source.name().to_string();
+        let text = source.text(Span::new(0, source.bytes().len()));
+        let file: PlanFile = match toml::from_str(&text) {
+            Ok(file) => file,
+            Err(error) => {
+                let span = error.span().unwrap_or(0..0);
+                out.wrong(Code::BadSetting, span, error.message());
+                out.help("`admire guide sweep` shows every key");
+                return None;
+            }
+        };
+        let folder = folder_of(&source);
+        let deck_source = out.source(&folder.join(file.deck.get_ref()), Some(file.deck.span()))?;
+        let mut inputs = vec![source.clone(), deck_source.clone()];
+        let parsed = Dataset::parse(deck_source);
+        let mut policy = FilePolicy::new(Path::new(""));
+        policy.allow(&folder_of(parsed.value.source()));
+        policy.confine();
+        let files = read_files(&parsed.value, &folder_of(parsed.value.source()), &policy);
+        inputs.extend(files.value.sources().cloned());
+        let lowered = Model::lower_with(&parsed.value, &files.value);
+        for diagnostic in [parsed.diagnostics, files.diagnostics, lowered.diagnostics]
+            .into_iter()
+            .flatten()
+        {
+            if diagnostic.severity == Severity::Error {
+                out.all.push(diagnostic);
+            }
+        }
+        let task = task(&file, (&folder, &lowered.value), &mut inputs, out)?;
+        let mut ignored = Vec::new();
+        for word in &file.ignore {
+            match Ignore::parse(word.get_ref()) {
+                Ok(some) => ignored.extend(some),
+                Err(why) => out.wrong(Code::BadSetting, word.span(), &why),
+            }
+        }
+        let program = file.solver.as_ref().and_then(|solver| {
+            let words = solver.get_ref().command.get_ref();
+            if words.is_empty() || words.iter().all(|word| !word.contains("{acf}")) {
+                out.wrong(
+                    Code::BadSetting,
+                    solver.get_ref().command.span(),
+                    "the command of a solver has `{acf}` where the command file goes: [\"mdi\", \"-c\", \"ru-s\", \"i\", \"{acf}\", \"exit\"]",
+                );
+                return None;
+            }
+            if !(solver.get_ref().timeout_s > 0.0) {
+                out.wrong(Code::OutOfRange, solver.span(), "`timeout_s` is above zero");
+            }
+            let mut words = words.clone();
+            // A program beside SWEEP.toml; runs have folders of their own.
+            if Path::new(&words[0]).components().count() > 1 {
+                let beside = folder.join(&words[0]);
+                let whole = std::path::absolute(&beside).unwrap_or(beside);
+                words[0] = whole.display().to_string();
+            }
+            Some(Program {
+                command: words,
+                timeout_s: solver.get_ref().timeout_s,
+            })
+        });
+        if let (Some(_), Task::Tests(_)) = (&program, &task) {
+            out.wrong(
+                Code::BadSetting,
+                file.solver.as_ref().map_or(0..0, toml::Spanned::span),
+                "K&C tests of a sweep are run by the built-in solver",
+            );
+        }
+        let keeps = keeps(&file, &task, out);
+        let Numbers {
+            variations,
+            correlations,
+            design,
+            table,
+        } = numbers(&file, (&parsed.value, &folder), out)?;
+        inputs.extend(table);
+        Some(Self {
+            source,
+            deck: parsed.value,
+            files: files.value,
+            task,
+            variations,
+            correlations,
+            design,
+            keeps,
+            ignored,
+            program,
+            inputs,
+        })
+    }
+
+    /// The number of cases.
+    pub fn cases(&self) -> u64 {
+        self.design.cases()
+    }
+
+    /// The numbers of a case, one for every variation.
+    pub fn numbers(&self, case: u64) -> Vec<f64> {
+        let all = self.variations.iter();
+        match self.design.point(case) {
+            Point::Unit(mut unit) => {
+                for group in &self.correlations {
+                    group.apply(&mut unit);
+                }
+                all.zip(unit)
+                    .map(|(variation, u)| variation.distribution.quantile(u))
+                    .collect()
+            }
+            Point::Levels(levels) => all
+                .zip(levels)
+                .map(|(variation, (k, count))| variation.distribution.level(k, count))
+                .collect(),
+            Point::Values(values) => values,
+        }
+    }
+
+    /// The deck with some numbers, one for every variation.
+    ///
+    /// # Errors
+    /// A value that cannot be written where it belongs.
+    pub fn deck_with(&self, numbers: &[f64]) -> Result<Source, Box<Diagnostic>> {
+        varied(&self.deck, &self.variations, numbers)
+    }
+}
+
+/// What is run for every case.
+fn task(
+    file: &PlanFile,
+    (folder, model): (&Path, &Model),
+    inputs: &mut Vec<Source>,
+    out: &mut Complaints,
+) -> Option<Task> {
+    match (&file.commands, &file.kc) {
+        (Some(name), None) => {
+            let source = out.source(&folder.join(name.get_ref()), Some(name.span()))?;
+            inputs.push(source.clone());
+            inputs.extend(included(&source, folder));
+            Some(Task::Commands(on_deck(file.deck.get_ref(), &source)))
+        }
+        (None, Some(name)) => {
+            let source = out.source(&folder.join(name.get_ref()), Some(name.span()))?;
+            inputs.push(source.clone());
+            let units = model.units;
+            let config = Config::read(&source, (1e-3 / units.length.si, 1.0 / units.force.si));
+            out.all.extend(config.diagnostics);
+            Some(Task::Tests(Box::new(config.value?)))
+        }
+        _ => {
+            let message =
+                "a sweep runs `commands = \"run.acf\"` or `kc = \"kc.toml\"`, one of them";
+            out.wrong(Code::BadSetting, file.deck.span(), message);
+            None
+        }
+    }
+}
+
+/// The command files that a command file reads, and those that they read.
+fn included(source: &Source, folder: &Path) -> Vec<Source> {
+    let mut found: Vec<Source> = Vec::new();
+    let mut next = vec![source.clone()];
+    while let Some(source) = next.pop() {
+        let file = CommandFile::parse(source.clone()).value;
+        for command in file.commands().iter().filter(|c| c.kind() == Some("FILE")) {
+            let Some(name) = command.text("COMMAND", &source) else {
+                continue;
+            };
+            // What cannot be read is told when the deck as it is runs.
+            let path = find_file(&name, "acf", &[folder]).value;
+            if let Some(read) = path.and_then(|path| Source::read(&path).ok())
+                && found.iter().all(|known| known.name() != read.name())
+            {
+                found.push(read.clone());
+                next.push(read);
+            }
+        }
+    }
+    found
+}
+
+/// What is wrong with a SWEEP.toml, with places in it.
+#[derive(Default)]
+pub(super) struct Complaints {
+    file: String,
+    pub(super) all: Vec<Diagnostic>,
+}
+
+impl Complaints {
+    /// Something is wrong at a place of SWEEP.toml.
+    pub(super) fn wrong(&mut self, code: Code, span: std::ops::Range<usize>, message: &str) {
+        let diagnostic =
+            Diagnostic::error(code, message).label(self.file.as_str(), Span::from(span), "");
+        self.all.push(diagnostic);
+    }
+
+    /// The same for what another reader said of a text of SWEEP.toml.
+    pub(super) fn refused(&mut self, span: std::ops::Range<usize>, mut why: Diagnostic) {
+        why.labels.clear();
+        self.all
+            .push(why.label(self.file.as_str(), Span::from(span), ""));
+    }
+
+    /// Help for the last complaint.
+    pub(super) fn help(&mut self, text: &str) {
+        if let Some(last) = self.all.pop() {
+            self.all.push(last.help(text));
+        }
+    }
+
+    /// Reads a file that is named at a place.
+    pub(super) fn source(
+        &mut self,
+        path: &Path,
+        span: Option<std::ops::Range<usize>>,
+    ) -> Option<Source> {
+        match Source::read(path) {
+            Ok(source) => Some(source),
+            Err(error) => {
+                let message = format!("`{}` cannot be read: {error}", path.display());
+                match span {
+                    Some(span) => self.wrong(Code::CannotRead, span, &message),
+                    None => self.all.push(Diagnostic::error(Code::CannotRead, message)),
+                }
+                None
+            }
+        }
+    }
+}

@@ -1,0 +1,119 @@
+//! What is kept of every case: `[[keep]]` of SWEEP.toml.
+
+use crate::diagnostic::Code;
+use crate::kc::TestKind;
+use crate::text::Span;
+
+use super::kept::{At, Keep};
+use super::plan::{Complaints, Task};
+use super::plan_file::{self, PlanFile};
+
+/// Reads every `[[keep]]`.
+pub(super) fn keeps(
+    file: &PlanFile,
+    task: &Task,
+    out: &mut Complaints,
+) -> Vec<(Keep, Option<String>, Span)> {
+    if file.keep.is_empty() {
+        let message = "nothing is kept: `[[keep]]` names columns, modes or characteristics";
+        out.wrong(Code::MissingArgument, file.sampling.plan.span(), message);
+    }
+    let mut all = Vec::new();
+    for keep in &file.keep {
+        let span = keep.span();
+        let Some(found) = one(keep.get_ref(), &span, out) else {
+            continue;
+        };
+        let fits = matches!(
+            (&found, task),
+            (Keep::Characteristic { .. }, Task::Tests(_))
+                | (Keep::Column { .. } | Keep::Mode(_), Task::Commands(_))
+        );
+        if !fits {
+            let message = match task {
+                Task::Tests(_) => {
+                    "K&C tests have characteristics only: `characteristic = \"toe_angle.left\"`"
+                }
+                Task::Commands(_) => {
+                    "characteristics are those of `kc = \"kc.toml\"`; a command file has columns and modes"
+                }
+            };
+            out.wrong(Code::BadSetting, span, message);
+            continue;
+        }
+        if file.solver.is_some() && matches!(found, Keep::Mode(_)) {
+            let message = "of a program's run only columns are read";
+            out.wrong(Code::BadSetting, span, message);
+            continue;
+        }
+        let name = keep.get_ref().name.as_ref();
+        all.push((found, name.map(|n| n.get_ref().clone()), Span::from(span)));
+    }
+    all
+}
+
+fn one(
+    keep: &plan_file::Keep,
+    span: &std::ops::Range<usize>,
+    out: &mut Complaints,
+) -> Option<Keep> {
+    match (&keep.column, &keep.mode, &keep.characteristic) {
+        (Some(pattern), None, None) => {
+            let at = match (&keep.at, &keep.step, &keep.time) {
+                (None, None, None) => At::Last,
+                (Some(word), None, None) => {
+                    let Some(at) = At::of_word(word.get_ref()) else {
+                        let message = "`at` is last, first, max, min, mean, range or rms; or say `step = 2` or `time = 0.5`";
+                        out.wrong(Code::BadSetting, word.span(), message);
+                        return None;
+                    };
+                    at
+                }
+                (None, Some(step), None) if *step.get_ref() > 0 => At::Step(*step.get_ref()),
+                (None, Some(step), None) => {
+                    out.wrong(Code::OutOfRange, step.span(), "steps count from 1");
+                    return None;
+                }
+                (None, None, Some(time)) => At::Time(*time.get_ref()),
+                _ => {
+                    let message = "one of `at`, `step` and `time` says which step is meant";
+                    out.wrong(Code::BadSetting, span.clone(), message);
+                    return None;
+                }
+            };
+            Some(Keep::Column {
+                pattern: pattern.get_ref().clone(),
+                at,
+            })
+        }
+        (None, Some(mode), None) => {
+            if *mode.get_ref() == 0 {
+                out.wrong(Code::OutOfRange, mode.span(), "modes count from 1");
+                return None;
+            }
+            Some(Keep::Mode(*mode.get_ref()))
+        }
+        (None, None, Some(path)) => {
+            let test = keep.test.as_ref();
+            if let Some(test) = test
+                && !TestKind::ALL
+                    .iter()
+                    .any(|kind| kind.name() == test.get_ref())
+            {
+                let names: Vec<&str> = TestKind::ALL.iter().map(|kind| kind.name()).collect();
+                let message = format!("there is no such test: {}", names.join(", "));
+                out.wrong(Code::BadSetting, test.span(), &message);
+                return None;
+            }
+            Some(Keep::Characteristic {
+                path: path.get_ref().clone(),
+                test: test.map(|t| t.get_ref().clone()),
+            })
+        }
+        _ => {
+            let message = "one of `column`, `mode` and `characteristic` says what is kept";
+            out.wrong(Code::BadSetting, span.clone(), message);
+            None
+        }
+    }
+}

@@ -1,0 +1,398 @@
+//! Runs one case: cold, from its own deck, so that no case knows of another.
+
+use std::time::Instant;
+
+use crate::backend::{DeckRun, ProgramRun, RunError};
+use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::kc::{self, Bench, BenchError, Config, Convention, KcRun};
+use crate::model::Model;
+use crate::results::{Catalogue, Selection};
+use crate::session::{Stop, Trial, TrialInput};
+use crate::syntax::Dataset;
+use crate::text::{Source, Span};
+
+use super::kept::{Keep, Origin, Output};
+use super::plan::{SweepPlan, Task};
+use super::row::{Row, Status};
+use super::table_writer::OTHER_COLUMNS;
+
+/// A plan that is ready to run: the columns of its answer are known.
+#[derive(Debug)]
+pub struct Runner<'p> {
+    plan: &'p SweepPlan,
+    /// The columns of the answer.
+    pub outputs: Vec<Output>,
+    /// What the deck as it is gives.
+    pub nominal: Row,
+    program: Option<ProgramRun>,
+    /// Columns that are picked from results, by their ids.
+    ids: Vec<usize>,
+    /// All columns of the results of the deck as it is.
+    catalogue: Catalogue,
+}
+
+/// What a run has before its columns become one value each.
+enum Seen {
+    Steps(Option<Catalogue>, Vec<(f64, Vec<f64>)>, Vec<[f64; 2]>),
+    Tests(Box<KcRun>),
+}
+
+impl<'p> Runner<'p> {
+    /// Runs the deck as it is and finds the columns that are kept.
+    ///
+    /// # Errors
+    /// When the deck cannot be run, or something that is to be kept is not there.
+    pub fn prepare(plan: &'p SweepPlan) -> Result<Self, Vec<Diagnostic>> {
+        let mut runner = Self {
+            plan,
+            outputs: Vec::new(),
+            nominal: Row {
+                case: 0,
+                status: Status::Ok,
+                reason: String::new(),
+                seconds: 0.0,
+                outputs: Vec::new(),
+            },
+            program: plan
+                .program
+                .as_ref()
+                .map(|program| ProgramRun::new(program.command.clone(), program.timeout_s)),
+            ids: Vec::new(),
+            catalogue: Catalogue::default(),
+        };
+        let seen = runner.seen(plan.deck.source());
+        let mut wrong = Vec::new();
+        match seen {
+            Ok(Seen::Steps(Some(catalogue), _, modes)) => {
+                runner.find_columns(&catalogue, &modes, &mut wrong);
+                runner.catalogue = catalogue;
+            }
+            Ok(Seen::Steps(None, ..)) => wrong.push(runner.unusable("it runs no simulation")),
+            Ok(Seen::Tests(run)) => runner.find_characteristics(&run, &mut wrong),
+            Err((_, why)) => wrong.push(runner.unusable(&why)),
+        }
+        let span = plan.keeps.first().map_or(Span::at(0), |keep| keep.2);
+        let mut names: Vec<&str> = plan.variations.iter().map(|v| v.name.as_str()).collect();
+        names.extend(OTHER_COLUMNS);
+        for output in &runner.outputs {
+            if names.contains(&output.name.as_str()) {
+                let message = format!("the answer would have two columns `{}`", output.name);
+                let found = Diagnostic::error(Code::DuplicateId, message)
+                    .label(plan.source.name(), span, "")
+                    .help("`name = \"...\"` of a [[keep]] or [[vary]] tells them apart");
+                wrong.push(found);
+            }
+            names.push(&output.name);
+        }
+        if let Some(taken) = plan
+            .variations
+            .iter()
+            .find(|v| OTHER_COLUMNS.contains(&v.name.as_str()))
+        {
+            let message = format!("`{}` is a column of every answer", taken.name);
+            wrong.push(Diagnostic::error(Code::DuplicateId, message).label(
+                plan.source.name(),
+                span,
+                "",
+            ));
+        }
+        if !wrong.is_empty() {
+            return Err(wrong);
+        }
+        runner.nominal = runner.row(0, plan.deck.source());
+        if runner.nominal.status != Status::Ok {
+            return Err(vec![runner.unusable(&runner.nominal.reason)]);
+        }
+        Ok(runner)
+    }
+
+    fn unusable(&self, why: &str) -> Diagnostic {
+        let message = format!("the deck as it is does not run: {why}");
+        Diagnostic::error(Code::NoEquilibrium, message)
+            .label(self.plan.deck.source().name(), Span::at(0), "")
+            .help("a sweep begins with a deck that runs: try `admire solve` or `admire kc` on it")
+    }
+
+    fn find_columns(
+        &mut self,
+        catalogue: &Catalogue,
+        modes: &[[f64; 2]],
+        wrong: &mut Vec<Diagnostic>,
+    ) {
+        let plan = self.plan;
+        let mut refuse = |span: Span, message: String, help: &str| {
+            wrong.push(
+                Diagnostic::error(Code::UndefinedId, message)
+                    .label(plan.source.name(), span, "")
+                    .help(help),
+            );
+        };
+        for (keep, name, span) in &plan.keeps {
+            match keep {
+                Keep::Column { pattern, at } => {
+                    let (found, _) = Selection::matching(catalogue, &[pattern.as_str()]);
+                    if found.columns.is_empty() {
+                        refuse(
+                            *span,
+                            format!("no column of the results matches `{pattern}`"),
+                            "`admire results run.res --list` shows those of a run",
+                        );
+                    }
+                    let many = found.columns.len() > 1;
+                    for column in found.columns {
+                        let place = self.ids.iter().position(|id| *id == column.id);
+                        let place = place.unwrap_or_else(|| {
+                            self.ids.push(column.id);
+                            self.ids.len() - 1
+                        });
+                        let given = name.as_ref().map(|name| {
+                            if many {
+                                format!("{name}.{}", column.path)
+                            } else {
+                                name.clone()
+                            }
+                        });
+                        self.outputs.push(Output {
+                            name: given
+                                .unwrap_or_else(|| format!("{}{}", column.path, at.suffix())),
+                            unit: column.units,
+                            origin: Origin::Column(place, *at),
+                        });
+                    }
+                }
+                Keep::Mode(number) => {
+                    if modes.len() < *number {
+                        refuse(
+                            *span,
+                            format!("the run finds {} modes", modes.len()),
+                            "LINEAR/EIGENSOL of the command file finds eigenvalues",
+                        );
+                    }
+                    let name = name.clone().unwrap_or_else(|| format!("mode_{number}"));
+                    for (what, origin) in [
+                        ("frequency", Origin::Frequency(number - 1)),
+                        ("damping_ratio", Origin::Damping(number - 1)),
+                    ] {
+                        self.outputs.push(Output {
+                            name: format!("{name}.{what}"),
+                            unit: None,
+                            origin,
+                        });
+                    }
+                }
+                Keep::Characteristic { .. } => {}
+            }
+        }
+    }
+
+    fn find_characteristics(&mut self, run: &KcRun, wrong: &mut Vec<Diagnostic>) {
+        let Ok(model) = self.model() else { return };
+        for (keep, name, span) in &self.plan.keeps {
+            let Keep::Characteristic { path, test } = keep else {
+                continue;
+            };
+            let unit = match test {
+                None => {
+                    let mut all = run.ride.readings.iter();
+                    all.find(|r| r.path() == *path).map(|r| r.unit)
+                }
+                Some(test) => run
+                    .tests
+                    .iter()
+                    .filter(|run| run.kind.name() == test)
+                    .flat_map(|run| &run.gradients)
+                    .find(|g| format!("{}.{}", g.entity, g.component) == *path)
+                    .map(|g| g.unit),
+            };
+            let Some(unit) = unit else {
+                let place = test
+                    .as_ref()
+                    .map_or("at ride height".to_string(), |t| format!("in the test {t}"));
+                wrong.push(
+                    Diagnostic::error(
+                        Code::UndefinedId,
+                        format!("there is no characteristic `{path}` {place}"),
+                    )
+                    .label(self.plan.source.name(), *span, "")
+                    .help("`curves.csv` and `gradients.csv` of `admire kc` name them"),
+                );
+                continue;
+            };
+            let own = match test {
+                None => path.clone(),
+                Some(test) => format!("{path}:{test}"),
+            };
+            self.outputs.push(Output {
+                name: name.clone().unwrap_or(own),
+                // A slope is per unit of what the test drives.
+                unit: test.is_none().then(|| unit.word(&model.units)),
+                origin: Origin::Characteristic(path.clone(), test.clone()),
+            });
+        }
+    }
+
+    fn model(&self) -> Result<Model, String> {
+        let lowered = Model::lower_with(&self.plan.deck, &self.plan.files);
+        Ok(lowered.value)
+    }
+
+    /// Runs a case.
+    pub fn run(&self, case: u64) -> Row {
+        match self.plan.deck_with(&self.plan.numbers(case)) {
+            Ok(deck) => self.row(case, &deck),
+            Err(why) => Row {
+                case,
+                status: Status::Invalid,
+                reason: why.message.clone(),
+                seconds: 0.0,
+                outputs: Vec::new(),
+            },
+        }
+    }
+
+    fn row(&self, case: u64, deck: &Source) -> Row {
+        let start = Instant::now();
+        let seen = self.seen(deck).and_then(|seen| self.values(&seen));
+        let (status, reason, outputs) = match seen {
+            Ok(outputs) => (Status::Ok, String::new(), outputs),
+            Err((status, reason)) => (status, reason, Vec::new()),
+        };
+        Row {
+            case,
+            status,
+            reason,
+            seconds: start.elapsed().as_secs_f64(),
+            outputs,
+        }
+    }
+
+    fn seen(&self, deck: &Source) -> Result<Seen, (Status, String)> {
+        match (&self.plan.task, &self.program) {
+            (Task::Commands(commands), None) => self.trial(deck, commands),
+            (Task::Commands(commands), Some(program)) => self.external(deck, commands, program),
+            (Task::Tests(config), _) => self.tests(deck, config),
+        }
+    }
+
+    fn trial(&self, deck: &Source, commands: &Source) -> Result<Seen, (Status, String)> {
+        let trial = Trial::run(TrialInput {
+            deck,
+            commands,
+            columns: &self.ids,
+            ignored: &self.plan.ignored,
+        });
+        let ending = &trial.ending;
+        let why = |what: &str| trial.error.clone().unwrap_or_else(|| what.to_string());
+        match ending.stop {
+            Stop::Model => return Err((Status::Invalid, why("the deck has errors"))),
+            Stop::File => return Err((Status::Refused, why("a file cannot be read"))),
+            _ if ending.failed > 0 => {
+                return Err((Status::NoAnswer, why("a simulation has no answer")));
+            }
+            _ if ending.exit_code(true) != 0 => {
+                return Err((Status::Refused, why("a command is not executed")));
+            }
+            _ => {}
+        }
+        let modes = trial.modes.iter();
+        let modes = modes.map(|m| [m.frequency(), m.damping_ratio()]).collect();
+        Ok(Seen::Steps(trial.catalogue, trial.steps, modes))
+    }
+
+    fn external(
+        &self,
+        deck: &Source,
+        commands: &Source,
+        program: &ProgramRun,
+    ) -> Result<Seen, (Status, String)> {
+        let run = DeckRun {
+            deck,
+            commands,
+            original: &self.plan.deck,
+            columns: &self.ids,
+        };
+        match program.run(&run) {
+            Ok(answer) if answer.successful => Ok(Seen::Steps(
+                Some(answer.catalogue),
+                answer.steps,
+                Vec::new(),
+            )),
+            Ok(answer) => Err((Status::NoAnswer, answer.complaint)),
+            Err(error @ (RunError::Deck(_) | RunError::Files(_))) => {
+                Err((Status::Invalid, error.to_string()))
+            }
+            Err(error) => Err((Status::RunFailed, error.to_string())),
+        }
+    }
+
+    fn tests(&self, deck: &Source, config: &Config) -> Result<Seen, (Status, String)> {
+        let invalid = |all: &[Diagnostic]| {
+            let mut errors = all.iter().filter(|d| d.severity == Severity::Error);
+            errors.next().map(|d| (Status::Invalid, d.message.clone()))
+        };
+        let parsed = Dataset::parse(deck.clone());
+        let lowered = Model::lower_with(&parsed.value, &self.plan.files);
+        for all in [&parsed.diagnostics, &lowered.diagnostics] {
+            if let Some(why) = invalid(all) {
+                return Err(why);
+            }
+        }
+        let (deck, model) = (&parsed.value, &lowered.value);
+        let failed = || (Status::Invalid, "the rig does not fit the deck".to_string());
+        let mut bench = Bench::new(config, (deck, &self.plan.files, model))
+            .map_err(|all| invalid(&all).unwrap_or_else(failed))?;
+        let run = kc::run(&mut bench, &model.units);
+        run.map(|run| Seen::Tests(Box::new(run)))
+            .map_err(|error| match error {
+                BenchError::Deck(all) => invalid(&all).unwrap_or_else(failed),
+                BenchError::Free { at, motion } => (Status::NoAnswer, format!("{at}: {motion}")),
+                BenchError::NoEquilibrium { at, why } => (Status::NoAnswer, format!("{at}: {why}")),
+            })
+    }
+
+    /// The columns of the answer.
+    fn values(&self, seen: &Seen) -> Result<Vec<f64>, (Status, String)> {
+        match seen {
+            Seen::Steps(catalogue, steps, modes) => {
+                if catalogue.as_ref() != Some(&self.catalogue) {
+                    let message = "its results have other columns than those of the deck as it is";
+                    return Err((Status::Invalid, message.to_string()));
+                }
+                let value = |output: &Output| match output.origin {
+                    Origin::Column(place, at) => at.of(steps, place).unwrap_or(f64::NAN),
+                    Origin::Frequency(k) => modes.get(k).map_or(f64::NAN, |mode| mode[0]),
+                    Origin::Damping(k) => modes.get(k).map_or(f64::NAN, |mode| mode[1]),
+                    Origin::Characteristic(..) => f64::NAN,
+                };
+                Ok(self.outputs.iter().map(value).collect())
+            }
+            Seen::Tests(run) => Ok(self
+                .outputs
+                .iter()
+                .map(|output| characteristic(output, run))
+                .collect()),
+        }
+    }
+}
+
+/// A characteristic in the axes of Adams/Car.
+fn characteristic(output: &Output, run: &KcRun) -> f64 {
+    let Origin::Characteristic(path, test) = &output.origin else {
+        return f64::NAN;
+    };
+    let convention = Convention::default();
+    match test {
+        None => {
+            let mut all = run.ride.readings.iter();
+            all.find(|reading| reading.path() == *path)
+                .map_or(f64::NAN, |reading| reading.value_in(convention))
+        }
+        Some(test) => run
+            .tests
+            .iter()
+            .filter(|run| run.kind.name() == test)
+            .flat_map(|run| &run.gradients)
+            .find(|g| format!("{}.{}", g.entity, g.component) == *path)
+            .map_or(f64::NAN, |g| convention.factor(g.sense) * g.tangent + 0.0),
+    }
+}

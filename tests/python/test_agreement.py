@@ -1,0 +1,97 @@
+"""The package and the command line give the same answers, bit for bit."""
+
+import json
+import re
+import shutil
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import admire
+
+Command = Callable[..., "subprocess.CompletedProcess[str]"]
+
+CASES = [
+    ("double-wishbone", "states.acf", "model"),
+    ("pseudo-mcpherson", "run.acf", "model"),
+    ("multilink", "run.acf", "model"),
+]
+
+
+def without_dates(text: bytes) -> bytes:
+    """When and where a run was is its own."""
+    for name in (b"URI", b"publicationDate", b"executionDate"):
+        text = re.sub(name + b'="[^"]*"', name + b'=""', text, count=1)
+    return text
+
+
+def without_time(page: str) -> str:
+    """A report says when it was made."""
+    return re.sub(r"\d\d:\d\d:\d\d UTC", "", page)
+
+
+@pytest.mark.parametrize(("study", "commands", "stem"), CASES)
+def test_the_results_file_is_the_same(study: str, commands: str, stem: str, corpus: Path, tmp_path: Path, command: Command) -> None:
+    shutil.copytree(corpus / study, tmp_path / "study")
+    folder = tmp_path / "study"
+    if not (folder / commands).exists():
+        (folder / commands).write_text(f"\nfile/model={stem}\nSIMULATE/STATICS\nSFORCE/1, FUNCTION=300\nSIMULATE/STATICS\n")
+    deck = (folder / f"{stem}.adm").read_text(encoding="latin-1")
+    if "RESULTS/" not in deck.upper():
+        end = deck.upper().rindex("\nEND")
+        (folder / f"{stem}.adm").write_text(deck[:end] + "\nRESULTS/XRF" + deck[end:], encoding="latin-1")
+    done = command("solve", commands, cwd=folder)
+    assert done.returncode == 0, done.stdout + done.stderr
+    (theirs,) = folder.glob("*.res")
+    run = admire.read(folder / f"{stem}.adm").solve(folder / commands)
+    run.write(tmp_path / "ours.res")
+    assert without_dates((tmp_path / "ours.res").read_bytes()) == without_dates(theirs.read_bytes())
+    for extension in run.files:
+        written = theirs.with_suffix(f".{extension}")
+        if extension == "req":
+            assert run.file(extension).splitlines()[1:] == written.read_bytes().splitlines()[1:]
+
+
+def test_values_and_differences_are_the_same(deck: admire.Deck, command: Command, tmp_path: Path) -> None:
+    pattern = "BUSHING/*.K"
+    told = json.loads(command("get", deck.name, pattern, "--format", "json").stdout)
+    assert {address: list(value) for address, value in deck[pattern].items()} == told
+    command("set", deck.name, "BUSHING/1.K.1=12345.678", "-o", tmp_path / "set.adm")
+    deck["BUSHING/1.K.1"] = 12345.678
+    assert bytes(deck) == (tmp_path / "set.adm").read_bytes()
+
+
+def test_sensitivities_are_the_same(deck: admire.Deck, command: Command) -> None:
+    words = ("sensitivity", deck.name, "--of", "BUSHING/1", "--by", "BUSHING/1", "--format", "json")
+    told = json.loads(command(*words).stdout)
+    table = deck.sensitivity(of="BUSHING/1", by="BUSHING/1")
+    assert table.of == told["of"] and table.by == [row["by"] for row in told["rows"]]
+    assert table.values.tolist() == [row["derivatives"] for row in told["rows"]]
+
+
+def test_complaints_are_the_same(corpus: Path, command: Command) -> None:
+    for path in sorted((corpus / "lint").glob("*.adm"))[::6]:
+        told = json.loads(command("check", path, "--format", "json").stdout)
+        found = admire.read(path).check()
+        assert [(c.code, c.message) for c in found] == [(t["code"], t["message"]) for t in told], path
+
+
+@pytest.mark.parametrize("method", ["direct", "gauss-newton"])
+def test_an_identification_is_the_same(method: str, corpus: Path, command: Command, tmp_path: Path) -> None:
+    study = corpus / "pseudo-mcpherson"
+    done = command("identify", study, "--out", tmp_path / "out", "--method", method, "--format", "json")
+    found = admire.identify(study, method=method)
+    assert found.json == json.loads(done.stdout)
+    assert bytes(found.deck) == (tmp_path / "out" / "identified.adm").read_bytes()
+    report = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert without_time(found.html) == without_time(report)
+
+
+def test_axle_tests_are_the_same(corpus: Path, command: Command, tmp_path: Path) -> None:
+    deck, config = corpus / "multilink" / "model.adm", corpus / "multilink" / "kc.toml"
+    done = command("kc", deck, "--config", config, "--out", tmp_path / "out", "--format", "json")
+    found = admire.kc(deck, config)
+    assert found.values == json.loads(done.stdout)
+    assert found.curves_csv == (tmp_path / "out" / "curves.csv").read_text(encoding="utf-8")

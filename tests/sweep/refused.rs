@@ -1,0 +1,193 @@
+use super::{Bench, said, shown};
+
+#[test]
+fn what_is_wrong_is_told_with_its_place_before_anything_runs() {
+    let wrong = [
+        (
+            "\"BUSHING/1.K.3\"",
+            "\"BUSHING/9.K.3\"",
+            "BUSHING/9 is not in this dataset",
+            "sweep.toml:41",
+        ),
+        (
+            "\"BUSHING/1.K.3\"",
+            "\"BUSHING/1.K.1\"",
+            "varied by `bushing_A_radial` too",
+            "sweep.toml:41",
+        ),
+        (
+            "\"MARKER/2.QP.3\"",
+            "\"MARKER/2.PART\"",
+            "is a whole number",
+            "sweep.toml:35",
+        ),
+        (
+            "[-1.0, 1.0]",
+            "[1.0, 1.0]",
+            "this range is empty",
+            "sweep.toml:37",
+        ),
+        (
+            "sd = 0.05",
+            "sd = 0.0",
+            "`sd` is above zero",
+            "sweep.toml:15",
+        ),
+        (
+            "[9000.0, 10000.0, 11000.0]",
+            "[]",
+            "`values` has one number at least",
+            "sweep.toml:42",
+        ),
+        (
+            "[1, 2, 1]",
+            "[1, 2]",
+            "a weight of zero or more for every value",
+            "sweep.toml:43",
+        ),
+        (
+            "coefficient = 0.7",
+            "coefficient = -1.0",
+            "positive definite",
+            "sweep.toml:23",
+        ),
+        (
+            "KNUCKLE_XFORM.PSI",
+            "KNUCKLE_XFORM.PSY",
+            "no column of the results matches",
+            "sweep.toml:50",
+        ),
+        (
+            "\"latin-hypercube\"",
+            "\"sobol-indices\"",
+            "do not vary together",
+            "sweep.toml:23",
+        ),
+        (
+            "\"range\"",
+            "\"sum\"",
+            "`at` is last, first",
+            "sweep.toml:56",
+        ),
+        (
+            "model.adm",
+            "absent.adm",
+            "absent.adm` cannot be read",
+            "sweep.toml:3",
+        ),
+        (
+            "seed = 1",
+            "sead = 1",
+            "unknown field `sead`",
+            "sweep.toml:5",
+        ),
+        (
+            "name = \"strut_mount\"",
+            "name = \"status\"",
+            "`status` is a column of every answer",
+            "sweep.toml",
+        ),
+    ];
+    for (before, after, why, place) in wrong {
+        let bench = Bench::new(|text| {
+            assert!(text.contains(before), "{before}");
+            text.replace(before, after)
+        });
+        let refused = bench.sweep("out", &["--format", "plain"]);
+        assert_eq!(
+            refused.status.code(),
+            Some(1),
+            "{after}: {}",
+            said(&refused)
+        );
+        assert!(said(&refused).contains(why), "{after}: {}", said(&refused));
+        assert!(
+            said(&refused).contains(place),
+            "{after}: {}",
+            said(&refused)
+        );
+        assert!(!bench.path("out").exists(), "{after}");
+    }
+}
+
+#[test]
+fn a_folder_that_is_not_the_sweeps_own_is_refused() {
+    let bench = Bench::cases(10);
+    let out = bench.path("out");
+    std::fs::create_dir(&out).expect("a folder");
+    std::fs::write(out.join("notes.txt"), "mine").expect("written");
+    let refused = bench.sweep("out", &[]);
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(said(&refused).contains("notes.txt"), "{}", said(&refused));
+    assert_eq!(std::fs::read_dir(&out).expect("a folder").count(), 1);
+    std::fs::remove_file(out.join("notes.txt")).expect("removed");
+    assert!(bench.sweep("out", &[]).status.success());
+    // Other inputs: the deck was changed since.
+    let deck = std::fs::read_to_string(bench.path("model.adm")).expect("a deck");
+    std::fs::write(
+        bench.path("model.adm"),
+        deck.replace("3500.0, 3500.0", "3600.0, 3500.0"),
+    )
+    .expect("written");
+    let refused = bench.sweep("out", &[]);
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(
+        said(&refused).contains("model.adm changed since"),
+        "{}",
+        said(&refused)
+    );
+    // Another number of shards.
+    let again = Bench::cases(10);
+    assert!(again.sweep("out", &["--shard", "1/4"]).status.success());
+    let refused = again.sweep("out", &["--shard", "1/5"]);
+    assert!(
+        said(&refused).contains("4 shards, not 5"),
+        "{}",
+        said(&refused)
+    );
+    // A file in the place of the folder.
+    std::fs::write(again.path("file"), "").expect("written");
+    let refused = again.sweep("file", &[]);
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(
+        said(&refused).contains(shown(&again.path("file"))),
+        "{}",
+        said(&refused)
+    );
+}
+
+#[test]
+fn a_case_that_fails_says_why_and_stops_no_other() {
+    // A bushing ten metres away from its place: the iteration does not end.
+    let bench = Bench::new(|text| {
+        text.replace("cases = 1000", "cases = 40")
+            .replace("\"BUSHING/1.K.3\"", "\"MARKER/4.QP.1\"")
+            .replace("[9000.0, 10000.0, 11000.0]", "[-330.0, -331.0, 1e4]")
+    });
+    let ran = bench.sweep("out", &[]);
+    assert!(ran.status.success(), "{}", said(&ran));
+    let rows = bench.rows("out", super::NUMBERS);
+    let failed: Vec<_> = rows
+        .iter()
+        .filter(|(_, numbers)| numbers[4] > 0.0)
+        .collect();
+    // A quarter of a Latin hypercube.
+    assert_eq!(failed.len(), 10);
+    for (row, _) in &failed {
+        assert_eq!(row.status.word(), "no-answer");
+        assert!(row.reason.contains("no equilibrium"), "{}", row.reason);
+        assert!(row.outputs.iter().all(|value| value.is_nan()));
+    }
+    let summary = std::fs::read_to_string(bench.path("out/summary.json")).expect("a summary");
+    let summary: serde_json::Value = serde_json::from_str(&summary).expect("JSON");
+    assert_eq!(
+        summary["statuses"],
+        serde_json::json!({"no-answer": 10, "ok": 30})
+    );
+    let fine = rows.iter().filter(|(row, _)| row.status.word() == "ok");
+    assert_eq!(fine.clone().count(), 30);
+    assert!(
+        fine.flat_map(|(row, _)| &row.outputs)
+            .all(|value| value.is_finite())
+    );
+}
