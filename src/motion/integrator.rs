@@ -263,7 +263,7 @@ impl<'a> Integrator<'a> {
                 self.predict(h);
                 solved = self.solve(h, true);
             }
-            let Ok(iterations) = solved else {
+            let Ok(iterations) = solved.map_err(|NotSettled(why)| self.worst = why) else {
                 self.statistics.rejected += 1;
                 failures += 1;
                 if self.fresh || failures > 1 {
@@ -393,14 +393,12 @@ impl<'a> Integrator<'a> {
             let change = match done {
                 Ok(change) => change,
                 Err(reason) => {
-                    self.worst = reason.to_string();
-                    return Err(NotSettled);
+                    return Err(NotSettled(reason.to_string()));
                 }
             };
             let (size, at) = self.size_of(&change);
             if !size.is_finite() {
-                self.worst = "the iteration leaves all bounds".to_string();
-                return Err(NotSettled);
+                return Err(NotSettled("the iteration leaves all bounds".to_string()));
             }
             let floor = ROUND_OFF / self.tolerance();
             if size <= floor {
@@ -409,8 +407,7 @@ impl<'a> Integrator<'a> {
             if iteration > 1 {
                 let theta: f64 = size / before;
                 if theta >= 0.99 && size > 10.0 * floor {
-                    self.worst = format!("the iteration does not settle {at}");
-                    return Err(NotSettled);
+                    return Err(NotSettled(format!("the iteration does not settle {at}")));
                 }
                 let left = theta.min(0.99) / (1.0 - theta.min(0.99)) * size;
                 if left <= limit {
@@ -421,15 +418,14 @@ impl<'a> Integrator<'a> {
                 }
                 let more = self.settings.maxit - iteration;
                 if left * theta.powi(more as i32) > limit && more < 4 {
-                    self.worst = format!("the iteration does not settle {at}");
-                    return Err(NotSettled);
+                    return Err(NotSettled(format!("the iteration does not settle {at}")));
                 }
             } else if size <= 1e-2 * limit {
                 return Ok(iteration);
             }
             before = size;
         }
-        Err(NotSettled)
+        Err(NotSettled("the iteration does not settle".to_string()))
     }
 
     /// The size of a correction in tolerances, and where it is.
@@ -599,5 +595,5 @@ impl<'a> Integrator<'a> {
     }
 }
 
-/// The iteration of a step does not settle.
-struct NotSettled;
+/// The iteration of a step does not settle, and why.
+struct NotSettled(String);

@@ -3,10 +3,11 @@
 use super::kc_curves::{CurveSettings, Gauge, KcSettings, column, factor, name_and_unit};
 use super::measurement::Grouped;
 use super::measurement::{Channel, Measurement, Reference};
-use super::resolve::{case_of, label_of, labels, marker_of};
+use super::rows::{case_of, label_of, labels};
 use super::section::{Spelled, meant};
 use super::study::Study;
 use super::table::Table;
+use super::wheel_readings::marker_of;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::Model;
 

@@ -17,6 +17,7 @@ pub mod orientation;
 mod readings;
 mod resolve;
 mod rigidity;
+mod rows;
 mod scatter;
 mod schema;
 mod section;
@@ -32,6 +33,7 @@ mod tests;
 mod tolerances;
 mod virtual_rig;
 pub mod wheel;
+mod wheel_readings;
 
 pub use kc_curves::{Curve, CurveSettings, Helper, KcSettings, with_helpers};
 pub use load::programme;

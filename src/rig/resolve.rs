@@ -4,16 +4,16 @@ use std::collections::BTreeMap;
 
 use super::kc_readings::kc_readings;
 use super::measurement::{
-    Case, Channel, Grouped, MarkReading, MarkedPart, Measurement, PartMark, Reference, Wheel, wheel,
+    Case, Channel, Grouped, MarkReading, MarkedPart, Measurement, PartMark, Reference,
 };
-use super::section::{Spelled, meant, nearest};
+use super::rows::{case_of, label_of, labels, point};
+use super::section::{meant, nearest};
 use super::settings::ChannelSettings;
 use super::study::{MarkFiles, Study};
 use super::table::{Cell, Table};
-use super::wheel::WheelReading;
+use super::wheel_readings::wheel_readings;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::mechanics::Vec3;
-use crate::model::{MarkerIx, Model, PartIx};
+use crate::model::{Model, PartIx};
 
 /// Everything of a study, resolved. What names nothing is complained about and left out.
 pub(super) fn measurement(study: &Study, model: &Model, out: &mut Vec<Diagnostic>) -> Measurement {
@@ -76,22 +76,6 @@ pub fn part(name: &str, model: &Model) -> Option<PartIx> {
         found.next().filter(|_| found.next().is_none())
     };
     exact.or_else(loose).map(PartIx)
-}
-
-/// The label of a row: its cell, or its number where the file has no column for it.
-pub(super) fn label_of(
-    table: &Table,
-    row: &[Cell],
-    column: Option<usize>,
-    number: usize,
-) -> Option<Cell> {
-    match column {
-        Some(column) => table.cell(row, column).cloned(),
-        None => Some(Cell {
-            text: (number + 1).to_string(),
-            span: table.row_span(row),
-        }),
-    }
 }
 
 fn load_cases(study: &Study, out: &mut Vec<Diagnostic>) -> Vec<Case> {
@@ -279,44 +263,6 @@ fn on_parts(marks: &MarkFiles, model: &Model, to: &mut Measurement, out: &mut Ve
     grouped.finish(out);
 }
 
-fn point(
-    table: &Table,
-    row: &[Cell],
-    columns: [usize; 3],
-    out: &mut Vec<Diagnostic>,
-) -> Option<Vec3> {
-    let values = columns.map(|column| table.number(row, column, out));
-    match values {
-        [Some(x), Some(y), Some(z)] => Some(Vec3::new(x, y, z)),
-        _ => None,
-    }
-}
-
-/// The case of a row, unless the load cases do not have it.
-pub(super) fn case_of(
-    cell: &Cell,
-    table: &Table,
-    to: &Measurement,
-    grouped: &mut Grouped,
-) -> Option<usize> {
-    let found = to.case(&cell.text);
-    // Without any load case that has been said already.
-    if found.is_none() && !to.cases.is_empty() {
-        grouped.add(format!("case {}", cell.text), || {
-            let message = format!(
-                "the load cases have no case `{}`; its readings are left out",
-                cell.text
-            );
-            Diagnostic::warning(Code::UnknownCase, message).label(
-                table.source.name(),
-                cell.span,
-                "",
-            )
-        });
-    }
-    found
-}
-
 fn mark_readings(
     marks: &MarkFiles,
     model: &Model,
@@ -405,96 +351,6 @@ fn mark_readings(
         to.cases[case].marks.push(reading);
     }
     grouped.finish(out);
-}
-
-fn wheel_readings(study: &Study, model: &Model, to: &mut Measurement, out: &mut Vec<Diagnostic>) {
-    let Some((settings, table)) = &study.wheel else {
-        return;
-    };
-    let Some(marker) = marker_of(study, &settings.marker, model, out) else {
-        return;
-    };
-    let resolved: Wheel = wheel(settings, marker, model);
-    to.wheel = Some(resolved);
-    let Some(table) = table else { return };
-    let names = ["case", "x", "y", "z", "camber_deg", "steer_deg"];
-    let Some([case, x, y, z, camber, steer]) = table.columns(names, out) else {
-        return;
-    };
-    let mut grouped = Grouped::default();
-    for row in table.rows() {
-        let Some(label) = table.cell(row, case) else {
-            continue;
-        };
-        let Some(case) = case_of(label, table, to, &mut grouped) else {
-            continue;
-        };
-        let position = point(table, row, [x, y, z], out);
-        let angles = [camber, steer].map(|column| table.number(row, column, out));
-        let (Some(position), [Some(camber_deg), Some(steer_deg)]) = (position, angles) else {
-            grouped.add("wheel row".to_string(), || {
-                Diagnostic::warning(
-                    Code::BadReading,
-                    format!(
-                        "the wheel reading of case {} is incomplete and left out",
-                        label.text
-                    ),
-                )
-                .label(table.source.name(), table.row_span(row), "")
-            });
-            continue;
-        };
-        to.cases[case].wheel = Some(WheelReading {
-            position,
-            camber_deg,
-            steer_deg,
-        });
-    }
-    grouped.finish(out);
-}
-
-/// The marker that a study names; what is none is complained about.
-pub(super) fn marker_of(
-    study: &Study,
-    name: &Spelled,
-    model: &Model,
-    out: &mut Vec<Diagnostic>,
-) -> Option<MarkerIx> {
-    let found = marker(&name.text, model);
-    if found.is_none() {
-        let message = format!("the deck has no marker `{}`", name.text);
-        let there: Vec<String> = model
-            .markers
-            .iter()
-            .flat_map(|marker| {
-                [
-                    format!("MARKER/{}", marker.header.id),
-                    marker.header.name.clone(),
-                ]
-            })
-            .filter(|name| !name.is_empty())
-            .collect();
-        out.push(
-            Diagnostic::error(Code::UnknownTarget, message)
-                .label(study.source.name(), name.span, "")
-                .help(meant(&name.text, "the deck", &there)),
-        );
-    }
-    found
-}
-
-/// The marker with this address (`MARKER/20`), id or view name.
-fn marker(name: &str, model: &Model) -> Option<MarkerIx> {
-    let name = name.trim();
-    let id = name.split_once('/').map_or(name, |(_, id)| id).trim();
-    match id.parse::<u32>() {
-        Ok(id) => model.marker(id),
-        Err(_) => model
-            .markers
-            .iter()
-            .position(|marker| marker.header.name == name)
-            .map(MarkerIx),
-    }
 }
 
 fn channel_readings(
@@ -607,8 +463,4 @@ fn hold_out(study: &Study, to: &mut Measurement, out: &mut Vec<Diagnostic>) {
             ),
         }
     }
-}
-
-pub(super) fn labels(to: &Measurement) -> Vec<String> {
-    to.cases.iter().map(|case| case.label.clone()).collect()
 }
