@@ -240,6 +240,6 @@ fn intervals_from_curves_alone_hold_the_truth() {
         }
     }
     println!("{held} of {all} intervals hold the truth, {narrow} are narrower than 20 percent");
-    assert!(held as f64 >= 0.88 * all as f64, "{held} of {all}");
-    assert!(narrow as f64 >= 0.15 * all as f64, "{narrow} of {all}");
+    assert!(held as f64 >= 0.88 * f64::from(all), "{held} of {all}");
+    assert!(narrow as f64 >= 0.15 * f64::from(all), "{narrow} of {all}");
 }
