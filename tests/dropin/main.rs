@@ -4,6 +4,7 @@
 mod common;
 
 mod commands;
+mod edges;
 mod entities;
 mod errors;
 mod external;
@@ -24,4 +25,5 @@ mod squeezer;
 mod status;
 mod study_solver;
 mod task;
+mod together;
 mod toolkit;
