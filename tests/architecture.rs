@@ -189,6 +189,27 @@ fn the_generated_tables_are_fresh() {
     );
 }
 
+/// The compiler refuses `unsafe` in both packages, and no file asks it to look away; what calls Python may.
+#[test]
+fn nothing_is_unsafe() {
+    let workspace = fs::read_to_string(root().join("Cargo.toml")).expect("Cargo.toml");
+    assert!(workspace.contains("\nunsafe_code = \"deny\"\n"));
+    for manifest in ["Cargo.toml", "grammar/Cargo.toml"] {
+        let text = fs::read_to_string(root().join(manifest)).expect("a manifest");
+        assert!(
+            text.contains("\n[lints]\nworkspace = true\n"),
+            "{manifest} has lints of its own"
+        );
+    }
+    let asks: Vec<_> = rust_files()
+        .into_iter()
+        .filter(|(path, text)| !path.starts_with("src/python") && text.contains("unsafe_code"))
+        .map(|(path, _)| path)
+        .filter(|path| path != "tests/architecture.rs")
+        .collect();
+    assert_eq!(asks, Vec::<String>::new());
+}
+
 #[test]
 fn crate_modules_are_found_in_every_spelling() {
     let code = "use crate::text::{Edit, Span}; use crate::{units, model::Part}; fn f(x: crate::syntax::Address) {}";

@@ -67,13 +67,15 @@ impl Settings {
     /// # Errors
     /// What is wrong with it, each fault at its place.
     pub fn parse(source: &Source) -> Result<Self, Vec<Diagnostic>> {
-        let text = source.text(Span::new(0, source.bytes().len()));
-        let table = toml::from_str::<Table>(&text).map_err(|error| {
-            let span = error
-                .span()
-                .map_or(Span::at(0), |span| Span::new(span.start, span.end));
-            let message = error.message().to_string();
+        let wrong = |message: String, span| {
             vec![Diagnostic::error(Code::StudySyntax, message).label(source.name(), span, "")]
+        };
+        let text = source
+            .utf8()
+            .map_err(|span| wrong("this is not UTF-8 text".to_string(), span))?;
+        let table = toml::from_str::<Table>(text).map_err(|error| {
+            let span = error.span().map_or(Span::at(0), Span::from);
+            wrong(error.message().to_string(), span)
         })?;
         let check = table.check;
         let mut wrong = Vec::new();

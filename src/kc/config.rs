@@ -264,12 +264,19 @@ enum SteeringWord {
 impl Config {
     /// Reads the file. `units` of the defaults are those of the deck: `length` one millimetre, `force` one newton in them.
     pub fn read(source: &Source, (length, force): (f64, f64)) -> Checked<Option<Self>> {
-        let text = source.text(Span::new(0, source.bytes().len()));
-        let file: File = match toml::from_str(&text) {
+        let parsed = source
+            .utf8()
+            .map_err(|span| (span, "this is not UTF-8 text".to_string()))
+            .and_then(|text| {
+                toml::from_str(text).map_err(|error| {
+                    let span = error.span().map_or(Span::at(0), Span::from);
+                    (span, error.message().to_string())
+                })
+            });
+        let file: File = match parsed {
             Ok(file) => file,
-            Err(error) => {
-                let span = error.span().map_or(Span::new(0, 0), Span::from);
-                let diagnostic = Diagnostic::error(Code::BadSetting, error.message().to_string())
+            Err((span, message)) => {
+                let diagnostic = Diagnostic::error(Code::BadSetting, message)
                     .label(source.name(), span, "")
                     .help("`admire guide kc` shows every key");
                 return Checked {

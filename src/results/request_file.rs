@@ -58,10 +58,12 @@ impl<W: Write> RequestWriter<W> {
             exponential(1.0 / units.length.si, 21, 15)
         )?;
         for request in requests {
-            let name = request.name.trim();
-            let looks_like_numbers = whole_numbers(name.as_bytes()).is_some();
-            let mark = if looks_like_numbers { "REQUEST " } else { "" };
-            text.extend_from_slice(title_line(&format!("{mark}{name}")).as_bytes());
+            // As the line will be: it has blanks in place of control characters, and an end.
+            let mut name = title_line(request.name.trim());
+            if whole_numbers(name.as_bytes()).is_some() {
+                name = title_line(&format!("REQUEST {}", name.trim()));
+            }
+            text.extend_from_slice(name.as_bytes());
             write!(text, "{:>10}", request.id)?;
             for number in &request.numbers {
                 write!(text, "{number:>10}")?;

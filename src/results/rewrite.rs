@@ -116,6 +116,10 @@ fn reprint(
     line_end: &[u8],
     text: &mut Vec<u8>,
 ) -> Option<NumberStyle> {
+    // Infinities and NaN of a diverged run have no spelling of ours.
+    if values.iter().any(|value| !value.is_finite()) {
+        return None;
+    }
     for at in 0..=styles.len() {
         let style = match styles.get(at) {
             Some(&style) => style,

@@ -170,12 +170,14 @@ fn read(folder: &Path, out: &mut Vec<Diagnostic>) -> Option<Study> {
             return None;
         }
     };
-    let Ok(text) = std::str::from_utf8(source.bytes()) else {
-        out.push(Diagnostic::error(
-            Code::StudySyntax,
-            format!("{} is not UTF-8 text", source.name()),
-        ));
-        return None;
+    let text = match source.utf8() {
+        Ok(text) => text,
+        Err(span) => {
+            let message = format!("{} is not UTF-8 text", source.name());
+            let diagnostic = Diagnostic::error(Code::StudySyntax, message);
+            out.push(diagnostic.label(source.name(), span, ""));
+            return None;
+        }
     };
     let (document, errors) = DeTable::parse_recoverable(text);
     for error in &errors {

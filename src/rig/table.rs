@@ -275,7 +275,8 @@ fn row_start(bytes: &[u8], mut at: usize) -> usize {
     }
 }
 
-/// Finds each field of a record in the bytes it was read from.
+/// Finds each field of a record in the bytes it was read from. As for the reader, a quote opens a field only as its first byte, and
+/// is a letter like others elsewhere.
 fn cells(
     bytes: &[u8],
     place: std::ops::Range<usize>,
@@ -284,32 +285,49 @@ fn cells(
 ) -> Vec<Cell> {
     let mut cells = Vec::with_capacity(record.len());
     let mut at = place.start;
+    let last = place.end.min(bytes.len());
     for field in record {
-        let from = at;
-        let mut quoted = false;
-        while at < place.end.min(bytes.len()) {
-            match bytes[at] {
-                b'"' => quoted = !quoted,
-                byte if !quoted && (byte == delimiter || matches!(byte, b'\n' | b'\r')) => break,
-                _ => {}
-            }
-            at += 1;
-        }
-        let (mut start, mut end) = (from.min(bytes.len()), at.min(bytes.len()));
+        let from = at.min(last);
+        at = from + field_length(&bytes[from..last], delimiter);
+        let (mut start, mut end) = (from, at);
         while start < end && bytes[start].is_ascii_whitespace() {
             start += 1;
         }
         while start < end && bytes[end - 1].is_ascii_whitespace() {
             end -= 1;
         }
-        let span = Span::new(start, end);
         at += 1;
+        // Spreadsheets still write Latin-1; names in decks are read in the same way.
+        let text = match std::str::from_utf8(field) {
+            Ok(text) => text.trim().to_string(),
+            Err(_) => {
+                let text: String = field.iter().map(|&byte| char::from(byte)).collect();
+                text.trim().to_string()
+            }
+        };
         cells.push(Cell {
-            text: String::from_utf8_lossy(field).trim().to_string(),
-            span,
+            text,
+            span: Span::new(start, end),
         });
     }
     cells
+}
+
+/// How many bytes the field has that these begin with.
+fn field_length(bytes: &[u8], delimiter: u8) -> usize {
+    let mut quoted = bytes.first() == Some(&b'"');
+    let mut at = usize::from(quoted);
+    while at < bytes.len() {
+        match bytes[at] {
+            // Two of them within quotes are one that is meant.
+            b'"' if quoted && bytes.get(at + 1) == Some(&b'"') => at += 1,
+            b'"' if quoted => quoted = false,
+            byte if !quoted && (byte == delimiter || matches!(byte, b'\n' | b'\r')) => break,
+            _ => {}
+        }
+        at += 1;
+    }
+    at
 }
 
 #[cfg(test)]

@@ -1,8 +1,10 @@
 use std::fmt::Write as _;
+use std::fs::{File, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
-use crate::diagnostic::{Diagnostic, Severity};
+use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::model::IntegratorSettings;
 use crate::results::Timestamp;
 use crate::text::printable;
@@ -12,6 +14,9 @@ use super::outputs::emptied;
 use super::record::Sink;
 use super::simulate::Phases;
 use super::transient::{Progress, Row};
+
+/// How long a run waits for another one that writes the same files.
+const PATIENCE: Duration = Duration::from_secs(10);
 
 /// What a run says, on standard output and in the `.msg` file alike.
 ///
@@ -26,6 +31,8 @@ pub struct Messages<'a> {
     error: Option<String>,
     /// Warnings and errors so far, if somebody wants them as data.
     told: Option<Vec<Diagnostic>>,
+    /// The message files that are this run's own, locked until it has written its last line.
+    owned: Vec<(PathBuf, File)>,
 }
 
 /// So many warnings and errors are kept as data.
@@ -41,6 +48,7 @@ impl<'a> Messages<'a> {
             pending: Vec::new(),
             error: None,
             told: None,
+            owned: Vec::new(),
         };
         messages.banner(directory);
         messages
@@ -55,6 +63,33 @@ impl<'a> Messages<'a> {
     pub(super) fn take(&mut self) -> (Vec<u8>, Vec<Diagnostic>) {
         let said = std::mem::take(&mut self.pending);
         (said, self.told.take().unwrap_or_default())
+    }
+
+    /// Makes the files of a prefix this run's own, by a lock on its message file. Another run that has them is waited for: it may be at
+    /// its last line. Where files cannot be locked, nothing is. Windows would hide a locked file from those who poll it.
+    ///
+    /// # Errors
+    /// `cannot-write` when the other run goes on for longer than ten seconds.
+    pub fn own(&mut self, path: &Path) -> Result<(), Diagnostic> {
+        if cfg!(windows) || self.owned.iter().any(|(own, _)| own == path) {
+            return Ok(());
+        }
+        let mut options = File::options();
+        let Ok(file) = options.write(true).create(true).truncate(false).open(path) else {
+            // Who opens it to write says why.
+            return Ok(());
+        };
+        let begin = Instant::now();
+        while let Err(TryLockError::WouldBlock) = file.try_lock() {
+            if begin.elapsed() > PATIENCE {
+                let message = format!("another run is writing `{}`", path.display());
+                return Err(Diagnostic::error(Code::CannotWrite, message)
+                    .help("wait for its end, or give one of the two another output_prefix"));
+            }
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        self.owned.push((path.to_path_buf(), file));
+        Ok(())
     }
 
     /// Truncates `path` and writes what was said so far and what comes to it. The same path again goes on with the file.

@@ -12,7 +12,7 @@ use super::harmless::{asks_for_results, is_harmless, is_in, place_in_file};
 use super::loaded::{Loaded, as_error};
 use super::located::Sources;
 use super::message::Messages;
-use super::outputs::Outputs;
+use super::outputs::{Outputs, with_extension};
 use super::paths::{find_file, native_spelling};
 use super::progress::Watcher;
 use super::record::Record;
@@ -443,7 +443,10 @@ impl<'a> Session<'a> {
             Some(prefix) if !prefix.is_empty() => native_spelling(prefix),
             _ => default_prefix(written),
         });
-        let outputs = match Outputs::prepare(prefix, &self.policy) {
+        let messages = with_extension(&prefix, "msg");
+        let owned = self.policy.check(&messages);
+        let owned = owned.and_then(|()| self.messages.own(&messages));
+        let outputs = match owned.and_then(|()| Outputs::prepare(prefix, &self.policy)) {
             Ok(outputs) => outputs,
             Err(diagnostic) => return self.unwritable(&place.label(diagnostic)),
         };

@@ -70,6 +70,17 @@ impl Source {
         }
     }
 
+    /// The whole file, of a format that is UTF-8.
+    ///
+    /// # Errors
+    /// The place of the first byte that is not.
+    pub fn utf8(&self) -> Result<&str, Span> {
+        std::str::from_utf8(&self.bytes).map_err(|error| {
+            let at = error.valid_up_to();
+            Span::new(at, at + 1)
+        })
+    }
+
     /// Line and column of an offset. Lines end at LF; a CR before it belongs to the line.
     pub fn line_column(&self, offset: usize) -> LineColumn {
         let offset = offset.min(self.bytes.len());

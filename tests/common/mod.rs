@@ -1,6 +1,8 @@
 //! What several test files need.
 #![allow(dead_code)] // Each test binary uses its own part.
 
+pub mod tiling;
+
 use std::path::PathBuf;
 
 /// A folder or file of the shared reference material beside the project, or `None` (with a printed notice) where it is absent,

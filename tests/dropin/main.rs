@@ -4,6 +4,7 @@
 mod common;
 
 mod commands;
+mod edges;
 mod entities;
 mod errors;
 #[cfg_attr(windows, allow(dead_code, unused_imports))] // Some of it needs a shell of Unix.
@@ -27,6 +28,7 @@ mod status;
 #[cfg_attr(windows, allow(dead_code, unused_imports))] // Some of it needs a shell of Unix.
 mod study_solver;
 mod task;
+mod together;
 mod toolkit;
 #[cfg(windows)]
 mod windows;

@@ -135,6 +135,13 @@ impl Results {
         Self { ids, steps }
     }
 
+    /// The entities that have components.
+    pub fn entities(&self) -> Vec<String> {
+        let mut names: Vec<String> = self.ids.keys().map(|(entity, _)| entity.clone()).collect();
+        names.dedup();
+        names
+    }
+
     /// A component in every step.
     pub fn column(&self, entity: &str, component: &str) -> Vec<f64> {
         let id = self.ids[&(entity.to_string(), component.to_string())];

@@ -21,5 +21,6 @@ mod reproduce;
 mod sensors;
 mod setup;
 mod study_folder;
+mod threads;
 mod verdict;
 mod virtual_rig;
