@@ -298,12 +298,11 @@ fn cells(
         }
         at += 1;
         // Spreadsheets still write Latin-1; names in decks are read in the same way.
-        let text = match std::str::from_utf8(field) {
-            Ok(text) => text.trim().to_string(),
-            Err(_) => {
-                let text: String = field.iter().map(|&byte| char::from(byte)).collect();
-                text.trim().to_string()
-            }
+        let text = if let Ok(text) = std::str::from_utf8(field) {
+            text.trim().to_string()
+        } else {
+            let text: String = field.iter().map(|&byte| char::from(byte)).collect();
+            text.trim().to_string()
         };
         cells.push(Cell {
             text,
