@@ -20,11 +20,16 @@ pub(super) fn exponential(value: f64, width: usize, decimals: usize) -> String {
     format!("{spelled:>width$}")
 }
 
-/// Six values to a line, `1X,6E13.5`, as request and graphics files have them.
+/// Six values to a line, `1X,6E13.5`, as request and graphics files have them. A negative number with an exponent of three digits
+/// fills its field and gets a blank in front: two numbers never become one.
 pub(super) fn line_of(values: &[f64]) -> String {
     let mut line = String::from(" ");
     for &value in values {
-        line.push_str(&exponential(value, 13, 5));
+        let field = exponential(value, 13, 5);
+        if !field.starts_with(' ') {
+            line.push(' ');
+        }
+        line.push_str(&field);
     }
     line.push('\n');
     line

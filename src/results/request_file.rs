@@ -66,7 +66,8 @@ impl<W: Write> RequestWriter<W> {
             text.extend_from_slice(name.as_bytes());
             write!(text, "{:>10}", request.id)?;
             for number in &request.numbers {
-                write!(text, "{number:>10}")?;
+                // Ten columns, or more: two numbers never become one.
+                write!(text, " {number:>9}")?;
             }
             text.push(b'\n');
         }

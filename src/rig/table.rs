@@ -269,7 +269,7 @@ fn row_start(bytes: &[u8], mut at: usize) -> usize {
                 Some(end) => at += end + 1,
                 None => return bytes.len(),
             },
-            Some(_) if rest.starts_with(b"\xef\xbb\xbf") => at += 3,
+            Some(_) if at == 0 && rest.starts_with(b"\xef\xbb\xbf") => at += 3,
             _ => return at,
         }
     }
@@ -298,14 +298,12 @@ fn cells(
         }
         at += 1;
         // Spreadsheets still write Latin-1; names in decks are read in the same way.
-        let text = if let Ok(text) = std::str::from_utf8(field) {
-            text.trim().to_string()
-        } else {
-            let text: String = field.iter().map(|&byte| char::from(byte)).collect();
-            text.trim().to_string()
-        };
+        let text = std::str::from_utf8(field).map_or_else(
+            |_| field.iter().map(|&byte| char::from(byte)).collect(),
+            str::to_string,
+        );
         cells.push(Cell {
-            text,
+            text: text.trim().to_string(),
             span: Span::new(start, end),
         });
     }

@@ -32,6 +32,10 @@ pub(super) enum Asked {
     Transient,
 }
 
+/// More steps of the integrator than this to one end are refused: they would take hours, and a step far below the last digit of time
+/// does not end at all.
+const MOST_INNER_STEPS: f64 = 1e9;
+
 impl Session<'_> {
     /// SIMULATE/INITIAL_CONDITIONS: assembles, and writes the step.
     pub(super) fn initial_conditions(&mut self, phases: Phases, place: Place<'_>) -> Flow {
@@ -120,6 +124,20 @@ impl Session<'_> {
             self.write_step(StepKind::InitialConditions)?;
         }
         let integrator = self.model().model.integrator.clone();
+        let kinematics = self.model().model.kinematics.hmax;
+        let largest = if fixed { kinematics } else { integrator.hmax };
+        if let Some(hmax) =
+            largest.filter(|hmax| (times.end - times.start) / hmax > MOST_INNER_STEPS)
+        {
+            let message = format!(
+                "HMAX = {hmax:e} takes more than {MOST_INNER_STEPS:e} steps to time {}",
+                times.end
+            );
+            let refused =
+                self.refused(Diagnostic::error(Code::LimitExceeded, message), Some(place));
+            self.messages.end_simulation();
+            return refused;
+        }
         if kind == StepKind::Kinematic {
             self.messages.kinematic_head();
         } else {

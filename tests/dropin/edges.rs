@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::process::Command;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use admire::mechanics::{Pose, Vec3, euler313, exp};
@@ -209,6 +210,88 @@ fn every_number_at_its_edges() {
         cases.len(),
         wrong.join("\n")
     );
+}
+
+/// Joints, a motion and an integrator.
+const MECHANISM: &str = "\
+A mechanism
+UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND
+PART/1, GROUND
+MARKER/1, PART=1
+MARKER/2, PART=1, REULER=90D, 90D, 0D
+MARKER/11, PART=1, QP=0, 0, -50
+PART/2, MASS=2, CM=20, IP=100, 110, 120, VZ=1
+MARKER/20, PART=2
+MARKER/21, PART=2, QP=0, 0, 50
+JOINT/1, TRANSLATIONAL, I=20, J=1, IC=1, ICTRAN=0.5
+SPRINGDAMPER/1, TRANSLATIONAL, I=21, J=11, K=10, C=0.1, LENGTH=100
+PART/3, QG=100, 0, 0, MASS=1.5, CM=30, IP=50, 60, 70
+MARKER/30, PART=3, QP=0, 0, -20
+MARKER/31, PART=3, REULER=90D, 90D, 0D
+MARKER/12, PART=1, QP=100, 0, 0, REULER=90D, 90D, 0D
+JOINT/2, REVOLUTE, I=31, J=12
+MOTION/1, JOINT=2, FUNCTION=0.3*SIN(2*TIME)
+PART/4, QG=0, 100, 0, MASS=1, CM=40, IP=10, 10, 10
+MARKER/40, PART=4
+MARKER/41, PART=4, QP=0, 30, 0
+MARKER/13, PART=1, QP=0, 100, 0
+JOINT/3, SPHERICAL, I=40, J=13
+SFORCE/1, ROTATIONAL, ACTIONONLY, I=41, J=13, FUNCTION=5*AZ(40,13)
+SPRINGDAMPER/2, TRANSLATIONAL, I=41, J=21, K=3, LENGTH=90
+GCON/1, FUNCTION=DX(40,13)*0+AX(40,13)
+ACCGRAV/KGRAV=-9806.65
+INTEGRATOR/ERROR=1E-3, HMAX=0.01
+EQUILIBRIUM/ERROR=1E-8, IMBALANCE=1E-6, MAXIT=50
+RESULTS/FORMATTED, XRF
+END
+";
+
+/// The same of a mechanism that moves: it ends in time, with numbers or with a reason.
+#[test]
+fn every_number_of_a_mechanism_at_its_edges() {
+    let numbers = numbers(MECHANISM);
+    assert!(numbers.len() > 80, "{}", numbers.len());
+    let edges = ["0", "-1", "1E-320", "1E308", "NaN"];
+    let cases: Vec<_> = numbers
+        .iter()
+        .flat_map(|number| edges.map(|edge| (number, edge)))
+        .collect();
+    let answered = AtomicUsize::new(0);
+    let wrong: Vec<String> = cases
+        .par_iter()
+        .filter_map(|((span, kind), edge)| {
+            let deck =
+                apply_edits(MECHANISM.as_bytes(), &[Edit::new(*span, *edge)]).expect("one edit");
+            let deck = String::from_utf8(deck).expect("text");
+            let acf = "\nfile/model=mechanism\nSIM/DYN, END=0.05, STEPS=3\nSTOP\n";
+            let place = folder(&[("mechanism.adm", &deck), ("run.acf", acf)]);
+            let start = Instant::now();
+            let ran = mdi_with(place.path(), &["ru-s", "run"], "", &[("MDI_STRICT", "1")]);
+            let what = if start.elapsed() > Duration::from_secs(60) {
+                format!("took {:?}", start.elapsed())
+            } else if ran.stderr.contains("panicked") || !(0..=3).contains(&ran.code) {
+                format!("code {}: {}", ran.code, ran.stderr)
+            } else if ran.code != 0 {
+                if ran.stdout.contains("---- START: ERROR ----") {
+                    return None;
+                }
+                format!("code {} and no reason", ran.code)
+            } else {
+                answered.fetch_add(1, Ordering::Relaxed);
+                let results = Results::read_all(place.path(), "mechanism.res");
+                let whole = results.steps.len() >= 4
+                    && results.steps.iter().flatten().all(|x| x.is_finite());
+                if whole {
+                    return None;
+                }
+                "no whole answer".to_string()
+            };
+            let line = MECHANISM[..span.start()].lines().count();
+            Some(format!("{kind}, line {line}, {edge}: {what}"))
+        })
+        .collect();
+    assert!(answered.into_inner() > 100);
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 /// The shipped half axle under its loads in millimetres, metres and inches: the same poses to a part in 1e9.

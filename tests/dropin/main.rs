@@ -11,6 +11,7 @@ mod errors;
 mod external;
 mod friction;
 mod launch;
+#[allow(non_snake_case, reason = "rotation matrices and inertias")]
 mod mechanisms;
 mod motion;
 mod redefinitions;

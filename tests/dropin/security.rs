@@ -380,3 +380,53 @@ fn the_console_of_a_run_commands_no_terminal() {
         .find(|c| c.is_control() && !"\r\n\t".contains(*c));
     assert_eq!(obeyed, None, "{all:?}");
 }
+
+/// Names and titles are text in a page, never a part of it; a browser reads the pages in `tests/pages`.
+#[test]
+fn no_name_becomes_a_part_of_a_page() {
+    let place = folder(&[("run.acf", "\nfile/model=model\nSIM/STAT\nSTOP\n")]);
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/pseudo-mcpherson");
+    for entry in std::fs::read_dir(shipped).unwrap() {
+        let path = entry.unwrap().path();
+        std::fs::copy(&path, place.path().join(path.file_name().unwrap())).unwrap();
+    }
+    let breaking = "</script><img src=x onerror=alert(1)>";
+    let deck = text(place.path(), "model.adm");
+    let title = deck.lines().next().unwrap().to_string();
+    let deck = deck.replacen(&title, breaking, 1).replacen(
+        "adams_view_name='A_J'",
+        &format!("adams_view_name='{breaking}'"),
+        1,
+    );
+    assert_eq!(deck.matches(breaking).count(), 2);
+    std::fs::write(place.path().join("model.adm"), deck).unwrap();
+    assert_eq!(mdi(place.path(), &["ru-s", "run"]).code, 0);
+    for (words, page) in [
+        (&["view", "model.adm", "-o", "deck.html"][..], "deck.html"),
+        (&["view", "model.res", "-o", "results.html"], "results.html"),
+        (&["identify", "--out", "fit", "."], "fit/report.html"),
+        (&["diagnose", "--out", "found", "."], "found/report.html"),
+        (
+            &["kc", "model.adm", "--config", "kc.toml", "--out", "kc"],
+            "kc/report.html",
+        ),
+    ] {
+        let ran = Command::new(env!("CARGO_BIN_EXE_admire"))
+            .current_dir(place.path())
+            .args(words)
+            .output()
+            .unwrap();
+        assert!(
+            matches!(ran.status.code(), Some(0 | 3)),
+            "{words:?}: {ran:?}"
+        );
+        let page = text(place.path(), page);
+        assert!(page.contains("</html>"), "{words:?}");
+        assert!(!page.contains("<img"), "{words:?}");
+        let (opened, closed) = (
+            page.matches("<script").count(),
+            page.matches("</script>").count(),
+        );
+        assert_eq!(opened, closed, "{words:?}");
+    }
+}

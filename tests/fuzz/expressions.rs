@@ -76,8 +76,7 @@ fn shape(node: &Node) -> String {
     let own = match node {
         Node::Literal(at) => format!("literal {at}"),
         Node::Binary(operator, ..) => format!("{operator:?}"),
-        Node::Call { function, .. } => function.name.to_string(),
-        Node::Name(function) => function.name.to_string(),
+        Node::Call { function, .. } | Node::Name(function) => function.name.to_string(),
         other => format!("{:?}", std::mem::discriminant(other)),
     };
     let children: Vec<String> = node.children().into_iter().map(shape).collect();
@@ -91,7 +90,7 @@ fn expressions() {
         .map(|text| text.as_bytes().to_vec())
         .into();
     fuzz("expression", 20_000, &seeds, &function_words(), |bytes| {
-        expression(bytes, &model)
+        expression(bytes, &model);
     });
 }
 

@@ -33,6 +33,17 @@ fn a_request_whose_name_becomes_a_number_keeps_its_values() {
     );
 }
 
+/// Numbers that fill their columns were written without a blank between them, and read as one or as none.
+#[test]
+fn numbers_that_fill_their_columns_stay_two() {
+    for text in [
+        "A.R3\na\n1\n1 4294967295 -4294967295\n0\n1 2 3 4 5 6\n",
+        "A.R3\na\n1\n1\n0\n-1E109 -1E109 0 -1E-300 0 0\n",
+    ] {
+        results::requests(text.as_bytes());
+    }
+}
+
 /// A quote within a cell is a letter; the places of the cells behind it were lost.
 #[test]
 fn a_quote_within_a_cell_ends_no_cell() {
@@ -48,6 +59,15 @@ fn a_quote_within_a_cell_ends_no_cell() {
         assert_eq!(row.len(), 2, "{text}");
         assert_eq!(table.source.text(row[1].span), row[1].text, "{text}");
     }
+}
+
+/// The mark of UTF-8 stands in front of a file; three bytes of it elsewhere are text.
+#[test]
+fn a_mark_of_utf_8_within_a_table_is_text() {
+    let text = "0\n\u{feff}\n";
+    studies::table(text.as_bytes());
+    let table = Table::read(Source::new("a.csv", text.as_bytes()), &mut Vec::new());
+    assert_eq!(table.rows()[0][0].span, Span::new(2, 5));
 }
 
 /// A table in Latin-1 names the parts that a deck in Latin-1 does.

@@ -36,7 +36,10 @@ fn note_panics() {
             let noted = LAST.with_borrow_mut(|last| {
                 last.as_mut().map(|last| {
                     let place = info.location().map(ToString::to_string);
-                    let message = info.payload_as_str().unwrap_or_default();
+                    let payload = info.payload();
+                    let text = payload.downcast_ref::<String>().map(String::as_str);
+                    let text = text.or_else(|| payload.downcast_ref::<&str>().copied());
+                    let message = text.unwrap_or_default();
                     *last = format!("{}: {message}", place.unwrap_or_default());
                 })
             });
