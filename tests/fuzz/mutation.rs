@@ -70,6 +70,8 @@ pub fn mutated(seeds: &[Vec<u8>], words: &[String], random: &mut Pcg64) -> Vec<u
             1 => change_words(&mut out, words, random),
             _ => change_lines(&mut out, random),
         }
+        // A line many times, many times, would be a file of gigabytes.
+        out.truncate(2 * LONGEST);
     }
     out
 }

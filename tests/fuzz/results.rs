@@ -85,7 +85,10 @@ pub fn xrf(bytes: &[u8]) {
     let mut again = XrfReader::open("b.res", written.as_slice()).expect("what is written is read");
     // The comment is of whole lines.
     let of_lines = |header: &Header| Header {
-        comment: header.comment.trim_end().to_string(),
+        comment: header
+            .comment
+            .trim_end_matches(|c: char| c.is_control() || c.is_whitespace())
+            .to_string(),
         ..header.clone()
     };
     assert_eq!(
