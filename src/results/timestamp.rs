@@ -7,8 +7,17 @@ pub struct Timestamp {
 }
 
 impl Timestamp {
-    /// Now.
+    /// Now, or the moment that the environment variable `SOURCE_DATE_EPOCH` states in seconds since 1970-01-01 00:00:00 UTC
+    /// (<https://reproducible-builds.org/specs/source-date-epoch/>): two runs then write the same bytes.
     pub fn now() -> Self {
+        if let Some(seconds) = std::env::var("SOURCE_DATE_EPOCH")
+            .ok()
+            .and_then(|text| text.trim().parse::<u32>().ok())
+        {
+            return Self {
+                seconds: seconds.into(),
+            };
+        }
         let seconds = SystemTime::now()
             .duration_since(UNIX_EPOCH)
             .map_or(0, |elapsed| elapsed.as_secs() as i64);

@@ -20,6 +20,7 @@ fn answer(command: &str, options: &[&str], threads: &str) -> BTreeMap<String, Ve
         .args(options)
         .args(["--out", "out", "study"])
         .env("RAYON_NUM_THREADS", threads)
+        .env("SOURCE_DATE_EPOCH", "951827696")
         .output()
         .unwrap();
     assert!(
@@ -46,6 +47,8 @@ fn answer(command: &str, options: &[&str], threads: &str) -> BTreeMap<String, Ve
 fn assert_same(command: &str, options: &[&str]) {
     let (one, four) = (answer(command, options, "1"), answer(command, options, "4"));
     assert!(one.len() >= 3, "{:?}", one.keys());
+    let report = String::from_utf8_lossy(&one["out/report.html"]);
+    assert!(report.contains("<dd>2000-02-29 12:34:56 UTC</dd>"));
     assert!(one.keys().eq(four.keys()), "{:?}", four.keys());
     for (name, bytes) in &one {
         assert!(*bytes == four[name], "{command}: {name} differs");
