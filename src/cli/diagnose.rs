@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::discrepancy::{
-    Finding, Outcome as Diagnosed, Progress as Watched, SWEEPS, Verdict, diagnose_watched, held_out,
+    Choice, Finding, Outcome as Diagnosed, Progress as Watched, Verdict, diagnose_watched, held_out,
 };
 use crate::front::fit::changed_lines;
 use crate::front::{foreign_parts, solver};
@@ -30,6 +30,9 @@ pub(super) struct Arguments {
     /// Where the answers go.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    /// Search the causes anew for each group of the cross-validation: takes up to seven times as long.
+    #[arg(long)]
+    search_folds: bool,
     #[command(flatten)]
     replacing: Replacing,
 }
@@ -62,9 +65,14 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let watched = Watched::default();
     let seen = watched.clone();
     let bar = Progress::new("diagnosing", shell, move || {
-        Some((seen.stage(), (seen.sweeps(), Some(SWEEPS), "sweeps")))
+        Some((seen.stage(), (seen.sweeps(), Some(seen.budget()), "sweeps")))
     });
-    let found = diagnose_watched(&problem, held_out, &watched);
+    let choice = if arguments.search_folds {
+        Choice::Searched
+    } else {
+        Choice::AmongFitted
+    };
+    let found = diagnose_watched(&problem, held_out, choice, &watched);
     drop(bar);
     let mut outcome = found.map_err(|error| {
         shell.fail(Diagnostic::error(Code::NoFit, error.to_string()));

@@ -1,7 +1,8 @@
 //! Groups of cases, each predicted from the others, with the causes chosen anew from what the others say.
 //!
-//! Each fitted model is refitted in its linear model to the rows of the other groups; the one of greatest evidence there predicts the
-//! group. Which models were fitted, and where they were linearised, is what the search over all cases left.
+//! [`Choice::AmongFitted`]: each fitted model is refitted in its linear model to the rows of the other groups; the one of greatest
+//! evidence there predicts the group. Which models were fitted, and where they were linearised, is what the search over all cases left.
+//! [`Choice::Searched`]: the whole search is done again for each group, without it.
 //!
 //! The logarithm of the density with which a model predicts a group from the rest is `ln Z(all) - ln Z(rest)`, both at the same sizes.
 //! Source: the chain rule of probabilities; MacKay, Neural Computation 4 (1992) 415.
@@ -13,8 +14,10 @@ use serde::Serialize;
 
 use super::fit::Fitted;
 use super::jackknife::{Squares, fall};
+use super::progress::Progress;
 use super::search::Visited;
 use super::subject::Subject;
+use super::unseen::Unseen;
 use crate::backend::LoadCase;
 use crate::identify::global::Row;
 
@@ -42,9 +45,21 @@ pub struct GroupGain {
     pub rms_after: f64,
 }
 
+/// How causes are chosen for a group.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Choice {
+    /// Among the models that the search over all cases fitted.
+    #[default]
+    AmongFitted,
+    /// By a search of their own: as many times as long.
+    Searched,
+}
+
 /// All groups.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct CrossValidation {
+    /// True if causes were searched anew for each group; false if they were chosen among the models that all cases had fitted.
+    pub searched: bool,
     /// `mark` if the rms is that of a mark coordinate in the deck's length unit, `noise` if of all readings in units of their noise.
     pub of: &'static str,
     /// Over all groups, without any cause.
@@ -190,10 +205,10 @@ impl<'a> Folds<'a> {
         Some(score(fitted)? - score(other)?)
     }
 
-    /// The rows of a group that are compared, and what one unit of them is.
+    /// The rows of a group that are compared.
     fn rows(&self, group: usize) -> impl Iterator<Item = usize> + '_ {
         let subject = self.subject;
-        let marks = !subject.problem.measurement.parts.is_empty();
+        let marks = subject.compares_marks();
         let rows = subject.rows.iter().enumerate();
         rows.filter(move |(k, row)| {
             subject.precision[*k] > 0.0
@@ -203,22 +218,13 @@ impl<'a> Folds<'a> {
         .map(|(k, _)| k)
     }
 
-    /// Predicts each group by the model that the others choose.
+    /// Predicts each group by the model that the others choose among all that were fitted.
     pub fn validate(
         &self,
         none: &Arc<Fitted>,
         models: &[(Visited, f64)],
     ) -> Option<CrossValidation> {
-        let subject = self.subject;
-        let marks = !subject.problem.measurement.parts.is_empty();
-        let (of, unit) = if marks {
-            ("mark", subject.sigma)
-        } else {
-            ("noise", 1.0)
-        };
-        let mut out = Vec::new();
-        let mut sums: Vec<Squares> = Vec::new();
-        for group in 0..self.groups.len() {
+        self.collected(false, |group| {
             let before = self.without(none, group)?;
             let mut best: Option<(f64, Refit, &Fitted)> = None;
             for fitted in models.iter().filter_map(|(m, _)| m.fitted.as_deref()) {
@@ -231,31 +237,59 @@ impl<'a> Folds<'a> {
                 }
             }
             let (_, after, chosen) = best?;
-            let square = |misfit: &DVector<f64>| -> f64 {
-                self.rows(group).map(|k| misfit[k].powi(2)).sum::<f64>() * unit * unit
-            };
+            Some(Predicted {
+                misfits: [before.misfit, after.misfit],
+                causes: chosen.chosen.iter().map(ToString::to_string).collect(),
+            })
+        })
+    }
+
+    /// Predicts each group by a search of the others that nothing was fitted to yet. `None` where a search may not begin or come to its end.
+    pub fn search(&self, unfitted: &Subject<'_>, progress: &Progress) -> Option<CrossValidation> {
+        self.collected(true, |group| {
+            let mut subject = unfitted.clone();
+            subject.hold_out(&self.groups[group]);
+            let unseen = Unseen::new(&subject, progress).filter(|found| !found.is_cut_short())?;
+            let chosen = unseen.chosen.chosen.iter();
+            Some(Predicted {
+                causes: chosen.map(ToString::to_string).collect(),
+                misfits: unseen.predicted.map(|blind| blind.misfit),
+            })
+        })
+    }
+
+    /// The rms of all groups; `None` where one of them cannot be predicted.
+    fn collected(
+        &self,
+        searched: bool,
+        predict: impl Fn(usize) -> Option<Predicted>,
+    ) -> Option<CrossValidation> {
+        let subject = self.subject;
+        let (of, unit) = subject.compared();
+        let mut groups = Vec::new();
+        let mut sums: Vec<Squares> = Vec::new();
+        for group in 0..self.groups.len() {
             let count = self.rows(group).count() as f64;
             if count == 0.0 {
                 continue;
             }
-            let (a, b) = (square(&before.misfit), square(&after.misfit));
+            let Predicted { misfits, causes } = predict(group)?;
+            let [before, after] = misfits.map(|misfit| -> f64 {
+                self.rows(group).map(|k| misfit[k].powi(2)).sum::<f64>() * unit * unit
+            });
             sums.push(Squares {
-                before: a,
-                after: b,
+                before,
+                after,
                 count,
             });
             let labels = self.groups[group].iter();
-            out.push(GroupGain {
+            groups.push(GroupGain {
                 cases: labels
                     .map(|k| subject.problem.measurement.cases[*k].label.clone())
                     .collect(),
-                causes: chosen
-                    .chosen
-                    .iter()
-                    .map(|h| format!("{} {}", h.cause, h.address))
-                    .collect(),
-                rms_before: (a / count).sqrt(),
-                rms_after: (b / count).sqrt(),
+                causes,
+                rms_before: (before / count).sqrt(),
+                rms_after: (after / count).sqrt(),
             });
         }
         if sums.len() < 2 {
@@ -263,14 +297,23 @@ impl<'a> Folds<'a> {
         }
         let fall = fall(&sums)?;
         Some(CrossValidation {
+            searched,
             of,
             rms_before: fall.before,
             rms_after: fall.after,
             gain: fall.before - fall.after,
             gain_std_error: fall.std_error,
-            groups: out,
+            groups,
         })
     }
+}
+
+/// A group as the others predict it.
+struct Predicted {
+    /// Prediction minus reading of all rows, without any cause and with those chosen.
+    misfits: [DVector<f64>; 2],
+    /// What was chosen.
+    causes: Vec<String>,
 }
 
 #[cfg(test)]

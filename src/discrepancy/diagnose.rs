@@ -3,22 +3,24 @@ use std::sync::Arc;
 
 use super::averaged::averaged;
 use super::cause::Cause;
-use super::cross_validation::Folds;
+use super::cross_validation::{Choice, Folds};
 use super::diagnosis::{
     BaselineFit, Diagnosis, Evidence, Finding, Gain, Indistinguishable, NoiseFound, ToleranceFound,
     Unexplained, Verdict,
 };
-use super::fit::{ANY, Fitted, Plain, fit, refit};
-use super::folds::{Blind, HeldOutTest, marks_gain, moved};
+use super::fit::{Fitted, Plain};
+use super::folds::{Blind, HeldOutTest, moved};
 use super::hypothesis::Hypothesis;
 use super::limits::detection_limits;
 use super::next_measurement::next_measurement;
 use super::progress::Progress;
 use super::remainder::remainder;
-use super::search::{Found, Visited, search};
+use super::search::{Found, Visited};
+use super::sought::{NAMED, Sought, of_place, probability, seek};
 use super::stiffness::{CorrectedStiffness, corrected};
 use super::structure::{StructureTest, structure};
 use super::subject::{Data, Subject};
+use super::unseen::Unseen;
 use crate::identify::{IdentifyError, Problem};
 use crate::rig::orientation::chi_square_p_value;
 use crate::rig::{Measurement, Study};
@@ -32,8 +34,6 @@ const MATTERS_WHEEL_DEG: f64 = 0.01;
 const STRUCTURED: f64 = 0.005;
 /// Held-out readings less probable than this under the extended model speak against its causes.
 const SURPRISED: f64 = 0.002;
-/// A place is named from this probability on.
-const NAMED: f64 = 0.5;
 /// Rivals are no further behind than so many units of twice the logarithm of probability.
 const RIVAL: f64 = 6.0;
 
@@ -52,12 +52,8 @@ pub struct Outcome<'a> {
     pub plain: Plain,
     /// Tests of structure before and after.
     pub structure: [Vec<StructureTest>; 2],
-    /// The cases held out, as the model was and as it is extended, both fitted to the other cases only; `None` without such cases.
-    pub held_out: Option<[HeldOutTest; 2]>,
-    /// By how much the rms of marks held out falls, and its standard error.
-    pub marks_gain: Option<(f64, f64)>,
-    /// The model as it was and as it is extended, both fitted without the cases held out.
-    pub unseen: Option<[Blind; 2]>,
+    /// The cases held out as models predict them that were neither chosen nor fitted with them; `None` without such cases or findings.
+    pub unseen: Option<Unseen>,
     /// Stiffnesses before and after.
     pub stiffnesses: Vec<CorrectedStiffness>,
     /// How many hypotheses were tried.
@@ -82,32 +78,25 @@ pub fn diagnose<'a>(
     problem: &Problem<'a>,
     held_out: Vec<bool>,
 ) -> Result<Outcome<'a>, IdentifyError> {
-    diagnose_watched(problem, held_out, &Progress::default())
+    diagnose_watched(problem, held_out, Choice::default(), &Progress::default())
 }
 
-/// The same, telling how far it is.
+/// The same, telling how far it is, with causes chosen in the cross-validation as stated.
 ///
 /// # Errors
 /// As [`diagnose`].
 pub fn diagnose_watched<'a>(
     problem: &Problem<'a>,
     held_out: Vec<bool>,
+    choice: Choice,
     progress: &Progress,
 ) -> Result<Outcome<'a>, IdentifyError> {
-    progress.begin("fitting the model as it is");
     let mut subject = Subject::new(problem, held_out);
-    subject.sweeps = Arc::clone(&progress.sweeps);
+    subject.watched_by(progress);
     let no_cases = || IdentifyError::NoCases(None);
-    let mut none = fit(&subject, &[], None, Data::All, ANY).ok_or_else(no_cases)?;
-    let judged = subject.judge_suspects(&none.misfit);
-    subject.weigh(Some(&none.misfit));
-    if judged || subject.is_reweighed() {
-        none = refit(&subject, &none, Data::All).ok_or_else(no_cases)?;
-    }
-    progress.begin("searching causes");
-    let found = search(&subject, none);
+    let unfitted = subject.clone();
+    let Sought { found, leading } = seek(&mut subject, Data::All, progress).ok_or_else(no_cases)?;
     progress.begin("testing what was found");
-    let leading = leading(&found);
     let none = Arc::clone(&found.none);
     let structures = [structure(&subject, &none), structure(&subject, &leading)];
     let blind = Blind::new(&subject, &none).zip(Blind::new(&subject, &leading));
@@ -136,12 +125,23 @@ pub fn diagnose_watched<'a>(
     if unexplained.structured {
         unexplained.remainder = remainder(&subject, &leading);
     }
-    let cross_validation = (!findings.is_empty())
-        .then(|| Folds::new(&subject)?.validate(&none, &found.models))
-        .flatten();
+    let (mut cross_validation, mut unseen) = (None, None);
+    if !findings.is_empty() {
+        unseen = Unseen::new(&unfitted, progress);
+        let folds = Folds::new(&subject);
+        let searched = folds
+            .as_ref()
+            .filter(|_| choice == Choice::Searched)
+            .and_then(|folds| folds.search(&unfitted, progress));
+        cross_validation = searched.or_else(|| folds.as_ref()?.validate(&none, &found.models));
+    }
+    let cut_short = found.cut_short || unseen.as_ref().is_some_and(Unseen::is_cut_short);
     let mut listed = faults_of_marks(&subject);
     listed.append(&mut findings);
-    let baseline_rms = tests.and_then(|[before, _]| before?.marks_rms);
+    let baseline_rms = match &unseen {
+        Some(unseen) => unseen.tests[0].marks_rms,
+        None => tests.and_then(|[before, _]| before?.marks_rms),
+    };
     Ok(Outcome {
         diagnosis: Diagnosis {
             verdict,
@@ -161,65 +161,21 @@ pub fn diagnose_watched<'a>(
                 dof: subject.tails.map(|tails| tails.nu),
             },
             cross_validation,
+            hold_out: unseen.as_ref().and_then(|unseen| unseen.hold_out(&subject)),
             unexplained,
             next_measurement: next,
-            interrupted: found.cut_short,
+            interrupted: cut_short,
         },
         structure: structures,
-        held_out: match tests {
-            Some([Some(before), Some(after)]) => Some([before, after]),
-            _ => None,
-        },
-        marks_gain: blind.as_ref().and_then(|(a, b)| marks_gain(&subject, a, b)),
-        unseen: blind.map(|(a, b)| [a, b]),
+        unseen,
         stiffnesses: corrected(problem, &none, &leading),
         places: found.places,
-        cut_short: found.cut_short,
+        cut_short,
         plain: Plain::new(&subject, &leading).ok_or_else(no_cases)?,
         baseline: none,
         extended: leading,
         subject,
     })
-}
-
-/// Probability of all models whose causes are such.
-fn probability(found: &Found, accept: impl Fn(&[Hypothesis]) -> bool) -> f64 {
-    let models = found
-        .models
-        .iter()
-        .filter(|(model, _)| accept(&model.causes));
-    models.map(|(_, probability)| probability).sum()
-}
-
-/// Probability of a cause at its place.
-fn of_place(found: &Found, h: &Hypothesis) -> f64 {
-    probability(found, |causes| {
-        causes.iter().any(|other| other.same_place(h))
-    })
-}
-
-/// The model that is reported: the best fitted one that holds every place that is more probable than not; of those that hold no place
-/// without need, where none is probable.
-fn leading(found: &Found) -> Arc<Fitted> {
-    let mut named: Vec<&Hypothesis> = Vec::new();
-    for h in found.models.iter().flat_map(|(model, _)| &model.causes) {
-        if !named.iter().any(|other| other.same_place(h)) && of_place(found, h) > NAMED {
-            named.push(h);
-        }
-    }
-    let fitted = found
-        .models
-        .iter()
-        .filter_map(|(model, _)| model.fitted.as_ref());
-    let holds = |fitted: &&Arc<Fitted>| {
-        named
-            .iter()
-            .all(|h| fitted.chosen.iter().any(|other| other.same_place(h)))
-    };
-    let mut holding = fitted.filter(holds);
-    holding
-        .next()
-        .map_or_else(|| Arc::clone(&found.best), Arc::clone)
 }
 
 /// A fitted model with another cause in the place of one.

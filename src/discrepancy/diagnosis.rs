@@ -6,6 +6,7 @@ use super::cause::Cause;
 use super::cross_validation::CrossValidation;
 use super::remainder::Remainder;
 use super::solver_difference::SolverDifference;
+use super::unseen::HoldOut;
 use crate::identify::Status;
 pub use crate::identify::{NoiseFound, ToleranceFound};
 
@@ -179,6 +180,8 @@ pub struct Diagnosis {
     pub detection_limits: Vec<DetectionLimit>,
     /// Groups of cases, each predicted from the others with causes chosen anew; `None` with too few cases or no finding.
     pub cross_validation: Option<CrossValidation>,
+    /// Cases that neither the choice of causes nor any fit saw; `None` without them or without a finding.
+    pub hold_out: Option<HoldOut>,
     /// What remains.
     pub unexplained: Unexplained,
     /// What to measure next.

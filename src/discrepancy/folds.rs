@@ -1,15 +1,11 @@
 //! Cases no fit saw: what a model says of them, and how much better it says it with the causes found.
 
-use std::collections::BTreeMap;
-
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::fit::Fitted;
-use super::jackknife::{Squares, fall};
 use super::subject::{Data, Subject};
 use crate::identify::global::Row;
 use crate::rig::orientation::chi_square_p_value;
-use crate::tolerance::Whitening;
 
 /// How held-out readings agree with a model.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -71,7 +67,7 @@ impl Blind {
         for row in rows {
             only[*row] = true;
         }
-        let whitening: &Whitening = &fitted.whitening;
+        let whitening = subject.whitening(Data::All);
         let weights = whitening.weights(&fitted.sizes.ln);
         let turned: Vec<usize> = (0..only.len())
             .filter(|k| only[*k] && weights[*k] > 0.0)
@@ -80,7 +76,7 @@ impl Blind {
             return None;
         }
         let r = whitening.apply_vector(&self.misfit).component_mul(&weights);
-        let mut J = fitted.turned.clone();
+        let mut J = whitening.apply(&fitted.jacobian);
         for (mut row, weight) in J.row_iter_mut().zip(weights.iter()) {
             row *= *weight;
         }
@@ -115,32 +111,11 @@ impl Blind {
     }
 }
 
-fn unseen(subject: &Subject<'_>) -> Vec<usize> {
+/// Rows of the cases held out.
+pub fn unseen(subject: &Subject<'_>) -> Vec<usize> {
     (0..subject.rows.len())
         .filter(|k| subject.is_held_out(subject.rows[*k].case()))
         .collect()
-}
-
-/// By how much the rms of marks held out falls from one model to another, with its standard error by the jackknife: the readings of
-/// one case share their errors.
-pub fn marks_gain(subject: &Subject<'_>, before: &Blind, after: &Blind) -> Option<(f64, f64)> {
-    let mut by_case = BTreeMap::new();
-    let unit = subject.sigma.powi(2);
-    for k in unseen(subject) {
-        let Row::Mark { case, .. } = subject.rows[k] else {
-            continue;
-        };
-        if subject.precision[k] == 0.0 {
-            continue;
-        }
-        let sums: &mut Squares = by_case.entry(case).or_default();
-        sums.before += before.misfit[k].powi(2) * unit;
-        sums.after += after.misfit[k].powi(2) * unit;
-        sums.count += 1.0;
-    }
-    let by_case: Vec<Squares> = by_case.into_values().collect();
-    let fall = fall(&by_case)?;
-    Some((fall.before - fall.after, fall.std_error))
 }
 
 /// By how much two models differ in their readings: rms of marks and channels in units of their noise, and of wheel angles in degrees.

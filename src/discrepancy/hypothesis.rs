@@ -115,6 +115,13 @@ pub struct MemoryPlan {
     pub measure: String,
 }
 
+impl std::fmt::Display for Hypothesis {
+    /// `cause address`.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} {}", self.cause, self.address)
+    }
+}
+
 impl Hypothesis {
     /// One that needs no change of the deck's structure.
     pub fn plain(cause: Cause, address: String, form: &'static str, numbers: Vec<Number>) -> Self {

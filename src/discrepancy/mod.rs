@@ -4,7 +4,7 @@
 //! the virtual rig are not known here.
 //!
 //! One direction: `subject` (what was read, and its tolerances) and `hypothesis` (data) <- `unknowns` <- `fit` <- `survey` <- `causes`,
-//! `columns` <- `scan` <- `search` <- `folds`, `cross_validation`, `structure`, `remainder`, `averaged` <- `diagnose`, and what shows its outcome.
+//! `columns` <- `scan` <- `search` <- `sought` <- `folds` <- `unseen` <- `cross_validation`, `structure`, `remainder`, `averaged` <- `diagnose`, and what shows its outcome.
 
 mod averaged;
 mod cause;
@@ -27,6 +27,7 @@ mod remainder;
 mod scan;
 mod search;
 mod solver_difference;
+mod sought;
 mod stiffness;
 mod structure;
 mod subject;
@@ -34,25 +35,27 @@ mod survey;
 mod tolerant;
 mod trend;
 mod unknowns;
+mod unseen;
 mod wheel_run;
 mod words;
 
 pub use cause::Cause;
-pub use cross_validation::{CrossValidation, GroupGain};
+pub use cross_validation::{Choice, CrossValidation, GroupGain};
 pub use diagnose::{Outcome, diagnose, diagnose_watched, held_out};
 pub use diagnosis::{
     BaselineFit, DetectionLimit, Diagnosis, Evidence, Finding, Gain, Indistinguishable,
     NextMeasurement, NoiseFound, Parameter, ToleranceFound, Unexplained, Verdict,
 };
 pub use fit::{Estimate, Fitted, Plain};
-pub use folds::{Blind, HeldOutTest, marks_gain};
+pub use folds::{Blind, HeldOutTest};
 pub use hypothesis::Hypothesis;
 pub use progress::Progress;
 pub use remainder::{Over, Remainder, RemainderPoint};
 pub use solver_difference::SolverDifference;
 pub use stiffness::CorrectedStiffness;
 pub use structure::StructureTest;
-pub use subject::{Data, SWEEPS, Subject};
+pub use subject::{Data, Subject};
 pub use tolerant::{Tolerant, tolerant};
 pub use trend::Trend;
+pub use unseen::{HoldOut, Unseen};
 pub use wheel_run::WheelRun;

@@ -1,11 +1,26 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
+/// How often all load cases may be solved in one search. It is looked at between rounds only, so that what is found does not depend
+/// on the machine.
+pub const SWEEPS: usize = 3000;
+
 /// How far a diagnosis is, for whoever watches it from another thread.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Progress {
-    pub(super) sweeps: Arc<AtomicUsize>,
+    sweeps: Arc<AtomicUsize>,
+    budget: Arc<AtomicUsize>,
     stage: Arc<Mutex<&'static str>>,
+}
+
+impl Default for Progress {
+    fn default() -> Self {
+        Self {
+            sweeps: Arc::default(),
+            budget: Arc::new(AtomicUsize::new(SWEEPS)),
+            stage: Arc::default(),
+        }
+    }
 }
 
 impl Progress {
@@ -14,17 +29,40 @@ impl Progress {
         self.sweeps.load(Ordering::Relaxed)
     }
 
+    /// How often they may be solved, searches up to the present one together.
+    pub fn budget(&self) -> usize {
+        self.budget.load(Ordering::Relaxed)
+    }
+
     /// What is being done.
     pub fn stage(&self) -> &'static str {
         *self.stage.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Asks the search to end after its present step: its budget counts as spent.
+    /// Asks the search to end after its present step: its budget counts as spent, and so does that of any further one.
     pub fn stop(&self) {
-        self.sweeps.fetch_max(super::SWEEPS, Ordering::Relaxed);
+        self.budget.store(0, Ordering::Relaxed);
     }
 
     pub(super) fn begin(&self, stage: &'static str) {
         *self.stage.lock().unwrap_or_else(PoisonError::into_inner) = stage;
+    }
+
+    /// Takes note of a fit that solved all cases so often.
+    pub(super) fn spend(&self, sweeps: usize) {
+        self.sweeps.fetch_add(sweeps, Ordering::Relaxed);
+    }
+
+    /// True if no further round begins.
+    pub(super) fn is_spent(&self) -> bool {
+        self.sweeps() >= self.budget()
+    }
+
+    /// Grants another search; false where the first was asked to end or has spent its own.
+    pub(super) fn extend(&self) -> bool {
+        let further = self.sweeps() + SWEEPS;
+        let grant = |budget: usize| (budget > self.sweeps()).then_some(further);
+        let order = Ordering::Relaxed;
+        self.budget.fetch_update(order, order, grant).is_ok()
     }
 }

@@ -56,10 +56,11 @@ pub struct Found {
 }
 
 /// Searches from the model without any cause.
-pub fn search(subject: &Subject<'_>, none: Fitted) -> Found {
+pub fn search(subject: &Subject<'_>, none: Fitted, data: Data) -> Found {
     let none = Arc::new(none);
     let mut search = Search {
         subject,
+        data,
         visited: Vec::new(),
         places: 0,
     };
@@ -88,6 +89,7 @@ pub fn search(subject: &Subject<'_>, none: Fitted) -> Found {
 
 struct Search<'a, 'b> {
     subject: &'a Subject<'b>,
+    data: Data,
     visited: Vec<Visited>,
     places: usize,
 }
@@ -154,7 +156,7 @@ impl Search<'_, '_> {
         let mut start = base.clone();
         start.sizes = weighed.sizes.clone();
         let least = least - base.ln_prior() - h.ln_prior;
-        let from = |x: &[f64]| fit(self.subject, &all, Some((&start, x)), Data::All, least);
+        let from = |x: &[f64]| fit(self.subject, &all, Some((&start, x)), self.data, least);
         let found = from(&weighed.x).or_else(|| from(&base.x))?;
         let last = found.chosen.len() - 1;
         (!found.has_wrong_sign(last)).then(|| Arc::new(found))
@@ -237,7 +239,7 @@ impl Search<'_, '_> {
                 let mut x = current.x.clone();
                 x[place] += f64::ln(factor);
                 let chosen = unguessed(&current);
-                let found = fit(self.subject, &chosen, Some((&current, &x)), Data::All, ANY);
+                let found = fit(self.subject, &chosen, Some((&current, &x)), self.data, ANY);
                 let Some(found) = found.filter(|found| !found.has_wrong_sign(at)) else {
                     continue;
                 };
@@ -261,7 +263,7 @@ impl Search<'_, '_> {
             self.subject,
             &all,
             Some((fitted, &fitted.x)),
-            Data::All,
+            self.data,
             ANY,
         )?;
         let found = Arc::new(found);

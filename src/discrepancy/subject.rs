@@ -1,8 +1,8 @@
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::DVector;
 
+use super::progress::Progress;
 use crate::identify::Problem;
 use crate::identify::global::{Observations, Row};
 use crate::mechanics::Vec3;
@@ -12,10 +12,6 @@ use crate::tolerance::{Layer, LayerOf, MarkBlock, Noise, Scale, Sizes, Tails, Wh
 
 /// Precision of a reading whose residual Huber's loss weighs down: beyond so many standard deviations.
 const HUBER: f64 = 1.345;
-/// How often all load cases may be solved in one search. It is looked at between rounds only, so that what is found does not depend
-/// on the machine.
-pub const SWEEPS: usize = 3000;
-
 /// A study under diagnosis: what was read, how exact it is, and the tolerances it stands among.
 #[derive(Clone, Debug)]
 pub struct Subject<'a> {
@@ -38,7 +34,7 @@ pub struct Subject<'a> {
     blocks: Vec<MarkBlock>,
     single: Vec<(usize, Option<Scale>)>,
     held_out: Vec<bool>,
-    pub(super) sweeps: Arc<AtomicUsize>,
+    progress: Progress,
 }
 
 impl<'a> Subject<'a> {
@@ -79,7 +75,7 @@ impl<'a> Subject<'a> {
             single: Vec::new(),
             tails: None,
             layer: Arc::new(layer),
-            sweeps: Arc::default(),
+            progress: Progress::default(),
             rows,
             sigma,
             noise,
@@ -257,17 +253,48 @@ impl<'a> Subject<'a> {
 
     /// Takes note of a fit that solved all cases so often.
     pub fn spend(&self, sweeps: usize) {
-        self.sweeps.fetch_add(sweeps, Ordering::Relaxed);
+        self.progress.spend(sweeps);
     }
 
     /// Sweeps so far.
     pub fn sweeps(&self) -> usize {
-        self.sweeps.load(Ordering::Relaxed)
+        self.progress.sweeps()
     }
 
     /// True if no further round begins.
     pub fn is_spent(&self) -> bool {
-        self.sweeps() >= SWEEPS
+        self.progress.is_spent()
+    }
+
+    /// Counts the sweeps there from now on.
+    pub fn watched_by(&mut self, progress: &Progress) {
+        self.progress = progress.clone();
+    }
+
+    /// Holds these cases out, and no other.
+    pub fn hold_out(&mut self, cases: &[usize]) {
+        for (case, held) in self.held_out.iter_mut().enumerate() {
+            *held = cases.contains(&case);
+        }
+    }
+
+    /// True if there are marks: then their rows are what predictions are compared by.
+    pub fn compares_marks(&self) -> bool {
+        !self.problem.measurement.parts.is_empty()
+    }
+
+    /// By what predictions are compared, and what one unit of such a row is: `mark` in the deck's length unit, else `noise`.
+    pub fn compared(&self) -> (&'static str, f64) {
+        if self.compares_marks() {
+            ("mark", self.sigma)
+        } else {
+            ("noise", 1.0)
+        }
+    }
+
+    /// The cases held out.
+    pub fn cases_held_out(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.held_out.len()).filter(|case| self.held_out[*case])
     }
 }
 

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use super::averaged::averaged;
 use super::diagnose::tolerances;
 use super::diagnosis::{NoiseFound, Parameter, ToleranceFound};
-use super::fit::{ANY, fit, refit};
 use super::search::Visited;
+use super::sought::as_it_is;
 use super::structure::structure;
 use super::subject::{Data, Subject};
 use crate::identify::{Fit, FitTest, Problem, Status, StructureTest, Verdict};
@@ -33,12 +33,7 @@ pub struct Tolerant {
 pub fn tolerant(problem: &Problem<'_>) -> Option<Tolerant> {
     let cases = problem.measurement.cases.iter();
     let mut subject = Subject::new(problem, cases.map(|case| case.held_out).collect());
-    let mut found = fit(&subject, &[], None, Data::Fitted, ANY)?;
-    let judged = subject.judge_suspects(&found.misfit);
-    subject.weigh(Some(&found.misfit));
-    if judged || subject.is_reweighed() {
-        found = refit(&subject, &found, Data::Fitted)?;
-    }
+    let found = as_it_is(&mut subject, Data::Fitted)?;
     let tests = structure(&subject, &found).into_iter();
     let structure = tests
         .map(|test| StructureTest {

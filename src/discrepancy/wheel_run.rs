@@ -50,7 +50,7 @@ impl Outcome<'_> {
             });
             let Some((run, hidden)) = run else { continue };
             let fits = match &self.unseen {
-                Some(fits) if hidden => [&fits[0].misfit, &fits[1].misfit],
+                Some(unseen) if hidden => unseen.predicted.each_ref().map(|blind| &blind.misfit),
                 _ => [&self.baseline.misfit, &self.extended.misfit],
             };
             let points = |misfit: Option<&DVector<f64>>| self.steer(load, run.clone(), misfit);

@@ -5,6 +5,7 @@ use super::diagnose::Outcome;
 use super::diagnosis::ToleranceFound;
 use super::fit::Fitted;
 use super::folds::Blind;
+use super::hypothesis::Hypothesis;
 use super::remainder::{Over, RemainderPoint};
 use crate::identify::global::Row;
 
@@ -309,12 +310,14 @@ impl Outcome<'_> {
         if self.diagnosis.findings.is_empty() {
             return None;
         }
-        let [before, after] = self.held_out?;
+        let unseen = self.unseen.as_ref()?;
+        let [before, after] = &unseen.tests;
         let mut parts = Vec::new();
         if let (Some(a), Some(b)) = (before.marks_rms, after.marks_rms) {
-            let by = self.marks_gain.map_or_else(String::new, |(gain, error)| {
-                format!(" (by {gain:.4} +- {error:.4})")
-            });
+            let by = match &self.diagnosis.hold_out {
+                Some(found) => format!(" (by {:.4} +- {:.4})", found.gain, found.gain_std_error),
+                None => String::new(),
+            };
             parts.push(format!(
                 "the rms of the marks goes from {a:.4} to {b:.4}{by}"
             ));
@@ -333,7 +336,11 @@ impl Outcome<'_> {
             after.chi_square / after.dof as f64,
             after.p_value
         ));
-        Some(format!("On the cases held out {}.", parts.join(", ")))
+        Some(format!(
+            "On the cases held out, with {} chosen and fitted without them, {}.",
+            chosen(&unseen.chosen.chosen),
+            parts.join(", ")
+        ))
     }
 
     /// The extra force that what is left looks most like.
@@ -378,8 +385,13 @@ impl Outcome<'_> {
             _ => "the rms in units of the noise goes",
         };
         let mut out = vec![format!(
-            "In {} groups of cases, each predicted from the others with the causes chosen anew, {what} from {:.4} to {:.4} (by {:.4} +- {:.4}).",
+            "In {} groups of cases, each predicted from the others with the causes {}, {what} from {:.4} to {:.4} (by {:.4} +- {:.4}).",
             found.groups.len(),
+            if found.searched {
+                "searched anew"
+            } else {
+                "chosen anew"
+            },
             found.rms_before,
             found.rms_after,
             found.gain,
@@ -403,9 +415,10 @@ impl Outcome<'_> {
 
     /// Rms of each channel in the cases held out.
     fn channels_gained(&self) -> Vec<String> {
-        let Some([before, after]) = &self.unseen else {
+        let Some(unseen) = &self.unseen else {
             return Vec::new();
         };
+        let [before, after] = &unseen.predicted;
         let channels = self.subject.problem.measurement.channels.iter();
         channels
             .enumerate()
@@ -452,6 +465,16 @@ impl Outcome<'_> {
             })
             .collect();
         (!listed.is_empty()).then(|| format!("The wrong model had {}.", listed.join(", ")))
+    }
+}
+
+/// Causes by name and place.
+fn chosen(causes: &[Hypothesis]) -> String {
+    let names: Vec<String> = causes.iter().map(ToString::to_string).collect();
+    match names.as_slice() {
+        [] => "no cause".to_string(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
     }
 }
 

@@ -75,10 +75,19 @@ impl<T: Scalar> Lu<T> {
 
     /// Factors a matrix. All matrices given to one object must have the same pattern.
     pub fn factor_entries(&mut self, matrix: &Entries<'_, T>) {
+        self.factor_in_order(matrix, columns_of);
+    }
+
+    /// The same, with the columns in this order where one has to be chosen; none if pivots are to be searched for.
+    pub fn factor_in_order(
+        &mut self,
+        matrix: &Entries<'_, T>,
+        order: impl FnOnce(&Entries<'_, T>) -> Vec<u32>,
+    ) {
         if self.orders > 0 && self.free.is_empty() && self.repeat(matrix) {
             return;
         }
-        Elimination::run(matrix, self, columns_of(matrix));
+        Elimination::run(matrix, self, order(matrix));
         self.orders += 1;
         self.work.resize(self.n, T::default());
     }

@@ -15,6 +15,7 @@ pub(crate) use entries::Entries;
 pub(crate) use levels::Levels;
 pub(crate) use lu::Lu;
 pub(crate) use matrix::Matrix;
+pub(crate) use ordering::by_groups;
 #[cfg(test)]
 pub(crate) use ordering::minimum_degree;
 #[cfg(test)]

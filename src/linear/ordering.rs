@@ -20,9 +20,38 @@ pub(super) fn columns_of<T: Scalar>(matrix: &Entries<'_, T>) -> Vec<u32> {
 
 /// By the pattern of A + A'.
 pub(crate) fn minimum_degree<T: Scalar>(matrix: &Entries<'_, T>) -> Vec<u32> {
-    let n = matrix.n;
+    of_pattern(
+        matrix.n,
+        matrix.iter().map(|(row, column, _)| (column, row)),
+    )
+}
+
+/// By the pattern of groups, for systems in which a row has its large entries anywhere in the columns of its own group. `group[k]` is
+/// that of row k and of column k, counted from zero. None for small systems, whose pivots are searched for.
+pub(crate) fn by_groups<T: Scalar>(matrix: &Entries<'_, T>, group: &[u32]) -> Vec<u32> {
+    if matrix.n < LARGE {
+        return Vec::new();
+    }
+    let count = group.iter().max().map_or(0, |last| *last as usize + 1);
+    let mut members = vec![Vec::new(); count];
+    for (k, of) in group.iter().enumerate() {
+        members[*of as usize].push(k as u32);
+    }
+    let mut places: Vec<(usize, usize)> = matrix
+        .iter()
+        .map(|(row, column, _)| (group[column] as usize, group[row] as usize))
+        .collect();
+    places.sort_unstable();
+    places.dedup();
+    let order = of_pattern(count, places.into_iter());
+    let columns = order.iter().flat_map(|of| &members[*of as usize]);
+    columns.copied().collect()
+}
+
+/// Of (column, row), sorted.
+fn of_pattern(n: usize, places: impl Iterator<Item = (usize, usize)>) -> Vec<u32> {
     let (mut starts, mut rows) = (vec![0_usize; n + 1], Vec::new());
-    for (row, column, _) in matrix.iter() {
+    for (column, row) in places {
         starts[column + 1] += 1;
         rows.push(row);
     }

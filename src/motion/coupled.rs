@@ -15,7 +15,7 @@
 
 use super::bordered::plain_weight;
 use super::newton::{Equations, Unknowns, add};
-use crate::linear::{Levels, Lu, Matrix, Sink};
+use crate::linear::{Levels, Lu, Matrix, Sink, by_groups};
 use crate::mechanics::{Mat3, Vec3, turning_rate};
 use crate::system::{NoValue, Parameters, Rows, State, System};
 
@@ -27,12 +27,20 @@ pub(super) struct Coupled {
     levels: Levels,
     rows: Rows,
     g: Vec<f64>,
+    /// Of every unknown of the three stages: the unknown of the statics that it belongs to.
+    groups: Vec<u32>,
 }
 
 impl Coupled {
     pub fn new(system: &System) -> Self {
-        let size = 3 * (system.moving_unknowns + system.first_equation + system.equations);
+        let (n, all) = (system.first_equation, system.moving_unknowns);
+        let of_a_stage = (0..all).chain(0..n).chain(n..n + system.equations);
+        let groups: Vec<u32> = (0..3)
+            .flat_map(|_| of_a_stage.clone().map(|k| k as u32))
+            .collect();
+        let size = groups.len();
         Self {
+            groups,
             matrix: Matrix::new(size),
             factors: Lu::new(size),
             levels: Levels::new(system.moving_unknowns),
@@ -74,6 +82,7 @@ impl Coupled {
             levels,
             rows,
             g,
+            groups,
         } = self;
         matrix.clear();
         let mut put = |row: usize, column: usize, value: f64| matrix.add(row, column, value);
@@ -152,7 +161,7 @@ impl Coupled {
             }
         }
         matrix.finish();
-        factors.factor(matrix);
+        factors.factor_in_order(&matrix.view(), |entries| by_groups(entries, groups));
         equations.factorisations += 1;
         equations.jacobians += 3;
         let mut b = vec![0.0; 3 * size];

@@ -1,5 +1,5 @@
 use crate::discrepancy::{
-    CrossValidation, Fitted, Outcome, Over, Remainder, StructureTest, Verdict, WheelRun,
+    CrossValidation, Fitted, HoldOut, Outcome, Over, Remainder, StructureTest, Verdict, WheelRun,
 };
 use crate::identify::global::Row;
 
@@ -32,40 +32,50 @@ fn loads(case: &std::collections::BTreeMap<String, f64>) -> String {
     case.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
-/// Groups of cases predicted from the others, the sum of all in the last row.
-fn groups(found: &CrossValidation, length: &str) -> Table {
-    let unit = match found.of {
-        "mark" => length,
-        _ => "sigmas",
-    };
+/// Columns of a table of cases that were predicted from others.
+fn predicted(of: &str, length: &str) -> Table {
+    let unit = if of == "mark" { length } else { "sigmas" };
     let (before, after) = (
         format!("rms without any cause, {unit}"),
         format!("with the causes chosen, {unit}"),
     );
-    let mut table = Table::new(&[
+    Table::new(&[
         ("cases predicted from all others", Align::Left),
         ("causes that those choose", Align::Left),
         (before.as_str(), Align::Right),
         (after.as_str(), Align::Right),
-    ]);
+    ])
+}
+
+/// A row of it.
+fn prediction(cases: &[String], causes: &[String], rms: [f64; 2]) -> [String; 4] {
+    let cases = match cases {
+        [first, .., last] if cases.len() > 6 => format!("{} from {first} to {last}", cases.len()),
+        few => few.join(", "),
+    };
+    let causes = if causes.is_empty() {
+        "none".to_string()
+    } else {
+        causes.join(", ")
+    };
+    let [before, after] = rms.map(|rms| format!("{rms:.4}"));
+    [cases, causes, before, after]
+}
+
+/// The cases held out.
+fn hold_out(found: &HoldOut, length: &str) -> Table {
+    let mut table = predicted(found.of, length);
+    let rms = [found.rms_before, found.rms_after];
+    table.row(prediction(&found.cases, &found.causes, rms));
+    table
+}
+
+/// Groups of cases, each predicted from the others.
+fn groups(found: &CrossValidation, length: &str) -> Table {
+    let mut table = predicted(found.of, length);
     for group in &found.groups {
-        let cases = match group.cases.as_slice() {
-            [first, .., last] if group.cases.len() > 6 => {
-                format!("{} from {first} to {last}", group.cases.len())
-            }
-            few => few.join(", "),
-        };
-        let causes = if group.causes.is_empty() {
-            "none".to_string()
-        } else {
-            group.causes.join(", ")
-        };
-        table.row([
-            cases,
-            causes,
-            format!("{:.4}", group.rms_before),
-            format!("{:.4}", group.rms_after),
-        ]);
+        let rms = [group.rms_before, group.rms_after];
+        table.row(prediction(&group.cases, &group.causes, rms));
     }
     table.row([
         "all".to_string(),
@@ -177,13 +187,21 @@ impl DiagnosisReport<'_> {
                 ));
             }
             page.heading("Gain on load cases held out");
+            if let Some(found) = &diagnosis.hold_out {
+                page.table(&hold_out(found, self.loaded.model.units.length.word));
+                page.note(
+                    "Neither the choice of causes nor the fits saw these cases: the whole search was done again without them.",
+                );
+            }
             page.table(&self.gains(&scene));
             page.note("Both models are refitted without the cases held out. The causes themselves were chosen with them.");
             if let Some(found) = &diagnosis.cross_validation {
                 page.table(&groups(found, self.loaded.model.units.length.word));
-                page.note(
-                    "Each group of like loads predicted from the others, by the model that those choose among all that were fitted.",
-                );
+                page.note(if found.searched {
+                    "Each group of like loads predicted from the others, by a search of their own."
+                } else {
+                    "Each group of like loads predicted from the others, by the model that those choose among all that were fitted."
+                });
             }
             page.heading("Stiffnesses, corrected");
             page.table(&self.stiffnesses(&scene));

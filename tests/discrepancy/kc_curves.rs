@@ -36,7 +36,7 @@ fn a_wrong_hardpoint_and_friction_are_found_from_curves_of_the_wheel() {
     assert_eq!(count, 2);
     assert_eq!(diagnosis.findings.len(), 2, "{:?}", diagnosis.findings);
     // The loops come out: every curve is met to its noise in the cases no fit saw.
-    let [before, after] = outcome.held_out.unwrap();
+    let [before, after] = outcome.unseen.as_ref().unwrap().tests;
     assert!(
         after.chi_square < 1.5 * after.dof as f64 && before.chi_square > 5.0 * after.chi_square
     );

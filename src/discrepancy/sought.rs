@@ -1,0 +1,89 @@
+//! The whole way from readings to the causes that act: on all cases, or without those held out.
+
+use std::sync::Arc;
+
+use super::fit::{ANY, Fitted, fit, refit};
+use super::hypothesis::Hypothesis;
+use super::progress::Progress;
+use super::search::{Found, search};
+use super::subject::{Data, Subject};
+
+/// A place is named from this probability on.
+pub const NAMED: f64 = 0.5;
+
+/// What a search ended with.
+#[derive(Debug)]
+pub struct Sought {
+    /// All models that were looked at.
+    pub found: Found,
+    /// The model that is reported.
+    pub leading: Arc<Fitted>,
+}
+
+/// Fits the model without any cause, and weighs the readings by what it leaves. `None` where the deck cannot be solved.
+pub fn as_it_is(subject: &mut Subject<'_>, data: Data) -> Option<Fitted> {
+    let none = fit(subject, &[], None, data, ANY)?;
+    let judged = subject.judge_suspects(&none.misfit);
+    subject.weigh(Some(&none.misfit));
+    if judged || subject.is_reweighed() {
+        return refit(subject, &none, data);
+    }
+    Some(none)
+}
+
+/// Fits the model as it is, and searches causes. `None` where the deck cannot be solved.
+pub fn seek(subject: &mut Subject<'_>, data: Data, progress: &Progress) -> Option<Sought> {
+    let (fitting, searching) = match data {
+        Data::All => ("fitting the model as it is", "searching causes"),
+        Data::Fitted => (
+            "fitting without the cases held out",
+            "searching causes without the cases held out",
+        ),
+    };
+    progress.begin(fitting);
+    let none = as_it_is(subject, data)?;
+    progress.begin(searching);
+    let found = search(subject, none, data);
+    let leading = leading(&found);
+    Some(Sought { found, leading })
+}
+
+/// Probability of all models whose causes are such.
+pub fn probability(found: &Found, accept: impl Fn(&[Hypothesis]) -> bool) -> f64 {
+    let models = found
+        .models
+        .iter()
+        .filter(|(model, _)| accept(&model.causes));
+    models.map(|(_, probability)| probability).sum()
+}
+
+/// Probability of a cause at its place.
+pub fn of_place(found: &Found, h: &Hypothesis) -> f64 {
+    probability(found, |causes| {
+        causes.iter().any(|other| other.same_place(h))
+    })
+}
+
+/// The model that is reported: the best fitted one that holds every place that is more probable than not; of those that hold no place
+/// without need, where none is probable.
+fn leading(found: &Found) -> Arc<Fitted> {
+    let mut named: Vec<&Hypothesis> = Vec::new();
+    for h in found.models.iter().flat_map(|(model, _)| &model.causes) {
+        if !named.iter().any(|other| other.same_place(h)) && of_place(found, h) > NAMED {
+            named.push(h);
+        }
+    }
+    let fitted = found
+        .models
+        .iter()
+        .filter_map(|(model, _)| model.fitted.as_ref());
+    let holds = |fitted: &&Arc<Fitted>| {
+        named
+            .iter()
+            .all(|h| fitted.chosen.iter().any(|other| other.same_place(h)))
+    };
+    let mut holding = fitted.filter(holds);
+    holding
+        .next()
+        .map_or_else(|| Arc::clone(&found.best), Arc::clone)
+}

@@ -1,0 +1,112 @@
+//! Cases that neither the choice of causes nor any fit saw.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use super::fit::Fitted;
+use super::folds::{Blind, HeldOutTest, unseen};
+use super::jackknife::{Squares, fall};
+use super::progress::Progress;
+use super::sought::seek;
+use super::subject::{Data, Subject};
+use crate::identify::global::Row;
+
+/// The whole search done again without the cases held out.
+#[derive(Debug)]
+pub struct Unseen {
+    /// The model that it chose.
+    pub chosen: Arc<Fitted>,
+    /// The cases held out as the model was and as it was extended.
+    pub tests: [HeldOutTest; 2],
+    /// The predictions behind that.
+    pub predicted: [Blind; 2],
+    /// The search was asked to end before it did.
+    cut_short: bool,
+}
+
+/// What it says, for `diagnosis.json`.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct HoldOut {
+    /// Labels of the cases.
+    pub cases: Vec<String>,
+    /// Causes that were chosen without them, `cause address`.
+    pub causes: Vec<String>,
+    /// `mark` if the rms is that of a mark coordinate in the deck's length unit, `noise` if of all readings in units of their noise.
+    pub of: &'static str,
+    /// Without any cause.
+    pub rms_before: f64,
+    /// With the causes that were chosen.
+    pub rms_after: f64,
+    /// By how much it falls.
+    pub gain: f64,
+    /// Standard error of that: the cases are left out one after the other (jackknife); the readings of one case share their errors.
+    pub gain_std_error: f64,
+    /// Whether the readings agree with the prediction and its own covariance.
+    pub p_value: f64,
+}
+
+impl Unseen {
+    /// Of a study that nothing was fitted to yet; `None` without cases held out, or where the search may not begin.
+    pub fn new(subject: &Subject<'_>, progress: &Progress) -> Option<Self> {
+        if !subject.holds_out() || !progress.extend() {
+            return None;
+        }
+        let mut subject = subject.clone();
+        let sought = seek(&mut subject, Data::Fitted, progress)?;
+        let fits = [&*sought.found.none, &*sought.leading];
+        let [before, after] = fits.map(|fitted| {
+            let blind = Blind::new(&subject, fitted)?;
+            let test = blind.test(&subject, fitted)?;
+            Some((blind, test))
+        });
+        let (before, after) = (before?, after?);
+        Some(Self {
+            tests: [before.1, after.1],
+            predicted: [before.0, after.0],
+            cut_short: sought.found.cut_short,
+            chosen: sought.leading,
+        })
+    }
+
+    /// True if the search was asked to end before it did.
+    pub fn is_cut_short(&self) -> bool {
+        self.cut_short
+    }
+
+    /// Rms over the cases held out; `None` where there is nothing to compare.
+    pub fn hold_out(&self, subject: &Subject<'_>) -> Option<HoldOut> {
+        let (of, unit) = subject.compared();
+        let [before, after] = &self.predicted;
+        let mut by_case: BTreeMap<usize, Squares> = BTreeMap::new();
+        for k in unseen(subject) {
+            let row = subject.rows[k];
+            if subject.precision[k] == 0.0
+                || subject.compares_marks() && !matches!(row, Row::Mark { .. })
+            {
+                continue;
+            }
+            let sums = by_case.entry(row.case()).or_default();
+            sums.before += (before.misfit[k] * unit).powi(2);
+            sums.after += (after.misfit[k] * unit).powi(2);
+            sums.count += 1.0;
+        }
+        let by_case: Vec<Squares> = by_case.into_values().collect();
+        let fall = fall(&by_case)?;
+        let cases = &subject.problem.measurement.cases;
+        Some(HoldOut {
+            cases: subject
+                .cases_held_out()
+                .map(|case| cases[case].label.clone())
+                .collect(),
+            causes: self.chosen.chosen.iter().map(ToString::to_string).collect(),
+            of,
+            rms_before: fall.before,
+            rms_after: fall.after,
+            gain: fall.before - fall.after,
+            gain_std_error: fall.std_error,
+            p_value: self.tests[1].p_value,
+        })
+    }
+}
