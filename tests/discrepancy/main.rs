@@ -13,3 +13,4 @@ mod kc_experiment;
 mod plant;
 #[path = "../common/proportion.rs"]
 mod proportion;
+mod unseen;
