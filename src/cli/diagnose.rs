@@ -95,16 +95,14 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     Ok(Exit::Fine)
 }
 
-/// Holds the solver of the study against the built-in one, which searches. Without an answer of it the diagnosis stands, and says so.
+/// Holds the solver of the study against the built-in one, which searches, and fits the numbers to it. Without an answer of it the diagnosis
+/// stands, and says so.
 fn compare(loaded: &LoadedStudy, outcome: &mut Diagnosed<'_>, shell: &mut Shell) {
     let mut backend = solver::backend(&loaded.study, None, &|note| {
         shell.complain(std::slice::from_ref(note));
     });
-    if let Err(error) = outcome.compare(backend.as_mut()) {
-        shell.complain(&[Diagnostic::warning(
-            Code::NoFit,
-            format!("the solver of the study is not compared with the built-in one, which made this diagnosis: {error}"),
-        )]);
+    if let Some(remark) = outcome.by_the_study(backend.as_mut()) {
+        shell.complain(&[Diagnostic::warning(Code::NoFit, remark)]);
     }
     for remark in backend.remarks() {
         shell.say(&format!("{remark}\n"));

@@ -145,6 +145,17 @@ pub struct Parameter {
     pub status: Status,
 }
 
+impl Parameter {
+    /// Multiplies the estimate and what is known of it.
+    pub fn scale(&mut self, factor: f64) {
+        self.value *= factor;
+        self.std_error *= factor;
+        for side in self.interval95.iter_mut().flatten() {
+            *side *= factor;
+        }
+    }
+}
+
 /// How far off a hardpoint has to be to be named with even odds.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct DetectionLimit {

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use super::diagnose::Outcome;
 use super::fit::{Fitted, Plain};
+use super::subject::Subject;
 use crate::identify::global::Meaning;
 use crate::syntax::{Address, Dataset};
 use crate::system::Slot;
@@ -12,7 +13,11 @@ use crate::text::Edit;
 impl Outcome<'_> {
     /// The deck with the causes found and the stiffnesses; small errors of everything else are not written into it.
     pub fn extended_deck(&self) -> Vec<u8> {
-        deck(&self.extended, &self.plain, &self.driven())
+        deck(
+            &self.extended,
+            &self.plain,
+            &driven(&self.subject, &self.extended),
+        )
     }
 
     /// Replays the load cases in their order on the extended deck.
@@ -73,18 +78,22 @@ impl Outcome<'_> {
         text.push_str("STOP\n");
         text
     }
+}
 
-    /// Slots that change from case to case.
-    fn driven(&self) -> Vec<Slot> {
-        let catalogue = self.extended.deck.prepared.system.catalogue();
-        let loads = &self.subject.problem.programme.loads;
-        let mut slots: Vec<Slot> = loads
-            .iter()
-            .filter_map(|load| catalogue.slot(&load.target))
-            .collect();
-        slots.extend(per_case(&self.extended));
-        slots
+/// Slots that change from case to case: those of the loads first.
+pub fn driven(subject: &Subject<'_>, fitted: &Fitted) -> Vec<Slot> {
+    let catalogue = fitted.deck.prepared.system.catalogue();
+    let loads = &subject.problem.programme.loads;
+    let mut slots: Vec<Slot> = loads
+        .iter()
+        .filter_map(|load| catalogue.slot(&load.target))
+        .collect();
+    for slot in per_case(fitted) {
+        if !slots.contains(&slot) {
+            slots.push(slot);
+        }
     }
+    slots
 }
 
 /// Slots of a fit that change from case to case besides the loads.

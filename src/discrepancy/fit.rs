@@ -199,15 +199,25 @@ impl Fitted {
 
     /// The same linear model on other rows, at the same sizes: unknowns and their covariance, without any new solution.
     pub fn linearly(&self, whitening: &Whitening) -> Option<(DVector<f64>, Posterior)> {
+        self.linearly_off(whitening, &DVector::zeros(self.misfit.len()))
+    }
+
+    /// The same with predictions that are off by so much in each row.
+    pub fn linearly_off(
+        &self,
+        whitening: &Whitening,
+        off: &DVector<f64>,
+    ) -> Option<(DVector<f64>, Posterior)> {
+        let misfit = &self.misfit + off;
         let linear = Linear::new(
             whitening,
             &whitening.apply(&self.jacobian),
-            &whitening.apply_vector(&-&self.misfit),
+            &whitening.apply_vector(&-&misfit),
             self.priors.clone(),
             DVector::from_column_slice(&self.x),
         );
         let posterior = linear.posterior(&self.sizes)?;
-        let misfit = &self.misfit + &self.jacobian * &posterior.step;
+        let misfit = misfit + &self.jacobian * &posterior.step;
         Some((misfit, posterior))
     }
 }

@@ -22,6 +22,7 @@ mod influence;
 mod jackknife;
 mod limits;
 mod next_measurement;
+mod other_solver;
 mod progress;
 mod remainder;
 mod scan;

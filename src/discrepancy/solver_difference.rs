@@ -27,6 +27,9 @@ pub struct SolverDifference {
     pub residual_rms: Option<[f64; 2]>,
     /// The same over the cases held out.
     pub held_out_rms: Option<[f64; 2]>,
+    /// Rms of one mark coordinate, reading minus prediction of the other solver, of the extended model without tolerances, fitted to that
+    /// solver. `None` without marks, or where it was not fitted to it.
+    pub refitted_rms: Option<f64>,
 }
 
 impl SolverDifference {
@@ -59,6 +62,11 @@ impl SolverDifference {
                 }
                 None => ".".to_string(),
             };
+        }
+        if let Some(rms) = self.refitted_rms {
+            text += &format!(
+                " The numbers below, the extended deck and the gain are fitted to the other solver, which then misses the marks by {rms:.4}."
+            );
         }
         if !self.unsolved.is_empty() {
             text += &format!(
@@ -145,6 +153,7 @@ impl Outcome<'_> {
             unsolved,
             residual_rms: rms(residuals[0]),
             held_out_rms: rms(residuals[1]),
+            refitted_rms: None,
         });
         Ok(())
     }

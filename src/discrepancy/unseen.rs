@@ -11,11 +11,14 @@ use super::jackknife::{Squares, fall};
 use super::progress::Progress;
 use super::sought::seek;
 use super::subject::{Data, Subject};
+use crate::backend::BackendError;
 use crate::identify::global::Row;
 
 /// The whole search done again without the cases held out.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Unseen {
+    /// The model without any cause.
+    none: Arc<Fitted>,
     /// The model that it chose.
     pub chosen: Arc<Fitted>,
     /// The cases held out as the model was and as it was extended.
@@ -55,19 +58,40 @@ impl Unseen {
         }
         let mut subject = subject.clone();
         let sought = seek(&mut subject, Data::Fitted, progress)?;
-        let fits = [&*sought.found.none, &*sought.leading];
-        let [before, after] = fits.map(|fitted| {
-            let blind = Blind::new(&subject, fitted)?;
-            let test = blind.test(&subject, fitted)?;
+        let cut_short = sought.found.cut_short;
+        Self::of(&subject, [sought.found.none, sought.leading], cut_short)
+    }
+
+    /// Predictions of two models that have not seen the cases.
+    fn of(subject: &Subject<'_>, models: [Arc<Fitted>; 2], cut_short: bool) -> Option<Self> {
+        let [before, after] = models.each_ref().map(|fitted| {
+            let blind = Blind::new(subject, fitted)?;
+            let test = blind.test(subject, fitted)?;
             Some((blind, test))
         });
         let (before, after) = (before?, after?);
+        let [none, chosen] = models;
         Some(Self {
+            none,
+            chosen,
             tests: [before.1, after.1],
             predicted: [before.0, after.0],
-            cut_short: sought.found.cut_short,
-            chosen: sought.leading,
+            cut_short,
         })
+    }
+
+    /// The same causes with other numbers.
+    ///
+    /// # Errors
+    /// As `refit` has them.
+    pub fn refitted(
+        &self,
+        subject: &Subject<'_>,
+        mut refit: impl FnMut(&Fitted) -> Result<Fitted, BackendError>,
+    ) -> Result<Self, BackendError> {
+        let models = [refit(&self.none)?.into(), refit(&self.chosen)?.into()];
+        let found = Self::of(subject, models, self.cut_short);
+        Ok(found.unwrap_or_else(|| self.clone()))
     }
 
     /// True if the search was asked to end before it did.

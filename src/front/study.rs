@@ -174,11 +174,7 @@ impl Study {
         let mut remarks = Vec::new();
         if loaded.study.solver.backend != BackendChoice::Native {
             let mut backend = backend(&loaded);
-            if let Err(error) = outcome.compare(backend.as_mut()) {
-                remarks.push(format!(
-                    "the solver of the study is not compared with the built-in one, which made this diagnosis: {error}"
-                ));
-            }
+            remarks.extend(outcome.by_the_study(backend.as_mut()));
             remarks.extend(backend.remarks());
         }
         let deck = outcome.extended_deck();

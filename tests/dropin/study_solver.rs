@@ -327,6 +327,9 @@ fn a_diagnosis_says_first_how_the_solvers_differ() {
     );
     let [own, foreign] = [0, 1].map(|k| other["solver"]["residual_rms"][k].as_f64().unwrap());
     assert!(foreign > 1.2 * own, "{own} {foreign}");
+    // The numbers are fitted to the other one, and meet the readings as well as its law can.
+    let refitted = other["solver"]["refitted_rms"].as_f64().unwrap();
+    assert!(refitted < 0.9 * foreign, "{refitted} {foreign}");
 
     let same = diagnosed(
         "[\"mdi\", \"ru-standard\", \"i\", \"{acf}\", \"exit\"]",
@@ -339,4 +342,15 @@ fn a_diagnosis_says_first_how_the_solvers_differ() {
         "{}",
         same["solver"]
     );
+    let of = |diagnosis: &serde_json::Value, k: usize| {
+        let parameter = &diagnosis["parameters"][k];
+        ["value", "std_error"].map(|key| parameter[key].as_f64().unwrap())
+    };
+    let count = same["parameters"].as_array().unwrap().len();
+    let apart = (0..count).map(|k| {
+        let ([a, sd], [b, _]) = (of(&same, k), of(&other, k));
+        (a - b).abs() / sd
+    });
+    // With the built-in solver alone they would be the same.
+    assert!(apart.fold(0.0, f64::max) > 0.02);
 }
