@@ -35,7 +35,11 @@ fn joints_that_do_not_meet_are_told_as_adams_tells_them() {
     // ADAMS tells of five planes besides, which are missed by less than ours are told for: none is told that it does not tell of.
     let planes = ["is not in the", "is not on the"];
     let real = frames(&expected, &planes);
-    assert!(frames(&ours, &planes).iter().all(|ours| real.contains(ours)));
+    assert!(
+        frames(&ours, &planes)
+            .iter()
+            .all(|ours| real.contains(ours))
+    );
     // Before the title, as ADAMS does.
     let title = ours.find("Model Title").unwrap();
     assert!(ours.rfind("are not initially coincident").unwrap() < title);
