@@ -16,6 +16,32 @@ enum Operator {
     Divide,
 }
 
+/// One assignment of the command line, taken apart.
+pub(super) struct Assignment<'a> {
+    /// What stands in front of the operator: an address or a pattern.
+    pub left: &'a str,
+    operator: Operator,
+    value: &'a str,
+}
+
+impl<'a> Assignment<'a> {
+    /// Takes an assignment apart.
+    pub fn of(text: &'a str, shell: &Shell) -> Result<Self, Exit> {
+        let Some((left, value)) = text.split_once('=') else {
+            return Err(shell.usage(
+                Diagnostic::error(Code::BadNumber, format!("`{text}` has no `=`"))
+                    .help("write ADDRESS=VALUE, or ADDRESS*=FACTOR, +=, -=, /="),
+            ));
+        };
+        let (left, operator) = operator(left);
+        Ok(Self {
+            left,
+            operator,
+            value: value.trim(),
+        })
+    }
+}
+
 /// The plain assignments that one of the command line stands for: an address and the text of its new value each. `degrees` says
 /// that plain numbers for angles are degrees.
 pub(super) fn expanded(
@@ -24,20 +50,26 @@ pub(super) fn expanded(
     degrees: bool,
     shell: &Shell,
 ) -> Result<Vec<(Address, String)>, Exit> {
-    let Some((left, value)) = assignment.split_once('=') else {
-        return Err(shell.usage(
-            Diagnostic::error(Code::BadNumber, format!("`{assignment}` has no `=`"))
-                .help("write ADDRESS=VALUE, or ADDRESS*=FACTOR, +=, -=, /="),
-        ));
-    };
-    let value = value.trim();
-    let (left, operator) = operator(left);
-    let refuse = |mut refused: Diagnostic| {
+    let assignment = Assignment::of(assignment, shell)?;
+    let addresses = Address::matching(assignment.left, dataset).map_err(|mut refused| {
         refused.labels.clear();
-        refused.message = format!("`{left}`: {}", refused.message);
+        refused.message = format!("`{}`: {}", assignment.left, refused.message);
         shell.fail(refused)
-    };
-    let addresses = Address::matching(left, dataset).map_err(refuse)?;
+    })?;
+    reckoned(&assignment, addresses, dataset, degrees, shell)
+}
+
+/// The new value of each address, as text.
+pub(super) fn reckoned(
+    assignment: &Assignment<'_>,
+    addresses: Vec<Address>,
+    dataset: &Dataset,
+    degrees: bool,
+    shell: &Shell,
+) -> Result<Vec<(Address, String)>, Exit> {
+    let Assignment {
+        operator, value, ..
+    } = *assignment;
     if operator == Operator::Set {
         return Ok(addresses
             .into_iter()

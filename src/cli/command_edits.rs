@@ -6,6 +6,7 @@ use crate::grammar::{Lookup, Role, find_statement};
 use crate::syntax::{Address, CommandFile, Dataset, lint};
 use crate::text::{Source, Span, apply_edits};
 
+use super::assignment::{Assignment, reckoned};
 use super::shell::{Exit, Shell};
 
 /// What a text names among the commands of a file: for each of them its own name (`SIMULATE#2.END`), the command as the only
@@ -101,54 +102,71 @@ pub(super) fn places(
     Ok(all)
 }
 
-/// The command file after some assignments. One that would have a new fault is refused.
+/// The command file after some assignments. One that would have a new fault is refused, unless `force` is; one that could not be read
+/// is refused in any case.
 pub(super) fn set(
     source: Source,
     assignments: &[String],
+    force: bool,
+    degrees: bool,
     shell: &mut Shell,
 ) -> Result<Vec<u8>, Exit> {
     let mut file = source;
-    for assignment in assignments {
-        let Some((left, value)) = assignment.split_once('=') else {
-            return Err(shell.usage(
-                Diagnostic::error(Code::BadNumber, format!("`{assignment}` has no `=`"))
-                    .help("write ADDRESS=VALUE"),
-            ));
-        };
+    for text in assignments {
+        let assignment = Assignment::of(text, shell)?;
         let commands = CommandFile::parse(file.clone());
-        let places = places(&commands.value, left.trim()).map_err(|mut refused| {
+        let places = places(&commands.value, assignment.left).map_err(|mut refused| {
             refused.labels.clear();
             shell.fail(refused)
         })?;
         let mut all = Vec::new();
         for (_, one, address) in &places {
-            all.extend(edits(one, address, value.trim()).map_err(|refused| {
-                shell
-                    .sources
-                    .add(Source::new("expression", value.as_bytes()));
-                shell.fail(refused)
-            })?);
+            for (address, value) in
+                reckoned(&assignment, vec![address.clone()], one, degrees, shell)?
+            {
+                all.extend(edits(one, &address, &value).map_err(|refused| {
+                    shell
+                        .sources
+                        .add(Source::new("expression", value.as_bytes()));
+                    shell.fail(refused)
+                })?);
+            }
         }
         let bytes = apply_edits(file.bytes(), &all).map_err(|conflict| {
             shell.fail(Diagnostic::error(Code::CannotWrite, conflict.to_string()))
         })?;
         let new = Source::new(file.name(), bytes);
-        let before = errors(&file);
-        let worse: Vec<Diagnostic> = errors(&new)
-            .into_iter()
-            .filter(|found| !before.iter().any(|old| old.message == found.message))
-            .collect();
-        if !worse.is_empty() {
-            shell.sources.add(new);
-            shell.complain(&worse);
-            return Err(shell.fail(Diagnostic::error(
+        let worse = |errors: fn(&Source) -> Vec<Diagnostic>| -> Vec<Diagnostic> {
+            let before = errors(&file);
+            errors(&new)
+                .into_iter()
+                .filter(|found| !before.iter().any(|old| old.message == found.message))
+                .collect()
+        };
+        let (unreadable, faults) = (worse(errors_of_reader), worse(errors));
+        if !faults.is_empty() {
+            shell.sources.add(new.clone());
+            shell.complain(&faults);
+        }
+        if !unreadable.is_empty() || !faults.is_empty() && !force {
+            let mut refused = Diagnostic::error(
                 Code::WrongType,
-                format!("`{assignment}` is not written: the file would have a new fault"),
-            )));
+                format!("`{text}` is not written: the file would have a new fault"),
+            );
+            if unreadable.is_empty() {
+                refused = refused.help("write it all the same with --force");
+            }
+            return Err(shell.fail(refused));
         }
         file = new;
     }
     Ok(file.bytes().to_vec())
+}
+
+fn errors_of_reader(source: &Source) -> Vec<Diagnostic> {
+    let mut found = CommandFile::parse(source.clone()).diagnostics;
+    found.retain(|found| found.severity == Severity::Error);
+    found
 }
 
 fn errors(source: &Source) -> Vec<Diagnostic> {

@@ -20,8 +20,9 @@ const TICK: Duration = Duration::from_millis(120);
 /// So many are done, of how many at most, and of what.
 pub(super) type Count = (usize, Option<usize>, &'static str);
 
-/// A rate counts from so many on.
-const SETTLED: usize = 50;
+/// A rate counts from so many on, and from such a share of all.
+const SETTLED: usize = 2;
+const SETTLED_SHARE: f64 = 0.02;
 
 /// What is shown: the stage, and how much of it is done.
 #[derive(Clone, Debug, Default)]
@@ -148,9 +149,14 @@ fn line(state: &State, elapsed: Duration) -> String {
     let seconds = elapsed.as_secs_f64();
     if let Some((done, most, of)) = state.count.filter(|(done, ..)| *done > 0) {
         let rate = done as f64 / seconds.max(1e-3);
-        pieces.push(format!("{done} {of}"));
-        pieces.push(format!("{rate:.0}/s"));
-        if let Some(left) = most.filter(|_| done >= SETTLED) {
+        pieces.push(match most {
+            Some(most) => format!("{done} of {most} {of}"),
+            None => format!("{done} {of}"),
+        });
+        let digits = usize::from(rate < 10.0);
+        pieces.push(format!("{rate:.digits$}/s"));
+        let settled = |most: &usize| done >= SETTLED && done as f64 >= SETTLED_SHARE * *most as f64;
+        if let Some(left) = most.filter(settled) {
             let left = left.saturating_sub(done) as f64 / rate;
             pieces.push(format!("at most {} more", span(left)));
         }
@@ -181,7 +187,16 @@ mod tests {
         };
         assert_eq!(
             line(&state, Duration::from_secs(10)),
-            "search: 600 sweeps · 60/s · at most 40 s more · 10 s"
+            "search: 600 of 3000 sweeps · 60/s · at most 40 s more · 10 s"
+        );
+        // Few, slow ones have a rate too, once there is more than one.
+        let state = State {
+            count: Some((4, Some(13), "cases")),
+            ..state
+        };
+        assert_eq!(
+            line(&state, Duration::from_secs(8)),
+            "search: 4 of 13 cases · 0.5/s · at most 18 s more · 8 s"
         );
         assert_eq!(
             line(

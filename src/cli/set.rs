@@ -55,7 +55,13 @@ const EXAMPLES: &str = "Examples:
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let source = arguments.target.read(&arguments.deck, shell)?;
     if is_command_file(&arguments.deck) {
-        let file = command_edits::set(source, &arguments.assignments, shell)?;
+        let file = command_edits::set(
+            source,
+            &arguments.assignments,
+            arguments.force,
+            arguments.degrees,
+            shell,
+        )?;
         arguments.target.deliver(&arguments.deck, &file, shell)?;
         return Ok(Exit::Fine);
     }

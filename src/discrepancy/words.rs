@@ -175,11 +175,12 @@ impl Outcome<'_> {
             };
             if rows.clone().next().is_some() {
                 out.push(format!(
-                    "Channel {} is missed by {:.3} rms as the model was and by {:.3} as it is extended, where its noise is {:.3}.",
+                    "Channel {} is missed by {:.3}{unit} rms as the model was and by {:.3}{unit} as it is extended, where its noise is {:.3}{unit}.",
                     info.name,
                     of(&self.baseline),
                     of(&self.extended),
-                    info.sigma
+                    info.sigma,
+                    unit = info.behind()
                 ));
             }
         }
@@ -434,10 +435,11 @@ impl Outcome<'_> {
                 };
                 (count > 0).then(|| {
                     format!(
-                        "{} from {:.3} to {:.3} rms",
+                        "{} from {:.3} to {:.3}{} rms",
                         info.name,
                         rms(before),
-                        rms(after)
+                        rms(after),
+                        info.behind()
                     )
                 })
             })

@@ -30,11 +30,11 @@ impl ReproductionReport<'_> {
             ("Date", format!("{} UTC", Timestamp::now().date_time())),
             ("Made by", format!("admire {}, built-in solver", super::VERSION)),
         ]);
-        let first = |section: &Section| {
-            let finding = section.findings.first()?;
+        let answer = |section: &Section| {
+            let finding = section.findings.last()?;
             Some(format!("{}: {finding}", section.title))
         };
-        page.list(&self.sections.iter().filter_map(first).collect::<Vec<_>>());
+        page.list(&self.sections.iter().filter_map(answer).collect::<Vec<_>>());
         for section in self.sections {
             page.heading(&section.title);
             page.list(&section.findings);

@@ -99,6 +99,15 @@ pub struct Channel {
     pub relative_to: Option<Reference>,
 }
 
+impl Channel {
+    /// Its unit as it stands behind a number: a blank before it, nothing where the study states none.
+    pub fn behind(&self) -> String {
+        self.unit
+            .as_ref()
+            .map_or_else(String::new, |unit| format!(" {unit}"))
+    }
+}
+
 /// What a reading counts from.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Reference {

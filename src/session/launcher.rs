@@ -109,7 +109,8 @@ impl Launch {
     }
 
     /// What lines of standard input ask for that answer the menus of the launcher: `ru-standard`, `i`, the command file, `exit`, one to
-    /// a line. `None` if they do not begin like that: then they are commands of the solver.
+    /// a line, or the last of them where the command line gave the first. `None` if they do not begin like that: then they are commands
+    /// of the solver.
     pub fn of_menu(text: &str) -> Option<Result<Self, Diagnostic>> {
         let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
         let first = lines.next()?;
@@ -117,11 +118,15 @@ impl Launch {
             let lower = unquote(word).to_ascii_lowercase();
             is_run_word(&lower) || is_product(&lower) || lower.starts_with("ru-") || lower == "-c"
         };
-        if !first.split_whitespace().next().is_some_and(known) {
+        // The first line of commands may name a dataset, never a command file.
+        let lower = unquote(first).to_ascii_lowercase();
+        let goes_on =
+            matches!(lower.as_str(), "i" | "b") || lower.ends_with(".acf") && !lower.contains('=');
+        if !goes_on && !first.split_whitespace().next().is_some_and(known) {
             return None;
         }
-        let mut words: Vec<String> = first.split_whitespace().map(str::to_string).collect();
-        for line in lines {
+        let mut words: Vec<String> = Vec::new();
+        for line in std::iter::once(first).chain(lines) {
             // The name of a file may hold blanks.
             let several = line.split_whitespace().next().is_some_and(known);
             if several {
@@ -331,11 +336,14 @@ mod tests {
         assert_eq!(menu("ru-standard\ni\nmy run.acf\nexit\n"), run);
         assert_eq!(menu("\r\nacar\r\nRU-SOLVER\r\nI\r\nmy run.acf\r\n"), run);
         assert_eq!(menu("-c ru-s i\nmy run.acf\n"), run);
+        assert_eq!(menu("i\nmy run.acf\nexit\n"), run);
+        assert_eq!(menu("my run.acf\nexit\n"), run);
         for commands in [
             "file/model=a\nsimulate/statics\n",
             "a\na\nSTOP\n",
             "",
             "! a comment\n",
+            "file/command=other.acf\n",
         ] {
             assert_eq!(menu(commands), None, "{commands}");
         }

@@ -1,5 +1,5 @@
 use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
-use crate::model::{Ignore, Model, said_left_out};
+use crate::model::{Ignore, Model, Request, said_left_out};
 use crate::statics::Solver;
 use crate::syntax::expression::Node;
 use crate::syntax::{Address, Argument, Dataset, Statement, Value};
@@ -8,6 +8,8 @@ use crate::text::Source;
 
 use super::file_policy::FilePolicy;
 use super::files::{folder_of, read_files};
+use super::listing::Listing;
+use super::measures::Measures;
 use super::output_options::not_written;
 use super::outputs::Outputs;
 use super::saved::Saved;
@@ -32,6 +34,8 @@ pub(super) struct Loaded {
     beginning: Beginning,
     /// A simulation over time has written where it began.
     pub begun: bool,
+    /// What LIST prints.
+    pub listing: Listing,
 }
 
 /// The equations of a model and their state.
@@ -107,6 +111,7 @@ impl Loaded {
                 before: None,
                 beginning: Beginning::default(),
                 begun: false,
+                listing: Listing::of(parsed.value.source().clone()),
             },
             diagnostics,
         }
@@ -136,6 +141,14 @@ impl Loaded {
 
     /// Redefines a statement by a command. Gives the complaints; nothing is changed if one is an error.
     pub fn redefine(&mut self, command: &Statement, source: &Source) -> Vec<Diagnostic> {
+        let complaints = self.change(command, source);
+        if complaints.is_empty() {
+            self.listing.redefined(command, source);
+        }
+        complaints
+    }
+
+    fn change(&mut self, command: &Statement, source: &Source) -> Vec<Diagnostic> {
         let constants = self.constants(command);
         let poses: Vec<_> = self.model.parts.iter().map(|part| part.pose).collect();
         let complaints = self.model.redefine(command, source);
@@ -194,6 +207,19 @@ impl Loaded {
             value.is_finite().then_some((slot, value))
         };
         command.arguments.iter().map(constant).collect()
+    }
+
+    /// The components of a request that the dataset does not have, where the model stands. `None` if they have no value here.
+    pub fn answer(&mut self, request: Request) -> Option<[f64; 8]> {
+        let state = self.compiled().value.state.clone();
+        let mut model = self.model.clone();
+        model.requests = vec![request];
+        let system = System::compile(&model).value;
+        let mut here = system.state();
+        carry_over(&mut here, state);
+        let parameters = system.parameters();
+        Some(Measures::new(&system, &parameters, &here).request(&model, 0))
+            .filter(|values| values.iter().all(|value| value.is_finite()))
     }
 
     /// Goes back to a saved state.

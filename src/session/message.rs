@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::model::IntegratorSettings;
+use crate::model::lint::Apart;
 use crate::results::Timestamp;
 use crate::text::printable;
 
@@ -202,6 +203,45 @@ impl<'a> Messages<'a> {
         ));
     }
 
+    /// A constraint whose markers are apart, in the words of ADAMS as far as they are known: those of points and planes are.
+    pub fn apart(&mut self, apart: &Apart) {
+        let (name, d) = (&apart.name, apart.distance);
+        let text = match apart.counts {
+            [false, false, true] => format!(
+                "The I marker of model.{name} is not in the\nx-y plane of the J marker. The relative displacement along\n\
+                 the z-axis of the J marker is: Delta Z = {:>8.4}.\n",
+                d.z
+            ),
+            [true, true, false] => format!(
+                "The I marker of model.{name} is not on the\nz-axis of the J marker. The relative displacement,\n\
+                 expressed in the J marker coordinate frame is:\nDelta X = {:>8.4}   Delta Y = {:>8.4}.\n",
+                d.x, d.y
+            ),
+            _ => format!(
+                "The markers for model.{name} are not initially coincident.\n\
+                 The relative displacement between the markers, expressed in the\nJ marker coordinate frame is:\n\
+                 Delta X = {:>8.4}   Delta Y = {:>8.4}  Delta Z = {:>8.4}.\n",
+                d.x, d.y, d.z
+            ),
+        };
+        self.say(&format!(
+            "\n---- START: WARNING ----\n{text}\n---- END: WARNING ----\n"
+        ));
+    }
+
+    /// Constraint equations that say nothing new, named as ADAMS names them.
+    pub fn redundant(&mut self, time: f64, equations: &[String]) {
+        let mut text = format!(
+            "  Time T={}.\n  Degree-of-freedom analysis identified redundant constraints in the model:\n  {}\n",
+            exponent(time, 9),
+            "-".repeat(73)
+        );
+        for equation in equations {
+            _ = writeln!(text, "   -  deactivating constraint equation  {equation}");
+        }
+        self.say(&(text + "\n"));
+    }
+
     /// A diagnostic in its frame; a note without one.
     pub fn diagnostic(&mut self, diagnostic: &Diagnostic, sources: &Sources) {
         let text = located(diagnostic, sources);
@@ -278,8 +318,14 @@ impl<'a> Messages<'a> {
         }
     }
 
-    /// What a dynamic simulation says of itself, and the head of its table. `determined` warns of a model without freedoms.
-    pub(super) fn dynamic_head(&mut self, settings: &IntegratorSettings, determined: bool) {
+    /// What a dynamic simulation says of itself, and the head of its table. `redundant` holds the time and the equations that are
+    /// deactivated; `determined` warns of a model without freedoms.
+    pub(super) fn dynamic_head(
+        &mut self,
+        settings: &IntegratorSettings,
+        redundant: Option<&(f64, Vec<String>)>,
+        determined: bool,
+    ) {
         let asked = match settings.method {
             "HHT" | "ABAM" | "RKF45" | "CONSTANT_BDF" => settings.method.to_string(),
             other => format!("{}{}", &other[..1], other[1..].to_ascii_lowercase()),
@@ -293,6 +339,9 @@ impl<'a> Messages<'a> {
                 "   ADMIRE: without effect on this method: {}\n",
                 settings.without_effect.join(", ")
             ));
+        }
+        if let Some((time, equations)) = redundant {
+            self.redundant(*time, equations);
         }
         if determined {
             self.frame(
@@ -309,8 +358,11 @@ impl<'a> Messages<'a> {
     }
 
     /// What a kinematic simulation says of itself, and the head of its table.
-    pub fn kinematic_head(&mut self) {
+    pub fn kinematic_head(&mut self, redundant: Option<&(f64, Vec<String>)>) {
         self.say("\n  ****** Performing Kinematic Simulation ******\n");
+        if let Some((time, equations)) = redundant {
+            self.redundant(*time, equations);
+        }
         self.table_head();
     }
 

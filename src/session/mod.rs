@@ -9,6 +9,7 @@ mod files;
 mod harmless;
 mod launcher;
 mod linear;
+mod listing;
 mod loaded;
 mod located;
 mod mdi;

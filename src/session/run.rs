@@ -2,7 +2,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
-use crate::model::Ignore;
+use crate::model::{self, Ignore};
 use crate::syntax::{CommandFile, Dataset, Statement};
 use crate::text::{Source, read_at_most};
 
@@ -413,12 +413,9 @@ impl<'a> Session<'a> {
                 ),
                 place,
             ),
-            "TIME" => {
-                let now = self.loaded.as_ref().map_or(0.0, Loaded::time);
-                self.messages.say(&format!("  Time = {now}\n"));
-                Ok(())
-            }
-            kind if is_harmless(Some(kind)) => Ok(()),
+            "TIME" => self.print_time(),
+            "INFO" => self.info(command, source),
+            kind if is_harmless(Some(kind)) => self.list(command),
             _ => self.redefine(command, source),
         }
     }
@@ -477,6 +474,9 @@ impl<'a> Session<'a> {
             );
             return Err(Stop::Model);
         }
+        for apart in model::lint::apart(&loaded.value.model) {
+            self.messages.apart(&apart);
+        }
         self.messages.title(&loaded.value.model.title);
         self.loaded = Some(loaded.value);
         Ok(())
@@ -492,7 +492,7 @@ impl<'a> Session<'a> {
             self.messages.diagnostic(diagnostic, &self.sources);
         }
         self.ending.misunderstood += usize::from(errors);
-        Ok(())
+        if errors { Ok(()) } else { self.list(command) }
     }
 
     pub(super) fn no_model(&mut self, command: &Statement, source: &Source) -> Flow {

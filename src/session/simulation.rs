@@ -210,16 +210,10 @@ impl Session<'_> {
             .collect();
         let was_free = loaded.said_free.replace(free.clone());
         if redundant.unwrap_or_default() != report.redundant && !report.redundant.is_empty() {
-            let mut text = format!(
-                "\n  Time T={}.\n  Degree-of-freedom analysis identified redundant constraints in the model:\n  {}\n",
-                exponent(time, 9),
-                "-".repeat(73)
-            );
-            for equation in &report.redundant {
-                let equation = as_adams_names(equation);
-                _ = writeln!(text, "   -  deactivating constraint equation  {equation}");
-            }
-            self.messages.say(&(text + "\n"));
+            let equations: Vec<String> =
+                report.redundant.iter().map(|e| as_adams_names(e)).collect();
+            self.messages.say("\n");
+            self.messages.redundant(time, &equations);
         }
         if was_free.unwrap_or_default() != free && !free.is_empty() {
             let text = format!(

@@ -1,12 +1,10 @@
 //! Simulations over time: initial conditions, kinematics, dynamics.
 
-use std::fmt::Write as _;
 use std::time::Duration;
 
 use super::ending::Stop;
 use super::loaded::{Beginning, Compiled, Loaded};
 use super::measures::Measures;
-use super::message::exponent;
 use super::run::{Flow, Locate, Place, Session};
 use super::simulate::{OutputTimes, Phases};
 use super::simulation::{as_adams_names, too_many};
@@ -88,18 +86,14 @@ impl Session<'_> {
         }
         self.messages.begin_motion();
         let output = times.at(1) - times.start;
-        let began = match self.model().begin(1e-2 * output, false) {
-            Ok(redundant) => {
-                self.tell_redundant(&redundant);
-                Ok(())
+        let redundant = match self.model().begin(1e-2 * output, false) {
+            Ok(redundant) => self.new_redundant(&redundant),
+            Err(error) => {
+                self.motion_failed(&error, place);
+                self.messages.end_simulation();
+                return self.simulation_failed();
             }
-            Err(error) => Err(error),
         };
-        if let Err(error) = began {
-            self.motion_failed(&error, place);
-            self.messages.end_simulation();
-            return self.simulation_failed();
-        }
         let Compiled { system, state, .. } = self.model().compiled().value;
         let undetermined = motion::check_determined(system, state);
         // States have rates of their own: they are integrated even where the parts cannot move by themselves.
@@ -139,10 +133,13 @@ impl Session<'_> {
             return refused;
         }
         if kind == StepKind::Kinematic {
-            self.messages.kinematic_head();
+            self.messages.kinematic_head(redundant.as_ref());
         } else {
-            self.messages
-                .dynamic_head(&integrator, fixed && asked == Asked::Dynamic);
+            self.messages.dynamic_head(
+                &integrator,
+                redundant.as_ref(),
+                fixed && asked == Asked::Dynamic,
+            );
         }
         let done = if fixed {
             self.kinematic_steps(times, kind, place)
@@ -354,23 +351,20 @@ impl Session<'_> {
         Ok(After::On)
     }
 
-    fn tell_redundant(&mut self, redundant: &[String]) {
+    /// The time and the equations that are deactivated, if they were not told before.
+    fn new_redundant(&mut self, redundant: &[String]) -> Option<(f64, Vec<String>)> {
         let loaded = self.model();
         let time = loaded.time();
         let told = loaded.said_redundant.replace(redundant.to_vec());
-        if told.unwrap_or_default() == redundant || redundant.is_empty() {
-            return;
+        let new = told.unwrap_or_default() != redundant && !redundant.is_empty();
+        new.then(|| (time, redundant.iter().map(|e| as_adams_names(e)).collect()))
+    }
+
+    fn tell_redundant(&mut self, redundant: &[String]) {
+        if let Some((time, equations)) = self.new_redundant(redundant) {
+            self.messages.say("\n");
+            self.messages.redundant(time, &equations);
         }
-        let mut text = format!(
-            "\n  Time T={}.\n  Degree-of-freedom analysis identified redundant constraints in the model:\n  {}\n",
-            exponent(time, 9),
-            "-".repeat(73)
-        );
-        for equation in redundant {
-            let equation = as_adams_names(equation);
-            _ = writeln!(text, "   -  deactivating constraint equation  {equation}");
-        }
-        self.messages.say(&(text + "\n"));
     }
 
     pub(super) fn motion_failed(&mut self, error: &MotionError, place: Place<'_>) {

@@ -16,16 +16,18 @@ pub fn deck(size: usize) -> Vec<u8> {
             "!\n!                             adams_view_name='part_{id}'\nPART/{id}\n, MASS = {:.6}\n, CM = {cm}\n\
              , IP = {:.4E}, {:.4E}, {:.4E}\n, QG = {x:.9}, {y:.9}, {:.9}\n, REULER = 90D, {:.3}D, 0D\n\
              !\n!                             adams_view_name='cm_{id}'\nMARKER/{cm}\n, PART = {id}\n, QP = {y:.9}, 0, {x:.9}\n\
-             MARKER/{end}\n, PART = {id}\n, QP = {x:.9}, {y:.9}, -12.5\n, REULER = 0D, 90D, 45D\n\
+             MARKER/{end}\n, PART = {id}\n, QP = {x:.9}, {y:.9}, -12.5\n, REULER = 0D, {:.3}D, -90D\n\
              !                             adams_view_name='bush_{id}'\nBUSHING/{id}\n, I = {end}\n, J = 1\n\
              , K = 1.0E+04, 1.2E+04, {:.3}\n, KT = 5.0E+05, 5.0E+05, 3.0E+05\n, C = 10, 10, 10\n, CT = 100, 100, 100\n\
              SFORCE/{id}\n, TRANSLATIONAL\n, I = {cm}\n, J = 1\n, FUNCTION = {:.5}*STEP(TIME, 0, 0, 1, 1) - 0.5*DM({cm}, 1)\n",
             1.0 + y.abs() / 100.0,
-            1e4 + x,
+            2e4 + x,
             2e4 + y,
             3e4,
             x - y,
             y / 10.0,
+            // Back to the axes of the ground: a turned bushing is worth a warning, and this deck has no faults.
+            -y / 10.0,
             1000.0 + y.abs(),
             x.abs(),
         )

@@ -40,10 +40,16 @@ fn commands_are_read_from_standard_input() {
 #[test]
 fn menus_are_answered_on_standard_input() {
     let folder = folder(&[("slider.adm", SLIDER), ("my run.acf", RUN)]);
-    let menu = "ru-standard\ni\nmy run.acf\nexit\n";
-    let ran = mdi_with(folder.path(), &[], menu, &[]);
-    assert_eq!(ran.code, 0, "{}", ran.stdout);
-    assert_eq!(Results::read(folder.path(), "slider.res").steps.len(), 1);
+    for (words, menu) in [
+        (&[][..], "ru-standard\ni\nmy run.acf\nexit\n"),
+        (&["-c", "ru-standard"], "i\nmy run.acf\nexit\n"),
+        (&["-c", "ru-standard", "i"], "my run.acf\n"),
+    ] {
+        let ran = mdi_with(folder.path(), words, menu, &[]);
+        assert_eq!(ran.code, 0, "{words:?}: {}", ran.stdout);
+        assert_eq!(Results::read(folder.path(), "slider.res").steps.len(), 1);
+        std::fs::remove_file(folder.path().join("slider.res")).unwrap();
+    }
 }
 
 /// Whoever waits for the end of a run polls its message file: it is there after every launch, and ends as ADAMS ends it.

@@ -13,6 +13,7 @@ mod friction;
 mod launch;
 #[allow(non_snake_case, reason = "rotation matrices and inertias")]
 mod mechanisms;
+mod message;
 mod motion;
 mod redefinitions;
 mod reference;

@@ -99,7 +99,35 @@ fn commands_are_read_and_changed_like_statements() {
         .replace("2*TIME", "3*TIME");
     assert_eq!(folder.read("r.acf"), expected);
     let (code, _, _) = folder.run(&["set", "r.acf", "SIMULATE#1.STEPS=many", "--in-place"]);
-    assert_eq!((code, folder.read("r.acf")), (1, expected));
+    assert_eq!((code, folder.read("r.acf")), (1, expected.clone()));
+    // Arithmetic, on one command and on all of a kind.
+    let words = [
+        "set",
+        "r.acf",
+        "SIMULATE#*.STEPS*=2",
+        "EQUIL.ERROR/=10",
+        "SIMULATE#2.END+=1",
+        "--in-place",
+    ];
+    assert_eq!(folder.run(&words).0, 0);
+    let expected = expected
+        .replace("steps=10", "steps=20")
+        .replace("steps=5", "steps=10")
+        .replace("error=1E-3", "error=1E-4")
+        .replace("end=4", "end=5");
+    assert_eq!(folder.read("r.acf"), expected);
+    // A new fault is refused, and written where that is asked for; what could not be read never is.
+    let backwards = ["set", "r.acf", "EQUIL.ERROR=-1", "--in-place"];
+    let (code, _, err) = folder.run(&backwards);
+    assert!(code == 1 && err.contains("--force"), "{err}");
+    assert_eq!(folder.read("r.acf"), expected);
+    let (code, _, _) = folder.run(&["set", "r.acf", "EQUIL.ERROR=-1", "--force", "--in-place"]);
+    assert_eq!(
+        (code, folder.read("r.acf")),
+        (0, expected.replace("error=1E-4", "error=-1"))
+    );
+    let (code, _, _) = folder.run(&["set", "r.acf", "EQUIL.ERROR=(", "--force", "--in-place"]);
+    assert_eq!(code, 1);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 use super::Design;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::mechanics::{Pose, Vec3};
-use crate::model::{Header, JointKind, MarkerIx, PrimitiveKind};
+use crate::model::{Header, JointKind, MarkerIx, Model, PrimitiveKind};
 
 /// Origins may be so far apart, as a share of the size of the model: what ten printed digits leave.
 const GAP: f64 = 1e-5;
@@ -26,32 +26,56 @@ struct Wanted {
 
 /// Joints and primitives whose markers do not lie as the constraint needs them at the design position.
 pub(super) fn check(design: &Design<'_>, found: &mut Vec<Diagnostic>) {
-    let size = size(design);
-    for joint in &design.model.joints {
-        let wanted = of_joint(joint.kind);
-        pair(
-            design,
-            "JOINT",
-            &joint.header,
-            (joint.i, joint.j),
-            wanted,
-            size,
-            found,
-        );
+    let size = size(design.model);
+    for (kind, header, markers, wanted) in pairs(design.model) {
+        pair(design, kind, header, markers, wanted, size, found);
     }
-    for primitive in &design.model.primitives {
-        let wanted = of_primitive(primitive.kind);
+}
+
+/// How far the origins of a constraint's markers are apart where they should not be.
+pub struct Apart {
+    /// The name of the constraint.
+    pub name: String,
+    /// From J to I, in the axes of J; zero along axes that are free.
+    pub distance: Vec3,
+    /// The axes of J that are not free.
+    pub counts: [bool; 3],
+}
+
+/// The active constraints whose markers are apart at the design position, in the order of the model.
+pub fn apart(model: &Model) -> Vec<Apart> {
+    let size = size(model);
+    let mut found = Vec::new();
+    for (_, header, (i, j), wanted) in pairs(model).filter(|(_, header, ..)| header.active) {
+        let (Some(i), Some(j)) = (model.marker_pose(i), model.marker_pose(j)) else {
+            continue;
+        };
+        let distance = distance(&i, &j, wanted);
+        if distance.norm() > GAP * size {
+            found.push(Apart {
+                name: header.name.clone(),
+                distance,
+                counts: wanted.distance,
+            });
+        }
+    }
+    found
+}
+
+/// Every constraint of two markers, and what it asks of them.
+fn pairs(
+    model: &Model,
+) -> impl Iterator<Item = (&'static str, &Header, (MarkerIx, MarkerIx), Wanted)> {
+    let joints = model.joints.iter().map(|joint| {
+        let markers = (joint.i, joint.j);
+        ("JOINT", &joint.header, markers, of_joint(joint.kind))
+    });
+    let primitives = model.primitives.iter().map(|primitive| {
         let markers = (primitive.i, primitive.j);
-        pair(
-            design,
-            "JPRIM",
-            &primitive.header,
-            markers,
-            wanted,
-            size,
-            found,
-        );
-    }
+        let wanted = of_primitive(primitive.kind);
+        ("JPRIM", &primitive.header, markers, wanted)
+    });
+    joints.chain(primitives)
 }
 
 fn of_joint(kind: JointKind) -> Wanted {
@@ -130,11 +154,11 @@ fn of_primitive(kind: PrimitiveKind) -> Wanted {
 }
 
 /// The diagonal of the box that holds every marker.
-fn size(design: &Design<'_>) -> f64 {
+fn size(model: &Model) -> f64 {
     let mut low = Vec3::repeat(f64::INFINITY);
     let mut high = Vec3::repeat(f64::NEG_INFINITY);
-    for index in 0..design.model.markers.len() {
-        if let Some(pose) = design.pose(MarkerIx(index)) {
+    for index in 0..model.markers.len() {
+        if let Some(pose) = model.marker_pose(MarkerIx(index)) {
             low = low.inf(&pose.p);
             high = high.sup(&pose.p);
         }
@@ -171,16 +195,21 @@ fn pair(
     );
 }
 
+/// Distance of I from J, in J axes; zero along axes that are free.
+fn distance(i: &Pose, j: &Pose, wanted: Wanted) -> Vec3 {
+    let p_ij_j = j.R.transpose() * (i.p - j.p);
+    Vec3::from_fn(|axis, _| {
+        if wanted.distance[axis] {
+            p_ij_j[axis]
+        } else {
+            0.0
+        }
+    })
+}
+
 fn faults(i: &Pose, j: &Pose, wanted: Wanted, size: f64, unit: &str) -> Vec<String> {
     let mut faults = Vec::new();
-    // Distance of I from J, in J axes.
-    let p_ij_j = j.R.transpose() * (i.p - j.p);
-    let mut off = Vec3::zeros();
-    for (axis, counts) in wanted.distance.iter().enumerate() {
-        if *counts {
-            off[axis] = p_ij_j[axis];
-        }
-    }
+    let off = distance(i, j, wanted);
     if off.norm() > GAP * size {
         faults.push(format!("I is {:.4} {unit} away", off.norm()));
     }

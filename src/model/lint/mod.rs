@@ -6,6 +6,8 @@ mod bushing_angle;
 mod implausible_units;
 mod joint_aligned;
 
+pub use joint_aligned::{Apart, apart};
+
 use super::{Header, MarkerIx, Model};
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::mechanics::Pose;

@@ -1,0 +1,316 @@
+//! What LIST, INFO and TIME print: values of the model as it is now.
+//!
+//! Knows the dataset as text and what commands have redefined since. How ADAMS lays these pages out is not published; the lines here
+//! are our own (guide/formats.md 6.5).
+
+use std::cell::OnceCell;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::grammar::{Presence, StatementDef};
+use crate::model::{Header, MarkerIx, Request, RequestKind};
+use crate::syntax::{Argument, Dataset, Statement, Value};
+use crate::text::Source;
+
+use super::loaded::Loaded;
+use super::message::exponent;
+use super::run::{Flow, Locate as _, Place, Session};
+
+/// A dataset and what commands have changed of it.
+pub(super) struct Listing {
+    source: Source,
+    read: OnceCell<Dataset>,
+    changed: BTreeMap<(&'static str, Option<u32>), Vec<Given>>,
+}
+
+/// The values of one argument, as text: SPLINE has several Y.
+#[derive(Clone)]
+struct Given {
+    name: &'static str,
+    values: Vec<String>,
+}
+
+impl Listing {
+    /// The listing of a dataset, which is read when something is asked for.
+    pub fn of(source: Source) -> Self {
+        Self {
+            source,
+            read: OnceCell::new(),
+            changed: BTreeMap::new(),
+        }
+    }
+
+    /// Takes up what a command has redefined.
+    pub fn redefined(&mut self, command: &Statement, source: &Source) {
+        let Some(def) = command.def else { return };
+        let given = given(command, source);
+        if matches!(def.name, "ACTIVATE" | "DEACTIVATE") || given.is_empty() {
+            return;
+        }
+        let changed = self
+            .changed
+            .entry((def.name, command.number()))
+            .or_default();
+        put_over(changed, given, def);
+    }
+
+    /// The values of the statement a command names, one argument to a line; `None` if there is no such statement.
+    pub fn text(&self, command: &Statement) -> Option<String> {
+        let def = command.def?;
+        let dataset = self
+            .read
+            .get_or_init(|| Dataset::parse(self.source.clone()).value);
+        let mut here = dataset
+            .statements()
+            .iter()
+            .filter(|s| s.kind() == Some(def.name) && s.number() == command.number());
+        let statement = here.next();
+        if statement.is_none() && def.id.is_some() {
+            return None;
+        }
+        let mut all = statement.map_or_else(Vec::new, |s| given(s, &self.source));
+        if let Some(changed) = self.changed.get(&(def.name, command.number())) {
+            put_over(&mut all, changed.clone(), def);
+        }
+        // What nobody gave has its default, unless what was given stands in its place.
+        for argument in def.arguments {
+            let known = all.iter().any(|given| given.name == argument.name);
+            let replaced = all
+                .iter()
+                .any(|given| excludes(def, given.name, argument.name));
+            if !known && !replaced && !argument.default.is_empty() {
+                let values: Vec<String> =
+                    argument.default.iter().map(ToString::to_string).collect();
+                all.push(Given {
+                    name: argument.name,
+                    values: vec![values.join(", ")],
+                });
+            }
+        }
+        let mut text = match command.number() {
+            Some(id) => {
+                let name = statement.and_then(|s| s.view_name);
+                let name = name.map_or_else(
+                    || format!("{}_{id}", def.name),
+                    |name| self.source.text(name).into_owned(),
+                );
+                format!("\n {}/{id}   model.{name}\n\n", def.name)
+            }
+            None => format!("\n {}/\n\n", def.name),
+        };
+        for given in &all {
+            for value in &given.values {
+                let line = match value.as_str() {
+                    "" => format!("   {}\n", given.name),
+                    value => format!("   {:<12} = {value}\n", given.name),
+                };
+                text += &line;
+            }
+        }
+        Some(text + "\n")
+    }
+}
+
+/// What a statement gives, argument by argument.
+fn given(statement: &Statement, source: &Source) -> Vec<Given> {
+    let mut all: Vec<Given> = Vec::new();
+    for argument in &*statement.arguments {
+        let Some(name) = argument.kind().filter(|name| *name != "LIST") else {
+            continue;
+        };
+        let value = value(argument, source);
+        match all.iter_mut().find(|given| given.name == name) {
+            Some(given) => given.values.push(value),
+            None => all.push(Given {
+                name,
+                values: vec![value],
+            }),
+        }
+    }
+    all
+}
+
+fn value(argument: &Argument, source: &Source) -> String {
+    match &argument.value {
+        Value::Numbers(numbers) => {
+            let words: Vec<_> = numbers.iter().map(|n| source.text(n.span)).collect();
+            words.join(", ")
+        }
+        Value::Words(_) | Value::Texts(_) => argument.texts(source).join(":"),
+        _ => argument
+            .text(source)
+            .map_or_else(String::new, std::borrow::Cow::into_owned),
+    }
+}
+
+/// Newer values replace older ones, and those they cannot stand beside.
+fn put_over(old: &mut Vec<Given>, new: Vec<Given>, def: &StatementDef) {
+    for new in new {
+        old.retain(|old| !excludes(def, new.name, old.name));
+        match old.iter_mut().find(|old| old.name == new.name) {
+            Some(old) => *old = new,
+            None => old.push(new),
+        }
+    }
+}
+
+/// True if two arguments cannot stand together, or are two words of which a statement has one.
+fn excludes(def: &StatementDef, a: &str, b: &str) -> bool {
+    a != b
+        && def.presence.iter().any(|presence| match presence {
+            Presence::Exclusive(names) | Presence::OneOf(names) => {
+                names.contains(&a) && names.contains(&b)
+            }
+            _ => false,
+        })
+}
+
+/// The components of an answer and what they are called.
+type Components = [(&'static str, f64); 7];
+
+impl Session<'_> {
+    /// Prints what LIST asks for.
+    #[allow(clippy::unnecessary_wraps)] // Every command ends in a Flow.
+    pub(super) fn list(&mut self, command: &Statement) -> Flow {
+        let listing = self.loaded.as_ref().map(|loaded| &loaded.listing);
+        let asked = listing.filter(|_| command.has("LIST"));
+        if let Some(text) = asked.and_then(|listing| listing.text(command)) {
+            self.messages.say(&text);
+        }
+        Ok(())
+    }
+
+    /// TIME: where the simulation stands.
+    #[allow(clippy::unnecessary_wraps)] // Every command ends in a Flow.
+    pub(super) fn print_time(&mut self) -> Flow {
+        let now = self.loaded.as_ref().map_or(0.0, Loaded::time);
+        self.messages.say(&format!("  Time = {now}\n"));
+        Ok(())
+    }
+
+    /// INFO: how one marker stands and moves to another, and what acts at it. What is wrong with it changes no answer.
+    pub(super) fn info(&mut self, command: &Statement, source: &Source) -> Flow {
+        let Some(loaded) = &mut self.loaded else {
+            return self.no_model(command, source);
+        };
+        let text = match loaded.info(command) {
+            Ok(text) => text,
+            Err(refused) => {
+                let place = Some(Place {
+                    source,
+                    span: command.span,
+                });
+                let refused = place.label(refused);
+                self.complain(&refused);
+                return Ok(());
+            }
+        };
+        self.messages.say(&text);
+        Ok(())
+    }
+}
+
+impl Loaded {
+    fn info(&mut self, command: &Statement) -> Result<String, Diagnostic> {
+        let wrong = |code, message: &str, help: &str| {
+            Err(Diagnostic::warning(code, message.to_string()).help(help.to_string()))
+        };
+        let help = "for example INFO/DISPLACEMENT, I=12, J=31";
+        let mut ends = [None; 3];
+        for (end, name) in ends.iter_mut().zip(["I", "J", "RM"]) {
+            // Zero is the ground coordinate system.
+            let Some(id) = command.first(name).filter(|id| *id > 0.0) else {
+                continue;
+            };
+            let Some(marker) = self.model.marker(id as u32) else {
+                let message = format!("MARKER/{id} is not in the model");
+                return wrong(Code::UndefinedId, &message, help);
+            };
+            *end = Some(marker);
+        }
+        let [Some(i), j, rm] = ends else {
+            return wrong(Code::MissingArgument, "INFO needs its I marker", help);
+        };
+        let kinds: [(
+            &str,
+            fn(MarkerIx, Option<MarkerIx>, Option<MarkerIx>) -> RequestKind,
+        ); 4] = [
+            ("DISPLACEMENT", |i, j, rm| RequestKind::Displacement {
+                i,
+                j,
+                rm,
+            }),
+            ("VELOCITY", |i, j, rm| RequestKind::Velocity { i, j, rm }),
+            ("ACCELERATION", |i, j, rm| RequestKind::Acceleration {
+                i,
+                j,
+                rm,
+            }),
+            ("FORCE", |i, j, rm| RequestKind::Force { i, j, rm }),
+        ];
+        let asked: Vec<_> = kinds.iter().filter(|(word, _)| command.has(word)).collect();
+        if asked.is_empty() {
+            let message = "INFO does not say what is asked for";
+            let help = "give DISPLACEMENT, VELOCITY, ACCELERATION or FORCE";
+            return wrong(Code::MissingArgument, message, help);
+        }
+        let title = |marker: Option<MarkerIx>| {
+            marker.map_or_else(
+                || "ground".to_string(),
+                |marker| format!("MARKER/{}", self.model.markers[marker.0].header.id),
+            )
+        };
+        let (of, from, axes) = (title(Some(i)), title(j), title(rm));
+        let time = self.time();
+        let mut text = String::new();
+        for (word, kind) in asked {
+            let values = self.asked(kind(i, j, rm))?;
+            let word = word.to_ascii_lowercase();
+            let relation = if word == "force" { "by" } else { "from" };
+            _ = writeln!(
+                text,
+                "\n  Time = {}: {word} of {of} {relation} {from}, in the axes of {axes}",
+                exponent(time, 5)
+            );
+            for (name, value) in values {
+                _ = writeln!(text, "   {name:<6} = {:>13}", exponent(value, 6));
+            }
+        }
+        Ok(text + "\n")
+    }
+
+    /// The components of a request that the dataset does not have, at the state where the model stands.
+    fn asked(&mut self, kind: RequestKind) -> Result<Components, Diagnostic> {
+        let names = match kind {
+            RequestKind::Displacement { .. } => ["MAG", "X", "Y", "Z", "PSI", "THETA", "PHI"],
+            RequestKind::Velocity { .. } => ["VM", "VX", "VY", "VZ", "WX", "WY", "WZ"],
+            RequestKind::Acceleration { .. } => {
+                ["ACCM", "ACCX", "ACCY", "ACCZ", "WDTX", "WDTY", "WDTZ"]
+            }
+            _ => ["FM", "FX", "FY", "FZ", "TX", "TY", "TZ"],
+        };
+        let values = self.answer(Request {
+            header: Header {
+                id: 0,
+                name: "INFO".to_string(),
+                origin: usize::MAX,
+                active: true,
+            },
+            kind,
+            comment: String::new(),
+            component_names: None,
+            component_units: Vec::new(),
+            results_name: None,
+        });
+        let Some(v) = values else {
+            return Err(Diagnostic::warning(
+                Code::NotSolvedNatively,
+                "what INFO asks for has no value here".to_string(),
+            ));
+        };
+        // The fifth component is the magnitude of the turn, or nothing.
+        let values = [v[0], v[1], v[2], v[3], v[5], v[6], v[7]];
+        Ok(std::array::from_fn(|k| (names[k], values[k])))
+    }
+}
