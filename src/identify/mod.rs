@@ -14,6 +14,7 @@ mod loaded;
 mod noise;
 mod problem;
 pub mod regression;
+mod repeated;
 pub mod reproduction;
 pub mod structure;
 mod unknowns;
@@ -26,6 +27,7 @@ pub use fit::{
 pub use goodness::{FitTest, ReadingsLeft, Verdict};
 pub use loaded::LoadedStudy;
 pub use noise::estimate_noise;
+pub use repeated::{BootstrapMade, PosteriorMade, Repeated};
 pub use problem::{IdentifyError, Problem, Progress};
 pub use structure::StructureTest;
 pub use unknowns::{Place, Unknown, unknowns};

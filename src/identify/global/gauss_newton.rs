@@ -58,7 +58,7 @@ impl Prior {
     }
 
     /// Slope of its share of the objective.
-    pub(super) fn pull(self, x: f64) -> f64 {
+    pub fn pull(self, x: f64) -> f64 {
         if self.sd.is_finite() {
             (x - self.mean) / (self.sd * self.sd)
         } else {
