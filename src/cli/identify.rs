@@ -8,7 +8,7 @@ use crate::front::fit::{
     changed_lines, identify_with, not_repeatable, nothing_to_identify, positions,
 };
 use crate::front::solver;
-use crate::identify::{Fit, LoadedStudy};
+use crate::identify::{Fit, LoadedStudy, Repeated};
 use crate::report::{IdentificationReport, Positions, VERSION, lead, number, status};
 use crate::rig::settings::Method;
 
@@ -164,10 +164,20 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         shell.print(&fit.to_json());
     } else {
         let report = arguments.out.join("report.html");
+        let repeated = fit.bootstrap.is_some() || fit.posterior.is_some();
+        // What the repeats say is why they were asked for.
+        let said: String = fit
+            .remarks
+            .iter()
+            .filter(|_| repeated)
+            .map(|remark| format!("{remark}\n"))
+            .collect();
         shell.print(&format!(
-            "{}\n{}\nreport: {}\n",
+            "{}\n{}{}\n{}report: {}\n",
             table(&loaded, &fit),
+            repeats_table(&fit),
             lead(&fit),
+            said,
             report.display()
         ));
     }
@@ -266,6 +276,60 @@ fn repeated(
         Err(error) => Err(io(&path, &error)),
     };
     made.into_iter().map(of).collect()
+}
+
+/// A dash where there is none.
+fn ends(sides: [Option<f64>; 2], error: Option<f64>) -> String {
+    let side = |side: Option<f64>| side.map_or_else(|| "-".to_string(), |v| number(v, error));
+    sides.map(side).join(" to ")
+}
+
+/// The intervals of a fit that was repeated beside those by profile likelihood; nothing of another.
+fn repeats_table(fit: &Fit) -> String {
+    if fit.bootstrap.is_none() && fit.posterior.is_none() {
+        return String::new();
+    }
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    let mut heads = vec!["95 % interval", "profile likelihood"];
+    if fit.bootstrap.is_some() {
+        heads.extend(["bootstrap", "width"]);
+    }
+    if fit.posterior.is_some() {
+        heads.extend(["posterior", "width", "draws worth", "R-hat"]);
+    }
+    let columns = heads.len();
+    table.set_header(heads);
+    let ratio = |found: &Repeated| {
+        found
+            .width_ratio
+            .map_or_else(|| "-".to_string(), |r| format!("{r:.2}"))
+    };
+    for parameter in &fit.parameters {
+        let error = parameter.std_error;
+        let mut cells = vec![
+            parameter.address.clone(),
+            ends(parameter.profile95.unwrap_or_default(), error),
+        ];
+        if let Some(found) = &parameter.bootstrap {
+            cells.extend([ends(found.interval95.map(Some), error), ratio(found)]);
+        }
+        if let Some(found) = &parameter.posterior {
+            let worth = found.effective_draws.unwrap_or(f64::NAN);
+            let r_hat = found.r_hat.unwrap_or(f64::NAN);
+            cells.extend([
+                ends(found.interval95.map(Some), error),
+                ratio(found),
+                format!("{worth:.0}"),
+                format!("{r_hat:.3}"),
+            ]);
+        }
+        table.add_row(cells);
+    }
+    for column in table.column_iter_mut().skip(1).take(columns - 1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    format!("{}\n", table_text(&table))
 }
 
 /// Initial, identified and reference values.

@@ -51,10 +51,18 @@ pub(crate) fn not_repeatable(loaded: &LoadedStudy) -> Option<Diagnostic> {
             "bootstrap and posterior are those of method = \"gauss-newton\", not of \"{}\"",
             study.identify.method.as_str()
         );
-        (message, ["identify", "method"], "leave out the option, or say --method gauss-newton")
+        (
+            message,
+            ["identify", "method"],
+            "leave out the option, or say --method gauss-newton",
+        )
     } else if study.solver.backend != BackendChoice::Native {
         let message = "bootstrap and posterior need the exact derivatives of the built-in solver";
-        (message.to_string(), ["solver", "backend"], "leave out the option, or `backend = \"native\"`")
+        (
+            message.to_string(),
+            ["solver", "backend"],
+            "leave out the option, or `backend = \"native\"`",
+        )
     } else {
         return None;
     };

@@ -274,11 +274,7 @@ pub fn layout(runner: &Runner<'_>, plan: &SweepPlan, folder: &SweepFolder, shard
     }
 }
 
-fn write_table(
-    work: &dyn Cases,
-    places: &Places,
-    journal: &mut Journal,
-) -> Result<(), SweepError> {
+fn write_table(work: &dyn Cases, places: &Places, journal: &mut Journal) -> Result<(), SweepError> {
     let mut table = TableWriter::create(&places.table, work.layout())?;
     journal.in_order(|row| -> Result<(), SweepError> {
         let inputs = work.inputs(row.case);

@@ -4,6 +4,8 @@
 //! the threads and the shards of a run change no bit of the answer. Knows nothing about terminals; who submits shards is the matter of
 //! the command.
 
+mod answer_path;
+mod answers;
 mod correlation;
 mod design;
 mod distribution;

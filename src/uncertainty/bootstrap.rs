@@ -81,7 +81,11 @@ impl<'a> Bootstrap<'a> {
             .enumerate()
             .map(|(k, prior)| {
                 let z = normal::quantile(self.stream.uniform(next + k as u64));
-                let error = if prior.sd.is_finite() { prior.sd * z } else { 0.0 };
+                let error = if prior.sd.is_finite() {
+                    prior.sd * z
+                } else {
+                    0.0
+                };
                 Prior {
                     mean: minimum.x[k] + error,
                     sd: prior.sd,

@@ -98,7 +98,10 @@ mod tests {
             let chains = chains(a, 4000);
             let expected = 32_000.0 * (1.0 - a) / (1.0 + a);
             let found = effective_draws(&chains);
-            assert!((found / expected - 1.0).abs() < 0.1, "{a}: {found} {expected}");
+            assert!(
+                (found / expected - 1.0).abs() < 0.1,
+                "{a}: {found} {expected}"
+            );
             assert!((split_r_hat(&chains) - 1.0).abs() < 0.01);
         }
     }

@@ -4,6 +4,7 @@
 //! of an oscillation leads to a draw that remembers hardly anything. Leapfrog steps with the exact gradient `L'(J'r + (x - m)/sd^2)`.
 
 use nalgebra::DVector;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::estimate::Estimate;
 use crate::identify::global::MarginalProblem;
@@ -11,13 +12,16 @@ use crate::identify::global::gauss_newton::LeastSquares;
 use crate::sweep::{Row, Status, Stream, normal};
 
 /// Leapfrog steps of a quarter of an oscillation that are tried, few first.
-const STEPS: [usize; 6] = [3, 4, 6, 9, 14, 22];
+const STEPS: [usize; 5] = [4, 6, 9, 14, 22];
 /// The least mean probability to accept that a number of steps must reach in the pilot.
-const ACCEPT: f64 = 0.8;
-/// Trajectories of the pilot.
-const PILOT: u64 = 16;
+const ACCEPT: f64 = 0.85;
+/// Places where pilots begin, and trajectories of each. Far from the estimate the posterior may be much narrower than there.
+const PILOTS: u64 = 8;
+const PILOT: u64 = 4;
+/// Chains begin where a Gaussian posterior has all but so much of its probability.
+const TYPICAL: f64 = 0.99;
 /// Draws at the beginning of every chain that are thrown away.
-const WARM_UP: u64 = 20;
+const WARM_UP: u64 = 30;
 /// The length of a trajectory is drawn around its mean by so much each way: none is periodic.
 const JITTER: f64 = 0.2;
 
@@ -57,15 +61,20 @@ impl<'a> Posterior<'a> {
             length,
             steps: STEPS[0],
         };
-        let pilot = Stream::named(seed, "pilot");
+        let pilots: Vec<Stream> = (0..PILOTS)
+            .map(|pilot| Stream::named(seed, &format!("pilot {pilot}")))
+            .collect();
+        let starts: Vec<Vec<f64>> = pilots.iter().map(|pilot| new.scattered(pilot)).collect();
         for steps in STEPS {
             new.steps = steps;
             let mut accept = 0.0;
-            let mut x = estimate.minimum.x.clone();
-            for draw in 0..PILOT {
-                let end = new.draw(&x, &pilot, draw);
-                accept += end.probability / PILOT as f64;
-                x = end.x;
+            for (pilot, start) in pilots.iter().zip(&starts) {
+                let mut x = start.clone();
+                for draw in 0..PILOT {
+                    let end = new.draw(&x, pilot, 1 + draw);
+                    accept += end.probability / (PILOT * PILOTS) as f64;
+                    x = end.x;
+                }
             }
             if accept >= ACCEPT {
                 break;
@@ -87,7 +96,10 @@ impl<'a> Posterior<'a> {
         let count = self.estimate.marginal.len();
         // The next draw starts from the numbers as they stand in the table: a chain that was interrupted goes on as if it had not been.
         let x = match before {
-            Some(row) => row.outputs[..count].iter().map(|value| value.ln()).collect(),
+            Some(row) => row.outputs[..count]
+                .iter()
+                .map(|value| value.ln())
+                .collect(),
             None => {
                 let mut x = self.scattered(&stream);
                 for draw in 0..WARM_UP {
@@ -108,15 +120,23 @@ impl<'a> Posterior<'a> {
         }
     }
 
-    /// Where a chain begins: drawn from the covariance of the fit, nearer to the estimate where the model has no answer.
+    /// Where a chain begins: drawn from the covariance of the fit, nearer to the estimate where the model has no answer, or the readings
+    /// exclude it: the step that suits the posterior would not lead away from there.
     fn scattered(&self, stream: &Stream) -> Vec<f64> {
         let count = self.estimate.marginal.len() as u64;
         let z = normals(stream, 0, count);
+        let least = self.energy(
+            &self.estimate.minimum.x,
+            &self.estimate.minimum.evaluation.residual,
+        );
+        let far = ChiSquared::new(count as f64)
+            .map_or(f64::INFINITY, |squares| 0.5 * squares.inverse_cdf(TYPICAL));
         (0..8)
             .map(|halvings| self.x(&(&z * 0.5_f64.powi(halvings))))
             .find(|x| {
                 let fit = self.estimate.again();
-                fit.is_ok_and(|mut fit| self.point(&mut fit, self.z(x)).is_some())
+                let point = fit.ok().and_then(|mut fit| self.point(&mut fit, self.z(x)));
+                point.is_some_and(|point| point.energy - least < far)
             })
             .unwrap_or_else(|| self.estimate.minimum.x.clone())
     }
@@ -190,7 +210,11 @@ impl<'a> Posterior<'a> {
         let x = self.x(&z);
         let found = fit.evaluate(&x, true)?;
         let mut slope = found.jacobian.tr_mul(&found.residual);
-        for ((slope, prior), x) in slope.iter_mut().zip(self.estimate.marginal.priors()).zip(&x) {
+        for ((slope, prior), x) in slope
+            .iter_mut()
+            .zip(self.estimate.marginal.priors())
+            .zip(&x)
+        {
             *slope += prior.pull(*x);
         }
         let energy = self.energy(&x, &found.residual);

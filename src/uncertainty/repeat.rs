@@ -145,7 +145,11 @@ pub enum RepeatError {
 /// Twelve digits that tell runs with other options apart.
 fn short(key: &str) -> String {
     let digest = Sha256::digest(key.as_bytes());
-    digest.iter().take(6).map(|byte| format!("{byte:02x}")).collect()
+    digest
+        .iter()
+        .take(6)
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
 }
 
 enum Maker<'a> {
@@ -308,7 +312,11 @@ fn remark(kind: Kind, fit: &mut Fit) {
         )
     }];
     let apart: Vec<String> = numbers
-        .filter(|k| of(*k).and_then(|found| found.r_hat).is_some_and(|r| !(r < APART)))
+        .filter(|k| {
+            of(*k)
+                .and_then(|found| found.r_hat)
+                .is_some_and(|r| !(r < APART))
+        })
         .map(|k| name(&k))
         .collect();
     if !apart.is_empty() {

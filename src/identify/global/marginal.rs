@@ -154,7 +154,10 @@ impl Marginal {
 
     /// Natural steps of a fit.
     pub fn scale(&self) -> Vec<f64> {
-        self.priors().iter().map(|prior| prior.sd.min(1.0)).collect()
+        self.priors()
+            .iter()
+            .map(|prior| prior.sd.min(1.0))
+            .collect()
     }
 
     /// A fit of them whose answers depend on what is asked of it alone, not on what was asked of another.
@@ -257,15 +260,12 @@ impl LeastSquares for MarginalProblem<'_> {
             let shares = self.predictor.shares(&self.unknowns.springs());
             self.unknowns.set_shares(&shares.unwrap_or_default());
         }
-        let found =
-            self.observations
-                .evaluate(&prediction, &joint.layout, &all, with_jacobian)?;
+        let found = self
+            .observations
+            .evaluate(&prediction, &joint.layout, &all, with_jacobian)?;
         let used = &self.marginal.used;
-        let residual = DMatrix::from_column_slice(
-            found.residual.len(),
-            1,
-            found.residual.as_slice(),
-        );
+        let residual =
+            DMatrix::from_column_slice(found.residual.len(), 1, found.residual.as_slice());
         let mut residual = picked(joint, used, &residual);
         for (to, small) in residual.iter_mut().zip(self.marginal.found.iter()) {
             *to -= small;
