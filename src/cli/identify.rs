@@ -150,6 +150,11 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     })?;
     let mut more = Vec::new();
     if let Some(repeats) = repeats.filter(|_| !fit.interrupted) {
+        if !fit.converged {
+            let message = "the fit did not converge: there is nothing to repeat";
+            shell.fail(Diagnostic::error(Code::NoFit, message));
+            return Err(Exit::NoAnswer);
+        }
         more = repeated(
             (&loaded, marginal.as_ref()),
             &mut fit,

@@ -34,7 +34,10 @@ fn refused(found: &[Diagnostic], sources: &Sources) -> Error {
 }
 
 fn failed(code: Code, error: &dyn std::fmt::Display) -> Error {
-    Error::plain(ErrorKind::Input, &Diagnostic::error(code, error.to_string()))
+    Error::plain(
+        ErrorKind::Input,
+        &Diagnostic::error(code, error.to_string()),
+    )
 }
 
 fn run(
@@ -74,9 +77,8 @@ fn run(
     let folder = SweepFolder::begin(out, manifest).map_err(one)?;
     if shard != Shard::WHOLE || !folder.results().is_file() {
         watch.stage("sweep");
-        let threads = jobs.unwrap_or_else(|| {
-            std::thread::available_parallelism().map_or(1, usize::from)
-        });
+        let threads =
+            jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
         let done = run_shard(&runner, &plan, (&folder, shard), threads, |progress| {
             let most = (progress.all - progress.before) as usize;
             watch.count(progress.done as usize, Some(most), "cases");

@@ -83,6 +83,20 @@ pub fn repeat(
         (Kind::Posterior, posterior),
     ];
     let hash = fit.inputs_sha256.clone();
+    let away = addresses.iter().zip(&fit.parameters).enumerate();
+    let away: Vec<&str> = away
+        .filter(|(k, (_, parameter))| {
+            let sd = estimate.covariance[(*k, *k)].sqrt();
+            (estimate.minimum.x[*k] - parameter.value.ln()).abs() > sd
+        })
+        .map(|(_, (address, _))| address.as_str())
+        .collect();
+    if !away.is_empty() {
+        fit.remarks.push(format!(
+            "With tolerances marginalised the fit ends more than a standard deviation from the values given here, for {}.",
+            away.join(", ")
+        ));
+    }
     let profiles = estimate.profiles()?;
     for (parameter, profile) in fit.parameters.iter_mut().zip(&profiles) {
         parameter.profile95 = Some(*profile);

@@ -38,12 +38,17 @@ fn a_study_with_another_deck_gives_what_identify_gives_on_it() {
     let out = bench.path("single");
     let ran = admire(&["identify", shown(&study), "--out", shown(&out)]);
     assert!(ran.status.success(), "{}", said(&ran));
-    let text = std::fs::read(out.join("identification.json")).expect("the answer");
-    let single: serde_json::Value = serde_json::from_slice(&text).expect("JSON");
-    let mut expected: Vec<f64> = (0..3)
-        .map(|k| single["parameters"][k]["value"].as_f64().expect("a number"))
-        .collect();
-    expected.push(single["fit_test"]["chi2"].as_f64().expect("a number"));
+    let text = std::fs::read_to_string(out.join("identification.json")).expect("the answer");
+    // serde_json reads the last bit of a number as it likes; the standard library does not.
+    let numbers = |key: &str| -> Vec<f64> {
+        let mut pieces = text.split(&format!("\"{key}\": "));
+        pieces.next();
+        pieces
+            .filter_map(|piece| piece.split([',', '\n']).next()?.parse().ok())
+            .collect()
+    };
+    let mut expected = numbers("value")[..3].to_vec();
+    expected.push(numbers("chi2")[0]);
     let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
     assert_eq!(bits(&rows[2].0.outputs), bits(&expected));
     assert_ne!(bits(&rows[1].0.outputs), bits(&expected));
