@@ -41,7 +41,8 @@ fn a_study_with_another_deck_gives_what_identify_gives_on_it() {
     let text = std::fs::read_to_string(out.join("identification.json")).expect("the answer");
     // serde_json reads the last bit of a number as it likes; the standard library does not.
     let numbers = |key: &str| -> Vec<f64> {
-        let mut pieces = text.split(&format!("\"{key}\": "));
+        let mark = format!("\"{key}\": ");
+        let mut pieces = text.split(mark.as_str());
         pieces.next();
         pieces
             .filter_map(|piece| piece.split([',', '\n']).next()?.parse().ok())
