@@ -112,6 +112,7 @@ impl From<MethodChoice> for Method {
 }
 
 /// Identifies, writes and prints.
+#[allow(clippy::format_collect)] // A few lines.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let mut outputs = OUTPUTS.to_vec();
     outputs.extend(tables(arguments));

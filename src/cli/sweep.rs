@@ -86,7 +86,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         && loaded.study.solver.backend == BackendChoice::Command
     {
         solver::command(&loaded.study, None, &|note| {
-            shell.complain(std::slice::from_ref(note))
+            shell.complain(std::slice::from_ref(note));
         });
     }
     let shard = arguments.shard.unwrap_or(Shard::WHOLE);

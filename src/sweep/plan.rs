@@ -201,6 +201,7 @@ impl SweepPlan {
     }
 }
 
+#[allow(clippy::option_option)] // None: it cannot be read; Some(None): there is none.
 /// The study whose deck varies: it brings its own deck, loads and solver. `None` if it cannot be read.
 fn study(file: &PlanFile, folder: &Path, out: &mut Complaints) -> Option<Option<Box<LoadedStudy>>> {
     let Some(name) = &file.study else {

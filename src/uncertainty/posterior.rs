@@ -88,6 +88,7 @@ impl<'a> Posterior<'a> {
         (case / self.length, case % self.length)
     }
 
+    #[allow(clippy::single_match_else)] // Both are ways to begin.
     /// A draw: the numbers, half chi-square with priors, and the probability with which the trajectory's end was accepted.
     pub fn run(&self, case: u64, before: Option<&Row>) -> Row {
         let start = std::time::Instant::now();

@@ -156,6 +156,7 @@ pub enum RepeatError {
     NoReplicate(String),
 }
 
+#[allow(clippy::format_collect)] // Six bytes.
 /// Twelve digits that tell runs with other options apart.
 fn short(key: &str) -> String {
     let digest = Sha256::digest(key.as_bytes());
@@ -292,6 +293,7 @@ const APART: f64 = 1.05;
 /// Intervals are told apart where one is so many times as wide as the other.
 const DIFFERENT: f64 = 1.25;
 
+#[allow(clippy::collapsible_if)] // One condition chooses, the other counts.
 /// Says where repeats and profile likelihood disagree.
 fn remark(kind: Kind, fit: &mut Fit) {
     let of = |k: usize| match kind {
@@ -304,7 +306,7 @@ fn remark(kind: Kind, fit: &mut Fit) {
         .clone()
         .filter_map(|k| {
             let ratio = of(k)?.width_ratio?;
-            let far = ratio > DIFFERENT || ratio < 1.0 / DIFFERENT;
+            let far = !(1.0 / DIFFERENT..=DIFFERENT).contains(&ratio);
             far.then(|| format!("{} ({ratio:.2})", name(&k)))
         })
         .collect();
