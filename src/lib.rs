@@ -83,9 +83,10 @@
 //! | 16 | report | HTML and SVG |
 //! | 17 | lsp | the language server |
 //! | 17 | front | a deck, its runs, studies, results: what most programs need |
-//! | 17 | sweep | variants by the thousand: cases, shards, the table of answers |
-//! | 18 | cli | subcommands |
-//! | 18 | python | the Python package |
+//! | 18 | sweep | variants by the thousand: cases, shards, the table of answers |
+//! | 19 | uncertainty | identifications by the thousand: bootstrap, sampled posterior |
+//! | 20 | cli | subcommands |
+//! | 20 | python | the Python package |
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 
 pub mod backend;
@@ -118,6 +119,7 @@ pub mod syntax;
 pub mod system;
 pub mod text;
 pub mod tolerance;
+pub mod uncertainty;
 pub mod units;
 
 pub use front::{Complaint, Deck, Error, ErrorKind, Results, Run, Setting, Study, Watch, Watched};

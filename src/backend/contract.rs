@@ -58,6 +58,14 @@ pub enum RunError {
     /// The deck cannot be edited as asked.
     #[error("the deck cannot be prepared: {0}")]
     Deck(String),
+    /// There is no program, and no recording of this run.
+    #[error("there is no recording of this run in `{folder}`: {key}")]
+    NotRecorded {
+        /// What its folder would be called.
+        key: String,
+        /// Where recordings are.
+        folder: String,
+    },
     /// Files of the run cannot be written.
     #[error("the files of the run cannot be written: {0}")]
     Files(String),

@@ -4,10 +4,10 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use super::RunError;
 use super::answer::licence_failure;
 use super::process::{execute, tail};
 use super::run_folder::{RunFiles, STEM};
+use super::{Recording, RunError};
 use crate::results::{Catalogue, StepKind, XrfReader};
 use crate::syntax::Dataset;
 use crate::text::Source;
@@ -15,7 +15,8 @@ use crate::text::Source;
 /// The program.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct ProgramRun {
-    command: Vec<String>,
+    command: Option<Vec<String>>,
+    recording: Option<Recording>,
     timeout: Duration,
 }
 
@@ -46,10 +47,12 @@ pub struct DeckAnswer {
 }
 
 impl ProgramRun {
-    /// Program and arguments, `{acf}` standing for the command file, and seconds after which it is killed.
-    pub fn new(command: Vec<String>, timeout_s: f64) -> Self {
+    /// Program and arguments, `{acf}` standing for the command file, and seconds after which it is killed. Runs that stand in the
+    /// recording are taken from there, others are recorded; without a program nothing else is answered.
+    pub fn new(command: Option<Vec<String>>, recording: Option<Recording>, timeout_s: f64) -> Self {
         Self {
             command,
+            recording,
             timeout: Duration::try_from_secs_f64(timeout_s).unwrap_or(Duration::MAX),
         }
     }
@@ -60,17 +63,28 @@ impl ProgramRun {
     /// [`RunError`].
     pub fn run(&self, run: &DeckRun<'_>) -> Result<DeckAnswer, RunError> {
         let files = |error: std::io::Error| RunError::Files(error.to_string());
+        let own = RunFiles::of_deck(run.deck, run.commands, run.original);
+        if let Some(folder) = self.recording.as_ref().and_then(|all| all.find(&own)) {
+            return read(&results_in(&folder)?, run.columns, &folder);
+        }
+        let Some(command) = &self.command else {
+            let place = self
+                .recording
+                .as_ref()
+                .map(|all| all.folder.display().to_string());
+            return Err(RunError::NotRecorded {
+                key: own.key(),
+                folder: place.unwrap_or_default(),
+            });
+        };
         let folder = tempfile::Builder::new()
             .prefix("admire-run-")
             .tempdir()
             .map_err(files)?;
         let folder = folder.path();
-        RunFiles::of_deck(run.deck, run.commands, run.original)
-            .write(folder)
-            .map_err(files)?;
+        own.write(folder).map_err(files)?;
         let acf = format!("{STEM}.acf");
-        let words: Vec<String> = self
-            .command
+        let words: Vec<String> = command
             .iter()
             .map(|word| word.replace("{acf}", &acf))
             .collect();
@@ -84,7 +98,14 @@ impl ProgramRun {
                 tail: tail(folder),
             });
         }
-        let path = results_in(folder)?;
+        let mut path = results_in(folder)?;
+        if let Some(recording) = &self.recording {
+            // A recording has one name for all results.
+            let usual = folder.join(format!("{STEM}.res"));
+            std::fs::rename(&path, &usual).map_err(files)?;
+            recording.keep(&own, folder).map_err(files)?;
+            path = usual;
+        }
         read(&path, run.columns, folder)
     }
 }

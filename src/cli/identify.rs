@@ -1,20 +1,26 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
 
 use comfy_table::{CellAlignment, Table, presets};
 
 use crate::diagnostic::{Code, Diagnostic};
-use crate::front::fit::{changed_lines, identify, nothing_to_identify, positions};
+use crate::front::fit::{
+    changed_lines, identify_with, not_repeatable, nothing_to_identify, positions,
+};
 use crate::front::solver;
-use crate::identify::{Fit, LoadedStudy};
-use crate::report::{IdentificationReport, Positions, lead, number, status};
+use crate::identify::{Fit, LoadedStudy, Repeated};
+use crate::report::{IdentificationReport, Positions, VERSION, lead, number, status};
 use crate::rig::settings::Method;
+
+use crate::identify::global::Marginal;
+use crate::uncertainty::{Kind, LEAST_DRAWS, LEAST_REPLICATES, Repeats, repeat};
 
 use super::Outcome;
 use super::input::study;
 use super::interrupt;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::plausibility::before_a_fit;
-use super::progress::Progress;
+use super::progress::Progress as Bar;
 use super::render::table_text;
 use super::shell::{Exit, Format, Shell};
 
@@ -23,7 +29,7 @@ use super::shell::{Exit, Format, Shell};
 /// Writes `identified.adm`, `identification.json` and `report.html`.
 #[derive(clap::Args, Debug)]
 #[command(
-    after_help = "Examples:\n  admire identify corpus/pseudo-mcpherson --out target/first\n  admire identify my-axle --out answer --method direct"
+    after_help = "Examples:\n  admire identify corpus/pseudo-mcpherson --out target/first\n  admire identify my-axle --out answer --method direct\n  admire identify my-axle --out answer --bootstrap 1000 --posterior 1000"
 )]
 pub(super) struct Arguments {
     /// The study's folder.
@@ -38,8 +44,50 @@ pub(super) struct Arguments {
     /// stay.
     #[arg(long)]
     keep: bool,
+    /// Fit N times again, readings drawn anew from the fit and its residuals: intervals that do not take the noise as stated. Writes
+    /// `bootstrap.parquet`.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(LEAST_REPLICATES..=MOST))]
+    bootstrap: Option<u64>,
+    /// Draw N times from the posterior of the identified numbers: intervals that do not take the model as linear. Writes
+    /// `posterior.parquet`.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(LEAST_DRAWS..=MOST))]
+    posterior: Option<u64>,
+    /// Of --bootstrap and --posterior: another seed gives other random numbers.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    /// Of --bootstrap and --posterior: so many at a time; as many as there are cores if absent.
+    #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: Option<u16>,
     #[command(flatten)]
     replacing: Replacing,
+}
+
+/// Repeats at most.
+const MOST: u64 = 10_000_000;
+
+impl Arguments {
+    /// What is to be repeated.
+    fn repeats(&self) -> Option<Repeats> {
+        let asked = self.bootstrap.is_some() || self.posterior.is_some();
+        asked.then(|| Repeats {
+            bootstrap: self.bootstrap,
+            posterior: self.posterior,
+            seed: self.seed,
+            threads: self.jobs.map_or_else(
+                || std::thread::available_parallelism().map_or(1, usize::from),
+                usize::from,
+            ),
+        })
+    }
+}
+
+/// The tables that are written where a fit is repeated.
+fn tables(arguments: &Arguments) -> Vec<&'static str> {
+    let bootstrap = arguments.bootstrap.map(|_| Kind::Bootstrap.file());
+    bootstrap
+        .into_iter()
+        .chain(arguments.posterior.map(|_| Kind::Posterior.file()))
+        .collect()
 }
 
 /// What is written.
@@ -65,7 +113,9 @@ impl From<MethodChoice> for Method {
 
 /// Identifies, writes and prints.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
-    refuse_replacing(&arguments.out, &OUTPUTS, arguments.replacing, shell)?;
+    let mut outputs = OUTPUTS.to_vec();
+    outputs.extend(tables(arguments));
+    refuse_replacing(&arguments.out, &outputs, arguments.replacing, shell)?;
     let mut loaded = study(&arguments.study, shell)?;
     if let Some(method) = arguments.method {
         loaded.study.identify.method = method.into();
@@ -73,34 +123,65 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if loaded.unknowns.is_empty() {
         return Err(shell.fail(nothing_to_identify(&loaded)));
     }
+    let repeats = arguments.repeats();
+    if repeats.is_some()
+        && let Some(refused) = not_repeatable(&loaded)
+    {
+        return Err(shell.fail(refused));
+    }
     before_a_fit(&loaded, arguments.replacing.force, shell)?;
     let keep = arguments.keep.then(|| arguments.out.join("runs"));
     let told = |note: &Diagnostic| shell.complain(std::slice::from_ref(note));
     let mut backend = solver::backend(&loaded.study, keep, &told);
     interrupt::listen();
-    let bar = Progress::new("reading", shell, || None);
-    let outcome = identify(&mut loaded, backend.as_mut(), &bar);
+    let bar = Bar::new("reading", shell, || None);
+    let outcome = identify_with(&mut loaded, backend.as_mut(), &bar, repeats.is_some());
     drop(bar);
     let positions = outcome.as_ref().map_or_else(
         |_| Vec::new(),
-        |fit| positions(&loaded, fit, backend.as_mut()),
+        |(fit, _)| positions(&loaded, fit, backend.as_mut()),
     );
     for remark in backend.remarks() {
         shell.say(&format!("{remark}\n"));
     }
-    let fit = outcome.map_err(|error| {
+    let (mut fit, marginal) = outcome.map_err(|error| {
         shell.fail(Diagnostic::error(Code::NoFit, error.to_string()));
         Exit::NoAnswer
     })?;
-    write(&loaded, &fit, &positions, arguments, shell)?;
+    let mut more = Vec::new();
+    if let Some(repeats) = repeats.filter(|_| !fit.interrupted) {
+        if !fit.converged {
+            let message = "the fit did not converge: there is nothing to repeat";
+            shell.fail(Diagnostic::error(Code::NoFit, message));
+            return Err(Exit::NoAnswer);
+        }
+        more = repeated(
+            (&loaded, marginal.as_ref()),
+            &mut fit,
+            &repeats,
+            &arguments.out,
+            shell,
+        )?;
+    }
+    write(&loaded, &fit, (&positions, more), arguments, shell)?;
+    let _ = std::fs::remove_dir_all(arguments.out.join(UNFINISHED));
     if shell.format == Format::Json {
         shell.print(&fit.to_json());
     } else {
         let report = arguments.out.join("report.html");
+        let repeated = fit.bootstrap.is_some() || fit.posterior.is_some();
+        // What the repeats say is why they were asked for.
+        let said = if repeated {
+            fit.remarks.join("\n") + "\n"
+        } else {
+            String::new()
+        };
         shell.print(&format!(
-            "{}\n{}\nreport: {}\n",
+            "{}\n{}{}\n{}report: {}\n",
             table(&loaded, &fit),
+            repeats_table(&fit),
             lead(&fit),
+            said,
             report.display()
         ));
     }
@@ -116,7 +197,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
 fn write(
     loaded: &LoadedStudy,
     fit: &Fit,
-    positions: &[Positions],
+    (positions, more): (&[Positions], Vec<(PathBuf, Vec<u8>)>),
     arguments: &Arguments,
     shell: &mut Shell,
 ) -> Result<(), Exit> {
@@ -134,9 +215,125 @@ fn write(
         .html()
         .map_err(|error| shell.fail(Diagnostic::error(Code::CannotWrite, error.to_string())))?;
     let texts = [deck, fit.to_json().into_bytes(), html.into_bytes()];
-    let files: Vec<(PathBuf, Vec<u8>)> =
+    let mut files: Vec<(PathBuf, Vec<u8>)> =
         OUTPUTS.map(PathBuf::from).into_iter().zip(texts).collect();
+    files.extend(more);
     write_folder(&arguments.out, &files, arguments.replacing, shell)
+}
+
+/// Where journals and tables are while a fit is repeated.
+const UNFINISHED: &str = "unfinished";
+
+/// Repeats a fit; the tables that come of it.
+fn repeated(
+    (loaded, marginal): (&LoadedStudy, Option<&Marginal>),
+    fit: &mut Fit,
+    repeats: &Repeats,
+    out: &Path,
+    shell: &Shell,
+) -> Result<Vec<(PathBuf, Vec<u8>)>, Exit> {
+    let Some(marginal) = marginal else {
+        return Err(shell.fail(Diagnostic::error(
+            Code::NoFit,
+            "the fit cannot be repeated: its unknowns are not those of the built-in solver",
+        )));
+    };
+    let folder = out.join(UNFINISHED);
+    let io = |path: &Path, error: &dyn std::fmt::Display| {
+        let message = format!("{}: {error}", path.display());
+        shell.fail(Diagnostic::error(Code::CannotWrite, message))
+    };
+    std::fs::create_dir_all(&folder).map_err(|error| io(&folder, &error))?;
+    let shown = Arc::new(Mutex::new(None));
+    let seen = Arc::clone(&shown);
+    let bar = Bar::new("repeating", shell, move || *seen.lock().ok()?);
+    let problem = loaded.problem();
+    let made = repeat(
+        (&problem, marginal),
+        fit,
+        repeats,
+        (&folder, VERSION),
+        &mut |kind, progress| {
+            if let Ok(mut shown) = shown.lock() {
+                let most = (progress.all - progress.before) as usize;
+                let unit = match kind {
+                    Kind::Bootstrap => "fits",
+                    Kind::Posterior => "draws",
+                };
+                *shown = Some((kind.word(), (progress.done as usize, Some(most), unit)));
+            }
+            !interrupt::asked()
+        },
+    );
+    drop(bar);
+    let made = made.map_err(|error| {
+        let message = format!("{}: {error}", folder.display());
+        shell.fail(Diagnostic::error(Code::NoFit, message));
+        Exit::NoAnswer
+    })?;
+    let Some(made) = made else {
+        shell.say("interrupted; the same command goes on where it stopped\n");
+        return Err(Exit::Interrupted);
+    };
+    let of = |(kind, path): (Kind, PathBuf)| match std::fs::read(&path) {
+        Ok(bytes) => Ok((PathBuf::from(kind.file()), bytes)),
+        Err(error) => Err(io(&path, &error)),
+    };
+    made.into_iter().map(of).collect()
+}
+
+/// A dash where there is none.
+fn ends(sides: [Option<f64>; 2], error: Option<f64>) -> String {
+    let side = |side: Option<f64>| side.map_or_else(|| "-".to_string(), |v| number(v, error));
+    sides.map(side).join(" to ")
+}
+
+/// The intervals of a fit that was repeated beside those by profile likelihood; nothing of another.
+fn repeats_table(fit: &Fit) -> String {
+    if fit.bootstrap.is_none() && fit.posterior.is_none() {
+        return String::new();
+    }
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    let mut heads = vec!["95 % interval", "profile likelihood"];
+    if fit.bootstrap.is_some() {
+        heads.extend(["bootstrap", "width"]);
+    }
+    if fit.posterior.is_some() {
+        heads.extend(["posterior", "width", "draws worth", "R-hat"]);
+    }
+    let columns = heads.len();
+    table.set_header(heads);
+    let ratio = |found: &Repeated| {
+        found
+            .width_ratio
+            .map_or_else(|| "-".to_string(), |r| format!("{r:.2}"))
+    };
+    for parameter in &fit.parameters {
+        let error = parameter.std_error;
+        let mut cells = vec![
+            parameter.address.clone(),
+            ends(parameter.profile95.unwrap_or_default(), error),
+        ];
+        if let Some(found) = &parameter.bootstrap {
+            cells.extend([ends(found.interval95.map(Some), error), ratio(found)]);
+        }
+        if let Some(found) = &parameter.posterior {
+            let worth = found.effective_draws.unwrap_or(f64::NAN);
+            let r_hat = found.r_hat.unwrap_or(f64::NAN);
+            cells.extend([
+                ends(found.interval95.map(Some), error),
+                ratio(found),
+                format!("{worth:.0}"),
+                format!("{r_hat:.3}"),
+            ]);
+        }
+        table.add_row(cells);
+    }
+    for column in table.column_iter_mut().skip(1).take(columns - 1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    format!("{}\n", table_text(&table))
 }
 
 /// Initial, identified and reference values.

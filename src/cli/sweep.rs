@@ -3,10 +3,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::diagnostic::{Code, Diagnostic};
+use crate::front::solver;
 use crate::report::VERSION;
+use crate::rig::settings::BackendChoice;
 use crate::sweep::{
     MOST_SHARDS, Manifest, Progress as Done, Runner, Shard, ShardError, SweepFolder, SweepPlan,
-    run_shard,
+    Task, run_shard,
 };
 
 use super::Outcome;
@@ -17,7 +19,8 @@ use super::sweep_slurm;
 
 /// Run thousands of variants of a deck and collect the answers in one table.
 ///
-/// SWEEP.toml says what varies (addresses with distributions, or a table of cases), what is run (a command file or K&C tests) and what is
+/// SWEEP.toml says what varies (addresses with distributions, or a table of cases), what is run (a command file, K&C tests, or the
+/// identification or diagnosis of a study) and what is
 /// kept. Every case is solved from its own deck, cold: order, threads and shards change no bit of the answer. A run that was interrupted
 /// goes on where it stopped when the same command is given again. The answer is DIR/results.parquet, one row a case.
 #[derive(clap::Args, Debug)]
@@ -69,15 +72,22 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let Some(plan) = read.value else {
         return Err(Exit::Findings);
     };
-    if let Some(program) = &plan.program {
+    if let Some(command) = plan.program.as_ref().and_then(|p| p.command.as_ref()) {
         shell.complain(&[Diagnostic::note(
             Code::RunsProgram,
             format!(
                 "every case is solved by a program that {} names: {}",
                 arguments.plan.display(),
-                program.command.join(" ")
+                command.join(" ")
             ),
         )]);
+    }
+    if let Task::Study(loaded) = &plan.task
+        && loaded.study.solver.backend == BackendChoice::Command
+    {
+        solver::command(&loaded.study, None, &|note| {
+            shell.complain(std::slice::from_ref(note));
+        });
     }
     let shard = arguments.shard.unwrap_or(Shard::WHOLE);
     let manifest = Manifest::of(&plan, arguments.shards.unwrap_or(shard.of), VERSION);

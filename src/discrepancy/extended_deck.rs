@@ -18,7 +18,7 @@ pub struct ExtendedDeck {
     /// The same, lowered.
     pub model: Model,
     /// The same, compiled.
-    pub prepared: Prepared,
+    pub prepared: Arc<Prepared>,
 }
 
 /// The deck with the statements of some hypotheses, that of another fit where it is the same.
@@ -56,7 +56,7 @@ pub fn deck_of(
     Some(Arc::new(ExtendedDeck {
         dataset,
         model,
-        prepared,
+        prepared: Arc::new(prepared),
     }))
 }
 

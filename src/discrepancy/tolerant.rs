@@ -6,14 +6,17 @@ use std::sync::Arc;
 use super::averaged::averaged;
 use super::diagnose::tolerances;
 use super::diagnosis::{NoiseFound, Parameter, ToleranceFound};
+use super::fit::Fitted;
 use super::search::Visited;
 use super::sought::as_it_is;
 use super::structure::structure;
 use super::subject::{Data, Subject};
+use crate::identify::global::gauss_newton::Prior;
+use crate::identify::global::{Joint, Marginal};
 use crate::identify::{Fit, FitTest, Problem, Status, StructureTest, Verdict};
 
 /// What a study says of its stiffnesses if nothing is wrong but noise and tolerances.
-#[derive(Clone, PartialEq, Debug)]
+#[derive(Clone, Debug)]
 pub struct Tolerant {
     /// The stiffnesses, their intervals with tolerances marginalised.
     pub parameters: Vec<Parameter>,
@@ -27,6 +30,8 @@ pub struct Tolerant {
     pub structure: Vec<StructureTest>,
     /// Equilibria it took.
     pub equilibria: usize,
+    /// The fit behind it.
+    fitted: Arc<Fitted>,
 }
 
 /// Fits stiffnesses and tolerances to the cases that are not held out. `None` where the built-in solver cannot.
@@ -52,10 +57,11 @@ pub fn tolerant(problem: &Problem<'_>) -> Option<Tolerant> {
         estimated: subject.noise.estimated,
         dof: subject.tails.map(|tails| tails.nu),
     };
+    let found = Arc::new(found);
     let only = Visited {
         causes: Vec::new(),
         ln_posterior: 0.0,
-        fitted: Some(Arc::new(found)),
+        fitted: Some(Arc::clone(&found)),
     };
     Some(Tolerant {
         parameters: averaged(&subject, &[(only, 1.0)]),
@@ -64,10 +70,34 @@ pub fn tolerant(problem: &Problem<'_>) -> Option<Tolerant> {
         chi_square,
         structure,
         equilibria: subject.sweeps() * problem.measurement.cases.len(),
+        fitted: found,
     })
 }
 
 impl Tolerant {
+    /// The first `sought` unknowns with all tolerances marginalised, at the sizes that were found.
+    pub fn marginal(&self, sought: usize) -> Marginal {
+        let fitted = &self.fitted;
+        let prior = |unknown: &crate::tolerance::Unknown| Prior {
+            mean: unknown.mean,
+            sd: unknown.prior_sd(&fitted.sizes),
+        };
+        let starts = fitted.states.iter().zip(&fitted.thetas);
+        Marginal::new(Joint {
+            prepared: Arc::clone(&fitted.deck.prepared),
+            unknowns: fitted.unknowns.clone(),
+            layout: fitted.layout.clone(),
+            x: fitted.x.clone(),
+            priors: fitted.priors.iter().map(prior).collect(),
+            sought,
+            cases: (0..fitted.states.len()).collect(),
+            starts: starts.map(|(s, t)| (s.clone(), t.clone())).collect(),
+            whitening: Some(Arc::clone(&fitted.whitening)),
+            weights: fitted.whitening.weights(&fitted.sizes.ln),
+            jacobian: fitted.jacobian.clone(),
+        })
+    }
+
     /// Puts it into the answer of an identification, whose own fit took everything but the marks for exact.
     pub fn apply(self, fit: &mut Fit) {
         for (own, found) in fit.parameters.iter_mut().zip(self.parameters) {

@@ -1,11 +1,12 @@
 //! The fit of a study by its own method: noise, stiffnesses, tolerances.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use crate::backend::Backend;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::discrepancy::tolerant;
-use crate::identify::global::{Options, Prepared, Start, fit_study};
+use crate::identify::global::{Marginal, Options, Prepared, Start, fit_study};
 use crate::identify::{Fit, IdentifyError, LoadedStudy, direct, estimate_noise, regression};
 use crate::report::Positions;
 use crate::report::scene::Role;
@@ -23,9 +24,51 @@ pub(crate) fn identify(
     backend: &mut dyn Backend,
     watch: &dyn Watch,
 ) -> Result<Fit, IdentifyError> {
+    identify_with(loaded, backend, watch, false).map(|(fit, _)| fit)
+}
+
+/// The same; with the sought numbers as a fit of their own, all else marginalised, if that is `wanted` and can be had.
+///
+/// # Errors
+/// Why there is no fit.
+pub(crate) fn identify_with(
+    loaded: &mut LoadedStudy,
+    backend: &mut dyn Backend,
+    watch: &dyn Watch,
+    wanted: bool,
+) -> Result<(Fit, Option<Marginal>), IdentifyError> {
     watch.stage("noise of the sensors");
     noise(loaded, backend)?;
-    among_tolerances(loaded, backend, watch)
+    among_tolerances(loaded, backend, watch, wanted)
+}
+
+/// Why a study has no answer but the numbers and intervals of its fit: only the built-in solver's joint fit can be repeated by the
+/// thousand.
+pub(crate) fn not_repeatable(loaded: &LoadedStudy) -> Option<Diagnostic> {
+    let study = &loaded.study;
+    let (message, keys, help) = if study.identify.method != Method::GaussNewton {
+        let message = format!(
+            "bootstrap and posterior are those of method = \"gauss-newton\", not of \"{}\"",
+            study.identify.method.as_str()
+        );
+        (
+            message,
+            ["identify", "method"],
+            "leave out the option, or say --method gauss-newton",
+        )
+    } else if study.solver.backend != BackendChoice::Native {
+        let message = "bootstrap and posterior need the exact derivatives of the built-in solver";
+        (
+            message.to_string(),
+            ["solver", "backend"],
+            "leave out the option, or `backend = \"native\"`",
+        )
+    } else {
+        return None;
+    };
+    let place = study.place(&keys);
+    let error = Diagnostic::error(Code::BadSetting, message).help(help);
+    Some(error.label(study.source.name(), place, ""))
 }
 
 /// What a study asks for that names no number, at its place.
@@ -66,22 +109,24 @@ fn among_tolerances(
     loaded: &LoadedStudy,
     backend: &mut dyn Backend,
     watch: &dyn Watch,
-) -> Result<Fit, IdentifyError> {
+    wanted: bool,
+) -> Result<(Fit, Option<Marginal>), IdentifyError> {
     if !allows_for_tolerances(loaded) {
-        return fitted(loaded, backend, watch, true);
+        return fitted_with(loaded, backend, watch, (true, wanted));
     }
-    let mut fit = fitted(loaded, backend, watch, false)?;
+    let (mut fit, _) = fitted_with(loaded, backend, watch, (false, false))?;
     if fit.interrupted {
-        return Ok(fit);
+        return Ok((fit, None));
     }
     let problem = loaded.problem();
     watch.stage("allowing for tolerances");
     let found = fit.fit_test.as_ref().and_then(|_| tolerant(&problem));
-    match found {
-        Some(found) => found.apply(&mut fit),
-        None => fit = fitted(loaded, backend, watch, true)?,
-    }
-    Ok(fit)
+    let Some(found) = found else {
+        return fitted_with(loaded, backend, watch, (true, wanted));
+    };
+    let marginal = wanted.then(|| found.marginal(problem.unknowns.len()));
+    found.apply(&mut fit);
+    Ok((fit, marginal))
 }
 
 /// Whether tolerances may be fitted beside the stiffnesses: by the built-in solver and the method that knows how exact it is.
@@ -101,9 +146,19 @@ pub(crate) fn fitted(
     watch: &dyn Watch,
     profile: bool,
 ) -> Result<Fit, IdentifyError> {
+    fitted_with(loaded, backend, watch, (profile, false)).map(|(fit, _)| fit)
+}
+
+fn fitted_with(
+    loaded: &LoadedStudy,
+    backend: &mut dyn Backend,
+    watch: &dyn Watch,
+    (profile, wanted): (bool, bool),
+) -> Result<(Fit, Option<Marginal>), IdentifyError> {
     let problem = loaded.problem();
     let cases = loaded.programme.cases.len();
     watch.stage("identifying");
+    let mut marginal = None;
     let mut fit = match loaded.study.identify.method {
         Method::Regression => {
             let most = loaded.study.regression.max_iterations;
@@ -123,11 +178,11 @@ pub(crate) fn fitted(
         }
         Method::GaussNewton => {
             let external = loaded.study.solver.backend != BackendChoice::Native;
-            let prepared = if external {
+            let prepared = Arc::new(if external {
                 Prepared::external(&problem)?
             } else {
                 Prepared::new(&problem)?
-            };
+            });
             let each = |iteration: usize, sweeps: usize, objective: f64| {
                 watch.detail(if sweeps == 0 {
                     "a start from the direct solution".to_string()
@@ -144,11 +199,16 @@ pub(crate) fn fitted(
                 watch: Some(Box::new(each)),
             };
             let other: Option<&mut dyn Backend> = if external { Some(backend) } else { None };
-            fit_study(&problem, &prepared, other, options)?.fit
+            let found = fit_study(&problem, &prepared, other, options)?;
+            if wanted && !external {
+                let sought = problem.unknowns.len();
+                marginal = Some(Marginal::of(&found, Arc::clone(&prepared), sought));
+            }
+            found.fit
         }
     };
     fit.inputs_sha256 = loaded.study.inputs_sha256();
-    Ok(fit)
+    Ok((fit, marginal))
 }
 
 /// Breaks a run that was asked to stop.

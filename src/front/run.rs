@@ -46,12 +46,16 @@ impl Run {
         let mut files = record.files();
         files.insert("msg".to_string(), std::mem::take(&mut record.messages));
         let told = record.diagnostics.iter();
+        let complaints = told
+            .map(|found| Complaint::new(found, &record.sources))
+            .collect();
+        let table = record.results.take();
+        // A run is over when what it needed is given back.
+        drop(record);
         Self {
             ending,
-            table: record.results.take(),
-            complaints: told
-                .map(|found| Complaint::new(found, &record.sources))
-                .collect(),
+            table,
+            complaints,
             files,
             elapsed: start.elapsed(),
         }

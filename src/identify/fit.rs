@@ -3,6 +3,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::goodness::FitTest;
+use super::repeated::{BootstrapMade, PosteriorMade, Repeated};
 use super::structure::StructureTest;
 
 /// What became of a number.
@@ -40,6 +41,15 @@ pub struct ParameterFit {
     /// Part of the variance behind `std_error` that is due to tolerances; `None` where the method knows none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerance_share: Option<f64>,
+    /// 95 percent interval by profile likelihood with tolerances marginalised; only where the fit was repeated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub profile95: Option<[Option<f64>; 2]>,
+    /// What fits of readings drawn anew say.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bootstrap: Option<Repeated>,
+    /// What draws from the posterior say.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub posterior: Option<Repeated>,
     /// What became of it.
     pub status: Status,
 }
@@ -160,6 +170,12 @@ pub struct Fit {
     pub held_out: HeldOut,
     /// How the wheel is explained.
     pub wheel: Option<WheelFit>,
+    /// How the fits of readings drawn anew were made.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bootstrap: Option<BootstrapMade>,
+    /// How the draws from the posterior were made.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub posterior: Option<PosteriorMade>,
     /// Values of the unknowns after every iteration, the initial ones first. For the report only.
     #[serde(skip)]
     pub history: Vec<Vec<f64>>,

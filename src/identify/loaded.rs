@@ -9,6 +9,7 @@ use crate::rig::{Measurement, Study, programme};
 use crate::session::{FilePolicy, folder_of, read_files};
 use crate::syntax::{Address, Dataset};
 use crate::system::System;
+use crate::text::Source;
 
 /// A study with its deck resolved: all that identification and diagnosis start from.
 #[derive(Clone, Debug)]
@@ -33,13 +34,23 @@ impl LoadedStudy {
     /// Reads a study folder and everything it names. `None` when an error stands in the way of any fit.
     pub fn read(folder: &Path) -> Checked<Option<Self>> {
         let read = Study::read(folder);
-        let mut diagnostics = read.diagnostics;
-        let Some(study) = read.value else {
-            return Checked {
+        match read.value {
+            Some(study) => Self::of(study, read.diagnostics),
+            None => Checked {
                 value: None,
-                diagnostics,
-            };
-        };
+                diagnostics: read.diagnostics,
+            },
+        }
+    }
+
+    /// The same study with another deck in place of its own.
+    pub fn with_deck(&self, deck: Source) -> Checked<Option<Self>> {
+        let mut study = self.study.clone();
+        study.deck = deck;
+        Self::of(study, Vec::new())
+    }
+
+    fn of(study: Study, mut diagnostics: Vec<Diagnostic>) -> Checked<Option<Self>> {
         let parsed = Dataset::parse(study.deck.clone());
         let mut policy = FilePolicy::new(&study.folder);
         policy.confine();

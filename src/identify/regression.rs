@@ -282,6 +282,8 @@ pub fn identify_as(
             marks_rms_after: None,
         },
         wheel: None,
+        bootstrap: None,
+        posterior: None,
         history,
         remarks,
     };
@@ -450,6 +452,9 @@ fn parameters(
             interval95,
             correlation: best.map(|line| line.r),
             tolerance_share: None,
+            profile95: None,
+            bootstrap: None,
+            posterior: None,
             status: if identified {
                 Status::Identified
             } else {

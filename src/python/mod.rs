@@ -12,6 +12,7 @@ mod refusal;
 mod results;
 mod run;
 mod study;
+mod sweep;
 mod work;
 
 use pyo3::prelude::*;
@@ -25,5 +26,6 @@ fn _admire(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<run::Run>()?;
     module.add_class::<results::Results>()?;
     module.add_class::<study::Study>()?;
+    module.add_function(wrap_pyfunction!(sweep::sweep, module)?)?;
     Ok(())
 }

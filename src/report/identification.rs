@@ -2,6 +2,7 @@
 
 use super::convergence::convergence;
 use super::interval::IntervalScale;
+use super::repeats::repeats;
 use super::study_figures::StudyFigures;
 use super::{Align, DrawingError, Page, Positions, Table, headline, study_scene};
 use crate::identify::structure::{is_structured, worst};
@@ -51,6 +52,7 @@ impl IdentificationReport<'_> {
              the measurement if the model is right; whether it is, says the diagnosis.",
         );
         self.tolerances(&mut page);
+        repeats(&mut page, self.fit, &|parameter| self.named(parameter));
         page.heading("The mechanism");
         page.scene(&study_scene(self.loaded, self.positions));
         let of_cases = figures.by_case()?;

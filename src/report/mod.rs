@@ -17,6 +17,7 @@ mod kc;
 mod page;
 mod plausibility;
 mod ranking;
+mod repeats;
 mod reproduction;
 pub mod scene;
 mod study_figures;

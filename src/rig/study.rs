@@ -97,8 +97,8 @@ impl Study {
         span
     }
 
-    /// SHA-256 over every input file, in hexadecimal: two runs with the same value saw the same bytes.
-    pub fn inputs_sha256(&self) -> String {
+    /// Every input file.
+    pub fn sources(&self) -> Vec<&Source> {
         let tables = [
             Some(&self.loads),
             self.marks.as_ref().map(|marks| &marks.on_parts),
@@ -112,8 +112,16 @@ impl Study {
         ])
         .flatten()
         .map(|table| &table.source);
+        [&self.source, &self.deck]
+            .into_iter()
+            .chain(tables)
+            .collect()
+    }
+
+    /// SHA-256 over every input file, in hexadecimal: two runs with the same value saw the same bytes.
+    pub fn inputs_sha256(&self) -> String {
         let mut hash = sha2::Sha256::new();
-        for source in [&self.source, &self.deck].into_iter().chain(tables) {
+        for source in self.sources() {
             hash.update((source.bytes().len() as u64).to_le_bytes());
             hash.update(source.bytes());
         }

@@ -1,5 +1,8 @@
 //! Runs the cases of a shard on all cores, and ends with its part file.
 
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
@@ -45,6 +48,56 @@ impl Progress {
     }
 }
 
+/// What is run by the thousand. A case is a function of what was read and of its number; of the case before it too where cases are in chains.
+pub trait Cases: Sync {
+    /// So many cases make a chain, each starting where the one before ended. Chains know nothing of each other.
+    fn chain(&self) -> u64 {
+        1
+    }
+
+    /// Runs a case; `before` is the one before it in its chain.
+    fn run(&self, case: u64, before: Option<&Row>) -> Row;
+
+    /// The numbers that stand between case and answer in the table.
+    fn inputs(&self, case: u64) -> Vec<f64>;
+
+    /// The columns of the table.
+    fn layout(&self) -> Layout;
+}
+
+/// Where cases are kept while they run, and when they are done.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Places {
+    /// The journal.
+    pub journal: PathBuf,
+    /// The table.
+    pub table: PathBuf,
+    /// What the journal belongs to.
+    pub key: Vec<u8>,
+}
+
+/// A shard of a sweep.
+struct OfShard<'a> {
+    runner: &'a Runner<'a>,
+    plan: &'a SweepPlan,
+    folder: &'a SweepFolder,
+    shard: Shard,
+}
+
+impl Cases for OfShard<'_> {
+    fn run(&self, case: u64, _before: Option<&Row>) -> Row {
+        self.runner.run(case)
+    }
+
+    fn inputs(&self, case: u64) -> Vec<f64> {
+        self.plan.numbers(case)
+    }
+
+    fn layout(&self) -> Layout {
+        layout(self.runner, self.plan, self.folder, self.shard)
+    }
+}
+
 /// Runs what is left of a shard with so many threads. `tell` is told after every few cases; when it says false the run ends with what
 /// is finished so far.
 ///
@@ -55,21 +108,45 @@ pub fn run_shard(
     plan: &SweepPlan,
     (folder, shard): (&SweepFolder, Shard),
     threads: usize,
+    tell: impl FnMut(&Progress) -> bool,
+) -> Result<Progress, SweepError> {
+    let places = Places {
+        journal: folder.journal(shard),
+        table: folder.part(shard),
+        key: folder.manifest.key(shard),
+    };
+    let cases = OfShard {
+        runner,
+        plan,
+        folder,
+        shard,
+    };
+    run_cases(&cases, shard.cases(plan.cases()), &places, threads, tell)
+}
+
+/// The same for any cases of this range, which begins with a chain. Where the table is there nothing is left to do.
+///
+/// # Errors
+/// When the journal or the table cannot be written.
+pub fn run_cases(
+    work: &dyn Cases,
+    cases: Range<u64>,
+    places: &Places,
+    threads: usize,
     mut tell: impl FnMut(&Progress) -> bool,
 ) -> Result<Progress, SweepError> {
-    let cases = shard.cases(plan.cases());
     let mut progress = Progress {
         all: cases.end - cases.start,
         ..Progress::default()
     };
-    if folder.part(shard).is_file() {
+    if places.table.is_file() {
         progress.before = progress.all;
         return Ok(progress);
     }
-    let mut journal = Journal::open(&folder.journal(shard), &folder.manifest.key(shard))?;
-    if folder.part(shard).is_file() {
+    let mut journal = Journal::open(&places.journal, &places.key)?;
+    if places.table.is_file() {
         // Another process ended it just now.
-        let _ = std::fs::remove_file(folder.journal(shard));
+        let _ = std::fs::remove_file(&places.journal);
         progress.before = progress.all;
         return Ok(progress);
     }
@@ -78,22 +155,31 @@ pub fn run_shard(
         finished[(case - cases.start) as usize] = true;
     }
     progress.before = finished.iter().filter(|done| **done).count() as u64;
+    let last = last_of_chains(work.chain(), &cases, &mut journal)?;
     let next = AtomicU64::new(cases.start);
     let stop = AtomicBool::new(false);
     let (send, receive) = bounded::<Row>(4 * threads.max(1) + 64);
-    let finished = &finished;
+    let (finished, last) = (&finished, &last);
     std::thread::scope(|scope| -> Result<(), SweepError> {
         for _ in 0..threads.max(1) {
             let (send, next, stop) = (send.clone(), &next, &stop);
-            let (first, end) = (cases.start, cases.end);
+            let (first, end, chain) = (cases.start, cases.end, work.chain());
             scope.spawn(move || {
                 while !stop.load(Ordering::Relaxed) {
-                    let case = next.fetch_add(1, Ordering::Relaxed);
-                    if case >= end {
+                    let begin = next.fetch_add(chain, Ordering::Relaxed);
+                    if begin >= end {
                         break;
                     }
-                    if !finished[(case - first) as usize] && send.send(runner.run(case)).is_err() {
-                        break;
+                    let mut before = last.get(&begin).cloned();
+                    for case in begin..(begin + chain).min(end) {
+                        if finished[(case - first) as usize] {
+                            continue;
+                        }
+                        let row = work.run(case, before.as_ref());
+                        before = (chain > 1).then(|| row.clone());
+                        if send.send(row).is_err() || stop.load(Ordering::Relaxed) {
+                            return;
+                        }
                     }
                 }
             });
@@ -126,9 +212,26 @@ pub fn run_shard(
     })?;
     journal.sync()?;
     if progress.is_complete() {
-        write_part(runner, plan, (folder, shard), &mut journal)?;
+        write_table(work, places, &mut journal)?;
     }
     Ok(progress)
+}
+
+/// The last finished case of every chain that was begun, by the chain's first case.
+fn last_of_chains(
+    chain: u64,
+    cases: &Range<u64>,
+    journal: &mut Journal,
+) -> Result<BTreeMap<u64, Row>, SweepError> {
+    let mut last = BTreeMap::new();
+    if chain > 1 {
+        journal.in_order(|row| -> Result<(), SweepError> {
+            let begin = row.case - (row.case - cases.start) % chain;
+            last.insert(begin, row);
+            Ok(())
+        })?;
+    }
+    Ok(last)
 }
 
 /// The columns of a part or of the whole.
@@ -171,20 +274,14 @@ pub fn layout(runner: &Runner<'_>, plan: &SweepPlan, folder: &SweepFolder, shard
     }
 }
 
-fn write_part(
-    runner: &Runner<'_>,
-    plan: &SweepPlan,
-    (folder, shard): (&SweepFolder, Shard),
-    journal: &mut Journal,
-) -> Result<(), SweepError> {
-    let layout = layout(runner, plan, folder, shard);
-    let mut table = TableWriter::create(&folder.part(shard), layout)?;
+fn write_table(work: &dyn Cases, places: &Places, journal: &mut Journal) -> Result<(), SweepError> {
+    let mut table = TableWriter::create(&places.table, work.layout())?;
     journal.in_order(|row| -> Result<(), SweepError> {
-        let numbers = plan.numbers(row.case);
-        Ok(table.add(row, numbers)?)
+        let inputs = work.inputs(row.case);
+        Ok(table.add(row, inputs)?)
     })?;
     table.finish()?;
-    // The part is whole and on the disk: the journal has done its work. One that stays is only in the way.
-    let _ = std::fs::remove_file(folder.journal(shard));
+    // The table is whole and on the disk: the journal has done its work. One that stays is only in the way.
+    let _ = std::fs::remove_file(&places.journal);
     Ok(())
 }

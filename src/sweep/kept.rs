@@ -1,3 +1,5 @@
+use super::answer_path::AnswerPath;
+
 /// What one value of many steps is.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum At {
@@ -95,6 +97,8 @@ pub enum Keep {
     },
     /// Frequency and damping ratio of an eigenvalue of the last LINEAR/EIGENSOL, from 1.
     Mode(usize),
+    /// A number of the answer to a study.
+    Answer(AnswerPath),
     /// A K&C characteristic: at ride height, or its slope in a test.
     Characteristic {
         /// `toe_angle.left`.
@@ -113,6 +117,8 @@ pub enum Origin {
     Frequency(usize),
     /// Damping ratio of a mode, counted from 0.
     Damping(usize),
+    /// A number of the answer to a study.
+    Answer(AnswerPath),
     /// K&C characteristic and the test whose slope it is.
     Characteristic(String, Option<String>),
 }

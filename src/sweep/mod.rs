@@ -4,6 +4,8 @@
 //! the threads and the shards of a run change no bit of the answer. Knows nothing about terminals; who submits shards is the matter of
 //! the command.
 
+mod answer_path;
+mod answers;
 mod correlation;
 mod design;
 mod distribution;
@@ -14,7 +16,7 @@ mod journal;
 mod kept;
 mod merge;
 mod morris;
-mod normal;
+pub mod normal;
 mod page;
 mod plan;
 mod plan_file;
@@ -31,15 +33,17 @@ mod table_writer;
 mod variation;
 
 pub use design::{Design, Plan};
-pub use engine::{Progress, SweepError, run_shard};
+pub use engine::{Cases, Places, Progress, SweepError, run_cases, run_shard};
 pub use folder::{Manifest, SweepFolder};
 pub use kept::{At, Keep, Output};
 pub use merge::{Columns, merge};
 pub use page::{page, six_digits};
 pub use plan::{SweepPlan, Task};
+pub use random::Stream;
 pub use row::{Row, Status};
 pub use runner::Runner;
 pub use shard::{MOST_SHARDS, Shard, ShardError};
 pub use summary::{OutputSummary, Spread, Summary};
 pub use table_reader::TableReader;
+pub use table_writer::Layout;
 pub use variation::{Apply, Variation};

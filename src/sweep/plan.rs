@@ -1,6 +1,7 @@
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
+use crate::identify::LoadedStudy;
 use crate::kc::Config;
 use crate::model::{Ignore, Model};
 use crate::session::{FilePolicy, find_file, folder_of, on_deck, read_files};
@@ -23,13 +24,17 @@ pub enum Task {
     Commands(Source),
     /// The K&C tests of a `kc.toml`.
     Tests(Box<Config>),
+    /// Identification or diagnosis of a study, whose deck varies.
+    Study(Box<LoadedStudy>),
 }
 
 /// A program that solves in place of the built-in solver.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Program {
-    /// Program and arguments; `{acf}` stands for the command file.
-    pub command: Vec<String>,
+    /// Program and arguments; `{acf}` stands for the command file. `None`: only what is recorded is answered.
+    pub command: Option<Vec<String>>,
+    /// Where runs are recorded, and found again.
+    pub recordings: Option<PathBuf>,
     /// Seconds after which a run is killed.
     pub timeout_s: f64,
 }
@@ -87,8 +92,24 @@ impl SweepPlan {
             }
         };
         let folder = folder_of(&source);
-        let deck_source = out.source(&folder.join(file.deck.get_ref()), Some(file.deck.span()))?;
+        let study = match &file.study {
+            Some(name) => Some(study(name, &file, &folder, out)?),
+            None => None,
+        };
+        let deck_source = match (&study, &file.deck) {
+            (Some(study), _) => study.study.deck.clone(),
+            (None, Some(deck)) => out.source(&folder.join(deck.get_ref()), Some(deck.span()))?,
+            (None, None) => {
+                let message = "a sweep has `deck = \"model.adm\"`, or `study = \"folder\"`";
+                out.wrong(Code::MissingSetting, file.sampling.plan.span(), message);
+                return None;
+            }
+        };
         let mut inputs = vec![source.clone(), deck_source.clone()];
+        if let Some(study) = &study {
+            let others = study.study.sources().into_iter();
+            inputs.extend(others.filter(|s| s.name() != deck_source.name()).cloned());
+        }
         let parsed = Dataset::parse(deck_source);
         let mut policy = FilePolicy::new(Path::new(""));
         policy.allow(&folder_of(parsed.value.source()));
@@ -104,7 +125,10 @@ impl SweepPlan {
                 out.all.push(diagnostic);
             }
         }
-        let task = task(&file, (&folder, &lowered.value), &mut inputs, out)?;
+        let task = match study {
+            Some(study) => Task::Study(study),
+            None => task(&file, (&folder, &lowered.value), &mut inputs, out)?,
+        };
         let mut ignored = Vec::new();
         for word in &file.ignore {
             match Ignore::parse(word.get_ref()) {
@@ -112,31 +136,10 @@ impl SweepPlan {
                 Err(why) => out.wrong(Code::BadSetting, word.span(), &why),
             }
         }
-        let program = file.solver.as_ref().and_then(|solver| {
-            let words = solver.get_ref().command.get_ref();
-            if words.is_empty() || words.iter().all(|word| !word.contains("{acf}")) {
-                out.wrong(
-                    Code::BadSetting,
-                    solver.get_ref().command.span(),
-                    "the command of a solver has `{acf}` where the command file goes: [\"mdi\", \"-c\", \"ru-s\", \"i\", \"{acf}\", \"exit\"]",
-                );
-                return None;
-            }
-            if !(solver.get_ref().timeout_s > 0.0) {
-                out.wrong(Code::OutOfRange, solver.span(), "`timeout_s` is above zero");
-            }
-            let mut words = words.clone();
-            // A program beside SWEEP.toml; runs have folders of their own.
-            if Path::new(&words[0]).components().count() > 1 {
-                let beside = folder.join(&words[0]);
-                let whole = std::path::absolute(&beside).unwrap_or(beside);
-                words[0] = whole.display().to_string();
-            }
-            Some(Program {
-                command: words,
-                timeout_s: solver.get_ref().timeout_s,
-            })
-        });
+        let program = file
+            .solver
+            .as_ref()
+            .and_then(|solver| program(solver, &folder, out));
         if let (Some(_), Task::Tests(_)) = (&program, &task) {
             out.wrong(
                 Code::BadSetting,
@@ -201,6 +204,84 @@ impl SweepPlan {
     }
 }
 
+/// The study whose deck varies: it brings its own deck, loads and solver. `None` if it cannot be read.
+fn study(
+    name: &toml::Spanned<String>,
+    file: &PlanFile,
+    folder: &Path,
+    out: &mut Complaints,
+) -> Option<Box<LoadedStudy>> {
+    let others = [
+        file.deck.as_ref().map(toml::Spanned::span),
+        file.commands.as_ref().map(toml::Spanned::span),
+        file.kc.as_ref().map(toml::Spanned::span),
+        file.solver.as_ref().map(toml::Spanned::span),
+    ];
+    for span in others.into_iter().flatten() {
+        let message = "a `study` brings its own deck, load cases and solver";
+        out.wrong(Code::BadSetting, span, message);
+    }
+    let read = LoadedStudy::read(&folder.join(name.get_ref()));
+    let errors = read.diagnostics.into_iter();
+    out.all
+        .extend(errors.filter(|d| d.severity == Severity::Error));
+    let loaded = Box::new(read.value?);
+    if loaded.unknowns.is_empty() {
+        let message = "the study names nothing to identify";
+        out.wrong(Code::MissingSetting, name.span(), message);
+    }
+    Some(loaded)
+}
+
+/// The program that solves in place of the built-in solver.
+fn program(
+    solver: &toml::Spanned<super::plan_file::Solver>,
+    folder: &Path,
+    out: &mut Complaints,
+) -> Option<Program> {
+    let (span, solver) = (solver.span(), solver.get_ref());
+    if !(solver.timeout_s > 0.0) {
+        out.wrong(Code::OutOfRange, span.clone(), "`timeout_s` is above zero");
+    }
+    let beside = |name: &str| {
+        let beside = folder.join(name);
+        std::path::absolute(&beside).unwrap_or(beside)
+    };
+    let recordings = solver
+        .recordings
+        .as_ref()
+        .map(|name| beside(name.get_ref()));
+    if solver.command.is_none() && recordings.is_none() {
+        let message = "a solver has `command`, or `recordings` of its runs, or both";
+        out.wrong(Code::MissingSetting, span, message);
+        return None;
+    }
+    let command = match &solver.command {
+        None => None,
+        Some(words) => {
+            let (span, mut words) = (words.span(), words.get_ref().clone());
+            if words.is_empty() || words.iter().all(|word| !word.contains("{acf}")) {
+                out.wrong(
+                    Code::BadSetting,
+                    span,
+                    "the command of a solver has `{acf}` where the command file goes: [\"mdi\", \"-c\", \"ru-s\", \"i\", \"{acf}\", \"exit\"]",
+                );
+                return None;
+            }
+            // A program beside SWEEP.toml; runs have folders of their own.
+            if Path::new(&words[0]).components().count() > 1 {
+                words[0] = beside(&words[0]).display().to_string();
+            }
+            Some(words)
+        }
+    };
+    Some(Program {
+        command,
+        recordings,
+        timeout_s: solver.timeout_s,
+    })
+}
+
 /// What is run for every case.
 fn task(
     file: &PlanFile,
@@ -208,12 +289,13 @@ fn task(
     inputs: &mut Vec<Source>,
     out: &mut Complaints,
 ) -> Option<Task> {
+    let deck = file.deck.as_ref()?;
     match (&file.commands, &file.kc) {
         (Some(name), None) => {
             let source = out.source(&folder.join(name.get_ref()), Some(name.span()))?;
             inputs.push(source.clone());
             inputs.extend(included(&source, folder));
-            Some(Task::Commands(on_deck(file.deck.get_ref(), &source)))
+            Some(Task::Commands(on_deck(deck.get_ref(), &source)))
         }
         (None, Some(name)) => {
             let source = out.source(&folder.join(name.get_ref()), Some(name.span()))?;
@@ -226,7 +308,7 @@ fn task(
         _ => {
             let message =
                 "a sweep runs `commands = \"run.acf\"` or `kc = \"kc.toml\"`, one of them";
-            out.wrong(Code::BadSetting, file.deck.span(), message);
+            out.wrong(Code::BadSetting, deck.span(), message);
             None
         }
     }

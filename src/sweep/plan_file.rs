@@ -8,7 +8,8 @@ use super::variation::Apply;
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct PlanFile {
-    pub deck: Spanned<String>,
+    pub deck: Option<Spanned<String>>,
+    pub study: Option<Spanned<String>>,
     pub commands: Option<Spanned<String>>,
     pub kc: Option<Spanned<String>>,
     #[serde(default)]
@@ -102,6 +103,8 @@ pub(super) struct Keep {
     pub time: Option<Spanned<f64>>,
     pub mode: Option<Spanned<usize>>,
     pub characteristic: Option<Spanned<String>>,
+    pub identification: Option<Spanned<String>>,
+    pub diagnosis: Option<Spanned<String>>,
     pub test: Option<Spanned<String>>,
     pub name: Option<Spanned<String>>,
 }
@@ -109,7 +112,8 @@ pub(super) struct Keep {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Solver {
-    pub command: Spanned<Vec<String>>,
+    pub command: Option<Spanned<Vec<String>>>,
+    pub recordings: Option<Spanned<String>>,
     #[serde(default = "an_hour")]
     pub timeout_s: f64,
 }

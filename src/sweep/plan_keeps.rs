@@ -4,6 +4,7 @@ use crate::diagnostic::Code;
 use crate::kc::TestKind;
 use crate::text::Span;
 
+use super::answer_path::{Answer, AnswerPath};
 use super::kept::{At, Keep};
 use super::plan::{Complaints, Task};
 use super::plan_file::{self, PlanFile};
@@ -27,6 +28,7 @@ pub(super) fn keeps(
         let fits = matches!(
             (&found, task),
             (Keep::Characteristic { .. }, Task::Tests(_))
+                | (Keep::Answer(_), Task::Study(_))
                 | (Keep::Column { .. } | Keep::Mode(_), Task::Commands(_))
         );
         if !fits {
@@ -34,8 +36,11 @@ pub(super) fn keeps(
                 Task::Tests(_) => {
                     "K&C tests have characteristics only: `characteristic = \"toe_angle.left\"`"
                 }
+                Task::Study(_) => {
+                    "of a study numbers of its answer are kept: `identification = \"parameters[*].value\"` or `diagnosis = \"baseline.chi2_per_dof\"`"
+                }
                 Task::Commands(_) => {
-                    "characteristics are those of `kc = \"kc.toml\"`; a command file has columns and modes"
+                    "a command file has columns and modes; characteristics are those of `kc = \"kc.toml\"`, identification and diagnosis those of a `study`"
                 }
             };
             out.wrong(Code::BadSetting, span, message);
@@ -57,8 +62,31 @@ fn one(
     span: &std::ops::Range<usize>,
     out: &mut Complaints,
 ) -> Option<Keep> {
+    let answers = [
+        (Answer::Identification, &keep.identification),
+        (Answer::Diagnosis, &keep.diagnosis),
+    ];
+    let plain = answers.iter().all(|(_, text)| text.is_none());
+    let mut paths = answers
+        .into_iter()
+        .filter_map(|(answer, text)| Some((answer, text.as_ref()?)));
+    if let (Some((answer, text)), None, None, None, None) = (
+        paths.next(),
+        paths.next(),
+        &keep.column,
+        &keep.mode,
+        &keep.characteristic,
+    ) {
+        let path = AnswerPath::parse(answer, text.get_ref());
+        if path.is_none() {
+            let message =
+                "a place in an answer is `fit_test.chi2` or `parameters[BUSHING/1.K.1].value`";
+            out.wrong(Code::BadSetting, text.span(), message);
+        }
+        return path.map(Keep::Answer);
+    }
     match (&keep.column, &keep.mode, &keep.characteristic) {
-        (Some(pattern), None, None) => {
+        (Some(pattern), None, None) if plain => {
             let at = match (&keep.at, &keep.step, &keep.time) {
                 (None, None, None) => At::Last,
                 (Some(word), None, None) => {
@@ -86,14 +114,14 @@ fn one(
                 at,
             })
         }
-        (None, Some(mode), None) => {
+        (None, Some(mode), None) if plain => {
             if *mode.get_ref() == 0 {
                 out.wrong(Code::OutOfRange, mode.span(), "modes count from 1");
                 return None;
             }
             Some(Keep::Mode(*mode.get_ref()))
         }
-        (None, None, Some(path)) => {
+        (None, None, Some(path)) if plain => {
             let test = keep.test.as_ref();
             if let Some(test) = test
                 && !TestKind::ALL
@@ -111,7 +139,7 @@ fn one(
             })
         }
         _ => {
-            let message = "one of `column`, `mode` and `characteristic` says what is kept";
+            let message = "one of `column`, `mode`, `characteristic`, `identification` and `diagnosis` says what is kept";
             out.wrong(Code::BadSetting, span.clone(), message);
             None
         }

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use crate::backend::{DeckRun, ProgramRun, RunError};
+use crate::backend::{DeckRun, ProgramRun, Recording, RunError};
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::kc::{self, Bench, BenchError, Config, Convention, KcRun};
 use crate::model::Model;
@@ -11,6 +11,7 @@ use crate::session::{Stop, Trial, TrialInput};
 use crate::syntax::Dataset;
 use crate::text::{Source, Span};
 
+use super::answers::Answers;
 use super::kept::{Keep, Origin, Output};
 use super::plan::{SweepPlan, Task};
 use super::row::{Row, Status};
@@ -35,6 +36,7 @@ pub struct Runner<'p> {
 enum Seen {
     Steps(Option<Catalogue>, Vec<(f64, Vec<f64>)>, Vec<[f64; 2]>),
     Tests(Box<KcRun>),
+    Answers(Box<Answers>),
 }
 
 impl<'p> Runner<'p> {
@@ -53,10 +55,10 @@ impl<'p> Runner<'p> {
                 seconds: 0.0,
                 outputs: Vec::new(),
             },
-            program: plan
-                .program
-                .as_ref()
-                .map(|program| ProgramRun::new(program.command.clone(), program.timeout_s)),
+            program: plan.program.as_ref().map(|program| {
+                let recording = program.recordings.clone().map(Recording::new);
+                ProgramRun::new(program.command.clone(), recording, program.timeout_s)
+            }),
             ids: Vec::new(),
             catalogue: Catalogue::default(),
         };
@@ -69,6 +71,7 @@ impl<'p> Runner<'p> {
             }
             Ok(Seen::Steps(None, ..)) => wrong.push(runner.unusable("it runs no simulation")),
             Ok(Seen::Tests(run)) => runner.find_characteristics(&run, &mut wrong),
+            Ok(Seen::Answers(answers)) => runner.find_answers(&answers, &mut wrong),
             Err((_, why)) => wrong.push(runner.unusable(&why)),
         }
         let span = plan.keeps.first().map_or(Span::at(0), |keep| keep.2);
@@ -180,7 +183,7 @@ impl<'p> Runner<'p> {
                         });
                     }
                 }
-                Keep::Characteristic { .. } => {}
+                Keep::Characteristic { .. } | Keep::Answer(_) => {}
             }
         }
     }
@@ -231,6 +234,33 @@ impl<'p> Runner<'p> {
         }
     }
 
+    fn find_answers(&mut self, answers: &Answers, wrong: &mut Vec<Diagnostic>) {
+        for (keep, name, span) in &self.plan.keeps {
+            let Keep::Answer(path) = keep else { continue };
+            let found = answers.matching(path);
+            if found.is_empty() {
+                wrong.push(
+                    Diagnostic::error(Code::UndefinedId, "there is no such place in the answer")
+                        .label(self.plan.source.name(), *span, "")
+                        .help("`admire guide study` and `admire guide diagnosis` list the fields"),
+                );
+            }
+            for (path, element) in found {
+                let own = name.clone().unwrap_or_else(|| path.to_string());
+                let name = if name.is_some() && !element.is_empty() {
+                    format!("{own}.{element}")
+                } else {
+                    own
+                };
+                self.outputs.push(Output {
+                    name,
+                    unit: None,
+                    origin: Origin::Answer(path),
+                });
+            }
+        }
+    }
+
     fn model(&self) -> Result<Model, String> {
         let lowered = Model::lower_with(&self.plan.deck, &self.plan.files);
         Ok(lowered.value)
@@ -271,6 +301,8 @@ impl<'p> Runner<'p> {
             (Task::Commands(commands), None) => self.trial(deck, commands),
             (Task::Commands(commands), Some(program)) => self.external(deck, commands, program),
             (Task::Tests(config), _) => self.tests(deck, config),
+            (Task::Study(study), _) => Answers::of(study, deck, &self.plan.keeps)
+                .map(|answers| Seen::Answers(Box::new(answers))),
         }
     }
 
@@ -362,10 +394,11 @@ impl<'p> Runner<'p> {
                     Origin::Column(place, at) => at.of(steps, place).unwrap_or(f64::NAN),
                     Origin::Frequency(k) => modes.get(k).map_or(f64::NAN, |mode| mode[0]),
                     Origin::Damping(k) => modes.get(k).map_or(f64::NAN, |mode| mode[1]),
-                    Origin::Characteristic(..) => f64::NAN,
+                    Origin::Characteristic(..) | Origin::Answer(_) => f64::NAN,
                 };
                 Ok(self.outputs.iter().map(value).collect())
             }
+            Seen::Answers(answers) => Ok(answers.numbers(&self.outputs)),
             Seen::Tests(run) => Ok(self
                 .outputs
                 .iter()

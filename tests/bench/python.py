@@ -30,6 +30,7 @@ def overhead(deck, repeats):
         begin = time.perf_counter()
         run = deck.solve()
         pairs.append((time.perf_counter() - begin, run.seconds))
+        del run
     for name, share in (("median", 0.5), ("fastest twentieth", 0.05)):
         outer, inner = (sorted(values)[int(share * repeats)] for values in zip(*pairs))
         percent = 100 * (outer / inner - 1)

@@ -17,6 +17,7 @@ mod kc_curves;
 mod kc_experiment;
 mod options;
 mod regression;
+mod repeats;
 mod reproduce;
 mod sensors;
 mod setup;

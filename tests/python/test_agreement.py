@@ -95,3 +95,22 @@ def test_axle_tests_are_the_same(corpus: Path, command: Command, tmp_path: Path)
     found = admire.kc(deck, config)
     assert found.values == json.loads(done.stdout)
     assert found.curves_csv == (tmp_path / "out" / "curves.csv").read_text(encoding="utf-8")
+
+
+def test_a_sweep_is_that_of_the_command(corpus: Path, tmp_path: Path, command: Command) -> None:
+    shutil.copytree(corpus / "pseudo-mcpherson", tmp_path / "study")
+    plan = tmp_path / "study" / "sweep.toml"
+    plan.write_text(plan.read_text().replace("cases = 1000", "cases = 12"))
+    answer = admire.sweep(plan, tmp_path / "package", jobs=2)
+    assert answer is not None
+    command("sweep", str(plan), "--out", str(tmp_path / "command"))
+    assert answer.summary == json.loads((tmp_path / "command" / "summary.json").read_text())
+    assert answer.summary["statuses"] == {"ok": 12}
+    # In shards, the second first.
+    for number in (2, 1):
+        assert admire.sweep(plan, tmp_path / "shards", shard=(number, 2)) is None
+    command("merge", str(tmp_path / "shards"))
+    assert json.loads((tmp_path / "shards" / "summary.json").read_text()) == answer.summary
+    with pytest.raises(admire.DeckError, match="changed since"):
+        plan.write_text(plan.read_text().replace("seed = 1", "seed = 2"))
+        admire.sweep(plan, tmp_path / "package")

@@ -4,6 +4,7 @@ mod kept;
 mod kills;
 mod refused;
 mod shards;
+mod studies;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -60,6 +60,8 @@ pub fn identify(
             marks_rms_after: None,
         },
         wheel: None,
+        bootstrap: None,
+        posterior: None,
         history: vec![problem.initial(), solution.values.clone()],
         remarks: remarks(problem, &solution),
     };
@@ -103,6 +105,9 @@ fn parameters(problem: &Problem<'_>, solution: &DirectSolution) -> Vec<Parameter
             interval95: [side((-reach).exp()), side(reach.exp())],
             correlation: Some(correlation(k)),
             tolerance_share: None,
+            profile95: None,
+            bootstrap: None,
+            posterior: None,
             status: if solution.at_bound[k] {
                 Status::Bound
             } else if sd > UNIDENTIFIABLE {

@@ -365,6 +365,9 @@ fn answer(
             interval95,
             correlation,
             tolerance_share: None,
+            profile95: None,
+            bootstrap: None,
+            posterior: None,
             status: if (x - priors[k].mean).abs() >= REACH {
                 Status::Bound
             } else if sd > UNIDENTIFIABLE {
@@ -420,6 +423,8 @@ fn answer(
             marks_rms_after: None,
         },
         wheel: None,
+        bootstrap: None,
+        posterior: None,
         history: Vec::new(),
         remarks,
     }

@@ -49,8 +49,13 @@ pub struct Prior {
 }
 
 impl Prior {
+    /// False for what is free, and for what is held: that has no share in the objective.
+    fn has_width(self) -> bool {
+        self.sd.is_finite() && self.sd > 0.0
+    }
+
     fn information(self) -> f64 {
-        if self.sd.is_finite() {
+        if self.has_width() {
             1.0 / (self.sd * self.sd)
         } else {
             0.0
@@ -58,8 +63,8 @@ impl Prior {
     }
 
     /// Slope of its share of the objective.
-    pub(super) fn pull(self, x: f64) -> f64 {
-        if self.sd.is_finite() {
+    pub fn pull(self, x: f64) -> f64 {
+        if self.has_width() {
             (x - self.mean) / (self.sd * self.sd)
         } else {
             0.0

@@ -8,6 +8,7 @@ pub mod confidence;
 mod differences;
 mod fit;
 pub mod gauss_newton;
+mod marginal;
 mod memory;
 mod native;
 mod observation;
@@ -24,6 +25,7 @@ pub use fit::{
     Found, GlobalFit, POOR_NORMAL, StartValues, UNIDENTIFIABLE, effective_dof, fit_unknowns,
     global_problem, identify,
 };
+pub use marginal::{Joint, Marginal, MarginalProblem};
 pub use memory::{Carries, Memory};
 pub use native::{Loads, NativePredictor};
 pub use observation::{Evaluation, NuisanceLayout, Observations, Row};

@@ -177,6 +177,13 @@ impl<'a> Observations<'a> {
         }
     }
 
+    /// The cases whose readings are compared, in their order.
+    pub fn cases(&self) -> Vec<usize> {
+        let mut cases: Vec<usize> = self.rows.iter().map(|row| row.case()).collect();
+        cases.dedup();
+        cases
+    }
+
     /// The measurement the readings belong to.
     pub fn measurement(&self) -> &'a Measurement {
         self.measurement

@@ -16,6 +16,7 @@ from ._deck import AxleTests, Change, Deck, Sensitivity, Values, read
 from ._errors import AddressError, AdmireError, Complaint, DeckError, Place, SolveError
 from ._run import Results, Run, results
 from ._study import Diagnosis, Finding, Identification, Parameter, Rival, Study, diagnose, identify, kc
+from ._sweep import Sweep, sweep
 
 __all__ = [
     "AddressError",
@@ -36,6 +37,7 @@ __all__ = [
     "Sensitivity",
     "SolveError",
     "Study",
+    "Sweep",
     "Values",
     "__version__",
     "diagnose",
@@ -43,4 +45,5 @@ __all__ = [
     "kc",
     "read",
     "results",
+    "sweep",
 ]

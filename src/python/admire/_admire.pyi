@@ -81,3 +81,7 @@ class Study:
     def diagnose(
         self, force: bool, progress: _Report | None
     ) -> tuple[str, list[str], bytes, str, str, list[str]]: ...
+
+def sweep(
+    plan: str, out: str, jobs: int | None, shard: tuple[int, int] | None, progress: _Report | None
+) -> str | None: ...

@@ -1,0 +1,297 @@
+//! The numbers that are sought alone, with everything else marginalised: tolerances, places of marks, assembly offsets.
+//!
+//! The small errors `t` of axle and rig have Gaussian priors `N(0, T)` and act linearly: `r(x, t) = r(x, t0) + J_t (t - t0)`. With rows
+//! of unit noise, what is left is `r(x) = r(x, t0) - J_t t0` with the covariance `V = I + A A'`, `A = J_t T^1/2`. Rows are brought to
+//! independence by the symmetric root `V^-1/2 = I + A U f U' A'`, `A'A = U diag(l) U'`, `f = (1/sqrt(1 + l) - 1)/l`: each row stays near
+//! the reading it came from. The sought numbers stay nonlinear, with exact derivatives.
+
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::fit::GlobalFit;
+use super::gauss_newton::{LeastSquares, Minimum, Prior, Tolerances, minimise};
+use super::native::NativePredictor;
+use super::observation::{Evaluation, NuisanceLayout, Observations};
+use super::predictor::Predictor;
+use super::prepared::Prepared;
+use super::unknown::FitUnknowns;
+use crate::identify::{IdentifyError, Problem};
+use crate::mechanics::eigen::symmetric_eigen;
+use crate::system::{Parameters, State};
+use crate::tolerance::Whitening;
+
+/// A joint fit, from which the sought numbers are taken.
+#[derive(Clone, Debug)]
+pub struct Joint {
+    /// The deck, compiled.
+    pub prepared: Arc<Prepared>,
+    /// Unknowns of the deck; the sought numbers come first.
+    pub unknowns: FitUnknowns,
+    /// Unknowns of the measurement.
+    pub layout: NuisanceLayout,
+    /// Values of all unknowns.
+    pub x: Vec<f64>,
+    /// Prior of each.
+    pub priors: Vec<Prior>,
+    /// How many are sought.
+    pub sought: usize,
+    /// The cases whose readings are the rows.
+    pub cases: Vec<usize>,
+    /// Equilibria of all load cases with their numbers, where they are known.
+    pub starts: Vec<(State, Parameters)>,
+    /// What turns rows to independence; `None` if they are independent.
+    pub whitening: Option<Arc<Whitening>>,
+    /// One over the standard deviation of each turned row; zero where it is not used.
+    pub weights: DVector<f64>,
+    /// Derivatives of all rows by all unknowns.
+    pub jacobian: DMatrix<f64>,
+}
+
+/// The sought numbers with all else marginalised.
+#[derive(Clone, Debug)]
+pub struct Marginal {
+    joint: Joint,
+    /// Rows that are used, with their weights.
+    used: Vec<(usize, f64)>,
+    /// Whitened effect of each small error of one standard deviation.
+    small: DMatrix<f64>,
+    /// `U f U'` of the head of the file.
+    root: DMatrix<f64>,
+    /// What the small errors of the fit do to the rows.
+    found: DVector<f64>,
+}
+
+impl Marginal {
+    /// Of a joint fit.
+    pub fn new(joint: Joint) -> Self {
+        let weights = joint.weights.iter().copied().enumerate();
+        let used: Vec<(usize, f64)> = weights.filter(|(_, weight)| *weight > 0.0).collect();
+        let small: Vec<usize> = (joint.sought..joint.x.len())
+            .filter(|k| joint.priors[*k].sd > 0.0)
+            .collect();
+        let mut columns = joint.jacobian.select_columns(&small);
+        for (mut column, k) in columns.column_iter_mut().zip(&small) {
+            // What has no prior has one that says nothing.
+            column *= joint.priors[*k].sd.min(WIDE);
+        }
+        let columns = picked(&joint, &used, &columns);
+        let eigen = symmetric_eigen(columns.tr_mul(&columns));
+        let factor = |l: f64| {
+            if l > 1e-12 {
+                ((1.0 + l).sqrt().recip() - 1.0) / l
+            } else {
+                -0.5
+            }
+        };
+        let mut scaled = eigen.eigenvectors.clone();
+        for (mut column, l) in scaled.column_iter_mut().zip(&eigen.eigenvalues) {
+            column *= factor(l.max(0.0));
+        }
+        let root = scaled * eigen.eigenvectors.transpose();
+        let values = DVector::from_iterator(
+            small.len(),
+            small
+                .iter()
+                .map(|k| joint.x[*k] / joint.priors[*k].sd.min(WIDE)),
+        );
+        Self {
+            found: &columns * values,
+            small: columns,
+            root,
+            used,
+            joint,
+        }
+    }
+
+    /// Of a fit in which everything but the sought numbers has a prior.
+    pub fn of(fit: &GlobalFit<'_>, prepared: Arc<Prepared>, sought: usize) -> Self {
+        let global = &fit.problem;
+        Self::new(Joint {
+            prepared,
+            unknowns: global.unknowns.clone(),
+            layout: global.layout.clone(),
+            x: fit.minimum.x.clone(),
+            priors: global.priors(),
+            sought,
+            cases: global.observations.cases(),
+            starts: Vec::new(),
+            whitening: None,
+            weights: fit.minimum.weights.map(f64::sqrt),
+            jacobian: fit.minimum.evaluation.jacobian.clone(),
+        })
+    }
+
+    /// How many numbers are sought.
+    pub fn len(&self) -> usize {
+        self.joint.sought
+    }
+
+    /// True if none is.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The rows that are used, by their places among all rows of the cases.
+    pub fn rows(&self) -> impl Iterator<Item = usize> + '_ {
+        self.used.iter().map(|(row, _)| *row)
+    }
+
+    /// The cases whose readings are the rows.
+    pub fn cases(&self) -> &[usize] {
+        &self.joint.cases
+    }
+
+    /// Where the fit found them.
+    pub fn start(&self) -> Vec<f64> {
+        self.joint.x[..self.len()].to_vec()
+    }
+
+    /// Their priors.
+    pub fn priors(&self) -> &[Prior] {
+        &self.joint.priors[..self.len()]
+    }
+
+    /// Natural steps of a fit.
+    pub fn scale(&self) -> Vec<f64> {
+        self.priors()
+            .iter()
+            .map(|prior| prior.sd.min(1.0))
+            .collect()
+    }
+
+    /// A fit of them whose answers depend on what is asked of it alone, not on what was asked of another.
+    ///
+    /// # Errors
+    /// A load that drives nothing the solver can change.
+    pub fn problem<'a>(
+        &'a self,
+        problem: &Problem<'a>,
+    ) -> Result<MarginalProblem<'a>, IdentifyError> {
+        let model = &self.joint.prepared.model;
+        let observations = Observations::new(problem.measurement, model, &self.joint.cases);
+        let mut predictor = self
+            .joint
+            .prepared
+            .native(problem, observations.observed.clone())?;
+        for (case, (state, theta)) in self.joint.starts.iter().enumerate() {
+            predictor.start_from(case, state.clone(), theta.clone());
+        }
+        Ok(MarginalProblem {
+            unknowns: self.joint.unknowns.clone(),
+            deck: self.joint.prepared.system.parameters(),
+            shift: None,
+            marginal: self,
+            observations,
+            predictor,
+        })
+    }
+
+    fn root(&self, rows: DMatrix<f64>) -> DMatrix<f64> {
+        let along = &self.root * self.small.tr_mul(&rows);
+        rows + &self.small * along
+    }
+}
+
+/// The prior of an unknown that has none, in its own unit.
+const WIDE: f64 = 1e6;
+
+/// Turned and weighted rows, those that are used.
+fn picked(joint: &Joint, used: &[(usize, f64)], rows: &DMatrix<f64>) -> DMatrix<f64> {
+    let turned = joint
+        .whitening
+        .as_ref()
+        .map_or_else(|| rows.clone(), |whitening| whitening.apply(rows));
+    DMatrix::from_fn(used.len(), rows.ncols(), |k, column| {
+        let (row, weight) = used[k];
+        turned[(row, column)] * weight
+    })
+}
+
+/// The sought numbers as a fit: residuals are independent with unit variance if the model is right.
+pub struct MarginalProblem<'a> {
+    marginal: &'a Marginal,
+    unknowns: FitUnknowns,
+    deck: Parameters,
+    observations: Observations<'a>,
+    predictor: NativePredictor<'a>,
+    /// What is taken off the residuals: errors of readings that are drawn anew.
+    shift: Option<DVector<f64>>,
+}
+
+impl MarginalProblem<'_> {
+    /// With other readings: `shift` is taken off every residual.
+    pub fn shift(&mut self, shift: DVector<f64>) {
+        self.shift = Some(shift);
+    }
+
+    /// Fits from `start` with priors of these means and standard deviations.
+    pub fn minimise(
+        &mut self,
+        start: &[f64],
+        priors: &[Prior],
+        tolerances: Tolerances,
+    ) -> Option<Minimum> {
+        let scale = self.marginal.scale();
+        let held: Vec<bool> = priors.iter().map(|prior| prior.sd <= 0.0).collect();
+        minimise(self, start, priors, &scale, &held, tolerances)
+    }
+
+    /// Equilibria it took.
+    pub fn solver_runs(&self) -> usize {
+        self.predictor.solver_runs()
+    }
+}
+
+impl LeastSquares for MarginalProblem<'_> {
+    fn evaluate(&mut self, x: &[f64], with_jacobian: bool) -> Option<Evaluation> {
+        let joint = &self.marginal.joint;
+        let mut all = joint.x.clone();
+        all[..x.len()].copy_from_slice(x);
+        let own = self.unknowns.len();
+        let numbers = self.unknowns.numbers(&self.deck, &all[..own]);
+        let directions = with_jacobian.then(|| {
+            let mut all = self.unknowns.directions(&numbers.theta, &all[..own]);
+            all.truncate(x.len());
+            all
+        });
+        let prediction = self.predictor.predict(&numbers, directions.as_deref());
+        if with_jacobian {
+            let shares = self.predictor.shares(&self.unknowns.springs());
+            self.unknowns.set_shares(&shares.unwrap_or_default());
+        }
+        let found = self
+            .observations
+            .evaluate(&prediction, &joint.layout, &all, with_jacobian)?;
+        let used = &self.marginal.used;
+        let residual =
+            DMatrix::from_column_slice(found.residual.len(), 1, found.residual.as_slice());
+        let mut residual = picked(joint, used, &residual);
+        for (to, small) in residual.iter_mut().zip(self.marginal.found.iter()) {
+            *to -= small;
+        }
+        let mut residual = self.marginal.root(residual).column(0).into_owned();
+        if let Some(shift) = &self.shift {
+            residual -= shift;
+        }
+        let jacobian = if with_jacobian {
+            let own = found.jacobian.columns(0, x.len()).into_owned();
+            self.marginal.root(picked(joint, used, &own))
+        } else {
+            DMatrix::zeros(residual.len(), 0)
+        };
+        Some(Evaluation { residual, jacobian })
+    }
+
+    fn moved(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
+        self.unknowns.moved(x, step)
+    }
+
+    fn step_to(&self, from: &[f64], to: &[f64]) -> DVector<f64> {
+        self.unknowns.step_to(from, to)
+    }
+
+    fn limits(&self, scale: &[f64], reach: f64) -> (Vec<f64>, Vec<f64>) {
+        self.unknowns.limits(scale, reach)
+    }
+}

@@ -1,0 +1,55 @@
+"""Sweeps: variants of a deck by the thousand."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from . import _admire
+from ._progress import Progress, shown
+
+if TYPE_CHECKING:
+    import pandas
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """The answer of a sweep. ``summary`` is ``summary.json``; in Jupyter the report is shown."""
+
+    folder: str
+    summary: dict[str, Any] = field(repr=False)
+
+    @property
+    def results(self) -> str:
+        """The path of the table, one row a case."""
+        return os.path.join(self.folder, "results.parquet")
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The table as a frame; pandas needs pyarrow or fastparquet for it."""
+        import pandas
+
+        return pandas.read_parquet(self.results)
+
+    def _repr_html_(self) -> str:
+        with open(os.path.join(self.folder, "report.html"), encoding="utf-8") as file:
+            return file.read()
+
+
+def sweep(
+    plan: str | os.PathLike[str],
+    out: str | os.PathLike[str],
+    *,
+    jobs: int | None = None,
+    shard: tuple[int, int] | None = None,
+    progress: Progress = False,
+) -> Sweep | None:
+    """Runs the cases of a SWEEP.toml into the folder ``out``: what ``admire sweep`` does, in this process.
+
+    A folder that the same sweep began goes on where it stopped. ``jobs`` cases run at a time, as many as there are cores if ``None``.
+    ``shard=(3, 8)`` runs the third of eight parts and gives ``None``; ``admire merge`` joins them.
+    """
+    with shown(progress) as told:
+        text = _admire.sweep(os.fspath(plan), os.fspath(out), jobs, shard, told)
+    return None if text is None else Sweep(os.fspath(out), json.loads(text))

@@ -1,0 +1,107 @@
+use std::path::{Path, PathBuf};
+
+use pyo3::prelude::*;
+
+use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::front::{Error, ErrorKind, Watch, Watched, replace_file};
+use crate::report::VERSION;
+use crate::session::Sources;
+use crate::sweep::{
+    Manifest, Runner, Shard, Summary, SweepFolder, SweepPlan, merge, page, run_shard,
+};
+
+use super::work::work;
+
+/// Runs what is left of a sweep or of one of its shards, joins it where it is whole; `summary.json`, or nothing after a shard.
+#[pyfunction]
+#[pyo3(signature = (plan, out, jobs, shard, progress))]
+pub(super) fn sweep<'py>(
+    py: Python<'py>,
+    plan: PathBuf,
+    out: PathBuf,
+    jobs: Option<usize>,
+    shard: Option<(u64, u64)>,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<Option<String>> {
+    let watched = Watched::default();
+    let watch = watched.clone();
+    let job = move || run(&plan, &out, jobs, shard, &watch);
+    work(py, &watched, progress.as_ref(), job)
+}
+
+fn refused(found: &[Diagnostic], sources: &Sources) -> Error {
+    Error::new(ErrorKind::Input, found, sources)
+}
+
+fn failed(code: Code, error: &dyn std::fmt::Display) -> Error {
+    Error::plain(
+        ErrorKind::Input,
+        &Diagnostic::error(code, error.to_string()),
+    )
+}
+
+fn run(
+    path: &Path,
+    out: &Path,
+    jobs: Option<usize>,
+    shard: Option<(u64, u64)>,
+    watch: &Watched,
+) -> Result<Option<String>, Error> {
+    let shard = match shard {
+        None => Shard::WHOLE,
+        Some((number, of)) => format!("{number}/{of}")
+            .parse()
+            .map_err(|error| failed(Code::OutOfRange, &error))?,
+    };
+    watch.stage("reading");
+    let read = SweepPlan::read(path);
+    let mut sources = Sources::default();
+    for source in read.value.iter().flat_map(|plan| &plan.inputs) {
+        sources.add(source.clone());
+    }
+    let Some(plan) = read.value else {
+        if let Ok(source) = crate::text::Source::read(path) {
+            sources.add(source);
+        }
+        let errors: Vec<Diagnostic> = read
+            .diagnostics
+            .into_iter()
+            .filter(|d| d.severity == Severity::Error)
+            .collect();
+        return Err(refused(&errors, &sources));
+    };
+    let one = |wrong: Diagnostic| refused(&[wrong], &sources);
+    let manifest = Manifest::of(&plan, shard.of, VERSION);
+    SweepFolder::look(out, manifest.clone()).map_err(one)?;
+    let runner = Runner::prepare(&plan).map_err(|wrong| refused(&wrong, &sources))?;
+    let folder = SweepFolder::begin(out, manifest).map_err(one)?;
+    if shard != Shard::WHOLE || !folder.results().is_file() {
+        watch.stage("sweep");
+        let threads =
+            jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+        let done = run_shard(&runner, &plan, (&folder, shard), threads, |progress| {
+            let most = (progress.all - progress.before) as usize;
+            watch.count(progress.done as usize, Some(most), "cases");
+            watch.goes_on()
+        })
+        .map_err(|error| failed(Code::CannotWrite, &error))?;
+        if !done.is_complete() {
+            return Err(failed(
+                Code::CannotWrite,
+                &"the sweep was stopped; the same call goes on where it stopped",
+            ));
+        }
+    }
+    if shard != Shard::WHOLE {
+        return Ok(None);
+    }
+    merge(&folder).map_err(|wrong| refused(&wrong, &sources))?;
+    let summary = Summary::of(&folder).map_err(|error| failed(Code::CannotRead, &error))?;
+    let json = serde_json::to_string_pretty(&summary).expect("numbers print") + "\n";
+    let html = page(&folder, &summary).map_err(|error| failed(Code::CannotWrite, &error))?;
+    for (name, text) in [("summary.json", &json), ("report.html", &html)] {
+        let path = folder.path.join(name);
+        replace_file(&path, text.as_bytes()).map_err(|error| Error::unwritable(&path, &error))?;
+    }
+    Ok(Some(json))
+}

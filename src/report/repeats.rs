@@ -1,0 +1,72 @@
+use super::identification::number;
+use super::{Align, Page, Table};
+use crate::identify::{Fit, ParameterFit};
+
+/// Intervals of the same numbers from fits of readings drawn anew and from draws of the posterior.
+pub(super) fn repeats(page: &mut Page, fit: &Fit, named: &dyn Fn(&ParameterFit) -> String) {
+    let (bootstrap, posterior) = (fit.bootstrap, fit.posterior);
+    if bootstrap.is_none() && posterior.is_none() {
+        return;
+    }
+    page.heading("Intervals by repetition");
+    let mut columns = vec![
+        ("number", Align::Left),
+        ("profile likelihood", Align::Right),
+    ];
+    if bootstrap.is_some() {
+        columns.extend([("bootstrap", Align::Right), ("its width", Align::Right)]);
+    }
+    if posterior.is_some() {
+        columns.extend([
+            ("posterior", Align::Right),
+            ("its width", Align::Right),
+            ("draws worth", Align::Right),
+            ("R-hat", Align::Right),
+        ]);
+    }
+    let mut table = Table::new(&columns);
+    for parameter in &fit.parameters {
+        let ends = |sides: [Option<f64>; 2]| {
+            let show = |side: Option<f64>| {
+                side.map_or_else(
+                    || "no bound".to_string(),
+                    |v| number(v, parameter.std_error),
+                )
+            };
+            sides.map(show).join(" … ")
+        };
+        let ratio = |ratio: Option<f64>| ratio.map_or_else(String::new, |r| format!("{r:.2}"));
+        let mut cells = vec![
+            named(parameter),
+            ends(parameter.profile95.unwrap_or_default()),
+        ];
+        for found in [&parameter.bootstrap, &parameter.posterior]
+            .into_iter()
+            .flatten()
+        {
+            cells.extend([ends(found.interval95.map(Some)), ratio(found.width_ratio)]);
+            if let (Some(worth), Some(r_hat)) = (found.effective_draws, found.r_hat) {
+                cells.extend([format!("{worth:.0}"), format!("{r_hat:.3}")]);
+            }
+        }
+        table.row(cells);
+    }
+    page.table(&table);
+    if let Some(made) = bootstrap {
+        page.note(&format!(
+            "Bootstrap: {} fits of readings drawn anew, seed {}; the residuals that are drawn are {:.2} times as large as noise and \
+             tolerances say. A load case is not drawn as a whole: cases are designed, and share their tolerances.",
+            made.replicates, made.seed, made.noise_ratio
+        ));
+    }
+    if let Some(made) = posterior {
+        page.note(&format!(
+            "Posterior: {} draws of {} chains by Hamiltonian Monte Carlo, seed {}, {:.0} % of the trajectories accepted.",
+            made.draws,
+            made.chains,
+            made.seed,
+            100.0 * made.acceptance
+        ));
+    }
+    page.note("Widths are those of ln K over that by profile likelihood; tolerances are marginalised in all three.");
+}

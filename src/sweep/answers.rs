@@ -1,0 +1,104 @@
+//! A case that is an identification or a diagnosis: the study with the deck of the case.
+
+use serde_json::Value;
+
+use super::answer_path::{Answer, AnswerPath};
+use super::kept::{Keep, Origin, Output};
+use super::row::Status;
+use crate::diagnostic::Severity;
+use crate::discrepancy::{Choice, Progress, diagnose_watched, held_out};
+use crate::front::{Watched, fit, solver};
+use crate::identify::{LoadedStudy, estimate_noise};
+use crate::rig::settings::BackendChoice;
+use crate::text::{Source, Span};
+
+/// The answers to a study, as far as something of them is kept.
+#[derive(Debug, Default)]
+pub struct Answers {
+    identification: Value,
+    diagnosis: Value,
+}
+
+impl Answers {
+    /// Of a study with another deck.
+    ///
+    /// # Errors
+    /// Status and reason.
+    pub fn of(
+        study: &LoadedStudy,
+        deck: &Source,
+        keeps: &[(Keep, Option<String>, Span)],
+    ) -> Result<Self, (Status, String)> {
+        let read = study.with_deck(deck.clone());
+        let Some(loaded) = read.value else {
+            let mut errors = read.diagnostics.into_iter();
+            let error = errors.find(|d| d.severity == Severity::Error);
+            let why = error.map_or_else(|| "the study has errors".to_string(), |d| d.message);
+            return Err((Status::Invalid, why));
+        };
+        let asks = |answer: Answer| {
+            let mut keeps = keeps.iter();
+            keeps.any(|(keep, ..)| matches!(keep, Keep::Answer(path) if path.answer == answer))
+        };
+        let no_answer = |why: String| (Status::NoAnswer, why);
+        let mut new = Self::default();
+        if asks(Answer::Identification) {
+            let mut own = loaded.clone();
+            let mut backend = solver::backend(&own.study, None, &|_| ());
+            let found = fit::identify(&mut own, backend.as_mut(), &Watched::default());
+            let found = found.map_err(|error| no_answer(error.to_string()))?;
+            if !found.converged {
+                return Err(no_answer("the fit did not converge".to_string()));
+            }
+            new.identification = value(&found);
+        }
+        if asks(Answer::Diagnosis) {
+            let mut own = loaded;
+            let failed = |error: &dyn std::fmt::Display| no_answer(error.to_string());
+            estimate_noise(&mut own, None).map_err(|error| failed(&error))?;
+            let held = held_out(&own.study, &own.measurement);
+            let problem = own.problem();
+            let mut outcome =
+                diagnose_watched(&problem, held, Choice::default(), &Progress::default())
+                    .map_err(|error| failed(&error))?;
+            if own.study.solver.backend != BackendChoice::Native {
+                let mut backend = solver::backend(&own.study, None, &|_| ());
+                if let Some(refused) = outcome.by_the_study(backend.as_mut()) {
+                    return Err(no_answer(refused));
+                }
+            }
+            new.diagnosis = value(&outcome.diagnosis);
+        }
+        Ok(new)
+    }
+
+    fn answer(&self, path: &AnswerPath) -> &Value {
+        match path.answer {
+            Answer::Identification => &self.identification,
+            Answer::Diagnosis => &self.diagnosis,
+        }
+    }
+
+    /// The places that a path means here, with the names of what its stars stand for; none where there is no such place.
+    pub fn matching(&self, path: &AnswerPath) -> Vec<(AnswerPath, String)> {
+        let answer = self.answer(path);
+        if path.is_of(answer) {
+            path.matching(answer)
+        } else {
+            Vec::new()
+        }
+    }
+
+    /// The numbers of all columns.
+    pub fn numbers(&self, outputs: &[Output]) -> Vec<f64> {
+        let number = |output: &Output| match &output.origin {
+            Origin::Answer(path) => path.number(self.answer(path)),
+            _ => f64::NAN,
+        };
+        outputs.iter().map(number).collect()
+    }
+}
+
+fn value(answer: &impl serde::Serialize) -> Value {
+    serde_json::to_value(answer).expect("an answer holds only names and numbers")
+}
