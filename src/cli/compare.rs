@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use crate::results::{Comparison, Tolerance, compare};
 
 use super::Outcome;
-use super::results::{open, refused};
-use super::shell::{Exit, Format, Shell};
+use super::format::Format;
+use super::results_file::{open, refused};
+use super::shell::{Exit, Shell};
 use super::tolerance::tolerance;
 
 /// Compare two results files, column by column and step by step.

@@ -11,11 +11,12 @@ use crate::report::{DiagnosisReport, number};
 use crate::rig::settings::BackendChoice;
 
 use super::Outcome;
+use super::format::Format;
 use super::input::study;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::plausibility::before_a_fit;
 use super::progress::Progress;
-use super::shell::{Exit, Format, Shell};
+use super::shell::{Exit, Shell};
 
 /// Say what a model still gets wrong after its best fit, name the cause, and extend the model by it.
 ///

@@ -4,7 +4,8 @@ use crate::syntax::Dataset;
 use crate::syntax::diff::{Change, Difference, Tolerance, diff};
 
 use super::Outcome;
-use super::shell::{Exit, Format, Shell};
+use super::format::Format;
+use super::shell::{Exit, Shell};
 use super::tolerance::tolerance;
 
 /// Say what changed between two datasets, object by object.

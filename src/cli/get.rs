@@ -11,7 +11,8 @@ use crate::syntax::{Address, CommandFile, Dataset};
 use super::Outcome;
 use super::addresses::complete;
 use super::command_edits;
-use super::shell::{Exit, Format, Shell};
+use super::format::Format;
+use super::shell::{Exit, Shell};
 
 /// Print values of a dataset.
 ///

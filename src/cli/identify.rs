@@ -16,13 +16,14 @@ use crate::identify::global::Marginal;
 use crate::uncertainty::{Kind, LEAST_DRAWS, LEAST_REPLICATES, Repeats, repeat};
 
 use super::Outcome;
+use super::format::Format;
 use super::input::study;
 use super::interrupt;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::plausibility::before_a_fit;
 use super::progress::Progress as Bar;
 use super::render::table_text;
-use super::shell::{Exit, Format, Shell};
+use super::shell::{Exit, Shell};
 
 /// Identify the stiffnesses of a study from what was measured.
 ///

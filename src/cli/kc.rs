@@ -13,12 +13,13 @@ use crate::syntax::Dataset;
 use crate::syntax::files::Files;
 
 use super::Outcome;
+use super::format::Format;
 use super::kc_measured::measured;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::progress::Progress;
 use super::render::table_text;
 use super::results_kc::Axes;
-use super::shell::{Exit, Format, Shell};
+use super::shell::{Exit, Shell};
 
 /// Drive the standard K&C tests on an axle: bounce, roll, steering, lateral, longitudinal, aligning torque.
 ///

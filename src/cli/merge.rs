@@ -6,8 +6,9 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::sweep::{Summary, SweepFolder, merge, page, six_digits};
 
 use super::Outcome;
+use super::format::Format;
 use super::render::table_text;
-use super::shell::{Exit, Format, Shell};
+use super::shell::{Exit, Shell};
 
 /// Join the shards of a sweep into one table.
 ///

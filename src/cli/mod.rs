@@ -22,6 +22,7 @@ mod explain;
 mod export;
 mod extract;
 mod fix;
+mod format;
 mod get;
 mod graph;
 mod guide;
@@ -47,6 +48,7 @@ mod renumber;
 mod reproduce;
 mod results;
 mod results_edits;
+mod results_file;
 mod results_kc;
 mod rig;
 mod sensitivity;
@@ -67,7 +69,8 @@ use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::report::VERSION;
 
-use shell::{ColorChoice, Exit, Format, Shell, Verbosity};
+use format::Format;
+use shell::{ColorChoice, Exit, Shell, Verbosity};
 
 const EXAMPLES: &str = "First steps:
   admire new my-axle --from front.adm        begin a study of a deck

@@ -11,7 +11,7 @@ use crate::session::Sources;
 use crate::text::{Source, Span, masked, printable};
 
 use super::annotations;
-use super::shell::Format;
+use super::format::Format;
 
 /// More complaints than a person reads are counted, not shown.
 const SHOWN: usize = 200;

@@ -8,10 +8,11 @@ use crate::identify::reproduction::{Comparison, ReproductionError, Section, repr
 use crate::report::ReproductionReport;
 
 use super::Outcome;
+use super::format::Format;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::progress::Progress;
 use super::render::table_text;
-use super::shell::{Exit, Format, Shell};
+use super::shell::{Exit, Shell};
 
 /// Run the paper's three validations again and print its tables beside ours.
 ///

@@ -5,17 +5,16 @@ use std::path::{Path, PathBuf};
 use clap_complete::ArgValueCompleter;
 
 use crate::diagnostic::{Code, Diagnostic};
-use crate::grammar::nearest;
-use crate::results::{
-    AnyResults, MessageFile, ResultsError, Selection, StepFilter, StepKind, open_any,
-};
+use crate::results::{AnyResults, MessageFile, ResultsError, Selection, StepFilter, StepKind};
 use crate::text::Source;
 
 use super::Outcome;
 use super::addresses::complete_columns;
+use super::format::Format;
 use super::results_edits;
+use super::results_file::{open, refused, selection};
 use super::results_kc::{self, KcArguments};
-use super::shell::{Exit, Format, Shell, exit_of};
+use super::shell::{Exit, Shell, exit_of};
 use super::target::Target;
 
 /// Show what a results file holds, take columns out of it, change values; or say what a message file tells of a run.
@@ -108,37 +107,6 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     }
     shell.complain(reader.diagnostics());
     Ok(exit_of(reader.diagnostics()))
-}
-
-/// The columns that patterns name; every pattern must name one.
-pub(super) fn selection(
-    reader: &AnyResults,
-    patterns: &[String],
-    shell: &Shell,
-) -> Result<Selection, Exit> {
-    let patterns: Vec<&str> = patterns.iter().map(String::as_str).collect();
-    let (selection, unused) = Selection::matching(reader.catalogue(), &patterns);
-    let Some(pattern) = unused.first() else {
-        return Ok(selection);
-    };
-    let paths: Vec<String> = Selection::all(reader.catalogue())
-        .columns
-        .into_iter()
-        .map(|column| column.path)
-        .collect();
-    let capitals: Vec<String> = paths.iter().map(|path| path.to_uppercase()).collect();
-    let near = nearest(pattern, capitals.iter().map(String::as_str))
-        .and_then(|near| capitals.iter().position(|path| path == near));
-    Err(shell.fail(
-        Diagnostic::error(
-            Code::UndefinedId,
-            format!("no column of the file is called `{pattern}`"),
-        )
-        .help(match near {
-            Some(at) => format!("did you mean `{}`?", paths[at]),
-            None => "`admire results FILE --list` shows what there is".to_string(),
-        }),
-    ))
 }
 
 /// The steps that the command line asks for.
@@ -252,24 +220,6 @@ fn told(file: &MessageFile, shell: &Shell) -> Exit {
     });
     shell.print(&out);
     exit
-}
-
-/// Opens a results file of any kind that can be read, and prints the complaints about it.
-pub(super) fn open(path: &Path, shell: &Shell) -> Result<AnyResults, Exit> {
-    let opened = open_any(path).map_err(|error| match error {
-        ResultsError::Io(error) => shell.fail(Diagnostic::error(
-            Code::CannotRead,
-            format!("`{}` cannot be read: {error}", path.display()),
-        )),
-        refusal @ ResultsError::Refused(_) => refused(refusal, shell),
-    })?;
-    shell.complain(&opened.diagnostics);
-    Ok(opened.value)
-}
-
-/// Says why a file is not read further.
-pub(super) fn refused(error: ResultsError, shell: &Shell) -> Exit {
-    shell.fail(error.into_diagnostic())
 }
 
 fn list(reader: &mut AnyResults, shell: &Shell) -> Result<String, ResultsError> {

@@ -9,7 +9,7 @@ use crate::front::{leftover, permissions::as_new_files, take_place};
 use crate::results::{Change, ResultsError, StepFilter, rewrite};
 
 use super::Outcome;
-use super::results::{open, refused, selection};
+use super::results_file::{open, refused, selection};
 use super::shell::{Exit, Shell};
 use super::target::Target;
 

@@ -16,8 +16,9 @@ use crate::results::{AnyResults, ResultsError, Selection, StepFilter, StepKind};
 use crate::units::{LENGTH_UNITS, Units};
 
 use super::Outcome;
-use super::results::{open, refused};
-use super::shell::{Exit, Format, Shell, exit_of};
+use super::format::Format;
+use super::results_file::{open, refused};
+use super::shell::{Exit, Shell, exit_of};
 
 /// Characteristics of wheels.
 #[derive(clap::Args, Debug)]

@@ -9,9 +9,10 @@ use crate::front::{SensitivityRow, SensitivityTable, Unavailable};
 
 use super::Outcome;
 use super::addresses::complete;
+use super::format::Format;
 use super::input::{Solvable, solvable};
 use super::render::table_text;
-use super::shell::{Exit, Format, Shell};
+use super::shell::{Exit, Shell};
 
 /// Show how the equilibrium changes with the numbers of a dataset.
 ///

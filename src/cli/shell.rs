@@ -10,22 +10,8 @@ use crate::syntax::Dataset;
 use crate::syntax::files::Files;
 use crate::text::{CodePage, Source, check_size, printable};
 
+use super::format::Format;
 use super::render;
-
-/// How complaints are printed.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum)]
-pub(super) enum Format {
-    /// With the lines of the file and the place marked.
-    Text,
-    /// One line each: `file:line:column: severity[code]: message`.
-    Plain,
-    /// One JSON array.
-    Json,
-    /// SARIF 2.1.0, for code scanning.
-    Sarif,
-    /// Workflow commands of GitHub: annotations in a pull request.
-    Github,
-}
 
 /// When to colour.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum)]

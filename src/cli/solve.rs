@@ -15,9 +15,10 @@ use crate::system::{Scratch, State, System};
 use crate::units::Dimension;
 
 use super::Outcome;
+use super::format::Format;
 use super::input::{Solvable, solvable};
 use super::render::table_text;
-use super::shell::{Exit, Format, Shell};
+use super::shell::{Exit, Shell};
 use super::solve_run::{self, Taken};
 
 /// Find the static equilibrium of a dataset, or execute a command file.

@@ -13,7 +13,7 @@ use crate::session::{Moment, Session, on_deck};
 use super::Outcome;
 use super::interrupt;
 use super::output_folder::{Replacing, refuse_replacing};
-use super::results::{open, refused, selection};
+use super::results_file::{open, refused, selection};
 use super::shell::{Exit, Shell};
 
 /// Curves in one picture; more of them cannot be told apart.

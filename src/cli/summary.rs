@@ -12,7 +12,8 @@ use crate::syntax::Dataset;
 use crate::system::System;
 
 use super::Outcome;
-use super::shell::{Exit, Format, Shell};
+use super::format::Format;
+use super::shell::{Exit, Shell};
 
 /// A model in a few numbers: objects per kind, units, mass and centre of mass, degrees of freedom, unused markers.
 ///

@@ -9,7 +9,7 @@ use crate::results::{AnyResults, Timestamp};
 use crate::syntax::Dataset;
 
 use super::Outcome;
-use super::results::{open, refused};
+use super::results_file::{open, refused};
 use super::shell::{Exit, Shell, exit_of};
 
 /// Write a page that shows a mechanism in three dimensions, moving through the steps of a result.

@@ -10,6 +10,7 @@ mod averaged;
 mod cause;
 mod causes;
 mod columns;
+mod comparison;
 mod cross_validation;
 mod diagnose;
 mod diagnosis;

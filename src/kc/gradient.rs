@@ -1,7 +1,7 @@
 //! Slopes of what a test shows, at ride height: the exact tangent, and a line fitted over a window as rigs do.
 
 use super::bench::Observation;
-use super::sweep::{Branch, Sample};
+use super::sample::{Branch, Sample};
 use super::wheel::angle_rates;
 use super::{Sense, Side, Unit};
 use crate::mechanics::Vec3;

@@ -5,8 +5,10 @@ use std::io;
 
 use serde_json::{Value, json};
 
-use super::config::{Config, LoadPoint, TestSettings};
-use super::sweep::{KcRun, Sample, TestRun};
+use super::config::Config;
+use super::sample::Sample;
+use super::sweep::{KcRun, TestRun};
+use super::test_settings::{LoadPoint, TestSettings};
 use super::{Convention, Reading, Side};
 use crate::results::{Catalogue, Component, Entity, Header, StepKind, Style, Timestamp, XrfWriter};
 use crate::units::Units;

@@ -6,7 +6,8 @@
 //! follows the wheel. A MOTION holds the height where heights are driven; its reaction is part of the load.
 
 use super::Side;
-use super::config::{Config, Hold, Spelled, WheelConfig};
+use super::config::{Config, Spelled, WheelConfig};
+use super::test_settings::Hold;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::mechanics::{Mat3, Pose, Vec3, psi_theta_phi};
 use crate::model::{MarkerIx, Model, PartKind};

@@ -1,4 +1,4 @@
-use super::config::{Hold, LoadPoint, TestSettings};
+use super::test_settings::{Hold, LoadPoint, TestSettings};
 
 /// A standard test of an axle on a rig.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]

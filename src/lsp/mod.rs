@@ -17,6 +17,7 @@ mod highlight;
 mod hover;
 mod position;
 mod references;
+mod refused;
 mod rename;
 mod requests;
 mod server;

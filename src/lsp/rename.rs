@@ -11,7 +11,7 @@ use super::convert::text_edits;
 use super::cursor::{Cursor, Thing, asked, cursor};
 use super::position::range;
 use super::references::{Role, everywhere};
-use super::requests::Refused;
+use super::refused::Refused;
 use super::workspace::Workspace;
 use crate::syntax::renumber::{Renumbering, renumber};
 use crate::syntax::{CommandFile, Dataset, Object};

@@ -5,22 +5,12 @@ use std::collections::BTreeMap;
 use lsp_types::request::{self, Request};
 use serde_json::Value;
 
+use super::refused::Refused;
 use super::workspace::Workspace;
 use super::{
     completion, definition, fixes, folding, format, highlight, hover, references, rename,
     signature, symbols,
 };
-
-/// Why a request has no answer.
-#[derive(Debug)]
-pub enum Refused {
-    /// Nobody answers such a request.
-    Unknown,
-    /// Its parameters cannot be read.
-    Parameters(String),
-    /// What it asks for cannot be done, and why.
-    Request(String),
-}
 
 type Answer = Box<dyn Fn(&mut Workspace, Value) -> Result<Value, Refused> + Send>;
 

@@ -2,6 +2,7 @@
 
 use super::convergence::convergence;
 use super::interval::IntervalScale;
+use super::number::{number, rounded};
 use super::repeats::repeats;
 use super::study_figures::StudyFigures;
 use super::{Align, DrawingError, Page, Positions, Table, headline, study_scene};
@@ -501,36 +502,6 @@ fn probability(p: f64) -> String {
     } else {
         format!("{p:.3}")
     }
-}
-
-/// A value with no more digits than its standard error deserves: two digits of the error.
-pub fn number(value: f64, std_error: Option<f64>) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return format!("{value}");
-    }
-    let digits = match std_error.filter(|error| *error > 0.0 && error.is_finite()) {
-        Some(error) => (value.abs().log10().floor() - error.log10().floor() + 2.0).clamp(1.0, 8.0),
-        None => 6.0,
-    };
-    rounded(value, digits as i32)
-}
-
-fn rounded(value: f64, digits: i32) -> String {
-    let exponent = value.abs().log10().floor() as i32;
-    let decimals = digits - 1 - exponent;
-    if !(-5..=9).contains(&exponent) {
-        return format!("{value:.*e}", (digits - 1).max(0) as usize);
-    }
-    if decimals >= 0 {
-        let text = format!("{value:.*}", decimals as usize);
-        return if text.contains('.') {
-            text.trim_end_matches('0').trim_end_matches('.').to_string()
-        } else {
-            text
-        };
-    }
-    let unit = 10f64.powi(-decimals);
-    format!("{:.0}", (value / unit).round() * unit)
 }
 
 fn interval(parameter: &ParameterFit) -> String {

@@ -1,25 +1,8 @@
 use std::fmt::Write as _;
 
+use super::escape::escape;
 use super::scene::{CLIENT, CLIENT_STYLE};
 use super::{Figure, Scene, Table};
-
-/// Text made safe for HTML: no character of it can open a tag, an entity or leave an attribute.
-pub fn escape(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for character in text.chars() {
-        match character {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&#39;"),
-            // Control characters are not allowed in HTML; a deck may hold any byte.
-            c if c.is_control() && c != '\n' && c != '\t' => out.push('\u{fffd}'),
-            c => out.push(c),
-        }
-    }
-    out
-}
 
 /// One page, built from top to bottom. It refers to nothing outside of itself.
 #[derive(Debug)]

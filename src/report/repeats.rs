@@ -1,4 +1,4 @@
-use super::identification::number;
+use super::number::number;
 use super::{Align, Page, Table};
 use crate::identify::{Fit, ParameterFit};
 

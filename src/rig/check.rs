@@ -8,8 +8,9 @@ use super::orientation::{
     LEAST_SPREAD, Orientation, OrientationError, absolute_orientation, chi_square_p_value,
     estimate_noise, extents,
 };
+use super::resolve;
 use super::study::{MarkFiles, Study};
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::{Checked, Code, Diagnostic};
 use crate::mechanics::{Pose, Vec3};
 use crate::model::{Model, PartKind};
 
@@ -32,6 +33,20 @@ const POOR_SPREAD: f64 = 0.05;
 
 /// Below this probability marks are said not to fit a rigid body.
 const INCONSISTENT: f64 = 1e-6;
+
+impl Measurement {
+    /// Resolves a study's files against its model and runs the checks of `check`: what can safely be worked around
+    /// is, with a warning; errors mean that no fit should be trusted.
+    pub fn resolve(study: &Study, model: &Model) -> Checked<Self> {
+        let mut out = Vec::new();
+        let mut value = resolve::measurement(study, model, &mut out);
+        check(&mut value, study, model, &mut out);
+        Checked {
+            value,
+            diagnostics: out,
+        }
+    }
+}
 
 /// Runs every check and mends what can safely be mended.
 pub(super) fn check(to: &mut Measurement, study: &Study, model: &Model, out: &mut Vec<Diagnostic>) {

@@ -2,11 +2,9 @@ use std::collections::BTreeMap;
 
 use super::kc_curves::Helper;
 use super::orientation::{Orientation, OrientationError, absolute_orientation};
-use super::resolve;
 use super::settings::WheelSettings;
-use super::study::Study;
 use super::wheel::{SpinDirection, WheelReading};
-use crate::diagnostic::{Checked, Diagnostic};
+use crate::diagnostic::Diagnostic;
 use crate::mechanics::{Pose, Vec3};
 use crate::model::{MarkerIx, Model, PartIx};
 use crate::text::Span;
@@ -147,18 +145,6 @@ pub struct Measurement {
 }
 
 impl Measurement {
-    /// Resolves a study's files against its model and runs the checks of `check`: what can safely be worked around
-    /// is, with a warning; errors mean that no fit should be trusted.
-    pub fn resolve(study: &Study, model: &Model) -> Checked<Self> {
-        let mut out = Vec::new();
-        let mut value = resolve::measurement(study, model, &mut out);
-        super::check::check(&mut value, study, model, &mut out);
-        Checked {
-            value,
-            diagnostics: out,
-        }
-    }
-
     /// The pose of a marked part in a case, from its marks.
     ///
     /// # Errors

@@ -3,7 +3,8 @@
 use super::effect::{ReadingFault, Reality};
 use super::measurement::{MarkedPart, Measurement};
 use super::noise::Noise;
-use super::virtual_rig::{Rest, RigOptions, place};
+use super::rest::{Rest, place};
+use super::rig_options::RigOptions;
 use super::wheel::WheelReading;
 use crate::mechanics::{Vec3, exp};
 use crate::model::Model;

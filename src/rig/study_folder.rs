@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use super::measurement::Measurement;
 use super::readings::Readings;
+use super::rig_options::RigOptions;
 use super::section;
 use super::study::Study;
-use super::virtual_rig::RigOptions;
 
 /// The standard deviation that exact readings are given, in length units: they cannot have none.
 const EXACT: f64 = 1e-4;

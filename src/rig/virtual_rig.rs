@@ -2,45 +2,25 @@
 
 use std::path::{Path, PathBuf};
 
-use super::effect::{EffectSpec, Marked, Memory, Reality, plant};
+use super::effect::{Marked, Memory, Reality, plant};
 use super::kc_curves::with_helpers;
 use super::load::programme;
-use super::load_table::LoadTable;
 use super::measurement::Measurement;
 use super::readings::Readings;
 use super::resolve;
-use super::scatter::Scatter;
+use super::rest::{Rest, place};
+use super::rig_options::RigOptions;
 use super::study::Study;
 use super::study_folder;
 use super::table::Table;
-use super::tolerances::Tolerances;
 use crate::backend::{compile, slot, tight_settings};
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::mechanics::{Pose, RelativeMotion, Vec3};
-use crate::model::{MarkerIx, Model, Request};
+use crate::model::{Model, Request};
 use crate::statics::Solver;
 use crate::syntax::{Address, Dataset};
 use crate::system::{Parameters, Scratch, State, System};
 use crate::text::Source;
-
-/// What the rig is asked to do.
-#[derive(Clone, PartialEq, Debug, Default)]
-pub struct RigOptions {
-    /// Seed of the noise.
-    pub seed: u64,
-    /// Sd of a mark coordinate instead of the study's; zero makes every reading exact.
-    pub sigma: Option<f64>,
-    /// Sd of one coordinate of the first session instead of the study's; the folder tells it, as the data sheet would.
-    pub sigma_on_parts: Option<f64>,
-    /// Effects to plant.
-    pub effects: Vec<EffectSpec>,
-    /// Small errors in many places besides.
-    pub tolerances: Tolerances,
-    /// How the marks scatter.
-    pub scatter: Scatter,
-    /// Load cases instead of the study's, whose loads must be called vertical, lateral and longitudinal.
-    pub programme: Option<LoadTable>,
-}
 
 /// What the rig hands over.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -146,14 +126,6 @@ pub fn virtual_rig(folder: &Path, options: &RigOptions) -> Result<RigRun, Vec<Di
     })
 }
 
-/// Part poses and channel values of one case.
-pub(super) struct Rest {
-    /// In the order of the reality's parts.
-    pub poses: Vec<Pose>,
-    /// In the order of the measurement's channels.
-    pub channels: Vec<f64>,
-}
-
 /// Applies the loads one after the other and lets what remembers the path remember it.
 fn at_rest(reality: &Reality, measured: &Measurement) -> Result<Vec<Rest>, Vec<Diagnostic>> {
     let model = with_requests(reality.model(), measured).map_err(|why| vec![why])?;
@@ -223,15 +195,6 @@ fn at_rest(reality: &Reality, measured: &Measurement) -> Result<Vec<Rest>, Vec<D
         });
     }
     Ok(out)
-}
-
-/// Where a marker is.
-pub(super) fn place(model: &Model, poses: &[Pose], marker: MarkerIx) -> Pose {
-    let frame = &model.markers[marker.0];
-    poses[frame.part.0].compose(&Pose {
-        p: frame.qp,
-        R: frame.R,
-    })
 }
 
 fn displacement(model: &Model, poses: &[Pose], memory: &Memory) -> f64 {

@@ -6,6 +6,7 @@
 
 mod answer_path;
 mod answers;
+mod complaints;
 mod correlation;
 mod design;
 mod distribution;
@@ -30,6 +31,7 @@ mod shard;
 mod summary;
 mod table_reader;
 mod table_writer;
+mod task;
 mod variation;
 
 pub use design::{Design, Plan};
@@ -38,7 +40,7 @@ pub use folder::{Manifest, SweepFolder};
 pub use kept::{At, Keep, Output};
 pub use merge::{Columns, merge};
 pub use page::{page, six_digits};
-pub use plan::{SweepPlan, Task};
+pub use plan::SweepPlan;
 pub use random::Stream;
 pub use row::{Row, Status};
 pub use runner::Runner;
@@ -46,4 +48,5 @@ pub use shard::{MOST_SHARDS, Shard, ShardError};
 pub use summary::{OutputSummary, Spread, Summary};
 pub use table_reader::TableReader;
 pub use table_writer::Layout;
+pub use task::Task;
 pub use variation::{Apply, Variation};

@@ -9,24 +9,15 @@ use crate::syntax::files::Files;
 use crate::syntax::{CommandFile, Dataset};
 use crate::text::{Source, Span};
 
+use super::complaints::Complaints;
 use super::correlation::Correlation;
 use super::design::{Design, Point};
 use super::kept::Keep;
 use super::plan_file::PlanFile;
 use super::plan_keeps::keeps;
 use super::plan_numbers::{Numbers, numbers};
+use super::task::Task;
 use super::variation::{Variation, varied};
-
-/// What is run for a case.
-#[derive(Clone, Debug)]
-pub enum Task {
-    /// A command file.
-    Commands(Source),
-    /// The K&C tests of a `kc.toml`.
-    Tests(Box<Config>),
-    /// Identification or diagnosis of a study, whose deck varies.
-    Study(Box<LoadedStudy>),
-}
 
 /// A program that solves in place of the built-in solver.
 #[derive(Clone, PartialEq, Debug)]
@@ -335,53 +326,4 @@ fn included(source: &Source, folder: &Path) -> Vec<Source> {
         }
     }
     found
-}
-
-/// What is wrong with a SWEEP.toml, with places in it.
-#[derive(Default)]
-pub(super) struct Complaints {
-    file: String,
-    pub(super) all: Vec<Diagnostic>,
-}
-
-impl Complaints {
-    /// Something is wrong at a place of SWEEP.toml.
-    pub(super) fn wrong(&mut self, code: Code, span: std::ops::Range<usize>, message: &str) {
-        let diagnostic =
-            Diagnostic::error(code, message).label(self.file.as_str(), Span::from(span), "");
-        self.all.push(diagnostic);
-    }
-
-    /// The same for what another reader said of a text of SWEEP.toml.
-    pub(super) fn refused(&mut self, span: std::ops::Range<usize>, mut why: Diagnostic) {
-        why.labels.clear();
-        self.all
-            .push(why.label(self.file.as_str(), Span::from(span), ""));
-    }
-
-    /// Help for the last complaint.
-    pub(super) fn help(&mut self, text: &str) {
-        if let Some(last) = self.all.pop() {
-            self.all.push(last.help(text));
-        }
-    }
-
-    /// Reads a file that is named at a place.
-    pub(super) fn source(
-        &mut self,
-        path: &Path,
-        span: Option<std::ops::Range<usize>>,
-    ) -> Option<Source> {
-        match Source::read(path) {
-            Ok(source) => Some(source),
-            Err(error) => {
-                let message = format!("`{}` cannot be read: {error}", path.display());
-                match span {
-                    Some(span) => self.wrong(Code::CannotRead, span, &message),
-                    None => self.all.push(Diagnostic::error(Code::CannotRead, message)),
-                }
-                None
-            }
-        }
-    }
 }

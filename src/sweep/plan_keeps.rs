@@ -5,9 +5,10 @@ use crate::kc::TestKind;
 use crate::text::Span;
 
 use super::answer_path::{Answer, AnswerPath};
+use super::complaints::Complaints;
 use super::kept::{At, Keep};
-use super::plan::{Complaints, Task};
 use super::plan_file::{self, PlanFile};
+use super::task::Task;
 
 /// Reads every `[[keep]]`.
 pub(super) fn keeps(

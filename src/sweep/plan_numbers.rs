@@ -11,10 +11,10 @@ use crate::diagnostic::Code;
 use crate::syntax::{Address, Dataset};
 use crate::text::Source;
 
+use super::complaints::Complaints;
 use super::correlation::Correlation;
 use super::design::{Design, MOST_SOBOL, Plan};
 use super::distribution::Distribution;
-use super::plan::Complaints;
 use super::plan_file::{OneOrMore, PlanFile, PlanWord, Vary};
 use super::variation::{Apply, Variation, varied};
 

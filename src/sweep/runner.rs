@@ -13,9 +13,10 @@ use crate::text::{Source, Span};
 
 use super::answers::Answers;
 use super::kept::{Keep, Origin, Output};
-use super::plan::{SweepPlan, Task};
+use super::plan::SweepPlan;
 use super::row::{Row, Status};
 use super::table_writer::OTHER_COLUMNS;
+use super::task::Task;
 
 /// A plan that is ready to run: the columns of its answer are known.
 #[derive(Debug)]

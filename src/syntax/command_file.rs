@@ -1,8 +1,8 @@
 use std::ops::Range;
 
-use super::dataset::{BOM, one, parse_lines, starts_line};
 use super::lexer::{Lexer, is_blank};
 use super::lines::{PhysicalLine, logical_lines, physical_line};
+use super::statements::{BOM, one, parse_lines, starts_line};
 use super::{Statement, Token, TokenKind};
 use crate::diagnostic::Checked;
 use crate::grammar::{Lookup, Role, find_statement};

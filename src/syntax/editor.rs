@@ -1,6 +1,7 @@
 //! Changes of a dataset as edits of its text: only the bytes of what changes.
 
 use super::expression::Node;
+use super::new_statement::NewStatement;
 use super::number::parse_number;
 use super::spelling::spell_like;
 use super::style::Style;
@@ -8,19 +9,6 @@ use super::{Address, Argument, Dataset, Expression, Number, Statement, Value};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::grammar::{ArgumentDef, ValueKind};
 use crate::text::{Edit, Span};
-
-/// A statement to add. Values are written as they are, in the order given.
-#[derive(Clone, PartialEq, Eq, Debug, Default)]
-pub struct NewStatement {
-    /// Whole keyword in capitals.
-    pub kind: String,
-    /// Id, if the kind has ids.
-    pub id: Option<u32>,
-    /// Name for the `adams_view_name` comment.
-    pub view_name: Option<String>,
-    /// Keyword and value of each argument; flags have no value.
-    pub arguments: Vec<(String, Option<String>)>,
-}
 
 impl Dataset {
     /// The statement an address stands for.

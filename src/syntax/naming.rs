@@ -1,6 +1,6 @@
 //! New titles and view names as edits of a dataset.
 
-use super::dataset::BOM;
+use super::statements::BOM;
 use super::style::Style;
 use super::{Dataset, Statement};
 use crate::diagnostic::{Code, Diagnostic};

@@ -10,8 +10,8 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::dataset::{parse_lines_after, statement_before};
 use super::lines::{LogicalLine, continues, logical_lines, physical_line};
+use super::statements::{parse_lines_after, statement_before};
 use super::{CommandFile, Head, Statement};
 use crate::diagnostic::Diagnostic;
 use crate::grammar::{Role, StatementDef};

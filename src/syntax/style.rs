@@ -1,4 +1,4 @@
-use super::editor::NewStatement;
+use super::new_statement::NewStatement;
 use super::{Dataset, Statement};
 use crate::grammar::{STATEMENTS, ValueKind};
 

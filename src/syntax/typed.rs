@@ -1,8 +1,8 @@
 //! Statements typed by a person, to be added to a dataset in its own style.
 
-use super::dataset::parse_lines;
 use super::lines::logical_lines;
 use super::statement::{NO_OWNER, without_continuation};
+use super::statements::parse_lines;
 use super::{Argument, NewStatement, Statement};
 use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
 use crate::grammar::Role;

@@ -1,6 +1,6 @@
 use std::collections::HashMap;
 
-use super::Options;
+use super::options::Options;
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::grammar::ValueKind;
 use crate::syntax::{Argument, Dataset, Number, Reference, Statement};

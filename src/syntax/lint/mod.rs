@@ -20,6 +20,7 @@ mod material;
 mod motion;
 mod native;
 mod one_part;
+mod options;
 mod presence;
 mod range;
 mod sequence;
@@ -38,14 +39,8 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::text::Span;
 use context::Context;
 
+pub use options::Options;
 pub use suppressed::Suppressed;
-
-/// What is looked for.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub struct Options {
-    /// The deck is for the FORTRAN solver: lines have at most 80 columns.
-    pub fortran: bool,
-}
 
 /// What a rule looks at to judge one statement: what a change of another one can change in its complaints.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]

@@ -1,0 +1,57 @@
+//! A file of results as several commands open it.
+
+use std::path::Path;
+
+use super::shell::{Exit, Shell};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::grammar::nearest;
+use crate::results::{AnyResults, ResultsError, Selection, open_any};
+
+/// Opens a results file of any kind that can be read, and prints the complaints about it.
+pub(super) fn open(path: &Path, shell: &Shell) -> Result<AnyResults, Exit> {
+    let opened = open_any(path).map_err(|error| match error {
+        ResultsError::Io(error) => shell.fail(Diagnostic::error(
+            Code::CannotRead,
+            format!("`{}` cannot be read: {error}", path.display()),
+        )),
+        refusal @ ResultsError::Refused(_) => refused(refusal, shell),
+    })?;
+    shell.complain(&opened.diagnostics);
+    Ok(opened.value)
+}
+
+/// Says why a file is not read further.
+pub(super) fn refused(error: ResultsError, shell: &Shell) -> Exit {
+    shell.fail(error.into_diagnostic())
+}
+
+/// The columns that patterns name; every pattern must name one.
+pub(super) fn selection(
+    reader: &AnyResults,
+    patterns: &[String],
+    shell: &Shell,
+) -> Result<Selection, Exit> {
+    let patterns: Vec<&str> = patterns.iter().map(String::as_str).collect();
+    let (selection, unused) = Selection::matching(reader.catalogue(), &patterns);
+    let Some(pattern) = unused.first() else {
+        return Ok(selection);
+    };
+    let paths: Vec<String> = Selection::all(reader.catalogue())
+        .columns
+        .into_iter()
+        .map(|column| column.path)
+        .collect();
+    let capitals: Vec<String> = paths.iter().map(|path| path.to_uppercase()).collect();
+    let near = nearest(pattern, capitals.iter().map(String::as_str))
+        .and_then(|near| capitals.iter().position(|path| path == near));
+    Err(shell.fail(
+        Diagnostic::error(
+            Code::UndefinedId,
+            format!("no column of the file is called `{pattern}`"),
+        )
+        .help(match near {
+            Some(at) => format!("did you mean `{}`?", paths[at]),
+            None => "`admire results FILE --list` shows what there is".to_string(),
+        }),
+    ))
+}

@@ -1,0 +1,53 @@
+use std::path::Path;
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::text::{Source, Span};
+
+/// What is wrong with a SWEEP.toml, with places in it.
+#[derive(Default)]
+pub(super) struct Complaints {
+    pub(super) file: String,
+    pub(super) all: Vec<Diagnostic>,
+}
+
+impl Complaints {
+    /// Something is wrong at a place of SWEEP.toml.
+    pub(super) fn wrong(&mut self, code: Code, span: std::ops::Range<usize>, message: &str) {
+        let diagnostic =
+            Diagnostic::error(code, message).label(self.file.as_str(), Span::from(span), "");
+        self.all.push(diagnostic);
+    }
+
+    /// The same for what another reader said of a text of SWEEP.toml.
+    pub(super) fn refused(&mut self, span: std::ops::Range<usize>, mut why: Diagnostic) {
+        why.labels.clear();
+        self.all
+            .push(why.label(self.file.as_str(), Span::from(span), ""));
+    }
+
+    /// Help for the last complaint.
+    pub(super) fn help(&mut self, text: &str) {
+        if let Some(last) = self.all.pop() {
+            self.all.push(last.help(text));
+        }
+    }
+
+    /// Reads a file that is named at a place.
+    pub(super) fn source(
+        &mut self,
+        path: &Path,
+        span: Option<std::ops::Range<usize>>,
+    ) -> Option<Source> {
+        match Source::read(path) {
+            Ok(source) => Some(source),
+            Err(error) => {
+                let message = format!("`{}` cannot be read: {error}", path.display());
+                match span {
+                    Some(span) => self.wrong(Code::CannotRead, span, &message),
+                    None => self.all.push(Diagnostic::error(Code::CannotRead, message)),
+                }
+                None
+            }
+        }
+    }
+}

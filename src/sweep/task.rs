@@ -1,0 +1,14 @@
+use crate::identify::LoadedStudy;
+use crate::kc::Config;
+use crate::text::Source;
+
+/// What is run for a case.
+#[derive(Clone, Debug)]
+pub enum Task {
+    /// A command file.
+    Commands(Source),
+    /// The K&C tests of a `kc.toml`.
+    Tests(Box<Config>),
+    /// Identification or diagnosis of a study, whose deck varies.
+    Study(Box<LoadedStudy>),
+}

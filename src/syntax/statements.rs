@@ -1,0 +1,125 @@
+//! From logical lines to statements, for datasets and command files alike.
+
+use rayon::prelude::*;
+
+use super::lexer::is_blank;
+use super::lines::LogicalLine;
+use super::parser::StatementParser;
+use super::{Statement, Token, TokenKind};
+use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::grammar::{Role, StatementDef};
+use crate::text::{Source, Span};
+
+/// The byte order mark some editors put in front of a file.
+pub(super) const BOM: &[u8] = b"\xef\xbb\xbf";
+
+/// One token for a span that is not empty.
+pub(super) fn one(kind: TokenKind, span: Span) -> impl Iterator<Item = Token> {
+    (!span.is_empty())
+        .then_some(Token { kind, span })
+        .into_iter()
+}
+
+/// True if only blanks stand before `offset` on its line.
+pub(super) fn starts_line(bytes: &[u8], offset: usize) -> bool {
+    bytes[..offset]
+        .iter()
+        .rfind(|byte| !is_blank(**byte))
+        .is_none_or(|byte| matches!(byte, b'\n' | b'\r'))
+}
+
+/// More complaints about one file than anybody reads are counted, not kept.
+const MOST_COMPLAINTS: usize = 10_000;
+
+/// Reads logical lines, those of long files on all processors.
+pub(super) fn parse_lines(
+    source: &Source,
+    lines: &[LogicalLine],
+    role: Role,
+) -> (Vec<Statement>, Vec<Diagnostic>) {
+    let (statements, diagnostics, _) = parse_lines_after(source, lines, role, None);
+    (statements, diagnostics)
+}
+
+/// The same for lines that stand behind a statement; also the last statement of them.
+pub(super) fn parse_lines_after(
+    source: &Source,
+    lines: &[LogicalLine],
+    role: Role,
+    before: Option<&'static StatementDef>,
+) -> (
+    Vec<Statement>,
+    Vec<Diagnostic>,
+    Option<&'static StatementDef>,
+) {
+    const CHUNK: usize = 4096;
+    // What so many lines hold fits the cache.
+    const GROUP: usize = 256;
+    let read = |(at, chunk): (usize, &[LogicalLine])| {
+        let mut parser = StatementParser::new(source, role);
+        parser.before = statement_before(source, &lines[..at * CHUNK], role, before);
+        let mut statements = Vec::with_capacity(chunk.len());
+        for group in chunk.chunks(GROUP) {
+            for line in group {
+                parser.line(*line, &mut statements);
+            }
+            parser.close();
+        }
+        (
+            statements,
+            parser.diagnostics,
+            parser.dropped,
+            parser.before,
+        )
+    };
+    let chunks: Vec<_> = if lines.len() <= CHUNK {
+        vec![read((0, lines))]
+    } else {
+        lines.par_chunks(CHUNK).enumerate().map(read).collect()
+    };
+    let mut statements = Vec::with_capacity(lines.len());
+    let mut diagnostics = Vec::new();
+    let (mut dropped, mut worst) = (0, Severity::Note);
+    let mut after = before;
+    for (some, complaints, (count, severity), last) in chunks {
+        after = last;
+        statements.extend(some);
+        let room = MOST_COMPLAINTS.saturating_sub(diagnostics.len());
+        for late in complaints.iter().skip(room) {
+            dropped += 1;
+            worst = worst.max(late.severity);
+        }
+        diagnostics.extend(complaints.into_iter().take(room));
+        dropped += count;
+        worst = worst.max(severity);
+    }
+    if dropped > 0 {
+        let mut more = Diagnostic::note(
+            Code::LimitExceeded,
+            format!("{dropped} more complaints are not listed"),
+        )
+        .label(source.name(), Span::at(source.bytes().len()), "");
+        more.severity = worst;
+        diagnostics.push(more);
+    }
+    (statements, diagnostics, after)
+}
+
+/// The last statement of some lines, which the next one may continue by mistake; `otherwise` if they do not tell.
+pub(super) fn statement_before(
+    source: &Source,
+    lines: &[LogicalLine],
+    role: Role,
+    otherwise: Option<&'static StatementDef>,
+) -> Option<&'static StatementDef> {
+    // What begins with no keyword tells nothing. A file of such lines is nonsense.
+    const MOST: usize = 16;
+    for line in lines.iter().rev().take(MOST) {
+        let mut parser = StatementParser::new(source, role);
+        parser.line(*line, &mut Vec::new());
+        if parser.knows_before {
+            return parser.before;
+        }
+    }
+    otherwise
+}
