@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use crate::backend::Backend;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::discrepancy::tolerant;
+use crate::identify::global::gauss_newton::Tolerances;
 use crate::identify::global::{Options, Prepared, Start, fit_study};
 use crate::identify::{Fit, IdentifyError, LoadedStudy, direct, estimate_noise, regression};
 use crate::report::Positions;
@@ -128,13 +129,15 @@ pub(crate) fn fitted(
             } else {
                 Prepared::new(&problem)?
             };
+            let most = Tolerances::default().max_iterations;
             let each = |iteration: usize, sweeps: usize, objective: f64| {
                 watch.detail(if sweeps == 0 {
                     "a start from the direct solution".to_string()
                 } else {
-                    format!("step {iteration}, half chi-square {objective:.4e}")
+                    let solved = sweeps * cases;
+                    format!("half chi-square {objective:.4e}, {solved} equilibria")
                 });
-                watch.count(sweeps * cases, None, "equilibria");
+                watch.count(iteration, Some(most), "steps");
                 watch.goes_on()
             };
             let options = Options {

@@ -47,7 +47,7 @@ pub use rig::{FoundWheel, Rigged, Variant, WheelIds};
 pub use side::Side;
 pub use steer_axis::SteerAxis;
 pub use steering::Steering;
-pub use sweep::{Branch, KcRun, Sample, TestRun, given, run};
+pub use sweep::{Branch, KcRun, Sample, TestRun, given, run, run_watched};
 pub use swing_arm::{RollCentre, VerticalLoad, roll_centre};
 pub use test_kind::{Driven, TestKind};
 pub use wheel::Wheel;
