@@ -15,7 +15,7 @@ use super::interrupt;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::plausibility::before_a_fit;
 use super::progress::Progress;
-use super::render::table_text;
+use super::render::{hanging, table_text};
 use super::shell::{Exit, Format, Shell};
 
 /// Identify the stiffnesses of a study from what was measured.
@@ -98,9 +98,9 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     } else {
         let report = arguments.out.join("report.html");
         shell.print(&format!(
-            "{}\n{}\nreport: {}\n",
+            "{}\n{}report: {}\n",
             table(&loaded, &fit),
-            lead(&fit),
+            hanging("", &lead(&fit)),
             report.display()
         ));
     }
@@ -139,40 +139,37 @@ fn write(
     write_folder(&arguments.out, &files, arguments.replacing, shell)
 }
 
-/// Initial, identified and reference values.
+/// Initial and identified values, and those of a reference where the study has one.
 fn table(loaded: &LoadedStudy, fit: &Fit) -> String {
     let reference = loaded.reference_values();
+    let compares = reference.iter().any(Option::is_some);
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
-    table.set_header([
-        "number",
-        "initial",
-        "identified",
-        "std error",
-        "reference",
-        "ratio",
-        "",
-    ]);
+    let mut head = vec!["number", "initial", "identified", "std error"];
+    if compares {
+        head.extend(["reference", "ratio"]);
+    }
+    head.push("");
+    table.set_header(&head);
     for (parameter, reference) in fit.parameters.iter().zip(reference) {
-        table.add_row([
-            std::iter::once(&parameter.address)
-                .chain(&parameter.tied)
-                .cloned()
-                .collect::<Vec<_>>()
-                .join(" = "),
+        let addresses = std::iter::once(&parameter.address).chain(&parameter.tied);
+        let mut row = vec![
+            addresses.cloned().collect::<Vec<_>>().join(" = "),
             number(parameter.initial, None),
             number(parameter.value, parameter.std_error),
             parameter
                 .std_error
                 .map_or_else(String::new, |error| number(error, Some(error))),
-            reference.map_or_else(String::new, |value| number(value, None)),
-            reference.map_or_else(String::new, |value| {
-                format!("{:.3}", parameter.value / value)
-            }),
-            status(parameter.status).to_string(),
-        ]);
+        ];
+        if compares {
+            let ratio = |value: f64| format!("{:.3}", parameter.value / value);
+            row.push(reference.map_or_else(String::new, |value| number(value, None)));
+            row.push(reference.map_or_else(String::new, ratio));
+        }
+        row.push(status(parameter.status).to_string());
+        table.add_row(row);
     }
-    for column in table.column_iter_mut().skip(1).take(5) {
+    for column in table.column_iter_mut().skip(1).take(head.len() - 2) {
         column.set_cell_alignment(CellAlignment::Right);
     }
     table_text(&table)

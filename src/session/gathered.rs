@@ -14,16 +14,12 @@ const NAMED: usize = 5;
 
 impl Session<'_> {
     /// Says what is wrong with objects of the model, alike complaints as one, and each only once as long as the model is loaded.
-    pub(super) fn complain_once(&mut self, found: Vec<Diagnostic>) {
+    pub(super) fn complain_once(&mut self, mut found: Vec<Diagnostic>) {
+        if let Some(loaded) = &mut self.loaded {
+            found.retain(|told| loaded.told.insert((told.severity, told.message.clone())));
+        }
         for diagnostic in gathered(found) {
-            let new = self.loaded.as_mut().is_none_or(|loaded| {
-                loaded
-                    .told
-                    .insert((diagnostic.severity, diagnostic.message.clone()))
-            });
-            if new {
-                self.complain(&diagnostic);
-            }
+            self.complain(&diagnostic);
         }
     }
 }
