@@ -81,18 +81,17 @@ fn as_one(mut group: Vec<Diagnostic>) -> Vec<Diagnostic> {
 /// `CONTACT/1 'a'` and what is said of it.
 fn split(diagnostic: &Diagnostic) -> Option<(&str, &str)> {
     let message = &diagnostic.message;
-    let end = match object_of(message) {
+    let end = if let Some(name) = object_of(message) {
         // The name and its two quotes.
-        Some(name) => message.find(" '")? + name.len() + 3,
-        None => {
-            let (kind, rest) = message.split_once('/')?;
-            let digits = rest.bytes().take_while(u8::is_ascii_digit).count();
-            let is_kind = kind.bytes().all(|b| b.is_ascii_uppercase() || b == b'_');
-            if digits == 0 || kind.is_empty() || !is_kind {
-                return None;
-            }
-            kind.len() + 1 + digits
+        message.find(" '")? + name.len() + 3
+    } else {
+        let (kind, rest) = message.split_once('/')?;
+        let digits = rest.bytes().take_while(u8::is_ascii_digit).count();
+        let is_kind = kind.bytes().all(|b| b.is_ascii_uppercase() || b == b'_');
+        if digits == 0 || kind.is_empty() || !is_kind {
+            return None;
         }
+        kind.len() + 1 + digits
     };
     Some(message.split_at(end))
 }
