@@ -7,6 +7,7 @@ use crate::rig::schema;
 use crate::syntax::describe::{self, minimal};
 
 use super::Outcome;
+use super::render::hanging;
 use super::shell::{Exit, Shell};
 
 /// Say what a word means: a statement, a command, a function, a complaint's code, a key of study.toml, a cause of a diagnosis, a
@@ -74,36 +75,35 @@ fn list() -> String {
     let mut out =
         String::from("Statements and commands (the letters that must be typed are capitals):\n");
     for def in STATEMENTS {
-        line(
-            &mut out,
-            &format!("  {:24} {}", minimal(def.name, def.minimum), def.doc),
-        );
+        entry(&mut out, &minimal(def.name, def.minimum), def.doc);
     }
     out.push_str("\nFunctions:\n");
     for def in FUNCTIONS {
-        line(&mut out, &format!("  {:24} {}", def.name, def.doc));
+        entry(&mut out, def.name, def.doc);
     }
     out.push_str("\nCodes of complaints:\n");
     for code in Code::ALL {
         let first = code.explain().trim().lines().next().unwrap_or_default();
-        line(
-            &mut out,
-            &format!("  {:24} {}", code.as_str(), first.trim()),
-        );
+        entry(&mut out, code.as_str(), first.trim());
     }
     let mut section = None;
-    for entry in glossary::entries() {
-        if section != Some((entry.page, entry.section)) {
-            section = Some((entry.page, entry.section));
+    for term in glossary::entries() {
+        if section != Some((term.page, term.section)) {
+            section = Some((term.page, term.section));
             line(
                 &mut out,
-                &format!("\n{} (page `{}`):", entry.section, entry.page),
+                &format!("\n{} (page `{}`):", term.section, term.page),
             );
         }
-        let meaning = entry.cells.last().map_or("", |(_, text)| text);
-        line(&mut out, &format!("  {:24} {meaning}", entry.term));
+        let meaning = term.cells.last().map_or("", |(_, text)| text);
+        entry(&mut out, &term.term, meaning);
     }
     out
+}
+
+/// A word and its meaning.
+fn entry(out: &mut String, word: &str, meaning: &str) {
+    out.push_str(&hanging(&format!("  {word:24} "), meaning));
 }
 
 /// The page of a word, or what to say when there is none.

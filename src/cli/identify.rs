@@ -22,7 +22,7 @@ use super::interrupt;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::plausibility::before_a_fit;
 use super::progress::Progress as Bar;
-use super::render::table_text;
+use super::render::{hanging, table_text};
 use super::shell::{Exit, Shell};
 
 /// Identify the stiffnesses of a study from what was measured.
@@ -181,7 +181,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             "{}\n{}{}\n{}report: {}\n",
             table(&loaded, &fit),
             repeats_table(&fit),
-            lead(&fit),
+            hanging("", &lead(&fit)),
             said,
             report.display()
         ));
@@ -337,40 +337,37 @@ fn repeats_table(fit: &Fit) -> String {
     format!("{}\n", table_text(&table))
 }
 
-/// Initial, identified and reference values.
+/// Initial and identified values, and those of a reference where the study has one.
 fn table(loaded: &LoadedStudy, fit: &Fit) -> String {
     let reference = loaded.reference_values();
+    let compares = reference.iter().any(Option::is_some);
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
-    table.set_header([
-        "number",
-        "initial",
-        "identified",
-        "std error",
-        "reference",
-        "ratio",
-        "",
-    ]);
+    let mut head = vec!["number", "initial", "identified", "std error"];
+    if compares {
+        head.extend(["reference", "ratio"]);
+    }
+    head.push("");
+    table.set_header(&head);
     for (parameter, reference) in fit.parameters.iter().zip(reference) {
-        table.add_row([
-            std::iter::once(&parameter.address)
-                .chain(&parameter.tied)
-                .cloned()
-                .collect::<Vec<_>>()
-                .join(" = "),
+        let addresses = std::iter::once(&parameter.address).chain(&parameter.tied);
+        let mut row = vec![
+            addresses.cloned().collect::<Vec<_>>().join(" = "),
             number(parameter.initial, None),
             number(parameter.value, parameter.std_error),
             parameter
                 .std_error
                 .map_or_else(String::new, |error| number(error, Some(error))),
-            reference.map_or_else(String::new, |value| number(value, None)),
-            reference.map_or_else(String::new, |value| {
-                format!("{:.3}", parameter.value / value)
-            }),
-            status(parameter.status).to_string(),
-        ]);
+        ];
+        if compares {
+            let ratio = |value: f64| format!("{:.3}", parameter.value / value);
+            row.push(reference.map_or_else(String::new, |value| number(value, None)));
+            row.push(reference.map_or_else(String::new, ratio));
+        }
+        row.push(status(parameter.status).to_string());
+        table.add_row(row);
     }
-    for column in table.column_iter_mut().skip(1).take(5) {
+    for column in table.column_iter_mut().skip(1).take(head.len() - 2) {
         column.set_cell_alignment(CellAlignment::Right);
     }
     table_text(&table)

@@ -3,10 +3,8 @@ use std::path::{Path, PathBuf};
 use comfy_table::{CellAlignment, Table, presets};
 
 use crate::diagnostic::{Code, Diagnostic, Severity};
-use crate::front::kc_page;
-use crate::kc::{
-    Bench, BenchError, Config, Convention, KcRun, deck_files, output, run as run_tests,
-};
+use crate::front::{Watch as _, kc_page};
+use crate::kc::{Bench, BenchError, Config, Convention, KcRun, deck_files, output, run_watched};
 use crate::model::Model;
 use crate::statics::{SolveError, history_table};
 use crate::syntax::Dataset;
@@ -80,8 +78,10 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     };
     let tests = |deck: &Deck, path: &Path, shell: &Shell| -> Result<KcRun, Exit> {
         let mut bench = bench(&config, deck, shell)?;
-        let _bar = Progress::new("driving the axle through its tests", shell, || None);
-        run_tests(&mut bench, &deck.model.units).map_err(|why| refuse(&why, path, shell))
+        let bar = Progress::new("driving the axle through its tests", shell, || None);
+        let mut each = |done, of| bar.count(done, Some(of), "states");
+        run_watched(&mut bench, &deck.model.units, &mut each)
+            .map_err(|why| refuse(&why, path, shell))
     };
     let found = tests(&deck, &arguments.deck, shell)?;
     let mut others = Vec::new();

@@ -4,14 +4,14 @@ use comfy_table::{Table, presets};
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::front::Watch;
-use crate::identify::reproduction::{Comparison, ReproductionError, Section, reproduce};
+use crate::identify::reproduction::{Comparison, ReproductionError, STAGES, Section, reproduce};
 use crate::report::ReproductionReport;
 
 use super::Outcome;
 use super::format::Format;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::progress::Progress;
-use super::render::table_text;
+use super::render::{hanging, table_text};
 use super::shell::{Exit, Shell};
 
 /// Run the paper's three validations again and print its tables beside ours.
@@ -42,7 +42,12 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         refuse_replacing(out, &[OUTPUT], arguments.replacing, shell)?;
     }
     let bar = Progress::new("reproducing", shell, || None);
-    let mut progress = |what: &str| bar.detail(what.to_string());
+    let mut begun = 0;
+    let mut progress = |what: &str| {
+        bar.detail(what.to_string());
+        bar.count(begun, Some(STAGES), "stages");
+        begun += 1;
+    };
     let made = reproduce(&arguments.corpus, &mut progress);
     drop(bar);
     let sections = made.map_err(|error| {
@@ -89,7 +94,7 @@ fn section(section: &Section) -> String {
             text.push_str(&format!("\n{head}\n"));
         }
         for line in lines {
-            text.push_str(&format!("- {line}\n"));
+            text.push_str(&hanging("- ", line));
         }
     }
     text

@@ -1,8 +1,9 @@
 use std::path::PathBuf;
 
 use crate::diagnostic::{Code, Diagnostic};
+use crate::front::Watch as _;
 use crate::rig::effect::EffectSpec;
-use crate::rig::{LoadTable, RigOptions, Scatter, Tolerances, virtual_rig};
+use crate::rig::{LoadTable, RigOptions, Scatter, Tolerances, virtual_rig_watched};
 
 use super::Outcome;
 use super::output_folder::{Replacing, write_folder};
@@ -101,7 +102,9 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         programme: arguments.programme.map(LoadTable::from),
     };
     let bar = Progress::new("measuring on the virtual rig", shell, || None);
-    let measured = virtual_rig(&arguments.study, &options);
+    let measured = virtual_rig_watched(&arguments.study, &options, &mut |done, of| {
+        bar.count(done, Some(of), "load cases");
+    });
     drop(bar);
     let run = measured.map_err(|diagnostics| {
         shell.complain(&diagnostics);

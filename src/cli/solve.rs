@@ -444,7 +444,7 @@ impl Answer<'_> {
 fn table<const N: usize>(first: &str, names: &[&str; N], rows: &[(&str, [f64; N])]) -> String {
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
-    table.set_header(std::iter::once(first).chain(names.iter().copied()));
+    table.set_header(std::iter::once("").chain(names.iter().copied()));
     for (name, values) in rows {
         let cells = values.iter().map(|value| format!("{value:.4}"));
         table.add_row(std::iter::once((*name).to_string()).chain(cells));
@@ -452,5 +452,5 @@ fn table<const N: usize>(first: &str, names: &[&str; N], rows: &[(&str, [f64; N]
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }
-    table_text(&table)
+    format!("{first}\n{}", table_text(&table))
 }

@@ -119,7 +119,7 @@ fn text(
     out.push('\n');
     _ = writeln!(
         out,
-        "degrees of freedom: {} (Gruebler count {}: {} of parts, {} equations, {} of them redundant)",
+        "degrees of freedom: {} (Gruebler count {}: {} of parts, {} equations,\n  {} of them redundant)",
         freedoms.actual(),
         freedoms.gruebler(),
         freedoms.of_parts,

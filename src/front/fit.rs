@@ -6,6 +6,7 @@ use std::sync::Arc;
 use crate::backend::Backend;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::discrepancy::tolerant;
+use crate::identify::global::gauss_newton::Tolerances;
 use crate::identify::global::{Marginal, Options, Prepared, Start, fit_study};
 use crate::identify::{Fit, IdentifyError, LoadedStudy, direct, estimate_noise, regression};
 use crate::report::Positions;
@@ -183,13 +184,15 @@ fn fitted_with(
             } else {
                 Prepared::new(&problem)?
             });
+            let most = Tolerances::default().max_iterations;
             let each = |iteration: usize, sweeps: usize, objective: f64| {
                 watch.detail(if sweeps == 0 {
                     "a start from the direct solution".to_string()
                 } else {
-                    format!("step {iteration}, half chi-square {objective:.4e}")
+                    let solved = sweeps * cases;
+                    format!("half chi-square {objective:.4e}, {solved} equilibria")
                 });
-                watch.count(sweeps * cases, None, "equilibria");
+                watch.count(iteration, Some(most), "steps");
                 watch.goes_on()
             };
             let options = Options {

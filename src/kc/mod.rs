@@ -50,7 +50,7 @@ pub use sample::{Branch, Sample};
 pub use side::Side;
 pub use steer_axis::SteerAxis;
 pub use steering::Steering;
-pub use sweep::{KcRun, TestRun, given, run};
+pub use sweep::{KcRun, TestRun, given, run, run_watched};
 pub use swing_arm::{RollCentre, VerticalLoad, roll_centre};
 pub use test_kind::{Driven, TestKind};
 pub use test_settings::{Branches, Hold, LoadPoint, TestSettings};

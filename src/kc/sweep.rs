@@ -61,6 +61,29 @@ struct Ride {
 /// # Errors
 /// [`BenchError`] with the test and the point it happened at.
 pub fn run(bench: &mut Bench<'_>, units: &Units) -> Result<KcRun, BenchError> {
+    run_watched(bench, units, &mut |_, _| {})
+}
+
+/// The same; `progress` is told how many states of the axle are found, and of how many.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_watched(
+    bench: &mut Bench<'_>,
+    units: &Units,
+    progress: &mut dyn FnMut(usize, usize),
+) -> Result<KcRun, BenchError> {
+    let config = bench.config;
+    let most = config
+        .tests
+        .iter()
+        .map(|(_, settings)| states(config, settings))
+        .sum();
+    let mut found = 0;
+    let mut each = || {
+        found += 1;
+        progress(found, most);
+    };
     let given = given(bench.config, units);
     let (ride, base) = ride(bench)?;
     let inputs = Inputs {
@@ -82,7 +105,13 @@ pub fn run(bench: &mut Bench<'_>, units: &Units) -> Result<KcRun, BenchError> {
     let at_ride = sample(Branch::Up, 0.0, (ride_inputs, seen), &given);
     let mut tests = Vec::new();
     for (kind, settings) in bench.config.tests.clone() {
-        tests.push(test(bench, (kind, settings), (&ride, &chain), &given)?);
+        tests.push(test(
+            bench,
+            (kind, settings),
+            (&ride, &chain),
+            &given,
+            &mut each,
+        )?);
     }
     Ok(KcRun {
         ride: at_ride,
@@ -153,11 +182,45 @@ fn drive(kind: TestKind, wheels: &[Side], mirror: bool) -> Drive {
     drive
 }
 
+/// Values of a test's variable, from the lowest up.
+fn grid(settings: &TestSettings) -> Vec<f64> {
+    let [low, high] = settings.range;
+    let steps = settings.points - 1;
+    (0..=steps)
+        .map(|k| low + (high - low) * k as f64 / steps as f64)
+        .map(|value| {
+            if value.abs() < 1e-12 * high.abs().max(low.abs()) {
+                0.0
+            } else {
+                value
+            }
+        })
+        .collect()
+}
+
+/// Those between ride height and the lowest, on the way down.
+fn way_down(settings: &TestSettings, grid: &[f64]) -> Vec<f64> {
+    let below = |v: &f64| *v < 0.0 && *v > settings.range[0];
+    grid.iter().copied().filter(below).rev().collect()
+}
+
+/// How many states a test finds: ride height, the way down, up, and down again.
+fn states(config: &Config, settings: &TestSettings) -> usize {
+    let grid = grid(settings);
+    let branches = if config.branches == Branches::Both {
+        2
+    } else {
+        1
+    };
+    1 + way_down(settings, &grid).len() + branches * grid.len()
+}
+
 fn test(
     bench: &mut Bench<'_>,
     (kind, settings): (TestKind, TestSettings),
     (ride, base): (&Ride, &Chain),
     given: &Given,
+    each: &mut dyn FnMut(),
 ) -> Result<TestRun, BenchError> {
     let config = bench.config;
     let sides: Vec<Side> = bench.wheels.iter().map(|wheel| wheel.side).collect();
@@ -196,32 +259,18 @@ fn test(
     // Ride height first, with tangents; then outward to the lowest value, up, and down again.
     let zero = inputs(0.0);
     let centre = bench.observe(variant, &mut chain, (&zero, Some(&drive)), &at(0.0))?;
-    let [low, high] = settings.range;
-    let steps = settings.points - 1;
-    let grid: Vec<f64> = (0..=steps)
-        .map(|k| low + (high - low) * k as f64 / steps as f64)
-        .map(|value| {
-            if value.abs() < 1e-12 * high.abs().max(low.abs()) {
-                0.0
-            } else {
-                value
-            }
-        })
-        .collect();
-    let below: Vec<f64> = grid
-        .iter()
-        .copied()
-        .filter(|v| *v < 0.0 && *v > low)
-        .rev()
-        .collect();
-    for value in below {
+    each();
+    let grid = grid(&settings);
+    for value in way_down(&settings, &grid) {
         bench.settle(variant, &mut chain, &inputs(value), &at(value))?;
+        each();
     }
     let mut samples = Vec::new();
     let mut go = |bench: &mut Bench<'_>, branch, value: f64| -> Result<(), BenchError> {
         let inputs = inputs(value);
         let seen = bench.observe(variant, &mut chain, (&inputs, None), &at(value))?;
         samples.push(sample(branch, value, (inputs, seen), given));
+        each();
         Ok(())
     };
     for &value in &grid {

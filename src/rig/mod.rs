@@ -56,4 +56,4 @@ pub use stated::{Stated, ToleranceSettings};
 pub use study::{MarkFiles, Study, study_keys};
 pub use table::{Cell, Table};
 pub use tolerances::Tolerances;
-pub use virtual_rig::{RigRun, virtual_rig};
+pub use virtual_rig::{RigRun, virtual_rig, virtual_rig_watched};

@@ -36,6 +36,18 @@ pub struct RigRun {
 /// # Errors
 /// Whatever stands in the way: of the study, of an effect, or a load case the reality has no equilibrium for.
 pub fn virtual_rig(folder: &Path, options: &RigOptions) -> Result<RigRun, Vec<Diagnostic>> {
+    virtual_rig_watched(folder, options, &mut |_, _| {})
+}
+
+/// The same; `progress` is told how many load cases are measured, and of how many.
+///
+/// # Errors
+/// As [`virtual_rig`].
+pub fn virtual_rig_watched(
+    folder: &Path,
+    options: &RigOptions,
+    progress: &mut dyn FnMut(usize, usize),
+) -> Result<RigRun, Vec<Diagnostic>> {
     let mut checked = Study::read(folder);
     // Readings are what the rig makes: those that are missing do not matter.
     let matters = |diagnostic: &Diagnostic| {
@@ -105,7 +117,7 @@ pub fn virtual_rig(folder: &Path, options: &RigOptions) -> Result<RigRun, Vec<Di
     for spec in tolerances.iter().chain(&options.effects).chain(&outliers) {
         plant(spec, &mut reality).map_err(|why| vec![why])?;
     }
-    let rest = at_rest(&reality, &measured)?;
+    let rest = at_rest(&reality, &measured, progress)?;
     let exact = options.sigma == Some(0.0);
     let read = Readings::new(&measured, &reality, &rest, options, exact);
     let mut truth = String::new();
@@ -127,7 +139,11 @@ pub fn virtual_rig(folder: &Path, options: &RigOptions) -> Result<RigRun, Vec<Di
 }
 
 /// Applies the loads one after the other and lets what remembers the path remember it.
-fn at_rest(reality: &Reality, measured: &Measurement) -> Result<Vec<Rest>, Vec<Diagnostic>> {
+fn at_rest(
+    reality: &Reality,
+    measured: &Measurement,
+    progress: &mut dyn FnMut(usize, usize),
+) -> Result<Vec<Rest>, Vec<Diagnostic>> {
     let model = with_requests(reality.model(), measured).map_err(|why| vec![why])?;
     let refuse =
         |code, error: &dyn std::fmt::Display| vec![Diagnostic::error(code, error.to_string())];
@@ -193,6 +209,7 @@ fn at_rest(reality: &Reality, measured: &Measurement) -> Result<Vec<Rest>, Vec<D
             poses: state.poses.clone(),
             channels: channels.map_err(|error| refuse(Code::UnreachableCase, &error))?,
         });
+        progress(out.len(), reality.programme.cases.len());
     }
     Ok(out)
 }

@@ -1,3 +1,4 @@
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
@@ -14,11 +15,12 @@ use super::paths::find_file;
 const MOST_BYTES: u64 = 64 << 20;
 
 /// Reads the property files a dataset names, from the folder of the dataset or where their path leads as far as the policy lets it.
-/// Complains of files that are not there: a warning where the answer needs them, a note where only graphics or a subroutine would
-/// read them.
+/// Complains of files that are not there, of each once: a warning where the answer needs it, a note where only graphics or a
+/// subroutine would read it.
 pub fn read_files(dataset: &Dataset, folder: &Path, policy: &FilePolicy) -> Checked<Files> {
     let mut files = Files::default();
-    let mut diagnostics = Vec::new();
+    let mut diagnostics: Vec<Diagnostic> = Vec::new();
+    let mut missing: BTreeMap<String, usize> = BTreeMap::new();
     for reference in references(dataset) {
         if files.get(&reference.name).is_some() {
             continue;
@@ -28,7 +30,15 @@ pub fn read_files(dataset: &Dataset, folder: &Path, policy: &FilePolicy) -> Chec
         let found = find_file(&reference.name, "", &[folder]);
         diagnostics.extend(found.diagnostics.into_iter().map(label));
         let Some(path) = found.value else {
-            diagnostics.push(label(absent(dataset, &reference)));
+            let here = label(absent(dataset, &reference));
+            match missing.get(&reference.name) {
+                Some(&told) if diagnostics[told].severity >= here.severity => {}
+                Some(&told) => diagnostics[told] = here,
+                None => {
+                    missing.insert(reference.name.clone(), diagnostics.len());
+                    diagnostics.push(here);
+                }
+            }
             continue;
         };
         if let Err(mut outside) = policy.check_read(&path) {
@@ -94,7 +104,8 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let spring = "[MDI_HEADER]\nFILE_TYPE='spr'\n[CURVE]\n{disp force}\n0 0\n1 2\n";
         std::fs::write(folder.path().join("a.spr"), spring).expect("writable");
-        let text = "t\nSPLINE/1, FILE=A.SPR\nSPLINE/2, FILE=b.spr\nSTRING/3, STRING=c.bus\nEND\n";
+        let text = "t\nSPLINE/1, FILE=A.SPR\nSPLINE/2, FILE=b.spr\nSTRING/3, STRING=c.bus\nGRAPHICS/4, EXTERNAL, RM=1, FILE=b.spr\n\
+            GRAPHICS/5, EXTERNAL, RM=1, FILE=d.xmt_txt\nGRAPHICS/6, EXTERNAL, RM=1, FILE=d.xmt_txt\nEND\n";
         let name = folder.path().join("d.adm").display().to_string();
         let dataset = Dataset::parse(Source::new(name, text.as_bytes())).value;
         let policy = FilePolicy::new(folder.path());
@@ -110,6 +121,7 @@ mod tests {
             found,
             [
                 (Code::CannotRead, Severity::Warning),
+                (Code::CannotRead, Severity::Note),
                 (Code::CannotRead, Severity::Note)
             ]
         );

@@ -120,11 +120,11 @@ impl Launch {
         };
         // The first line of commands may name a dataset, never a command file.
         let lower = unquote(first).to_ascii_lowercase();
-        let is_command_file = std::path::Path::new(&lower)
-            .extension()
-            .is_some_and(|extension| extension == "acf");
-        let goes_on =
-            matches!(lower.as_str(), "i" | "b") || is_command_file && !lower.contains('=');
+        let goes_on = matches!(lower.as_str(), "i" | "b")
+            || Path::new(&lower)
+                .extension()
+                .is_some_and(|end| end == "acf")
+                && !lower.contains('=');
         if !goes_on && !first.split_whitespace().next().is_some_and(known) {
             return None;
         }

@@ -36,9 +36,7 @@ impl Session<'_> {
         let mut errors = self.model().compiled().value.errors.clone();
         errors.retain(|error| error.code != Code::NotSolvedInStatics);
         if !errors.is_empty() {
-            for diagnostic in &errors {
-                self.complain(diagnostic);
-            }
+            self.complain_once(errors);
             let refusal = Diagnostic::error(
                 Code::NotSolvedNatively,
                 "this command is not executed: its answer would leave out what is named above",
@@ -244,29 +242,51 @@ fn shown(found: &[Mode]) -> impl Iterator<Item = &Mode> {
     found.iter().filter(|mode| mode.value.im >= 0.0)
 }
 
-/// Eigenvalues in cycles per time unit, then the shapes: size and phase of every coordinate that takes part.
+/// The table of ADAMS, which is in cycles per time unit: real eigenvalues first, then pairs, each by size (grammar/NOTES.md). Below it
+/// frequencies and damping, then the shapes: size and phase of every coordinate that takes part.
 fn table(found: &[Mode], names: &[String], time: f64, vectors: bool) -> String {
     let turn = std::f64::consts::TAU;
+    let mut listed: Vec<&Mode> = shown(found).collect();
+    let place = |mode: &Mode| match mode.value.im {
+        im if im > 0.0 => (true, im),
+        _ => (false, mode.value.re.abs()),
+    };
+    listed.sort_by(|a, b| {
+        let ((pair, size), (other, least)) = (place(a), place(b));
+        pair.cmp(&other).then(size.total_cmp(&least))
+    });
     let mut text = format!(
-        "\n\n  E I G E N   V A L U E S   (time = {})\n\n  FREQUENCY UNITS: cycles per unit of time\n\n  MODE     UNDAMPED NATURAL   DAMPING\n  NUMBER   FREQUENCY          RATIO           REAL               IMAGINARY\n",
+        "\n{:17}E I G E N V A L U E S  at time = {}\n      Number    Real(cycles/second)      Imag.(cycles/second) \n",
+        "",
         exponent(time, 5)
     );
-    for (number, mode) in shown(found).enumerate() {
-        let sign = if mode.value.im > 0.0 { "+/-" } else { "   " };
+    for (number, mode) in listed.iter().enumerate() {
+        _ = write!(
+            text,
+            "{:>10}{:>25}",
+            number + 1,
+            exponent(mode.value.re / turn + 0.0, 5)
+        );
+        if mode.value.im > 0.0 {
+            let imaginary = exponent(mode.value.im / turn, 5);
+            _ = write!(text, "    +/-{imaginary:>19}");
+        }
+        text.push('\n');
+    }
+    text += "\n\n  FREQUENCY UNITS: cycles per unit of time\n\n  MODE     UNDAMPED NATURAL   DAMPING\n  NUMBER   FREQUENCY          RATIO\n";
+    for (number, mode) in listed.iter().enumerate() {
         _ = writeln!(
             text,
-            "  {:<8} {:>16}   {:>13}   {:>16}   {sign} {:>14}",
+            "  {:<8} {:>16}   {:>13}",
             number + 1,
             exponent(mode.frequency(), 8),
-            exponent(mode.damping_ratio() + 0.0, 6),
-            exponent(mode.value.re / turn + 0.0, 8),
-            exponent(mode.value.im / turn, 8)
+            exponent(mode.damping_ratio() + 0.0, 6)
         );
     }
     if !vectors {
         return text;
     }
-    for (number, mode) in shown(found).enumerate() {
+    for (number, mode) in listed.iter().enumerate() {
         _ = writeln!(
             text,
             "\n  MODE SHAPE {}: size and phase (degrees), rotations in radians\n",

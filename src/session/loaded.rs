@@ -1,3 +1,5 @@
+use std::collections::BTreeSet;
+
 use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
 use crate::model::{Ignore, Model, Request, said_left_out};
 use crate::statics::Solver;
@@ -18,6 +20,8 @@ use super::saved::Saved;
 pub(super) struct Loaded {
     pub model: Model,
     pub outputs: Outputs,
+    /// What was told of its objects.
+    pub told: BTreeSet<(Severity, String)>,
     /// The redundant constraints that were last told of.
     pub said_redundant: Option<Vec<String>>,
     /// The part that moves most in the instability that was last told of.
@@ -102,6 +106,7 @@ impl Loaded {
             value: Self {
                 model: lowered.value,
                 outputs,
+                told: BTreeSet::new(),
                 said_redundant: None,
                 said_unstable: None,
                 said_iterations: false,

@@ -1,22 +1,41 @@
 use std::fmt::Write as _;
 
 use crate::diagnostic::{Diagnostic, Label};
+use crate::syntax::Dataset;
 use crate::text::{Source, Span};
+
+use super::object_names::{ObjectNames, object_of, qualified};
 
 /// The files that diagnostics point into.
 #[derive(Clone, Debug, Default)]
-pub struct Sources(Vec<Source>);
+pub struct Sources {
+    files: Vec<Source>,
+    names: Option<ObjectNames>,
+}
 
 impl Sources {
     /// Adds a file; one of the same name is replaced.
     pub fn add(&mut self, source: Source) {
-        self.0.retain(|known| known.name() != source.name());
-        self.0.push(source);
+        self.files.retain(|known| known.name() != source.name());
+        self.files.push(source);
     }
 
     /// The file of this name.
     pub fn get(&self, name: &str) -> Option<&Source> {
-        self.0.iter().find(|source| source.name() == name)
+        self.files.iter().find(|source| source.name() == name)
+    }
+
+    /// From here on objects of a dataset are named beside what is said of their statements; those of one before no longer.
+    pub fn name_objects(&mut self, dataset: &Dataset) {
+        self.names = Some(ObjectNames::of(dataset));
+    }
+
+    /// The object a diagnostic is about, as ADAMS names it.
+    fn object(&self, diagnostic: &Diagnostic) -> Option<String> {
+        match diagnostic.labels.first() {
+            Some(label) => self.names.as_ref()?.at(label).map(str::to_string),
+            None => object_of(&diagnostic.message).map(|name| qualified(None, name)),
+        }
     }
 
     /// `file:line:column` of a label, or the file alone when its text is not at hand or the label is about all of it.
@@ -32,7 +51,7 @@ impl Sources {
 }
 
 /// A diagnostic as plain text of several lines: place and message, the line of the file with the place marked, what else is
-/// said of it, what to do. Ends with a line end.
+/// said of it, the object as ADAMS names it, what to do. Ends with a line end.
 pub fn located(diagnostic: &Diagnostic, sources: &Sources) -> String {
     let mut out = String::new();
     let mut put = |text: std::fmt::Arguments<'_>| {
@@ -65,6 +84,9 @@ pub fn located(diagnostic: &Diagnostic, sources: &Sources) -> String {
             put(format_args!("  {line} | {text}\n"));
             put(format_args!("  {:margin$} | {}\n", "", marks.trim_end()));
         }
+    }
+    if let Some(object) = sources.object(diagnostic) {
+        put(format_args!("  object: {object}\n"));
     }
     if let Some(help) = &diagnostic.help {
         put(format_args!("  help: {help}\n"));

@@ -463,6 +463,9 @@ impl<'a> Session<'a> {
     fn load(&mut self, deck: &Checked<Dataset>, outputs: Outputs) -> Flow {
         let loaded = Loaded::read(deck, outputs, &self.policy, &self.ignored);
         let mut errors = 0;
+        if !loaded.diagnostics.is_empty() {
+            self.sources.name_objects(&deck.value);
+        }
         for diagnostic in &loaded.diagnostics {
             errors += usize::from(diagnostic.severity == Severity::Error);
             self.messages.diagnostic(diagnostic, &self.sources);

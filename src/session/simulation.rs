@@ -55,15 +55,13 @@ impl Session<'_> {
         };
         let compiled = loaded.compiled();
         let mut errors = compiled.value.errors.clone();
-        let warnings = compiled.diagnostics;
+        let mut complaints = compiled.diagnostics;
         let statics = command.has("STATICS") || command.text("TYPE", source).is_some();
         errors.retain(|error| statics || error.code != Code::NotSolvedInStatics);
-        for diagnostic in warnings.iter().chain(&errors) {
-            // What is still in statics moves in motion.
-            if statics || diagnostic.code != Code::InactiveInStatics {
-                self.complain(diagnostic);
-            }
-        }
+        complaints.extend(errors.iter().cloned());
+        // What is still in statics moves in motion.
+        complaints.retain(|told| statics || told.code != Code::InactiveInStatics);
+        self.complain_once(complaints);
         let lacks = |d: &Diagnostic| {
             matches!(
                 d.code,

@@ -57,7 +57,7 @@ impl Session<'_> {
         }
     }
 
-    /// What acts in motion and is not solved, said once per command.
+    /// What acts in motion and is not solved.
     pub(super) fn refuse_motion(&mut self, place: Place<'_>) -> Option<Flow> {
         let missing = self
             .model()
@@ -69,9 +69,7 @@ impl Session<'_> {
         if missing.is_empty() {
             return None;
         }
-        for diagnostic in &missing {
-            self.complain(diagnostic);
-        }
+        self.complain_once(missing);
         let refusal = Diagnostic::error(
             Code::NotSolvedNatively,
             "this simulation is not executed: its answer would leave out what is named above",

@@ -231,7 +231,15 @@ impl<'a> StatementParser<'a> {
                     .text(Span::new(span.start(), span.end().min(span.start() + 80)));
                 let noun = self.noun();
                 // ADAMS stops at a keyword it does not know; this program may lack one that ADAMS knows.
-                let diagnostic = if near.is_empty() {
+                let assigned = self.role == Role::Dataset && is_assigned(self.source, span);
+                let diagnostic = if near.is_empty() && assigned {
+                    // No statement of a dataset begins so, whatever ADAMS knows.
+                    Diagnostic::error(
+                        Code::UnknownStatement,
+                        format!("{typed} is not a statement"),
+                    )
+                    .help("an argument stands in its statement, as in ACCGRAV/KGRAV=-9806.65; a line that continues one begins with a comma")
+                } else if near.is_empty() {
                     Diagnostic::warning(
                         Code::UnknownStatement,
                         format!(
@@ -513,4 +521,10 @@ impl<'t> Cursor<'t> {
     pub fn rest(&self) -> &'t [Token] {
         &self.tokens[self.at.min(self.tokens.len())..]
     }
+}
+
+/// True if the next byte after a word and blanks is an equals sign.
+fn is_assigned(source: &Source, word: Span) -> bool {
+    let mut rest = source.bytes()[word.end()..].iter();
+    rest.find(|byte| !matches!(byte, b' ' | b'\t')) == Some(&b'=')
 }

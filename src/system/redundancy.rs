@@ -1,59 +1,73 @@
 //! Constraint equations that say nothing new.
 
 use super::System;
+use crate::constraint::Constraint as _;
 
 /// A constraint row that keeps less than this of its length when its share in the rows before is taken off is redundant.
 const REDUNDANT: f64 = 1e-8;
+
+/// A distance that keeps less than this holds what other equations hold better: a rotation by a short lever.
+const WEAK: f64 = 1e-3;
 
 /// Beyond so many products the factorisation alone finds redundant equations.
 const LARGE: usize = 1_000_000_000;
 
 impl System {
     /// Which constraint equations depend on those before them, from the entries of their gradients by the parts: (equation, freedom,
-    /// derivative), those of one equation in the order of the freedoms or not.
+    /// derivative), those of one equation in the order of the freedoms or not. The order is that of real message files: distances
+    /// come first, so that a dependent rotation is left out rather than a distance (grammar/NOTES.md).
     pub(crate) fn redundant_rows(&self, entries: &[(u32, u32, f64)]) -> Vec<bool> {
         let columns = self.first_equation;
         if self.equations.pow(2).saturating_mul(columns) > LARGE {
             return vec![false; self.equations];
         }
-        let mut basis: Vec<Vec<f64>> = Vec::new();
         let scale = self.column_lengths();
-        let mut out = vec![false; self.equations];
         let mut rows = vec![Vec::new(); self.equations];
         for &(row, column, value) in entries {
             rows[row as usize].push((column as usize, value / scale[column as usize]));
         }
-        for (row, redundant) in rows.iter().zip(&mut out) {
-            let mut v = vec![0.0; columns];
-            for &(column, value) in row {
-                v[column] += value;
-            }
-            let before = norm(&v);
-            // An equation without any gradient cannot be held by anything: it is another's business.
-            if before == 0.0 {
-                *redundant = true;
-                continue;
-            }
-            // Twice is enough (Kahan).
-            for _ in 0..2 {
-                for b in &basis {
-                    let share: f64 = v.iter().zip(b).map(|(x, y)| x * y).sum();
-                    for (x, y) in v.iter_mut().zip(b) {
-                        *x -= share * y;
-                    }
-                }
-            }
-            let after = norm(&v);
-            if after < REDUNDANT * before {
-                *redundant = true;
-            } else {
-                for x in &mut v {
-                    *x /= after;
-                }
-                basis.push(v);
+        let mut basis = Basis::default();
+        let mut out = vec![false; self.equations];
+        let [distances, products, others] = self.in_order();
+        let mut weak = Vec::new();
+        for row in distances {
+            match basis.take(&rows[row], columns, WEAK) {
+                Taken::In => {}
+                Taken::Nothing => out[row] = true,
+                Taken::Dependent => weak.push(row),
             }
         }
+        for row in products.into_iter().chain(weak).chain(others) {
+            // An equation without any gradient cannot be held by anything: it is another's business.
+            out[row] = basis.take(&rows[row], columns, REDUNDANT) != Taken::In;
+        }
         out
+    }
+
+    /// The equations in the order in which they are taken: distances of joints; scalar products of joints, the last of each joint first;
+    /// all others, as motions and couplers.
+    fn in_order(&self) -> [Vec<usize>; 3] {
+        let [mut distances, mut products] = [Vec::new(), Vec::new()];
+        let mut other = vec![true; self.equations];
+        for joint in &self.joints {
+            let [term] = joint.terms.as_slice() else {
+                continue;
+            };
+            for k in 0..joint.count {
+                if term.law.equation_name(k).starts_with("D.") {
+                    distances.push(joint.first + k);
+                    other[joint.first + k] = false;
+                }
+            }
+            for k in (0..joint.count).rev() {
+                if term.law.equation_name(k).contains("i.") {
+                    products.push(joint.first + k);
+                    other[joint.first + k] = false;
+                }
+            }
+        }
+        let others = (0..self.equations).filter(|&k| other[k]).collect();
+        [distances, products, others]
     }
 
     /// What one unit of each body unknown moves: 1 for translations, the length of the model for rotations.
@@ -65,6 +79,53 @@ impl System {
             }
         }
         out
+    }
+}
+
+/// What came of a row.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Taken {
+    /// It says something new.
+    In,
+    /// It follows from those taken before.
+    Dependent,
+    /// It has no gradient.
+    Nothing,
+}
+
+/// Orthonormal rows.
+#[derive(Default)]
+struct Basis(Vec<Vec<f64>>);
+
+impl Basis {
+    /// Takes a row in that keeps more than a share of its length when its part in the basis is taken off.
+    fn take(&mut self, row: &[(usize, f64)], columns: usize, share: f64) -> Taken {
+        let mut v = vec![0.0; columns];
+        for &(column, value) in row {
+            v[column] += value;
+        }
+        let before = norm(&v);
+        if before == 0.0 {
+            return Taken::Nothing;
+        }
+        // Twice is enough (Kahan).
+        for _ in 0..2 {
+            for b in &self.0 {
+                let part: f64 = v.iter().zip(b).map(|(x, y)| x * y).sum();
+                for (x, y) in v.iter_mut().zip(b) {
+                    *x -= part * y;
+                }
+            }
+        }
+        let after = norm(&v);
+        if after < share * before {
+            return Taken::Dependent;
+        }
+        for x in &mut v {
+            *x /= after;
+        }
+        self.0.push(v);
+        Taken::In
     }
 }
 

@@ -15,6 +15,7 @@ mod launch;
 mod mechanisms;
 mod message;
 mod motion;
+mod parsers;
 mod redefinitions;
 mod reference;
 mod run;

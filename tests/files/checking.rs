@@ -138,6 +138,11 @@ fn what_adams_rejects_is_an_error_that_says_what_was_meant() {
             "error[unknown-argument]: ACCGRAV has no argument GGRAV",
         ),
         (
+            "PART/1, GROUND",
+            "PART/1, GROUND\nGGRAV=3",
+            "error[unknown-statement]: GGRAV is not a statement\n",
+        ),
+        (
             "MARKER/10, PART=1",
             "MARKER/10, PART=1\nQP=1, 2, 3",
             "error[unknown-statement]: QP is an argument of the MARKER above",

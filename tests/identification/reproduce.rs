@@ -1,6 +1,6 @@
 //! `admire reproduce`: what the paper printed beside what the same methods give on our axles.
 
-use admire::identify::reproduction::{Section, reproduce};
+use admire::identify::reproduction::{STAGES, Section, reproduce};
 
 fn cell<'a>(section: &'a Section, table: &str, row: &str, column: &str) -> &'a str {
     let table = section
@@ -16,7 +16,9 @@ fn cell<'a>(section: &'a Section, table: &str, row: &str, column: &str) -> &'a s
 #[test]
 fn the_papers_tables_stand_beside_ours() {
     let corpus = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus");
-    let sections = reproduce(&corpus, &mut |_| {}).unwrap();
+    let mut told = 0;
+    let sections = reproduce(&corpus, &mut |_| told += 1).unwrap();
+    assert_eq!(told, STAGES);
     let [mcpherson, multilink, experiment] = &sections[..] else {
         panic!("three sections")
     };

@@ -1,6 +1,9 @@
 use std::path::Path;
 use std::process::Command;
 
+use admire::identify::reproduction::{self, Comparison, Section};
+use admire::report::ReproductionReport;
+
 use super::browser::{Seen, chromium, sound};
 
 fn admire(arguments: &[&str], folder: &Path) {
@@ -71,6 +74,67 @@ fn the_report_of_a_diagnosis_is_whole() {
         page.contains("PART/6\",\"label\":\"link compliance\"")
             || page.contains("\"label\":\"link compliance\"")
     );
+}
+
+/// A page as wide as the one of the paper's validations: tables of many columns and long words, and curves.
+#[test]
+fn the_page_of_the_papers_validations_is_whole() {
+    let Some(chromium) = chromium() else { return };
+    let texts = |words: &[&str]| words.iter().map(ToString::to_string).collect::<Vec<_>>();
+    let section = Section {
+        title: "4.3 multilink, all stiffnesses".to_string(),
+        tables: vec![Comparison {
+            title: "identification of all stiffnesses".to_string(),
+            head: texts(&[
+                "by",
+                "noise mm",
+                "iterations",
+                "unidentifiable",
+                "range of Ki/Kr, identified",
+                "median |ln Ki/Kr|",
+            ]),
+            rows: vec![
+                texts(&[
+                    "our loop, weights of (16) turned round",
+                    "0.05",
+                    "200, not converged",
+                    "7 of 48",
+                    "0.00 to 152.48",
+                    "0.587",
+                ]),
+                texts(&[
+                    "our fit",
+                    "0.05",
+                    "15 sweeps",
+                    "19 of 48",
+                    "0.76 to 1.73",
+                    "0.026",
+                ]),
+            ],
+        }],
+        figures: vec![reproduction::Figure {
+            title: "figure 9, steer".to_string(),
+            x: "lateral force, newton".to_string(),
+            y: "steer, degrees".to_string(),
+            curves: vec![reproduction::Curve {
+                name: "loop without noise".to_string(),
+                points: (-4..=4)
+                    .map(|k| (1000.0 * f64::from(k), 0.1 * f64::from(k)))
+                    .collect(),
+            }],
+        }],
+        findings: texts(&["the step test of equation 17 fired while BUSHING/1.KT.3 still moves"]),
+        limits: texts(&["Figure 9 has no numbers."]),
+    };
+    let report = ReproductionReport {
+        sections: &[section],
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("report.html");
+    std::fs::write(&page, report.html().unwrap()).unwrap();
+    let seen = sound(&chromium, &page);
+    assert_eq!(seen.pictures.len(), 1);
+    accessible(&page, &seen);
 }
 
 /// The standard tests of an axle.

@@ -17,6 +17,9 @@ const IDENTIFIED: [[f64; 6]; 2] = [
     [365.0, 500.0, 10000.0, 10000.0, 3404.0, 4823.0],
 ];
 
+/// The loop, the fit, the curves.
+pub(super) const STAGES: usize = 3;
+
 pub(super) fn section(
     study: &LoadedStudy,
     progress: &mut dyn FnMut(&str),

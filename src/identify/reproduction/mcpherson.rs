@@ -11,6 +11,9 @@ use crate::rig::settings::{Slope, Weights};
 const PAPER_A: [f64; 6] = [1.01, 0.89, 0.86, 0.91, 0.84, 0.89];
 const PAPER_ITERATIONS: usize = 24;
 
+/// The loop and the fit.
+pub(super) const STAGES: usize = 2;
+
 pub(super) fn section(
     study: &LoadedStudy,
     progress: &mut dyn FnMut(&str),

@@ -79,8 +79,11 @@ pub enum ReproductionError {
     Identify(#[from] IdentifyError),
 }
 
+/// How many things `reproduce` tells of.
+pub const STAGES: usize = mcpherson::STAGES + multilink::STAGES + experiment::STAGES;
+
 /// Runs the paper's validations on the studies of a corpus: `pseudo-mcpherson`, `multilink` and, where it is there,
-/// `kc-experiment`. `progress` is told what runs.
+/// `kc-experiment`. `progress` is told what runs, [`STAGES`] times.
 ///
 /// # Errors
 /// A study that cannot be used, or an identification without any answer.

@@ -12,6 +12,9 @@ use crate::rig::settings::{Slope, Weights};
 const PAPER_ITERATIONS: usize = 50;
 const PAPER_UNIDENTIFIABLE: usize = 17;
 
+/// Three ways of the loop with and without noise but one, two fits, the curves.
+pub(super) const STAGES: usize = 8;
+
 pub(super) fn section(
     study: &LoadedStudy,
     progress: &mut dyn FnMut(&str),

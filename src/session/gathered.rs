@@ -1,0 +1,121 @@
+//! The same complaint of many objects, told once.
+
+use std::collections::BTreeMap;
+
+use crate::diagnostic::{Code, Diagnostic, Severity};
+
+use super::object_names::object_of;
+use super::run::Session;
+
+/// So many objects get a message each; more share one.
+const APART: usize = 3;
+/// So many of those that share a message are named in it.
+const NAMED: usize = 5;
+
+impl Session<'_> {
+    /// Says what is wrong with objects of the model, alike complaints as one, and each only once as long as the model is loaded.
+    pub(super) fn complain_once(&mut self, mut found: Vec<Diagnostic>) {
+        if let Some(loaded) = &mut self.loaded {
+            found.retain(|told| loaded.told.insert((told.severity, told.message.clone())));
+        }
+        for diagnostic in gathered(found) {
+            self.complain(&diagnostic);
+        }
+    }
+}
+
+/// Complaints that differ only in the object they begin with, as in `CONTACT/1 'a' is not solved`, become one where they are many.
+fn gathered(found: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    type Key = (Code, Severity, String, String, Option<String>);
+    let mut groups: Vec<Vec<Diagnostic>> = Vec::new();
+    let mut known: BTreeMap<Key, usize> = BTreeMap::new();
+    for diagnostic in found {
+        let Some((object, rest)) = split(&diagnostic).filter(|_| diagnostic.labels.is_empty())
+        else {
+            groups.push(vec![diagnostic]);
+            continue;
+        };
+        let kind = object.split('/').next().unwrap_or_default().to_string();
+        let key = (
+            diagnostic.code,
+            diagnostic.severity,
+            kind,
+            rest.to_string(),
+            diagnostic.help.clone(),
+        );
+        let at = *known.entry(key).or_insert(groups.len());
+        match groups.get_mut(at) {
+            Some(group) => group.push(diagnostic),
+            None => groups.push(vec![diagnostic]),
+        }
+    }
+    groups.into_iter().flat_map(as_one).collect()
+}
+
+/// One message for a group of many.
+fn as_one(mut group: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    if group.len() <= APART {
+        return group;
+    }
+    let others = group.split_off(1);
+    let named: Vec<&str> = others
+        .iter()
+        .filter_map(|other| split(other).map(|(object, _)| object))
+        .take(NAMED)
+        .collect();
+    let left = others.len() - named.len();
+    let and = if left > 0 {
+        format!(" and {left} others")
+    } else {
+        String::new()
+    };
+    let text = format!(
+        "; the same holds for {} more: {}{and}",
+        others.len(),
+        named.join(", ")
+    );
+    group[0].message.push_str(&text);
+    group
+}
+
+/// `CONTACT/1 'a'` and what is said of it.
+fn split(diagnostic: &Diagnostic) -> Option<(&str, &str)> {
+    let message = &diagnostic.message;
+    let end = if let Some(name) = object_of(message) {
+        // The name and its two quotes.
+        message.find(" '")? + name.len() + 3
+    } else {
+        let (kind, rest) = message.split_once('/')?;
+        let digits = rest.bytes().take_while(u8::is_ascii_digit).count();
+        let is_kind = kind.bytes().all(|b| b.is_ascii_uppercase() || b == b'_');
+        if digits == 0 || kind.is_empty() || !is_kind {
+            return None;
+        }
+        kind.len() + 1 + digits
+    };
+    Some(message.split_at(end))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_alike_are_one_and_few_stay_apart() {
+        let contact = |k: usize| format!("CONTACT/{k} 'c{k}' is not solved: it would push");
+        let error = |message: String| Diagnostic::error(Code::NotSolvedNatively, message);
+        let mut found: Vec<Diagnostic> = (1..=9).map(|k| error(contact(k))).collect();
+        found.insert(4, error("PTCV/1 is not solved: it would push".to_string()));
+        found.push(error("PTCV/2 is not solved: it would push".to_string()));
+        let told: Vec<String> = gathered(found).into_iter().map(|d| d.message).collect();
+        assert_eq!(
+            told,
+            [
+                "CONTACT/1 'c1' is not solved: it would push; the same holds for 8 more: CONTACT/2 'c2', CONTACT/3 'c3', \
+                 CONTACT/4 'c4', CONTACT/5 'c5', CONTACT/6 'c6' and 3 others",
+                "PTCV/1 is not solved: it would push",
+                "PTCV/2 is not solved: it would push",
+            ]
+        );
+    }
+}
