@@ -2,7 +2,8 @@ use std::path::PathBuf;
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::discrepancy::{
-    Choice, Finding, Outcome as Diagnosed, Progress as Watched, Verdict, diagnose_watched, held_out,
+    Finding, GainCheck, Outcome as Diagnosed, Progress as Watched, Verdict, diagnose_watched,
+    held_out,
 };
 use crate::front::fit::changed_lines;
 use crate::front::{foreign_parts, solver};
@@ -31,11 +32,22 @@ pub(super) struct Arguments {
     /// Where the answers go.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Search the causes anew for each group of the cross-validation: takes up to seven times as long.
-    #[arg(long)]
-    search_folds: bool,
+    /// How much is done to learn what the causes gain in cases that were not used.
+    #[arg(long, value_enum, default_value_t = CheckChoice::HeldOut)]
+    check_gain: CheckChoice,
     #[command(flatten)]
     replacing: Replacing,
+}
+
+/// What stands for a [`GainCheck`].
+#[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum)]
+enum CheckChoice {
+    /// Refits without those cases; the causes were chosen with them.
+    Quick,
+    /// A second search that does not see the cases held out.
+    HeldOut,
+    /// Besides, one for each group of the cross-validation: takes up to seven times as long.
+    Folds,
 }
 
 /// What is written.
@@ -68,12 +80,12 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let bar = Progress::new("diagnosing", shell, move || {
         Some((seen.stage(), (seen.sweeps(), Some(seen.budget()), "sweeps")))
     });
-    let choice = if arguments.search_folds {
-        Choice::Searched
-    } else {
-        Choice::AmongFitted
+    let check = match arguments.check_gain {
+        CheckChoice::Quick => GainCheck::Quick,
+        CheckChoice::HeldOut => GainCheck::HeldOut,
+        CheckChoice::Folds => GainCheck::Folds,
     };
-    let found = diagnose_watched(&problem, held_out, choice, &watched);
+    let found = diagnose_watched(&problem, held_out, check, &watched);
     drop(bar);
     let mut outcome = found.map_err(|error| {
         shell.fail(Diagnostic::error(Code::NoFit, error.to_string()));

@@ -1,8 +1,8 @@
 //! Groups of cases, each predicted from the others, with the causes chosen anew from what the others say.
 //!
-//! [`Choice::AmongFitted`]: each fitted model is refitted in its linear model to the rows of the other groups; the one of greatest
+//! [`Folds::validate`]: each fitted model is refitted in its linear model to the rows of the other groups; the one of greatest
 //! evidence there predicts the group. Which models were fitted, and where they were linearised, is what the search over all cases left.
-//! [`Choice::Searched`]: the whole search is done again for each group, without it.
+//! [`Folds::search`]: the whole search is done again for each group, without it.
 //!
 //! The logarithm of the density with which a model predicts a group from the rest is `ln Z(all) - ln Z(rest)`, both at the same sizes.
 //! Source: the chain rule of probabilities; MacKay, Neural Computation 4 (1992) 415.
@@ -43,16 +43,6 @@ pub struct GroupGain {
     pub rms_before: f64,
     /// The same by the model that was chosen.
     pub rms_after: f64,
-}
-
-/// How causes are chosen for a group.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub enum Choice {
-    /// Among the models that the search over all cases fitted.
-    #[default]
-    AmongFitted,
-    /// By a search of their own: as many times as long.
-    Searched,
 }
 
 /// All groups.

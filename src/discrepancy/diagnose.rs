@@ -3,13 +3,14 @@ use std::sync::Arc;
 
 use super::averaged::averaged;
 use super::cause::Cause;
-use super::cross_validation::{Choice, Folds};
+use super::cross_validation::Folds;
 use super::diagnosis::{
     BaselineFit, Diagnosis, Evidence, Finding, Gain, Indistinguishable, NoiseFound, ToleranceFound,
     Unexplained, Verdict,
 };
 use super::fit::{Fitted, Plain};
 use super::folds::{Blind, HeldOutTest, moved};
+use super::gain_check::GainCheck;
 use super::hypothesis::Hypothesis;
 use super::limits::detection_limits;
 use super::next_measurement::next_measurement;
@@ -78,17 +79,22 @@ pub fn diagnose<'a>(
     problem: &Problem<'a>,
     held_out: Vec<bool>,
 ) -> Result<Outcome<'a>, IdentifyError> {
-    diagnose_watched(problem, held_out, Choice::default(), &Progress::default())
+    diagnose_watched(
+        problem,
+        held_out,
+        GainCheck::default(),
+        &Progress::default(),
+    )
 }
 
-/// The same, telling how far it is, with causes chosen in the cross-validation as stated.
+/// The same, telling how far it is, with the gain checked as stated.
 ///
 /// # Errors
 /// As [`diagnose`].
 pub fn diagnose_watched<'a>(
     problem: &Problem<'a>,
     held_out: Vec<bool>,
-    choice: Choice,
+    check: GainCheck,
     progress: &Progress,
 ) -> Result<Outcome<'a>, IdentifyError> {
     let mut subject = Subject::new(problem, held_out);
@@ -127,11 +133,15 @@ pub fn diagnose_watched<'a>(
     }
     let (mut cross_validation, mut unseen) = (None, None);
     if !findings.is_empty() {
-        unseen = Unseen::new(&unfitted, progress);
+        unseen = if check == GainCheck::Quick {
+            Unseen::refitted_only(&subject, [Arc::clone(&none), Arc::clone(&leading)])
+        } else {
+            Unseen::new(&unfitted, progress)
+        };
         let folds = Folds::new(&subject);
         let searched = folds
             .as_ref()
-            .filter(|_| choice == Choice::Searched)
+            .filter(|_| check == GainCheck::Folds)
             .and_then(|folds| folds.search(&unfitted, progress));
         cross_validation = searched.or_else(|| folds.as_ref()?.validate(&none, &found.models));
     }

@@ -18,6 +18,7 @@ mod extended_deck;
 mod extension;
 mod fit;
 mod folds;
+mod gain_check;
 mod hypothesis;
 mod influence;
 mod jackknife;
@@ -42,7 +43,7 @@ mod wheel_run;
 mod words;
 
 pub use cause::Cause;
-pub use cross_validation::{Choice, CrossValidation, GroupGain};
+pub use cross_validation::{CrossValidation, GroupGain};
 pub use diagnose::{Outcome, diagnose, diagnose_watched, held_out};
 pub use diagnosis::{
     BaselineFit, DetectionLimit, Diagnosis, Evidence, Finding, Gain, Indistinguishable,
@@ -50,6 +51,7 @@ pub use diagnosis::{
 };
 pub use fit::{Estimate, Fitted, Plain};
 pub use folds::{Blind, HeldOutTest};
+pub use gain_check::GainCheck;
 pub use hypothesis::Hypothesis;
 pub use progress::Progress;
 pub use remainder::{Over, Remainder, RemainderPoint};

@@ -25,6 +25,8 @@ pub struct Unseen {
     pub tests: [HeldOutTest; 2],
     /// The predictions behind that.
     pub predicted: [Blind; 2],
+    /// True if a search of its own chose the causes; false if they were chosen with these cases.
+    pub searched: bool,
     /// The search was asked to end before it did.
     cut_short: bool,
 }
@@ -32,6 +34,8 @@ pub struct Unseen {
 /// What it says, for `diagnosis.json`.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct HoldOut {
+    /// True if a search that did not see these cases chose the causes; false if they were chosen with them.
+    pub searched: bool,
     /// Labels of the cases.
     pub cases: Vec<String>,
     /// Causes that were chosen without them, `cause address`.
@@ -59,11 +63,24 @@ impl Unseen {
         let mut subject = subject.clone();
         let sought = seek(&mut subject, Data::Fitted, progress)?;
         let cut_short = sought.found.cut_short;
-        Self::of(&subject, [sought.found.none, sought.leading], cut_short)
+        Self::of(
+            &subject,
+            [sought.found.none, sought.leading],
+            (true, cut_short),
+        )
+    }
+
+    /// Of models that were chosen with these cases, refitted without them in their linear models.
+    pub fn refitted_only(subject: &Subject<'_>, models: [Arc<Fitted>; 2]) -> Option<Self> {
+        Self::of(subject, models, (false, false))
     }
 
     /// Predictions of two models that have not seen the cases.
-    fn of(subject: &Subject<'_>, models: [Arc<Fitted>; 2], cut_short: bool) -> Option<Self> {
+    fn of(
+        subject: &Subject<'_>,
+        models: [Arc<Fitted>; 2],
+        (searched, cut_short): (bool, bool),
+    ) -> Option<Self> {
         let [before, after] = models.each_ref().map(|fitted| {
             let blind = Blind::new(subject, fitted)?;
             let test = blind.test(subject, fitted)?;
@@ -76,6 +93,7 @@ impl Unseen {
             chosen,
             tests: [before.1, after.1],
             predicted: [before.0, after.0],
+            searched,
             cut_short,
         })
     }
@@ -90,7 +108,7 @@ impl Unseen {
         mut refit: impl FnMut(&Fitted) -> Result<Fitted, BackendError>,
     ) -> Result<Self, BackendError> {
         let models = [refit(&self.none)?.into(), refit(&self.chosen)?.into()];
-        let found = Self::of(subject, models, self.cut_short);
+        let found = Self::of(subject, models, (self.searched, self.cut_short));
         Ok(found.unwrap_or_else(|| self.clone()))
     }
 
@@ -120,6 +138,7 @@ impl Unseen {
         let fall = fall(&by_case)?;
         let cases = &subject.problem.measurement.cases;
         Some(HoldOut {
+            searched: self.searched,
             cases: subject
                 .cases_held_out()
                 .map(|case| cases[case].label.clone())

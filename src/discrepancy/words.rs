@@ -338,8 +338,13 @@ impl Outcome<'_> {
             after.p_value
         ));
         Some(format!(
-            "On the cases held out, with {} chosen and fitted without them, {}.",
+            "On the cases held out, with {} {} without them, {}.",
             chosen(&unseen.chosen.chosen),
+            if unseen.searched {
+                "chosen and fitted"
+            } else {
+                "fitted (but not chosen)"
+            },
             parts.join(", ")
         ))
     }

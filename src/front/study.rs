@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use crate::backend::Backend;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::discrepancy::{Choice, Diagnosis, Progress, diagnose_watched, held_out};
+use crate::discrepancy::{Diagnosis, GainCheck, Progress, diagnose_watched, held_out};
 use crate::identify::{Fit, LoadedStudy, estimate_noise};
 use crate::report::{DiagnosisReport, IdentificationReport, Plausibility, lead};
 use crate::rig::settings::{BackendChoice, Method};
@@ -169,7 +169,7 @@ impl Study {
         estimate_noise(&mut loaded, None).map_err(|error| no_fit(&error.to_string()))?;
         let held = held_out(&loaded.study, &loaded.measurement);
         let problem = loaded.problem();
-        let found = diagnose_watched(&problem, held, Choice::default(), &progress);
+        let found = diagnose_watched(&problem, held, GainCheck::default(), &progress);
         let mut outcome = found.map_err(|error| no_fit(&error.to_string()))?;
         let mut remarks = Vec::new();
         if loaded.study.solver.backend != BackendChoice::Native {

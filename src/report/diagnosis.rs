@@ -189,9 +189,11 @@ impl DiagnosisReport<'_> {
             page.heading("Gain on load cases held out");
             if let Some(found) = &diagnosis.hold_out {
                 page.table(&hold_out(found, self.loaded.model.units.length.word));
-                page.note(
-                    "Neither the choice of causes nor the fits saw these cases: the whole search was done again without them.",
-                );
+                page.note(if found.searched {
+                    "Neither the choice of causes nor the fits saw these cases: the whole search was done again without them."
+                } else {
+                    "The fits did not see these cases. The causes were chosen with them."
+                });
             }
             page.table(&self.gains(&scene));
             page.note("Both models are refitted without the cases held out. The causes themselves were chosen with them.");

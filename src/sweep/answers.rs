@@ -6,7 +6,7 @@ use super::answer_path::{Answer, AnswerPath};
 use super::kept::{Keep, Origin, Output};
 use super::row::Status;
 use crate::diagnostic::Severity;
-use crate::discrepancy::{Choice, Progress, diagnose_watched, held_out};
+use crate::discrepancy::{GainCheck, Progress, diagnose_watched, held_out};
 use crate::front::{Watched, fit, solver};
 use crate::identify::{LoadedStudy, estimate_noise};
 use crate::rig::settings::BackendChoice;
@@ -59,7 +59,7 @@ impl Answers {
             let held = held_out(&own.study, &own.measurement);
             let problem = own.problem();
             let mut outcome =
-                diagnose_watched(&problem, held, Choice::default(), &Progress::default())
+                diagnose_watched(&problem, held, GainCheck::default(), &Progress::default())
                     .map_err(|error| failed(&error))?;
             if own.study.solver.backend != BackendChoice::Native {
                 let mut backend = solver::backend(&own.study, None, &|_| ());

@@ -4,7 +4,9 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use admire::discrepancy::{Cause, Diagnosis, Verdict, diagnose, held_out};
+use admire::discrepancy::{
+    Cause, Diagnosis, GainCheck, Progress, Verdict, diagnose_watched, held_out,
+};
 use admire::identify::LoadedStudy;
 use serde_json::Value;
 
@@ -27,7 +29,8 @@ fn judge(folder: &Path, name: &str) -> Judged {
     let loaded = LoadedStudy::read(&folder.join(name)).value.expect(name);
     let problem = loaded.problem();
     let held = held_out(&loaded.study, &loaded.measurement);
-    let diagnosis = diagnose(&problem, held).expect(name).diagnosis;
+    let found = diagnose_watched(&problem, held, GainCheck::Quick, &Progress::default());
+    let diagnosis = found.expect(name).diagnosis;
     let truth = std::fs::read_to_string(folder.join(format!("{name}.truth.json"))).unwrap();
     let truth: Value = serde_json::from_str(&truth).unwrap();
     let planted: Vec<(String, Vec<String>)> = truth["causes"]

@@ -1,6 +1,6 @@
 //! Cases held out are unknown to the choice of causes and to the fits that predict them.
 
-use admire::discrepancy::{Choice, Outcome, Progress, diagnose_watched};
+use admire::discrepancy::{GainCheck, Outcome, Progress, diagnose_watched};
 use admire::identify::LoadedStudy;
 
 use super::plant::{Plant, study};
@@ -10,7 +10,7 @@ const HELD_OUT: [usize; 3] = [3, 8, 11];
 
 fn with_diagnosis(
     reading: fn(usize, usize, usize, &mut [f64; 3]),
-    choice: Choice,
+    check: GainCheck,
     look: &mut dyn FnMut(&Outcome<'_>),
 ) {
     let plant = Plant {
@@ -23,7 +23,7 @@ fn with_diagnosis(
     let count = loaded.measurement.cases.len();
     let held = (0..count).map(|case| HELD_OUT.contains(&case)).collect();
     let progress = Progress::default();
-    let outcome = diagnose_watched(&loaded.problem(), held, choice, &progress).unwrap();
+    let outcome = diagnose_watched(&loaded.problem(), held, check, &progress).unwrap();
     look(&outcome);
 }
 
@@ -39,14 +39,18 @@ fn what_is_read_in_cases_held_out_moves_no_fit_that_predicts_them() {
         chosen.push((unseen.chosen.x.clone(), outcome.extended.x.clone(), found));
     };
     let nothing: fn(usize, usize, usize, &mut [f64; 3]) = |_, _, _, _| {};
-    with_diagnosis(nothing, Choice::AmongFitted, &mut look);
+    with_diagnosis(nothing, GainCheck::HeldOut, &mut look);
     // Whole parts read 0.3 mm off: the marks stay where they are on each part, so that their noise looks the same.
     let shifted: fn(usize, usize, usize, &mut [f64; 3]) = |case, part, _, x| {
         if HELD_OUT.contains(&case) {
             x[part % 3] += 0.3;
         }
     };
-    with_diagnosis(shifted, Choice::AmongFitted, &mut look);
+    with_diagnosis(shifted, GainCheck::HeldOut, &mut look);
+    with_diagnosis(nothing, GainCheck::Quick, &mut |outcome| {
+        let found = outcome.diagnosis.hold_out.as_ref().unwrap();
+        assert!(!found.searched && found.gain > 0.0, "{found:?}");
+    });
     let [(own, all, found), (own_again, all_again, worse)] = &chosen[..] else {
         panic!("two diagnoses");
     };
@@ -68,7 +72,7 @@ fn what_is_read_in_cases_held_out_moves_no_fit_that_predicts_them() {
 #[test]
 fn every_group_may_be_predicted_by_a_search_of_its_own() {
     let nothing: fn(usize, usize, usize, &mut [f64; 3]) = |_, _, _, _| {};
-    with_diagnosis(nothing, Choice::Searched, &mut |outcome| {
+    with_diagnosis(nothing, GainCheck::Folds, &mut |outcome| {
         let found = outcome.diagnosis.cross_validation.as_ref().unwrap();
         assert!(found.searched);
         println!("{found:#?}");

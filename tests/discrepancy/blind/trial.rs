@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use admire::backend::{Backend, NativeBackend, SweepRequest};
-use admire::discrepancy::{Diagnosis, diagnose, held_out};
+use admire::discrepancy::{Diagnosis, GainCheck, Progress, diagnose_watched, held_out};
 use admire::identify::LoadedStudy;
 use admire::mechanics::{Pose, RelativeMotion, Vec3};
 use admire::model::{MarkerIx, Model};
@@ -91,7 +91,9 @@ pub fn run(plan: Plan) -> Trial {
     }
     let problem = loaded.problem();
     let started = std::time::Instant::now();
-    if let Ok(outcome) = diagnose(&problem, held_out(&loaded.study, &loaded.measurement)) {
+    let held = held_out(&loaded.study, &loaded.measurement);
+    let found = diagnose_watched(&problem, held, GainCheck::Quick, &Progress::default());
+    if let Ok(outcome) = found {
         trial.places = outcome.places;
         trial.diagnosis = Some(outcome.diagnosis);
     }
