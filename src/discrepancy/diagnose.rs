@@ -133,11 +133,12 @@ pub fn diagnose_watched<'a>(
     }
     let (mut cross_validation, mut unseen) = (None, None);
     if !findings.is_empty() {
-        unseen = if check == GainCheck::Quick {
-            Unseen::refitted_only(&subject, [Arc::clone(&none), Arc::clone(&leading)])
-        } else {
-            Unseen::new(&unfitted, progress)
-        };
+        if check != GainCheck::Quick {
+            unseen = Unseen::new(&unfitted, progress);
+        }
+        if unseen.is_none() {
+            unseen = Unseen::refitted_only(&subject, [Arc::clone(&none), Arc::clone(&leading)]);
+        }
         let folds = Folds::new(&subject);
         let searched = folds
             .as_ref()

@@ -23,7 +23,7 @@ use crate::syntax::Address;
 const ROUNDS: usize = 5;
 /// No number of the model moves by more than this part of its standard deviation: done.
 const DONE: f64 = 0.02;
-/// A logarithm moves by so much at most in one round.
+/// The logarithm of a stiffness moves by so much at most in one round.
 const REACH: f64 = 0.8;
 
 /// Poses of every case; `None` where it was not solved.
@@ -37,18 +37,23 @@ impl Outcome<'_> {
                 "the solver of the study is not compared with the built-in one, which made this diagnosis: {error}"
             ));
         }
-        let error = self.refit(other).err()?;
+        let why = match self.refit(other) {
+            Ok(true) => return None,
+            Ok(false) => "the deck with the numbers fitted to it has no equilibrium".to_string(),
+            Err(error) => error.to_string(),
+        };
         Some(format!(
-            "the numbers of this diagnosis are fitted to the built-in solver, not to that of the study: {error}"
+            "the numbers of this diagnosis are fitted to the built-in solver, not to that of the study: {why}"
         ))
     }
 
     /// Fits the numbers of all models once more, to the predictions of another solver; the choice of causes stays. The deck that is
-    /// written, stiffnesses, numbers of findings and the gain on held-out cases are then that solver's.
+    /// written, stiffnesses, numbers of findings and the gain on held-out cases are then that solver's. False, and nothing changed, where
+    /// the built-in solver finds no equilibrium with those numbers.
     ///
     /// # Errors
     /// [`BackendError`] when the other solver could not solve anything; nothing is changed then.
-    pub fn refit(&mut self, other: &mut dyn Backend) -> Result<(), BackendError> {
+    pub fn refit(&mut self, other: &mut dyn Backend) -> Result<bool, BackendError> {
         let subject = &self.subject;
         let baseline = refitted(subject, &self.baseline, Data::All, other)?;
         let extended = refitted(subject, &self.extended, Data::All, other)?;
@@ -59,8 +64,9 @@ impl Outcome<'_> {
             None => None,
         };
         let Some(plain) = Plain::new(subject, &extended) else {
-            return Ok(());
+            return Ok(false);
         };
+        let poses = solved(other, &extended, &plain, subject)?;
         self.diagnosis.baseline.chi2_per_dof = baseline.posterior.chi_square_per_dof();
         for (k, parameter) in self.diagnosis.parameters.iter_mut().enumerate() {
             parameter.scale((extended.x[k] - self.extended.x[k]).exp());
@@ -84,7 +90,6 @@ impl Outcome<'_> {
             self.diagnosis.baseline.held_out_rms = unseen.tests[0].marks_rms;
         }
         self.stiffnesses = corrected(&subject.problem, &baseline, &extended);
-        let poses = solved(other, &extended, &plain, subject)?;
         if let Some(found) = &mut self.diagnosis.solver {
             found.refitted_rms = missed(subject, &poses);
         }
@@ -92,7 +97,7 @@ impl Outcome<'_> {
         self.baseline = baseline.into();
         self.extended = extended.into();
         self.unseen = unseen;
-        Ok(())
+        Ok(true)
     }
 }
 
@@ -104,20 +109,21 @@ fn refitted(
     other: &mut dyn Backend,
 ) -> Result<Fitted, BackendError> {
     let whitening = subject.whitening(data);
+    let stiffnesses = subject.problem.unknowns.len();
     let mut at = fitted.clone();
     for _ in 0..ROUNDS {
         let Some(plain) = Plain::new(subject, &at) else {
             break;
         };
         let apart = apart(subject, &at, &plain, other)?;
-        let Some((misfit, posterior)) = fitted.linearly_off(&whitening, &apart) else {
+        let Some((_, posterior)) = fitted.linearly_off(&whitening, &apart) else {
             break;
         };
         let mut most = 0.0_f64;
         let mut next = at.x.clone();
         for (k, next) in next.iter_mut().enumerate() {
             let goal = fitted.x[k] + posterior.step[k];
-            *next = if k < fitted.unknowns.len() {
+            *next = if k < stiffnesses {
                 at.x[k] + (goal - at.x[k]).clamp(-REACH, REACH)
             } else {
                 goal
@@ -127,8 +133,10 @@ fn refitted(
                 most = most.max((*next - at.x[k]).abs() / sd.max(f64::MIN_POSITIVE));
             }
         }
+        // Where a step was shortened the misfit is that of the shorter one.
+        let step = DVector::from_column_slice(&next) - DVector::from_column_slice(&fitted.x);
+        at.misfit = &fitted.misfit + apart + &fitted.jacobian * step;
         at.x = next;
-        at.misfit = misfit;
         at.posterior = posterior;
         at.posterior.step.fill(0.0);
         at.posterior.gain = 0.0;

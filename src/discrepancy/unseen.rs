@@ -1,4 +1,4 @@
-//! Cases that neither the choice of causes nor any fit saw.
+//! Cases that no fit saw, and as a rule the choice of causes neither.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use super::subject::{Data, Subject};
 use crate::backend::BackendError;
 use crate::identify::global::Row;
 
-/// The whole search done again without the cases held out.
+/// What models say of the cases held out that were fitted without them.
 #[derive(Clone, Debug)]
 pub struct Unseen {
     /// The model without any cause.

@@ -54,3 +54,24 @@ pub struct Row {
     /// What is kept; not finite where there is no value. Empty without an answer.
     pub outputs: Vec<f64>,
 }
+
+impl Row {
+    /// Of a case that began at `start` and ends now, with its numbers or why it has none.
+    pub fn ended(
+        case: u64,
+        start: std::time::Instant,
+        outcome: Result<Vec<f64>, (Status, String)>,
+    ) -> Self {
+        let (status, reason, outputs) = match outcome {
+            Ok(outputs) => (Status::Ok, String::new(), outputs),
+            Err((status, reason)) => (status, reason, Vec::new()),
+        };
+        Self {
+            case,
+            status,
+            reason,
+            seconds: start.elapsed().as_secs_f64(),
+            outputs,
+        }
+    }
+}

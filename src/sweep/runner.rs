@@ -284,17 +284,7 @@ impl<'p> Runner<'p> {
     fn row(&self, case: u64, deck: &Source) -> Row {
         let start = Instant::now();
         let seen = self.seen(deck).and_then(|seen| self.values(&seen));
-        let (status, reason, outputs) = match seen {
-            Ok(outputs) => (Status::Ok, String::new(), outputs),
-            Err((status, reason)) => (status, reason, Vec::new()),
-        };
-        Row {
-            case,
-            status,
-            reason,
-            seconds: start.elapsed().as_secs_f64(),
-            outputs,
-        }
+        Row::ended(case, start, seen)
     }
 
     fn seen(&self, deck: &Source) -> Result<Seen, (Status, String)> {

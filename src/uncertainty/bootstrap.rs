@@ -48,20 +48,8 @@ impl<'a> Bootstrap<'a> {
     /// A replicate: the numbers, and half of the chi-square that is left.
     pub fn run(&self, case: u64) -> Row {
         let start = std::time::Instant::now();
-        let row = |outcome: Result<Vec<f64>, String>| {
-            let (status, reason, outputs) = match outcome {
-                Ok(outputs) => (Status::Ok, String::new(), outputs),
-                Err(reason) => (Status::NoAnswer, reason, Vec::new()),
-            };
-            Row {
-                case,
-                status,
-                reason,
-                seconds: start.elapsed().as_secs_f64(),
-                outputs,
-            }
-        };
-        row(self.fitted(case))
+        let fitted = self.fitted(case);
+        Row::ended(case, start, fitted.map_err(|why| (Status::NoAnswer, why)))
     }
 
     fn fitted(&self, case: u64) -> Result<Vec<f64>, String> {

@@ -5,8 +5,8 @@ use admire::identify::LoadedStudy;
 
 use super::plant::{Plant, study};
 
-/// One of each load of the shipped study.
-const HELD_OUT: [usize; 3] = [3, 8, 11];
+/// All cases with a lateral load to one side, where the wrong gain shows most, and one with a longitudinal load.
+const HELD_OUT: [usize; 3] = [7, 8, 11];
 
 fn with_diagnosis(
     reading: fn(usize, usize, usize, &mut [f64; 3]),
@@ -33,7 +33,7 @@ fn what_is_read_in_cases_held_out_moves_no_fit_that_predicts_them() {
     let mut look = |outcome: &Outcome<'_>| {
         let found = outcome.diagnosis.hold_out.clone().unwrap();
         println!("{found:?}");
-        assert_eq!(found.cases, ["4", "9", "12"]);
+        assert_eq!(found.cases, ["8", "9", "12"]);
         assert_eq!(found.causes[0], "load-gain SFORCE/2", "{found:?}");
         let unseen = outcome.unseen.as_ref().unwrap();
         chosen.push((unseen.chosen.x.clone(), outcome.extended.x.clone(), found));
@@ -49,12 +49,15 @@ fn what_is_read_in_cases_held_out_moves_no_fit_that_predicts_them() {
     with_diagnosis(shifted, GainCheck::HeldOut, &mut look);
     with_diagnosis(nothing, GainCheck::Quick, &mut |outcome| {
         let found = outcome.diagnosis.hold_out.as_ref().unwrap();
-        assert!(!found.searched && found.p_value > 0.01, "{found:?}");
+        assert!(!found.searched && found.gain > 0.0, "{found:?}");
     });
     let [(own, all, found), (own_again, all_again, worse)] = &chosen[..] else {
         panic!("two diagnoses");
     };
-    assert!(found.searched && found.p_value > 0.01, "{found:?}");
+    assert!(
+        found.searched && found.gain > 0.0 && found.p_value > 0.01,
+        "{found:?}"
+    );
     // Only the weights of rows are scaled by what all marks say of their noise: to the last digits.
     for (a, b) in own.iter().zip(own_again) {
         assert!((a - b).abs() < 1e-6, "{a} {b}");

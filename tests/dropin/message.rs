@@ -1,7 +1,7 @@
 //! What the message file says beside what was computed, compared with real message files where there are such.
 
 use crate::common::shared;
-use crate::run::{SLIDER, folder, mdi, text};
+use crate::run::{SLIDER, folder, generic_model, mdi, text};
 
 /// The frames of warnings in a message file, whose first lines hold a phrase.
 fn frames<'t>(messages: &'t str, phrases: &[&str]) -> Vec<&'t str> {
@@ -85,18 +85,9 @@ fn deck_simulations(acf: &str) -> usize {
 
 #[test]
 fn redundant_constraints_are_told_where_adams_tells_them() {
-    let Some(real) = shared("real-decks") else {
+    let Some([ours, real]) = generic_model() else {
         return;
     };
-    let real = real.join("adamspy-generic");
-    let read = |name: &str| {
-        let bytes = std::fs::read(real.join(name)).unwrap();
-        String::from_utf8_lossy(&bytes).replace("\r\n", "\n")
-    };
-    let (deck, acf) = (read("generic_model.adm"), read("generic_model.acf"));
-    let folder = folder(&[("generic_model.adm", &deck), ("run.acf", &acf)]);
-    assert_eq!(mdi(folder.path(), &["ru-s", "run"]).code, 0);
-    let ours = text(folder.path(), "generic_model.msg");
     let order = |messages: &str| {
         let marks = [
             "  Begin Simulation",
@@ -119,7 +110,7 @@ fn redundant_constraints_are_told_where_adams_tells_them() {
             .collect::<Vec<_>>()
     };
     // Those that ADAMS finds, told at the same place.
-    assert_eq!(order(&ours), order(&read("generic_model.msg")));
+    assert_eq!(order(&ours), order(&real));
 }
 
 #[test]

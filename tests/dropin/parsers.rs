@@ -2,8 +2,7 @@
 
 use regex_lite::Regex;
 
-use crate::common::shared;
-use crate::run::{SLIDER, folder, mdi, text};
+use crate::run::{SLIDER, folder, generic_model, mdi, text};
 
 const TIMESTAMP: &str = r"(?m)^\s+(\d\.\d{5}E[\+\-]\d{2})\s+(\d\.\d{5}E[\+\-]\d{2})\s+(\d+)\s+(\d+)\s+(\d+)\s+(\d+(?:[\.:]\d{2}){1,2})\s*$";
 const FINISH: &str = r"(?m)^Finished -----\s*$";
@@ -40,21 +39,11 @@ fn told(messages: &str) -> (bool, bool, usize, usize, usize, usize, Vec<String>)
 
 #[test]
 fn a_dynamic_run_tells_scripts_what_adams_tells_them() {
-    let Some(real) = shared("real-decks") else {
+    let Some([ours, real]) = generic_model() else {
         return;
     };
-    let real = real.join("adamspy-generic");
-    let read = |name: &str| {
-        let bytes = std::fs::read(real.join(name)).unwrap();
-        String::from_utf8_lossy(&bytes).replace("\r\n", "\n")
-    };
-    let (deck, acf) = (read("generic_model.adm"), read("generic_model.acf"));
-    let folder = folder(&[("generic_model.adm", &deck), ("run.acf", &acf)]);
-    assert_eq!(mdi(folder.path(), &["ru-s", "run"]).code, 0);
-    let ours = text(folder.path(), "generic_model.msg");
-    let expected = read("generic_model.msg");
-    assert_eq!(told(&ours), told(&expected));
-    assert_eq!(told(&expected).6.len(), 11);
+    assert_eq!(told(&ours), told(&real));
+    assert_eq!(told(&real).6.len(), 11);
 }
 
 #[test]

@@ -84,6 +84,18 @@ pub fn text(folder: &Path, name: &str) -> String {
         .unwrap_or_default()
 }
 
+/// Message files of `generic_model`, which moves: ours, and that of real ADAMS. `None` where the shared decks are missing.
+pub fn generic_model() -> Option<[String; 2]> {
+    let real = crate::common::shared("real-decks")?.join("adamspy-generic");
+    let (deck, acf) = (
+        text(&real, "generic_model.adm"),
+        text(&real, "generic_model.acf"),
+    );
+    let folder = folder(&[("generic_model.adm", &deck), ("run.acf", &acf)]);
+    assert_eq!(mdi(folder.path(), &["ru-s", "run"]).code, 0);
+    Some([folder.path(), &real].map(|of| text(of, "generic_model.msg")))
+}
+
 /// The steps of a `.res`, read as the readers in the wild do (guide/formats.md 12): ids from the lines after `<Entity name=`, values
 /// from the numeric lines after each `"quasiStatic"`, indexed by id.
 pub struct Results {
