@@ -5,6 +5,7 @@ use std::time::{Duration, SystemTime};
 
 use super::answer::{Answer, licence_failure, read};
 use super::bushing_check::ForceFrame;
+use super::licence::patiently;
 use super::process::{execute, tail};
 use super::run_folder::{RunFiles, STEM};
 use super::scratch_folder::ScratchFolder;
@@ -19,6 +20,8 @@ pub struct CommandBackend {
     pub command: Vec<String>,
     /// After which a run is killed.
     pub timeout: Duration,
+    /// So long a licence that is refused is asked for again.
+    pub licence_wait: Duration,
     /// So many runs go at a time where several are wanted at once.
     pub jobs: usize,
     /// Run folders are made here, numbered, and all kept; otherwise they are temporary.
@@ -38,6 +41,7 @@ impl CommandBackend {
         Self {
             command,
             timeout,
+            licence_wait: Duration::ZERO,
             jobs: 1,
             keep: None,
             record: None,
@@ -53,8 +57,12 @@ impl CommandBackend {
         (self.runs, self.failed)
     }
 
-    /// One run, which is number `number`.
+    /// One run, which is number `number`; made again while licences are refused.
     fn run(&self, number: usize, request: &SweepRequest<'_>) -> Result<Answer, BackendError> {
+        patiently(self.licence_wait, || self.attempt(number, request))
+    }
+
+    fn attempt(&self, number: usize, request: &SweepRequest<'_>) -> Result<Answer, BackendError> {
         let no_folder = |error: std::io::Error| BackendError::Run {
             reason: Box::new(RunError::Files(error.to_string())),
             folder: self.keep.clone().unwrap_or_default(),
@@ -91,7 +99,7 @@ impl CommandBackend {
         let status = execute(&words, folder, self.timeout)?;
         // Callers of ADAMS rely on its messages as much as on its exit code; a run is good only if both are.
         if let Some(line) = licence_failure(folder) {
-            return Err(RunError::Licence(line));
+            return Err(RunError::Licence { line, waited: 0.0 });
         }
         if !status.success() {
             return Err(RunError::Exit {

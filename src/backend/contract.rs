@@ -94,8 +94,13 @@ pub enum RunError {
         tail: String,
     },
     /// There was no licence.
-    #[error("the solver got no licence: {0}")]
-    Licence(String),
+    #[error("the solver got no licence{}: {line}", if *waited > 0.0 { format!(" within {waited} s") } else { String::new() })]
+    Licence {
+        /// How it said so.
+        line: String,
+        /// Seconds that were waited for one.
+        waited: f64,
+    },
     /// It failed or crashed.
     #[error("the run ended with {}\n{tail}", code.map_or_else(|| "a crash".to_string(), |code| format!("exit code {code}")))]
     Exit {
@@ -169,7 +174,7 @@ impl BackendError {
                 *dead
                     || matches!(
                         **reason,
-                        RunError::Files(_) | RunError::Start { .. } | RunError::Licence(_)
+                        RunError::Files(_) | RunError::Start { .. } | RunError::Licence { .. }
                     )
             }
         }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::answer::licence_failure;
+use super::licence::patiently;
 use super::process::{execute, tail};
 use super::run_folder::{RunFiles, STEM};
 use super::{Recording, RunError};
@@ -18,6 +19,7 @@ pub struct ProgramRun {
     command: Option<Vec<String>>,
     recording: Option<Recording>,
     timeout: Duration,
+    licence_wait: Duration,
 }
 
 /// What is run.
@@ -48,12 +50,20 @@ pub struct DeckAnswer {
 
 impl ProgramRun {
     /// Program and arguments, `{acf}` standing for the command file, and seconds after which it is killed. Runs that stand in the
-    /// recording are taken from there, others are recorded; without a program nothing else is answered.
-    pub fn new(command: Option<Vec<String>>, recording: Option<Recording>, timeout_s: f64) -> Self {
+    /// recording are taken from there, others are recorded; without a program nothing else is answered. A licence that is refused is
+    /// asked for again for `licence_wait_s` seconds.
+    pub fn new(
+        command: Option<Vec<String>>,
+        recording: Option<Recording>,
+        timeout_s: f64,
+        licence_wait_s: f64,
+    ) -> Self {
+        let seconds = |s: f64| Duration::try_from_secs_f64(s).unwrap_or(Duration::MAX);
         Self {
             command,
             recording,
-            timeout: Duration::try_from_secs_f64(timeout_s).unwrap_or(Duration::MAX),
+            timeout: seconds(timeout_s),
+            licence_wait: seconds(licence_wait_s),
         }
     }
 
@@ -62,7 +72,6 @@ impl ProgramRun {
     /// # Errors
     /// [`RunError`].
     pub fn run(&self, run: &DeckRun<'_>) -> Result<DeckAnswer, RunError> {
-        let files = |error: std::io::Error| RunError::Files(error.to_string());
         let own = RunFiles::of_deck(run.deck, run.commands, run.original);
         if let Some(folder) = self.recording.as_ref().and_then(|all| all.find(&own)) {
             return read(&results_in(&folder)?, run.columns, &folder);
@@ -77,6 +86,16 @@ impl ProgramRun {
                 folder: place.unwrap_or_default(),
             });
         };
+        patiently(self.licence_wait, || self.attempt(command, &own, run))
+    }
+
+    fn attempt(
+        &self,
+        command: &[String],
+        own: &RunFiles,
+        run: &DeckRun<'_>,
+    ) -> Result<DeckAnswer, RunError> {
+        let files = |error: std::io::Error| RunError::Files(error.to_string());
         let folder = tempfile::Builder::new()
             .prefix("admire-run-")
             .tempdir()
@@ -90,7 +109,7 @@ impl ProgramRun {
             .collect();
         let status = execute(&words, folder, self.timeout)?;
         if let Some(line) = licence_failure(folder) {
-            return Err(RunError::Licence(line));
+            return Err(RunError::Licence { line, waited: 0.0 });
         }
         if !status.success() {
             return Err(RunError::Exit {
@@ -103,7 +122,7 @@ impl ProgramRun {
             // A recording has one name for all results.
             let usual = folder.join(format!("{STEM}.res"));
             std::fs::rename(&path, &usual).map_err(files)?;
-            recording.keep(&own, folder).map_err(files)?;
+            recording.keep(own, folder).map_err(files)?;
             path = usual;
         }
         read(&path, run.columns, folder)

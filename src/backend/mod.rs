@@ -11,6 +11,7 @@ mod contract;
 mod deck_run;
 #[cfg(windows)]
 mod job;
+mod licence;
 mod native;
 mod process;
 #[cfg(not(windows))]

@@ -60,6 +60,7 @@ pub(crate) fn command(
         format!("every equilibrium is solved by a program that study.toml names: {shown}"),
     ));
     let mut backend = CommandBackend::new(words, Duration::from_secs_f64(solver.timeout_s));
+    backend.licence_wait = Duration::from_secs_f64(solver.licence_wait_s);
     backend.jobs = solver.jobs;
     backend.keep = keep;
     backend

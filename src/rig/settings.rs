@@ -23,6 +23,8 @@ pub struct SolverSettings {
     pub command: Vec<String>,
     /// Seconds after which a run is killed.
     pub timeout_s: f64,
+    /// Seconds for which a licence that is refused is asked for again.
+    pub licence_wait_s: f64,
     /// Parallel runs.
     pub jobs: usize,
     /// Folder of recorded runs below the study: what `admire record` fills and backend `replay` serves.
@@ -56,6 +58,7 @@ impl SolverSettings {
             backend: section.choice("backend", BackendChoice::Native, &words, out),
             command,
             timeout_s: section.number("timeout_s", 600.0, (1e-3, 1e9), out),
+            licence_wait_s: section.number("licence_wait_s", 300.0, (0.0, 1e9), out),
             jobs: section.count("jobs", 1, (1, 1024), out),
             recordings: section.text("recordings", out).unwrap_or_else(|| Spelled {
                 text: "recorded".to_string(),

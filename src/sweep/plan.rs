@@ -28,6 +28,8 @@ pub struct Program {
     pub recordings: Option<PathBuf>,
     /// Seconds after which a run is killed.
     pub timeout_s: f64,
+    /// Seconds for which a licence that is refused is asked for again.
+    pub licence_wait_s: f64,
 }
 
 /// A sweep, read and checked: what varies, what is run, what is kept.
@@ -234,6 +236,10 @@ fn program(
     if !(solver.timeout_s > 0.0) {
         out.wrong(Code::OutOfRange, span.clone(), "`timeout_s` is above zero");
     }
+    if !(solver.licence_wait_s >= 0.0) {
+        let rule = "`licence_wait_s` is not negative";
+        out.wrong(Code::OutOfRange, span.clone(), rule);
+    }
     let beside = |name: &str| {
         let beside = folder.join(name);
         std::path::absolute(&beside).unwrap_or(beside)
@@ -270,6 +276,7 @@ fn program(
         command,
         recordings,
         timeout_s: solver.timeout_s,
+        licence_wait_s: solver.licence_wait_s,
     })
 }
 

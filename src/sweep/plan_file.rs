@@ -116,6 +116,8 @@ pub(super) struct Solver {
     pub recordings: Option<Spanned<String>>,
     #[serde(default = "an_hour")]
     pub timeout_s: f64,
+    #[serde(default = "an_hour")]
+    pub licence_wait_s: f64,
 }
 
 const fn an_hour() -> f64 {

@@ -58,7 +58,12 @@ impl<'p> Runner<'p> {
             },
             program: plan.program.as_ref().map(|program| {
                 let recording = program.recordings.clone().map(Recording::new);
-                ProgramRun::new(program.command.clone(), recording, program.timeout_s)
+                ProgramRun::new(
+                    program.command.clone(),
+                    recording,
+                    program.timeout_s,
+                    program.licence_wait_s,
+                )
             }),
             ids: Vec::new(),
             catalogue: Catalogue::default(),

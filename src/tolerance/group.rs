@@ -130,7 +130,7 @@ impl Sizes {
             (Group::Preloads, Some(Size::new(0.003, 0.5).at_most(0.01))),
             (
                 Group::SpringRates,
-                Some(Size::new(0.015, 0.5).at_most(0.04)),
+                Some(Size::new(0.015, 0.5).at_most(0.025)),
             ),
             (
                 Group::KnownStiffnesses,

@@ -97,6 +97,34 @@ fn nothing_of_a_bad_run_is_taken_for_an_answer() {
     }
 }
 
+/// Licences are refused for a while, as on a Monday morning: the run is made again until there is one.
+#[test]
+#[cfg(unix)]
+fn a_refused_licence_is_waited_for() {
+    let loaded = study("regression");
+    let request = SweepRequest {
+        dataset: &loaded.dataset,
+        model: &loaded.model,
+        theta: &[],
+        programme: &loaded.programme,
+    };
+    let seen = tempfile::tempdir().unwrap();
+    let script = format!(
+        "if mkdir {seen}/refused 2>/dev/null; then echo 'License request denied: all in use' >&2; exit 1; fi; \
+         exec {mdi} -c ru-standard i run.acf exit",
+        seen = seen.path().display(),
+        mdi = env!("CARGO_BIN_EXE_mdi"),
+    );
+    let command = ["sh", "-c", &script].map(String::from).to_vec();
+    let mut backend = CommandBackend::new(command, Duration::from_secs(60));
+    let refused = backend.sweep(&request).unwrap_err();
+    assert!(refused.to_string().contains("denied"), "{refused}");
+    std::fs::remove_dir(seen.path().join("refused")).unwrap();
+    backend.licence_wait = Duration::from_secs(60);
+    let sweep = backend.sweep(&request).unwrap();
+    assert_eq!(sweep.cases.len(), loaded.programme.cases.len());
+}
+
 /// Ctrl-C: the run ends after its step, keeps what it has, says so, and exits with 130 as shells do.
 #[test]
 #[cfg(unix)]

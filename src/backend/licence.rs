@@ -1,0 +1,115 @@
+use std::time::{Duration, Instant};
+
+use super::{BackendError, RunError};
+
+/// Pauses between two attempts double from the first to the last of these.
+const PAUSES: (Duration, Duration) = (Duration::from_secs(1), Duration::from_secs(30));
+
+/// Refusals that no waiting helps against, as FlexNet words them (errors -1, -5, -8, -10).
+const LASTING: [&str; 5] = [
+    "expired",
+    "no such feature",
+    "does not exist",
+    "invalid",
+    "cannot find license file",
+];
+
+/// What says why a run failed.
+pub(super) trait Reasoned {
+    /// Why, if a run of a program failed.
+    fn reason(&mut self) -> Option<&mut RunError>;
+}
+
+impl Reasoned for RunError {
+    fn reason(&mut self) -> Option<&mut RunError> {
+        Some(self)
+    }
+}
+
+impl Reasoned for BackendError {
+    fn reason(&mut self) -> Option<&mut RunError> {
+        match self {
+            Self::Run { reason, .. } => Some(&mut **reason),
+            _ => None,
+        }
+    }
+}
+
+/// Makes a run again while its solver is refused a licence, for `limit` in all. What else goes wrong is returned at once, and so is a
+/// refusal that waiting does not help against.
+///
+/// # Errors
+/// Those of the last attempt; of a refusal with the time that was waited.
+pub(super) fn patiently<T, E: Reasoned>(
+    limit: Duration,
+    mut attempt: impl FnMut() -> Result<T, E>,
+) -> Result<T, E> {
+    let begun = Instant::now();
+    let mut pause = PAUSES.0;
+    loop {
+        let mut error = match attempt() {
+            Ok(answer) => return Ok(answer),
+            Err(error) => error,
+        };
+        let Some(RunError::Licence { line, waited }) = error.reason() else {
+            return Err(error);
+        };
+        let spent = begun.elapsed();
+        *waited = spent.as_secs_f64().round();
+        if is_lasting(line) || spent >= limit {
+            return Err(error);
+        }
+        std::thread::sleep(pause.min(limit - spent));
+        pause = (2 * pause).min(PAUSES.1);
+    }
+}
+
+fn is_lasting(line: &str) -> bool {
+    let line = line.to_ascii_lowercase();
+    LASTING.iter().any(|word| line.contains(word))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refused(line: &str) -> RunError {
+        RunError::Licence {
+            line: line.to_string(),
+            waited: 0.0,
+        }
+    }
+
+    #[test]
+    fn a_licence_that_comes_free_is_taken() {
+        let mut attempts = 0;
+        let answer = patiently(
+            Duration::from_secs(60),
+            || {
+                attempts += 1;
+                if attempts == 1 {
+                    Err(refused("License request denied: all in use"))
+                } else {
+                    Ok(attempts)
+                }
+            },
+        );
+        assert_eq!(answer.ok(), Some(2));
+    }
+
+    #[test]
+    fn what_waiting_does_not_help_against_is_told_at_once() {
+        for (line, limit) in [("License expired", 60), ("license denied", 0)] {
+            let mut attempts = 0;
+            let answer: Result<(), _> = patiently(
+                Duration::from_secs(limit),
+                || {
+                    attempts += 1;
+                    Err(refused(line))
+                },
+            );
+            assert!(answer.is_err());
+            assert_eq!(attempts, 1, "{line}");
+        }
+    }
+}
