@@ -83,17 +83,14 @@ mod tests {
     #[test]
     fn a_licence_that_comes_free_is_taken() {
         let mut attempts = 0;
-        let answer = patiently(
-            Duration::from_secs(60),
-            || {
-                attempts += 1;
-                if attempts == 1 {
-                    Err(refused("License request denied: all in use"))
-                } else {
-                    Ok(attempts)
-                }
-            },
-        );
+        let answer = patiently(Duration::from_secs(60), || {
+            attempts += 1;
+            if attempts == 1 {
+                Err(refused("License request denied: all in use"))
+            } else {
+                Ok(attempts)
+            }
+        });
         assert_eq!(answer.ok(), Some(2));
     }
 
@@ -101,13 +98,10 @@ mod tests {
     fn what_waiting_does_not_help_against_is_told_at_once() {
         for (line, limit) in [("License expired", 60), ("license denied", 0)] {
             let mut attempts = 0;
-            let answer: Result<(), _> = patiently(
-                Duration::from_secs(limit),
-                || {
-                    attempts += 1;
-                    Err(refused(line))
-                },
-            );
+            let answer: Result<(), _> = patiently(Duration::from_secs(limit), || {
+                attempts += 1;
+                Err(refused(line))
+            });
             assert!(answer.is_err());
             assert_eq!(attempts, 1, "{line}");
         }

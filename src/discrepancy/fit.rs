@@ -264,6 +264,7 @@ pub fn fit(
     }
     let whitening = Arc::new(subject.whitening(data));
     let mut sweep = Sweep {
+        of_the_model: unknowns.of_the_model(),
         unknowns: &unknowns,
         observations,
         predictor,
@@ -278,10 +279,19 @@ pub fn fit(
         Some((warm, _)) => warm.sizes.at(warm.sizes.modest(1.0)),
         None => subject.sizes.clone(),
     };
-    let mut settled = sweep.settle(x, &first, (STEPS, least), warm.is_none());
+    let start = match warm {
+        Some((warm, _)) => sweep.beside(x, warm),
+        None => sweep.at(x),
+    };
+    let mut settled = start.and_then(|start| {
+        let alone = warm.is_none();
+        sweep.settle(start, &first, (STEPS, least), alone)
+    });
     // Stiffnesses that were fitted as if all else were exact can be so wrong that nothing leads away from them.
     if warm.is_none() && settled.as_ref().is_none_or(|s| s.posterior.gain > NEAR) {
-        let again = sweep.settle(unknowns.start.clone(), &first, (2 * STEPS, least), false);
+        let again = sweep
+            .at(unknowns.start.clone())
+            .and_then(|start| sweep.settle(start, &first, (2 * STEPS, least), false));
         let reached = |s: &Option<Settled>| {
             s.as_ref()
                 .map_or(f64::NEG_INFINITY, |s| s.posterior.ln_z - s.posterior.gain)
@@ -300,11 +310,11 @@ pub fn fit(
     }
     Some(Fitted {
         chosen: chosen.iter().map(|(h, _)| h.clone()).collect(),
-        x: settled.x,
-        turned: whitening.apply(&settled.evaluation.jacobian),
-        misfit: settled.evaluation.residual,
-        jacobian: settled.evaluation.jacobian,
-        linear: Arc::new(settled.linear),
+        x: settled.point.x,
+        turned: settled.point.turned,
+        misfit: settled.point.evaluation.residual,
+        jacobian: settled.point.evaluation.jacobian,
+        linear: Arc::new(settled.point.linear),
         sizes: settled.sizes,
         posterior: settled.posterior,
         priors: unknowns.priors,
@@ -388,11 +398,20 @@ pub fn unguessed(fitted: &Fitted) -> Vec<(Hypothesis, Vec<f64>)> {
         .collect()
 }
 
-/// The end of a fit.
-struct Settled {
+/// Residuals and derivatives at some values of the unknowns.
+struct Point {
     x: Vec<f64>,
     evaluation: Evaluation,
+    /// The Jacobian of turned rows.
+    turned: DMatrix<f64>,
     linear: Linear,
+    /// False where derivatives by small errors are those of a point nearby.
+    is_exact: bool,
+}
+
+/// The end of a fit.
+struct Settled {
+    point: Point,
     sizes: Sizes,
     posterior: Posterior,
 }
@@ -405,16 +424,103 @@ struct Sweep<'a> {
     whitening: &'a Whitening,
     /// How many unknowns are stiffnesses; they come first.
     stiffnesses: usize,
+    /// Unknowns of the deck that are no small errors, in ascending order.
+    of_the_model: Vec<usize>,
 }
 
 impl Sweep<'_> {
-    /// Solves all cases; derivatives by the first `active` unknowns of the deck, by all if it is `None`.
-    fn evaluate(&mut self, x: &[f64], active: Option<usize>) -> Option<Evaluation> {
+    /// Everything at `x`.
+    fn at(&mut self, x: Vec<f64>) -> Option<Point> {
+        let all: Vec<usize> = (0..self.unknowns.list.len()).collect();
+        let evaluation = self.evaluate(&x, &all)?;
+        let turned = self.whitening.apply(&evaluation.jacobian);
+        let linear = Linear::new(
+            self.whitening,
+            &turned,
+            &self.whitening.apply_vector(&-&evaluation.residual),
+            self.unknowns.priors.clone(),
+            DVector::from_column_slice(&x),
+        );
+        Some(Point {
+            x,
+            evaluation,
+            turned,
+            linear,
+            is_exact: true,
+        })
+    }
+
+    /// At `x`, with the derivatives by small errors from another model that has them too: they differ little.
+    fn beside(&mut self, x: Vec<f64>, warm: &Fitted) -> Option<Point> {
+        let (count, theirs) = (self.unknowns.list.len(), warm.unknowns.len());
+        let nuisances = self.unknowns.layout.sd.len();
+        if warm.layout.sd.len() != nuisances {
+            return self.at(x);
+        }
+        let mut evaluation = self.evaluate(&x, &self.of_the_model.clone())?;
+        let errors = (0..count).filter(|k| self.of_the_model.binary_search(k).is_err());
+        let from = errors.map(|k| (k, k));
+        let from = from.chain((0..nuisances).map(|k| (count + k, theirs + k)));
+        for (own, other) in from {
+            let known = warm.jacobian.column(other);
+            evaluation.jacobian.set_column(own, &known);
+        }
+        let turned = self.whitening.apply(&evaluation.jacobian);
+        let linear = Linear::new(
+            self.whitening,
+            &turned,
+            &self.whitening.apply_vector(&-&evaluation.residual),
+            self.unknowns.priors.clone(),
+            DVector::from_column_slice(&x),
+        );
+        Some(Point {
+            x,
+            evaluation,
+            turned,
+            linear,
+            is_exact: false,
+        })
+    }
+
+    /// At `x`, with the derivatives by small errors of a point nearby.
+    fn near(&mut self, x: Vec<f64>, point: &Point) -> Option<Point> {
+        let own = self.of_the_model.clone();
+        let mut evaluation = self.evaluate(&x, &own)?;
+        let changed = self
+            .whitening
+            .apply(&evaluation.jacobian.select_columns(&own));
+        let (mut jacobian, mut turned) = (point.evaluation.jacobian.clone(), point.turned.clone());
+        for (k, at) in own.iter().enumerate() {
+            jacobian.set_column(*at, &evaluation.jacobian.column(*at));
+            turned.set_column(*at, &changed.column(k));
+        }
+        evaluation.jacobian = jacobian;
+        let linear = point.linear.moved(
+            self.whitening,
+            (
+                &turned,
+                &self.whitening.apply_vector(&-&evaluation.residual),
+            ),
+            &own,
+            DVector::from_column_slice(&x),
+        );
+        Some(Point {
+            x,
+            evaluation,
+            turned,
+            linear,
+            is_exact: false,
+        })
+    }
+
+    /// Solves all cases; derivatives by these unknowns of the deck, in ascending order, and by all of the measurement.
+    fn evaluate(&mut self, x: &[f64], columns: &[usize]) -> Option<Evaluation> {
         let own = &self.unknowns.list;
         let count = own.len();
         let numbers = own.numbers(&self.unknowns.deck, &x[..count]);
         let mut directions = own.directions(&numbers.theta, &x[..count]);
-        directions.truncate(active.unwrap_or(count));
+        let mut at = 0..;
+        directions.retain(|_| at.next().is_some_and(|k| columns.binary_search(&k).is_ok()));
         let prediction = self.predictor.predict(&numbers, Some(&directions));
         let inner = count + self.unknowns.layout.sd.len();
         let mut out =
@@ -422,6 +528,12 @@ impl Sweep<'_> {
                 .evaluate(&prediction, &self.unknowns.layout, &x[..inner], true)?;
         let rows = &self.unknowns.rows;
         out.jacobian = out.jacobian.resize_horizontally(inner + rows.len(), 0.0);
+        // Derivatives stand side by side; each goes to its own column, the last one first.
+        for (k, column) in columns.iter().enumerate().rev() {
+            if *column != k {
+                out.jacobian.swap_columns(k, *column);
+            }
+        }
         for (k, column) in rows.iter().enumerate() {
             for (row, value) in column {
                 out.residual[*row] += value * x[inner + k];
@@ -464,47 +576,48 @@ impl Sweep<'_> {
     }
 
     /// Gauss-Newton over everything, the sizes by their evidence: at every step where the stiffnesses `alone` were fitted before. Ends
-    /// early where less than `least` nats are promised.
+    /// early where less than `least` nats are promised. On the way derivatives by small errors stay as they are; at the end, and
+    /// where they lead nowhere, they are exact.
     fn settle(
         &mut self,
-        start: Vec<f64>,
+        start: Point,
         first: &Sizes,
         (steps, least): (usize, f64),
         alone: bool,
     ) -> Option<Settled> {
         let mut sizes = first.clone();
-        let mut x = start;
-        let mut evaluation = self.evaluate(&x, None)?;
+        let mut here = start;
         // Steps of stiffnesses are made in what the deflections are linear in.
         let mut list = self.unknowns.list.clone();
         list.set_shares(&self.predictor.shares(&list.springs()).unwrap_or_default());
         let count = list.len();
         let (mut slow, mut damping) = (0, 0.0);
-        let mut linear = self.linear(&evaluation, &x);
         for step_number in 0.. {
             // Far from the answer the sizes would take up what is not fitted yet.
-            let mut posterior = linear.posterior(&sizes)?;
+            let mut posterior = here.linear.posterior(&sizes)?;
             if alone || step_number >= HELD || posterior.gain < NEAR {
-                sizes = linear.sized(&sizes);
-                posterior = linear.posterior(&sizes)?;
+                sizes = here.linear.sized(&sizes);
+                posterior = here.linear.posterior(&sizes)?;
             }
-            let objective = linear.objective(&sizes);
+            let objective = here.linear.objective(&sizes);
             // What the linear model promises counts for the fit here.
             let hopeless = step_number >= HELD && posterior.ln_z < least;
             if posterior.gain < ENOUGH || step_number >= steps || slow == SLOW || hopeless {
-                return Some(Settled {
-                    x,
-                    evaluation,
-                    linear,
-                    sizes,
-                    posterior,
-                });
+                if here.is_exact || hopeless {
+                    return Some(Settled {
+                        point: here,
+                        sizes,
+                        posterior,
+                    });
+                }
+                here = self.at(here.x)?;
+                continue;
             }
             let reach = REACH[step_number.min(1)];
             let (low, high) = list.limits(&vec![1.0; count], reach);
             let mut next = None;
             for _ in 0..TRIALS {
-                let damped = linear.damped(&sizes, damping)?;
+                let damped = here.linear.damped(&sizes, damping)?;
                 let limited: Vec<(usize, f64)> = (0..count)
                     .filter(|k| self.unknowns.is_logarithm(*k))
                     .map(|k| (k, damped.step[k].clamp(low[k], high[k])))
@@ -516,45 +629,38 @@ impl Sweep<'_> {
                         step[k] = step[k].clamp(*low, *high);
                     }
                 }
-                let mut there = list.moved(&x, &step.rows(0, count).into_owned());
-                there.extend(x.iter().zip(step.iter()).skip(count).map(|(x, s)| x + s));
-                if let Some(found) = self.evaluate(&there, None) {
-                    let further = self.linear(&found, &there);
-                    let value = further.objective(&sizes);
+                let mut there = list.moved(&here.x, &step.rows(0, count).into_owned());
+                let rest = here.x.iter().zip(step.iter()).skip(count);
+                there.extend(rest.map(|(x, s)| x + s));
+                if let Some(further) = self.near(there, &here) {
+                    let value = further.linear.objective(&sizes);
                     if value <= objective + ENOUGH {
                         let small = objective - value < LITTLE;
                         slow = if small { slow + 1 } else { 0 };
-                        next = Some((there, found, further));
+                        next = Some(further);
                         damping = if damping < EASED { 0.0 } else { damping / EASE };
                         break;
                     }
                 }
                 damping = (damping * HARDER).max(FIRST);
             }
-            let Some(next) = next else {
-                // Where no step leads down the answers are those of the last trial; go back.
-                let evaluation = self.evaluate(&x, None)?;
+            if let Some(next) = next {
+                here = next;
+                continue;
+            }
+            // Where no step leads down the answers are those of the last trial; go back.
+            let was_exact = here.is_exact;
+            here = self.at(here.x)?;
+            if was_exact {
                 return Some(Settled {
-                    linear: self.linear(&evaluation, &x),
-                    x,
-                    evaluation,
+                    point: here,
                     sizes,
                     posterior,
                 });
-            };
-            (x, evaluation, linear) = next;
+            }
+            damping = 0.0;
         }
         None
-    }
-
-    fn linear(&self, evaluation: &Evaluation, x: &[f64]) -> Linear {
-        Linear::new(
-            self.whitening,
-            &self.whitening.apply(&evaluation.jacobian),
-            &self.whitening.apply_vector(&-&evaluation.residual),
-            self.unknowns.priors.clone(),
-            DVector::from_column_slice(x),
-        )
     }
 }
 
@@ -569,7 +675,8 @@ impl LeastSquares for Alone<'_, '_> {
         let mut all = self.rest.clone();
         all[..x.len()].copy_from_slice(x);
         let active = if with_jacobian { x.len() } else { 0 };
-        let out = self.sweep.evaluate(&all, Some(active))?;
+        let columns: Vec<usize> = (0..active).collect();
+        let out = self.sweep.evaluate(&all, &columns)?;
         let jacobian = out.jacobian.columns(0, active).into_owned();
         Some(Evaluation {
             residual: self.sweep.whitening.apply_vector(&out.residual),

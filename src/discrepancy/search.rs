@@ -252,12 +252,25 @@ impl Search<'_, '_> {
         current
     }
 
+    /// The best fit of a model that was fitted already.
+    fn known(&self, causes: &[Hypothesis]) -> Option<Arc<Fitted>> {
+        let same = self.visited.iter().filter(|v| same_set(&v.causes, causes));
+        let fitted = same.filter_map(|v| v.fitted.as_ref());
+        let better =
+            |a: &&Arc<Fitted>, b: &&Arc<Fitted>| a.ln_posterior().total_cmp(&b.ln_posterior());
+        fitted.max_by(better).cloned()
+    }
+
     /// Fits a model without one of its causes.
     fn without(&mut self, fitted: &Fitted, at: usize) -> Option<Arc<Fitted>> {
         let mut all = unguessed(fitted);
         all.remove(at);
         if all.is_empty() {
             return None;
+        }
+        let causes: Vec<Hypothesis> = all.iter().map(|(h, _)| h.clone()).collect();
+        if let Some(known) = self.known(&causes) {
+            return Some(known);
         }
         let found = fit(
             self.subject,
@@ -314,7 +327,10 @@ impl Search<'_, '_> {
     fn probabilities(&self) -> Vec<(Visited, f64)> {
         let mut fitted: Vec<&Visited> = Vec::new();
         for visited in self.visited.iter().filter(|v| v.fitted.is_some()) {
-            match fitted.iter_mut().find(|other| same_set(other, visited)) {
+            match fitted
+                .iter_mut()
+                .find(|other| same_set(&other.causes, &visited.causes))
+            {
                 Some(other) if other.ln_posterior < visited.ln_posterior => *other = visited,
                 Some(_) => {}
                 None => fitted.push(visited),
@@ -328,7 +344,9 @@ impl Search<'_, '_> {
         for visited in self.visited.iter().filter(|v| v.fitted.is_none()) {
             if visited.ln_posterior > best - LINEAR
                 && visited.ln_posterior < best
-                && !models.iter().any(|other| same_set(other, visited))
+                && !models
+                    .iter()
+                    .any(|other| same_set(&other.causes, &visited.causes))
             {
                 models.push(visited);
             }
@@ -350,8 +368,7 @@ fn distinct(hypotheses: &[&Hypothesis]) -> usize {
 }
 
 /// True if both hold the same causes in the same forms.
-fn same_set(a: &Visited, b: &Visited) -> bool {
-    let within =
-        |a: &Visited, b: &Visited| a.causes.iter().all(|h| b.causes.iter().any(|o| o.same(h)));
-    a.causes.len() == b.causes.len() && within(a, b) && within(b, a)
+fn same_set(a: &[Hypothesis], b: &[Hypothesis]) -> bool {
+    let within = |a: &[Hypothesis], b: &[Hypothesis]| a.iter().all(|h| b.iter().any(|o| o.same(h)));
+    a.len() == b.len() && within(a, b) && within(b, a)
 }

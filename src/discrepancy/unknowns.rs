@@ -44,6 +44,13 @@ pub struct Unknowns {
 }
 
 impl Unknowns {
+    /// Stiffnesses and numbers of causes, small errors left out: their places among the unknowns of the deck in ascending order.
+    pub fn of_the_model(&self) -> Vec<usize> {
+        let of_a_cause = |k: &usize| self.places.iter().flatten().any(|at| at == k);
+        let is_own = |k: &usize| self.priors[*k].group.is_none() || of_a_cause(k);
+        (0..self.list.len()).filter(is_own).collect()
+    }
+
     /// Of a deck extended by `chosen`, whose guesses are in units of their priors.
     pub fn new(
         (subject, problem): (&Subject<'_>, &Problem<'_>),

@@ -184,6 +184,35 @@ impl Linear {
         new
     }
 
+    /// The same where residual and some columns have changed.
+    #[must_use]
+    pub fn moved(
+        &self,
+        whitening: &Whitening,
+        (jacobian, residual): (&DMatrix<f64>, &DVector<f64>),
+        changed: &[usize],
+        at: DVector<f64>,
+    ) -> Self {
+        let mut new = self.clone();
+        new.at = at;
+        let own = jacobian.select_columns(changed);
+        for (k, share) in new.shares.iter_mut().enumerate() {
+            let rows: Vec<usize> = (0..residual.len())
+                .filter(|row| whitening.class_of[*row] == Some(k))
+                .collect();
+            let A = jacobian.select_rows(&rows);
+            let z = residual.select_rows(&rows);
+            let cross = own.select_rows(&rows).transpose() * &A;
+            for (row, to) in cross.row_iter().zip(changed) {
+                share.H.row_mut(*to).copy_from(&row);
+                share.H.column_mut(*to).copy_from(&row.transpose());
+            }
+            share.g = A.tr_mul(&z);
+            share.q = z.norm_squared();
+        }
+        new
+    }
+
     /// Information, `A'W z`, `z'W z` and the logarithms of all variances at these sizes.
     fn sums(&self, ln: &[f64]) -> (DMatrix<f64>, DVector<f64>, f64, f64) {
         let n = self.unknowns.len();
