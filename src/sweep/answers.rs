@@ -25,7 +25,7 @@ impl Answers {
     /// # Errors
     /// Status and reason.
     pub fn of(
-        study: &LoadedStudy,
+        (study, check): (&LoadedStudy, GainCheck),
         deck: &Source,
         keeps: &[(Keep, Option<String>, Span)],
     ) -> Result<Self, (Status, String)> {
@@ -58,9 +58,8 @@ impl Answers {
             estimate_noise(&mut own, None).map_err(|error| failed(&error))?;
             let held = held_out(&own.study, &own.measurement);
             let problem = own.problem();
-            let mut outcome =
-                diagnose_watched(&problem, held, GainCheck::default(), &Progress::default())
-                    .map_err(|error| failed(&error))?;
+            let mut outcome = diagnose_watched(&problem, held, check, &Progress::default())
+                .map_err(|error| failed(&error))?;
             if own.study.solver.backend != BackendChoice::Native {
                 let mut backend = solver::backend(&own.study, None, &|_| ());
                 if let Some(refused) = outcome.by_the_study(backend.as_mut()) {

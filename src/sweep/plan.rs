@@ -117,9 +117,16 @@ impl SweepPlan {
             }
         }
         let task = match study {
-            Some(study) => Task::Study(study),
+            Some(study) => {
+                let check = file.check_gain.as_ref().map(|check| *check.get_ref());
+                Task::Study(study, check.unwrap_or_default())
+            }
             None => task(&file, (&folder, &lowered.value), &mut inputs, out)?,
         };
+        if let (Some(check), Task::Commands(_) | Task::Tests(_)) = (&file.check_gain, &task) {
+            let message = "`check_gain` is that of a study's diagnosis";
+            out.wrong(Code::BadSetting, check.span(), message);
+        }
         let mut ignored = Vec::new();
         for word in &file.ignore {
             match Ignore::parse(word.get_ref()) {

@@ -292,7 +292,7 @@ impl<'p> Runner<'p> {
             (Task::Commands(commands), None) => self.trial(deck, commands),
             (Task::Commands(commands), Some(program)) => self.external(deck, commands, program),
             (Task::Tests(config), _) => self.tests(deck, config),
-            (Task::Study(study), _) => Answers::of(study, deck, &self.plan.keeps)
+            (Task::Study(study, check), _) => Answers::of((study, *check), deck, &self.plan.keeps)
                 .map(|answers| Seen::Answers(Box::new(answers))),
         }
     }

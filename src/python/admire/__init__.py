@@ -15,7 +15,7 @@ from ._admire import __version__
 from ._deck import AxleTests, Change, Deck, Sensitivity, Values, read
 from ._errors import AddressError, AdmireError, Complaint, DeckError, Place, SolveError
 from ._run import Results, Run, results
-from ._study import Diagnosis, Finding, Identification, Parameter, Rival, Study, diagnose, identify, kc
+from ._study import Diagnosis, Finding, Identification, Parameter, Repeated, Rival, Study, diagnose, identify, kc
 from ._sweep import Sweep, sweep
 
 __all__ = [
@@ -31,6 +31,7 @@ __all__ = [
     "Identification",
     "Parameter",
     "Place",
+    "Repeated",
     "Results",
     "Rival",
     "Run",

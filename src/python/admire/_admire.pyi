@@ -35,7 +35,9 @@ class Deck:
     def sensitivity(
         self, of: list[str], by: list[str], time: float
     ) -> tuple[list[str], list[str], list[float], Block]: ...
-    def kc(self, config: str, convention: str) -> tuple[str, str, str, str, str]: ...
+    def kc(
+        self, config: str, convention: str, compare: list[tuple[str, Deck]], measured: str | None
+    ) -> tuple[str, str, str, str, str]: ...
 
 class Run:
     __array_interface__: dict[str, Any]
@@ -76,10 +78,14 @@ class Study:
     def complaints(self) -> str: ...
     def starts_program(self) -> str | None: ...
     def identify(
-        self, method: str | None, force: bool, progress: _Report | None
-    ) -> tuple[str, str, bytes, str, list[str]]: ...
+        self,
+        method: str | None,
+        force: bool,
+        repeats: tuple[int | None, int | None, int, int | None],
+        progress: _Report | None,
+    ) -> tuple[str, str, bytes, str, list[str], list[Block | None]]: ...
     def diagnose(
-        self, force: bool, progress: _Report | None
+        self, force: bool, check: str, progress: _Report | None
     ) -> tuple[str, list[str], bytes, str, str, list[str]]: ...
 
 def sweep(
