@@ -78,13 +78,18 @@ impl Answers {
         }
     }
 
-    /// The places that a path means here, with the names of what its stars stand for; none where there is no such place.
-    pub fn matching(&self, path: &AnswerPath) -> Vec<(AnswerPath, String)> {
+    /// The places that a path means here, with the names of what its stars stand for.
+    ///
+    /// # Errors
+    /// Why there is no number at one of them.
+    pub fn matching(&self, path: &AnswerPath) -> Result<Vec<(AnswerPath, String)>, String> {
         let answer = self.answer(path);
-        if path.is_of(answer) {
-            path.matching(answer)
-        } else {
-            Vec::new()
+        let found = path.matching(answer);
+        let wrong = found.iter().find_map(|(path, _)| path.refused(answer));
+        match wrong {
+            Some(why) => Err(why),
+            None if found.is_empty() => Err(path.refused(answer).unwrap_or_default()),
+            None => Ok(found),
         }
     }
 

@@ -279,15 +279,15 @@ class Deck:
 
         >>> import admire
         >>> deck = admire.read("corpus/multilink/model.adm")
-        >>> deck.kc("corpus/multilink/kc.toml").values["schema"]
-        'x'
+        >>> stiffer = deck.copy()
+        >>> stiffer["BUSHING/*.K.*"] *= 2.0
+        >>> tests = deck.kc("corpus/multilink/kc.toml", compare={"stiffer": stiffer})
         """
         others = [compare] if isinstance(compare, Deck) else compare
         if isinstance(others, Mapping):
             named = [(name, other._inner) for name, other in others.items()]
         else:
-            stem = lambda path: os.path.splitext(os.path.basename(path))[0]
-            named = [(stem(other.name), other._inner) for other in others]
+            named = [(_stem(other.name), other._inner) for other in others]
         file = None if measured is None else os.fspath(measured)
         values, curves, gradients, html, told = self._inner.kc(os.fspath(config), convention, named, file)
         return AxleTests(json.loads(values), curves, gradients, html, complaints_of(told))
@@ -318,6 +318,10 @@ class Deck:
 
 def _restored(name: str, raw: bytes) -> Deck:
     return Deck(_admire.Deck.parse(name, raw))
+
+
+def _stem(path: str) -> str:
+    return os.path.splitext(os.path.basename(path))[0]
 
 
 def _array(value: Any) -> Any:
