@@ -13,7 +13,7 @@ use crate::report::{IdentificationReport, Positions, VERSION, lead, number, stat
 use crate::rig::settings::Method;
 
 use crate::identify::global::Marginal;
-use crate::uncertainty::{Kind, LEAST_DRAWS, LEAST_REPLICATES, Repeats, repeat};
+use crate::uncertainty::{Kind, LEAST_DRAWS, LEAST_REPLICATES, MOST, Made, Repeats, repeat};
 
 use super::Outcome;
 use super::format::Format;
@@ -62,9 +62,6 @@ pub(super) struct Arguments {
     #[command(flatten)]
     replacing: Replacing,
 }
-
-/// Repeats at most.
-const MOST: u64 = 10_000_000;
 
 impl Arguments {
     /// What is to be repeated.
@@ -253,7 +250,7 @@ fn repeated(
         (&problem, marginal),
         fit,
         repeats,
-        (&folder, VERSION),
+        (Some(&folder), VERSION),
         &mut |kind, progress| {
             if let Ok(mut shown) = shown.lock() {
                 let most = (progress.all - progress.before) as usize;
@@ -276,11 +273,13 @@ fn repeated(
         shell.say("interrupted; the same command goes on where it stopped\n");
         return Err(Exit::Interrupted);
     };
-    let of = |(kind, path): (Kind, PathBuf)| match std::fs::read(&path) {
-        Ok(bytes) => Ok((PathBuf::from(kind.file()), bytes)),
-        Err(error) => Err(io(&path, &error)),
-    };
-    made.into_iter().map(of).collect()
+    let mut tables = Vec::new();
+    for (kind, made) in made {
+        let Made::Table(path) = made else { continue };
+        let bytes = std::fs::read(&path).map_err(|error| io(&path, &error))?;
+        tables.push((PathBuf::from(kind.file()), bytes));
+    }
+    Ok(tables)
 }
 
 /// A dash where there is none.

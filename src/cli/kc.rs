@@ -3,7 +3,7 @@ use std::path::{Path, PathBuf};
 use comfy_table::{CellAlignment, Table, presets};
 
 use crate::diagnostic::{Code, Diagnostic, Severity};
-use crate::front::{Watch as _, kc_page};
+use crate::front::{Watch as _, kc_page, measured};
 use crate::kc::{Bench, BenchError, Config, Convention, KcRun, deck_files, output, run_watched};
 use crate::model::Model;
 use crate::statics::{SolveError, history_table};
@@ -12,7 +12,6 @@ use crate::syntax::files::Files;
 
 use super::Outcome;
 use super::format::Format;
-use super::kc_measured::measured;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::progress::Progress;
 use super::render::table_text;
@@ -73,7 +72,12 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         return Err(Exit::Findings);
     };
     let curves = match &arguments.measured {
-        Some(path) => measured(path, &config, shell)?,
+        Some(path) => {
+            let source = shell.read(path)?;
+            let found = measured(&source, &config).map_err(|wrong| shell.fail(wrong))?;
+            shell.complain(&found.diagnostics);
+            found.value
+        }
         None => Vec::new(),
     };
     let tests = |deck: &Deck, path: &Path, shell: &Shell| -> Result<KcRun, Exit> {

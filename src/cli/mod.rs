@@ -34,7 +34,6 @@ mod install;
 mod install_shims;
 mod interrupt;
 mod kc;
-mod kc_measured;
 mod lsp;
 mod merge;
 mod new;

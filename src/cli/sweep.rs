@@ -82,7 +82,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             ),
         )]);
     }
-    if let Task::Study(loaded) = &plan.task
+    if let Task::Study(loaded, _) = &plan.task
         && loaded.study.solver.backend == BackendChoice::Command
     {
         solver::command(&loaded.study, None, &|note| {

@@ -1,14 +1,17 @@
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
 use crate::diagnostic::{Code, Diagnostic};
-use crate::kc::{Bench, BenchError, Config, Convention, output, run};
+use crate::kc::{Bench, BenchError, Config, Convention, KcRun, output, run};
+use crate::model::Model;
 use crate::session::Sources;
+use crate::syntax::files::Files;
 use crate::text::Source;
 
 use super::deck::Deck;
 use super::error::{Complaint, Error, ErrorKind};
+use super::kc_measured::measured;
 use super::kc_page::kc_page;
 
 /// Characteristics of an axle under the standard K&C tests.
@@ -26,12 +29,34 @@ pub struct AxleTests {
     pub complaints: Vec<Complaint>,
 }
 
+/// What stands beside an axle in the report of its tests.
+#[derive(Clone, Debug, Default)]
+pub struct Beside {
+    /// Other decks under the same tests, with their names.
+    pub decks: Vec<(String, Deck)>,
+    /// A table of measured curves: CSV with the columns test, value and characteristics such as `toe_angle.left [deg]`.
+    pub measured: Option<PathBuf>,
+}
+
 impl Deck {
     /// Drives the axle of the deck through the standard K&C tests that a configuration (`kc.toml`) asks for.
     ///
     /// # Errors
     /// When the configuration or the deck cannot be used, or a test has no equilibrium.
     pub fn kc(&self, config: impl AsRef<Path>, convention: Convention) -> Result<AxleTests, Error> {
+        self.kc_beside(config, convention, &Beside::default())
+    }
+
+    /// The same, with other decks and measured curves beside in the report.
+    ///
+    /// # Errors
+    /// Those of [`kc`](Self::kc), of any of the decks; when another deck is in other units; when the measured curves cannot be read.
+    pub fn kc_beside(
+        &self,
+        config: impl AsRef<Path>,
+        convention: Convention,
+        beside: &Beside,
+    ) -> Result<AxleTests, Error> {
         let path = config.as_ref();
         let source = Source::read(path).map_err(|error| Error::unreadable(path, &error))?;
         let (model, files) = self.model()?;
@@ -44,30 +69,66 @@ impl Deck {
         let Some(config) = read.value else {
             return Err(refused(&read.diagnostics));
         };
-        let complaints = read.diagnostics.iter();
+        let mut told = read.diagnostics;
+        let curves = match &beside.measured {
+            Some(path) => {
+                let source = Source::read(path).map_err(|error| Error::unreadable(path, &error))?;
+                let found = measured(&source, &config).map_err(|wrong| refused(&[wrong]))?;
+                told.extend(found.diagnostics);
+                found.value
+            }
+            None => Vec::new(),
+        };
+        let found = self.tests(&config, (&model, &files), &sources)?;
+        let mut others = Vec::new();
+        for (name, deck) in &beside.decks {
+            let (model, files) = deck.model()?;
+            if model.units != units {
+                let message = format!("`{}` is in other units than `{}`", deck.name(), self.name());
+                return Err(refused(&[Diagnostic::error(Code::BadSetting, message)]));
+            }
+            let mut sources = Sources::default();
+            sources.add(deck.dataset().source().clone());
+            others.push((
+                name.clone(),
+                deck.tests(&config, (&model, &files), &sources)?,
+            ));
+        }
+        let complaints = told.iter();
         let complaints = complaints.map(|found| Complaint::new(found, &sources));
         let complaints = complaints.collect();
-        let bench = Bench::new(&config, (self.dataset(), &files, &model));
-        let mut bench = bench.map_err(|found| refused(&found))?;
-        let found = run(&mut bench, &units).map_err(|why| match why {
-            BenchError::Deck(found) => refused(&found),
-            other => {
-                let none = Diagnostic::error(Code::NoEquilibrium, other.to_string());
-                Error::plain(ErrorKind::NoAnswer, &none)
-            }
-        })?;
         let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
         let deck = (Path::new(self.name()), &units);
-        let html = kc_page(deck, (&config, &found), (&[], &[]), convention).map_err(|error| {
-            let failed = Diagnostic::error(Code::CannotWrite, error.to_string());
-            Error::plain(ErrorKind::Input, &failed)
-        })?;
+        let html =
+            kc_page(deck, (&config, &found), (&others, &curves), convention).map_err(|error| {
+                let failed = Diagnostic::error(Code::CannotWrite, error.to_string());
+                Error::plain(ErrorKind::Input, &failed)
+            })?;
         Ok(AxleTests {
             values: output::json(&found, &config, &units, convention),
             curves: text(output::curves_csv(&found, &config, &units, convention)),
             gradients: text(output::gradients_csv(&found, &config, &units, convention)),
             html,
             complaints,
+        })
+    }
+
+    fn tests(
+        &self,
+        config: &Config,
+        (model, files): (&Model, &Files),
+        sources: &Sources,
+    ) -> Result<KcRun, Error> {
+        let refused = |found: &[Diagnostic]| Error::new(ErrorKind::Input, found, sources);
+        let bench = Bench::new(config, (self.dataset(), files, model));
+        let mut bench = bench.map_err(|found| refused(&found))?;
+        run(&mut bench, &model.units).map_err(|why| match why {
+            BenchError::Deck(found) => refused(&found),
+            other => {
+                let message = format!("`{}`: {other}", self.name());
+                let none = Diagnostic::error(Code::NoEquilibrium, message);
+                Error::plain(ErrorKind::NoAnswer, &none)
+            }
         })
     }
 }

@@ -1,6 +1,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Instant;
 
 use serde_json::Value;
 
@@ -356,15 +357,17 @@ impl Deck {
     /// # Errors
     /// As [`run`](Self::run).
     pub fn run_file_watched(&self, path: &Path, watch: &dyn Watch) -> Result<Run, Error> {
+        let start = Instant::now();
         let source = Source::read(path).map_err(|error| Error::unreadable(path, &error))?;
         let parsed = CommandFile::parse(source);
-        Ok(Run::execute(&self.read, &parsed, watch))
+        Ok(Run::execute(&self.read, &parsed, (start, watch)))
     }
 
     /// Executes commands that are given as text; files they name are looked up beside `name`. The run ends early when the watch says so.
     pub fn run_watched(&self, name: &str, commands: &str, watch: &dyn Watch) -> Run {
+        let start = Instant::now();
         let parsed = CommandFile::parse_commands(Source::new(name, commands.as_bytes()));
-        Run::execute(&self.read, &parsed, watch)
+        Run::execute(&self.read, &parsed, (start, watch))
     }
 
     /// How the equilibrium at a time changes with the numbers of the deck. `of`: parts (their motion), forces and joints (their force on

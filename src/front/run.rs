@@ -32,9 +32,8 @@ impl Run {
     pub(super) fn execute(
         deck: &Checked<Dataset>,
         commands: &Checked<CommandFile>,
-        watch: &dyn Watch,
+        (start, watch): (Instant, &dyn Watch),
     ) -> Self {
-        let start = Instant::now();
         let folders = [deck.value.source(), commands.value.source()].map(folder_of);
         let (ending, mut record) = Session::new(Box::new(io::sink()), Path::new(""))
             .confined(&folders)
@@ -104,7 +103,7 @@ impl Run {
         String::from_utf8_lossy(said).into_owned()
     }
 
-    /// How long it took.
+    /// How long it took, the reading of the commands included.
     pub fn elapsed(&self) -> Duration {
         self.elapsed
     }

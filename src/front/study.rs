@@ -3,6 +3,7 @@ use std::path::{Path, PathBuf};
 use crate::backend::Backend;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::discrepancy::{Diagnosis, GainCheck, Progress, diagnose_watched, held_out};
+use crate::identify::global::Marginal;
 use crate::identify::{Fit, LoadedStudy, estimate_noise};
 use crate::report::{DiagnosisReport, IdentificationReport, Plausibility, lead};
 use crate::rig::settings::{BackendChoice, Method};
@@ -57,6 +58,9 @@ pub struct DiagnosisAnswer {
     /// Remarks of the backend of the study.
     pub remarks: Vec<String>,
 }
+
+/// Does a fit of a study again, and puts what comes of it into the fit.
+pub(crate) type Again<'a> = dyn FnMut(&LoadedStudy, &Marginal, &mut Fit) -> Result<(), Error> + 'a;
 
 impl Study {
     /// Reads a study folder and everything it names.
@@ -124,14 +128,40 @@ impl Study {
     /// # Errors
     /// When nothing is sought, the study is not plausible, or there is no fit.
     pub fn identify(&self, force: bool, watch: &dyn Watch) -> Result<Identification, Error> {
+        self.identify_and(force, watch, None)
+    }
+
+    /// The same; the fit is repeated by `again` before it is reported.
+    ///
+    /// # Errors
+    /// As [`identify`](Self::identify), when the fit cannot be repeated, and those of `again`.
+    pub(crate) fn identify_and(
+        &self,
+        force: bool,
+        watch: &dyn Watch,
+        again: Option<&mut Again<'_>>,
+    ) -> Result<Identification, Error> {
         let mut loaded = self.loaded.clone();
         if loaded.unknowns.is_empty() {
             return Err(self.refused(&[fit::nothing_to_identify(&loaded)]));
         }
+        if again.is_some()
+            && let Some(refused) = fit::not_repeatable(&loaded)
+        {
+            return Err(self.refused(&[refused]));
+        }
         self.plausible(force)?;
         let mut backend = backend(&loaded);
-        let fit = fit::identify(&mut loaded, backend.as_mut(), watch)
-            .map_err(|error| no_fit(&error.to_string()))?;
+        let found = fit::identify_with(&mut loaded, backend.as_mut(), watch, again.is_some());
+        let (mut fit, marginal) = found.map_err(|error| no_fit(&error.to_string()))?;
+        if let Some(again) = again {
+            let Some(marginal) = marginal.filter(|_| fit.converged && !fit.interrupted) else {
+                return Err(no_fit(
+                    "the fit did not converge: there is nothing to repeat",
+                ));
+            };
+            again(&loaded, &marginal, &mut fit)?;
+        }
         let positions = fit::positions(&loaded, &fit, backend.as_mut());
         let deck = loaded
             .identified_deck(&fit.values())
@@ -158,6 +188,19 @@ impl Study {
     /// # Errors
     /// When the readings are not of the deck's parts, the study is not plausible, or there is no fit.
     pub fn diagnose(&self, force: bool, watch: &dyn Watch) -> Result<DiagnosisAnswer, Error> {
+        self.diagnose_checked(force, GainCheck::default(), watch)
+    }
+
+    /// The same, with more or less done to learn what the causes gain.
+    ///
+    /// # Errors
+    /// As [`diagnose`](Self::diagnose).
+    pub fn diagnose_checked(
+        &self,
+        force: bool,
+        check: GainCheck,
+        watch: &dyn Watch,
+    ) -> Result<DiagnosisAnswer, Error> {
         let mut loaded = self.loaded.clone();
         let foreign = foreign_parts(&loaded);
         if !foreign.is_empty() {
@@ -169,7 +212,7 @@ impl Study {
         estimate_noise(&mut loaded, None).map_err(|error| no_fit(&error.to_string()))?;
         let held = held_out(&loaded.study, &loaded.measurement);
         let problem = loaded.problem();
-        let found = diagnose_watched(&problem, held, GainCheck::default(), &progress);
+        let found = diagnose_watched(&problem, held, check, &progress);
         let mut outcome = found.map_err(|error| no_fit(&error.to_string()))?;
         let mut remarks = Vec::new();
         if loaded.study.solver.backend != BackendChoice::Native {

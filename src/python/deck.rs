@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyList};
 use serde_json::Value;
 
-use crate::front::{self, Setting, Watched};
+use crate::front::{self, Beside, Setting, Watched};
 use crate::kc::Convention;
 use crate::syntax::diff::Tolerance;
 
@@ -183,12 +183,16 @@ impl Deck {
         Ok((table.of, addresses, values, block))
     }
 
-    /// `kc.json`, `curves.csv`, `gradients.csv`, the report, complaints as JSON.
+    /// `kc.json`, `curves.csv`, `gradients.csv`, the report, complaints as JSON. Other decks, with their names, and a table of measured
+    /// curves stand beside in the report.
+    #[pyo3(signature = (config, convention, compare, measured))]
     fn kc(
         &self,
         py: Python<'_>,
         config: PathBuf,
         convention: &str,
+        compare: Vec<(String, Py<Self>)>,
+        measured: Option<PathBuf>,
     ) -> PyResult<(String, String, String, String, String)> {
         let convention = match convention {
             "adams-car" => Convention::AdamsCar,
@@ -200,7 +204,14 @@ impl Deck {
             }
         };
         let deck = self.now(py);
-        let job = move || deck.kc(&config, convention);
+        let others = compare.into_iter();
+        let beside = Beside {
+            decks: others
+                .map(|(name, other)| (name, other.get().now(py)))
+                .collect(),
+            measured,
+        };
+        let job = move || deck.kc_beside(&config, convention, &beside);
         let found = work(py, &Watched::default(), None, job)?;
         let values = found.values.to_string();
         let told = json(&found.complaints);

@@ -27,5 +27,7 @@ fn _admire(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<results::Results>()?;
     module.add_class::<study::Study>()?;
     module.add_function(wrap_pyfunction!(sweep::sweep, module)?)?;
+    module.add_function(wrap_pyfunction!(sweep::merge_shards, module)?)?;
+    module.add_function(wrap_pyfunction!(sweep::program_of_sweep, module)?)?;
     Ok(())
 }

@@ -4,9 +4,17 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-use crate::front::{self, Watched};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::discrepancy::GainCheck;
+use crate::front::{self, Error, ErrorKind, Watch as _, Watched};
+use crate::identify::global::Marginal;
+use crate::identify::{Fit, LoadedStudy};
+use crate::report::VERSION;
 use crate::rig::settings::Method;
+use crate::sweep::{Progress, Row};
+use crate::uncertainty::{Kind, LEAST_DRAWS, LEAST_REPLICATES, MOST, Made, Repeats, repeat};
 
+use super::block::Block;
 use super::refusal::json;
 use super::work::work;
 
@@ -40,16 +48,25 @@ impl Study {
         self.0.starts_program().map(|words| words.join(" "))
     }
 
-    /// `identification.json`, the answer in a sentence, the deck, the report, remarks.
-    #[pyo3(signature = (method, force, progress))]
+    /// `identification.json`, the answer in a sentence, the deck, the report, remarks, and for bootstrap and posterior their numbers, a
+    /// row for each repeat.
+    #[pyo3(signature = (method, force, repeats, progress))]
     #[allow(clippy::type_complexity)]
     fn identify<'py>(
         &self,
         py: Python<'py>,
         method: Option<&str>,
         force: bool,
+        repeats: (Option<u64>, Option<u64>, u64, Option<usize>),
         progress: Option<Bound<'py, PyAny>>,
-    ) -> PyResult<(String, String, Bound<'py, PyBytes>, String, Vec<String>)> {
+    ) -> PyResult<(
+        String,
+        String,
+        Bound<'py, PyBytes>,
+        String,
+        Vec<String>,
+        [Option<Block>; 2],
+    )> {
         let mut study = self.0.clone();
         match method {
             None => {}
@@ -61,10 +78,11 @@ impl Study {
                 return Err(PyValueError::new_err(message));
             }
         }
+        let repeats = asked(repeats)?;
         let watched = Watched::default();
         let watch = watched.clone();
-        let job = move || study.identify(force, &watch);
-        let found = work(py, &watched, progress.as_ref(), job)?;
+        let job = move || repeated(&study, force, repeats.as_ref(), &watch);
+        let (found, tables) = work(py, &watched, progress.as_ref(), job)?;
         let deck = PyBytes::new(py, &found.deck);
         Ok((
             found.fit.to_json(),
@@ -72,16 +90,18 @@ impl Study {
             deck,
             found.html,
             found.remarks,
+            tables,
         ))
     }
 
     /// `diagnosis.json`, sentences, the extended deck and its command file, the report, remarks.
-    #[pyo3(signature = (force, progress))]
+    #[pyo3(signature = (force, check, progress))]
     #[allow(clippy::type_complexity)]
     fn diagnose<'py>(
         &self,
         py: Python<'py>,
         force: bool,
+        check: &str,
         progress: Option<Bound<'py, PyAny>>,
     ) -> PyResult<(
         String,
@@ -91,10 +111,19 @@ impl Study {
         String,
         Vec<String>,
     )> {
+        let check = match check {
+            "quick" => GainCheck::Quick,
+            "held-out" => GainCheck::HeldOut,
+            "folds" => GainCheck::Folds,
+            other => {
+                let message = format!("`{other}` is none of quick, held-out, folds");
+                return Err(PyValueError::new_err(message));
+            }
+        };
         let study = self.0.clone();
         let watched = Watched::default();
         let watch = watched.clone();
-        let job = move || study.diagnose(force, &watch);
+        let job = move || study.diagnose_checked(force, check, &watch);
         let found = work(py, &watched, progress.as_ref(), job)?;
         Ok((
             found.diagnosis.to_json(),
@@ -105,4 +134,69 @@ impl Study {
             found.remarks,
         ))
     }
+}
+
+/// What is to be repeated: fits, draws, seed, threads.
+fn asked(
+    (bootstrap, posterior, seed, jobs): (Option<u64>, Option<u64>, u64, Option<usize>),
+) -> PyResult<Option<Repeats>> {
+    let counts = [
+        ("bootstrap", bootstrap, LEAST_REPLICATES),
+        ("posterior", posterior, LEAST_DRAWS),
+    ];
+    for (name, count, least) in counts {
+        if count.is_some_and(|count| !(least..=MOST).contains(&count)) {
+            let message = format!("{name} is a number from {least} to {MOST}");
+            return Err(PyValueError::new_err(message));
+        }
+    }
+    let any = bootstrap.is_some() || posterior.is_some();
+    Ok(any.then(|| Repeats {
+        bootstrap,
+        posterior,
+        seed,
+        threads: jobs.unwrap_or_else(|| {
+            std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
+        }),
+    }))
+}
+
+/// The fit of a study, and the numbers of its repeats: of the bootstrap, of the posterior.
+fn repeated(
+    study: &front::Study,
+    force: bool,
+    asked: Option<&Repeats>,
+    watch: &Watched,
+) -> Result<(front::Identification, [Option<Block>; 2]), Error> {
+    let mut tables = [None, None];
+    let Some(asked) = asked else {
+        return Ok((study.identify(force, watch)?, tables));
+    };
+    let failed =
+        |why: &str| Error::plain(ErrorKind::NoAnswer, &Diagnostic::error(Code::NoFit, why));
+    let mut again = |loaded: &LoadedStudy, marginal: &Marginal, fit: &mut Fit| {
+        let (problem, numbers) = (loaded.problem(), fit.parameters.len());
+        let mut told = None;
+        let mut tell = |kind: Kind, progress: &Progress| {
+            if told != Some(kind) {
+                watch.stage(kind.word());
+                told = Some(kind);
+            }
+            watch.count(progress.done as usize, Some(progress.all as usize), "");
+            watch.goes_on()
+        };
+        let made = repeat((&problem, marginal), fit, asked, (None, VERSION), &mut tell)
+            .map_err(|error| failed(&error.to_string()))?
+            .ok_or_else(|| failed("stopped before its end"))?;
+        for (kind, made) in made {
+            let Made::Rows(rows) = made else { continue };
+            let none = vec![f64::NAN; numbers];
+            let of = |row: &Row| row.outputs.get(..numbers).unwrap_or(&none).to_vec();
+            let values = rows.iter().flat_map(of).collect();
+            tables[usize::from(kind == Kind::Posterior)] = Some(Block::new(values, numbers));
+        }
+        Ok(())
+    };
+    let found = study.identify_and(force, watch, Some(&mut again))?;
+    Ok((found, tables))
 }

@@ -29,6 +29,26 @@ pub(super) fn sweep<'py>(
     work(py, &watched, progress.as_ref(), job)
 }
 
+/// Joins the shards of a sweep; `summary.json`.
+#[pyfunction]
+pub(super) fn merge_shards(py: Python<'_>, folder: PathBuf) -> PyResult<String> {
+    let job = move || {
+        let opened = SweepFolder::open(&folder);
+        joined(&opened.map_err(|wrong| refused(&[wrong], &Sources::default()))?)
+    };
+    work(py, &Watched::default(), None, job)
+}
+
+/// The command that is started for every case, if the plan or its study names one. What is wrong with the plan is told by the sweep.
+#[pyfunction]
+pub(super) fn program_of_sweep(py: Python<'_>, plan: PathBuf) -> PyResult<Option<String>> {
+    let job = move || {
+        let plan = SweepPlan::read(&plan).value;
+        Ok(plan.and_then(|plan| plan.starts_program().map(|words| words.join(" "))))
+    };
+    work(py, &Watched::default(), None, job)
+}
+
 fn refused(found: &[Diagnostic], sources: &Sources) -> Error {
     Error::new(ErrorKind::Input, found, sources)
 }
@@ -95,13 +115,18 @@ fn run(
     if shard != Shard::WHOLE {
         return Ok(None);
     }
-    merge(&folder).map_err(|wrong| refused(&wrong, &sources))?;
-    let summary = Summary::of(&folder).map_err(|error| failed(Code::CannotRead, &error))?;
+    joined(&folder).map(Some)
+}
+
+/// Joins the shards; `summary.json`.
+fn joined(folder: &SweepFolder) -> Result<String, Error> {
+    merge(folder).map_err(|wrong| refused(&wrong, &Sources::default()))?;
+    let summary = Summary::of(folder).map_err(|error| failed(Code::CannotRead, &error))?;
     let json = serde_json::to_string_pretty(&summary).expect("numbers print") + "\n";
-    let html = page(&folder, &summary).map_err(|error| failed(Code::CannotWrite, &error))?;
+    let html = page(folder, &summary).map_err(|error| failed(Code::CannotWrite, &error))?;
     for (name, text) in [("summary.json", &json), ("report.html", &html)] {
         let path = folder.path.join(name);
         replace_file(&path, text.as_bytes()).map_err(|error| Error::unwritable(&path, &error))?;
     }
-    Ok(Some(json))
+    Ok(json)
 }

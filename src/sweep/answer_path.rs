@@ -99,11 +99,31 @@ impl AnswerPath {
         found.into_iter().map(path).collect()
     }
 
-    /// Whether the answer has a place of this kind, be it filled or not.
-    pub fn is_of(&self, answer: &Value) -> bool {
-        match self.steps.first() {
-            Some(Step::Field(name)) => answer.get(name).is_some(),
-            _ => false,
+    /// Why no answer like this one has a number there. A place that is empty here may be filled in another, and so may a finding be
+    /// there that is not here: its name is `cause@address`.
+    pub fn refused(&self, answer: &Value) -> Option<String> {
+        let mut at = answer;
+        for step in &self.steps {
+            let next = match step {
+                Step::Field(name) => at.get(name),
+                Step::Element(word) => elements(at).find(|(name, _)| name == word).map(|(_, v)| v),
+            };
+            at = match (next, step) {
+                (Some(Value::Null), _) => return None,
+                (Some(next), _) => next,
+                (None, Step::Element(word)) if word.contains('@') => return None,
+                (None, Step::Element(word)) if word.contains('*') => {
+                    let text = "the study as it is has nothing there for `*` to stand for; name it, as findings[dry-friction@BUSHING/1.K.1]";
+                    return Some(text.to_string());
+                }
+                (None, Step::Field(name) | Step::Element(name)) => {
+                    return Some(format!("there is no such place in the answer: `{name}`"));
+                }
+            };
+        }
+        match at {
+            Value::Number(_) | Value::Bool(_) => None,
+            _ => Some(format!("`{self}` is no number")),
         }
     }
 
@@ -187,6 +207,23 @@ mod tests {
         let names: Vec<&str> = all.iter().map(|(_, name)| name.as_str()).collect();
         assert_eq!(names, ["BUSHING/1.K.1", "BUSHING/1.K.2"]);
         assert_eq!(all[1].0.number(&answer), 2.0);
+        let refused = |text: &str| path(text).refused(&answer);
+        for fine in [
+            "converged",
+            "parameters[BUSHING/1.K.1].interval95[1]",
+            "findings[creep@BUSHING/1.K.1].probability",
+        ] {
+            assert_eq!(refused(fine), None);
+        }
+        for wrong in [
+            "fit_test.chi",
+            "fit_test",
+            "parameters[BUSHING/9.K.1].value",
+            "parameters[BUSHING/1.K.1].address",
+            "findings[creep*].probability",
+        ] {
+            assert!(refused(wrong).is_some(), "{wrong}");
+        }
         for bad in ["", ".a", "a.", "a[b", "a]b.", "a[b]c"] {
             assert_eq!(AnswerPath::parse(Answer::Diagnosis, bad), None, "{bad}");
         }

@@ -25,7 +25,7 @@ impl Answers {
     /// # Errors
     /// Status and reason.
     pub fn of(
-        study: &LoadedStudy,
+        (study, check): (&LoadedStudy, GainCheck),
         deck: &Source,
         keeps: &[(Keep, Option<String>, Span)],
     ) -> Result<Self, (Status, String)> {
@@ -58,9 +58,8 @@ impl Answers {
             estimate_noise(&mut own, None).map_err(|error| failed(&error))?;
             let held = held_out(&own.study, &own.measurement);
             let problem = own.problem();
-            let mut outcome =
-                diagnose_watched(&problem, held, GainCheck::default(), &Progress::default())
-                    .map_err(|error| failed(&error))?;
+            let mut outcome = diagnose_watched(&problem, held, check, &Progress::default())
+                .map_err(|error| failed(&error))?;
             if own.study.solver.backend != BackendChoice::Native {
                 let mut backend = solver::backend(&own.study, None, &|_| ());
                 if let Some(refused) = outcome.by_the_study(backend.as_mut()) {
@@ -79,13 +78,18 @@ impl Answers {
         }
     }
 
-    /// The places that a path means here, with the names of what its stars stand for; none where there is no such place.
-    pub fn matching(&self, path: &AnswerPath) -> Vec<(AnswerPath, String)> {
+    /// The places that a path means here, with the names of what its stars stand for.
+    ///
+    /// # Errors
+    /// Why there is no number at one of them.
+    pub fn matching(&self, path: &AnswerPath) -> Result<Vec<(AnswerPath, String)>, String> {
         let answer = self.answer(path);
-        if path.is_of(answer) {
-            path.matching(answer)
-        } else {
-            Vec::new()
+        let found = path.matching(answer);
+        let wrong = found.iter().find_map(|(path, _)| path.refused(answer));
+        match wrong {
+            Some(why) => Err(why),
+            None if found.is_empty() => Err(path.refused(answer).unwrap_or_default()),
+            None => Ok(found),
         }
     }
 

@@ -46,6 +46,11 @@ impl Progress {
     pub const fn is_complete(&self) -> bool {
         self.before + self.done == self.all
     }
+
+    fn count(&mut self, row: &Row) {
+        self.done += 1;
+        self.failed += u64::from(!row.reason.is_empty());
+    }
 }
 
 /// What is run by the thousand. A case is a function of what was read and of its number; of the case before it too where cases are in chains.
@@ -156,10 +161,60 @@ pub fn run_cases(
     }
     progress.before = finished.iter().filter(|done| **done).count() as u64;
     let last = last_of_chains(work.chain(), &cases, &mut journal)?;
+    let left = (finished.as_slice(), &last);
+    run_left(work, &cases, left, threads, &mut |rows| {
+        for row in &rows {
+            progress.count(row);
+            journal.add(row)?;
+        }
+        journal.flush()?;
+        Ok(tell(&progress))
+    })?;
+    journal.sync()?;
+    if progress.is_complete() {
+        write_table(work, places, &mut journal)?;
+    }
+    Ok(progress)
+}
+
+/// The same without a file: what came of all cases, in their order; `None` if `tell` said no before the last.
+///
+/// # Errors
+/// None of its own.
+pub fn run_in_memory(
+    work: &dyn Cases,
+    cases: Range<u64>,
+    threads: usize,
+    mut tell: impl FnMut(&Progress) -> bool,
+) -> Result<Option<Vec<Row>>, SweepError> {
+    let mut progress = Progress {
+        all: cases.end - cases.start,
+        ..Progress::default()
+    };
+    let mut all = Vec::new();
+    let left = (vec![false; progress.all as usize], BTreeMap::new());
+    let left = (left.0.as_slice(), &left.1);
+    run_left(work, &cases, left, threads, &mut |rows| {
+        rows.iter().for_each(|row| progress.count(row));
+        all.extend(rows);
+        Ok(tell(&progress))
+    })?;
+    all.sort_by_key(|row| row.case);
+    Ok(progress.is_complete().then_some(all))
+}
+
+/// Runs the cases that are not finished; `take` gets them as they end, and now and then none, until it says false. Chains go on behind
+/// their `last` case.
+fn run_left(
+    work: &dyn Cases,
+    cases: &Range<u64>,
+    (finished, last): (&[bool], &BTreeMap<u64, Row>),
+    threads: usize,
+    take: &mut dyn FnMut(Vec<Row>) -> Result<bool, SweepError>,
+) -> Result<(), SweepError> {
     let next = AtomicU64::new(cases.start);
     let stop = AtomicBool::new(false);
     let (send, receive) = bounded::<Row>(4 * threads.max(1) + 64);
-    let (finished, last) = (&finished, &last);
     std::thread::scope(|scope| -> Result<(), SweepError> {
         for _ in 0..threads.max(1) {
             let (send, next, stop) = (send.clone(), &next, &stop);
@@ -185,36 +240,23 @@ pub fn run_cases(
             });
         }
         drop(send);
-        let mut take = || -> Result<(), SweepError> {
-            loop {
-                match receive.recv_timeout(Duration::from_millis(100)) {
-                    Ok(first) => {
-                        for row in std::iter::once(first).chain(receive.try_iter()) {
-                            progress.done += 1;
-                            progress.failed += u64::from(!row.reason.is_empty());
-                            journal.add(&row)?;
-                        }
-                        journal.flush()?;
-                    }
-                    Err(RecvTimeoutError::Timeout) => journal.flush()?,
-                    Err(RecvTimeoutError::Disconnected) => return Ok(()),
-                }
-                if !tell(&progress) {
-                    stop.store(true, Ordering::Relaxed);
-                }
+        let taken = loop {
+            let rows = match receive.recv_timeout(Duration::from_millis(100)) {
+                Ok(first) => std::iter::once(first).chain(receive.try_iter()).collect(),
+                Err(RecvTimeoutError::Timeout) => Vec::new(),
+                Err(RecvTimeoutError::Disconnected) => break Ok(()),
+            };
+            match take(rows) {
+                Ok(true) => {}
+                Ok(false) => stop.store(true, Ordering::Relaxed),
+                Err(error) => break Err(error),
             }
         };
-        let taken = take();
         // Threads that still wait to hand over a case end.
         stop.store(true, Ordering::Relaxed);
         drop(receive);
         taken
-    })?;
-    journal.sync()?;
-    if progress.is_complete() {
-        write_table(work, places, &mut journal)?;
-    }
-    Ok(progress)
+    })
 }
 
 /// The last finished case of every chain that was begun, by the chain's first case.

@@ -106,7 +106,7 @@ impl SweepFolder {
     /// What a folder would be for a sweep; nothing is written yet.
     ///
     /// # Errors
-    /// A folder that is about something else or holds files of somebody else.
+    /// A folder that is about something else, holds files of somebody else, or cannot be written.
     pub fn look(path: &Path, manifest: Manifest) -> Result<Self, Diagnostic> {
         let folder = Self {
             path: path.to_path_buf(),
@@ -116,7 +116,22 @@ impl SweepFolder {
         if let Some(there) = read_manifest(path)? {
             folder.refuse_other(&there)?;
         }
+        folder.refuse_unwritable()?;
         Ok(folder)
+    }
+
+    /// A file without a name is made, and gone at once, where the folder is or would be.
+    fn refuse_unwritable(&self) -> Result<(), Diagnostic> {
+        let shards = self.path.join(SHARDS);
+        let mut there = shards.ancestors().filter(|above| above.exists());
+        let there = there.next().unwrap_or(Path::new("."));
+        match tempfile::tempfile_in(there) {
+            Ok(_) => Ok(()),
+            Err(error) => {
+                let message = format!("nothing can be written into `{}`: {error}", there.display());
+                Err(Diagnostic::error(Code::CannotWrite, message))
+            }
+        }
     }
 
     /// Makes a folder for a sweep, or goes on with one that is about the same.

@@ -35,7 +35,7 @@ mod task;
 mod variation;
 
 pub use design::{Design, Plan};
-pub use engine::{Cases, Places, Progress, SweepError, run_cases, run_shard};
+pub use engine::{Cases, Places, Progress, SweepError, run_cases, run_in_memory, run_shard};
 pub use folder::{Manifest, SweepFolder};
 pub use kept::{At, Keep, Output};
 pub use merge::{Columns, merge};

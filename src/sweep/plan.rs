@@ -4,6 +4,7 @@ use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
 use crate::identify::LoadedStudy;
 use crate::kc::Config;
 use crate::model::{Ignore, Model};
+use crate::rig::settings::BackendChoice;
 use crate::session::{FilePolicy, find_file, folder_of, on_deck, read_files};
 use crate::syntax::files::Files;
 use crate::syntax::{CommandFile, Dataset};
@@ -60,6 +61,18 @@ pub struct SweepPlan {
 }
 
 impl SweepPlan {
+    /// The program that is started for every case, if the plan or its study names one.
+    pub fn starts_program(&self) -> Option<&[String]> {
+        let own = self.program.as_ref().and_then(|p| p.command.as_deref());
+        let of_study = match &self.task {
+            Task::Study(loaded, _) if loaded.study.solver.backend == BackendChoice::Command => {
+                Some(loaded.study.solver.command.as_slice())
+            }
+            _ => None,
+        };
+        own.or(of_study)
+    }
+
     /// Reads a SWEEP.toml and all it names. `None` if an error stands in the way.
     pub fn read(path: &Path) -> Checked<Option<Self>> {
         let mut out = Complaints::default();
@@ -119,9 +132,16 @@ impl SweepPlan {
             }
         }
         let task = match study {
-            Some(study) => Task::Study(study),
+            Some(study) => {
+                let check = file.check_gain.as_ref().map(|check| *check.get_ref());
+                Task::Study(study, check.unwrap_or_default())
+            }
             None => task(&file, (&folder, &lowered.value), &mut inputs, out)?,
         };
+        if let (Some(check), Task::Commands(_) | Task::Tests(_)) = (&file.check_gain, &task) {
+            let message = "`check_gain` is that of a study's diagnosis";
+            out.wrong(Code::BadSetting, check.span(), message);
+        }
         let mut ignored = Vec::new();
         for word in &file.ignore {
             match Ignore::parse(word.get_ref()) {

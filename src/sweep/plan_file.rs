@@ -4,6 +4,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::variation::Apply;
+use crate::discrepancy::GainCheck;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -12,6 +13,7 @@ pub(super) struct PlanFile {
     pub study: Option<Spanned<String>>,
     pub commands: Option<Spanned<String>>,
     pub kc: Option<Spanned<String>>,
+    pub check_gain: Option<Spanned<GainCheck>>,
     #[serde(default)]
     pub seed: u64,
     #[serde(default)]

@@ -29,7 +29,7 @@ pub(super) fn keeps(
         let fits = matches!(
             (&found, task),
             (Keep::Characteristic { .. }, Task::Tests(_))
-                | (Keep::Answer(_), Task::Study(_))
+                | (Keep::Answer(_), Task::Study(..))
                 | (Keep::Column { .. } | Keep::Mode(_), Task::Commands(_))
         );
         if !fits {
@@ -37,7 +37,7 @@ pub(super) fn keeps(
                 Task::Tests(_) => {
                     "K&C tests have characteristics only: `characteristic = \"toe_angle.left\"`"
                 }
-                Task::Study(_) => {
+                Task::Study(..) => {
                     "of a study numbers of its answer are kept: `identification = \"parameters[*].value\"` or `diagnosis = \"baseline.chi2_per_dof\"`"
                 }
                 Task::Commands(_) => {

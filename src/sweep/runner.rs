@@ -243,14 +243,14 @@ impl<'p> Runner<'p> {
     fn find_answers(&mut self, answers: &Answers, wrong: &mut Vec<Diagnostic>) {
         for (keep, name, span) in &self.plan.keeps {
             let Keep::Answer(path) = keep else { continue };
-            let found = answers.matching(path);
-            if found.is_empty() {
+            let found = answers.matching(path).unwrap_or_else(|why| {
                 wrong.push(
-                    Diagnostic::error(Code::UndefinedId, "there is no such place in the answer")
+                    Diagnostic::error(Code::UndefinedId, why)
                         .label(self.plan.source.name(), *span, "")
                         .help("`admire guide study` and `admire guide diagnosis` list the fields"),
                 );
-            }
+                Vec::new()
+            });
             for (path, element) in found {
                 let own = name.clone().unwrap_or_else(|| path.to_string());
                 let name = if name.is_some() && !element.is_empty() {
@@ -297,7 +297,7 @@ impl<'p> Runner<'p> {
             (Task::Commands(commands), None) => self.trial(deck, commands),
             (Task::Commands(commands), Some(program)) => self.external(deck, commands, program),
             (Task::Tests(config), _) => self.tests(deck, config),
-            (Task::Study(study), _) => Answers::of(study, deck, &self.plan.keeps)
+            (Task::Study(study, check), _) => Answers::of((study, *check), deck, &self.plan.keeps)
                 .map(|answers| Seen::Answers(Box::new(answers))),
         }
     }

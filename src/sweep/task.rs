@@ -1,3 +1,4 @@
+use crate::discrepancy::GainCheck;
 use crate::identify::LoadedStudy;
 use crate::kc::Config;
 use crate::text::Source;
@@ -9,6 +10,6 @@ pub enum Task {
     Commands(Source),
     /// The K&C tests of a `kc.toml`.
     Tests(Box<Config>),
-    /// Identification or diagnosis of a study, whose deck varies.
-    Study(Box<LoadedStudy>),
+    /// Identification or diagnosis of a study, whose deck varies, and how much is done to learn what the causes gain.
+    Study(Box<LoadedStudy>, GainCheck),
 }

@@ -20,4 +20,4 @@ mod spread;
 
 pub use chains::{effective_draws, split_r_hat};
 pub use estimate::Estimate;
-pub use repeat::{CHAINS, Kind, LEAST_DRAWS, LEAST_REPLICATES, Repeats, Told, repeat};
+pub use repeat::{CHAINS, Kind, LEAST_DRAWS, LEAST_REPLICATES, MOST, Made, Repeats, Told, repeat};

@@ -10,7 +10,9 @@ use super::posterior::Posterior;
 use super::spread::spread;
 use crate::identify::global::Marginal;
 use crate::identify::{BootstrapMade, Fit, IdentifyError, PosteriorMade, Problem};
-use crate::sweep::{Cases, Layout, Places, Progress, Row, SweepError, TableReader, run_cases};
+use crate::sweep::{
+    Cases, Layout, Places, Progress, Row, SweepError, TableReader, run_cases, run_in_memory,
+};
 
 /// Chains of the posterior: enough to see whether they agree, few enough that the beginning of each costs little.
 pub const CHAINS: u64 = 8;
@@ -18,6 +20,8 @@ pub const CHAINS: u64 = 8;
 pub const LEAST_REPLICATES: u64 = 100;
 /// Fewer draws say nothing of the ends of an interval, or of whether chains agree.
 pub const LEAST_DRAWS: u64 = 100;
+/// Repeats at most.
+pub const MOST: u64 = 10_000_000;
 
 /// What is asked for.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -62,8 +66,33 @@ impl Kind {
 /// Told how far it is; says whether to go on.
 pub type Told<'a> = dyn FnMut(Kind, &Progress) -> bool + 'a;
 
-/// Repeats a fit, and puts what comes of it into the fit. Journals and tables are kept in `folder`, where an interrupted run goes on.
-/// The finished tables; `None` if it was interrupted.
+/// What came of a fit that was repeated.
+#[derive(Clone, Debug)]
+pub enum Made {
+    /// The path of a table.
+    Table(PathBuf),
+    /// What the table would hold, in its order.
+    Rows(Vec<Row>),
+}
+
+impl Made {
+    fn each(&self, layout: &Layout, mut take: impl FnMut(&Row)) -> Result<(), SweepError> {
+        match self {
+            Self::Rows(rows) => rows.iter().for_each(take),
+            Self::Table(path) => {
+                let counts = (layout.inputs.len(), layout.outputs.len());
+                TableReader::open(path)?.each(counts, |row, _| -> Result<(), SweepError> {
+                    take(&row);
+                    Ok(())
+                })?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Repeats a fit, and puts what comes of it into the fit. Journals and tables are kept in `folder`, where an interrupted run goes on;
+/// without one everything stays in memory. `None` if it was interrupted.
 ///
 /// # Errors
 /// When a journal or table cannot be written, or the fit cannot be repeated.
@@ -71,9 +100,9 @@ pub fn repeat(
     (problem, marginal): (&Problem<'_>, &Marginal),
     fit: &mut Fit,
     asked: &Repeats,
-    (folder, version): (&Path, &str),
+    (folder, version): (Option<&Path>, &str),
     tell: &mut Told<'_>,
-) -> Result<Option<Vec<(Kind, PathBuf)>>, RepeatError> {
+) -> Result<Option<Vec<(Kind, Made)>>, RepeatError> {
     let estimate = Estimate::new(problem, marginal)?.ok_or(RepeatError::NoEstimate)?;
     let addresses: Vec<String> = fit.parameters.iter().map(|p| p.address.clone()).collect();
     let mut done = Vec::new();
@@ -116,25 +145,19 @@ pub fn repeat(
             version,
             hash: &hash,
         };
-        let key = format!(
-            "{}\n{version}\n{hash}\n{count}\n{}",
-            kind.word(),
-            asked.seed
-        );
-        let stem = format!("{}-{}", kind.word(), short(&key));
-        let places = Places {
-            journal: folder.join(format!("{stem}.journal")),
-            table: folder.join(format!("{stem}.parquet")),
-            key: key.into_bytes(),
+        let mut tell = |progress: &Progress| tell(kind, progress);
+        let made = match folder {
+            Some(folder) => {
+                let places = places(folder, &work, (kind, count, asked.seed));
+                run_cases(&work, 0..count, &places, asked.threads, &mut tell)?
+                    .is_complete()
+                    .then_some(Made::Table(places.table))
+            }
+            None => run_in_memory(&work, 0..count, asked.threads, &mut tell)?.map(Made::Rows),
         };
-        let progress = run_cases(&work, 0..count, &places, asked.threads, |progress| {
-            tell(kind, progress)
-        })?;
-        if !progress.is_complete() {
-            return Ok(None);
-        }
-        take(&work, (kind, count, asked.seed), &places.table, fit)?;
-        done.push((kind, places.table));
+        let Some(made) = made else { return Ok(None) };
+        take(&work, (kind, count, asked.seed), &made, fit)?;
+        done.push((kind, made));
     }
     Ok(Some(done))
 }
@@ -154,6 +177,22 @@ pub enum RepeatError {
     /// None has an answer.
     #[error("no replicate has an answer: {0}")]
     NoReplicate(String),
+}
+
+/// Where a run with these options is kept.
+fn places(folder: &Path, work: &Work<'_>, (kind, count, seed): (Kind, u64, u64)) -> Places {
+    let key = format!(
+        "{}\n{}\n{}\n{count}\n{seed}",
+        kind.word(),
+        work.version,
+        work.hash
+    );
+    let stem = format!("{}-{}", kind.word(), short(&key));
+    Places {
+        journal: folder.join(format!("{stem}.journal")),
+        table: folder.join(format!("{stem}.parquet")),
+        key: key.into_bytes(),
+    }
 }
 
 /// Twelve digits that tell runs with other options apart.
@@ -222,23 +261,20 @@ impl Cases for Work<'_> {
     }
 }
 
-/// Puts what a table says into the fit.
+/// Puts what was made into the fit.
 fn take(
     work: &Work<'_>,
     (kind, count, seed): (Kind, u64, u64),
-    table: &Path,
+    made: &Made,
     fit: &mut Fit,
 ) -> Result<(), RepeatError> {
-    let layout = work.layout();
-    let reader = TableReader::open(table).map_err(SweepError::from)?;
     let mut values: Vec<Vec<Vec<f64>>> = vec![vec![Vec::new()]; fit.parameters.len()];
     let (mut without, mut why, mut acceptance) = (0, String::new(), 0.0);
-    let counts = (layout.inputs.len(), layout.outputs.len());
-    reader.each(counts, |row, _| -> Result<(), SweepError> {
+    made.each(&work.layout(), |row| {
         if !row.reason.is_empty() {
             without += 1;
-            why = row.reason;
-            return Ok(());
+            why.clone_from(&row.reason);
+            return;
         }
         let fresh = kind == Kind::Posterior && row.case % work.chain() == 0 && row.case > 0;
         for (chains, value) in values.iter_mut().zip(&row.outputs) {
@@ -248,7 +284,6 @@ fn take(
             chains.last_mut().expect("one at least").push(*value);
         }
         acceptance += row.outputs.last().copied().unwrap_or_default() / count as f64;
-        Ok(())
     })?;
     if count - without < 2 {
         return Err(RepeatError::NoReplicate(why));

@@ -1,12 +1,11 @@
 """The Python package beside what is inside of it, beside the command line, and beside other readers of results.
 
     pip install . && cargo build --release
-    python tests/bench/python.py [--admire PATH] [--megabytes 500] [--others 20] [--variants 10000]
+    python tests/bench/python.py [--admire PATH] [--megabytes 500] [--variants 10000]
 
 Prints the overhead of a small solve over the time inside of the library; the rate of reading a column of a large results file, by the
-package and by `admire results`, started in turn; the rate of adamspy on a smaller file of the same kind, where it is installed (pyadams is on no package
-index);
-and many variants by joblib and Dask against a serial loop, bit for bit.
+package and by `admire results`, started in turn; the rate of adamspy on the same file, where it is installed (pyadams is on no package
+index); and many variants by joblib and Dask against a serial loop, bit for bit.
 """
 
 import argparse
@@ -132,7 +131,6 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--admire", default=os.path.join(ROOT, "target", "release", "admire"))
     parser.add_argument("--megabytes", type=float, default=500.0)
-    parser.add_argument("--others", type=float, default=20.0)
     parser.add_argument("--variants", type=int, default=10000)
     parser.add_argument("--repeats", type=int, default=5)
     options = parser.parse_args()
@@ -142,7 +140,6 @@ def main():
         path = os.path.join(folder, "large.res")
         size = large(deck, path, options.megabytes)
         reading(options.admire, path, size, options.repeats)
-        size = large(deck, path, options.others)
         others(path, size)
     variants(deck, options.variants)
 

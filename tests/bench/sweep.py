@@ -41,15 +41,29 @@ def start(words):
 
 
 def wait(processes):
-    """Seconds of processor time and the largest memory in MB of processes that were started."""
-    busy, most = 0.0, 0.0
+    """Seconds of processor time of processes that were started."""
+    busy = 0.0
     for process in processes:
         _, status, used = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
         assert process.returncode == 0, process.args
         busy += used.ru_utime + used.ru_stime
-        most = max(most, used.ru_maxrss / 1e3)
-    return busy, most
+    return busy
+
+
+def most_memory(process):
+    """The largest memory of a process in MB, by what Linux tells of it; getrusage would count that of Python before its exec."""
+    most = 0.0
+    while process.poll() is None:
+        try:
+            with open(f"/proc/{process.pid}/status", encoding="ascii") as file:
+                told = [line.split() for line in file]
+        except FileNotFoundError:
+            continue
+        most = max([most, *(float(words[1]) / 1024 for words in told if words[0] == "VmHWM:")])
+        time.sleep(0.005)
+    assert process.returncode == 0, process.args
+    return most
 
 
 def table(folder):
@@ -113,9 +127,9 @@ def rates(program, path, folder, cases, rounds):
     for k in range(rounds):
         one, two = os.path.join(folder, f"one-{k}"), os.path.join(folder, f"two-{k}")
         begin = time.perf_counter()
-        busy, _ = wait([start([program, "sweep", path, "--out", one, "--jobs", "2", "--shard", "1/1"])])
+        busy = wait([start([program, "sweep", path, "--out", one, "--jobs", "2", "--shard", "1/1"])])
         middle = time.perf_counter()
-        halves, _ = wait([start([program, "sweep", path, "--out", two, "--shard", f"{half}/2", "--jobs", "1"]) for half in (1, 2)])
+        halves = wait([start([program, "sweep", path, "--out", two, "--shard", f"{half}/2", "--jobs", "1"]) for half in (1, 2)])
         both.append((middle - begin, busy, time.perf_counter() - middle, halves))
     wall, busy, apart, halves = (statistics.median(column) for column in zip(*both))
     print(f"{cases} cases, two threads: {cases / wall:.0f} a second, {1e3 * busy / cases:.3f} ms of processor a case")
@@ -127,7 +141,7 @@ def memory(program, folder, few, many):
     found = []
     for cases in (few, many):
         out = os.path.join(folder, f"memory-{cases}")
-        _, most = wait([start([program, "sweep", plan(folder, cases), "--out", out, "--jobs", "2"])])
+        most = most_memory(start([program, "sweep", plan(folder, cases), "--out", out, "--jobs", "2"]))
         print(f"{cases} cases: {most:.1f} MB at most")
         found.append(most)
     print(f"{many} cases take {found[1] - found[0]:.1f} MB more than {few}")

@@ -26,8 +26,16 @@ const SIGMA: f64 = 0.05;
 const MARKS: usize = 6;
 const FRAME: f64 = 0.01;
 
-/// The study; forces and what they displace, axis by axis.
+/// The study; forces and what they displace, axis by axis. The measuring frame may shift in every case, and is marginalised; all
+/// tolerances are off then.
 fn study(folder: &Path) -> Vec<[f64; 3]> {
+    study_with(
+        folder,
+        &format!("frame_sd = {{ length = {FRAME}, angle_deg = 0.0 }}\n"),
+    )
+}
+
+fn study_with(folder: &Path, more: &str) -> Vec<[f64; 3]> {
     let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
     write("model.adm", BLOCK);
     let mut cases = Vec::new();
@@ -62,14 +70,13 @@ fn study(folder: &Path) -> Vec<[f64; 3]> {
     write("loads.csv", &loads);
     write("on_parts.csv", &on_parts);
     write("measured.csv", &measured);
-    // The measuring frame may shift in every case, and is marginalised; all tolerances are off then.
     write(
         "study.toml",
         &format!(
             "[model]\ndeck = \"model.adm\"\n[loads]\nfile = \"loads.csv\"\ncolumns = {{ x = \"SFORCE/1\", y = \"SFORCE/2\", z = \"SFORCE/3\" }}\n\
              [marks]\non_parts = \"on_parts.csv\"\nmeasured = \"measured.csv\"\nsigma = {SIGMA}\n\
              [identify]\nbushings = []\nstiffnesses = [\"BUSHING/1.K.1\", \"BUSHING/1.K.2\", \"BUSHING/1.K.3\"]\n\
-             offset_sd = {{ length = 0.0, angle_deg = 0.0 }}\nframe_sd = {{ length = {FRAME}, angle_deg = 0.0 }}\n"
+             offset_sd = {{ length = 0.0, angle_deg = 0.0 }}\n{more}"
         ),
     );
     cases
@@ -141,6 +148,42 @@ fn bootstrap_and_posterior_have_the_spread_of_the_closed_form() {
         }
         let r_hat = found["posterior"]["r_hat"].as_f64().unwrap();
         assert!((r_hat - 1.0).abs() < 0.02, "{r_hat}");
+    }
+}
+
+/// The error of a load's gain is that of the stiffness it meets: a tolerance that no reading can tell from the answer.
+#[test]
+fn tolerances_widen_both_as_the_closed_form_has_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let gain = 0.03;
+    let cases = study_with(
+        folder.path(),
+        &format!(
+            "[tolerances]\nload_gain = {gain}\nload_direction_deg = 0\nhardpoints = 0\nmarks_on_parts = 0\npose = 0\n"
+        ),
+    );
+    let options = ["--bootstrap", "1000", "--posterior", "1000"];
+    let (answer, _) = identify(folder.path(), "out", &options);
+    let noise_ratio = answer["bootstrap"]["noise_ratio"].as_f64().unwrap();
+    for axis in 0..3 {
+        let found = &answer["parameters"][axis];
+        let value = found["value"].as_f64().unwrap();
+        let squares: f64 = cases.iter().map(|case| (case[axis] / value).powi(2)).sum();
+        let noise = SIGMA / (MARKS as f64 * squares).sqrt();
+        let sd = noise.hypot(gain);
+        assert!(sd > 2.0 * noise, "the tolerance decides");
+        let worth = found["posterior"]["effective_draws"].as_f64().unwrap();
+        assert!(worth > 500.0, "{worth}");
+        for (key, scale, n) in [
+            ("bootstrap", noise_ratio, 1000.0),
+            ("posterior", 1.0, worth),
+        ] {
+            let relative = found[key]["std_error"].as_f64().unwrap() / value / sd / scale;
+            assert!(
+                (relative - 1.0).abs() < 4.0 / f64::sqrt(2.0 * n),
+                "{key}: {relative}"
+            );
+        }
     }
 }
 

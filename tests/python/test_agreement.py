@@ -1,5 +1,6 @@
 """The package and the command line give the same answers, bit for bit."""
 
+import contextlib
 import json
 import re
 import shutil
@@ -7,6 +8,7 @@ import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import admire
@@ -89,6 +91,58 @@ def test_an_identification_is_the_same(method: str, corpus: Path, command: Comma
     assert without_time(found.html) == without_time(report)
 
 
+def test_repeats_of_a_fit_are_the_same(corpus: Path, command: Command, tmp_path: Path) -> None:
+    study, out = corpus / "pseudo-mcpherson", tmp_path / "out"
+    done = command("identify", study, "--out", out, "--bootstrap", 104, "--posterior", 104, "--seed", 3, "--format", "json")
+    stages: list[str] = []
+    found = admire.identify(
+        study, bootstrap=104, posterior=104, seed=3, jobs=1, progress=lambda stage, *rest: stages.append(stage)
+    )
+    assert found.json == json.loads(done.stdout)
+    report = (out / "report.html").read_text(encoding="utf-8")
+    assert without_time(found.html) == without_time(report)
+    first = found.parameters[0]
+    assert first.profile95 is not None and first.posterior is not None and first.posterior.r_hat is not None
+    assert found.bootstrap is not None and found.bootstrap.shape == (104, len(found.parameters))
+    assert found.posterior is not None and found.posterior.shape == (104, len(found.parameters))
+    assert first.bootstrap is not None and first.bootstrap.median == pytest.approx(np.median(found.bootstrap[:, 0]), rel=1e-3)
+    assert {"bootstrap", "posterior"} & set(stages)
+    pandas = pytest.importorskip("pandas")
+    pytest.importorskip("pyarrow")
+    table = pandas.read_parquet(out / "bootstrap.parquet")
+    assert table["BUSHING/1.K.1"].to_numpy().tobytes() == np.ascontiguousarray(found.bootstrap[:, 0]).tobytes()
+
+
+def test_repeats_that_cannot_be_are_refused(corpus: Path) -> None:
+    with pytest.raises(ValueError, match="from 100 to"):
+        admire.identify(corpus / "pseudo-mcpherson", bootstrap=5)
+    with pytest.raises(admire.DeckError, match="gauss-newton"):
+        admire.identify(corpus / "pseudo-mcpherson", method="direct", posterior=200)
+    with pytest.raises(ValueError, match="quick, held-out, folds"):
+        admire.diagnose(corpus / "pseudo-mcpherson", check_gain="none")
+
+
+def test_an_axle_beside_others_is_the_same(corpus: Path, command: Command, tmp_path: Path) -> None:
+    deck, config = corpus / "multilink" / "model.adm", corpus / "multilink" / "kc.toml"
+    other = corpus / "multilink" / "reference.adm"
+    alone = admire.kc(deck, config)
+    (tmp_path / "measured.csv").write_text("test;value;toe_angle.left [deg]\nbounce;-10;0,02\nbounce;0;0,01\nbounce;10;0,00\n")
+    words = ("kc", deck, "--config", config, "--out", tmp_path / "out", "--compare", other, "--measured", tmp_path / "measured.csv")
+    assert command(*words).returncode == 0
+    found = admire.kc(deck, config, compare=admire.read(other), measured=tmp_path / "measured.csv")
+    assert found.values == alone.values and found.html != alone.html
+    report = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert without_time(found.html) == without_time(report)
+    assert "softer" in admire.kc(deck, config, compare={"softer": admire.read(other)}).html
+    (tmp_path / "wrong.csv").write_text("a,b\n1,2\n")
+    with pytest.raises(admire.DeckError, match="`test` and `value`"):
+        admire.kc(deck, config, measured=tmp_path / "wrong.csv")
+    assert command("convert-units", other, "--to", "mks", "-o", tmp_path / "metres.adm").returncode == 0
+    scaled = admire.read(tmp_path / "metres.adm")
+    with pytest.raises(admire.DeckError, match="other units"):
+        admire.kc(deck, config, compare=[scaled])
+
+
 def test_axle_tests_are_the_same(corpus: Path, command: Command, tmp_path: Path) -> None:
     deck, config = corpus / "multilink" / "model.adm", corpus / "multilink" / "kc.toml"
     done = command("kc", deck, "--config", config, "--out", tmp_path / "out", "--format", "json")
@@ -115,7 +169,9 @@ def test_a_sweep_is_that_of_the_command(corpus: Path, tmp_path: Path, command: C
     # In shards, the second first.
     for number in (2, 1):
         assert admire.sweep(plan, tmp_path / "shards", shard=(number, 2)) is None
-    command("merge", str(tmp_path / "shards"))
+        with pytest.raises(admire.DeckError) if number == 2 else contextlib.nullcontext():
+            assert admire.merge(tmp_path / "shards").summary["statuses"] == {"ok": 12}
+    assert "<iframe" in answer._repr_html_()
     assert without_seconds(json.loads((tmp_path / "shards" / "summary.json").read_text())) == own
     with pytest.raises(admire.DeckError, match="changed since"):
         plan.write_text(plan.read_text().replace("seed = 1", "seed = 2"))

@@ -145,6 +145,17 @@ fn a_folder_that_is_not_the_sweeps_own_is_refused() {
         "{}",
         said(&refused)
     );
+    // A folder where nobody can write.
+    #[cfg(target_os = "linux")]
+    {
+        let refused = again.sweep("/proc/self/new", &[]);
+        assert_eq!(refused.status.code(), Some(1));
+        let said = said(&refused);
+        assert!(
+            said.contains("nothing can be written into `/proc/self`"),
+            "{said}"
+        );
+    }
     // A file in the place of the folder.
     std::fs::write(again.path("file"), "").expect("written");
     let refused = again.sweep("file", &[]);

@@ -56,6 +56,43 @@ fn a_study_with_another_deck_gives_what_identify_gives_on_it() {
 }
 
 #[test]
+fn a_diagnosis_of_every_case_is_that_of_the_command() {
+    // The third arm is three millimetres off: the study is no longer explained by tolerances.
+    let keep = "[[keep]]\ndiagnosis = \"baseline.chi2_per_dof\"\n[[keep]]\ndiagnosis = \"none_of_these\"\n\
+        [[keep]]\ndiagnosis = \"findings[dry-friction@BUSHING/1.K.1].probability\"\n";
+    let bench = plan(keep);
+    let file = bench.path("sweep.toml");
+    let text = std::fs::read_to_string(&file).expect("the plan");
+    let text = text
+        .replace("[-0.5, 0.0, 0.5]", "[0.0, 3.0]")
+        .replace("seed = 1\n", "seed = 1\ncheck_gain = \"quick\"\n");
+    std::fs::write(&file, text).expect("written");
+    let ran = bench.sweep("out", &["--jobs", "2"]);
+    assert!(ran.status.success(), "{}", said(&ran));
+    let rows = bench.rows("out", 1);
+    assert_eq!(rows.len(), 2);
+    let plan = SweepPlan::read(&file).value.expect("a plan");
+    let varied = plan.deck_with(&plan.numbers(1)).expect("a deck");
+    std::fs::write(bench.path("study/model.adm"), varied.bytes()).expect("written");
+    let (study, out) = (bench.path("study"), bench.path("single"));
+    let words = ["diagnose", shown(&study), "--out", shown(&out)];
+    let ran = admire(&[&words[..], &["--check-gain", "quick"]].concat());
+    assert!(ran.status.success(), "{}", said(&ran));
+    let text = std::fs::read_to_string(out.join("diagnosis.json")).expect("the answer");
+    let number = |key: &str| -> f64 {
+        let from = text.find(&format!("\"{key}\": ")).expect("the field") + key.len() + 4;
+        let digits = text[from..].split([',', '\n']).next().expect("a number");
+        digits.parse().expect("a number")
+    };
+    let single = [number("chi2_per_dof"), number("none_of_these")].map(f64::to_bits);
+    let of = |row: usize| [0, 1].map(|k: usize| rows[row].0.outputs[k].to_bits());
+    assert_eq!(of(1), single);
+    assert_ne!(of(0), single);
+    // No friction was found there.
+    assert!(rows[0].0.outputs[2].is_nan());
+}
+
+#[test]
 fn places_that_no_answer_has_are_refused() {
     for (keep, message) in [
         (
@@ -65,6 +102,14 @@ fn places_that_no_answer_has_are_refused() {
         (
             "[[keep]]\nidentification = \"a[b\"\n",
             "a place in an answer",
+        ),
+        (
+            "[[keep]]\nidentification = \"parameters[BUSHING/9.K.1].value\"\n",
+            "`BUSHING/9.K.1`",
+        ),
+        (
+            "[[keep]]\nidentification = \"parameters[BUSHING/1.K.1].unit\"\n",
+            "is no number",
         ),
         ("[[keep]]\ncolumn = \"KNUCKLE_XFORM.Z\"\n", "of a study"),
     ] {

@@ -15,8 +15,8 @@ from ._admire import __version__
 from ._deck import AxleTests, Change, Deck, Sensitivity, Values, read
 from ._errors import AddressError, AdmireError, Complaint, DeckError, Place, SolveError
 from ._run import Results, Run, results
-from ._study import Diagnosis, Finding, Identification, Parameter, Rival, Study, diagnose, identify, kc
-from ._sweep import Sweep, sweep
+from ._study import Diagnosis, Finding, Identification, Parameter, Repeated, Rival, Study, diagnose, identify, kc
+from ._sweep import Sweep, merge, sweep
 
 __all__ = [
     "AddressError",
@@ -31,6 +31,7 @@ __all__ = [
     "Identification",
     "Parameter",
     "Place",
+    "Repeated",
     "Results",
     "Rival",
     "Run",
@@ -43,6 +44,7 @@ __all__ = [
     "diagnose",
     "identify",
     "kc",
+    "merge",
     "read",
     "results",
     "sweep",

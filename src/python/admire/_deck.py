@@ -264,9 +264,32 @@ class Deck:
         columns, addresses, at, values = self._inner.sensitivity(names, numbers, time)
         return Sensitivity(columns, addresses, np.asarray(at), np.array(values, dtype=np.float64))
 
-    def kc(self, config: str | os.PathLike[str], *, convention: str = "adams-car") -> AxleTests:
-        """Drives the axle through the K&C tests that ``config`` (kc.toml) asks for. ``convention``: adams-car, iso or sae."""
-        values, curves, gradients, html, told = self._inner.kc(os.fspath(config), convention)
+    def kc(
+        self,
+        config: str | os.PathLike[str],
+        *,
+        convention: str = "adams-car",
+        compare: "Deck | Iterable[Deck] | Mapping[str, Deck]" = (),
+        measured: str | os.PathLike[str] | None = None,
+    ) -> AxleTests:
+        """Drives the axle through the K&C tests that ``config`` (kc.toml) asks for. ``convention``: adams-car, iso or sae.
+
+        ``compare``: other decks in the same units, shown beside in the report; a mapping gives them names of your own. ``measured``: a
+        CSV of measured curves with the columns test, value and characteristics such as ``toe_angle.left [deg]``, shown beside too.
+
+        >>> import admire
+        >>> deck = admire.read("corpus/multilink/model.adm")
+        >>> stiffer = deck.copy()
+        >>> stiffer["BUSHING/*.K.*"] *= 2.0
+        >>> tests = deck.kc("corpus/multilink/kc.toml", compare={"stiffer": stiffer})
+        """
+        others = [compare] if isinstance(compare, Deck) else compare
+        if isinstance(others, Mapping):
+            named = [(name, other._inner) for name, other in others.items()]
+        else:
+            named = [(_stem(other.name), other._inner) for other in others]
+        file = None if measured is None else os.fspath(measured)
+        values, curves, gradients, html, told = self._inner.kc(os.fspath(config), convention, named, file)
         return AxleTests(json.loads(values), curves, gradients, html, complaints_of(told))
 
     def __contains__(self, address: object) -> bool:
@@ -295,6 +318,10 @@ class Deck:
 
 def _restored(name: str, raw: bytes) -> Deck:
     return Deck(_admire.Deck.parse(name, raw))
+
+
+def _stem(path: str) -> str:
+    return os.path.splitext(os.path.basename(path))[0]
 
 
 def _array(value: Any) -> Any:

@@ -5,9 +5,12 @@ from __future__ import annotations
 import json
 import os
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from . import _admire
 from ._deck import AxleTests, Deck, framed, read
@@ -47,8 +50,27 @@ class Study:
 
 
 @dataclass(frozen=True)
+class Repeated:
+    """What a bootstrap or a posterior says of a number, in its unit. ``interval95`` holds 2.5 to 97.5 percent of all values.
+
+    ``width_ratio`` is its width over that of the interval by profile likelihood, both of ln K. ``effective_draws`` and ``r_hat`` (one
+    where the chains agree) are those of a posterior.
+    """
+
+    median: float
+    std_error: float
+    interval95: tuple[float, float]
+    width_ratio: float | None
+    effective_draws: float | None = None
+    r_hat: float | None = None
+
+
+@dataclass(frozen=True)
 class Parameter:
-    """An identified number, in the deck's units (KT per radian). A side of ``interval95`` without a bound is ``None``."""
+    """An identified number, in the deck's units (KT per radian). A side of ``interval95`` without a bound is ``None``.
+
+    ``profile95`` is the interval by profile likelihood where the fit was repeated, ``bootstrap`` and ``posterior`` what came of it.
+    """
 
     address: str
     unit: str
@@ -58,11 +80,18 @@ class Parameter:
     interval95: tuple[float | None, float | None]
     status: str
     tied: tuple[str, ...] = ()
+    profile95: tuple[float | None, float | None] | None = None
+    bootstrap: Repeated | None = None
+    posterior: Repeated | None = None
 
 
 @dataclass(frozen=True)
 class Identification:
-    """The stiffnesses of a study with their uncertainty. ``json`` is ``identification.json``; in Jupyter the report is shown."""
+    """The stiffnesses of a study with their uncertainty. ``json`` is ``identification.json``; in Jupyter the report is shown.
+
+    ``bootstrap`` and ``posterior`` hold a row for each fit or draw, a column for each of ``parameters``, in their units. A fit without an
+    answer is a row of NaN; draws stand chain after chain, 8 of the same length.
+    """
 
     parameters: list[Parameter]
     method: str
@@ -72,6 +101,8 @@ class Identification:
     json: dict[str, Any] = field(repr=False)
     html: str = field(repr=False)
     remarks: list[str] = field(repr=False, default_factory=list)
+    bootstrap: NDArray[np.float64] | None = field(repr=False, default=None, compare=False)
+    posterior: NDArray[np.float64] | None = field(repr=False, default=None, compare=False)
 
     def __getitem__(self, address: str) -> Parameter:
         """The number at an address."""
@@ -161,6 +192,10 @@ def identify(
     study: Study | str | os.PathLike[str],
     *,
     method: str | None = None,
+    bootstrap: int | None = None,
+    posterior: int | None = None,
+    seed: int = 0,
+    jobs: int | None = None,
     progress: Progress = False,
     force: bool = False,
 ) -> Identification:
@@ -169,6 +204,11 @@ def identify(
     ``method``: gauss-newton, regression or direct, in place of the study's own. ``progress=True`` shows a line on standard error, a
     function is called in its place. ``force`` fits a study that cannot be meant, too.
 
+    ``bootstrap=1000`` fits so many times again, readings drawn anew from the fit and its residuals: intervals that do not take the noise
+    as stated. ``posterior=1000`` draws so many times from the posterior: intervals that do not take the model as linear. Both are
+    for gauss-newton and the built-in solver. ``jobs`` run at a time, as many as there are cores if ``None``; another ``seed`` gives other
+    random numbers. The answers are those of ``admire identify --bootstrap N --posterior N``, bit for bit.
+
     >>> import admire
     >>> found = admire.identify("corpus/pseudo-mcpherson", method="direct")
     >>> found["BUSHING/1.K.1"].unit
@@ -176,7 +216,9 @@ def identify(
     """
     opened = _opened(study)
     with shown(progress) as told:
-        text, lead, deck, html, remarks = opened._inner.identify(method, force, told)
+        text, lead, deck, html, remarks, tables = opened._inner.identify(
+            method, force, (bootstrap, posterior, seed, jobs), told
+        )
     value = json.loads(text)
     parameters = [
         Parameter(
@@ -188,23 +230,40 @@ def identify(
             tuple(item["interval95"]),
             item["status"],
             tuple(item.get("tied", ())),
+            tuple(item["profile95"]) if "profile95" in item else None,
+            _repeated(item.get("bootstrap")),
+            _repeated(item.get("posterior")),
         )
         for item in value["parameters"]
     ]
     name = os.path.join(opened.folder, "identified.adm")
     answer = Deck(_admire.Deck.parse(name, deck))
+    made = [None if table is None else np.asarray(table, dtype=np.float64) for table in tables]
     return Identification(
-        parameters, value["method"], value["converged"], lead, answer, value, html, remarks
+        parameters, value["method"], value["converged"], lead, answer, value, html, remarks, *made
     )
 
 
+def _repeated(item: Mapping[str, Any] | None) -> Repeated | None:
+    if item is None:
+        return None
+    return Repeated(**{**item, "interval95": tuple(item["interval95"])})
+
+
 def diagnose(
-    study: Study | str | os.PathLike[str], *, progress: Progress = False, force: bool = False
+    study: Study | str | os.PathLike[str],
+    *,
+    check_gain: str = "held-out",
+    progress: Progress = False,
+    force: bool = False,
 ) -> Diagnosis:
-    """Says what a model still gets wrong after its best fit: what ``admire diagnose`` does, without files."""
+    """Says what a model still gets wrong after its best fit: what ``admire diagnose`` does, without files.
+
+    ``check_gain`` says how much is done to learn what the causes gain in cases that were not used: ``quick``, ``held-out``, ``folds``.
+    """
     opened = _opened(study)
     with shown(progress) as told:
-        text, sentences, deck, commands, html, remarks = opened._inner.diagnose(force, told)
+        text, sentences, deck, commands, html, remarks = opened._inner.diagnose(force, check_gain, told)
     value = json.loads(text)
     name = os.path.join(opened.folder, "extended.adm")
     return Diagnosis(
@@ -241,7 +300,9 @@ def kc(
     config: str | os.PathLike[str] = "kc.toml",
     *,
     convention: str = "adams-car",
+    compare: Deck | Iterable[Deck] | Mapping[str, Deck] = (),
+    measured: str | os.PathLike[str] | None = None,
 ) -> AxleTests:
     """Drives an axle through the standard K&C tests: :meth:`Deck.kc` of a deck or its path."""
     opened = deck if isinstance(deck, Deck) else read(deck)
-    return opened.kc(config, convention=convention)
+    return opened.kc(config, convention=convention, compare=compare, measured=measured)

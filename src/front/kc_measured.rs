@@ -1,27 +1,19 @@
-//! Measured curves for `admire kc --measured`.
+//! Measured curves beside those of K&C tests.
 
-use std::path::Path;
-
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::{Checked, Code, Diagnostic};
 use crate::kc::Config;
 use crate::report::MeasuredCurve;
-
-use super::shell::{Exit, Shell};
+use crate::text::Source;
 
 /// Reads a table with the columns `test`, `value` and characteristics. Angles are in radians unless their head ends in `[deg]`; cells may be
 /// empty. Semicolons or tabs between the cells are read too, and then decimal commas.
-pub(super) fn measured(
-    path: &Path,
+pub(crate) fn measured(
+    source: &Source,
     config: &Config,
-    shell: &mut Shell,
-) -> Result<Vec<MeasuredCurve>, Exit> {
-    let source = shell.read(path)?;
-    let refuse = |message: String| {
-        shell.fail(Diagnostic::error(
-            Code::BadNumber,
-            format!("`{}`: {message}", path.display()),
-        ))
-    };
+) -> Result<Checked<Vec<MeasuredCurve>>, Diagnostic> {
+    let path = source.name();
+    let refuse =
+        |message: String| Diagnostic::error(Code::BadNumber, format!("`{path}`: {message}"));
     let bytes = source.bytes();
     let head = bytes.split(|b| *b == b'\n').next().unwrap_or_default();
     let separator = [b';', b'\t']
@@ -64,7 +56,7 @@ pub(super) fn measured(
     let mut curves: Vec<MeasuredCurve> = Vec::new();
     for (row, record) in reader.records().enumerate() {
         let record = record.map_err(|error| refuse(error.to_string()))?;
-        let number = |k: usize| -> Result<Option<f64>, Exit> {
+        let number = |k: usize| -> Result<Option<f64>, Diagnostic> {
             let text = record.get(k).unwrap_or_default().trim();
             if text.is_empty() {
                 return Ok(None);
@@ -100,9 +92,13 @@ pub(super) fn measured(
             }
         }
     }
+    let mut diagnostics = Vec::new();
     if curves.is_empty() {
-        let message = format!("`{}` has no curve of a test that is run", path.display());
-        shell.complain(&[Diagnostic::warning(Code::MissingColumn, message)]);
+        let message = format!("`{path}` has no curve of a test that is run");
+        diagnostics.push(Diagnostic::warning(Code::MissingColumn, message));
     }
-    Ok(curves)
+    Ok(Checked {
+        value: curves,
+        diagnostics,
+    })
 }
