@@ -33,10 +33,10 @@ fn relaid(dataset: &Dataset, statement: &Statement, style: &Style) -> Option<Edi
             Written::Value(value) => Some(value),
             Written::Other => return None,
         };
-        // The first argument stands behind the slash where the file is written on one line.
         text.push_str(if separated { "\\" } else { "" });
         let name = source.text(argument.name);
-        if k == 0 && text.ends_with('/') && statement.id.is_none() {
+        let first = k == 0 && text.ends_with('/') && statement.id.is_none();
+        if first && style.behind_slash {
             let written = style.argument(&name, value.as_deref());
             text.push_str(written.trim_start_matches([' ', '&', ',', '\r', '\n']));
         } else {
@@ -207,6 +207,15 @@ mod tests {
         // What has its layout keeps it.
         assert_eq!(layout(&edited, Span::new(0, edited.bytes().len())), []);
         String::from_utf8(edited.bytes().to_vec()).expect("text")
+    }
+
+    #[test]
+    fn statements_without_id_begin_as_most_of_them_do() {
+        let markers = "MARKER/1\n, PART = 1\nMARKER/2\n, PART = 1\n";
+        let view = format!("t\nUNITS/\n, FORCE = NEWTON\n, MASS = KILOGRAM\n{markers}ACCGRAV/\n, JGRAV = -9.8\nOUTPUT/REQSAVE\nEND\n");
+        assert_eq!(laid(&view), view.replace("OUTPUT/REQSAVE", "OUTPUT/\n, REQSAVE"));
+        let own = format!("t\nUNITS/FORCE = NEWTON\n, MASS = KILOGRAM\n{markers}END\n");
+        assert_eq!(laid(&own), own);
     }
 
     #[test]
