@@ -212,8 +212,13 @@ mod tests {
     #[test]
     fn statements_without_id_begin_as_most_of_them_do() {
         let markers = "MARKER/1\n, PART = 1\nMARKER/2\n, PART = 1\n";
-        let view = format!("t\nUNITS/\n, FORCE = NEWTON\n, MASS = KILOGRAM\n{markers}ACCGRAV/\n, JGRAV = -9.8\nOUTPUT/REQSAVE\nEND\n");
-        assert_eq!(laid(&view), view.replace("OUTPUT/REQSAVE", "OUTPUT/\n, REQSAVE"));
+        let view = format!(
+            "t\nUNITS/\n, FORCE = NEWTON\n, MASS = KILOGRAM\n{markers}ACCGRAV/\n, JGRAV = -9.8\nOUTPUT/REQSAVE\nEND\n"
+        );
+        assert_eq!(
+            laid(&view),
+            view.replace("OUTPUT/REQSAVE", "OUTPUT/\n, REQSAVE")
+        );
         let own = format!("t\nUNITS/FORCE = NEWTON\n, MASS = KILOGRAM\n{markers}END\n");
         assert_eq!(laid(&own), own);
     }

@@ -23,8 +23,11 @@ fn neovim_shows_complaints_and_applies_edits() {
     let folder = tempfile::tempdir().expect("a folder");
     let deck = folder.path().join("deck.adm");
     std::fs::write(&deck, DECK).expect("writable");
-    std::fs::write(folder.path().join("run.ACF"), "deck\nrun\nSIMULATE/STATICS\nSTOP\n")
-        .expect("writable");
+    std::fs::write(
+        folder.path().join("run.ACF"),
+        "deck\nrun\nSIMULATE/STATICS\nSTOP\n",
+    )
+    .expect("writable");
     let settings = folder.path().join("init.lua");
     std::fs::write(&settings, of_the_guide()).expect("writable");
     let own = std::env::var_os("PATH").unwrap_or_default();
