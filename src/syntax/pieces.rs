@@ -352,3 +352,39 @@ impl Pieces {
         (apart && as_before).then_some(new)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn end_in_the_middle_is_read_with_its_neighbours_only() {
+        let markers: String = (1..5000)
+            .map(|id| format!("MARKER/{id}\n, PART = 1\n"))
+            .collect();
+        let text = format!("t\nPART/1, GROUND\n{markers}END\n");
+        let mut pieces = Pieces::parse(&Source::new("a.adm", text.as_bytes()), Role::Dataset);
+        let counted = |pieces: &Pieces| -> usize {
+            let live = pieces.live().iter();
+            live.map(|piece| piece.statements().len()).sum()
+        };
+        let (all, count) = (pieces.pieces().len(), counted(&pieces));
+        assert_eq!((count, pieces.live().len()), (5001, all));
+        let middle = text.find("MARKER/2500").expect("a marker");
+        let typed = pieces.edit(Span::at(middle), b"END\n");
+        assert!(
+            typed.removed.len() < 5 && typed.added.len() < 8,
+            "{typed:?}"
+        );
+        assert_eq!((counted(&pieces), pieces.has_end()), (2501, true));
+        // A key behind it changes nothing that counts.
+        let behind = pieces.size() - 200;
+        pieces.edit(Span::at(behind), b"PART/2\n");
+        assert_eq!(counted(&pieces), 2501);
+        pieces.edit(Span::new(behind, behind + 7), b"");
+        let deleted = pieces.edit(Span::new(middle, middle + 4), b"");
+        assert!(deleted.removed.len() < 8, "{deleted:?}");
+        assert_eq!(counted(&pieces), count);
+        assert_eq!(pieces.bytes(), text.as_bytes());
+    }
+}
