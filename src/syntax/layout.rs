@@ -23,6 +23,10 @@ pub fn layout_of_commands(file: &CommandFile, span: Span) -> Vec<Edit> {
 
 /// The edit of one statement; `None` if it has its layout, or something that layout cannot keep: comments within it.
 fn relaid(dataset: &Dataset, statement: &Statement, style: &Style) -> Option<Edit> {
+    // Blanks may belong to the text: ADAMS/View writes `STRING =text`, and ` = ` everywhere else.
+    if statement.kind() == Some("STRING") {
+        return None;
+    }
     let source = dataset.source();
     let (head, mut at) = head(source, statement)?;
     let mut text = head;
@@ -213,7 +217,7 @@ mod tests {
     fn statements_without_id_begin_as_most_of_them_do() {
         let markers = "MARKER/1\n, PART = 1\nMARKER/2\n, PART = 1\n";
         let view = format!(
-            "t\nUNITS/\n, FORCE = NEWTON\n, MASS = KILOGRAM\n{markers}ACCGRAV/\n, JGRAV = -9.8\nOUTPUT/REQSAVE\nEND\n"
+            "t\nUNITS/\n, FORCE = NEWTON\n, MASS = KILOGRAM\n{markers}STRING/1\n, STRING =text\nACCGRAV/\n, JGRAV = -9.8\nOUTPUT/REQSAVE\nEND\n"
         );
         assert_eq!(
             laid(&view),
