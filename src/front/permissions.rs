@@ -21,16 +21,22 @@ pub(crate) fn as_new_files<'a, 'b>(
 
 /// True if a new file can take the place of an old one: it has no other names, and its owner can be given to the new one.
 #[cfg(unix)]
-pub(crate) fn can_be_replaced(old: &std::fs::Metadata, new: &Path) -> bool {
+pub(crate) fn can_be_replaced(path: &Path, new: &Path) -> bool {
     use std::os::unix::fs::{MetadataExt, chown};
+    let Ok(old) = std::fs::metadata(path) else {
+        return true;
+    };
     let same =
         std::fs::metadata(new).is_ok_and(|new| (new.uid(), new.gid()) == (old.uid(), old.gid()));
     old.nlink() < 2 && (same || chown(new, Some(old.uid()), Some(old.gid())).is_ok())
 }
 
-#[cfg(not(unix))]
-pub(crate) fn can_be_replaced(_: &std::fs::Metadata, _: &Path) -> bool {
-    true
+/// True if a new file can take the place of an old one: it has no other names. What it has of attributes is kept elsewhere.
+#[cfg(windows)]
+pub(crate) fn can_be_replaced(path: &Path, _: &Path) -> bool {
+    let opened = winapi_util::Handle::from_path_any(path);
+    let told = opened.and_then(winapi_util::file::information);
+    told.map_or(true, |told| told.number_of_links() < 2)
 }
 
 /// Lets a file be run as a command.
@@ -84,5 +90,20 @@ mod tests {
             let data = std::fs::metadata(&third).unwrap();
             assert_eq!((data.uid(), data.gid()), (4242, 4243));
         }
+    }
+}
+
+#[cfg(all(test, windows))]
+mod names_on_windows {
+    #[test]
+    fn all_names_of_a_file_show_what_was_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let (first, second) = (folder.path().join("a.adm"), folder.path().join("b.adm"));
+        std::fs::write(&first, "before, and longer").unwrap();
+        std::fs::hard_link(&first, &second).unwrap();
+        crate::front::replace_file(&first, b"after").unwrap();
+        assert_eq!(std::fs::read(&first).unwrap(), b"after");
+        assert_eq!(std::fs::read(&second).unwrap(), b"after");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
     }
 }

@@ -7,7 +7,7 @@ use tempfile::NamedTempFile;
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::session::check_name;
-use crate::text::{persist, real_path};
+use crate::text::{patiently, persist, real_path};
 
 use super::error::{Error, ErrorKind};
 use super::leftover;
@@ -52,7 +52,7 @@ pub(crate) fn replace_file(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
 pub(crate) fn take_place(new: NamedTempFile, path: &Path) -> std::io::Result<()> {
     let path = whole(path);
     if let Ok(before) = std::fs::metadata(&path) {
-        if !can_be_replaced(&before, new.path()) {
+        if !can_be_replaced(&path, new.path()) {
             return overwrite(&path, new);
         }
         if cfg!(unix) {
@@ -79,7 +79,7 @@ fn whole(path: &Path) -> PathBuf {
 fn overwrite(path: &Path, new: NamedTempFile) -> std::io::Result<()> {
     let copy = || {
         let mut from = std::fs::File::open(new.path())?;
-        let mut file = std::fs::OpenOptions::new().write(true).open(path)?;
+        let mut file = patiently(|| std::fs::OpenOptions::new().write(true).open(path))?;
         let length = std::io::copy(&mut from, &mut file)?;
         file.set_len(length)?;
         file.sync_all()

@@ -142,7 +142,7 @@ pub(super) fn statement_at(
     (last.saturating_sub(1)..=last).rev().find_map(|piece| {
         let base = document.pieces().start(piece);
         let inside = offset.checked_sub(base)?;
-        let statements = document.pieces().pieces()[piece].statements();
+        let statements = document.pieces().live().get(piece)?.statements();
         let at = statements.iter().position(|statement| {
             touches(statement.span, inside)
                 || statement

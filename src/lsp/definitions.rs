@@ -16,7 +16,10 @@ pub(super) struct Definitions {
 
 impl Definitions {
     /// What pieces behind a body define.
-    pub fn of(entering: Option<Object>, pieces: &[Arc<Piece>]) -> Self {
+    pub fn of<'p>(
+        entering: Option<Object>,
+        pieces: impl IntoIterator<Item = &'p Arc<Piece>>,
+    ) -> Self {
         let (mut of, mut body) = (BTreeMap::<Object, Vec<u64>>::new(), entering);
         for piece in pieces {
             for statement in piece.statements() {

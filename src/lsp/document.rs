@@ -4,8 +4,10 @@
 //! at the whole file is told by a check in the background.
 
 use std::collections::{BTreeSet, HashMap, HashSet};
+use std::ops::Range;
 use std::sync::Arc;
 
+use super::complaint::{Anchor, Candidate, Complaint, new_place, shifted};
 use super::definitions::{Definitions, is_known_body};
 use super::excerpt::{Depth, Excerpt};
 use crate::check::{Found, Told};
@@ -15,10 +17,12 @@ use crate::syntax::catalogue::{Catalogue, Place};
 use crate::syntax::lint::{Options, Reach, Suppressed, check_until};
 use crate::syntax::pieces::Pieces;
 use crate::syntax::{Object, Statement};
-use crate::text::{Edit, Source, Span};
+use crate::text::{Source, Span};
 
 /// After an edit the rules of neighbours are asked about so many pieces at most; the check of the whole file does the others.
 const MOST_PIECES: usize = 64;
+/// Of a file of more pieces so many beside those of the edit: the check of the whole file takes longer, and the next key comes sooner.
+const MOST_OF_MANY: usize = 12;
 
 /// An open dataset or command file.
 pub struct Document {
@@ -32,23 +36,6 @@ pub struct Document {
     far: Vec<Complaint>,
     /// What comments of a piece silence, for those that have such comments.
     silences: HashMap<u32, Suppressed>,
-}
-
-/// A complaint whose places move with the text.
-#[derive(Clone, Debug)]
-struct Complaint {
-    diagnostic: Diagnostic,
-    /// Of each label; `None` for places in other files.
-    labels: Vec<Option<Anchor>>,
-    /// Of each edit of its fix.
-    edits: Vec<Anchor>,
-}
-
-/// A place in a piece.
-#[derive(Clone, Copy, Debug)]
-struct Anchor {
-    piece: u32,
-    span: Span,
 }
 
 impl Document {
@@ -95,12 +82,20 @@ impl Document {
 
     /// Replaces text, reads again what that touches, and asks the rules of neighbours about it.
     pub fn edit(&mut self, span: Span, replacement: &[u8]) {
-        let old_count = self.pieces.pieces().len();
+        let old_live = self.pieces.live().len();
         let change = self.pieces.edit(span, replacement);
-        let behind = old_count - (change.added.start + change.removed.len());
+        let (start, behind) = (change.added.start, change.added.end);
+        // Where END stands decides which pieces behind the edit belong to the dataset.
+        let live = self.pieces.live().len().max(behind);
+        let old_behind = start + change.removed.len();
+        let was_live = old_live.max(old_behind) - old_behind + behind;
+        let revived = was_live.min(live)..live;
+        let lost = live.min(was_live)..was_live;
         // What stands before the pieces is as it was.
-        let entering = self.body_entering(change.added.start);
-        let before = Definitions::of(entering, &change.removed);
+        let entering = self.body_entering(start);
+        let all = self.pieces.pieces();
+        let removed = &change.removed[..old_live.clamp(start, old_behind) - start];
+        let before = Definitions::of(entering, removed.iter().chain(&all[few(&lost)]));
         for piece in &change.removed {
             self.catalogue.remove(piece);
             self.near.remove(&piece.key());
@@ -110,9 +105,14 @@ impl Document {
         for at in change.added.clone() {
             self.take_up(at);
         }
-        let after = Definitions::of(entering, &self.pieces.pieces()[change.added.clone()]);
+        let all = self.pieces.pieces();
+        let added = &all[start..self.pieces.live().len().clamp(start, behind)];
+        let after = Definitions::of(entering, added.iter().chain(&all[few(&revived)]));
+        for piece in &all[revived.clone()] {
+            self.near.remove(&piece.key());
+        }
         let mut gone: HashMap<u32, usize> = HashMap::new();
-        let mut base = self.pieces.start(change.added.start);
+        let mut base = self.pieces.start(start);
         for piece in &change.removed {
             gone.insert(piece.key(), base);
             base += piece.size();
@@ -121,11 +121,10 @@ impl Document {
         if self.is_command_file() {
             return;
         }
-        let mut affected: BTreeSet<usize> = change.added.clone().collect();
+        let mut affected: BTreeSet<usize> = change.added.clone().chain(few(&revived)).collect();
         let mut changed = before.differing(&after);
         if before.body != after.body {
-            let first = self.pieces.pieces().len() - behind;
-            changed.extend(self.followers(first, &mut affected));
+            changed.extend(self.followers(behind, &mut affected));
         }
         for (key, complaints) in &self.near {
             let points =
@@ -137,9 +136,13 @@ impl Document {
         for object in changed {
             let definers = self.catalogue.definitions(object).iter().map(|p| p.piece);
             let keys = definers.chain(self.catalogue.referring(object));
-            affected.extend(keys.filter_map(|key| self.places.get(&key)));
+            affected.extend(keys.filter_map(|key| self.live_place(key)));
         }
-        self.ask_neighbours(&nearest(affected, &change.added));
+        let most = match self.pieces.pieces().len() {
+            0..=MOST_PIECES => MOST_PIECES,
+            _ => MOST_OF_MANY,
+        };
+        self.ask_neighbours(&nearest(affected, &change.added, most));
     }
 
     /// Keeps what a check of the whole file found, if it was of the text as it is now.
@@ -175,7 +178,7 @@ impl Document {
     ) -> (Vec<Found>, usize) {
         let missing = crate::syntax::missing_end(&self.name(), self.pieces.size());
         let mut all: Vec<Candidate<'_>> = Vec::new();
-        for (at, piece) in self.pieces.pieces().iter().enumerate() {
+        for (at, piece) in self.pieces.live().iter().enumerate() {
             let base = self.pieces.start(at);
             all.extend(
                 piece
@@ -216,6 +219,13 @@ impl Document {
     fn candidate<'a>(&self, complaint: &'a Complaint, told: Told) -> Option<Candidate<'a>> {
         let first = complaint.diagnostic.labels.first();
         let span = match complaint.labels.first() {
+            // Behind END only comments count.
+            Some(Some(anchor))
+                if complaint.diagnostic.code != Code::UnknownKey
+                    && self.live_place(anchor.piece).is_none() =>
+            {
+                return None;
+            }
             Some(Some(anchor)) => Some(self.span_of(*anchor)?),
             _ => first.map(|label| label.span),
         };
@@ -235,7 +245,7 @@ impl Document {
 
     /// Every statement with its place and where its piece begins.
     pub fn statements(&self) -> impl Iterator<Item = ((usize, usize), usize, &Statement)> {
-        let pieces = self.pieces.pieces().iter().enumerate();
+        let pieces = self.pieces.live().iter().enumerate();
         pieces.flat_map(move |(piece, read)| {
             let base = self.pieces.start(piece);
             let all = read.statements().iter().enumerate();
@@ -258,7 +268,7 @@ impl Document {
         let mut pieces: Vec<usize> = self
             .catalogue
             .referring(object)
-            .filter_map(|key| self.places.get(&key).copied())
+            .filter_map(|key| self.live_place(key))
             .collect();
         pieces.sort_unstable();
         pieces
@@ -287,10 +297,16 @@ impl Document {
     fn in_order(&self, places: &[Place]) -> Vec<(usize, usize)> {
         let mut found: Vec<(usize, usize)> = places
             .iter()
-            .filter_map(|place| Some((*self.places.get(&place.piece)?, place.at)))
+            .filter_map(|place| Some((self.live_place(place.piece)?, place.at)))
             .collect();
         found.sort_unstable();
         found
+    }
+
+    /// Where a piece stands; `None` behind END.
+    fn live_place(&self, key: u32) -> Option<usize> {
+        let at = *self.places.get(&key)?;
+        (at < self.pieces.live().len()).then_some(at)
     }
 
     /// Renews where the pieces stand.
@@ -321,7 +337,7 @@ impl Document {
     /// Markers that follow the body of the pieces before `first`, and the pieces they are in.
     fn followers(&self, first: usize, affected: &mut BTreeSet<usize>) -> Vec<Object> {
         let mut found = Vec::new();
-        for (at, piece) in self.pieces.pieces().iter().enumerate().skip(first) {
+        for (at, piece) in self.pieces.live().iter().enumerate().skip(first) {
             for statement in piece.statements() {
                 if is_known_body(statement) {
                     return found;
@@ -341,7 +357,8 @@ impl Document {
             return;
         }
         let asked = pieces.iter().flat_map(|piece| {
-            let count = self.pieces.pieces()[*piece].statements().len();
+            let piece_of = self.pieces.live().get(*piece);
+            let count = piece_of.map_or(0, |live| live.statements().len());
             (0..count).map(move |at| (*piece, at))
         });
         let excerpt = Excerpt::of(self, asked, Depth::One);
@@ -524,52 +541,15 @@ impl Document {
     }
 }
 
-/// A complaint that may be told, as far as choosing needs it.
-struct Candidate<'a> {
-    told: Told,
-    diagnostic: &'a Diagnostic,
-    /// Its own place in the file as it is now.
-    span: Option<Span>,
-    /// Where its piece begins, for what the reader complains of.
-    base: usize,
-    kept: Option<&'a Complaint>,
+/// The first pieces of some.
+fn few(pieces: &Range<usize>) -> Range<usize> {
+    pieces.start..pieces.end.min(pieces.start + MOST_PIECES)
 }
 
-impl<'a> Candidate<'a> {
-    /// A complaint of the reader about a piece that begins at `base`.
-    fn read(diagnostic: &'a Diagnostic, base: usize) -> Self {
-        let label = diagnostic.labels.first();
-        let span = label.map(|label| Span::new(base + label.span.start(), base + label.span.end()));
-        Self {
-            told: Told::Reader,
-            diagnostic,
-            span,
-            base,
-            kept: None,
-        }
-    }
-
-    /// What is said and where that begins.
-    fn place(&self) -> (Code, Option<usize>) {
-        (self.diagnostic.code, self.span.map(Span::start))
-    }
-}
-
-/// Where a span is once as many bytes as `length` are in place of `edited`; `None` if the edit reaches it.
-fn new_place(span: Span, edited: Span, length: usize) -> Option<Span> {
-    if span.end() < edited.start() {
-        return Some(span);
-    }
-    if span.start() < edited.end() {
-        return None;
-    }
-    let shift = |offset: usize| offset - edited.len() + length;
-    Some(Span::new(shift(span.start()), shift(span.end())))
-}
-
-/// The pieces that are re-read, and of the others those that stand nearest.
-fn nearest(affected: BTreeSet<usize>, edited: &std::ops::Range<usize>) -> BTreeSet<usize> {
-    if affected.len() <= MOST_PIECES {
+/// The pieces that are re-read, and of the others those that stand nearest: `most` of them, or as many as the edit has.
+fn nearest(affected: BTreeSet<usize>, edited: &Range<usize>, most: usize) -> BTreeSet<usize> {
+    let most = most.max(edited.len().min(MOST_PIECES));
+    if affected.len() <= most {
         return affected;
     }
     let mut all: Vec<usize> = affected.into_iter().collect();
@@ -577,21 +557,6 @@ fn nearest(affected: BTreeSet<usize>, edited: &std::ops::Range<usize>) -> BTreeS
         at if edited.contains(at) => 0,
         at => at.abs_diff(edited.start).max(1),
     });
-    all.truncate(MOST_PIECES.max(edited.len().min(4 * MOST_PIECES)));
+    all.truncate(most);
     all.into_iter().collect()
-}
-
-/// A complaint of a piece with its places in the file.
-fn shifted(found: &Diagnostic, base: usize) -> Diagnostic {
-    let mut found = found.clone();
-    let shift = |span: Span| Span::new(base + span.start(), base + span.end());
-    for label in &mut found.labels {
-        label.span = shift(label.span);
-    }
-    if let Some(fix) = &mut found.fix {
-        for Edit { span, .. } in &mut fix.edits {
-            *span = shift(*span);
-        }
-    }
-    found
 }

@@ -24,7 +24,8 @@ pub(super) fn folding(
     };
     for (at, piece) in pieces.pieces().iter().enumerate() {
         let lines = PieceLines::of(pieces, at);
-        for statement in piece.statements() {
+        let live = at < pieces.live().len();
+        for statement in piece.statements().iter().filter(|_| live) {
             let range = lines.range(statement.span);
             add(range.start.line, range.end.line, FoldingRangeKind::Region);
         }

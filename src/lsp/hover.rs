@@ -196,14 +196,6 @@ fn facts(document: &Document, place: (usize, usize), object: Object) -> Vec<Stri
             own.doc
         ));
     }
-    if let Some(def) = def
-        && !def.unchecked.is_empty()
-    {
-        facts.push(format!(
-            "Not compared with the documentation: {}",
-            def.unchecked
-        ));
-    }
     let on: Vec<String> = dataset
         .position(def.map_or("", |def| def.name), Some(object.1))
         .map(|at| crate::syntax::Topology::of(dataset).attached(&dataset.statements()[at]))

@@ -3,6 +3,7 @@
 //! Thin: what is said of files comes from lower floors. Knows no editor. One thread answers, a second one checks whole files.
 
 mod capabilities;
+mod complaint;
 mod completion;
 mod convert;
 mod cursor;

@@ -23,7 +23,7 @@ pub(super) fn of_document(
     let file = workspace.file(&path_of(&params.text_document.uri))?;
     let document = &file.document;
     let mut found = Vec::new();
-    for (at, piece) in document.pieces().pieces().iter().enumerate() {
+    for (at, piece) in document.pieces().live().iter().enumerate() {
         let lines = PieceLines::of(document.pieces(), at);
         for statement in piece.statements() {
             let Some(def) = statement.def else { continue };

@@ -47,6 +47,7 @@ const PAUSE: Duration = Duration::from_millis(120);
 /// Checks files until nobody asks any more. Of several jobs for one file the last one is done.
 pub(super) fn work(jobs: &Receiver<Job>, answers: &Sender<Answer>) {
     let mut waiting: Vec<Job> = Vec::new();
+    let threads = all_but_one();
     while let Ok(job) = jobs.recv() {
         waiting.push(job);
         loop {
@@ -61,7 +62,10 @@ pub(super) fn work(jobs: &Receiver<Job>, answers: &Sender<Answer>) {
             }
             let job = waiting.remove(0);
             // A check that fails says nothing; the next one may.
-            let found = catch_unwind(AssertUnwindSafe(|| job.found()));
+            let found = catch_unwind(AssertUnwindSafe(|| match &threads {
+                Some(threads) => threads.install(|| job.found()),
+                None => job.found(),
+            }));
             let Ok(Some(found)) = found else { continue };
             let answer = Answer {
                 path: job.path,
@@ -73,6 +77,14 @@ pub(super) fn work(jobs: &Receiver<Job>, answers: &Sender<Answer>) {
             }
         }
     }
+}
+
+/// Threads for checks: one processor stays free for the next key.
+fn all_but_one() -> Option<rayon::ThreadPool> {
+    let processors = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = processors.saturating_sub(1).max(1);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+    pool.build().ok()
 }
 
 impl Job {

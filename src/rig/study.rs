@@ -11,7 +11,7 @@ use super::settings::{
 use super::stated::ToleranceSettings;
 use super::table::Table;
 use crate::diagnostic::{Checked, Code, Diagnostic};
-use crate::session::native_spelling;
+use crate::session::{ignoring_case, native_spelling, told_of_case};
 use crate::text::{Source, Span};
 
 /// The marks of a study: two files and their noise.
@@ -423,7 +423,15 @@ impl Files<'_> {
         let plain = relative
             .components()
             .all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
-        let path = self.folder.join(&relative);
+        let mut path = self.folder.join(&relative);
+        if plain
+            && !path.exists()
+            && let Some(found) = ignoring_case(&path)
+        {
+            let label = (self.study.name(), spelled.span);
+            out.push(told_of_case(&spelled.text, &found).label(label.0, label.1, ""));
+            path = found;
+        }
         // A link may lead out of the folder although its name does not.
         let inside = plain
             && match (self.folder.canonicalize(), path.canonicalize()) {
@@ -497,6 +505,27 @@ mod tests {
         assert_eq!(study.identify.initial, initial);
         assert_eq!(study.columns[0].1.text, "SFORCE/3");
         assert_eq!(study.inputs_sha256().len(), 64);
+    }
+
+    #[test]
+    fn names_of_a_study_from_windows_are_found_whatever_their_case() {
+        let text = SMALL
+            .replace("model.adm", ".\\\\MODEL.ADM")
+            .replace("loads.csv", "Loads.CSV");
+        let (folder, checked) = study(&text);
+        let study = checked.value.expect("found");
+        assert_eq!(study.loads.source.bytes(), b"case,v\n1,1500\n");
+        // Where the two names are one file there is nothing to say.
+        if folder.path().join("MODEL.ADM").exists() {
+            return;
+        }
+        let found: Vec<(Code, &str)> = checked
+            .diagnostics
+            .iter()
+            .map(|d| (d.code, &text[d.labels[0].span.range()]))
+            .collect();
+        let told = |name| (Code::FileNameCase, name);
+        assert_eq!(found, [told("\".\\\\MODEL.ADM\""), told("\"Loads.CSV\"")]);
     }
 
     #[test]

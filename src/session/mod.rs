@@ -43,7 +43,7 @@ pub use located::{Sources, located};
 pub use mdi::mdi;
 pub use message::{Messages, exponent};
 pub use on_deck::on_deck;
-pub use paths::{find_file, native_spelling};
+pub use paths::{find_file, ignoring_case, native_spelling, told_of_case};
 pub use progress::Moment;
 pub use record::Record;
 pub use recorded_commands::recorded_commands;

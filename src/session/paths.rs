@@ -37,14 +37,9 @@ pub fn find_file(
     }
     for candidate in &candidates {
         if let Some(path) = all(candidate).iter().find_map(|p| ignoring_case(p)) {
-            let warning = Diagnostic::warning(
-                Code::FileNameCase,
-                format!("`{written}` is found as `{}`", path.display()),
-            )
-            .help("some computers tell upper from lower case in file names");
             return Checked {
+                diagnostics: vec![told_of_case(written, &path)],
                 value: Some(path),
-                diagnostics: vec![warning],
             };
         }
     }
@@ -63,6 +58,15 @@ pub fn find_file(
         }
     }
     Checked::clean(None)
+}
+
+/// What to say of a file that is found although upper and lower case differ.
+pub fn told_of_case(written: &str, found: &Path) -> Diagnostic {
+    Diagnostic::warning(
+        Code::FileNameCase,
+        format!("`{written}` is found as `{}`", found.display()),
+    )
+    .help("some computers tell upper from lower case in file names")
 }
 
 /// The one file of the same name that is here, with a warning; several are refused.
@@ -131,7 +135,7 @@ fn with_extension(name: &Path, extension: &str) -> Vec<PathBuf> {
 }
 
 /// The file with this path but for upper and lower case, if there is one.
-fn ignoring_case(path: &Path) -> Option<PathBuf> {
+pub fn ignoring_case(path: &Path) -> Option<PathBuf> {
     let mut found = PathBuf::new();
     for component in path.components() {
         let Component::Normal(name) = component else {

@@ -23,6 +23,10 @@ pub fn layout_of_commands(file: &CommandFile, span: Span) -> Vec<Edit> {
 
 /// The edit of one statement; `None` if it has its layout, or something that layout cannot keep: comments within it.
 fn relaid(dataset: &Dataset, statement: &Statement, style: &Style) -> Option<Edit> {
+    // Blanks may belong to the text: ADAMS/View writes `STRING =text`, and ` = ` everywhere else.
+    if statement.kind() == Some("STRING") {
+        return None;
+    }
     let source = dataset.source();
     let (head, mut at) = head(source, statement)?;
     let mut text = head;
@@ -33,10 +37,10 @@ fn relaid(dataset: &Dataset, statement: &Statement, style: &Style) -> Option<Edi
             Written::Value(value) => Some(value),
             Written::Other => return None,
         };
-        // The first argument stands behind the slash where the file is written on one line.
         text.push_str(if separated { "\\" } else { "" });
         let name = source.text(argument.name);
-        if k == 0 && text.ends_with('/') && statement.id.is_none() {
+        let first = k == 0 && text.ends_with('/') && statement.id.is_none();
+        if first && style.behind_slash {
             let written = style.argument(&name, value.as_deref());
             text.push_str(written.trim_start_matches([' ', '&', ',', '\r', '\n']));
         } else {
@@ -207,6 +211,20 @@ mod tests {
         // What has its layout keeps it.
         assert_eq!(layout(&edited, Span::new(0, edited.bytes().len())), []);
         String::from_utf8(edited.bytes().to_vec()).expect("text")
+    }
+
+    #[test]
+    fn statements_without_id_begin_as_most_of_them_do() {
+        let markers = "MARKER/1\n, PART = 1\nMARKER/2\n, PART = 1\n";
+        let view = format!(
+            "t\nUNITS/\n, FORCE = NEWTON\n, MASS = KILOGRAM\n{markers}STRING/1\n, STRING =text\nACCGRAV/\n, JGRAV = -9.8\nOUTPUT/REQSAVE\nEND\n"
+        );
+        assert_eq!(
+            laid(&view),
+            view.replace("OUTPUT/REQSAVE", "OUTPUT/\n, REQSAVE")
+        );
+        let own = format!("t\nUNITS/FORCE = NEWTON\n, MASS = KILOGRAM\n{markers}END\n");
+        assert_eq!(laid(&own), own);
     }
 
     #[test]

@@ -20,20 +20,10 @@ use crate::text::{Source, Span};
 /// So many logical lines are one piece: an edit mostly reads two pieces.
 const LINES: usize = 48;
 
-/// Which part of a file a piece is.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Part {
-    /// Statements or commands; in front of the first ones the title of a dataset.
-    Body,
-    /// What stands after END.
-    AfterEnd,
-}
-
 /// Whole lines of a file, read by themselves: places count from the first byte of the piece.
 #[derive(Debug)]
 pub struct Piece {
     key: u32,
-    part: Part,
     source: Source,
     statements: Vec<Statement>,
     diagnostics: Vec<Diagnostic>,
@@ -49,11 +39,6 @@ impl Piece {
     /// Names the piece: no other one of the file has had this number.
     pub fn key(&self) -> u32 {
         self.key
-    }
-
-    /// Which part of the file it is.
-    pub fn part(&self) -> Part {
-        self.part
     }
 
     /// Its bytes, under the name of the file.
@@ -81,10 +66,9 @@ impl Piece {
         self.line_ends
     }
 
-    fn part_of(part: Part, name: &Arc<str>, bytes: Vec<u8>) -> Self {
+    fn of(name: &Arc<str>, bytes: Vec<u8>) -> Self {
         Self {
             key: 0,
-            part,
             line_ends: line_ends(&bytes),
             source: Source::new(Arc::clone(name), bytes),
             statements: Vec::new(),
@@ -103,7 +87,7 @@ impl Piece {
         start: usize,
         before: Option<&'static StatementDef>,
     ) -> Self {
-        let mut piece = Self::part_of(Part::Body, name, bytes);
+        let mut piece = Self::of(name, bytes);
         let (lines, _) = logical_lines(piece.source.bytes(), start, true);
         let (statements, diagnostics, after) =
             parse_lines_after(&piece.source, &lines, Role::Dataset, before);
@@ -140,6 +124,8 @@ pub struct Pieces {
     name: Arc<str>,
     role: Role,
     all: Vec<Arc<Piece>>,
+    /// So many pieces reach to END. Those behind it are read all the same: without END they count again.
+    live: usize,
     /// Where each piece begins: bytes, and lines from 0; one entry more than pieces.
     starts: Vec<(usize, usize)>,
     next_key: u32,
@@ -161,6 +147,7 @@ impl Pieces {
             name: source.name().into(),
             role,
             all: Vec::new(),
+            live: 0,
             starts: vec![(0, 0)],
             next_key: 0,
         };
@@ -178,9 +165,14 @@ impl Pieces {
         self.role == Role::Command
     }
 
-    /// The pieces in their order.
+    /// The pieces in their order, also those behind END.
     pub fn pieces(&self) -> &[Arc<Piece>] {
         &self.all
+    }
+
+    /// The pieces that belong to the dataset: up to the one with END.
+    pub fn live(&self) -> &[Arc<Piece>] {
+        &self.all[..self.live]
     }
 
     /// Where piece `at` begins.
@@ -231,7 +223,7 @@ impl Pieces {
 
     /// True if the dataset has its END.
     pub fn has_end(&self) -> bool {
-        self.all.iter().rev().take(2).any(|piece| piece.ends)
+        self.live().last().is_some_and(|piece| piece.ends)
     }
 
     /// Replaces bytes and reads again what that touches. The span must lie in the file.
@@ -259,28 +251,15 @@ impl Pieces {
         );
         let mut new = loop {
             let next = self.all.get(last);
-            match self.read(first, &bytes, next.map(Arc::as_ref)) {
-                Reading::Done(new) => break new,
-                Reading::Ended(mut new, end) => {
-                    let mut rest = bytes.split_off(end);
-                    for piece in &self.all[last..] {
-                        rest.extend_from_slice(piece.source.bytes());
-                    }
-                    last = count;
-                    if !rest.is_empty() {
-                        new.push(Piece::part_of(Part::AfterEnd, &self.name, rest));
-                    }
-                    break new;
-                }
-                Reading::Open => {
-                    // Twice as much as before: a file that falls apart is read a few times, not once for each piece.
-                    let more = (last - first).max(1).min(count - last);
-                    for piece in &self.all[last..last + more] {
-                        bytes.extend_from_slice(piece.source.bytes());
-                    }
-                    last += more;
-                }
+            if let Some(new) = self.read(first, &bytes, next.map(Arc::as_ref)) {
+                break new;
             }
+            // Twice as much as before: a file that falls apart is read a few times, not once for each piece.
+            let more = (last - first).max(1).min(count - last);
+            for piece in &self.all[last..last + more] {
+                bytes.extend_from_slice(piece.source.bytes());
+            }
+            last += more;
         };
         for piece in &mut new {
             piece.key = self.next_key;
@@ -297,60 +276,70 @@ impl Pieces {
             self.starts
                 .push((bytes + piece.size(), lines + piece.line_ends));
         }
+        self.renew_live(first);
         Change { removed, added }
     }
 
-    /// The pieces of some bytes from the beginning of piece `first` on; `next` follows them.
-    fn read(&self, first: usize, bytes: &[u8], next: Option<&Piece>) -> Reading {
+    /// Finds the first END again once pieces from `first` on have changed.
+    fn renew_live(&mut self, first: usize) {
+        // END stands before them.
+        if self.live <= first && self.all[..self.live].last().is_some_and(|piece| piece.ends) {
+            return;
+        }
+        let end = self.all[first..].iter().position(|piece| piece.ends);
+        self.live = end.map_or(self.all.len(), |end| first + end + 1);
+    }
+
+    /// The pieces of some bytes from the beginning of piece `first` on; `next` follows them. `None` if that belongs to their last line.
+    fn read(&self, first: usize, bytes: &[u8], next: Option<&Piece>) -> Option<Vec<Piece>> {
         let name = &self.name;
         if self.role == Role::Command {
-            let mut piece = Piece::part_of(Part::Body, name, bytes.to_vec());
+            let mut piece = Piece::of(name, bytes.to_vec());
             let read = CommandFile::parse(piece.source.clone());
             piece.head = read.value.head();
             piece.statements = read.value.commands().to_vec();
             piece.diagnostics = read.diagnostics;
-            return Reading::Done(vec![piece]);
+            return Some(vec![piece]);
         }
-        let mut new = Vec::new();
-        // The title stands in front of the first statements.
-        let title = match first {
-            0 => physical_line(bytes, 0).next,
-            _ => 0,
-        };
-        let (lines, _) = logical_lines(bytes, title, true);
         let source = Source::new(Arc::clone(name), bytes);
-        let before = first.checked_sub(1).and_then(|at| self.all[at].after);
-        let count = lines.len().div_ceil(LINES).max(1);
-        let cut = |k: usize| match (k * LINES).checked_sub(1) {
-            None => 0,
-            Some(_) if k == count => bytes.len(),
-            Some(last) => physical_line(bytes, lines[last].span.end()).next,
-        };
-        let piece = |k: usize| {
-            let lines = &lines[..k * LINES];
-            let before = statement_before(&source, lines, Role::Dataset, before);
-            let title = if k == 0 { title } else { 0 };
-            Piece::body(name, bytes[cut(k)..cut(k + 1)].to_vec(), title, before)
-        };
-        let read: Vec<Piece> = if count < 8 {
-            (0..count).map(piece).collect()
-        } else {
-            (0..count).into_par_iter().map(piece).collect()
-        };
-        for (k, piece) in read.into_iter().enumerate() {
-            let ends = piece.statements.last().filter(|_| piece.ends);
-            let end = ends.map(|end| physical_line(piece.source.bytes(), end.span.end()).next);
-            let Some(end) = end else {
-                new.push(piece);
-                continue;
+        let mut new: Vec<Piece> = Vec::new();
+        let mut lines: Vec<LogicalLine> = Vec::new();
+        let mut from = 0;
+        // Lines are told apart up to END, and again behind it.
+        while from < bytes.len() {
+            // The title stands in front of the first statements.
+            let title = match (first, from) {
+                (0, 0) => physical_line(bytes, 0).next,
+                _ => from,
             };
-            let start = cut(k);
-            new.push(piece.cut_at(end));
-            return Reading::Ended(new, start + end);
+            let end;
+            (lines, end) = logical_lines(bytes, title, true);
+            let stop = end.map_or(bytes.len(), |end| physical_line(bytes, end).next);
+            let before = match new.last() {
+                Some(last) => last.after,
+                None => first.checked_sub(1).and_then(|at| self.all[at].after),
+            };
+            let count = lines.len().div_ceil(LINES).max(1);
+            let cut = |k: usize| match (k * LINES).checked_sub(1) {
+                None => from,
+                Some(_) if k == count => stop,
+                Some(last) => physical_line(bytes, lines[last].span.end()).next,
+            };
+            let piece = |k: usize| {
+                let lines = &lines[..k * LINES];
+                let before = statement_before(&source, lines, Role::Dataset, before);
+                let title = if k == 0 { title - from } else { 0 };
+                Piece::body(name, bytes[cut(k)..cut(k + 1)].to_vec(), title, before)
+            };
+            if count < 8 {
+                new.extend((0..count).map(piece));
+            } else {
+                new.par_extend((0..count).into_par_iter().map(piece));
+            }
+            from = stop;
         }
         let Some(next) = next else {
-            new.retain(|piece| piece.size() > 0);
-            return Reading::Done(new);
+            return Some(new);
         };
         let last: Option<&LogicalLine> = lines.last();
         let apart = last.is_some_and(|last| {
@@ -360,32 +349,42 @@ impl Pieces {
                 && !continues(&bytes[..end], next.source.bytes())
         });
         let as_before = new.last().is_some_and(|last| last.after == next.before);
-        if next.part == Part::Body && apart && as_before {
-            Reading::Done(new)
-        } else {
-            Reading::Open
-        }
+        (apart && as_before).then_some(new)
     }
 }
 
-/// How far some bytes could be read by themselves.
-enum Reading {
-    /// Whole.
-    Done(Vec<Piece>),
-    /// To END, behind whose line an offset is.
-    Ended(Vec<Piece>, usize),
-    /// What follows belongs to them.
-    Open,
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-impl Piece {
-    /// The piece without what stands behind an offset, where no statement is.
-    fn cut_at(mut self, end: usize) -> Self {
-        if end < self.size() {
-            let bytes = &self.source.bytes()[..end];
-            self.line_ends = line_ends(bytes);
-            self.source = Source::new(self.source.name(), bytes);
-        }
-        self
+    #[test]
+    fn end_in_the_middle_is_read_with_its_neighbours_only() {
+        let markers: String = (1..5000)
+            .map(|id| format!("MARKER/{id}\n, PART = 1\n"))
+            .collect();
+        let text = format!("t\nPART/1, GROUND\n{markers}END\n");
+        let mut pieces = Pieces::parse(&Source::new("a.adm", text.as_bytes()), Role::Dataset);
+        let counted = |pieces: &Pieces| -> usize {
+            let live = pieces.live().iter();
+            live.map(|piece| piece.statements().len()).sum()
+        };
+        let (all, count) = (pieces.pieces().len(), counted(&pieces));
+        assert_eq!((count, pieces.live().len()), (5001, all));
+        let middle = text.find("MARKER/2500").expect("a marker");
+        let typed = pieces.edit(Span::at(middle), b"END\n");
+        assert!(
+            typed.removed.len() < 5 && typed.added.len() < 8,
+            "{typed:?}"
+        );
+        assert_eq!((counted(&pieces), pieces.has_end()), (2501, true));
+        // A key behind it changes nothing that counts.
+        let behind = pieces.size() - 200;
+        pieces.edit(Span::at(behind), b"PART/2\n");
+        assert_eq!(counted(&pieces), 2501);
+        pieces.edit(Span::new(behind, behind + 7), b"");
+        let deleted = pieces.edit(Span::new(middle, middle + 4), b"");
+        assert!(deleted.removed.len() < 8, "{deleted:?}");
+        assert_eq!(counted(&pieces), count);
+        assert_eq!(pieces.bytes(), text.as_bytes());
     }
 }

@@ -1,6 +1,7 @@
 use super::new_statement::NewStatement;
 use super::{Dataset, Statement};
 use crate::grammar::{STATEMENTS, ValueKind};
+use crate::text::Span;
 
 /// How a file writes its statements: what new ones and new arguments look like.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -10,6 +11,8 @@ pub(super) struct Style {
     layout: Layout,
     /// ` = ` or `=`.
     spaced: bool,
+    /// The first argument of a statement without id stands behind the slash: `UNITS/FORCE = NEWTON`. ADAMS/View puts it on the next line.
+    pub behind_slash: bool,
 }
 
 /// Where the arguments of a statement stand.
@@ -44,6 +47,7 @@ impl Style {
             line_end: line_end(dataset.bytes()),
             layout: layouts[most],
             spaced: spaced >= 0,
+            behind_slash: layouts[most] == Layout::OneLine || most_stand_behind_slash(dataset),
         }
     }
 
@@ -67,6 +71,7 @@ impl Style {
             line_end: line_end(dataset.bytes()),
             layout,
             spaced,
+            behind_slash: is_behind_slash(dataset, statement).unwrap_or(layout == Layout::OneLine),
         }
     }
 
@@ -115,6 +120,22 @@ impl Style {
         text.push_str(end);
         text
     }
+}
+
+/// True if more statements without id begin their arguments behind the slash than on the next line.
+fn most_stand_behind_slash(dataset: &Dataset) -> bool {
+    let all = dataset.statements().iter();
+    let told = all.filter_map(|statement| is_behind_slash(dataset, statement));
+    told.fold(0isize, |sum, behind| sum + if behind { 1 } else { -1 }) > 0
+}
+
+/// Whether the first argument of a statement without id is on the line of the keyword; `None` if it tells nothing.
+fn is_behind_slash(dataset: &Dataset, statement: &Statement) -> Option<bool> {
+    let first = statement.arguments.first()?;
+    statement.def.filter(|_| statement.id.is_none())?;
+    let between = Span::new(statement.keyword.end(), first.name.start());
+    let text = dataset.source().slice(between);
+    Some(memchr::memchr2(b'\n', b'\r', text).is_none())
 }
 
 fn is_function(kind: &str, argument: &str) -> bool {

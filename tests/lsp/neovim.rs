@@ -1,10 +1,18 @@
 //! A real editor: Neovim without a window, with its built-in client. Skipped where Neovim is not installed.
 
+use std::path::Path;
 use std::process::Command;
 
 use serde_json::Value;
 
 const DECK: &str = "t\nPART/1, GROUND\nMARKER/1, PART=1\nPART/2, MASS=1,CM=20\nMARKER/20,PART=2\nJOINT/1, SPHERICAL, J=1, I=20\nEND\n";
+
+/// The settings for Neovim as the guide has them.
+fn of_the_guide() -> &'static str {
+    let page = include_str!("../../src/guide/editors.md");
+    let (_, rest) = page.split_once("```lua\n").expect("settings");
+    rest.split_once("```").expect("their end").0
+}
 
 #[test]
 fn neovim_shows_complaints_and_applies_edits() {
@@ -15,8 +23,20 @@ fn neovim_shows_complaints_and_applies_edits() {
     let folder = tempfile::tempdir().expect("a folder");
     let deck = folder.path().join("deck.adm");
     std::fs::write(&deck, DECK).expect("writable");
+    std::fs::write(
+        folder.path().join("run.ACF"),
+        "deck\nrun\nSIMULATE/STATICS\nSTOP\n",
+    )
+    .expect("writable");
+    let settings = folder.path().join("init.lua");
+    std::fs::write(&settings, of_the_guide()).expect("writable");
+    let own = std::env::var_os("PATH").unwrap_or_default();
+    let built = Path::new(env!("CARGO_BIN_EXE_admire")).parent();
+    let folders = built.map(Path::to_path_buf).into_iter();
+    let path = std::env::join_paths(folders.chain(std::env::split_paths(&own))).expect("folders");
     let out = Command::new("nvim")
-        .args(["--headless", "-u", "NONE", "-i", "NONE", "-n"])
+        .args(["--headless", "-i", "NONE", "-n", "-u"])
+        .arg(&settings)
         .args([
             "-c",
             concat!(
@@ -25,7 +45,7 @@ fn neovim_shows_complaints_and_applies_edits() {
                 "/tests/lsp/neovim.lua"
             ),
         ])
-        .env("ADMIRE", env!("CARGO_BIN_EXE_admire"))
+        .env("PATH", path)
         .env("DECK", &deck)
         .env("XDG_STATE_HOME", folder.path())
         .env("XDG_CACHE_HOME", folder.path())
@@ -39,6 +59,7 @@ fn neovim_shows_complaints_and_applies_edits() {
     for what in ["started", "complained", "mended", "stopped"] {
         assert_eq!(seen[what], true, "{what}: {seen:#}");
     }
+    assert_eq!(seen["attached"], true, "{seen:#}");
     assert_eq!(seen["codes"], serde_json::json!(["undefined-id"]));
     assert_eq!(seen["place"], serde_json::json!([5, 27]));
     assert!(

@@ -125,7 +125,7 @@ libraries() {
 }
 
 unit() {
-    "${tests[@]}" --lib -- text:: backend:: session:: cli:: || failed "unit tests"
+    "${tests[@]}" --lib -- text:: backend:: session:: cli:: front:: || failed "unit tests"
 }
 
 dropin() {
@@ -261,27 +261,32 @@ toolkit() {
     echo "$(find "$work/windows/decks" -name '*.new' | wc -l) decks rewritten"
 }
 
-# Ctrl-C asks to stop, a second one gives up at once, and the external program ends too. Ctrl-Break takes the same way (SetConsoleCtrlHandler),
-# but Wine 8 has no key for it.
+# Ctrl-C and Ctrl-Break ask to stop, a second one gives up at once, and the external program ends too.
 interrupt() {
     cp -r corpus/pseudo-mcpherson "$work/windows/slow"
     printf '\n[solver]\nbackend = "command"\ncommand = ["slow.bat", "{acf}"]\ntimeout_s = 600\n' >>"$work/windows/slow/study.toml"
     printf '@echo off\r\n:again\r\necho x>>"%s"\r\ngoto again\r\n' "$(windows "$work/beat")" >"$work/bin/slow.bat"
-    # Only a terminal is a console.
-    (sleep 12; printf '\003'; sleep 3; printf '\003'; sleep 6) | (
-        cd "$work/windows" && WINEPATH=$(windows "$work/bin") timeout 60 script -qec \
-            "wine '$exe/admire.exe' identify slow --out never -q; echo exit code \$?" /dev/null
+    x86_64-w64-mingw32-gcc -municode -O1 -o "$work/ctrl_break.exe" tests/windows/ctrl_break.c
+    # Only a terminal is a console. Of its keys only Ctrl-C is known to Wine; the other one is given by a program.
+    interrupted Ctrl-C "wine '$exe/admire.exe' identify slow --out never -q" '\003'
+    interrupted Ctrl-Break "wine '$work/ctrl_break.exe' 12 3 '$exe/admire.exe' identify slow --out never -q" ''
+    echo "interrupt: done"
+}
+
+interrupted() {
+    local what=$1 line=$2 key=$3 size
+    rm -f "$work/beat"
+    (sleep 12; printf "$key"; sleep 3; printf "$key"; sleep 6) | (
+        cd "$work/windows" && WINEPATH=$(windows "$work/bin") timeout 60 script -qec "$line; echo exit code \$?" /dev/null
     ) >"$work/said" 2>&1 || true
-    grep -aq 'stopping after this step' "$work/said" || failed "Ctrl-C is not answered"
-    grep -aq 'exit code 130' "$work/said" || failed "a second Ctrl-C does not give up: $(tail -1 "$work/said")"
+    grep -aq 'stopping after this step' "$work/said" || failed "$what is not answered"
+    grep -aq 'exit code 130' "$work/said" || failed "a second $what does not give up: $(tail -1 "$work/said")"
     [ -s "$work/beat" ] || failed "the external program was not started"
     sleep 2
-    local size
     size=$(stat -c %s "$work/beat")
     sleep 2
-    [ "$size" = "$(stat -c %s "$work/beat")" ] || failed "the external program goes on"
+    [ "$size" = "$(stat -c %s "$work/beat")" ] || failed "the external program goes on after $what"
     [ ! -e "$work/windows/never" ] || failed "outputs of a run that was given up"
-    echo "interrupt: done"
 }
 
 text() {
