@@ -8,14 +8,14 @@ use super::diagnosis::{
     BaselineFit, Diagnosis, Evidence, Finding, Gain, Indistinguishable, NoiseFound, ToleranceFound,
     Unexplained, Verdict,
 };
-use super::fit::{Fitted, Plain};
+use super::fit::{Fitted, Plain, refit};
 use super::folds::{Blind, HeldOutTest, moved};
 use super::gain_check::GainCheck;
 use super::hypothesis::Hypothesis;
 use super::limits::detection_limits;
 use super::next_measurement::next_measurement;
 use super::progress::Progress;
-use super::remainder::remainder;
+use super::remainder::{predicted, remainder};
 use super::search::{Found, Visited};
 use super::sought::{NAMED, Sought, of_place, probability, seek};
 use super::stiffness::{CorrectedStiffness, corrected};
@@ -145,6 +145,13 @@ pub fn diagnose_watched<'a>(
             .filter(|_| check == GainCheck::Folds)
             .and_then(|folds| folds.search(&unfitted, progress));
         cross_validation = searched.or_else(|| folds.as_ref()?.validate(&none, &found.models));
+    }
+    if let Some(remainder) = &mut unexplained.remainder
+        && subject.holds_out()
+    {
+        let own = unseen.as_ref().and_then(Unseen::own_choice).cloned();
+        let blind = own.or_else(|| refit(&subject, &leading, Data::Fitted).map(Arc::new));
+        remainder.held_out = blind.and_then(|blind| predicted(&subject, &blind));
     }
     let cut_short = found.cut_short || unseen.as_ref().is_some_and(Unseen::is_cut_short);
     let mut listed = faults_of_marks(&subject);

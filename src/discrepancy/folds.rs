@@ -118,6 +118,15 @@ pub fn unseen(subject: &Subject<'_>) -> Vec<usize> {
         .collect()
 }
 
+/// Those of them that are compared: coordinates of marks, where the study has marks, else all readings; outliers left out.
+pub fn compared(subject: &Subject<'_>) -> Vec<usize> {
+    let is_compared = |k: &usize| {
+        let of_a_mark = matches!(subject.rows[*k], Row::Mark { .. });
+        subject.precision[*k] > 0.0 && (of_a_mark || !subject.compares_marks())
+    };
+    unseen(subject).into_iter().filter(is_compared).collect()
+}
+
 /// By how much two models differ in their readings: rms of marks and channels in units of their noise, and of wheel angles in degrees.
 pub fn moved(subject: &Subject<'_>, a: &DVector<f64>, b: &DVector<f64>) -> (f64, f64) {
     let (mut marks, mut angles) = ((0.0, 0), (0.0, 0));

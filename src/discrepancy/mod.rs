@@ -3,7 +3,7 @@
 //! Knows no files: a study's problem comes in, a diagnosis and the fits behind it go out. The laws by which effects are planted on
 //! the virtual rig are not known here.
 //!
-//! One direction: `subject` (what was read, and its tolerances) and `hypothesis` (data) <- `unknowns` <- `fit` <- `survey` <- `causes`,
+//! One direction: `subject` (what was read, and its tolerances) and `hypothesis` (data) <- `unknowns` <- `settle` <- `fit` <- `survey` <- `causes`,
 //! `columns` <- `scan` <- `search` <- `sought` <- `folds` <- `unseen` <- `cross_validation`, `structure`, `remainder`, `averaged` <- `diagnose`, and what shows its outcome.
 
 mod averaged;
@@ -29,6 +29,7 @@ mod progress;
 mod remainder;
 mod scan;
 mod search;
+mod settle;
 mod solver_difference;
 mod sought;
 mod stiffness;
@@ -54,7 +55,7 @@ pub use folds::{Blind, HeldOutTest};
 pub use gain_check::GainCheck;
 pub use hypothesis::Hypothesis;
 pub use progress::Progress;
-pub use remainder::{Over, Remainder, RemainderPoint};
+pub use remainder::{Over, Predicted, Remainder, RemainderPoint};
 pub use solver_difference::SolverDifference;
 pub use stiffness::CorrectedStiffness;
 pub use structure::StructureTest;

@@ -3,18 +3,20 @@
 //! At each place a force that differs from case to case is added to the linear model of the fit: a Gaussian process over the place's own
 //! deflection, over a load, or over the order of the cases, with a squared exponential covariance. Over its own deflection the constant
 //! and the straight line are taken off: they are the preload and the stiffness. The place, coordinate, length and size of greatest
-//! evidence are shown. Source: Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), chapters 2 and 5.
+//! evidence are shown. Fitted without the cases held out it predicts them, with the band of the process. Source: Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), chapters 2 and 5.
 
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 use serde::Serialize;
 
 use super::cause::Cause;
 use super::fit::Fitted;
+use super::folds::{compared, unseen};
 use super::hypothesis::{Column, Hypothesis, Number, component};
-use super::subject::Subject;
+use super::subject::{Data, Subject};
 use super::survey::Survey;
 use crate::mechanics::Vec6;
 use crate::model::{JointKind, MarkerIx};
+use crate::rig::orientation::chi_square_p_value;
 
 /// Lengths of the covariance as parts of the range of the coordinate.
 const LENGTHS: [f64; 3] = [0.15, 0.4, 1.0];
@@ -68,6 +70,25 @@ pub struct Remainder {
     pub next: Option<(String, f64)>,
     /// One for each case, in the order of the coordinate.
     pub points: Vec<RemainderPoint>,
+    /// What such a force says of the cases held out; `None` where there are none, or the others speak for no force.
+    pub held_out: Option<Predicted>,
+}
+
+/// Cases that neither the model nor the force has seen.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Predicted {
+    /// Where the force is by the other cases alone.
+    pub address: String,
+    /// Rms of what is compared (as in `hold_out`) without the force, and with it.
+    pub rms_before: f64,
+    /// With it.
+    pub rms_after: f64,
+    /// Part of the readings, turned to independent ones, within their 95 percent bands.
+    pub within95: f64,
+    /// How many there are.
+    pub readings: usize,
+    /// Whether all agree with the prediction and its covariance.
+    pub p_value: f64,
 }
 
 /// A component of an element at which a force may be missing.
@@ -89,30 +110,121 @@ struct Process {
     /// What of chi-square it takes up.
     taken: f64,
     mean: DVector<f64>,
-    sd: DVector<f64>,
+    covariance: DMatrix<f64>,
+}
+
+/// The place, coordinate and law that do best.
+struct Best {
+    address: String,
+    process: Process,
+    next: Option<(String, f64)>,
+    /// How a force in each single case moves all rows, with what the unknowns of the fit then take up.
+    response: DMatrix<f64>,
 }
 
 /// The place, coordinate and law that the residuals of a fit speak for most; `None` where none stands out.
 pub fn remainder(subject: &Subject<'_>, fitted: &Fitted) -> Option<Remainder> {
+    let Best {
+        address,
+        process,
+        next,
+        ..
+    } = most_spoken_for(subject, fitted)?;
+    let cases = &subject.problem.programme.cases;
+    let mut points: Vec<RemainderPoint> = (0..cases.len())
+        .map(|k| RemainderPoint {
+            case: cases[k].label.clone(),
+            coordinate: process.coordinate[k],
+            force: process.mean[k],
+            std_error: process.covariance[(k, k)].max(0.0).sqrt(),
+        })
+        .collect();
+    points.sort_by(|a, b| a.coordinate.total_cmp(&b.coordinate));
+    let posterior = &fitted.posterior;
+    let excess = posterior.chi_square - (posterior.count - posterior.effective);
+    Some(Remainder {
+        address,
+        over: process.over,
+        load: process.load,
+        share: (process.taken / excess.max(process.taken)).clamp(0.0, 1.0),
+        nats: process.nats,
+        next,
+        points,
+        held_out: None,
+    })
+}
+
+/// Predicts the cases held out by a fit that has not seen them and the extra force that its own residuals speak for. With `f` and `V`
+/// mean and covariance of the force, `R` the response of the rows and `C` the covariance of the unknowns, the rows are off by
+/// `R f` with `J C J' + R V R'` and their noise. `None` where nothing is held out, or no place stands out.
+pub fn predicted(subject: &Subject<'_>, fitted: &Fitted) -> Option<Predicted> {
+    let found = most_spoken_for(subject, fitted)?;
+    let before = &fitted.misfit + &fitted.jacobian * &fitted.posterior.step;
+    let after = &before + &found.response * &found.process.mean;
+    let rows = compared(subject);
+    let (_, unit) = subject.compared();
+    let rms = |misfit: &DVector<f64>| {
+        let squares: f64 = rows.iter().map(|k| (misfit[*k] * unit).powi(2)).sum();
+        (squares / rows.len() as f64).sqrt()
+    };
+    let whitening = subject.whitening(Data::All);
+    let weights = whitening.weights(&fitted.sizes.ln);
+    let held_out = unseen(subject);
+    let turned: Vec<usize> = (0..subject.rows.len())
+        .filter(|k| weights[*k] > 0.0 && held_out.binary_search(k).is_ok())
+        .collect();
+    if rows.is_empty() || turned.is_empty() {
+        return None;
+    }
+    let weighed = |columns: &DMatrix<f64>| {
+        let mut out = whitening.apply(columns);
+        for (mut row, weight) in out.row_iter_mut().zip(weights.iter()) {
+            row *= *weight;
+        }
+        out.select_rows(&turned)
+    };
+    let (J, R) = (weighed(&fitted.jacobian), weighed(&found.response));
+    let r = whitening.apply_vector(&after).component_mul(&weights);
+    let r = r.select_rows(&turned);
+    let n = turned.len();
+    let S = &J * &fitted.posterior.covariance * J.transpose()
+        + &R * &found.process.covariance * R.transpose()
+        + DMatrix::identity(n, n);
+    let within = (0..n).filter(|k| r[*k].abs() < 1.96 * S[(*k, *k)].sqrt());
+    let within95 = within.count() as f64 / n as f64;
+    let chi_square = r.dot(&Cholesky::new(S)?.solve(&r));
+    Some(Predicted {
+        address: found.address,
+        rms_before: rms(&before),
+        rms_after: rms(&after),
+        within95,
+        readings: n,
+        p_value: chi_square_p_value(chi_square, n),
+    })
+}
+
+fn most_spoken_for(subject: &Subject<'_>, fitted: &Fitted) -> Option<Best> {
     let survey = Survey::new(subject, fitted);
     let places = places(&survey);
     let weights = fitted.whitening.weights(&fitted.sizes.ln);
     let (residual, jacobian) = fitted.whitened();
-    let mut tried = 0;
+    let (mut tried, mut responses) = (0, Vec::new());
     let mut found: Vec<(usize, Process)> = Vec::new();
     for (at, place) in places.iter().enumerate() {
-        let mut effect = fitted.whitening.apply(&effect(&survey, place));
+        let plain = effect(&survey, place);
+        let mut effect = fitted.whitening.apply(&plain);
         for (mut row, weight) in effect.row_iter_mut().zip(weights.iter()) {
             row *= *weight;
         }
         let cross = jacobian.tr_mul(&effect);
-        let information =
-            effect.tr_mul(&effect) - cross.tr_mul(&(&fitted.posterior.covariance * &cross));
+        let taken_up = &fitted.posterior.covariance * &cross;
+        let information = effect.tr_mul(&effect) - cross.tr_mul(&taken_up);
         let gradient = effect.tr_mul(&residual);
+        responses.push((plain, taken_up));
         for (over, load, coordinate) in coordinates(subject, place) {
             tried += 1;
             let process = best(&coordinate, over, (&information, &gradient), place.force);
-            let Some((nats, taken, mean, sd)) = process else {
+            let Some((nats, taken, mean, covariance)) = process else {
                 continue;
             };
             found.push((
@@ -124,17 +236,18 @@ pub fn remainder(subject: &Subject<'_>, fitted: &Fitted) -> Option<Remainder> {
                     nats,
                     taken,
                     mean,
-                    sd,
+                    covariance,
                 },
             ));
         }
     }
     found.sort_by(|a, b| b.1.nats.total_cmp(&a.1.nats));
-    let (at, process) = found.first()?;
-    if process.nats < STANDS_OUT + f64::from(tried).ln() {
+    if found.first()?.1.nats < STANDS_OUT + f64::from(tried).ln() {
         return None;
     }
-    let address = places[*at].address.clone();
+    let (at, process) = found.swap_remove(0);
+    let address = places[at].address.clone();
+    found.sort_by(|a, b| b.1.nats.total_cmp(&a.1.nats));
     let next = found
         .iter()
         .find(|(other, _)| places[*other].address != address)
@@ -142,26 +255,12 @@ pub fn remainder(subject: &Subject<'_>, fitted: &Fitted) -> Option<Remainder> {
             let nats = process.nats - behind.nats;
             (places[*other].address.clone(), nats)
         });
-    let cases = &subject.problem.programme.cases;
-    let mut points: Vec<RemainderPoint> = (0..cases.len())
-        .map(|k| RemainderPoint {
-            case: cases[k].label.clone(),
-            coordinate: process.coordinate[k],
-            force: process.mean[k],
-            std_error: process.sd[k],
-        })
-        .collect();
-    points.sort_by(|a, b| a.coordinate.total_cmp(&b.coordinate));
-    let posterior = &fitted.posterior;
-    let excess = posterior.chi_square - (posterior.count - posterior.effective);
-    Some(Remainder {
+    let (plain, taken_up) = &responses[at];
+    Some(Best {
+        response: plain - &fitted.jacobian * taken_up,
         address,
-        over: process.over,
-        load: process.load.clone(),
-        share: (process.taken / excess.max(process.taken)).clamp(0.0, 1.0),
-        nats: process.nats,
+        process,
         next,
-        points,
     })
 }
 
@@ -264,14 +363,14 @@ fn effect(survey: &Survey<'_>, place: &Place) -> DMatrix<f64> {
     survey.columns(&[all])
 }
 
-/// Evidence gained, chi-square taken up, mean and standard deviation of the force in each case, at the length and size that do best.
+/// Evidence gained, chi-square taken up, mean and covariance of the force in all cases, at the length and size that do best.
 /// `information` and `gradient` are those of a force in each case, all other unknowns of the fit eliminated.
 fn best(
     coordinate: &[f64],
     over: Over,
     (information, gradient): (&DMatrix<f64>, &DVector<f64>),
     force: f64,
-) -> Option<(f64, f64, DVector<f64>, DVector<f64>)> {
+) -> Option<(f64, f64, DVector<f64>, DMatrix<f64>)> {
     let n = coordinate.len();
     let low = coordinate.iter().copied().fold(f64::INFINITY, f64::min);
     let high = coordinate.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -279,7 +378,7 @@ fn best(
     if !(range > 0.0) {
         return None;
     }
-    let mut out: Option<(f64, f64, DVector<f64>, DVector<f64>)> = None;
+    let mut out: Option<(f64, f64, DVector<f64>, DMatrix<f64>)> = None;
     for length in LENGTHS {
         let mut K = DMatrix::from_fn(n, n, |a, b| {
             let apart = (coordinate[a] - coordinate[b]) / (length * range);
@@ -312,8 +411,7 @@ fn best(
             if nats.is_finite() && out.as_ref().is_none_or(|(most, ..)| nats > *most) {
                 let taken = 2.0 * s * g.dot(&z) - s * s * z.dot(&(&M * &z));
                 let spread = &root * factor.inverse() * root.transpose() * (s * s);
-                let sd = spread.diagonal().map(|v| v.max(0.0).sqrt());
-                out = Some((nats, taken, &root * z * s, sd));
+                out = Some((nats, taken, &root * z * s, spread));
             }
         }
     }
@@ -347,12 +445,15 @@ mod tests {
         let information = DMatrix::identity(n as usize, n as usize);
         // Reading equals force here: the gradient is the reading itself.
         let found = best(&u, Over::Deflection, (&information, &wave), 100.0);
-        let (nats, taken, mean, sd) = found.unwrap();
+        let (nats, taken, mean, covariance) = found.unwrap();
         assert!(nats > 100.0, "{nats}");
         assert!(taken > 0.0);
         let beyond = beyond_a_line(&u, (0.0, 2.9)) * &wave;
         for k in 0..n as usize {
-            assert!((mean[k] - beyond[k]).abs() < 4.0 * sd[k], "{k}");
+            assert!(
+                (mean[k] - beyond[k]).abs() < 4.0 * covariance[(k, k)].sqrt(),
+                "{k}"
+            );
         }
         let line = DVector::from_fn(n as usize, |k, _| 7.0 + 20.0 * u[k]);
         let found = best(&u, Over::Deflection, (&information, &line), 100.0);

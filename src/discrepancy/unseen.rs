@@ -6,13 +6,12 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use super::fit::Fitted;
-use super::folds::{Blind, HeldOutTest, unseen};
+use super::folds::{Blind, HeldOutTest, compared};
 use super::jackknife::{Squares, fall};
 use super::progress::Progress;
 use super::sought::seek;
 use super::subject::{Data, Subject};
 use crate::backend::BackendError;
-use crate::identify::global::Row;
 
 /// What models say of the cases held out that were fitted without them.
 #[derive(Clone, Debug)]
@@ -112,6 +111,11 @@ impl Unseen {
         Ok(found.unwrap_or_else(|| self.clone()))
     }
 
+    /// The model that was chosen and fitted without these cases; `None` if it was only refitted.
+    pub fn own_choice(&self) -> Option<&Arc<Fitted>> {
+        self.searched.then_some(&self.chosen)
+    }
+
     /// True if the search was asked to end before it did.
     pub fn is_cut_short(&self) -> bool {
         self.cut_short
@@ -122,14 +126,8 @@ impl Unseen {
         let (of, unit) = subject.compared();
         let [before, after] = &self.predicted;
         let mut by_case: BTreeMap<usize, Squares> = BTreeMap::new();
-        for k in unseen(subject) {
-            let row = subject.rows[k];
-            if subject.precision[k] == 0.0
-                || subject.compares_marks() && !matches!(row, Row::Mark { .. })
-            {
-                continue;
-            }
-            let sums = by_case.entry(row.case()).or_default();
+        for k in compared(subject) {
+            let sums = by_case.entry(subject.rows[k].case()).or_default();
             sums.before += (before.misfit[k] * unit).powi(2);
             sums.after += (after.misfit[k] * unit).powi(2);
             sums.count += 1.0;

@@ -372,8 +372,22 @@ impl Outcome<'_> {
             }
             _ => String::new(),
         };
+        let predicts = found.held_out.as_ref().map_or_else(String::new, |held_out| {
+            let place = if held_out.address == found.address {
+                String::new()
+            } else {
+                format!(" (then at {})", held_out.address)
+            };
+            format!(
+                " Found without the cases held out{place}, it predicts them to {:.4} ({:.4} without it); {:.0} percent of their readings lie within \
+                 their 95 percent bands.",
+                held_out.rms_after,
+                held_out.rms_before,
+                100.0 * held_out.within95
+            )
+        });
         Some(format!(
-            "What remains is most like an extra force at {} that varies smoothly as {over}, from {} to {}: it takes up {:.0} percent of it{rival}.",
+            "What remains is most like an extra force at {} that varies smoothly as {over}, from {} to {}: it takes up {:.0} percent of it{rival}.{predicts}",
             found.address,
             at(least),
             at(most),

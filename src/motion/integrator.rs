@@ -3,14 +3,16 @@ use super::coupled::Coupled;
 use super::error::{MotionError, Reason};
 use super::newton::{Equations, Stages, Unknowns};
 use super::settings::{INSIDE, Settings};
+use super::sizes::Sizes;
 use super::tableau::{A, C, E, lagrange};
-use crate::mechanics::Vec3;
-use crate::system::{Parameters, Rates, State, System};
+use crate::system::{Parameters, State, System};
 
 /// The iteration ends when what is left is this share of the tolerance.
 const KAPPA: f64 = 3e-3;
 /// Factors stay while the iteration falls by this.
 const FAST: f64 = 0.1;
+/// Derivatives of all stages stay while the iteration falls by this.
+const SLUGGISH: f64 = 0.3;
 /// Steps that differ by less are the same.
 const SAME: f64 = 1e-9;
 /// A step that could grow by no more than this stays, and its factors with it.
@@ -35,17 +37,6 @@ pub struct Statistics {
     pub jacobians: usize,
     /// Pairs of factorisations.
     pub factorisations: usize,
-}
-
-/// The largest values so far that errors are relative to.
-#[derive(Clone, Copy, Debug)]
-struct Sizes {
-    position: f64,
-    velocity: f64,
-    spin: f64,
-    state: f64,
-    variable: f64,
-    multiplier: f64,
 }
 
 /// A motion on its way through time.
@@ -97,14 +88,7 @@ impl<'a> Integrator<'a> {
             consistent: Consistent::new(system),
             unknowns: Unknowns::new(system),
             polynomial: Unknowns::new(system),
-            sizes: Sizes {
-                position: 1.0,
-                velocity: 1.0,
-                spin: 1.0,
-                state: 1.0,
-                variable: 1.0,
-                multiplier: system.reference_mass * system.length,
-            },
+            sizes: Sizes::new(system),
             h: settings.hinit.min(settings.hmax),
             last: None,
             origin: State::empty(),
@@ -119,7 +103,7 @@ impl<'a> Integrator<'a> {
         };
         let scratch = &mut new.equations.scratch;
         system.grip_on(parameters, &mut new.state, scratch);
-        new.grow_sizes();
+        new.sizes.grow(&new.state);
         // A step in which the accelerations alone move things by the tolerance.
         let mut most = 0.0_f64;
         for a in &new.state.accelerations {
@@ -379,6 +363,8 @@ impl<'a> Integrator<'a> {
     /// Newton's iteration, simplified or with derivatives of all stages; gives how many iterations it took.
     fn solve(&mut self, h: f64, coupled: bool) -> Result<usize, NotSettled> {
         let mut before = 0.0;
+        // Whether the derivatives of all stages are to be made anew, and whether they were for the last iteration.
+        let (mut renew, mut renewed) = (coupled, false);
         let limit = KAPPA * self.settings.corrector * (1.0 + self.settings.adaptivity / h);
         for iteration in 1..=self.settings.maxit {
             let (equations, unknowns) = (&mut self.equations, &mut self.unknowns);
@@ -386,7 +372,15 @@ impl<'a> Integrator<'a> {
             let done = if coupled {
                 let coupled = &mut self.coupled;
                 let coupled = coupled.get_or_insert_with(|| Box::new(Coupled::new(system)));
-                coupled.iterate(equations, system, parameters, start, h, unknowns)
+                let (model, step) = ((system, parameters), (start, h));
+                let factored = if renew {
+                    coupled.factor(equations, model, step, unknowns)
+                } else {
+                    Ok(())
+                };
+                renewed = renew;
+                renew = false;
+                factored.and_then(|()| coupled.iterate(equations, model, step, unknowns))
             } else {
                 equations.iterate(system, parameters, start, h, unknowns)
             };
@@ -406,6 +400,11 @@ impl<'a> Integrator<'a> {
             }
             if iteration > 1 {
                 let theta: f64 = size / before;
+                renew = coupled && theta > SLUGGISH;
+                if renew && !renewed {
+                    before = size;
+                    continue;
+                }
                 if theta >= 0.99 && size > 10.0 * floor {
                     return Err(NotSettled(format!("the iteration does not settle {at}")));
                 }
@@ -445,45 +444,10 @@ impl<'a> Integrator<'a> {
         format!("{of}{}", self.system.freedom_name(at))
     }
 
-    /// The largest component of a change in tolerances, its place, and whether it is one of the velocities.
     fn measured(&self, z: &[f64], w: &[f64], variables: bool) -> (f64, usize, bool) {
-        let system = self.system;
         let tolerance = self.tolerance();
-        let sizes = &self.sizes;
-        let mut worst = (0.0, 0, false);
-        let mut look = |value: f64, at: usize, velocity: bool| {
-            let value = value.abs();
-            if !(value <= worst.0) {
-                worst = (value, at, velocity);
-            }
-        };
-        for body in &system.bodies {
-            for k in 0..body.freedoms {
-                let at = body.first + k;
-                if k < 3 {
-                    look(z[at] / (tolerance * sizes.position), at, false);
-                    look(w[at] / (tolerance * sizes.velocity), at, true);
-                } else {
-                    look(z[at] / tolerance, at, false);
-                    look(w[at] / (tolerance * sizes.spin), at, true);
-                }
-            }
-        }
-        for equation in &system.states {
-            let at = equation.moving_unknown;
-            look(z[at] / (tolerance * sizes.state), at, false);
-        }
-        if variables {
-            for k in 0..system.variables.len() {
-                let at = system.first_variable + k;
-                look(z[at] / (tolerance * sizes.variable), at, false);
-            }
-            // Multipliers are extrapolated: an iteration that left them alone would let their errors grow from step to step.
-            for at in system.first_equation..system.first_variable {
-                look(z[at] / (tolerance.sqrt() * sizes.multiplier), at, false);
-            }
-        }
-        worst
+        self.sizes
+            .measured(self.system, tolerance, (z, w), variables)
     }
 
     /// The estimated error of the step in tolerances.
@@ -569,29 +533,8 @@ impl<'a> Integrator<'a> {
         std::mem::swap(&mut self.unknowns, &mut self.polynomial);
         self.last = Some(h);
         self.statistics.steps += 1;
-        self.grow_sizes();
+        self.sizes.grow(&self.state);
         Ok(())
-    }
-
-    fn grow_sizes(&mut self) {
-        let sizes = &mut self.sizes;
-        let largest = |v: &Vec3| v.amax();
-        for pose in &self.state.poses {
-            sizes.position = sizes.position.max(largest(&pose.p));
-        }
-        for Rates { linear, angular } in &self.state.velocities {
-            sizes.velocity = sizes.velocity.max(largest(linear));
-            sizes.spin = sizes.spin.max(largest(angular));
-        }
-        for state in &self.state.states {
-            sizes.state = sizes.state.max(state.abs());
-        }
-        for multiplier in &self.state.multipliers {
-            sizes.multiplier = sizes.multiplier.max(multiplier.abs());
-        }
-        for variable in &self.state.variables {
-            sizes.variable = sizes.variable.max(variable.abs());
-        }
     }
 }
 

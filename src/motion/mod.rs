@@ -16,6 +16,7 @@ mod linearised;
 mod modes;
 mod newton;
 mod settings;
+mod sizes;
 mod state_matrices;
 mod tableau;
 #[cfg(test)]

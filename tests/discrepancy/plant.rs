@@ -67,6 +67,19 @@ impl Plant {
     }
 }
 
+/// A GFORCE along one axis of J, with its floating marker.
+pub fn gforce(part_of_j: u32, (i, j): (u32, u32), axis: usize, law: &str) -> String {
+    let mut text = format!(
+        "MARKER/990, PART = {part_of_j}, FLOATING\nGFORCE/990\n, I = {i}\n, JFLOAT = 990\n, RM = {j}\n"
+    );
+    for (k, word) in ["FX", "FY", "FZ", "TX", "TY", "TZ"].into_iter().enumerate() {
+        let law = if k == axis { law } else { "0.0" };
+        let end = if k < 5 { "\\" } else { "" };
+        text += &format!(", {word} = {law}{end}\n");
+    }
+    text
+}
+
 /// A study folder that tells nothing of what was planted.
 pub fn study(
     name: &str,

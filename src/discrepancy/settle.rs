@@ -1,0 +1,345 @@
+//! Gauss and Newton's iteration of a fit, with the sizes of tolerances by their evidence.
+
+use nalgebra::DMatrix;
+use nalgebra::DVector;
+
+use super::unknowns::Unknowns;
+use crate::identify::global::gauss_newton::{Ending, LeastSquares, Tolerances, minimise};
+use crate::identify::global::{Evaluation, NativePredictor, Observations, Predictor};
+use crate::tolerance::{Linear, Posterior, Sizes, Whitening};
+
+/// The longest step of the logarithm of a stiffness, at first and later.
+const REACH: [f64; 2] = [0.8, 1.2];
+/// A step that promises less than so many nats was the last one.
+const ENOUGH: f64 = 0.05;
+/// Sizes of tolerances are held for so many steps of a fit that starts from another, unless a step promises less than so many nats.
+const HELD: usize = 5;
+pub const NEAR: f64 = 30.0;
+/// A step that lowers the objective by less than this is a small one; after so many in a row a fit ends.
+const LITTLE: f64 = 0.2;
+const SLOW: usize = 3;
+/// Steps that led uphill are damped so often: at first by so much, then by so many times more; what led down is damped less by so
+/// many times, and below a limit no more.
+const TRIALS: usize = 8;
+const FIRST: f64 = 0.3;
+const HARDER: f64 = 6.0;
+const EASE: f64 = 6.0;
+const EASED: f64 = 0.3;
+/// Derivatives by small errors stay as they are while a step lowers the objective by this part of what was promised.
+const FAITHFUL: f64 = 0.5;
+
+/// Residuals and derivatives at some values of the unknowns.
+pub struct Point {
+    /// The unknowns.
+    pub x: Vec<f64>,
+    /// Residuals and their derivatives.
+    pub evaluation: Evaluation,
+    /// The Jacobian of turned rows.
+    pub turned: DMatrix<f64>,
+    /// The linear model.
+    pub linear: Linear,
+    /// False where derivatives by small errors are those of a point nearby.
+    is_exact: bool,
+}
+
+/// The end of a fit.
+pub struct Settled {
+    /// Where.
+    pub point: Point,
+    /// Sizes of tolerances.
+    pub sizes: Sizes,
+    /// What the readings say there.
+    pub posterior: Posterior,
+}
+
+/// Residuals as a function of the unknowns.
+pub struct Sweep<'a> {
+    /// What is sought.
+    pub unknowns: &'a Unknowns,
+    /// What was read.
+    pub observations: Observations<'a>,
+    /// What solves.
+    pub predictor: NativePredictor<'a>,
+    /// What makes rows independent.
+    pub whitening: &'a Whitening,
+    /// How many unknowns are stiffnesses; they come first.
+    pub stiffnesses: usize,
+    /// Unknowns of the deck that are no small errors, in ascending order.
+    pub of_the_model: Vec<usize>,
+}
+
+impl Sweep<'_> {
+    /// Everything at `x`.
+    pub fn at(&mut self, x: Vec<f64>) -> Option<Point> {
+        let all: Vec<usize> = (0..self.unknowns.list.len()).collect();
+        let evaluation = self.evaluate(&x, &all)?;
+        let turned = self.whitening.apply(&evaluation.jacobian);
+        let linear = Linear::new(
+            self.whitening,
+            &turned,
+            &self.whitening.apply_vector(&-&evaluation.residual),
+            self.unknowns.priors.clone(),
+            DVector::from_column_slice(&x),
+        );
+        Some(Point {
+            x,
+            evaluation,
+            turned,
+            linear,
+            is_exact: true,
+        })
+    }
+
+    /// At `x`, with the derivatives by small errors from the Jacobian of another model that has them too, and `theirs` unknowns of its
+    /// deck: they differ little.
+    pub fn beside(
+        &mut self,
+        x: Vec<f64>,
+        (known, theirs): (&DMatrix<f64>, usize),
+    ) -> Option<Point> {
+        let (count, nuisances) = (self.unknowns.list.len(), self.unknowns.layout.sd.len());
+        let mut evaluation = self.evaluate(&x, &self.of_the_model.clone())?;
+        let errors = (0..count).filter(|k| self.of_the_model.binary_search(k).is_err());
+        let from = errors.map(|k| (k, k));
+        let from = from.chain((0..nuisances).map(|k| (count + k, theirs + k)));
+        for (own, other) in from {
+            evaluation.jacobian.set_column(own, &known.column(other));
+        }
+        let turned = self.whitening.apply(&evaluation.jacobian);
+        let linear = Linear::new(
+            self.whitening,
+            &turned,
+            &self.whitening.apply_vector(&-&evaluation.residual),
+            self.unknowns.priors.clone(),
+            DVector::from_column_slice(&x),
+        );
+        Some(Point {
+            x,
+            evaluation,
+            turned,
+            linear,
+            is_exact: false,
+        })
+    }
+
+    /// At `x`, with the derivatives by small errors of a point nearby.
+    fn near(&mut self, x: Vec<f64>, point: &Point) -> Option<Point> {
+        let own = self.of_the_model.clone();
+        let mut evaluation = self.evaluate(&x, &own)?;
+        let changed = self
+            .whitening
+            .apply(&evaluation.jacobian.select_columns(&own));
+        let (mut jacobian, mut turned) = (point.evaluation.jacobian.clone(), point.turned.clone());
+        for (k, at) in own.iter().enumerate() {
+            jacobian.set_column(*at, &evaluation.jacobian.column(*at));
+            turned.set_column(*at, &changed.column(k));
+        }
+        evaluation.jacobian = jacobian;
+        let linear = point.linear.moved(
+            self.whitening,
+            (
+                &turned,
+                &self.whitening.apply_vector(&-&evaluation.residual),
+            ),
+            &own,
+            DVector::from_column_slice(&x),
+        );
+        Some(Point {
+            x,
+            evaluation,
+            turned,
+            linear,
+            is_exact: false,
+        })
+    }
+
+    /// Solves all cases; derivatives by these unknowns of the deck, in ascending order, and by all of the measurement.
+    fn evaluate(&mut self, x: &[f64], columns: &[usize]) -> Option<Evaluation> {
+        let own = &self.unknowns.list;
+        let count = own.len();
+        let numbers = own.numbers(&self.unknowns.deck, &x[..count]);
+        let mut directions = own.directions(&numbers.theta, &x[..count]);
+        let mut at = 0..;
+        directions.retain(|_| at.next().is_some_and(|k| columns.binary_search(&k).is_ok()));
+        let prediction = self.predictor.predict(&numbers, Some(&directions));
+        let inner = count + self.unknowns.layout.sd.len();
+        let mut out =
+            self.observations
+                .evaluate(&prediction, &self.unknowns.layout, &x[..inner], true)?;
+        let rows = &self.unknowns.rows;
+        out.jacobian = out.jacobian.resize_horizontally(inner + rows.len(), 0.0);
+        // Derivatives stand side by side; each goes to its own column, the last one first.
+        for (k, column) in columns.iter().enumerate().rev() {
+            if *column != k {
+                out.jacobian.swap_columns(k, *column);
+            }
+        }
+        for (k, column) in rows.iter().enumerate() {
+            for (row, value) in column {
+                out.residual[*row] += value * x[inner + k];
+                out.jacobian[(*row, inner + k)] = *value;
+            }
+        }
+        Some(out)
+    }
+
+    /// Stiffnesses first, from the deck, as if all else were exact.
+    pub fn stiffnesses_alone(&mut self, x: &mut [f64]) {
+        let count = self.stiffnesses;
+        if count == 0 {
+            return;
+        }
+        let priors = &self.unknowns.priors[..count];
+        let priors: Vec<_> = priors
+            .iter()
+            .map(|prior| crate::identify::global::gauss_newton::Prior {
+                mean: prior.mean,
+                sd: prior.sd,
+            })
+            .collect();
+        let scale: Vec<f64> = priors.iter().map(|prior| prior.sd.min(1.0)).collect();
+        let start = x[..count].to_vec();
+        let tolerances = Tolerances {
+            decrement: 0.1,
+            step: 1e-3,
+            max_iterations: 40,
+        };
+        let mut alone = Alone {
+            sweep: self,
+            rest: x.to_vec(),
+        };
+        let held = vec![false; count];
+        let found = minimise(&mut alone, &start, &priors, &scale, &held, tolerances);
+        if let Some(found) = found.filter(|found| found.ending != Ending::NoAnswer) {
+            x[..count].copy_from_slice(&found.x);
+        }
+    }
+
+    /// Gauss-Newton over everything, the sizes by their evidence: at every step where the stiffnesses `alone` were fitted before. Ends
+    /// early where less than `least` nats are promised. On the way derivatives by small errors stay as they are; at the end, and
+    /// where they lead nowhere, they are exact.
+    pub fn settle(
+        &mut self,
+        start: Point,
+        first: &Sizes,
+        (steps, least): (usize, f64),
+        alone: bool,
+    ) -> Option<Settled> {
+        let mut sizes = first.clone();
+        let mut here = start;
+        // Steps of stiffnesses are made in what the deflections are linear in.
+        let mut list = self.unknowns.list.clone();
+        list.set_shares(&self.predictor.shares(&list.springs()).unwrap_or_default());
+        let count = list.len();
+        let (mut slow, mut damping) = (0, 0.0);
+        for step_number in 0.. {
+            // Far from the answer the sizes would take up what is not fitted yet.
+            let mut posterior = here.linear.posterior(&sizes)?;
+            if alone || step_number >= HELD || posterior.gain < NEAR {
+                sizes = here.linear.sized(&sizes);
+                posterior = here.linear.posterior(&sizes)?;
+            }
+            let objective = here.linear.objective(&sizes);
+            // What the linear model promises counts for the fit here.
+            let hopeless = step_number >= HELD && posterior.ln_z < least;
+            if posterior.gain < ENOUGH || step_number >= steps || slow == SLOW || hopeless {
+                if here.is_exact || hopeless {
+                    return Some(Settled {
+                        point: here,
+                        sizes,
+                        posterior,
+                    });
+                }
+                here = self.at(here.x)?;
+                slow = 0;
+                continue;
+            }
+            let reach = REACH[step_number.min(1)];
+            let (low, high) = list.limits(&vec![1.0; count], reach);
+            let mut next = None;
+            for _ in 0..TRIALS {
+                let damped = here.linear.damped(&sizes, damping)?;
+                let limited: Vec<(usize, f64)> = (0..count)
+                    .filter(|k| self.unknowns.is_logarithm(*k))
+                    .map(|k| (k, damped.step[k].clamp(low[k], high[k])))
+                    .filter(|(k, step)| *step != damped.step[*k])
+                    .collect();
+                let mut step = damped.step_with(&limited);
+                for (k, (low, high)) in low.iter().zip(&high).enumerate() {
+                    if self.unknowns.is_logarithm(k) {
+                        step[k] = step[k].clamp(*low, *high);
+                    }
+                }
+                let mut there = list.moved(&here.x, &step.rows(0, count).into_owned());
+                let rest = here.x.iter().zip(step.iter()).skip(count);
+                there.extend(rest.map(|(x, s)| x + s));
+                if let Some(further) = self.near(there, &here) {
+                    let value = further.linear.objective(&sizes);
+                    if value <= objective + ENOUGH {
+                        // Where the model promised much more its derivatives have changed.
+                        let promised = 2.0 * posterior.gain;
+                        let further = if objective - value < FAITHFUL * promised {
+                            self.at(further.x)?
+                        } else {
+                            further
+                        };
+                        let small = objective - value < LITTLE;
+                        slow = if small { slow + 1 } else { 0 };
+                        next = Some(further);
+                        damping = if damping < EASED { 0.0 } else { damping / EASE };
+                        break;
+                    }
+                }
+                if !here.is_exact {
+                    break;
+                }
+                damping = (damping * HARDER).max(FIRST);
+            }
+            if let Some(next) = next {
+                here = next;
+                continue;
+            }
+            // Where no step leads down the answers are those of the last trial; go back.
+            let was_exact = here.is_exact;
+            here = self.at(here.x)?;
+            if was_exact {
+                return Some(Settled {
+                    point: here,
+                    sizes,
+                    posterior,
+                });
+            }
+            damping = 0.0;
+        }
+        None
+    }
+}
+
+/// Stiffnesses alone, the rest where it is.
+struct Alone<'a, 'b> {
+    sweep: &'a mut Sweep<'b>,
+    rest: Vec<f64>,
+}
+
+impl LeastSquares for Alone<'_, '_> {
+    fn evaluate(&mut self, x: &[f64], with_jacobian: bool) -> Option<Evaluation> {
+        let mut all = self.rest.clone();
+        all[..x.len()].copy_from_slice(x);
+        let active = if with_jacobian { x.len() } else { 0 };
+        let columns: Vec<usize> = (0..active).collect();
+        let out = self.sweep.evaluate(&all, &columns)?;
+        let jacobian = out.jacobian.columns(0, active).into_owned();
+        Some(Evaluation {
+            residual: self.sweep.whitening.apply_vector(&out.residual),
+            jacobian: self.sweep.whitening.apply(&jacobian),
+        })
+    }
+
+    fn moved(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
+        self.sweep.unknowns.list.moved(x, step)
+    }
+
+    fn limits(&self, scale: &[f64], reach: f64) -> (Vec<f64>, Vec<f64>) {
+        self.sweep.unknowns.list.limits(scale, reach)
+    }
+}

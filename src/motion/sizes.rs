@@ -1,0 +1,93 @@
+use crate::mechanics::Vec3;
+use crate::system::{Rates, State, System};
+
+/// The largest values so far that errors are relative to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sizes {
+    pub position: f64,
+    velocity: f64,
+    spin: f64,
+    state: f64,
+    variable: f64,
+    multiplier: f64,
+}
+
+impl Sizes {
+    /// One of each unit, where nothing has moved yet.
+    pub fn new(system: &System) -> Self {
+        Self {
+            position: 1.0,
+            velocity: 1.0,
+            spin: 1.0,
+            state: 1.0,
+            variable: 1.0,
+            multiplier: system.reference_mass * system.length,
+        }
+    }
+
+    /// With what a state holds.
+    pub fn grow(&mut self, reached: &State) {
+        let largest = |v: &Vec3| v.amax();
+        for pose in &reached.poses {
+            self.position = self.position.max(largest(&pose.p));
+        }
+        for Rates { linear, angular } in &reached.velocities {
+            self.velocity = self.velocity.max(largest(linear));
+            self.spin = self.spin.max(largest(angular));
+        }
+        for state in &reached.states {
+            self.state = self.state.max(state.abs());
+        }
+        for multiplier in &reached.multipliers {
+            self.multiplier = self.multiplier.max(multiplier.abs());
+        }
+        for variable in &reached.variables {
+            self.variable = self.variable.max(variable.abs());
+        }
+    }
+
+    /// The largest component of a change of displacements `z` and velocities `w` in tolerances, its place, and whether it is one of the
+    /// velocities.
+    pub fn measured(
+        &self,
+        system: &System,
+        tolerance: f64,
+        (z, w): (&[f64], &[f64]),
+        variables: bool,
+    ) -> (f64, usize, bool) {
+        let mut worst = (0.0, 0, false);
+        let mut look = |value: f64, at: usize, velocity: bool| {
+            let value = value.abs();
+            if !(value <= worst.0) {
+                worst = (value, at, velocity);
+            }
+        };
+        for body in &system.bodies {
+            for k in 0..body.freedoms {
+                let at = body.first + k;
+                if k < 3 {
+                    look(z[at] / (tolerance * self.position), at, false);
+                    look(w[at] / (tolerance * self.velocity), at, true);
+                } else {
+                    look(z[at] / tolerance, at, false);
+                    look(w[at] / (tolerance * self.spin), at, true);
+                }
+            }
+        }
+        for equation in &system.states {
+            let at = equation.moving_unknown;
+            look(z[at] / (tolerance * self.state), at, false);
+        }
+        if variables {
+            for k in 0..system.variables.len() {
+                let at = system.first_variable + k;
+                look(z[at] / (tolerance * self.variable), at, false);
+            }
+            // Multipliers are extrapolated: an iteration that left them alone would let their errors grow from step to step.
+            for at in system.first_equation..system.first_variable {
+                look(z[at] / (tolerance.sqrt() * self.multiplier), at, false);
+            }
+        }
+        worst
+    }
+}
