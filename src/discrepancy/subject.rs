@@ -6,7 +6,7 @@ use super::progress::Progress;
 use crate::identify::Problem;
 use crate::identify::global::{Observations, Row};
 use crate::mechanics::Vec3;
-use crate::rig::ToleranceSettings;
+use crate::rig::{Measurement, ToleranceSettings};
 use crate::rig::settings::Loss;
 use crate::tolerance::{Layer, LayerOf, MarkBlock, Noise, Scale, Sizes, Tails, Whitening};
 
@@ -82,58 +82,10 @@ impl<'a> Subject<'a> {
             sizes,
             held_out,
         };
-        new.place_rows();
+        let seen = |case: usize, reading: usize| measurement.cases[case].marks[reading].x;
+        (new.blocks, new.single) = placed(&new.rows, measurement, new.sigma, &seen);
         new.weigh(None);
         new
-    }
-
-    /// Which rows belong together.
-    fn place_rows(&mut self) {
-        let measurement = self.problem.measurement;
-        let mut blocks: Vec<((usize, usize), MarkBlock)> = Vec::new();
-        for (at, row) in self.rows.iter().enumerate() {
-            match *row {
-                Row::Mark {
-                    case,
-                    reading,
-                    axis: 0,
-                } => {
-                    let read = measurement.cases[case].marks[reading];
-                    let key = (case, read.part);
-                    if blocks.last().is_none_or(|(last, _)| *last != key) {
-                        let empty = MarkBlock {
-                            rows: Vec::new(),
-                            levers: Vec::new(),
-                            unit: self.sigma,
-                        };
-                        blocks.push((key, empty));
-                    }
-                    if let Some((_, block)) = blocks.last_mut() {
-                        block.rows.push(at);
-                        block.levers.push(read.x);
-                    }
-                }
-                Row::Mark { .. } => {}
-                Row::Wheel { component, .. } => {
-                    let scale = if component < 3 {
-                        Scale::WheelPosition
-                    } else {
-                        Scale::WheelAngles
-                    };
-                    self.single.push((at, Some(scale)));
-                }
-                Row::Channel { channel, .. } => {
-                    self.single.push((at, Some(Scale::Channel(channel))));
-                }
-            }
-        }
-        for (_, block) in &mut blocks {
-            let mean = block.levers.iter().sum::<Vec3>() / block.levers.len() as f64;
-            for lever in &mut block.levers {
-                *lever -= mean;
-            }
-        }
-        self.blocks = blocks.into_iter().map(|(_, block)| block).collect();
     }
 
     /// Weighs all rows: marks by their own noise, outliers not at all; with the residuals of a fit also by their tails.
@@ -226,6 +178,36 @@ impl<'a> Subject<'a> {
         Whitening::new(&self.blocks, &self.single, &precision, &self.sizes)
     }
 
+    /// What brings rows that nobody has read yet to independence: they are taken for as exact as those of their kind are on average.
+    /// `rows` are of `measurement`, and `seen` says where a mark would be seen.
+    pub fn whitening_ahead(
+        &self,
+        rows: &[Row],
+        measurement: &Measurement,
+        seen: &dyn Fn(usize, usize) -> Vec3,
+    ) -> Whitening {
+        let (blocks, single) = placed(rows, measurement, self.sigma, seen);
+        let usual = self.usual_precision();
+        let of = |row: &Row| match row {
+            Row::Mark { .. } => usual,
+            _ => 1.0,
+        };
+        let precision: Vec<f64> = rows.iter().map(of).collect();
+        Whitening::new(&blocks, &single, &precision, &self.sizes)
+    }
+
+    /// Precision of a mark's row: the mean of those that are used.
+    pub fn usual_precision(&self) -> f64 {
+        let rows = self.rows.iter().zip(&self.precision);
+        let used = rows.filter(|(row, p)| matches!(row, Row::Mark { .. }) && **p > 0.0);
+        let (count, sum) = used.fold((0, 0.0), |(n, sum), (_, p)| (n + 1, sum + p));
+        if count == 0 {
+            1.0
+        } else {
+            sum / f64::from(count)
+        }
+    }
+
     /// Whether no fit that says what is gained sees a case.
     pub fn is_held_out(&self, case: usize) -> bool {
         self.held_out[case]
@@ -296,6 +278,62 @@ impl<'a> Subject<'a> {
     pub fn cases_held_out(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.held_out.len()).filter(|case| self.held_out[*case])
     }
+}
+
+/// Which rows belong together: the marks of a part in a case, each with its way from their mean, and what stands alone.
+fn placed(
+    rows: &[Row],
+    measurement: &Measurement,
+    unit: f64,
+    seen: &dyn Fn(usize, usize) -> Vec3,
+) -> (Vec<MarkBlock>, Vec<(usize, Option<Scale>)>) {
+    let mut blocks: Vec<((usize, usize), MarkBlock)> = Vec::new();
+    let mut single = Vec::new();
+    for (at, row) in rows.iter().enumerate() {
+        match *row {
+            Row::Mark {
+                case,
+                reading,
+                axis: 0,
+            } => {
+                let key = (case, measurement.cases[case].marks[reading].part);
+                if blocks.last().is_none_or(|(last, _)| *last != key) {
+                    let empty = MarkBlock {
+                        rows: Vec::new(),
+                        levers: Vec::new(),
+                        unit,
+                    };
+                    blocks.push((key, empty));
+                }
+                if let Some((_, block)) = blocks.last_mut() {
+                    block.rows.push(at);
+                    block.levers.push(seen(case, reading));
+                }
+            }
+            Row::Mark { .. } => {}
+            Row::Wheel { component, .. } => {
+                let scale = if component < 3 {
+                    Scale::WheelPosition
+                } else {
+                    Scale::WheelAngles
+                };
+                single.push((at, Some(scale)));
+            }
+            Row::Channel { channel, .. } => {
+                single.push((at, Some(Scale::Channel(channel))));
+            }
+        }
+    }
+    for (_, block) in &mut blocks {
+        let mean = block.levers.iter().sum::<Vec3>() / block.levers.len() as f64;
+        for lever in &mut block.levers {
+            *lever -= mean;
+        }
+    }
+    (
+        blocks.into_iter().map(|(_, block)| block).collect(),
+        single,
+    )
 }
 
 /// What a fit sees.
