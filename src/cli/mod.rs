@@ -38,6 +38,7 @@ mod lsp;
 mod merge;
 mod new;
 mod output_folder;
+mod plan;
 mod plausibility;
 mod progress;
 mod record;
@@ -123,6 +124,7 @@ enum Command {
     Sensitivity(sensitivity::Arguments),
     Identify(identify::Arguments),
     Diagnose(diagnose::Arguments),
+    Plan(plan::Arguments),
     Record(record::Arguments),
     Rig(rig::Arguments),
     Kc(kc::Arguments),
@@ -175,6 +177,7 @@ pub fn main() -> ExitCode {
         Command::Sensitivity(arguments) => sensitivity::run(&arguments, &mut shell),
         Command::Identify(arguments) => identify::run(&arguments, &mut shell),
         Command::Diagnose(arguments) => diagnose::run(&arguments, &mut shell),
+        Command::Plan(arguments) => plan::run(&arguments, &mut shell),
         Command::Record(arguments) => record::run(&arguments, &mut shell),
         Command::Kc(arguments) => kc::run(&arguments, &mut shell),
         Command::Sweep(arguments) => sweep::run(&arguments, &mut shell),

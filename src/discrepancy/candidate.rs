@@ -119,7 +119,7 @@ impl Candidates {
             }
             // Four digits are as many as a rig can set.
             for (load, _) in sides {
-                values[*load] = round(values[*load]);
+                values[*load] = round(programme, *load, values[*load]);
             }
             let each = sides
                 .iter()
@@ -183,7 +183,7 @@ impl Candidates {
             }
             let at = |side: f64| {
                 let mut values = usual.clone();
-                values[load] = round(values[load] + side * far);
+                values[load] = round(programme, load, values[load] + side * far);
                 values
             };
             let cases: Vec<Vec<f64>> = [0.0, 0.5, 1.0, 0.5, 0.0, -0.5, -1.0, -0.5, 0.0]
@@ -228,7 +228,7 @@ impl Candidates {
         }
     }
 
-    /// Adds curves of the wheel that the study does not read.
+    /// Adds curves of the wheel that the study does not read; of the point where the loads act where it names no wheel.
     pub fn curves(&mut self, subject: &Subject<'_>) {
         let measurement = subject.problem.measurement;
         let read = |words: [&str; 2]| {
@@ -239,18 +239,31 @@ impl Candidates {
                 })
         };
         let mm = subject.millimetre();
-        let curves = [
-            (4, ["toe", "steer"], "toe of the wheel", USUAL.0),
-            (3, ["camber", "camber"], "camber of the wheel", USUAL.0),
-            (0, ["base", "base"], "wheel centre along x", USUAL.1 * mm),
-            (1, ["track", "track"], "wheel centre along y", USUAL.1 * mm),
-            (2, ["travel", "travel"], "wheel centre along z", USUAL.1 * mm),
+        let (angle, place) = (USUAL.0, USUAL.1 * mm);
+        let mut curves = [
+            (4, ["toe", "steer"], "toe of the wheel".to_string(), angle),
+            (3, ["camber", "camber"], "camber of the wheel".to_string(), angle),
+            (0, ["base", "base"], "wheel centre along x".to_string(), place),
+            (1, ["track", "track"], "wheel centre along y".to_string(), place),
+            (2, ["travel", "travel"], "wheel centre along z".to_string(), place),
         ];
+        let is_named = measurement.wheel.is_some()
+            || measurement.channels.iter().any(|c| !c.helpers.is_empty());
+        if !is_named {
+            let Some(marker) = loaded_marker(subject) else {
+                return;
+            };
+            let id = subject.problem.model.markers[marker.0].header.id;
+            let words = ["turn about z", "turn about x", "x", "y", "z"];
+            for ((.., what, _), word) in curves.iter_mut().zip(words) {
+                *what = format!("{word} of MARKER/{id}");
+            }
+        }
         for (component, words, what, sigma) in curves {
             if !read(words) {
                 self.list.push(Candidate {
                     kind: Kind::Curve,
-                    what: what.to_string(),
+                    what,
                     new: New::Wheel(component, sigma),
                 });
             }
@@ -259,18 +272,18 @@ impl Candidates {
 
     /// Adds load cells in bushings and joints: three forces each.
     pub fn load_cells(&mut self, model: &Model) {
-        let bushings = model
-            .bushings
-            .iter()
-            .map(|b| ("BUSHING", &b.header, b.j));
-        let joints = model.joints.iter().map(|j| ("JOINT", &j.header, j.j));
-        let active = bushings.chain(joints).filter(|(_, header, _)| header.active);
-        for (kind, header, frame) in active.take(MOST_CELLS) {
+        let bushings = model.bushings.iter();
+        let bushings = bushings.map(|b| (["BUSHING", "BUSH"], &b.header, b.j));
+        let joints = model.joints.iter();
+        let joints = joints.map(|j| (["JOINT", "JOINT"], &j.header, j.j));
+        let all = bushings.chain(joints);
+        let active = all.filter(|(_, header, _)| header.active);
+        for ([kind, function], header, frame) in active.take(MOST_CELLS) {
             let first = self.functions.len();
             let frame = model.markers[frame.0].header.id;
             for component in 2..=4 {
-                let function = format!("{kind}({},0,{component},{frame})", header.id);
-                self.functions.push(function);
+                let force = format!("{function}({},0,{component},{frame})", header.id);
+                self.functions.push(force);
             }
             self.list.push(Candidate {
                 kind: Kind::LoadCell,
@@ -309,15 +322,27 @@ fn usual(programme: &LoadProgramme) -> Vec<f64> {
     (0..programme.loads.len()).map(of).collect()
 }
 
-/// To four significant digits.
-fn round(value: f64) -> f64 {
-    format!("{value:.3e}").parse().unwrap_or(value)
+/// To four significant digits in the unit of the study's file.
+fn round(programme: &LoadProgramme, load: usize, value: f64) -> f64 {
+    let shown = in_the_file(programme, load, value);
+    let digits: f64 = format!("{shown:.3e}").parse().unwrap_or(shown);
+    if in_degrees(programme, load) {
+        digits.to_radians()
+    } else {
+        digits
+    }
+}
+
+fn in_degrees(programme: &LoadProgramme, load: usize) -> bool {
+    programme.loads[load].name.ends_with("_deg")
 }
 
 /// The value of a load as the study's file has it.
 pub fn in_the_file(programme: &LoadProgramme, load: usize, value: f64) -> f64 {
-    if programme.loads[load].name.ends_with("_deg") {
-        value.to_degrees()
+    if in_degrees(programme, load) {
+        // Ten digits: the way to radians and back leaves fewer than sixteen.
+        let degrees = value.to_degrees();
+        format!("{degrees:.9e}").parse().unwrap_or(degrees)
     } else {
         value
     }
