@@ -77,6 +77,7 @@ const EXAMPLES: &str = "First steps:
   admire check my-axle                       what is missing; whether it is plausible
   admire identify my-axle --out answer       stiffnesses with their uncertainty
   admire diagnose my-axle --out diagnosis    what the model still gets wrong
+  admire plan my-axle                        what to measure next
   admire guide tutorial                      fifteen minutes from a test to a diagnosed model
   admire doctor                              what is installed here, and what is found";
 

@@ -56,6 +56,8 @@ enum AimChoice {
 /// What is written.
 const OUTPUTS: [&str; 2] = ["plan.json", "suggested.csv"];
 
+/// A smaller rise of a probability is none.
+const LITTLE: f64 = 0.005;
 /// So many of what is not possible are named.
 const SHOWN: usize = 4;
 
@@ -181,7 +183,10 @@ fn words(found: &Plan, count: usize, length: &str) -> String {
         let [p, q] = undecided.probability;
         text += &hanging("undecided: ", &format!("{a} ({p:.2}) or {b} ({q:.2})"));
     } else if matches!(found.aim, Aim::All | Aim::Causes) {
-        text += "causes: nothing is undecided\n";
+        text += "causes: the readings leave no two explanations undecided\n";
+    }
+    if found.candidates.is_empty() {
+        return text;
     }
     text += "\n";
     text += &table(found, count);
@@ -251,7 +256,11 @@ fn table(found: &Plan, count: usize) -> String {
     table.load_style(presets::NOTHING);
     table.set_content_arrangement(ContentArrangement::Dynamic);
     table.set_width(80);
-    let mut head = vec!["".to_string(), "measurement".to_string(), "cases".to_string()];
+    let mut head = vec![
+        "".to_string(),
+        "measurement".to_string(),
+        "cases".to_string(),
+    ];
     head.extend((1..=found.combinations.len()).map(|k| format!("K{k}")));
     if found.curves.is_some() {
         head.extend(["toe", "camber", "centre"].map(String::from));
@@ -323,10 +332,15 @@ fn sentence(found: &Plan, best: &Ranked) -> String {
         ));
     }
     if let (Some(undecided), Some(causes)) = (&found.causes, best.causes) {
-        gains.push(format!(
-            "raises the probability of the true one of {} and {} by {:.2}",
-            undecided.between[0], undecided.between[1], causes.probability_shift
-        ));
+        let [a, b] = &undecided.between;
+        gains.push(if causes.probability_shift < LITTLE {
+            format!("does not tell {a} from {b}")
+        } else {
+            format!(
+                "raises the probability of the true one of {a} and {b} by {:.2}",
+                causes.probability_shift
+            )
+        });
     }
     let gains = match gains.split_last() {
         None => "promises nothing that was asked for".to_string(),

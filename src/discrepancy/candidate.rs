@@ -152,8 +152,11 @@ impl Candidates {
         new
     }
 
-    /// Adds the repetition of each case of the study.
+    /// Adds the repetition of each case of the study, and leaves out the load cases that are one.
     pub fn repeats(&mut self, programme: &LoadProgramme) {
+        let is_there = |values: &Vec<f64>| programme.cases.iter().any(|c| c.values == *values);
+        self.list
+            .retain(|candidate| !candidate.sequence().iter().all(is_there));
         let mut seen: Vec<(&[f64], Vec<&str>)> = Vec::new();
         for case in &programme.cases {
             match seen.iter_mut().find(|(values, _)| *values == case.values) {
@@ -235,17 +238,39 @@ impl Candidates {
             measurement.wheel.is_some()
                 || measurement.channels.iter().any(|channel| {
                     let texts = [&channel.name, &channel.column.0].map(|text| text.to_lowercase());
-                    words.iter().any(|word| texts.iter().any(|t| t.contains(word)))
+                    words
+                        .iter()
+                        .any(|word| texts.iter().any(|t| t.contains(word)))
                 })
         };
         let mm = subject.millimetre();
         let (angle, place) = (USUAL.0, USUAL.1 * mm);
         let mut curves = [
             (4, ["toe", "steer"], "toe of the wheel".to_string(), angle),
-            (3, ["camber", "camber"], "camber of the wheel".to_string(), angle),
-            (0, ["base", "base"], "wheel centre along x".to_string(), place),
-            (1, ["track", "track"], "wheel centre along y".to_string(), place),
-            (2, ["travel", "travel"], "wheel centre along z".to_string(), place),
+            (
+                3,
+                ["camber", "camber"],
+                "camber of the wheel".to_string(),
+                angle,
+            ),
+            (
+                0,
+                ["base", "base"],
+                "wheel centre along x".to_string(),
+                place,
+            ),
+            (
+                1,
+                ["track", "track"],
+                "wheel centre along y".to_string(),
+                place,
+            ),
+            (
+                2,
+                ["travel", "travel"],
+                "wheel centre along z".to_string(),
+                place,
+            ),
         ];
         let is_named = measurement.wheel.is_some()
             || measurement.channels.iter().any(|c| !c.helpers.is_empty());

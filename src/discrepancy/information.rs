@@ -121,10 +121,8 @@ mod tests {
         let found = with.covariance(&rows).unwrap();
         assert!((&found - &expected).amax() < 1e-12 * expected.amax());
         // What is taken out again leaves what was there.
-        let back = Readings {
-            replaced: more.clone(),
-            ..readings
-        };
+        let mut back = readings;
+        back.replaced = more;
         let same = before.with(&back).covariance(&rows).unwrap();
         let was = before.covariance(&rows).unwrap();
         assert!((&same - &was).amax() < 1e-12 * was.amax());

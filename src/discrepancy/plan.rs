@@ -129,7 +129,7 @@ pub struct Plan {
     pub not_possible: Vec<String>,
     /// Combinations of loads that were not looked at because there are too many.
     pub left_out: usize,
-    /// All candidates, the best first.
+    /// All candidates, the best first; none where only causes were asked for and nothing is undecided.
     pub candidates: Vec<Ranked>,
 }
 
@@ -145,11 +145,7 @@ impl Plan {
 ///
 /// # Errors
 /// [`IdentifyError::NoCases`] when the deck cannot be solved where the fit starts.
-pub fn plan(
-    problem: &Problem<'_>,
-    aim: Aim,
-    progress: &Progress,
-) -> Result<Plan, IdentifyError> {
+pub fn plan(problem: &Problem<'_>, aim: Aim, progress: &Progress) -> Result<Plan, IdentifyError> {
     let no_cases = || IdentifyError::NoCases(None);
     let held = |case: &crate::rig::Case| case.held_out;
     let held_out: Vec<bool> = problem.measurement.cases.iter().map(held).collect();
@@ -181,7 +177,10 @@ pub fn plan(
         .and_then(|rivals| Apart::new(&of_all, rivals, &candidates));
     let mut ranked = Vec::new();
     let mut not_possible = Vec::new();
-    for (at, candidate) in candidates.list.iter().enumerate() {
+    // Where nothing is undecided there is nothing to rank by.
+    let is_idle = aim == Aim::Causes && rivals.is_none();
+    let count = if is_idle { 0 } else { candidates.list.len() };
+    for (at, candidate) in candidates.list.iter().enumerate().take(count) {
         match weighing.of(at, candidate, apart.as_ref()) {
             Some(found) => ranked.push((at, found)),
             None => not_possible.push(candidate.what.clone()),
@@ -352,11 +351,9 @@ impl<'a, 'b> Weighing<'a, 'b> {
             }
             sd_log.push(sd);
         }
-        if let (Some(before), Some(after), true) = (
-            &self.curves,
-            &said.wheel,
-            self.aim.looks_at(Aim::Curves),
-        ) {
+        if let (Some(before), Some(after), true) =
+            (&self.curves, &said.wheel, self.aim.looks_at(Aim::Curves))
+        {
             let before = before.sd;
             score += gained(before.toe_deg, after.toe_deg)
                 + gained(before.camber_deg, after.camber_deg)

@@ -135,9 +135,11 @@ impl<'a, 'b> Prospect<'a, 'b> {
             New::Wheel(component, sigma) => {
                 let wheel = self.wheel.as_ref()?;
                 let at = self.place(wheel.part)?;
-                self.alone(*sigma, &|case| wheel.place(case)[*component], &|case, change| {
-                    wheel.change(case, change, at)[*component]
-                })
+                self.alone(
+                    *sigma,
+                    &|case| wheel.place(case)[*component],
+                    &|case, change| wheel.change(case, change, at)[*component],
+                )
             }
             New::Functions(range) => {
                 let mut all: Option<Readings> = None;

@@ -45,7 +45,8 @@ impl Rivals {
         let mut fits: Vec<(Arc<Fitted>, f64)> = found.models.iter().filter_map(fitted).collect();
         let at = fits.iter().position(|(fit, _)| Arc::ptr_eq(fit, leading))?;
         let (own, p) = fits.remove(at);
-        let differs = |fit: &Fitted| !without(fit, &own).is_empty() || !without(&own, fit).is_empty();
+        let differs =
+            |fit: &Fitted| !without(fit, &own).is_empty() || !without(&own, fit).is_empty();
         let (other, q) = fits.into_iter().find(|(fit, _)| differs(fit))?;
         let names = [without(&own, &other), without(&other, &own)].map(|causes| {
             if causes.is_empty() {
@@ -140,8 +141,14 @@ mod tests {
     fn small_separations_are_those_of_the_series() {
         let (p, q, d2) = (0.6, 0.4, 1e-3);
         let found = Separation::of(d2, p);
-        assert!((found.nats / (0.5 * p * q * d2) - 1.0).abs() < 0.01, "{found:?}");
+        assert!(
+            (found.nats / (0.5 * p * q * d2) - 1.0).abs() < 0.01,
+            "{found:?}"
+        );
         let shift = 2.0 * p * p * q * q * d2;
-        assert!((found.probability_shift / shift - 1.0).abs() < 0.01, "{found:?}");
+        assert!(
+            (found.probability_shift / shift - 1.0).abs() < 0.01,
+            "{found:?}"
+        );
     }
 }

@@ -6,8 +6,8 @@ use super::progress::Progress;
 use crate::identify::Problem;
 use crate::identify::global::{Observations, Row};
 use crate::mechanics::Vec3;
-use crate::rig::{Measurement, ToleranceSettings};
 use crate::rig::settings::Loss;
+use crate::rig::{Measurement, ToleranceSettings};
 use crate::tolerance::{Layer, LayerOf, MarkBlock, Noise, Scale, Sizes, Tails, Whitening};
 
 /// Precision of a reading whose residual Huber's loss weighs down: beyond so many standard deviations.
@@ -330,10 +330,7 @@ fn placed(
             *lever -= mean;
         }
     }
-    (
-        blocks.into_iter().map(|(_, block)| block).collect(),
-        single,
-    )
+    (blocks.into_iter().map(|(_, block)| block).collect(), single)
 }
 
 /// What a fit sees.

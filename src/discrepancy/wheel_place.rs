@@ -129,7 +129,10 @@ mod tests {
         let (up, down) = (wheel.place(&at(step)), wheel.place(&at(-step)));
         for k in 0..5 {
             let difference = (up[k] - down[k]) / (2.0 * step);
-            assert!((difference - exact[k]).abs() < 1e-7 * (1.0 + exact[k].abs()), "{k}");
+            assert!(
+                (difference - exact[k]).abs() < 1e-7 * (1.0 + exact[k].abs()),
+                "{k}"
+            );
         }
     }
 }
