@@ -111,10 +111,10 @@ impl Blind {
     }
 }
 
-/// Rows of the cases held out.
+/// Rows of the cases and curves held out.
 pub fn unseen(subject: &Subject<'_>) -> Vec<usize> {
     (0..subject.rows.len())
-        .filter(|k| subject.is_held_out(subject.rows[*k].case()))
+        .filter(|k| subject.is_held_out_row(&subject.rows[*k]))
         .collect()
 }
 

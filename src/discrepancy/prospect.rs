@@ -401,7 +401,8 @@ fn continued(subject: &Subject<'_>, further: &[Vec<f64>]) -> Measurement {
     let wheel = new.cases.iter().any(|case| case.wheel.is_some());
     let channels: Vec<Option<f64>> = (0..new.channels.len())
         .map(|k| {
-            let read = new.cases.iter().any(|case| case.channels[k].is_some());
+            let read = new.channels[k].summary.is_none()
+                && new.cases.iter().any(|case| case.channels[k].is_some());
             read.then_some(0.0)
         })
         .collect();

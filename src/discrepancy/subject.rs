@@ -34,6 +34,8 @@ pub struct Subject<'a> {
     blocks: Vec<MarkBlock>,
     single: Vec<(usize, Option<Scale>)>,
     held_out: Vec<bool>,
+    /// Whether the curves that the study holds out are.
+    holds_curves: bool,
     progress: Progress,
 }
 
@@ -81,6 +83,7 @@ impl<'a> Subject<'a> {
             noise,
             sizes,
             held_out,
+            holds_curves: true,
         };
         let seen = |case: usize, reading: usize| measurement.cases[case].marks[reading].x;
         (new.blocks, new.single) = placed(&new.rows, measurement, new.sigma, &seen);
@@ -160,18 +163,43 @@ impl<'a> Subject<'a> {
 
     /// What brings rows to independence, over the cases of this data.
     pub fn whitening(&self, data: Data) -> Whitening {
-        self.whitening_of(&|case| data == Data::All || !self.held_out[case])
+        self.whitening_of_rows(&|row| data == Data::All || !self.is_held_out_row(row))
     }
 
     /// What brings rows to independence, over the cases that are seen.
     pub fn whitening_of(&self, is_seen: &dyn Fn(usize) -> bool) -> Whitening {
+        self.whitening_of_rows(&|row| self.sees(row, is_seen))
+    }
+
+    /// Whether a row is one of a case that is seen; a summary is if all its cases are.
+    fn sees(&self, row: &Row, is_seen: &dyn Fn(usize) -> bool) -> bool {
+        match *row {
+            Row::Channel { case, channel } => {
+                let summary = &self.problem.measurement.channels[channel].summary;
+                match summary {
+                    Some(summary) => summary.cases.iter().all(|case| is_seen(*case)),
+                    None => is_seen(case),
+                }
+            }
+            _ => is_seen(row.case()),
+        }
+    }
+
+    /// Whether no fit that says what is gained sees a row: its case or its curve is held out.
+    pub fn is_held_out_row(&self, row: &Row) -> bool {
+        let channels = &self.problem.measurement.channels;
+        let curve = matches!(*row, Row::Channel { channel, .. } if channels[channel].held_out);
+        self.holds_curves && curve || !self.sees(row, &|case| !self.held_out[case])
+    }
+
+    fn whitening_of_rows(&self, is_seen: &dyn Fn(&Row) -> bool) -> Whitening {
         let precision: Vec<f64> = self
             .rows
             .iter()
             .zip(&self.precision)
             .map(
                 |(row, precision)| {
-                    if is_seen(row.case()) { *precision } else { 0.0 }
+                    if is_seen(row) { *precision } else { 0.0 }
                 },
             )
             .collect();
@@ -213,9 +241,11 @@ impl<'a> Subject<'a> {
         self.held_out[case]
     }
 
-    /// True if some case is held out.
+    /// True if some case or curve is held out.
     pub fn holds_out(&self) -> bool {
+        let mut curves = self.problem.measurement.channels.iter();
         self.held_out.iter().any(|held| *held)
+            || self.holds_curves && curves.any(|channel| channel.held_out)
     }
 
     /// One millimetre in the deck's length unit.
@@ -253,8 +283,9 @@ impl<'a> Subject<'a> {
         self.progress = progress.clone();
     }
 
-    /// Holds these cases out, and no other.
+    /// Holds these cases out, and nothing else.
     pub fn hold_out(&mut self, cases: &[usize]) {
+        self.holds_curves = false;
         for (case, held) in self.held_out.iter_mut().enumerate() {
             *held = cases.contains(&case);
         }
@@ -267,7 +298,8 @@ impl<'a> Subject<'a> {
 
     /// By what predictions are compared, and what one unit of such a row is: `mark` in the deck's length unit, else `noise`.
     pub fn compared(&self) -> (&'static str, f64) {
-        if self.compares_marks() {
+        // A curve alone is compared by itself.
+        if self.compares_marks() && (self.cases_held_out().next().is_some() || !self.holds_out()) {
             ("mark", self.sigma)
         } else {
             ("noise", 1.0)

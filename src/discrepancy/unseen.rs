@@ -38,6 +38,9 @@ pub struct HoldOut {
     pub searched: bool,
     /// Labels of the cases.
     pub cases: Vec<String>,
+    /// Names of the curves.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub curves: Vec<String>,
     /// Causes that were chosen without them, `cause address`.
     pub causes: Vec<String>,
     /// `mark` if the rms is that of a mark coordinate in the deck's length unit, `noise` if of all readings in units of their noise.
@@ -124,9 +127,7 @@ impl Unseen {
         let mut by_case: BTreeMap<usize, Squares> = BTreeMap::new();
         for k in unseen(subject) {
             let row = subject.rows[k];
-            if subject.precision[k] == 0.0
-                || subject.compares_marks() && !matches!(row, Row::Mark { .. })
-            {
+            if subject.precision[k] == 0.0 || of == "mark" && !matches!(row, Row::Mark { .. }) {
                 continue;
             }
             let sums = by_case.entry(row.case()).or_default();
@@ -142,6 +143,14 @@ impl Unseen {
             cases: subject
                 .cases_held_out()
                 .map(|case| cases[case].label.clone())
+                .collect(),
+            curves: subject
+                .problem
+                .measurement
+                .channels
+                .iter()
+                .filter(|channel| channel.held_out)
+                .map(|channel| channel.name.clone())
                 .collect(),
             causes: self.chosen.chosen.iter().map(ToString::to_string).collect(),
             of,

@@ -431,7 +431,7 @@ impl Outcome<'_> {
             .filter_map(|(channel, info)| {
                 let rows = self.subject.rows.iter().enumerate().filter(|(_, row)| {
                     matches!(row, Row::Channel { channel: of, .. } if *of == channel)
-                        && self.subject.is_held_out(row.case())
+                        && self.subject.is_held_out_row(row)
                 });
                 let count = rows.clone().count();
                 let rms = |blind: &Blind| {

@@ -188,6 +188,12 @@ impl Table {
         row.get(column).filter(|cell| !cell.text.is_empty())
     }
 
+    /// The header line.
+    pub fn header_row(&self) -> String {
+        let cells: Vec<String> = self.header();
+        cells.join(std::str::from_utf8(&[self.delimiter]).unwrap_or(",")) + "\n"
+    }
+
     /// A row for the end of the file, written as its own are: the cells of these columns, all others empty.
     pub fn further_row(&self, cells: &[(usize, String)]) -> String {
         let of = |column: usize| {

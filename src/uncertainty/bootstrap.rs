@@ -97,12 +97,10 @@ impl<'a> Bootstrap<'a> {
 /// The kind of reading each residual stems from.
 fn kinds(estimate: &Estimate<'_>) -> Vec<usize> {
     let problem = estimate.problem;
-    let rows = Observations::new(
-        problem.measurement,
-        problem.model,
-        estimate.marginal.cases(),
-    )
-    .rows;
+    let observations = estimate
+        .marginal
+        .observations(problem.measurement, problem.model);
+    let rows = observations.rows;
     let kind = |row: usize| match rows[row] {
         Reading::Mark { .. } => 0,
         Reading::Wheel {
