@@ -237,6 +237,9 @@ impl Candidates {
         let read = |words: [&str; 2]| {
             measurement.wheel.is_some()
                 || measurement.channels.iter().any(|channel| {
+                    if !channel.is_read_by_case() {
+                        return false;
+                    }
                     let texts = [&channel.name, &channel.column.0].map(|text| text.to_lowercase());
                     words
                         .iter()

@@ -3,8 +3,8 @@
 use nalgebra::DVector;
 
 use super::estimate::Estimate;
+use crate::identify::global::Row as Reading;
 use crate::identify::global::gauss_newton::{Ending, Prior, Tolerances};
-use crate::identify::global::{Observations, Row as Reading};
 use crate::sweep::{Row, Status, Stream, normal};
 
 /// Fewer residuals of a kind than this are drawn from those of all kinds.

@@ -3,7 +3,6 @@
 use nalgebra::DVector;
 
 use super::observation::{Observations, Row};
-use super::predictor::Predictor as _;
 use super::problem::GlobalProblem;
 use crate::identify::{CurveHeldOut, Problem};
 use crate::rig::Channel;
