@@ -398,3 +398,83 @@ pub fn loaded_marker(subject: &Subject<'_>) -> Option<MarkerIx> {
         .filter_map(|load| crate::tolerance::acts_at(problem.model, &load.target))
         .next()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{BEYOND, Candidates, Kind};
+    use crate::backend::{Load, LoadCase, LoadProgramme};
+    use crate::syntax::{Address, Dataset};
+    use crate::text::Source;
+
+    fn programme(names: [&str; 2], cases: &[[f64; 2]]) -> LoadProgramme {
+        let text = b"t\nSFORCE/1, I=1, J=2, FUNCTION=0\nEND\n";
+        let dataset = Dataset::parse(Source::new("model.adm", text.to_vec())).value;
+        let load = |name: &str| Load {
+            name: name.to_string(),
+            target: Address::parse("SFORCE/1", &dataset).unwrap(),
+        };
+        let case = |(k, values): (usize, &[f64; 2])| LoadCase {
+            label: format!("{}", k + 1),
+            values: values.to_vec(),
+        };
+        LoadProgramme {
+            loads: names.map(load).to_vec(),
+            cases: cases.iter().enumerate().map(case).collect(),
+        }
+    }
+
+    /// A preload at which the other load is driven, as on a rig.
+    const CASES: [[f64; 2]; 6] = [
+        [1500.0, 0.0],
+        [4500.0, 0.0],
+        [7500.0, 0.0],
+        [4500.0, -4000.0],
+        [4500.0, 2000.0],
+        [4500.0, 2000.0],
+    ];
+
+    #[test]
+    fn loads_go_both_ways_from_where_they_usually_are() {
+        let programme = programme(["vertical", "lateral"], &CASES);
+        let found = Candidates::loads(&programme, &[1.0, BEYOND]);
+        let values: Vec<&[f64]> = found.list.iter().map(|c| &c.sequence()[0][..]).collect();
+        let alone = [
+            [7500.0, 0.0],
+            [1500.0, 0.0],
+            [4500.0, 4000.0],
+            [4500.0, -4000.0],
+            [8250.0, 0.0],
+            [750.0, 0.0],
+            [4500.0, 5000.0],
+            [4500.0, -5000.0],
+        ];
+        assert_eq!(&values[..8], &alone.each_ref().map(|a| &a[..]));
+        assert_eq!(values.len(), 16);
+        assert!(values.contains(&&[750.0, 5000.0][..]));
+        let what = &found.list.last().unwrap().what;
+        assert_eq!(what, "vertical 750, lateral -5000 (beyond)");
+    }
+
+    #[test]
+    fn what_is_there_is_a_repetition() {
+        let programme = programme(["vertical", "lateral"], &CASES);
+        let mut found = Candidates::loads(&programme, &[1.0]);
+        found.repeats(&programme);
+        let of = |kind: Kind| found.list.iter().filter(move |c| c.kind == kind);
+        assert!(of(Kind::Load).all(|c| !CASES.contains(&[c.sequence()[0][0], c.sequence()[0][1]])));
+        let names: Vec<&str> = of(Kind::Repeat).map(|c| c.what.as_str()).collect();
+        assert_eq!(names.len(), 5);
+        assert_eq!(names[4], "case 5 again (there 2 times)");
+    }
+
+    /// Columns in degrees are set to digits of a degree.
+    #[test]
+    fn angles_are_set_in_degrees() {
+        let radians = CASES.map(|[a, b]| [a, f64::to_radians(b / 100.0)]);
+        let programme = programme(["vertical", "steer_deg"], &radians);
+        let found = Candidates::loads(&programme, &[BEYOND]);
+        assert_eq!(found.list[2].what, "steer_deg 50 (beyond)");
+        let value = super::in_the_file(&programme, 1, found.list[2].sequence()[0][1]);
+        assert_eq!(value, 50.0);
+    }
+}

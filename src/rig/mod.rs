@@ -30,6 +30,7 @@ mod stated;
 mod study;
 mod study_folder;
 mod summary;
+mod summary_readings;
 mod table;
 #[cfg(test)]
 mod tests;

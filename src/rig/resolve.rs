@@ -10,7 +10,7 @@ use super::rows::{case_of, label_of, labels, point};
 use super::section::{meant, nearest};
 use super::settings::ChannelSettings;
 use super::study::{MarkFiles, Study};
-use super::summary::summaries;
+use super::summary_readings::summaries;
 use super::table::{Cell, Table};
 use super::wheel_readings::wheel_readings;
 use crate::diagnostic::{Code, Diagnostic};

@@ -111,6 +111,7 @@ impl Study {
             self.wheel.as_ref().and_then(|(_, table)| table.as_ref()),
             self.readings.as_ref().map(|(table, _)| table),
             self.kc.as_ref().map(|(_, table)| table),
+            self.kc_summary.as_ref(),
         ])
         .flatten()
         .map(|table| &table.source);

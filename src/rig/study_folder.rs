@@ -8,7 +8,7 @@ use super::readings::Readings;
 use super::rig_options::RigOptions;
 use super::section;
 use super::study::Study;
-use super::summary::written;
+use super::summary_readings::written;
 
 /// The standard deviation that exact readings are given, in length units: they cannot have none.
 const EXACT: f64 = 1e-4;
