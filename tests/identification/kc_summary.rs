@@ -87,7 +87,7 @@ fn column(text: &str, at: usize) -> Vec<f64> {
 #[test]
 fn a_rig_takes_gradients_and_widths_from_its_own_curves() {
     let folder = folder(TABLE, "");
-    let friction = ["dry-friction@BUSHING/2.K.1:force=400,stiffness=4000"];
+    let friction = ["dry-friction@JOINT/3:force=120,stiffness=3000"];
     let run = rig(folder.path(), &friction, Some(0.0));
     let values = column(&text(&run, "summary.csv"), 9);
     let kc = text(&run, "kc.csv");
@@ -112,19 +112,27 @@ fn a_rig_takes_gradients_and_widths_from_its_own_curves() {
         (values[1] - steep).abs() < 1e-5 * steep.abs(),
         "{values:?} {steep}"
     );
-    // The loop goes up, down through zero, and up to zero or through it.
-    let mut ways = [Vec::new(), Vec::new()];
-    for k in 19..35 {
-        if lateral[k] == 0.0 {
-            let before = lateral[k.max(20) - 1];
-            let after = lateral[(k + 1).min(34)];
-            ways[usize::from(after > before)].push(toe[k]);
+    // Where the load passes a value falling, less where it passes it rising; the ends of a run have one neighbour.
+    let width = |x: &[f64], y: &[f64], at: f64| {
+        let mut ways = [Vec::new(), Vec::new()];
+        for k in (0..x.len()).filter(|k| x[*k] == at) {
+            let rise = x[(k + 1).min(x.len() - 1)] - x[k.max(1) - 1];
+            ways[usize::from(rise > 0.0)].push(y[k]);
         }
-    }
-    let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;
-    let width = mean(&ways[0]) - mean(&ways[1]);
-    assert!((values[2] - width).abs() < 1e-7, "{values:?} {width}");
-    assert!(width.abs() > 0.004, "friction shows: {width}");
+        let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;
+        mean(&ways[0]) - mean(&ways[1])
+    };
+    let toe_width = width(&lateral[19..35], &toe[19..35], 0.0);
+    let track_width = width(&of(1)[..19], &of(9)[..19], 4500.0);
+    assert!(
+        (values[2] - toe_width).abs() < 1e-7,
+        "{values:?} {toe_width}"
+    );
+    assert!(
+        (values[3] - track_width).abs() < 1e-7,
+        "{values:?} {track_width}"
+    );
+    assert!(track_width.abs() > 0.01, "friction shows: {track_width}");
     // Without friction a loop has no width.
     let smooth = column(&text(&rig(folder.path(), &[], Some(0.0)), "summary.csv"), 9);
     assert!(
@@ -177,49 +185,57 @@ fn gradients_and_widths_are_differentiated_exactly() {
         }
     }
     // Gradients follow the stiffnesses; a width without friction follows nothing.
-    assert!(sizes[0] > 0.1 && sizes[1] > 0.1, "{sizes:?}");
+    // In the order of their last cases.
+    assert!(sizes[0] > 0.1 && sizes[2] > 0.1, "{sizes:?}");
+    assert!(sizes[1] < 1e-4 && sizes[3] < 1e-4, "{sizes:?}");
 }
 
 /// A table of numbers alone lowers the errors, and a number that contradicts the curves is seen.
 #[test]
 fn gradients_are_readings_of_a_fit() {
     let sharp = TABLE.replace(",0.01\n", ",0.0005\n");
-    let (_folder, with) = measured(&sharp, "", &[], None);
-    let (_other, without) = measured("name,curve,kind,over,from,to,value,sigma\n", "", &[], None);
-    let errors = |loaded: &LoadedStudy| {
+    let (_folder, mut with) = measured(&sharp, "", &[], None);
+    let single: Vec<usize> = (0..with.measurement.channels.len())
+        .filter(|k| with.measurement.channels[*k].summary.is_none())
+        .collect();
+    for case in &mut with.measurement.cases {
+        for k in &single {
+            case.channels[*k] = None;
+        }
+    }
+    let found = |loaded: &LoadedStudy| {
         let problem = loaded.problem();
         let prepared = Prepared::new(&problem).unwrap();
         let found = fit_study(&problem, &prepared, None, Options::default()).unwrap();
-        let test = found.fit.fit_test.clone().unwrap();
         let sds: Vec<f64> = (0..12).map(|k| found.covariance[(k, k)].sqrt()).collect();
-        (sds, test.chi2 / test.dof)
+        (sds, found.fit.values())
     };
-    let ((sharper, fine), (before, _)) = (errors(&with), errors(&without));
-    let gained = sharper.iter().zip(&before).map(|(a, b)| a / b);
-    let best = gained.clone().fold(f64::INFINITY, f64::min);
-    let worst = gained.fold(0.0, f64::max);
-    assert!(best < 0.95 && worst < 1.1, "{best} {worst}");
-    // The same table with a gradient that is another axle's.
-    let mut wrong = with.clone();
-    let channels = &wrong.measurement.channels;
+    let (sds, values) = found(&with);
+    // The prior of the study is half an e-fold.
+    assert!(sds.iter().all(|sd| *sd < 0.5 + 1e-9), "{sds:?}");
+    assert!(sds.iter().any(|sd| *sd < 0.4), "{sds:?}");
+    // Another gradient, other stiffnesses.
+    let channels = &with.measurement.channels;
     let at = channels
         .iter()
         .position(|c| c.name == "toe bounce")
         .unwrap();
-    for case in &mut wrong.measurement.cases {
-        if let Some(value) = &mut case.channels[at] {
-            *value += 1.0;
-        }
+    for case in &mut with.measurement.cases {
+        case.channels[at] = case.channels[at].map(|value| value + 0.05);
     }
-    let (_, misfit) = errors(&wrong);
-    assert!(misfit > fine + 1.0, "{fine} {misfit}");
+    let (_, others) = found(&with);
+    let most = values.iter().zip(&others).map(|(a, b)| (a / b).ln().abs());
+    assert!(most.fold(0.0, f64::max) > 0.05, "{values:?} {others:?}");
 }
 
 /// A curve that is held out has no say in the fit, whatever it shows; how well it is predicted is told.
 #[test]
 fn a_curve_is_held_out() {
     let hold = "\n[validate]\nhold_out = [\"toe\", \"toe width\"]\n";
-    let stiff = ["element-parameter@BUSHING/1.K.2:factor=0.6"];
+    let stiff = [
+        "element-parameter@BUSHING/1.K.1:factor=0.5",
+        "element-parameter@BUSHING/2.K.1:factor=0.5",
+    ];
     let (folder, loaded) = measured(TABLE, hold, &stiff, None);
     let fit = |loaded: &LoadedStudy| {
         let problem = loaded.problem();
@@ -238,7 +254,7 @@ fn a_curve_is_held_out() {
     );
     let toe = &held[0];
     assert!(
-        toe.rms_after < 0.01 && toe.rms_before > 2.0 * toe.rms_after,
+        toe.rms_after < toe.rms_before && toe.rms_before > 0.006,
         "{toe:?}"
     );
     let mut other = loaded.clone();
@@ -247,7 +263,7 @@ fn a_curve_is_held_out() {
     }
     let again = fit(&other);
     assert_eq!(found.values(), again.values());
-    assert!(again.held_out.curves[0].rms_after > 0.1);
+    assert!(again.held_out.curves[0].rms_after > 0.1, "{again:?}");
     // A summary of cases that are held out in part is none either.
     let mut subject_cases = vec![false; 47];
     subject_cases[30] = true;
