@@ -257,7 +257,7 @@ fn table(found: &Plan, count: usize) -> String {
     table.set_content_arrangement(ContentArrangement::Dynamic);
     table.set_width(80);
     let mut head = vec![
-        "".to_string(),
+        String::new(),
         "measurement".to_string(),
         "cases".to_string(),
     ];

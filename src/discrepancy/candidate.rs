@@ -393,10 +393,8 @@ fn shown(programme: &LoadProgramme, load: usize, value: f64) -> String {
 /// The marker at which the loads of a study act: of the first that acts at one.
 pub fn loaded_marker(subject: &Subject<'_>) -> Option<MarkerIx> {
     let problem = &subject.problem;
-    let loads = problem.programme.loads.iter();
-    loads
-        .filter_map(|load| crate::tolerance::acts_at(problem.model, &load.target))
-        .next()
+    let mut loads = problem.programme.loads.iter();
+    loads.find_map(|load| crate::tolerance::acts_at(problem.model, &load.target))
 }
 
 #[cfg(test)]

@@ -50,12 +50,11 @@ pub fn next_measurement(
     let each = (0..candidates.list.len()).filter_map(|at| Some((apart(at)?, at)));
     // Of several that do as well the first.
     let (separated, at) = each.reduce(|best, next| if next.0 > best.0 { next } else { best })?;
-    let what = &candidates.list[at].what;
     let why = if separated > SEPARATED {
-        format!("{what} separates {finding} from {rival} by a chi-square of about {separated:.1}")
+        format!("separates {finding} from {rival} by a chi-square of about {separated:.1}")
     } else {
         format!(
-            "{what} separates {finding} from {rival} best of all loads in the range applied, but by a chi-square of {separated:.1} \
+            "separates {finding} from {rival} best of all loads in the range applied, but by a chi-square of {separated:.1} \
              only: marks on both sides of {} would tell",
             rival.address
         )

@@ -141,18 +141,29 @@ impl<'a, 'b> Prospect<'a, 'b> {
                     &|case, change| wheel.change(case, change, at)[*component],
                 )
             }
-            New::Functions(range) => {
-                let mut all: Option<Readings> = None;
-                for function in range.clone() {
-                    let at = self.forecast.first_function + function;
-                    let of = |case: &CasePrediction| case.channels.get(at).copied();
-                    let forces = self.seen.iter().map(|case| self.case(*case).and_then(of));
-                    let forces: Vec<f64> = forces.collect::<Option<_>>()?;
-                    all = joined(all, (forces, at), self)?;
-                }
-                all
-            }
+            New::Functions(range) => self.of_functions(range.clone()),
         }
+    }
+
+    /// Forces that a load cell reads; those that it never sees are left out.
+    fn of_functions(&self, functions: std::ops::Range<usize>) -> Option<Readings> {
+        let mut all: Option<Readings> = None;
+        for function in functions {
+            let at = self.forecast.first_function + function;
+            let of = |case: &CasePrediction| case.channels.get(at).copied();
+            let forces = self.seen.iter().map(|case| self.case(*case).and_then(of));
+            let forces: Vec<f64> = forces.collect::<Option<_>>()?;
+            let sigma = sigma_of_a_cell(forces.into_iter());
+            if !(sigma > 1e-12) || !sigma.is_finite() {
+                continue;
+            }
+            let more = self.alone(sigma, &|case| case.channels[at], &|_, by| by.channels[at])?;
+            all = Some(match all {
+                Some(before) => before.and(more),
+                None => more,
+            });
+        }
+        all
     }
 
     /// Rows of the wheel's place, camber and toe in each of these cases, by the unknowns of the fit; errors of the rig do not count.
@@ -344,6 +355,20 @@ impl<'a, 'b> Prospect<'a, 'b> {
 }
 
 impl Readings {
+    /// Independent readings and further ones.
+    fn and(mut self, more: Self) -> Self {
+        let (rows, n) = (self.value.len(), self.jacobian.ncols());
+        let count = rows + more.value.len();
+        let value = self.value.iter().chain(more.value.iter()).copied();
+        let value = DVector::from_iterator(count, value);
+        let jacobian = DMatrix::from_fn(count, n, |row, column| match row.checked_sub(rows) {
+            None => self.jacobian[(row, column)],
+            Some(row) => more.jacobian[(row, column)],
+        });
+        self.unit.extend(more.unit);
+        Self::new(jacobian, value, self.unit)
+    }
+
     fn is_finite(&self) -> bool {
         let all = self.value.iter().chain(self.jacobian.iter());
         all.chain(self.replaced.iter()).all(|x| x.is_finite())
@@ -357,33 +382,6 @@ fn weighed(whitening: &Whitening, weights: &DVector<f64>, rows: &DMatrix<f64>) -
         row *= *weight;
     }
     turned
-}
-
-/// Readings of one function more; what never sees a force reads nothing.
-fn joined(
-    all: Option<Readings>,
-    (forces, at): (Vec<f64>, usize),
-    of: &Prospect<'_, '_>,
-) -> Option<Option<Readings>> {
-    let sigma = sigma_of_a_cell(forces.iter().copied());
-    if !(sigma > 1e-12) || !sigma.is_finite() {
-        return Some(all);
-    }
-    let more = of.alone(sigma, &|case| case.channels[at], &|_, by| by.channels[at])?;
-    let Some(all) = all else {
-        return Some(Some(more));
-    };
-    let (rows, n) = (all.value.len(), all.jacobian.ncols());
-    let value = all.value.iter().chain(more.value.iter()).copied();
-    let count = rows + more.value.len();
-    let jacobian = DMatrix::from_fn(count, n, |row, column| match row.checked_sub(rows) {
-        None => all.jacobian[(row, column)],
-        Some(row) => more.jacobian[(row, column)],
-    });
-    let mut unit = all.unit.clone();
-    unit.extend(more.unit);
-    let value = DVector::from_iterator(count, value);
-    Some(Some(Readings::new(jacobian, value, unit)))
 }
 
 /// The measurement of a study with further cases, in which all is read that the study reads anywhere; their readings are zero.

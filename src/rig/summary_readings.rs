@@ -42,7 +42,7 @@ pub(super) fn summaries(
         let read = Row {
             study,
             table,
-            row,
+            cells: row,
             columns,
             model,
         };
@@ -62,17 +62,17 @@ pub(super) fn summaries(
 struct Row<'a> {
     study: &'a Study,
     table: &'a Table,
-    row: &'a [Cell],
+    cells: &'a [Cell],
     columns: [usize; 8],
     model: &'a Model,
 }
 
 impl Row<'_> {
     fn cell(&self, column: usize) -> Result<&Cell, Diagnostic> {
-        let found = self.table.cell(self.row, self.columns[column]);
+        let found = self.table.cell(self.cells, self.columns[column]);
         found.ok_or_else(|| {
             let message = format!("a gradient or width without `{}`", COLUMNS[column]);
-            let span = self.table.row_span(self.row);
+            let span = self.table.row_span(self.cells);
             Diagnostic::error(Code::BadReading, message).label(self.table.source.name(), span, "")
         })
     }
@@ -152,7 +152,7 @@ impl Row<'_> {
                 own * if angle { 1.0 } else { millimetre }
             }
         };
-        let sigma = self.table.number(self.row, self.columns[7], out);
+        let sigma = self.table.number(self.cells, self.columns[7], out);
         let Some(sigma) = sigma.filter(|sigma| *sigma > 0.0) else {
             let cell = self.cell(7)?;
             let message = "sigma is to be more than 0".to_string();
@@ -164,7 +164,7 @@ impl Row<'_> {
             return Err(self.wrong(name, message, "give each a name of its own".to_string()));
         }
         // An empty value is one that a rig may make.
-        let value = self.table.number(self.row, self.columns[6], out);
+        let value = self.table.number(self.cells, self.columns[6], out);
         self.push(to, &name.text, gauge.function(curve), gauge);
         let channel = to.channels.last_mut().expect("just pushed");
         channel.column = (name.text.clone(), scale);
