@@ -38,6 +38,7 @@ mod lsp;
 mod merge;
 mod new;
 mod output_folder;
+mod plan;
 mod plausibility;
 mod progress;
 mod record;
@@ -76,6 +77,7 @@ const EXAMPLES: &str = "First steps:
   admire check my-axle                       what is missing; whether it is plausible
   admire identify my-axle --out answer       stiffnesses with their uncertainty
   admire diagnose my-axle --out diagnosis    what the model still gets wrong
+  admire plan my-axle                        what to measure next
   admire guide tutorial                      fifteen minutes from a test to a diagnosed model
   admire doctor                              what is installed here, and what is found";
 
@@ -123,6 +125,7 @@ enum Command {
     Sensitivity(sensitivity::Arguments),
     Identify(identify::Arguments),
     Diagnose(diagnose::Arguments),
+    Plan(plan::Arguments),
     Record(record::Arguments),
     Rig(rig::Arguments),
     Kc(kc::Arguments),
@@ -175,6 +178,7 @@ pub fn main() -> ExitCode {
         Command::Sensitivity(arguments) => sensitivity::run(&arguments, &mut shell),
         Command::Identify(arguments) => identify::run(&arguments, &mut shell),
         Command::Diagnose(arguments) => diagnose::run(&arguments, &mut shell),
+        Command::Plan(arguments) => plan::run(&arguments, &mut shell),
         Command::Record(arguments) => record::run(&arguments, &mut shell),
         Command::Kc(arguments) => kc::run(&arguments, &mut shell),
         Command::Sweep(arguments) => sweep::run(&arguments, &mut shell),

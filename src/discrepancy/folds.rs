@@ -111,18 +111,19 @@ impl Blind {
     }
 }
 
-/// Rows of the cases held out.
+/// Rows of the cases and curves held out.
 pub fn unseen(subject: &Subject<'_>) -> Vec<usize> {
     (0..subject.rows.len())
-        .filter(|k| subject.is_held_out(subject.rows[*k].case()))
+        .filter(|k| subject.is_held_out_row(&subject.rows[*k]))
         .collect()
 }
 
-/// Those of them that are compared: coordinates of marks, where the study has marks, else all readings; outliers left out.
+/// Those of them by which predictions are compared; outliers left out.
 pub fn compared(subject: &Subject<'_>) -> Vec<usize> {
+    let marks_alone = subject.compared().0 == "mark";
     let is_compared = |k: &usize| {
         let of_a_mark = matches!(subject.rows[*k], Row::Mark { .. });
-        subject.precision[*k] > 0.0 && (of_a_mark || !subject.compares_marks())
+        subject.precision[*k] > 0.0 && (of_a_mark || !marks_alone)
     };
     unseen(subject).into_iter().filter(is_compared).collect()
 }

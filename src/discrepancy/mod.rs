@@ -5,8 +5,10 @@
 //!
 //! One direction: `subject` (what was read, and its tolerances) and `hypothesis` (data) <- `unknowns` <- `settle` <- `fit` <- `survey` <- `causes`,
 //! `columns` <- `scan` <- `search` <- `sought` <- `folds` <- `unseen` <- `cross_validation`, `structure`, `remainder`, `averaged` <- `diagnose`, and what shows its outcome.
+//! What could be measured next goes beside: `candidate` <- `forecast` <- `prospect` <- `information` <- `rivals` <- `next_measurement`, `plan`.
 
 mod averaged;
+mod candidate;
 mod cause;
 mod causes;
 mod columns;
@@ -18,15 +20,20 @@ mod extended_deck;
 mod extension;
 mod fit;
 mod folds;
+mod forecast;
 mod gain_check;
 mod hypothesis;
 mod influence;
+mod information;
 mod jackknife;
 mod limits;
 mod next_measurement;
 mod other_solver;
+mod plan;
 mod progress;
+mod prospect;
 mod remainder;
+mod rivals;
 mod scan;
 mod search;
 mod settle;
@@ -40,9 +47,11 @@ mod tolerant;
 mod trend;
 mod unknowns;
 mod unseen;
+mod wheel_place;
 mod wheel_run;
 mod words;
 
+pub use candidate::Kind;
 pub use cause::Cause;
 pub use cross_validation::{CrossValidation, GroupGain};
 pub use diagnose::{Outcome, diagnose, diagnose_watched, held_out};
@@ -54,8 +63,10 @@ pub use fit::{Estimate, Fitted, Plain};
 pub use folds::{Blind, HeldOutTest};
 pub use gain_check::GainCheck;
 pub use hypothesis::Hypothesis;
+pub use plan::{Aim, Combination, Curves, Plan, Ranked, Undecided, WheelSd, plan};
 pub use progress::Progress;
 pub use remainder::{Over, Predicted, Remainder, RemainderPoint};
+pub use rivals::Separation;
 pub use solver_difference::SolverDifference;
 pub use stiffness::CorrectedStiffness;
 pub use structure::StructureTest;

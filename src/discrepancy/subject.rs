@@ -6,8 +6,8 @@ use super::progress::Progress;
 use crate::identify::Problem;
 use crate::identify::global::{Observations, Row};
 use crate::mechanics::Vec3;
-use crate::rig::ToleranceSettings;
 use crate::rig::settings::Loss;
+use crate::rig::{Measurement, ToleranceSettings};
 use crate::tolerance::{Layer, LayerOf, MarkBlock, Noise, Scale, Sizes, Tails, Whitening};
 
 /// Precision of a reading whose residual Huber's loss weighs down: beyond so many standard deviations.
@@ -34,6 +34,8 @@ pub struct Subject<'a> {
     blocks: Vec<MarkBlock>,
     single: Vec<(usize, Option<Scale>)>,
     held_out: Vec<bool>,
+    /// Whether the curves that the study holds out are.
+    holds_curves: bool,
     progress: Progress,
 }
 
@@ -81,59 +83,12 @@ impl<'a> Subject<'a> {
             noise,
             sizes,
             held_out,
+            holds_curves: true,
         };
-        new.place_rows();
+        let seen = |case: usize, reading: usize| measurement.cases[case].marks[reading].x;
+        (new.blocks, new.single) = placed(&new.rows, measurement, new.sigma, &seen);
         new.weigh(None);
         new
-    }
-
-    /// Which rows belong together.
-    fn place_rows(&mut self) {
-        let measurement = self.problem.measurement;
-        let mut blocks: Vec<((usize, usize), MarkBlock)> = Vec::new();
-        for (at, row) in self.rows.iter().enumerate() {
-            match *row {
-                Row::Mark {
-                    case,
-                    reading,
-                    axis: 0,
-                } => {
-                    let read = measurement.cases[case].marks[reading];
-                    let key = (case, read.part);
-                    if blocks.last().is_none_or(|(last, _)| *last != key) {
-                        let empty = MarkBlock {
-                            rows: Vec::new(),
-                            levers: Vec::new(),
-                            unit: self.sigma,
-                        };
-                        blocks.push((key, empty));
-                    }
-                    if let Some((_, block)) = blocks.last_mut() {
-                        block.rows.push(at);
-                        block.levers.push(read.x);
-                    }
-                }
-                Row::Mark { .. } => {}
-                Row::Wheel { component, .. } => {
-                    let scale = if component < 3 {
-                        Scale::WheelPosition
-                    } else {
-                        Scale::WheelAngles
-                    };
-                    self.single.push((at, Some(scale)));
-                }
-                Row::Channel { channel, .. } => {
-                    self.single.push((at, Some(Scale::Channel(channel))));
-                }
-            }
-        }
-        for (_, block) in &mut blocks {
-            let mean = block.levers.iter().sum::<Vec3>() / block.levers.len() as f64;
-            for lever in &mut block.levers {
-                *lever -= mean;
-            }
-        }
-        self.blocks = blocks.into_iter().map(|(_, block)| block).collect();
     }
 
     /// Weighs all rows: marks by their own noise, outliers not at all; with the residuals of a fit also by their tails.
@@ -208,22 +163,77 @@ impl<'a> Subject<'a> {
 
     /// What brings rows to independence, over the cases of this data.
     pub fn whitening(&self, data: Data) -> Whitening {
-        self.whitening_of(&|case| data == Data::All || !self.held_out[case])
+        self.whitening_of_rows(&|row| data == Data::All || !self.is_held_out_row(row))
     }
 
     /// What brings rows to independence, over the cases that are seen.
     pub fn whitening_of(&self, is_seen: &dyn Fn(usize) -> bool) -> Whitening {
+        self.whitening_of_rows(&|row| self.sees(row, is_seen))
+    }
+
+    /// Whether a row is one of a case that is seen; a summary is if all its cases are.
+    fn sees(&self, row: &Row, is_seen: &dyn Fn(usize) -> bool) -> bool {
+        match *row {
+            Row::Channel { case, channel } => {
+                let summary = &self.problem.measurement.channels[channel].summary;
+                match summary {
+                    Some(summary) => summary.cases.iter().all(|case| is_seen(*case)),
+                    None => is_seen(case),
+                }
+            }
+            _ => is_seen(row.case()),
+        }
+    }
+
+    /// Whether no fit that says what is gained sees a row: its case or its curve is held out.
+    pub fn is_held_out_row(&self, row: &Row) -> bool {
+        let channels = &self.problem.measurement.channels;
+        let curve = matches!(*row, Row::Channel { channel, .. } if channels[channel].held_out);
+        self.holds_curves && curve || !self.sees(row, &|case| !self.held_out[case])
+    }
+
+    fn whitening_of_rows(&self, is_seen: &dyn Fn(&Row) -> bool) -> Whitening {
         let precision: Vec<f64> = self
             .rows
             .iter()
             .zip(&self.precision)
             .map(
                 |(row, precision)| {
-                    if is_seen(row.case()) { *precision } else { 0.0 }
+                    if is_seen(row) { *precision } else { 0.0 }
                 },
             )
             .collect();
         Whitening::new(&self.blocks, &self.single, &precision, &self.sizes)
+    }
+
+    /// What brings rows that nobody has read yet to independence: they are taken for as exact as those of their kind are on average.
+    /// `rows` are of `measurement`, and `seen` says where a mark would be seen.
+    pub fn whitening_ahead(
+        &self,
+        rows: &[Row],
+        measurement: &Measurement,
+        seen: &dyn Fn(usize, usize) -> Vec3,
+    ) -> Whitening {
+        let (blocks, single) = placed(rows, measurement, self.sigma, seen);
+        let usual = self.usual_precision();
+        let of = |row: &Row| match row {
+            Row::Mark { .. } => usual,
+            _ => 1.0,
+        };
+        let precision: Vec<f64> = rows.iter().map(of).collect();
+        Whitening::new(&blocks, &single, &precision, &self.sizes)
+    }
+
+    /// Precision of a mark's row: the mean of those that are used.
+    pub fn usual_precision(&self) -> f64 {
+        let rows = self.rows.iter().zip(&self.precision);
+        let used = rows.filter(|(row, p)| matches!(row, Row::Mark { .. }) && **p > 0.0);
+        let (count, sum) = used.fold((0, 0.0), |(n, sum), (_, p)| (n + 1, sum + p));
+        if count == 0 {
+            1.0
+        } else {
+            sum / f64::from(count)
+        }
     }
 
     /// Whether no fit that says what is gained sees a case.
@@ -231,9 +241,11 @@ impl<'a> Subject<'a> {
         self.held_out[case]
     }
 
-    /// True if some case is held out.
+    /// True if some case or curve is held out.
     pub fn holds_out(&self) -> bool {
+        let mut curves = self.problem.measurement.channels.iter();
         self.held_out.iter().any(|held| *held)
+            || self.holds_curves && curves.any(|channel| channel.held_out)
     }
 
     /// One millimetre in the deck's length unit.
@@ -271,8 +283,9 @@ impl<'a> Subject<'a> {
         self.progress = progress.clone();
     }
 
-    /// Holds these cases out, and no other.
+    /// Holds these cases out, and nothing else.
     pub fn hold_out(&mut self, cases: &[usize]) {
+        self.holds_curves = false;
         for (case, held) in self.held_out.iter_mut().enumerate() {
             *held = cases.contains(&case);
         }
@@ -285,7 +298,8 @@ impl<'a> Subject<'a> {
 
     /// By what predictions are compared, and what one unit of such a row is: `mark` in the deck's length unit, else `noise`.
     pub fn compared(&self) -> (&'static str, f64) {
-        if self.compares_marks() {
+        // A curve alone is compared by itself.
+        if self.compares_marks() && (self.cases_held_out().next().is_some() || !self.holds_out()) {
             ("mark", self.sigma)
         } else {
             ("noise", 1.0)
@@ -296,6 +310,59 @@ impl<'a> Subject<'a> {
     pub fn cases_held_out(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.held_out.len()).filter(|case| self.held_out[*case])
     }
+}
+
+/// Which rows belong together: the marks of a part in a case, each with its way from their mean, and what stands alone.
+fn placed(
+    rows: &[Row],
+    measurement: &Measurement,
+    unit: f64,
+    seen: &dyn Fn(usize, usize) -> Vec3,
+) -> (Vec<MarkBlock>, Vec<(usize, Option<Scale>)>) {
+    let mut blocks: Vec<((usize, usize), MarkBlock)> = Vec::new();
+    let mut single = Vec::new();
+    for (at, row) in rows.iter().enumerate() {
+        match *row {
+            Row::Mark {
+                case,
+                reading,
+                axis: 0,
+            } => {
+                let key = (case, measurement.cases[case].marks[reading].part);
+                if blocks.last().is_none_or(|(last, _)| *last != key) {
+                    let empty = MarkBlock {
+                        rows: Vec::new(),
+                        levers: Vec::new(),
+                        unit,
+                    };
+                    blocks.push((key, empty));
+                }
+                if let Some((_, block)) = blocks.last_mut() {
+                    block.rows.push(at);
+                    block.levers.push(seen(case, reading));
+                }
+            }
+            Row::Mark { .. } => {}
+            Row::Wheel { component, .. } => {
+                let scale = if component < 3 {
+                    Scale::WheelPosition
+                } else {
+                    Scale::WheelAngles
+                };
+                single.push((at, Some(scale)));
+            }
+            Row::Channel { channel, .. } => {
+                single.push((at, Some(Scale::Channel(channel))));
+            }
+        }
+    }
+    for (_, block) in &mut blocks {
+        let mean = block.levers.iter().sum::<Vec3>() / block.levers.len() as f64;
+        for lever in &mut block.levers {
+            *lever -= mean;
+        }
+    }
+    (blocks.into_iter().map(|(_, block)| block).collect(), single)
 }
 
 /// What a fit sees.

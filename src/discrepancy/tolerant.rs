@@ -98,6 +98,12 @@ impl Tolerant {
         })
     }
 
+    /// Covariance of the logarithms of the first `sought` numbers with all tolerances marginalised, at the sizes that were found.
+    pub fn covariance(&self, sought: usize) -> nalgebra::DMatrix<f64> {
+        let all = &self.fitted.posterior.covariance;
+        all.view((0, 0), (sought, sought)).into_owned()
+    }
+
     /// Puts it into the answer of an identification, whose own fit took everything but the marks for exact.
     pub fn apply(self, fit: &mut Fit) {
         for (own, found) in fit.parameters.iter_mut().zip(self.parameters) {

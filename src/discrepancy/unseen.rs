@@ -37,6 +37,9 @@ pub struct HoldOut {
     pub searched: bool,
     /// Labels of the cases.
     pub cases: Vec<String>,
+    /// Names of the curves.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub curves: Vec<String>,
     /// Causes that were chosen without them, `cause address`.
     pub causes: Vec<String>,
     /// `mark` if the rms is that of a mark coordinate in the deck's length unit, `noise` if of all readings in units of their noise.
@@ -140,6 +143,14 @@ impl Unseen {
             cases: subject
                 .cases_held_out()
                 .map(|case| cases[case].label.clone())
+                .collect(),
+            curves: subject
+                .problem
+                .measurement
+                .channels
+                .iter()
+                .filter(|channel| channel.held_out)
+                .map(|channel| channel.name.clone())
                 .collect(),
             causes: self.chosen.chosen.iter().map(ToString::to_string).collect(),
             of,

@@ -330,6 +330,10 @@ impl Outcome<'_> {
                 "camber from {camber:.4} to {camber_after:.4} deg, steer from {steer:.4} to {steer_after:.4} deg"
             ));
         }
+        let held = match self.subject.cases_held_out().next() {
+            Some(_) => "cases",
+            None => "curves",
+        };
         parts.extend(self.channels_gained());
         parts.push(format!(
             "chi-square per reading from {:.2} to {:.2} (p = {:.2})",
@@ -338,7 +342,7 @@ impl Outcome<'_> {
             after.p_value
         ));
         Some(format!(
-            "On the cases held out, with {} {} without them, {}.",
+            "On the {held} held out, with {} {} without them, {}.",
             chosen(&unseen.chosen.chosen),
             if unseen.searched {
                 "chosen and fitted"
@@ -445,7 +449,7 @@ impl Outcome<'_> {
             .filter_map(|(channel, info)| {
                 let rows = self.subject.rows.iter().enumerate().filter(|(_, row)| {
                     matches!(row, Row::Channel { channel: of, .. } if *of == channel)
-                        && self.subject.is_held_out(row.case())
+                        && self.subject.is_held_out_row(row)
                 });
                 let count = rows.clone().count();
                 let rms = |blind: &Blind| {

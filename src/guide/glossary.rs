@@ -18,7 +18,7 @@ pub struct Entry {
 }
 
 /// Pages whose tables explain words.
-const EXPLAINING: [&str; 3] = ["study", "diagnosis", "kc"];
+const EXPLAINING: [&str; 4] = ["study", "diagnosis", "plan", "kc"];
 
 /// Every word that a table explains, in the order of the pages.
 pub fn entries() -> impl Iterator<Item = Entry> {

@@ -44,6 +44,7 @@ pages! {
     real_adams
     study
     diagnosis
+    plan
     toolkit
     editors
     python

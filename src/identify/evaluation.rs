@@ -143,6 +143,7 @@ pub(crate) fn fill(
         cases: labels.map(|case| case.label.clone()).collect(),
         marks_rms_before: over(before, true).marks_rms,
         marks_rms_after: over(after, true).marks_rms,
+        curves: Vec::new(),
     };
     let all = |sweep| {
         compare(

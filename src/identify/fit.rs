@@ -116,6 +116,24 @@ pub struct HeldOut {
     pub marks_rms_before: Option<f64>,
     /// Rms mark error after.
     pub marks_rms_after: Option<f64>,
+    /// Curves that no fit saw.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub curves: Vec<CurveHeldOut>,
+}
+
+/// A channel that no fit saw.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct CurveHeldOut {
+    /// Its name.
+    pub name: String,
+    /// Its unit.
+    pub unit: Option<String>,
+    /// How many readings it has.
+    pub count: usize,
+    /// Rms error before.
+    pub rms_before: f64,
+    /// Rms error after.
+    pub rms_after: f64,
 }
 
 /// How the wheel is explained.

@@ -21,7 +21,7 @@ mod unknowns;
 
 pub use evaluation::{Discrepancy, compare};
 pub use fit::{
-    Fit, HeldOut, Marks, NoiseFound, OffsetFit, ParameterFit, Status, ToleranceFound,
+    CurveHeldOut, Fit, HeldOut, Marks, NoiseFound, OffsetFit, ParameterFit, Status, ToleranceFound,
     UnidentifiableDirection, WheelFit,
 };
 pub use goodness::{FitTest, ReadingsLeft, Verdict};

@@ -280,6 +280,7 @@ pub fn identify_as(
             cases: Vec::new(),
             marks_rms_before: None,
             marks_rms_after: None,
+            curves: Vec::new(),
         },
         wheel: None,
         bootstrap: None,

@@ -37,6 +37,15 @@ pub(super) fn identification(loaded: &LoadedStudy, fit: &Fit, before: Option<f64
         )
     };
     let held = &fit.held_out;
+    for curve in &held.curves {
+        let unit = curve.unit.as_deref().unwrap_or("");
+        text += &format!(
+            " Of {}, which the fit did not see, the error falls from {} to {} {unit}.",
+            curve.name,
+            digits(curve.rms_before),
+            digits(curve.rms_after)
+        );
+    }
     if let (Some(from), Some(to)) = (held.marks_rms_before, held.marks_rms_after) {
         text += &format!(
             " On {} load cases that the fit did not see, the error of the model falls from {} to {} {length}.",

@@ -325,6 +325,11 @@ impl IdentificationReport<'_> {
             let name = format!("marks of the held-out cases {}", held.cases.join(", "));
             rows.push((name, held.marks_rms_before, held.marks_rms_after));
         }
+        for curve in &held.curves {
+            let unit = curve.unit.as_deref().unwrap_or("");
+            let name = format!("held-out curve {}, rms, {unit}", curve.name);
+            rows.push((name, Some(curve.rms_before), Some(curve.rms_after)));
+        }
         if let Some(wheel) = &self.fit.wheel {
             let (before, after) = (wheel.camber_deg_rms_before, wheel.camber_deg_rms_after);
             rows.push(("camber, rms, deg".into(), Some(before), Some(after)));

@@ -150,17 +150,25 @@ impl Plausibility {
             let read = to.cases.iter().filter(|case| case.wheel.is_some()).count();
             self.counted("wheel", String::new(), read, to.cases.len());
         }
-        if !to.channels.is_empty() {
+        let by_case = |(_, c): &(usize, &crate::rig::Channel)| c.is_read_by_case();
+        let channels = to.channels.iter().enumerate().filter(by_case);
+        let channels: Vec<usize> = channels.map(|(k, _)| k).collect();
+        if !channels.is_empty() {
             let read: usize = to
                 .cases
                 .iter()
-                .map(|case| case.channels.iter().flatten().count())
+                .map(|case| {
+                    channels
+                        .iter()
+                        .filter(|k| case.channels[**k].is_some())
+                        .count()
+                })
                 .sum();
             self.counted(
                 "channels",
-                format!("{}", to.channels.len()),
+                format!("{}", channels.len()),
                 read,
-                to.channels.len() * to.cases.len(),
+                channels.len() * to.cases.len(),
             );
         }
     }

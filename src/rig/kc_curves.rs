@@ -50,6 +50,17 @@ impl Curve {
         own.map_or("", |(word, _)| word)
     }
 
+    /// The curve of this word.
+    pub(super) fn named(word: &str) -> Option<Self> {
+        let own = Self::ALL.iter().find(|(own, _)| *own == word);
+        own.map(|(_, curve)| *curve)
+    }
+
+    /// The words of all curves.
+    pub(super) fn words() -> Vec<&'static str> {
+        Self::ALL.iter().map(|(word, _)| *word).collect()
+    }
+
     /// What its sign says.
     pub const fn told(self) -> &'static str {
         match self {

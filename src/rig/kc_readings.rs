@@ -196,6 +196,8 @@ fn channel(
             .to_string(),
         ),
         relative_to,
+        summary: None,
+        held_out: false,
     });
     let at = at?;
     let shown = match unit {

@@ -3,6 +3,7 @@ use std::collections::BTreeMap;
 use super::kc_curves::Helper;
 use super::orientation::{Orientation, OrientationError, absolute_orientation};
 use super::settings::WheelSettings;
+use super::summary::Summary;
 use super::wheel::{SpinDirection, WheelReading};
 use crate::diagnostic::Diagnostic;
 use crate::mechanics::{Pose, Vec3};
@@ -95,9 +96,18 @@ pub struct Channel {
     pub unit: Option<String>,
     /// The case whose value is subtracted.
     pub relative_to: Option<Reference>,
+    /// What is taken from its values in several cases, if that is what was read; the reading stands in the last of them.
+    pub summary: Option<Summary>,
+    /// No fit sees it.
+    pub held_out: bool,
 }
 
 impl Channel {
+    /// True if it is read in each case.
+    pub fn is_read_by_case(&self) -> bool {
+        self.summary.is_none() && !self.column.0.is_empty()
+    }
+
     /// Its unit as it stands behind a number: a blank before it, nothing where the study states none.
     pub fn behind(&self) -> String {
         self.unit
@@ -188,6 +198,21 @@ impl Measurement {
     /// The cases a fit may see.
     pub fn fitted_cases(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.cases.len()).filter(|&case| !self.cases[case].held_out)
+    }
+
+    /// Whether a fit that does not see these cases sees the reading of a channel that stands in `case`.
+    pub fn sees_channel(
+        &self,
+        channel: usize,
+        case: usize,
+        is_seen: &dyn Fn(usize) -> bool,
+    ) -> bool {
+        let info = &self.channels[channel];
+        let of = info
+            .summary
+            .as_ref()
+            .map_or(std::slice::from_ref(&case), |s| &s.cases);
+        !info.held_out && of.iter().all(|case| is_seen(*case))
     }
 
     /// Index of the case with this label.

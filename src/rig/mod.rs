@@ -29,6 +29,8 @@ mod starter;
 mod stated;
 mod study;
 mod study_folder;
+mod summary;
+mod summary_readings;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -54,6 +56,7 @@ pub use rig_options::RigOptions;
 pub use starter::{Kind, Starter};
 pub use stated::{Stated, ToleranceSettings};
 pub use study::{MarkFiles, Study, study_keys};
+pub use summary::{Over, Summary, SummaryKind, Taken};
 pub use table::{Cell, Table};
 pub use tolerances::Tolerances;
 pub use virtual_rig::{RigRun, virtual_rig, virtual_rig_watched};

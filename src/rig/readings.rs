@@ -130,6 +130,13 @@ impl Readings {
                     .reference(case)
                     .map_or(0.0, |case| rest[case].channels[k]);
                 let mut value = at.channels[k] - before + sensors.normal() * channel.sigma * on;
+                if let Some(summary) = &channel.summary {
+                    let of =
+                        |k: usize| summary.cases.iter().map(|c| rest[*c].channels[k]).collect();
+                    let curve: Vec<f64> = of(k);
+                    let taken = summary.take(&curve, &of).value;
+                    value += taken - (at.channels[k] - before);
+                }
                 for fault in &reality.faults {
                     if let ReadingFault::Channel {
                         channel,

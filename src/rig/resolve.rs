@@ -10,6 +10,7 @@ use super::rows::{case_of, label_of, labels, point};
 use super::section::{meant, nearest};
 use super::settings::ChannelSettings;
 use super::study::{MarkFiles, Study};
+use super::summary_readings::summaries;
 use super::table::{Cell, Table};
 use super::wheel_readings::wheel_readings;
 use crate::diagnostic::{Code, Diagnostic};
@@ -40,6 +41,9 @@ pub(super) fn measurement(study: &Study, model: &Model, out: &mut Vec<Diagnostic
     }
     if let Some((settings, table)) = &study.kc {
         kc_readings(study, model, (settings, table), &mut measured, out);
+    }
+    if let (Some((settings, _)), Some(table)) = (&study.kc, &study.kc_summary) {
+        summaries(study, model, (settings, table), &mut measured, out);
     }
     hold_out(study, &mut measured, out);
     measured
@@ -406,6 +410,8 @@ fn channel_readings(
             sigma_estimated: settings.sigma.is_none(),
             unit: settings.unit.clone(),
             relative_to,
+            summary: None,
+            held_out: false,
         });
     }
     for case in &mut to.cases {
@@ -451,16 +457,25 @@ fn channel_readings(
 
 fn hold_out(study: &Study, to: &mut Measurement, out: &mut Vec<Diagnostic>) {
     for label in study.hold_out.iter().flatten() {
-        match to.case(&label.text) {
-            Some(case) => to.cases[case].held_out = true,
-            None => out.push(
-                Diagnostic::warning(
-                    Code::UnknownCase,
-                    format!("the load cases have no case `{}` to hold out", label.text),
-                )
-                .label(study.source.name(), label.span, "")
-                .help(meant(&label.text, "the file of load cases", &labels(to))),
-            ),
+        let curve = to
+            .channels
+            .iter()
+            .position(|channel| channel.name == label.text);
+        match (to.case(&label.text), curve) {
+            (Some(case), _) => to.cases[case].held_out = true,
+            (None, Some(channel)) => to.channels[channel].held_out = true,
+            (None, None) => {
+                let mut known = labels(to);
+                known.extend(to.channels.iter().map(|channel| channel.name.clone()));
+                let message = format!("there is no case and no curve `{}` to hold out", label.text);
+                let warning = Diagnostic::warning(Code::UnknownCase, message);
+                let found = meant(&label.text, "the study", &known);
+                out.push(
+                    warning
+                        .label(study.source.name(), label.span, "")
+                        .help(found),
+                );
+            }
         }
     }
 }

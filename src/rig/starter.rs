@@ -295,7 +295,7 @@ top_height = {{ function = \"DZ({marker})\", sigma = 0.1, unit = \"{}\" }}   # F
         text += "# symmetry = { default = \"radial-z\" }   # round bushings: Kx = Ky, KTx = KTy
 
 # [validate]
-# hold_out = [\"3\", \"7\"]             # cases no fit sees, to test the answer on
+# hold_out = [\"3\", \"7\"]             # cases, or names of curves, that no fit sees: to test the answer on
 ";
         text
     }

@@ -52,6 +52,8 @@ pub struct Study {
     pub readings: Option<(Table, Vec<ChannelSettings>)>,
     /// `[kc]` and its file.
     pub kc: Option<(KcSettings, Table)>,
+    /// `[kc] summary`: gradients and widths that were taken from curves.
+    pub kc_summary: Option<Table>,
     /// `[identify]`.
     pub identify: IdentifySettings,
     /// `[regression]`.
@@ -109,6 +111,7 @@ impl Study {
             self.wheel.as_ref().and_then(|(_, table)| table.as_ref()),
             self.readings.as_ref().map(|(table, _)| table),
             self.kc.as_ref().map(|(_, table)| table),
+            self.kc_summary.as_ref(),
         ])
         .flatten()
         .map(|table| &table.source);
@@ -310,9 +313,15 @@ fn sections(root: &mut Section<'_>, files: &Files<'_>, out: &mut Vec<Diagnostic>
     };
     section.finish(out);
 
+    let mut kc_summary = None;
     let mut section = root.section("kc", out);
     let kc = if section.is_present() {
         let file = files.readings(&mut section, "file", out);
+        if section.is_text("summary") {
+            kc_summary = files
+                .readings(&mut section, "summary", out)
+                .map(|(source, _)| Table::read(source, out));
+        }
         let settings = KcSettings::read(&mut section, out);
         settings
             .zip(file)
@@ -356,6 +365,7 @@ fn sections(root: &mut Section<'_>, files: &Files<'_>, out: &mut Vec<Diagnostic>
         wheel,
         readings,
         kc,
+        kc_summary,
         identify,
         regression,
         tolerances,

@@ -8,6 +8,7 @@ use super::readings::Readings;
 use super::rig_options::RigOptions;
 use super::section;
 use super::study::Study;
+use super::summary_readings::written;
 
 /// The standard deviation that exact readings are given, in length units: they cannot have none.
 const EXACT: f64 = 1e-4;
@@ -114,6 +115,10 @@ pub(super) fn files(
         files.retain(|(other, _)| *other != name);
         files.push((name, text.into_bytes()));
     }
+    if let Some(table) = &study.kc_summary {
+        let text = written(table, measured, &read.channels);
+        files.push((relative(table.source.name()), text.into_bytes()));
+    }
     files.push((
         PathBuf::from("study.toml"),
         without_section(&toml, "reference").into_bytes(),
@@ -132,7 +137,10 @@ fn channels(
     for name in loads {
         let _ = write!(out, ",{name}");
     }
-    for channel in &measured.channels[range.clone()] {
+    let range: Vec<usize> = range
+        .filter(|k| measured.channels[*k].is_read_by_case())
+        .collect();
+    for channel in range.iter().map(|k| &measured.channels[*k]) {
         let _ = write!(out, ",{}", channel.column.0);
     }
     out.push('\n');
@@ -145,7 +153,7 @@ fn channels(
         for load in &case.loads[..loads.len()] {
             let _ = write!(out, ",{load}");
         }
-        for k in range.clone() {
+        for &k in &range {
             let channel = &measured.channels[k];
             let counts = channel.relative_to.is_none() || channel.reference(at).is_some();
             if counts && (all[k] || case.channels[k].is_some()) {

@@ -22,6 +22,7 @@ pub struct Table {
     header: Vec<Cell>,
     rows: Vec<Vec<Cell>>,
     columns: BTreeMap<String, usize>,
+    delimiter: u8,
     decimal_commas: bool,
 }
 
@@ -73,6 +74,7 @@ impl Table {
             header,
             rows,
             columns,
+            delimiter,
             decimal_commas,
         };
         if delimiter != b',' {
@@ -184,6 +186,27 @@ impl Table {
     /// The cell of a row, unless the row is too short or the cell empty.
     pub fn cell<'a>(&self, row: &'a [Cell], column: usize) -> Option<&'a Cell> {
         row.get(column).filter(|cell| !cell.text.is_empty())
+    }
+
+    /// The header line.
+    pub fn header_row(&self) -> String {
+        let cells: Vec<String> = self.header();
+        cells.join(std::str::from_utf8(&[self.delimiter]).unwrap_or(",")) + "\n"
+    }
+
+    /// A row for the end of the file, written as its own are: the cells of these columns, all others empty.
+    pub fn further_row(&self, cells: &[(usize, String)]) -> String {
+        let of = |column: usize| {
+            let own = cells.iter().find(|(at, _)| *at == column);
+            let text = own.map_or("", |(_, text)| text.as_str());
+            if self.decimal_commas && text.parse::<f64>().is_ok() {
+                text.replace('.', ",")
+            } else {
+                text.to_string()
+            }
+        };
+        let cells: Vec<String> = (0..self.header.len()).map(of).collect();
+        cells.join(std::str::from_utf8(&[self.delimiter]).unwrap_or(",")) + "\n"
     }
 
     /// The whole row.

@@ -285,7 +285,7 @@ pub(super) fn shift(model: &Model, markers: &[MarkerIx], direction: &Vec3) -> Ef
 }
 
 /// The marker at which a driven force acts.
-fn acts_at(model: &Model, target: &Address) -> Option<MarkerIx> {
+pub fn acts_at(model: &Model, target: &Address) -> Option<MarkerIx> {
     let id = target.id?;
     match target.kind.as_str() {
         "SFORCE" => model

@@ -19,7 +19,7 @@ mod tails;
 mod whitening;
 
 pub use group::{Group, Scale, Size, Sizes};
-pub use layer::{Effect, Layer, LayerOf, Member};
+pub use layer::{Effect, Layer, LayerOf, Member, acts_at};
 pub use linear::{Linear, Posterior, Unknown};
 pub use noise::{MarkOutlier, Noise};
 pub use point::{Point, points};

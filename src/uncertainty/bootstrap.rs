@@ -3,8 +3,8 @@
 use nalgebra::DVector;
 
 use super::estimate::Estimate;
+use crate::identify::global::Row as Reading;
 use crate::identify::global::gauss_newton::{Ending, Prior, Tolerances};
-use crate::identify::global::{Observations, Row as Reading};
 use crate::sweep::{Row, Status, Stream, normal};
 
 /// Fewer residuals of a kind than this are drawn from those of all kinds.
@@ -97,12 +97,10 @@ impl<'a> Bootstrap<'a> {
 /// The kind of reading each residual stems from.
 fn kinds(estimate: &Estimate<'_>) -> Vec<usize> {
     let problem = estimate.problem;
-    let rows = Observations::new(
-        problem.measurement,
-        problem.model,
-        estimate.marginal.cases(),
-    )
-    .rows;
+    let observations = estimate
+        .marginal
+        .observations(problem.measurement, problem.model);
+    let rows = observations.rows;
     let kind = |row: usize| match rows[row] {
         Reading::Mark { .. } => 0,
         Reading::Wheel {

@@ -15,6 +15,7 @@ mod direct;
 mod global;
 mod kc_curves;
 mod kc_experiment;
+mod kc_summary;
 mod options;
 mod regression;
 mod repeats;

@@ -3,6 +3,7 @@
 mod explaining;
 mod messages;
 mod new_study;
+mod planning;
 mod run;
 mod terminal;
 mod tutorial;

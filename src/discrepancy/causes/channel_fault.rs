@@ -35,6 +35,13 @@ pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
         };
         // The reading is (1 + gain) times the truth plus a zero. The truth is what the fit predicts: a factor on the reading itself
         // would explain anything by making it nothing.
+        // A single number has no gain and zero of its own.
+        if info.summary.is_some() {
+            for (at, ..) in &read {
+                put("value", "value", size, vec![(*at, -1.0 / info.sigma)]);
+            }
+            continue;
+        }
         let gain = read
             .iter()
             .map(|(at, _, value)| (*at, value / info.sigma + survey.misfit(*at)));

@@ -58,6 +58,7 @@ pub fn identify(
             cases: Vec::new(),
             marks_rms_before: None,
             marks_rms_after: None,
+            curves: Vec::new(),
         },
         wheel: None,
         bootstrap: None,

@@ -7,6 +7,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::confidence::{NORMAL_975, covariance, open_directions};
 use super::gauss_newton::{Ending, Minimum, Tolerances, minimise};
+use super::held_curves::held_curves;
 use super::observation::{NuisanceLayout, Observations, Row};
 use super::predictor::{CasePrediction, Predictor};
 use super::problem::GlobalProblem;
@@ -199,7 +200,7 @@ pub fn identify<'a>(
         };
         if !left_out.is_empty() && left_out.len() < all.len() {
             let see =
-                |cases: &[usize]| Observations::new(problem.measurement, problem.model, cases);
+                |cases: &[usize]| Observations::fitted(problem.measurement, problem.model, cases);
             global.observations = see(&kept(&left_out));
             best = attempt(global, &starts);
             // With the stiffnesses found more cases may be within reach.
@@ -240,6 +241,7 @@ pub fn identify<'a>(
     let end = minimum.x.clone();
     let [before, after] = [&initial, &end].map(|x| swept(global, x));
     fill(&mut fit, problem, &before, &after, 0);
+    fit.held_out.curves = held_curves(problem, global, [&initial, &end]);
     fit.marks = marks(global, &minimum);
     fit.fit_test = tested(global, &minimum, &covariance, &mut fit.remarks);
     if fit.fit_test.is_some() {
@@ -421,6 +423,7 @@ fn answer(
             cases: Vec::new(),
             marks_rms_before: None,
             marks_rms_after: None,
+            curves: Vec::new(),
         },
         wheel: None,
         bootstrap: None,

@@ -18,6 +18,8 @@ use super::prepared::Prepared;
 use super::unknown::FitUnknowns;
 use crate::identify::{IdentifyError, Problem};
 use crate::mechanics::eigen::symmetric_eigen;
+use crate::model::Model;
+use crate::rig::Measurement;
 use crate::system::{Parameters, State};
 use crate::tolerance::Whitening;
 
@@ -137,9 +139,19 @@ impl Marginal {
         self.used.iter().map(|(row, _)| *row)
     }
 
-    /// The cases whose readings are the rows.
-    pub fn cases(&self) -> &[usize] {
-        &self.joint.cases
+    /// The readings that the rows are.
+    pub fn observations<'m>(
+        &self,
+        measurement: &'m Measurement,
+        model: &Model,
+    ) -> Observations<'m> {
+        let cases = &self.joint.cases;
+        // Where rows are turned, those that are not used have no weight; elsewhere they are no rows.
+        if self.joint.whitening.is_some() {
+            Observations::new(measurement, model, cases)
+        } else {
+            Observations::fitted(measurement, model, cases)
+        }
     }
 
     /// Where the fit found them.
@@ -169,7 +181,7 @@ impl Marginal {
         problem: &Problem<'a>,
     ) -> Result<MarginalProblem<'a>, IdentifyError> {
         let model = &self.joint.prepared.model;
-        let observations = Observations::new(problem.measurement, model, &self.joint.cases);
+        let observations = self.observations(problem.measurement, model);
         let mut predictor = self
             .joint
             .prepared

@@ -8,6 +8,7 @@ pub mod confidence;
 mod differences;
 mod fit;
 pub mod gauss_newton;
+mod held_curves;
 mod marginal;
 mod memory;
 mod native;

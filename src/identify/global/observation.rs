@@ -3,13 +3,16 @@
 //! Besides the deck's unknowns it knows those of the measurement itself: a shift of the measuring frame in each case, and errors of
 //! the marks' places on their parts. Knows no solver.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Dyn, U1};
 
 use super::predictor::{CasePrediction, Observed};
 use crate::mechanics::{Pose, Vec3};
 use crate::model::{Model, PartIx};
-use crate::rig::Measurement;
 use crate::rig::wheel::{camber_deg, steer_deg};
+use crate::rig::{Measurement, Over, Summary};
+
+/// A row of a Jacobian.
+type RowViewMut<'a, T> = nalgebra::MatrixViewMut<'a, T, U1, Dyn, U1, Dyn>;
 
 /// What one residual compares.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -177,6 +180,17 @@ impl<'a> Observations<'a> {
         }
     }
 
+    /// The readings of these cases that a fit may see: no curve that is held out, and no summary of cases that are not all among these.
+    pub fn fitted(measurement: &'a Measurement, model: &Model, cases: &[usize]) -> Self {
+        let mut new = Self::new(measurement, model, cases);
+        let is_seen = |case: usize| cases.contains(&case);
+        new.rows.retain(|row| match *row {
+            Row::Channel { case, channel } => measurement.sees_channel(channel, case, &is_seen),
+            _ => true,
+        });
+        new
+    }
+
     /// The cases whose readings are compared, in their order.
     pub fn cases(&self) -> Vec<usize> {
         let mut cases: Vec<usize> = self.rows.iter().map(|row| row.case()).collect();
@@ -225,6 +239,11 @@ impl<'a> Observations<'a> {
                 Row::Mark { .. } | Row::Wheel { .. } => {}
                 Row::Channel { channel, .. } => {
                     let info = &self.measurement.channels[channel];
+                    if let Some(summary) = &info.summary {
+                        let row = (&mut residual[at], jacobian.row_mut(at));
+                        self.summary(summary, (case, channel), prediction, columns, row)?;
+                        continue;
+                    }
                     let other = match info.reference(case) {
                         Some(zero) => Some(prediction[zero].as_ref()?),
                         None => None,
@@ -240,6 +259,38 @@ impl<'a> Observations<'a> {
             }
         }
         Some(Evaluation { residual, jacobian })
+    }
+
+    /// A number taken from a channel in several cases.
+    fn summary(
+        &self,
+        summary: &Summary,
+        (case, channel): (usize, usize),
+        prediction: &[Option<CasePrediction>],
+        columns: usize,
+        (residual, mut row): (&mut f64, RowViewMut<'_, f64>),
+    ) -> Option<()> {
+        let sigma = self.measurement.channels[channel].sigma;
+        let reading = self.measurement.cases[case].channels[channel]?;
+        let cases = summary.cases.iter();
+        let cases: Vec<&CasePrediction> = cases
+            .map(|k| prediction[*k].as_ref())
+            .collect::<Option<_>>()?;
+        let of = |channel: usize| cases.iter().map(|case| case.channels[channel]).collect();
+        let curve: Vec<f64> = of(channel);
+        let taken = summary.take(&curve, &of);
+        *residual = (taken.value - reading) / sigma;
+        let over = match summary.over {
+            Over::Channel(over) => Some(over),
+            Over::Load(_) => None,
+        };
+        for (k, case) in cases.iter().enumerate() {
+            for (column, change) in case.by_unknown.iter().enumerate().take(columns) {
+                let by_over = over.map_or(0.0, |over| taken.by_over[k] * change.channels[over]);
+                row[column] += (taken.by_curve[k] * change.channels[channel] + by_over) / sigma;
+            }
+        }
+        Some(())
     }
 
     fn mark(

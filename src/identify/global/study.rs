@@ -84,7 +84,7 @@ pub fn fit_study<'a>(
         Start::Auto | Start::Initial | Start::At(_) => None,
     };
     let cases: Vec<usize> = problem.measurement.fitted_cases().collect();
-    let observations = Observations::new(problem.measurement, problem.model, &cases);
+    let observations = Observations::fitted(problem.measurement, problem.model, &cases);
     let begin = match &start {
         Start::At(values) => Some(values.clone()),
         _ => direct.as_ref().map(start_at),

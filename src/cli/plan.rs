@@ -1,0 +1,351 @@
+use std::path::PathBuf;
+
+use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::discrepancy::{Aim, Combination, Plan, Progress as Watched, Ranked, plan};
+use crate::front::fit::nothing_to_identify;
+use crate::front::foreign_parts;
+use crate::identify::{LoadedStudy, estimate_noise};
+
+use super::Outcome;
+use super::format::Format;
+use super::input::study;
+use super::output_folder::{Replacing, refuse_replacing, write_folder};
+use super::plausibility::before_a_fit;
+use super::progress::Progress;
+use super::render::{hanging, table_text};
+use super::shell::{Exit, Shell};
+
+/// Say which test, load or mark to add next to a study, ranked by what each would gain.
+///
+/// Looks at further load cases, cases once more, marks on parts, curves of the wheel and load cells: what each does to the
+/// worst-determined stiffnesses, to the predicted wheel, and to causes between which the readings do not decide. With --out it writes
+/// `plan.json`, and `suggested.csv` with load cases for the end of the study's own file.
+#[derive(clap::Args, Debug)]
+#[command(
+    after_help = "Examples:\n  admire plan corpus/pseudo-mcpherson --for stiffnesses\n  admire plan my-axle --count 5 --out next\n  tail -n +2 next/suggested.csv | head -1 >> my-axle/load_cases.csv"
+)]
+pub(super) struct Arguments {
+    /// The study's folder.
+    study: PathBuf,
+    /// Where `plan.json` and `suggested.csv` go; nothing is written if absent.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// What the measurement is to serve; all three if absent, which takes as long as a diagnosis.
+    #[arg(long = "for", value_enum, value_name = "WHAT")]
+    aim: Option<AimChoice>,
+    /// How many are shown.
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    count: u16,
+    #[command(flatten)]
+    replacing: Replacing,
+}
+
+/// `--for`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum)]
+enum AimChoice {
+    /// The three worst-determined combinations of stiffnesses.
+    Stiffnesses,
+    /// Toe, camber and centre of the wheel over the cases of the study.
+    Curves,
+    /// Which of two explanations is true; takes as long as a diagnosis.
+    Causes,
+}
+
+/// What is written.
+const OUTPUTS: [&str; 2] = ["plan.json", "suggested.csv"];
+
+/// A smaller rise of a probability is none.
+const LITTLE: f64 = 0.005;
+/// So many of what is not possible are named.
+const SHOWN: usize = 4;
+
+/// Ranks, writes and prints.
+pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    if let Some(out) = &arguments.out {
+        refuse_replacing(out, &OUTPUTS, arguments.replacing, shell)?;
+    }
+    let mut loaded = study(&arguments.study, shell)?;
+    let aim = match arguments.aim {
+        None => Aim::All,
+        Some(AimChoice::Stiffnesses) => Aim::Stiffnesses,
+        Some(AimChoice::Curves) => Aim::Curves,
+        Some(AimChoice::Causes) => Aim::Causes,
+    };
+    if aim == Aim::Stiffnesses && loaded.unknowns.is_empty() {
+        return Err(shell.fail(nothing_to_identify(&loaded)));
+    }
+    let foreign = foreign_parts(&loaded);
+    if !foreign.is_empty() {
+        shell.complain(&foreign);
+        return Err(Exit::Findings);
+    }
+    before_a_fit(&loaded, arguments.replacing.force, shell)?;
+    let no_fit = |error: &dyn std::fmt::Display| {
+        shell.fail(Diagnostic::error(Code::NoFit, error.to_string()));
+        Exit::NoAnswer
+    };
+    estimate_noise(&mut loaded, None).map_err(|error| no_fit(&error))?;
+    let watched = Watched::default();
+    let seen = watched.clone();
+    let bar = Progress::new("planning", shell, move || {
+        Some((seen.stage(), (seen.sweeps(), None, "sweeps")))
+    });
+    let found = plan(&loaded.problem(), aim, &watched);
+    drop(bar);
+    let found = found.map_err(|error| no_fit(&error))?;
+    if aim == Aim::Curves && found.curves.is_none() {
+        let message = "the study names no wheel, and its loads act at no marker";
+        let refused = Diagnostic::error(Code::MissingSetting, message);
+        return Err(shell.fail(refused.help("name the wheel: a section [wheel] or [kc]")));
+    }
+    let count = usize::from(arguments.count);
+    if let Some(out) = &arguments.out {
+        let texts = [found.to_json(), suggested(&loaded, &found, count)];
+        let files: Vec<(PathBuf, Vec<u8>)> = OUTPUTS
+            .map(PathBuf::from)
+            .into_iter()
+            .zip(texts.map(String::into_bytes))
+            .collect();
+        write_folder(out, &files, arguments.replacing, shell)?;
+    }
+    if shell.format == Format::Json {
+        shell.print(&found.to_json());
+    } else {
+        let length = loaded.model.units.length.word;
+        shell.print(&words(&found, count, length));
+    }
+    Ok(Exit::Fine)
+}
+
+/// Load cases among the first candidates, or the best one, as rows of the study's own file of load cases; what begins with # is no row.
+fn suggested(loaded: &LoadedStudy, found: &Plan, count: usize) -> String {
+    let table = &loaded.study.loads;
+    let (label, programme) = (table.column("case"), &loaded.programme);
+    let columns: Vec<Option<usize>> = programme
+        .loads
+        .iter()
+        .map(|load| table.column(&load.name))
+        .collect();
+    let mut text = String::new();
+    // So that the last row of the file ends before the first one of these begins.
+    if !table.source.bytes().ends_with(b"\n") {
+        text += "\n";
+    }
+    let with_cases = |ranked: &&Ranked| !ranked.cases.is_empty();
+    let mut chosen: Vec<&Ranked> = found
+        .candidates
+        .iter()
+        .take(count)
+        .filter(with_cases)
+        .collect();
+    if chosen.is_empty() {
+        chosen.extend(found.candidates.iter().find(with_cases));
+    }
+    let taken = |label: &str| loaded.measurement.case(label).is_some();
+    let mut labels = (1..).map(|k| format!("plan-{k}")).filter(|l| !taken(l));
+    for ranked in chosen {
+        text += &format!("# {}\n", ranked.what);
+        for case in &ranked.cases {
+            let mut cells: Vec<(usize, String)> = Vec::new();
+            cells.extend(label.zip(labels.next()));
+            for (load, column) in programme.loads.iter().zip(&columns) {
+                let value = case.get(&load.name).copied().unwrap_or_default();
+                cells.extend(column.map(|column| (column, format!("{value}"))));
+            }
+            text += &table.further_row(&cells);
+        }
+    }
+    text
+}
+
+/// The answer for a person.
+fn words(found: &Plan, count: usize, length: &str) -> String {
+    let mut text = String::new();
+    for (k, combination) in found.combinations.iter().enumerate() {
+        if k == 0 {
+            text += "worst-determined combinations of stiffnesses, sd of ln K:\n";
+        }
+        let head = format!("  K{}  {:.3}  ", k + 1, combination.sd_log);
+        text += &hanging(&head, &name(combination));
+    }
+    if let Some(curves) = &found.curves {
+        let line = format!(
+            "{}: toe {:.2e} deg, camber {:.2e} deg, centre {:.2e} {length}",
+            curves.wheel, curves.sd.toe_deg, curves.sd.camber_deg, curves.sd.position
+        );
+        text += "wheel over the cases of the study, sd:\n";
+        text += &hanging("  ", &line);
+    }
+    if let Some(undecided) = &found.causes {
+        let [a, b] = &undecided.between;
+        let [p, q] = undecided.probability;
+        text += &hanging("undecided: ", &format!("{a} ({p:.2}) or {b} ({q:.2})"));
+    } else if matches!(found.aim, Aim::All | Aim::Causes) {
+        text += "causes: the readings leave no two explanations undecided\n";
+    }
+    if found.candidates.is_empty() {
+        return text;
+    }
+    text += "\n";
+    text += &table(found, count);
+    text += "K1 to centre: percent by which the sd falls.";
+    if found.causes.is_some() {
+        text += " cause: by how much the\nprobability of the true explanation is expected to rise.";
+    }
+    text += "\n\n";
+    if let Some(best) = found.candidates.first() {
+        text += &hanging("", &sentence(found, best));
+    }
+    if !found.not_possible.is_empty() {
+        let mut what = found.not_possible.clone();
+        let more = what.len().saturating_sub(SHOWN);
+        what.truncate(SHOWN);
+        if more > 0 {
+            what.push(format!("and {more} more"));
+        }
+        text += &hanging("not possible: ", &what.join("; "));
+    }
+    if found.left_out > 0 {
+        text += &format!(
+            "{} further combinations of loads were not looked at\n",
+            found.left_out
+        );
+    }
+    text
+}
+
+/// `BUSHING/1.KT.3 - 0.5 BUSHING/2.K.1`: shares over the largest.
+fn name(combination: &Combination) -> String {
+    let mut shares: Vec<(&String, f64)> = combination
+        .combination
+        .iter()
+        .map(|(address, share)| (address, *share))
+        .collect();
+    shares.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+    let largest = shares.first().map_or(1.0, |(_, share)| *share);
+    let mut text = String::new();
+    for (address, share) in shares {
+        let part = share / largest;
+        let sign = match (part < 0.0, text.is_empty()) {
+            (_, true) => "",
+            (true, false) => " - ",
+            (false, false) => " + ",
+        };
+        text += sign;
+        if part.abs() < 0.995 {
+            text += &format!("{:.2} ", part.abs());
+        }
+        text += address;
+    }
+    text
+}
+
+/// By how many percent a standard deviation falls.
+fn fall(before: f64, after: f64) -> f64 {
+    if before > 0.0 {
+        100.0 * (1.0 - after / before)
+    } else {
+        0.0
+    }
+}
+
+fn table(found: &Plan, count: usize) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table.set_content_arrangement(ContentArrangement::Dynamic);
+    table.set_width(80);
+    let mut head = vec![
+        String::new(),
+        "measurement".to_string(),
+        "cases".to_string(),
+    ];
+    head.extend((1..=found.combinations.len()).map(|k| format!("K{k}")));
+    if found.curves.is_some() {
+        head.extend(["toe", "camber", "centre"].map(String::from));
+    }
+    if found.causes.is_some() {
+        head.push("cause".to_string());
+    }
+    table.set_header(head);
+    for (k, ranked) in found.candidates.iter().take(count).enumerate() {
+        let cases = match ranked.cases.len() {
+            0 => "all".to_string(),
+            count => count.to_string(),
+        };
+        let mut row = vec![format!("{}", k + 1), ranked.what.clone(), cases];
+        for (combination, after) in found.combinations.iter().zip(&ranked.sd_log) {
+            row.push(format!("{:.1}", fall(combination.sd_log, *after)));
+        }
+        if let (Some(before), Some(after)) = (&found.curves, &ranked.curves) {
+            let before = before.sd;
+            for (before, after) in [
+                (before.toe_deg, after.toe_deg),
+                (before.camber_deg, after.camber_deg),
+                (before.position, after.position),
+            ] {
+                row.push(format!("{:.1}", fall(before, after)));
+            }
+        }
+        if found.causes.is_some() {
+            let shift = ranked.causes.map(|causes| causes.probability_shift);
+            row.push(shift.map_or_else(String::new, |shift| format!("{shift:.2}")));
+        }
+        table.add_row(row);
+    }
+    for (k, column) in table.column_iter_mut().enumerate() {
+        column.set_padding((0, 1));
+        if k >= 2 {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table_text(&table) + "\n"
+}
+
+/// The best one in a sentence.
+fn sentence(found: &Plan, best: &Ranked) -> String {
+    let mut gains = Vec::new();
+    let worst = found.combinations.iter().zip(&best.sd_log);
+    let most = worst.max_by(|a, b| {
+        let gain = |(combination, sd): (&Combination, &f64)| fall(combination.sd_log, *sd);
+        gain(*a).total_cmp(&gain(*b))
+    });
+    if let (Some((combination, sd)), true) =
+        (most, matches!(found.aim, Aim::All | Aim::Stiffnesses))
+    {
+        gains.push(format!(
+            "lowers the sd of ln {} from {:.3} to {sd:.3}",
+            name(combination),
+            combination.sd_log
+        ));
+    }
+    if let (Some(before), Some(after), true) = (
+        &found.curves,
+        &best.curves,
+        matches!(found.aim, Aim::All | Aim::Curves),
+    ) {
+        let toe = fall(before.sd.toe_deg, after.toe_deg);
+        let camber = fall(before.sd.camber_deg, after.camber_deg);
+        gains.push(format!(
+            "lowers the sd of predicted toe by {toe:.0} percent and of camber by {camber:.0} percent"
+        ));
+    }
+    if let (Some(undecided), Some(causes)) = (&found.causes, best.causes) {
+        let [a, b] = &undecided.between;
+        gains.push(if causes.probability_shift < LITTLE {
+            format!("does not tell {a} from {b}")
+        } else {
+            format!(
+                "raises the probability of the true one of {a} and {b} by {:.2}",
+                causes.probability_shift
+            )
+        });
+    }
+    let gains = match gains.split_last() {
+        None => "promises nothing that was asked for".to_string(),
+        Some((last, [])) => last.clone(),
+        Some((last, rest)) => format!("{}, and {last}", rest.join(", ")),
+    };
+    format!("Next: {}. It {gains}.", best.what)
+}

@@ -1,0 +1,249 @@
+//! A fitted model in load cases that nobody has run, with functions that nobody has measured.
+
+use std::sync::Arc;
+
+use super::fit::{Fitted, unguessed};
+use super::subject::Subject;
+use super::unknowns::{Known, Unknowns};
+use crate::backend::LoadProgramme;
+use crate::identify::Problem;
+use crate::identify::global::{
+    CasePrediction, FitUnknown, FitUnknowns, Meaning, Observations, Observed, Prediction,
+    Predictor, Prepared,
+};
+use crate::model::PartIx;
+
+/// What a fitted model says of the load cases of a study and of further ones, with derivatives by the unknowns of its deck.
+#[derive(Debug)]
+pub struct Forecast {
+    /// One per load case of the study.
+    pub here: Prediction,
+    /// One per sequence of further cases; `None` where one of them has no equilibrium.
+    pub there: Vec<Option<Vec<CasePrediction>>>,
+    /// Parts whose motions stand in the predictions; those of the study's readings come first.
+    pub observed: Observed,
+    /// Where the first of the further functions is among the channels of a prediction.
+    pub first_function: usize,
+}
+
+/// What is asked of a model beside the readings of its study.
+#[derive(Clone, Copy, Debug)]
+pub struct Asked<'a> {
+    /// Sequences of load cases, one value per load; each follows the cases of the study.
+    pub sequences: &'a [Vec<Vec<f64>>],
+    /// Parts whose motions matter.
+    pub parts: &'a [PartIx],
+    /// Functions of the deck.
+    pub functions: &'a [String],
+}
+
+impl Forecast {
+    /// Solves the cases of the study and the further ones. `None` where the deck cannot be compiled with these functions, or a case of
+    /// the study has no equilibrium.
+    pub fn new(subject: &Subject<'_>, fitted: &Fitted, asked: Asked<'_>) -> Option<Self> {
+        let problem = Problem {
+            dataset: &fitted.deck.dataset,
+            model: &fitted.deck.model,
+            ..subject.problem.clone()
+        };
+        let prepared = if asked.functions.is_empty() {
+            Arc::clone(&fitted.deck.prepared)
+        } else {
+            let plans = fitted.chosen.iter().filter_map(|h| h.memory.as_ref());
+            let measures = plans.map(|plan| plan.measure.clone());
+            let all: Vec<String> = measures.chain(asked.functions.iter().cloned()).collect();
+            Arc::new(Prepared::with(&problem, &all).ok()?)
+        };
+        let known = Known {
+            unknowns: &fitted.unknowns,
+            chosen: &fitted.chosen,
+            places: &fitted.places,
+            x: &fitted.x,
+        };
+        let chosen = unguessed(fitted);
+        let unknowns = Unknowns::new((subject, &problem), &prepared, &chosen, Some(known))?;
+        let mut observed = subject.observed();
+        for part in asked.parts {
+            if !observed.parts.contains(part) {
+                observed.parts.push(*part);
+            }
+        }
+        let runs = Runs {
+            problem: &problem,
+            fitted,
+            prepared: &prepared,
+            unknowns: &unknowns,
+            observed: &observed,
+        };
+        let count = problem.programme.cases.len();
+        let mut here = None;
+        let mut there = Vec::with_capacity(asked.sequences.len());
+        // What remembers goes through each sequence from where the study ended; else the order does not matter.
+        let together = unknowns.memories.is_empty() || asked.sequences.is_empty();
+        let each = if together {
+            asked.sequences.len().max(1)
+        } else {
+            1
+        };
+        let chunks: Vec<&[Vec<Vec<f64>>]> = if asked.sequences.is_empty() {
+            vec![&[]]
+        } else {
+            asked.sequences.chunks(each).collect()
+        };
+        for chunk in chunks {
+            let further: Vec<&[f64]> = chunk.iter().flatten().map(Vec::as_slice).collect();
+            let mut prediction = runs.predict(&further)?;
+            let mut rest = prediction.split_off(count).into_iter();
+            for sequence in chunk {
+                let own: Vec<_> = rest.by_ref().take(sequence.len()).collect();
+                there.push(own.into_iter().collect());
+            }
+            here.get_or_insert(prediction);
+        }
+        let here = here.filter(|here| here.iter().all(Option::is_some))?;
+        Some(Self {
+            here,
+            there,
+            observed,
+            first_function: problem.measurement.channels.len() + fitted.memories.len(),
+        })
+    }
+}
+
+struct Runs<'a> {
+    problem: &'a Problem<'a>,
+    fitted: &'a Fitted,
+    prepared: &'a Prepared,
+    unknowns: &'a Unknowns,
+    observed: &'a Observed,
+}
+
+impl Runs<'_> {
+    /// All cases of the study, then these.
+    fn predict(&self, further: &[&[f64]]) -> Option<Prediction> {
+        let programme = self.problem.programme;
+        let mut cases: Vec<Vec<f64>> = programme.cases.iter().map(|c| c.values.clone()).collect();
+        cases.extend(further.iter().map(|values| values.to_vec()));
+        let list = self.unknowns.list.list().iter();
+        let list = FitUnknowns::new(list.map(|own| continued(own, programme, further)).collect());
+        let x = &self.fitted.x[..list.len()];
+        let numbers = list.numbers(&self.unknowns.deck, x);
+        let directions = list.directions(&numbers.theta, x);
+        let mut predictor = self
+            .prepared
+            .native(self.problem, self.observed.clone())
+            .ok()?
+            .with_cases(cases)
+            .remembering(self.unknowns.memories.clone());
+        let states = &self.fitted.states;
+        for (case, state) in states.iter().enumerate() {
+            predictor.start_from(case, state.clone(), numbers.theta.clone());
+        }
+        for (k, values) in further.iter().enumerate() {
+            if let Some(nearest) = nearest(programme, values) {
+                let state = states[nearest].clone();
+                predictor.start_from(states.len() + k, state, numbers.theta.clone());
+            }
+        }
+        Some(predictor.predict(&numbers, Some(&directions)))
+    }
+}
+
+/// The case of the study whose loads are nearest, each load in units of its range.
+fn nearest(programme: &LoadProgramme, values: &[f64]) -> Option<usize> {
+    let range = |load: usize| {
+        let all = programme.cases.iter().map(|case| case.values[load]);
+        let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+            (low.min(v), high.max(v))
+        });
+        (high - low).max(f64::MIN_POSITIVE)
+    };
+    let ranges: Vec<f64> = (0..programme.loads.len()).map(range).collect();
+    let far = |case: &usize| -> f64 {
+        let own = programme.cases[*case].values.iter();
+        let each = own.zip(values).zip(&ranges);
+        each.map(|((a, b), range)| ((a - b) / range).powi(2)).sum()
+    };
+    (0..programme.cases.len()).min_by(|a, b| far(a).total_cmp(&far(b)))
+}
+
+/// An unknown with its factors in further cases.
+fn continued(unknown: &FitUnknown, programme: &LoadProgramme, further: &[&[f64]]) -> FitUnknown {
+    let mut unknown = unknown.clone();
+    if let Meaning::PerCase(slots) = &mut unknown.meaning {
+        for (_, factors) in slots {
+            let more = followed(factors, programme, further);
+            factors.extend(more);
+        }
+    }
+    unknown
+}
+
+/// Factors of further cases: what follows a load from case to case follows it to new ones, what is the same in all stays the same, and
+/// what acts in some cases only does not act in others.
+fn followed(factors: &[f64], programme: &LoadProgramme, further: &[&[f64]]) -> Vec<f64> {
+    let follows = (0..programme.loads.len()).find_map(|load| {
+        let values = programme.cases.iter().map(|case| case.values[load]);
+        let (at, most) = values
+            .clone()
+            .enumerate()
+            .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+        let ratio = factors[at] / most;
+        let same = values
+            .zip(factors)
+            .all(|(v, f)| (v * ratio - f).abs() <= 1e-9 * factors[at].abs());
+        (ratio.is_finite() && ratio != 0.0 && same).then_some((load, ratio))
+    });
+    let constant = factors.first().filter(|f| factors.iter().all(|g| g == *f));
+    let of = |values: &&[f64]| match follows {
+        Some((load, ratio)) => values[load] * ratio,
+        None => constant.copied().unwrap_or(0.0),
+    };
+    further.iter().map(of).collect()
+}
+
+impl Subject<'_> {
+    /// What a predictor has to report for the readings of the study.
+    fn observed(&self) -> Observed {
+        Observations::new(self.problem.measurement, self.problem.model, &[]).observed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::followed;
+    use crate::backend::{Load, LoadCase, LoadProgramme};
+    use crate::syntax::{Address, Dataset};
+    use crate::text::Source;
+
+    fn programme(cases: &[[f64; 2]]) -> LoadProgramme {
+        let text = b"t\nSFORCE/1, I=1, J=2, FUNCTION=0\nSFORCE/2, I=1, J=2, FUNCTION=0\nEND\n";
+        let dataset = Dataset::parse(Source::new("model.adm", text.to_vec())).value;
+        let load = |name: &str| Load {
+            name: name.to_string(),
+            target: Address::parse(name, &dataset).unwrap(),
+        };
+        LoadProgramme {
+            loads: vec![load("SFORCE/1"), load("SFORCE/2")],
+            cases: cases
+                .iter()
+                .map(|values| LoadCase {
+                    label: String::new(),
+                    values: values.to_vec(),
+                })
+                .collect(),
+        }
+    }
+
+    #[test]
+    fn errors_of_loads_go_on_with_the_loads() {
+        let programme = programme(&[[1.0, 0.0], [2.0, 5.0], [-4.0, 1.0]]);
+        let further: [&[f64]; 2] = [&[8.0, 0.0], &[0.0, -3.0]];
+        let of = |factors: &[f64]| followed(factors, &programme, &further);
+        assert_eq!(of(&[0.5, 1.0, -2.0]), [4.0, 0.0]);
+        assert_eq!(of(&[0.0, 50.0, 10.0]), [0.0, -30.0]);
+        // A zero that is off by the same in every case; a load that was wrong once.
+        assert_eq!(of(&[3.0, 3.0, 3.0]), [3.0, 3.0]);
+        assert_eq!(of(&[0.0, 1.0, 0.0]), [0.0, 0.0]);
+    }
+}

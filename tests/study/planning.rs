@@ -1,0 +1,262 @@
+//! What to measure next: promises that are kept when it is measured.
+
+use std::collections::BTreeSet;
+
+use admire::discrepancy::{Aim, Kind, Plan, Progress, Ranked, plan, tolerant};
+use admire::identify::LoadedStudy;
+use admire::rig::{RigOptions, virtual_rig};
+use nalgebra::DVector;
+use serde_json::Value;
+
+use super::run::{admire, change, copied};
+
+/// The shipped McPherson whose deck is the truth, and more load cases; measured by the virtual rig.
+fn measured(more: &str) -> (tempfile::TempDir, LoadedStudy) {
+    let (folder, study) = copied("pseudo-mcpherson");
+    std::fs::copy(study.join("reference.adm"), study.join("model.adm")).unwrap();
+    let loads = study.join("load_cases.csv");
+    let text = std::fs::read_to_string(&loads).unwrap();
+    std::fs::write(&loads, text + more).unwrap();
+    let options = RigOptions {
+        seed: 11,
+        ..RigOptions::default()
+    };
+    let run = virtual_rig(&study, &options).unwrap_or_else(|why| panic!("{why:#?}"));
+    let out = folder.path().join("measured");
+    for (name, bytes) in &run.files {
+        let path = out.join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, bytes).unwrap();
+    }
+    let checked = LoadedStudy::read(&out);
+    let loaded = checked
+        .value
+        .unwrap_or_else(|| panic!("{:?}", checked.diagnostics));
+    (folder, loaded)
+}
+
+fn planned(loaded: &LoadedStudy, aim: Aim) -> Plan {
+    plan(&loaded.problem(), aim, &Progress::default()).unwrap()
+}
+
+/// Standard deviation of a combination of ln K by an identification among tolerances.
+fn identified(loaded: &LoadedStudy, vector: &[f64]) -> f64 {
+    let found = tolerant(&loaded.problem()).unwrap();
+    let v = DVector::from_column_slice(vector);
+    v.dot(&(found.covariance(v.len()) * &v)).sqrt()
+}
+
+/// The first load case of a candidate as a row of the shipped file.
+fn row(ranked: &Ranked, label: &str) -> String {
+    let of = |name: &str| ranked.cases[0][name];
+    let values = ["vertical", "lateral", "longitudinal"].map(of);
+    format!("{label},{},{},{}\n", values[0], values[1], values[2])
+}
+
+/// The suggested case is measured and everything identified anew: sizes of tolerances, too. The noise is that of the rig.
+#[test]
+fn a_case_does_what_the_plan_promised_and_more_than_the_last_one() {
+    let (_folder, before) = measured("");
+    let found = planned(&before, Aim::Stiffnesses);
+    let with_cases: Vec<&Ranked> = found
+        .candidates
+        .iter()
+        .filter(|c| c.cases.len() == 1)
+        .collect();
+    let (best, last) = (with_cases[0], with_cases[with_cases.len() - 1]);
+    // The combination that the sentence names: the one that gains most, the hardly known ones apart, whose posterior is not Gaussian.
+    let (at, _) = found
+        .combinations
+        .iter()
+        .enumerate()
+        .filter(|(_, c)| c.sd_log < 0.5)
+        .min_by(|(a, ca), (b, cb)| {
+            (best.sd_log[*a] / ca.sd_log).total_cmp(&(best.sd_log[*b] / cb.sd_log))
+        })
+        .unwrap();
+    let (named, promised) = (&found.combinations[at], best.sd_log[at]);
+    assert!(promised < 0.6 * named.sd_log, "{named:?} {promised}");
+    let known = identified(&before, &named.vector);
+    assert!((known / named.sd_log - 1.0).abs() < 1e-9);
+    let [with_best, with_last] = [best, last].map(|ranked| {
+        let (_folder, after) = measured(&row(ranked, "next"));
+        identified(&after, &named.vector)
+    });
+    assert!(
+        (with_best / promised - 1.0).abs() < 0.3,
+        "{}: {} promised {promised}, came {with_best}",
+        best.what,
+        named.sd_log
+    );
+    assert!(
+        with_best < 0.8 * with_last,
+        "{with_best}, {}: {with_last}",
+        last.what
+    );
+}
+
+#[test]
+fn a_case_that_is_there_many_times_ranks_low() {
+    let place = |found: &Plan| {
+        let single: Vec<&Ranked> = found
+            .candidates
+            .iter()
+            .filter(|c| c.cases.len() == 1)
+            .collect();
+        let of = |c: &&Ranked| c.kind == Kind::Repeat && c.what.starts_with("case 1 again");
+        let at = single.iter().position(of).unwrap();
+        (at as f64 / single.len() as f64, single[at].score)
+    };
+    let (_folder, once) = measured("");
+    let (before, gain_before) = place(&planned(&once, Aim::Stiffnesses));
+    let copies: Vec<String> = (0..12).map(|k| format!("r{k},1500,0,0\n")).collect();
+    let (_folder, often) = measured(&copies.concat());
+    let found = planned(&often, Aim::Stiffnesses);
+    let (after, gain_after) = place(&found);
+    assert!(
+        found
+            .candidates
+            .iter()
+            .any(|c| c.what == "case 1 again (there 13 times)")
+    );
+    // Once it tells of stiffnesses at a low load; a fourteenth time it tells nothing.
+    assert!(before < 0.6 && after > 0.75, "{before} {after}");
+    assert!(gain_after < 0.2 * gain_before, "{gain_before} {gain_after}");
+}
+
+#[test]
+fn readings_and_curves_alone_are_planned_for() {
+    for (study, unread) in [("flexure-finger", true), ("kc-curves", false)] {
+        let (_folder, path) = copied(study);
+        let loaded = LoadedStudy::read(&path).value.unwrap();
+        let found = planned(&loaded, Aim::Curves);
+        let best = &found.candidates[0];
+        let (before, after) = (found.curves.as_ref().unwrap().sd, best.curves.unwrap());
+        assert!(best.score > 0.2, "{study}: {best:?}");
+        assert!(after.toe_deg < before.toe_deg && after.position < before.position);
+        // Toe, camber and centre are read by the rig of the one, not by the sensors of the other.
+        let curves = found.candidates.iter().any(|c| c.kind == Kind::Curve);
+        assert_eq!(curves, unread, "{study}");
+        for kind in [Kind::Load, Kind::Repeat, Kind::Mark, Kind::LoadCell] {
+            assert!(
+                found.candidates.iter().any(|c| c.kind == kind),
+                "{study} {kind:?}"
+            );
+        }
+        // Nothing that is measured takes knowledge away.
+        for candidate in &found.candidates {
+            let sds = found.combinations.iter().zip(&candidate.sd_log);
+            let worse =
+                |(c, sd): (&admire::discrepancy::Combination, &f64)| *sd > c.sd_log * (1.0 + 1e-9);
+            assert!(!sds.clone().any(worse), "{study}: {candidate:?}");
+        }
+    }
+}
+
+fn fields(value: &Value, path: &str, found: &mut BTreeSet<String>) {
+    match value {
+        // Names of the study's own.
+        Value::Object(_) if matches!(path.rsplit('.').next(), Some("combination" | "cases")) => {}
+        Value::Object(object) => {
+            for (key, value) in object {
+                let whole = if path.is_empty() {
+                    key.clone()
+                } else {
+                    format!("{path}.{key}")
+                };
+                found.insert(whole.clone());
+                fields(value, &whole, found);
+            }
+        }
+        Value::Array(items) => items.iter().for_each(|item| fields(item, path, found)),
+        _ => {}
+    }
+}
+
+/// The rows go to the end of the study's own file, however that is written, and the study is one all the same.
+#[test]
+fn suggested_cases_are_rows_of_the_study() {
+    let (folder, study) = copied("pseudo-mcpherson");
+    // As a spreadsheet writes it: semicolons, decimal commas, another column, no end of the last line.
+    let loads = study.join("load_cases.csv");
+    let text = std::fs::read_to_string(&loads).unwrap();
+    let rows = text.lines().filter(|line| !line.starts_with('#'));
+    let rows: Vec<String> = rows
+        .enumerate()
+        .map(|(k, line)| {
+            let remark = if k == 0 { "remark" } else { "0,5" };
+            format!("{remark};{}", line.replace(',', ";"))
+        })
+        .collect();
+    std::fs::write(&loads, rows.join("\r\n")).unwrap();
+    let words = [
+        "plan",
+        "study",
+        "--for",
+        "stiffnesses",
+        "--count",
+        "6",
+        "--out",
+        "next",
+    ];
+    let said = admire(folder.path(), &words);
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert!(
+        said.out.lines().all(|line| line.chars().count() <= 80),
+        "{}",
+        said.out
+    );
+    assert!(said.out.contains("\nNext: "), "{}", said.out);
+    let rows = std::fs::read_to_string(folder.path().join("next/suggested.csv")).unwrap();
+    let count = rows.lines().filter(|l| l.contains(";plan-")).count();
+    assert!(count >= 3, "{rows}");
+    let whole = std::fs::read_to_string(&loads).unwrap() + &rows;
+    std::fs::write(&loads, whole).unwrap();
+    let read = LoadedStudy::read(&study).value.unwrap();
+    assert_eq!(read.measurement.cases.len(), 13 + count);
+    assert_eq!(read.measurement.cases[13].label, "plan-1");
+    // Every field is explained.
+    let json = std::fs::read_to_string(folder.path().join("next/plan.json")).unwrap();
+    let json: Value = serde_json::from_str(&json).unwrap();
+    let best = json["candidates"].as_array().unwrap();
+    let best = best.iter().find(|c| c["kind"] == "load").unwrap();
+    assert_eq!(
+        best["cases"][0]["vertical"],
+        read.measurement.cases[13].loads[0]
+    );
+    let mut found = BTreeSet::new();
+    fields(&json, "", &mut found);
+    let entries: Vec<_> = admire::guide::glossary::entries()
+        .filter(|entry| entry.page == "plan")
+        .map(|entry| entry.term)
+        .collect();
+    let lacking: Vec<_> = found
+        .iter()
+        .filter(|field| !entries.contains(field))
+        .collect();
+    assert!(lacking.is_empty(), "{lacking:?}");
+    // What an earlier run wrote is replaced; what somebody changed is not.
+    assert_eq!(admire(folder.path(), &words).code, 0);
+    change(&folder.path().join("next/plan.json"), "aim", "mine");
+    let refused = admire(folder.path(), &words);
+    assert_eq!(refused.code, 1);
+    assert!(refused.err.contains("plan.json"), "{}", refused.err);
+}
+
+#[test]
+fn what_cannot_be_planned_is_refused() {
+    let (folder, study) = copied("pseudo-mcpherson");
+    let toml = study.join("study.toml");
+    change(
+        &toml,
+        "bushings = [\"BUSHING/1\", \"BUSHING/2\"]",
+        "bushings = []",
+    );
+    let said = admire(folder.path(), &["plan", "study", "--for", "stiffnesses"]);
+    assert_eq!(said.code, 1, "{}", said.out);
+    assert!(said.err.contains("nothing to identify"), "{}", said.err);
+    let none = admire(folder.path(), &["plan", "study", "--count", "0"]);
+    assert_eq!(none.code, 2);
+    let nowhere = admire(folder.path(), &["plan", "nothing"]);
+    assert_eq!(nowhere.code, 1);
+}
