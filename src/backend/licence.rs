@@ -56,10 +56,11 @@ pub(super) fn patiently<T, E: Reasoned>(
         };
         let spent = begun.elapsed();
         *waited = spent.as_secs_f64().round();
-        if is_lasting(line) || spent >= limit {
+        let left = limit.saturating_sub(spent);
+        if is_lasting(line) || left.is_zero() {
             return Err(error);
         }
-        std::thread::sleep(pause.min(limit - spent));
+        std::thread::sleep(pause.min(left));
         pause = (2 * pause).min(PAUSES.1);
     }
 }

@@ -195,7 +195,9 @@ pub fn run_in_memory(
     let left = (vec![false; progress.all as usize], BTreeMap::new());
     let left = (left.0.as_slice(), &left.1);
     run_left(work, &cases, left, threads, &mut |rows| {
-        rows.iter().for_each(|row| progress.count(row));
+        for row in &rows {
+            progress.count(row);
+        }
         all.extend(rows);
         Ok(tell(&progress))
     })?;
