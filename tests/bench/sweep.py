@@ -1,7 +1,7 @@
-"""Sweeps at full size: the same bits in any sharding and in single runs, rate on two cores, memory.
+"""Sweeps at full size: the same bits in any sharding and in single runs, rate on two cores, memory, runs that are killed.
 
     pip install . pandas pyarrow && cargo build --release
-    python tests/bench/sweep.py [--admire PATH] [--cases 10000] [--many 100000] [--rounds 5]
+    python tests/bench/sweep.py [--admire PATH] [--cases 10000] [--many 100000] [--rounds 5] [--kills 200]
 
 Rates are those of interleaved runs, so that other work on the machine meets all alike; processor time is told beside the wall time.
 """
@@ -147,12 +147,33 @@ def memory(program, folder, few, many):
     print(f"{many} cases take {found[1] - found[0]:.1f} MB more than {few}")
 
 
+def kills(program, folder, count):
+    """A sweep that is killed at random moments and begun again, against one that is left alone."""
+    cases = 250 * count
+    path, out = plan(folder, cases), os.path.join(folder, "killed")
+    wait([start([program, "sweep", path, "--out", out + "-not", "--jobs", "2"])])
+    moments = numpy.random.default_rng(1)
+    killed = 0
+    while killed < count:
+        process = start([program, "sweep", path, "--out", out, "--jobs", "2"])
+        try:
+            process.wait(moments.uniform(0.0, 0.25))
+            break
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+            killed += 1
+    wait([start([program, "sweep", path, "--out", out, "--jobs", "2"])])
+    print(f"{cases} cases, killed {killed} times: the same rows as in one run: {same(table(out + '-not'), table(out))}")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--admire", default=os.path.join(ROOT, "target", "release", "admire"))
     parser.add_argument("--cases", type=int, default=10_000)
     parser.add_argument("--many", type=int, default=100_000)
     parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--kills", type=int, default=200)
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         path = plan(folder, options.cases)
@@ -160,6 +181,7 @@ def main():
         singles(expected)
         rates(options.admire, path, folder, options.cases, options.rounds)
         memory(options.admire, folder, 1000, options.many)
+        kills(options.admire, folder, options.kills)
 
 
 if __name__ == "__main__":
