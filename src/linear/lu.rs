@@ -17,8 +17,6 @@ use super::scalar::Scalar;
 
 /// A pivot may shrink by this against the one it was when the order was chosen.
 const SHRUNK: f64 = 1e-3;
-/// The same where the factors serve an iteration that mends what they lack: eight digits may go.
-const SHRUNK_MUCH: f64 = 1e-8;
 
 /// One step of the elimination. Its pivot, row of U and column of L stand one after the other in the values.
 #[derive(Clone, Copy, Debug)]
@@ -55,7 +53,6 @@ pub(crate) struct Lu<T = f64> {
     row: Vec<T>,
     /// How often an order was chosen.
     pub(crate) orders: usize,
-    shrunk: f64,
 }
 
 impl Lu {
@@ -72,16 +69,7 @@ impl<T: Scalar> Lu<T> {
             row_scale: vec![1.0; n],
             column_scale: vec![1.0; n],
             work: vec![T::default(); n],
-            shrunk: SHRUNK,
             ..Self::default()
-        }
-    }
-
-    /// For an iteration whose residuals are exact: an order is kept although pivots shrink to 1e-8 of what they were.
-    pub fn of_an_iteration(n: usize) -> Self {
-        Self {
-            shrunk: SHRUNK_MUCH,
-            ..Self::new(n)
         }
     }
 
@@ -115,7 +103,7 @@ impl<T: Scalar> Lu<T> {
             let at = step.at as usize;
             let pivot = self.values[at];
             // Written so that a NaN fails.
-            let sound = pivot.size() >= self.shrunk * step.size;
+            let sound = pivot.size() >= SHRUNK * step.size;
             if !sound {
                 return false;
             }

@@ -11,8 +11,6 @@ use crate::system::{Parameters, State, System};
 const KAPPA: f64 = 3e-3;
 /// Factors stay while the iteration falls by this.
 const FAST: f64 = 0.1;
-/// Derivatives of all stages stay while the iteration falls by this.
-const SLUGGISH: f64 = 0.3;
 /// Steps that differ by less are the same.
 const SAME: f64 = 1e-9;
 /// A step that could grow by no more than this stays, and its factors with it.
@@ -363,8 +361,6 @@ impl<'a> Integrator<'a> {
     /// Newton's iteration, simplified or with derivatives of all stages; gives how many iterations it took.
     fn solve(&mut self, h: f64, coupled: bool) -> Result<usize, NotSettled> {
         let mut before = 0.0;
-        // Whether the derivatives of all stages are to be made anew, and whether they were for the last iteration.
-        let (mut renew, mut renewed) = (coupled, false);
         let limit = KAPPA * self.settings.corrector * (1.0 + self.settings.adaptivity / h);
         for iteration in 1..=self.settings.maxit {
             let (equations, unknowns) = (&mut self.equations, &mut self.unknowns);
@@ -372,15 +368,7 @@ impl<'a> Integrator<'a> {
             let done = if coupled {
                 let coupled = &mut self.coupled;
                 let coupled = coupled.get_or_insert_with(|| Box::new(Coupled::new(system)));
-                let (model, step) = ((system, parameters), (start, h));
-                let factored = if renew {
-                    coupled.factor(equations, model, step, unknowns)
-                } else {
-                    Ok(())
-                };
-                renewed = renew;
-                renew = false;
-                factored.and_then(|()| coupled.iterate(equations, model, step, unknowns))
+                coupled.iterate(equations, system, parameters, start, h, unknowns)
             } else {
                 equations.iterate(system, parameters, start, h, unknowns)
             };
@@ -400,11 +388,6 @@ impl<'a> Integrator<'a> {
             }
             if iteration > 1 {
                 let theta: f64 = size / before;
-                renew = coupled && theta > SLUGGISH;
-                if renew && !renewed {
-                    before = size;
-                    continue;
-                }
                 if theta >= 0.99 && size > 10.0 * floor {
                     return Err(NotSettled(format!("the iteration does not settle {at}")));
                 }

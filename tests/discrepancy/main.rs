@@ -13,5 +13,4 @@ mod kc_experiment;
 mod plant;
 #[path = "../common/proportion.rs"]
 mod proportion;
-mod remainder;
 mod unseen;
