@@ -42,6 +42,8 @@ pub enum Cause {
     MarkOutlier,
     /// A reading's gain, zero or single value is wrong.
     ChannelFault,
+    /// A force whose law no cause of the catalogue has: never a finding, shown as what remains.
+    UnnamedForce,
 }
 
 impl Cause {
@@ -66,6 +68,7 @@ impl Cause {
             Self::NoiseLevel => "noise-level",
             Self::MarkOutlier => "mark-outlier",
             Self::ChannelFault => "channel-fault",
+            Self::UnnamedForce => "unnamed-force",
         }
     }
 

@@ -8,7 +8,7 @@ use super::diagnosis::{
     BaselineFit, Diagnosis, Evidence, Finding, Gain, Indistinguishable, NoiseFound, ToleranceFound,
     Unexplained, Verdict,
 };
-use super::fit::{Fitted, Plain, refit};
+use super::fit::{ANY, Fitted, Plain, fit, unguessed};
 use super::folds::{Blind, HeldOutTest, moved};
 use super::gain_check::GainCheck;
 use super::hypothesis::Hypothesis;
@@ -23,6 +23,7 @@ use super::structure::{StructureTest, structure};
 use super::subject::{Data, Subject};
 use super::unseen::Unseen;
 use crate::identify::{IdentifyError, Problem};
+use crate::model::{Header, MarkerIx, Model};
 use crate::rig::orientation::chi_square_p_value;
 use crate::rig::{Measurement, Study};
 use crate::tolerance::{Group, Scale};
@@ -121,6 +122,14 @@ pub fn diagnose_watched<'a>(
         surprised(&after, &mut unexplained);
     }
     stacked(&findings, &mut unexplained);
+    let stand_in = leading.chosen.iter().position(|h| !h.is_named());
+    if let Some(at) = stand_in {
+        unexplained.structured = true;
+        unexplained.places.push(format!(
+            "{}, where one force of an unknown law explains more than several causes together",
+            leading.chosen[at].address
+        ));
+    }
     let verdict = if unexplained.structured {
         Verdict::Unexplained
     } else if matters {
@@ -129,7 +138,12 @@ pub fn diagnose_watched<'a>(
         Verdict::Consistent
     };
     if unexplained.structured {
-        unexplained.remainder = remainder(&subject, &leading);
+        let before = stand_in.map(|at| without(&found, &leading, at));
+        unexplained.remainder = remainder(
+            &subject,
+            before.as_ref().unwrap_or(&leading),
+            &leading.sizes,
+        );
     }
     let (mut cross_validation, mut unseen) = (None, None);
     if !findings.is_empty() {
@@ -150,8 +164,18 @@ pub fn diagnose_watched<'a>(
         && subject.holds_out()
     {
         let own = unseen.as_ref().and_then(Unseen::own_choice).cloned();
-        let blind = own.or_else(|| refit(&subject, &leading, Data::Fitted).map(Arc::new));
-        remainder.held_out = blind.and_then(|blind| predicted(&subject, &blind));
+        let own = own.unwrap_or_else(|| Arc::clone(&leading));
+        let mut causes = unguessed(&own);
+        causes.retain(|(h, _)| h.is_named());
+        let blind = fit(&subject, &causes, Some((&own, &own.x)), Data::Fitted, ANY);
+        remainder.held_out = blind.and_then(|blind| {
+            let sizes = if stand_in.is_some() {
+                &leading.sizes
+            } else {
+                &blind.sizes
+            };
+            predicted(&subject, &blind, sizes)
+        });
     }
     let cut_short = found.cut_short || unseen.as_ref().is_some_and(Unseen::is_cut_short);
     let mut listed = faults_of_marks(&subject);
@@ -169,7 +193,7 @@ pub fn diagnose_watched<'a>(
                 held_out_rms: baseline_rms,
             },
             findings: listed,
-            none_of_these: probability(&found, <[_]>::is_empty),
+            none_of_these: probability(&found, |causes| !causes.iter().any(Hypothesis::is_named)),
             parameters: averaged(&subject, &found.models),
             tolerances: tolerances(&subject, &leading),
             detection_limits: detection_limits(&subject, &leading),
@@ -307,7 +331,21 @@ fn findings(
                 .sum::<f64>();
         (finding, group, k)
     };
-    let mut out: Vec<(Finding, f64, usize)> = (0..leading.chosen.len()).map(of).collect();
+    // Beside a force of an unknown law, cases in which it is met badly look like faults of theirs, and what it does beyond the first
+    // order looks like a second cause at its own element.
+    let stands_in = leading.chosen.iter().find(|h| !h.is_named());
+    let of_a_case = |h: &Hypothesis| h.only_case(&subject.rows).is_some();
+    let faults = leading.chosen.iter().filter(|h| of_a_case(h)).count();
+    let is_told = |k: &usize| {
+        let h = &leading.chosen[*k];
+        stands_in.is_none_or(|force| {
+            h.is_named()
+                && !(faults > 1 && of_a_case(h))
+                && !is_at_element_of(subject.problem.model, h, force)
+        })
+    };
+    let told = (0..leading.chosen.len()).filter(is_told);
+    let mut out: Vec<(Finding, f64, usize)> = told.map(of).collect();
     // What makes the prediction of other cases worse is no cause.
     out.retain(|(finding, group, _)| {
         *group > NAMED
@@ -322,6 +360,23 @@ fn findings(
             .then(b.evidence.value.total_cmp(&a.evidence.value))
     });
     out.into_iter().map(|(finding, _, k)| (finding, k)).unzip()
+}
+
+/// True if a cause is at the bushing or joint at which a force acts, or at a marker of it.
+fn is_at_element_of(model: &Model, h: &Hypothesis, force: &Hypothesis) -> bool {
+    let element = |address: &str| {
+        let end = address.find(['.', '<']).unwrap_or(address.len());
+        address[..end].to_string()
+    };
+    let own = element(&force.address);
+    let named = |kind: &str, header: &Header| own == format!("{kind}/{}", header.id);
+    let bushing = model.bushings.iter().find(|b| named("BUSHING", &b.header));
+    let joint = model.joints.iter().find(|j| named("JOINT", &j.header));
+    let ends = bushing.map(|b| (b.i, b.j)).or(joint.map(|j| (j.i, j.j)));
+    let marker = |at: MarkerIx| format!("MARKER/{}", model.markers[at.0].header.id);
+    let ends: Vec<String> = ends.map_or_else(Vec::new, |(i, j)| vec![marker(i), marker(j)]);
+    let mut places = h.members.iter().chain([&h.address]);
+    places.any(|place| element(place) == own || ends.contains(&element(place)))
 }
 
 fn of_rival(found: &Found, rival: &Indistinguishable) -> f64 {

@@ -71,8 +71,17 @@ impl Fitted {
     /// Turned residual (reading minus prediction) where the linear model ends, and Jacobian, whitened at the fit's sizes. What a fit
     /// stopped short of its minimum by would look like structure along directions that it absorbs.
     pub fn whitened(&self) -> (DVector<f64>, DMatrix<f64>) {
-        let weights = self.whitening.weights(&self.sizes.ln);
-        let end = &self.misfit + &self.jacobian * &self.posterior.step;
+        self.whitened_at(&self.sizes, &self.posterior)
+    }
+
+    /// The same at other sizes of tolerances, with the posterior there.
+    pub fn whitened_at(
+        &self,
+        sizes: &Sizes,
+        posterior: &Posterior,
+    ) -> (DVector<f64>, DMatrix<f64>) {
+        let weights = self.whitening.weights(&sizes.ln);
+        let end = &self.misfit + &self.jacobian * &posterior.step;
         let residual = self.whitening.apply_vector(&-end).component_mul(&weights);
         let mut jacobian = self.turned.clone();
         for (mut row, weight) in jacobian.row_iter_mut().zip(weights.iter()) {

@@ -177,6 +177,11 @@ impl Hypothesis {
         cases.all(|case| case == first).then_some(first)
     }
 
+    /// False for what stands in for an effect that no cause of the catalogue has.
+    pub fn is_named(&self) -> bool {
+        self.cause != Cause::UnnamedForce
+    }
+
     /// True if both are the same in the same form.
     pub fn same(&self, other: &Self) -> bool {
         self.same_place(other)

@@ -3,12 +3,16 @@
 //! At each place a force that differs from case to case is added to the linear model of the fit: a Gaussian process over the place's own
 //! deflection, over a load, or over the order of the cases, with a squared exponential covariance. Over its own deflection the constant
 //! and the straight line are taken off: they are the preload and the stiffness. The place, coordinate, length and size of greatest
-//! evidence are shown. Fitted without the cases held out it predicts them, with the band of the process. Source: Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), chapters 2 and 5.
+//! evidence are shown. Fitted without the cases held out it predicts them, with the band of the process.
+//!
+//! [`unnamed`] makes it a hypothesis that a search holds against several causes of the catalogue: one effect that the catalogue lacks
+//! looks like many of those it has. Source: Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), chapters 2 and 5.
 
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 use serde::Serialize;
 
 use super::cause::Cause;
+use super::causes::PRESENT;
 use super::fit::Fitted;
 use super::folds::{compared, unseen};
 use super::hypothesis::{Column, Hypothesis, Number, component};
@@ -17,13 +21,16 @@ use super::survey::Survey;
 use crate::mechanics::Vec6;
 use crate::model::{JointKind, MarkerIx};
 use crate::rig::orientation::chi_square_p_value;
+use crate::tolerance::{Posterior, Sizes};
 
 /// Lengths of the covariance as parts of the range of the coordinate.
-const LENGTHS: [f64; 3] = [0.15, 0.4, 1.0];
+const LENGTHS: [f64; 4] = [0.06, 0.15, 0.4, 1.0];
 /// Sizes of the force as parts of the place's usual force: the largest of the bushing component, for a joint that of all bushings.
 const SIZES: [f64; 6] = [0.003, 0.01, 0.03, 0.1, 0.3, 1.0];
 /// Directions of the covariance below this part of the largest are left out.
 const LEAST: f64 = 1e-6;
+/// A first guess moves no stiffness by more than this factor of e.
+const FAR: f64 = 0.8;
 /// A place stands out from so many nats on, the number of places tried taken off.
 const STANDS_OUT: f64 = 5.0;
 
@@ -106,48 +113,67 @@ struct Process {
     over: Over,
     load: Option<String>,
     coordinate: Vec<f64>,
+    law: Law,
+}
+
+/// The force in all cases at the length and size that do best.
+struct Law {
     nats: f64,
     /// What of chi-square it takes up.
     taken: f64,
     mean: DVector<f64>,
     covariance: DMatrix<f64>,
+    /// The covariance before the readings were known is this times its transpose.
+    root: DMatrix<f64>,
+    /// The mean is that times these.
+    weights: DVector<f64>,
 }
 
 /// The place, coordinate and law that do best.
 struct Best {
     address: String,
+    place: Place,
     process: Process,
     next: Option<(String, f64)>,
-    /// How a force in each single case moves all rows, with what the unknowns of the fit then take up.
+    /// How a force in each single case moves all rows,
+    effect: DMatrix<f64>,
+    /// by how much the unknowns of the fit then give way,
+    taken_up: DMatrix<f64>,
+    /// and how all rows move with that.
     response: DMatrix<f64>,
+    /// What the readings say of the unknowns of the fit without the force, at the sizes of tolerances that were taken.
+    posterior: Posterior,
+    /// How many places and coordinates there were.
+    tried: usize,
 }
 
-/// The place, coordinate and law that the residuals of a fit speak for most; `None` where none stands out.
-pub fn remainder(subject: &Subject<'_>, fitted: &Fitted) -> Option<Remainder> {
+/// The place, coordinate and law that the residuals of a fit speak for most, tolerances being of such sizes; `None` where none stands
+/// out.
+pub fn remainder(subject: &Subject<'_>, fitted: &Fitted, sizes: &Sizes) -> Option<Remainder> {
     let Best {
         address,
         process,
         next,
+        posterior,
         ..
-    } = most_spoken_for(subject, fitted)?;
+    } = most_spoken_for(subject, fitted, sizes)?;
     let cases = &subject.problem.programme.cases;
     let mut points: Vec<RemainderPoint> = (0..cases.len())
         .map(|k| RemainderPoint {
             case: cases[k].label.clone(),
             coordinate: process.coordinate[k],
-            force: process.mean[k],
-            std_error: process.covariance[(k, k)].max(0.0).sqrt(),
+            force: process.law.mean[k],
+            std_error: process.law.covariance[(k, k)].max(0.0).sqrt(),
         })
         .collect();
     points.sort_by(|a, b| a.coordinate.total_cmp(&b.coordinate));
-    let posterior = &fitted.posterior;
     let excess = posterior.chi_square - (posterior.count - posterior.effective);
     Some(Remainder {
         address,
         over: process.over,
         load: process.load,
-        share: (process.taken / excess.max(process.taken)).clamp(0.0, 1.0),
-        nats: process.nats,
+        share: (process.law.taken / excess.max(process.law.taken)).clamp(0.0, 1.0),
+        nats: process.law.nats,
         next,
         points,
         held_out: None,
@@ -157,10 +183,10 @@ pub fn remainder(subject: &Subject<'_>, fitted: &Fitted) -> Option<Remainder> {
 /// Predicts the cases held out by a fit that has not seen them and the extra force that its own residuals speak for. With `f` and `V`
 /// mean and covariance of the force, `R` the response of the rows and `C` the covariance of the unknowns, the rows are off by
 /// `R f` with `J C J' + R V R'` and their noise. `None` where nothing is held out, or no place stands out.
-pub fn predicted(subject: &Subject<'_>, fitted: &Fitted) -> Option<Predicted> {
-    let found = most_spoken_for(subject, fitted)?;
-    let before = &fitted.misfit + &fitted.jacobian * &fitted.posterior.step;
-    let after = &before + &found.response * &found.process.mean;
+pub fn predicted(subject: &Subject<'_>, fitted: &Fitted, sizes: &Sizes) -> Option<Predicted> {
+    let found = most_spoken_for(subject, fitted, sizes)?;
+    let before = &fitted.misfit + &fitted.jacobian * &found.posterior.step;
+    let after = &before + &found.response * &found.process.law.mean;
     let rows = compared(subject);
     let (_, unit) = subject.compared();
     let rms = |misfit: &DVector<f64>| {
@@ -168,7 +194,7 @@ pub fn predicted(subject: &Subject<'_>, fitted: &Fitted) -> Option<Predicted> {
         (squares / rows.len() as f64).sqrt()
     };
     let whitening = subject.whitening(Data::All);
-    let weights = whitening.weights(&fitted.sizes.ln);
+    let weights = whitening.weights(&sizes.ln);
     let held_out = unseen(subject);
     let turned: Vec<usize> = (0..subject.rows.len())
         .filter(|k| weights[*k] > 0.0 && held_out.binary_search(k).is_ok())
@@ -187,8 +213,8 @@ pub fn predicted(subject: &Subject<'_>, fitted: &Fitted) -> Option<Predicted> {
     let r = whitening.apply_vector(&after).component_mul(&weights);
     let r = r.select_rows(&turned);
     let n = turned.len();
-    let S = &J * &fitted.posterior.covariance * J.transpose()
-        + &R * &found.process.covariance * R.transpose()
+    let S = &J * &found.posterior.covariance * J.transpose()
+        + &R * &found.process.law.covariance * R.transpose()
         + DMatrix::identity(n, n);
     let within = (0..n).filter(|k| r[*k].abs() < 1.96 * S[(*k, *k)].sqrt());
     let within95 = within.count() as f64 / n as f64;
@@ -203,12 +229,99 @@ pub fn predicted(subject: &Subject<'_>, fitted: &Fitted) -> Option<Predicted> {
     })
 }
 
-fn most_spoken_for(subject: &Subject<'_>, fitted: &Fitted) -> Option<Best> {
+/// A force of a law that no cause has, as a search takes it in.
+pub struct Unnamed {
+    /// It, as numbers in units of their priors; what they do is linear where a fit ended.
+    pub hypothesis: Hypothesis,
+    /// First guesses of its numbers,
+    pub guesses: Vec<f64>,
+    /// and of the unknowns of the fit.
+    pub x: Vec<f64>,
+    place: Place,
+    root: DMatrix<f64>,
+}
+
+impl Unnamed {
+    /// The same law linearised at another fit.
+    pub fn at(&self, subject: &Subject<'_>, fitted: &Fitted) -> Hypothesis {
+        let survey = Survey::new(subject, fitted);
+        Hypothesis {
+            numbers: numbers(&(effect(&survey, &self.place) * &self.root)),
+            ..self.hypothesis.clone()
+        }
+    }
+}
+
+/// Such forces as hypotheses: the one that stands out at a fit's own sizes of tolerances, and the one that does with sizes that are
+/// usual, for its own may have swallowed the effect. The prior is that of a class of causes, spread over all places, coordinates, lengths
+/// and sizes that were tried.
+pub fn unnamed(subject: &Subject<'_>, fitted: &Fitted) -> Vec<Unnamed> {
+    let usual = fitted.sizes.at(fitted.sizes.modest(0.0));
+    let each = [&usual, &fitted.sizes].into_iter();
+    let found = each.filter_map(|sizes| most_spoken_for(subject, fitted, sizes));
+    let mut out: Vec<Unnamed> = Vec::new();
+    for unnamed in found.map(|best| as_hypothesis(fitted, best)) {
+        if !out
+            .iter()
+            .any(|other| other.hypothesis.same(&unnamed.hypothesis))
+        {
+            out.push(unnamed);
+        }
+    }
+    out
+}
+
+fn numbers(columns: &DMatrix<f64>) -> Vec<Number> {
+    let number = |(k, column): (usize, nalgebra::DVectorView<'_, f64>)| {
+        let rows = column.iter().copied().enumerate();
+        let moved = rows.filter(|(_, value)| *value != 0.0).collect();
+        Number::linear(format!("f{}", k + 1), 1.0, Column::Rows(moved))
+    };
+    columns.column_iter().enumerate().map(number).collect()
+}
+
+fn as_hypothesis(fitted: &Fitted, found: Best) -> Unnamed {
+    let form = match found.process.over {
+        Over::Deflection => "over deflection",
+        Over::Load => "over a load",
+        Over::Order => "over the order",
+    };
+    let Law {
+        root,
+        weights,
+        mean,
+        ..
+    } = found.process.law;
+    let mut hypothesis = Hypothesis::plain(
+        Cause::UnnamedForce,
+        found.address,
+        form,
+        numbers(&(&found.effect * &root)),
+    );
+    let laws = found.tried * LENGTHS.len() * SIZES.len();
+    hypothesis.ln_prior = (PRESENT / laws as f64).ln();
+    let step = &found.posterior.step - &found.taken_up * mean;
+    let x = fitted.x.iter().zip(step.iter()).zip(&fitted.priors);
+    let moved = x.map(|((x, step), prior)| match prior.group {
+        None => x + step.clamp(-FAR, FAR),
+        Some(_) => x + step,
+    });
+    Unnamed {
+        hypothesis,
+        guesses: weights.iter().copied().collect(),
+        x: moved.collect(),
+        place: found.place,
+        root,
+    }
+}
+
+fn most_spoken_for(subject: &Subject<'_>, fitted: &Fitted, sizes: &Sizes) -> Option<Best> {
     let survey = Survey::new(subject, fitted);
-    let places = places(&survey);
-    let weights = fitted.whitening.weights(&fitted.sizes.ln);
-    let (residual, jacobian) = fitted.whitened();
-    let (mut tried, mut responses) = (0, Vec::new());
+    let mut places = places(&survey);
+    let weights = fitted.whitening.weights(&sizes.ln);
+    let posterior = fitted.linear.posterior(sizes)?;
+    let (residual, jacobian) = fitted.whitened_at(sizes, &posterior);
+    let (mut tried, mut responses) = (0_usize, Vec::new());
     let mut found: Vec<(usize, Process)> = Vec::new();
     for (at, place) in places.iter().enumerate() {
         let plain = effect(&survey, place);
@@ -217,14 +330,14 @@ fn most_spoken_for(subject: &Subject<'_>, fitted: &Fitted) -> Option<Best> {
             row *= *weight;
         }
         let cross = jacobian.tr_mul(&effect);
-        let taken_up = &fitted.posterior.covariance * &cross;
+        let taken_up = &posterior.covariance * &cross;
         let information = effect.tr_mul(&effect) - cross.tr_mul(&taken_up);
         let gradient = effect.tr_mul(&residual);
         responses.push((plain, taken_up));
         for (over, load, coordinate) in coordinates(subject, place) {
             tried += 1;
-            let process = best(&coordinate, over, (&information, &gradient), place.force);
-            let Some((nats, taken, mean, covariance)) = process else {
+            let found_here = best(&coordinate, over, (&information, &gradient), place.force);
+            let Some(law) = found_here else {
                 continue;
             };
             found.push((
@@ -233,31 +346,35 @@ fn most_spoken_for(subject: &Subject<'_>, fitted: &Fitted) -> Option<Best> {
                     over,
                     load,
                     coordinate,
-                    nats,
-                    taken,
-                    mean,
-                    covariance,
+                    law,
                 },
             ));
         }
     }
-    found.sort_by(|a, b| b.1.nats.total_cmp(&a.1.nats));
-    if found.first()?.1.nats < STANDS_OUT + f64::from(tried).ln() {
+    let by_nats =
+        |a: &(usize, Process), b: &(usize, Process)| b.1.law.nats.total_cmp(&a.1.law.nats);
+    found.sort_by(by_nats);
+    if found.first()?.1.law.nats < STANDS_OUT + (tried as f64).ln() {
         return None;
     }
     let (at, process) = found.swap_remove(0);
     let address = places[at].address.clone();
-    found.sort_by(|a, b| b.1.nats.total_cmp(&a.1.nats));
+    found.sort_by(by_nats);
     let next = found
         .iter()
         .find(|(other, _)| places[*other].address != address)
         .map(|(other, behind)| {
-            let nats = process.nats - behind.nats;
+            let nats = process.law.nats - behind.law.nats;
             (places[*other].address.clone(), nats)
         });
-    let (plain, taken_up) = &responses[at];
+    let (effect, taken_up) = responses.swap_remove(at);
     Some(Best {
-        response: plain - &fitted.jacobian * taken_up,
+        place: places.swap_remove(at),
+        response: &effect - &fitted.jacobian * &taken_up,
+        effect,
+        taken_up,
+        posterior,
+        tried,
         address,
         process,
         next,
@@ -370,7 +487,7 @@ fn best(
     over: Over,
     (information, gradient): (&DMatrix<f64>, &DVector<f64>),
     force: f64,
-) -> Option<(f64, f64, DVector<f64>, DMatrix<f64>)> {
+) -> Option<Law> {
     let n = coordinate.len();
     let low = coordinate.iter().copied().fold(f64::INFINITY, f64::min);
     let high = coordinate.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -378,7 +495,7 @@ fn best(
     if !(range > 0.0) {
         return None;
     }
-    let mut out: Option<(f64, f64, DVector<f64>, DMatrix<f64>)> = None;
+    let mut out: Option<Law> = None;
     for length in LENGTHS {
         let mut K = DMatrix::from_fn(n, n, |a, b| {
             let apart = (coordinate[a] - coordinate[b]) / (length * range);
@@ -408,10 +525,15 @@ fn best(
             let z = factor.solve(&(&g * s));
             let logs: f64 = factor.l_dirty().diagonal().iter().map(|d| d.ln()).sum();
             let nats = 0.5 * s * g.dot(&z) - logs;
-            if nats.is_finite() && out.as_ref().is_none_or(|(most, ..)| nats > *most) {
-                let taken = 2.0 * s * g.dot(&z) - s * s * z.dot(&(&M * &z));
-                let spread = &root * factor.inverse() * root.transpose() * (s * s);
-                out = Some((nats, taken, &root * z * s, spread));
+            if nats.is_finite() && out.as_ref().is_none_or(|law| nats > law.nats) {
+                out = Some(Law {
+                    nats,
+                    taken: 2.0 * s * g.dot(&z) - s * s * z.dot(&(&M * &z)),
+                    covariance: &root * factor.inverse() * root.transpose() * (s * s),
+                    mean: &root * &z * s,
+                    root: &root * s,
+                    weights: z,
+                });
             }
         }
     }
@@ -439,24 +561,32 @@ mod tests {
     /// Forces in thirty cases, each read with an error of one: a wave over the deflection is found, its band holds it, and a line is none.
     #[test]
     fn a_wave_is_found_and_a_line_is_not() {
-        let n = 30;
+        let n = 30_u8;
         let u: Vec<f64> = (0..n).map(|k| f64::from(k) * 0.1).collect();
-        let wave = DVector::from_fn(n as usize, |k, _| 20.0 * (2.5 * u[k]).sin());
-        let information = DMatrix::identity(n as usize, n as usize);
+        let wave = DVector::from_fn(usize::from(n), |k, _| 20.0 * (2.5 * u[k]).sin());
+        let information = DMatrix::identity(usize::from(n), usize::from(n));
         // Reading equals force here: the gradient is the reading itself.
         let found = best(&u, Over::Deflection, (&information, &wave), 100.0);
-        let (nats, taken, mean, covariance) = found.unwrap();
+        let Law {
+            nats,
+            taken,
+            mean,
+            covariance,
+            root,
+            ..
+        } = found.unwrap();
         assert!(nats > 100.0, "{nats}");
         assert!(taken > 0.0);
+        assert_eq!(root.nrows(), usize::from(n));
         let beyond = beyond_a_line(&u, (0.0, 2.9)) * &wave;
-        for k in 0..n as usize {
+        for k in 0..usize::from(n) {
             assert!(
                 (mean[k] - beyond[k]).abs() < 4.0 * covariance[(k, k)].sqrt(),
                 "{k}"
             );
         }
-        let line = DVector::from_fn(n as usize, |k, _| 7.0 + 20.0 * u[k]);
+        let line = DVector::from_fn(usize::from(n), |k, _| 7.0 + 20.0 * u[k]);
         let found = best(&u, Over::Deflection, (&information, &line), 100.0);
-        assert!(found.unwrap().0 < 1.0);
+        assert!(found.unwrap().nats < 1.0);
     }
 }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::fit::{ANY, Fitted, fit, unguessed};
 use super::hypothesis::{Hypothesis, Number, Unknown};
+use super::remainder::{Unnamed, unnamed};
 use super::scan::{Catalogue, Weighed};
 use super::subject::{Data, Subject};
 use crate::tolerance::Sizes;
@@ -24,6 +25,8 @@ const MOST: usize = 12;
 const FORMS: usize = 3;
 /// Further forms of a place whose first form ended so many nats behind are not fitted, and no fit goes on that promises less.
 const BEHIND: f64 = 50.0;
+/// So many causes of a model, or faults of the readings of single cases, may together be one effect that no cause has.
+const MANY: usize = 3;
 /// Slip lengths are tried again at these parts of themselves.
 const SLIPS: [f64; 2] = [0.4, 2.0];
 /// A model has to be better by so many nats.
@@ -62,21 +65,26 @@ pub fn search(subject: &Subject<'_>, none: Fitted, data: Data) -> Found {
         subject,
         data,
         visited: Vec::new(),
+        beside: Vec::new(),
         places: 0,
     };
     search.note(&none);
     let mut best = Arc::clone(&none);
     loop {
-        if best.chosen.len() >= MOST || subject.is_spent() {
-            break;
+        while best.chosen.len() < MOST && !subject.is_spent() {
+            let Some(next) = search.grown(&best) else {
+                break;
+            };
+            let next = search.restarted(next);
+            best = search.pruned(next);
+            best = search.unnamed(&best).unwrap_or(best);
         }
-        let Some(next) = search.grown(&best) else {
+        best = search.exchanged(best);
+        let Some(next) = search.unnamed(&best) else {
             break;
         };
-        let next = search.restarted(next);
         best = search.pruned(next);
     }
-    best = search.exchanged(best);
     let models = search.probabilities();
     Found {
         none,
@@ -91,6 +99,8 @@ struct Search<'a, 'b> {
     subject: &'a Subject<'b>,
     data: Data,
     visited: Vec<Visited>,
+    /// Sets of causes, and the best model of each with one force of a law that no cause has.
+    beside: Vec<(Vec<Hypothesis>, Option<Arc<Fitted>>)>,
     places: usize,
 }
 
@@ -263,23 +273,26 @@ impl Search<'_, '_> {
 
     /// Fits a model without one of its causes.
     fn without(&mut self, fitted: &Fitted, at: usize) -> Option<Arc<Fitted>> {
-        let mut all = unguessed(fitted);
-        all.remove(at);
-        if all.is_empty() {
+        let mut causes = fitted.chosen.clone();
+        causes.remove(at);
+        if causes.is_empty() {
             return None;
         }
-        let causes: Vec<Hypothesis> = all.iter().map(|(h, _)| h.clone()).collect();
+        self.of(fitted, causes)
+    }
+
+    /// The model of some of the causes of a fit, fitted from where that ended where it is not known.
+    fn of(&mut self, fitted: &Fitted, causes: Vec<Hypothesis>) -> Option<Arc<Fitted>> {
         if let Some(known) = self.known(&causes) {
             return Some(known);
         }
-        let found = fit(
-            self.subject,
-            &all,
-            Some((fitted, &fitted.x)),
-            self.data,
-            ANY,
-        )?;
-        let found = Arc::new(found);
+        let zeros = |h: Hypothesis| {
+            let count = h.numbers.len();
+            (h, vec![0.0; count])
+        };
+        let all: Vec<_> = causes.into_iter().map(zeros).collect();
+        let from = Some((fitted, fitted.x.as_slice()));
+        let found = Arc::new(fit(self.subject, &all, from, self.data, ANY)?);
         self.note(&found);
         Some(found)
     }
@@ -320,6 +333,70 @@ impl Search<'_, '_> {
             }
         }
         current
+    }
+
+    /// Holds many causes against one force of a law that none of them has: against all of them, and against faults of single cases.
+    /// `None` where they do better.
+    fn unnamed(&mut self, current: &Fitted) -> Option<Arc<Fitted>> {
+        let subject = self.subject;
+        let named = || current.chosen.iter().filter(|h| h.is_named());
+        if named().count() < MANY || subject.is_spent() {
+            return None;
+        }
+        let of_the_model = |h: &&Hypothesis| h.only_case(&subject.rows).is_none();
+        let rest: Vec<Hypothesis> = named().filter(of_the_model).cloned().collect();
+        let mut bases = vec![Vec::new()];
+        if !rest.is_empty() && rest.len() + MANY <= named().count() {
+            bases.push(rest);
+        }
+        let mut best: Option<Arc<Fitted>> = None;
+        for causes in bases {
+            let Some(found) = self.beside(current, causes) else {
+                continue;
+            };
+            let leads = best.as_deref().unwrap_or(current).ln_posterior();
+            if found.ln_posterior() > leads + BETTER {
+                best = Some(found);
+            }
+        }
+        best
+    }
+
+    /// The best model of one such force and some of the causes of a fit; `None` where no force stands out beside them.
+    fn beside(&mut self, current: &Fitted, causes: Vec<Hypothesis>) -> Option<Arc<Fitted>> {
+        let known = self.beside.iter().find(|(of, _)| same_set(of, &causes));
+        if let Some((_, found)) = known {
+            return found.clone();
+        }
+        let base = self.of(current, causes.clone())?;
+        let mut best: Option<Arc<Fitted>> = None;
+        for force in unnamed(self.subject, &base) {
+            let found = self.standing_in(&base, &force);
+            let leads = |f: &Arc<Fitted>| f.ln_posterior();
+            if found.as_ref().map(leads) > best.as_ref().map(leads) {
+                best = found;
+            }
+        }
+        self.beside.push((causes, best.clone()));
+        best
+    }
+
+    /// Fits a model with such a force, then once more with what the force does linearised where that ended.
+    fn standing_in(&mut self, base: &Fitted, force: &Unnamed) -> Option<Arc<Fitted>> {
+        let subject = self.subject;
+        let mut all = unguessed(base);
+        all.push((force.hypothesis.clone(), force.guesses.clone()));
+        let from = |x: &[f64]| fit(subject, &all, Some((base, x)), self.data, ANY);
+        let first = from(&force.x).or_else(|| from(&base.x))?;
+        let mut again = unguessed(&first);
+        if let Some((last, _)) = again.last_mut() {
+            *last = force.at(subject, &first);
+        }
+        let second = fit(subject, &again, Some((&first, &first.x)), self.data, ANY);
+        let better = second.filter(|second| second.ln_posterior() > first.ln_posterior());
+        let found = Arc::new(better.unwrap_or(first));
+        self.note(&found);
+        Some(found)
     }
 
     /// Models that count and their probabilities. Of a set that was looked at several times the best counts; one that was only weighed

@@ -2,7 +2,7 @@
 //!
 //! The simplified iteration of [`super::newton`] takes the derivatives at the start of the step for all stages. Near a singular position of
 //! the mechanism the gradients of the constraints change by their own size within a step, and no step is short enough for it. This
-//! iteration is; it costs a factorisation of three times the unknowns each time.
+//! iteration is; a factorisation has three times the unknowns.
 //!
 //! Unknowns of a stage: y (displacements and turns at the stage, multipliers, variables, states), dW and dmu. With P the identity for
 //! translations and [`turning_rate`] for rotations, `dd = P y`, and
@@ -49,17 +49,14 @@ impl Coupled {
         }
     }
 
-    /// One iteration with derivatives of every stage; gives the correction for its size.
-    pub fn iterate(
+    /// Factors with derivatives of every stage.
+    pub fn factor(
         &mut self,
         equations: &mut Equations,
-        system: &System,
-        parameters: &Parameters,
-        start: &State,
-        h: f64,
-        unknowns: &mut Unknowns,
-    ) -> Result<Unknowns, NoValue> {
-        equations.stage_residuals(system, parameters, start, h, unknowns)?;
+        (system, parameters): (&System, &Parameters),
+        (start, h): (&State, f64),
+        unknowns: &Unknowns,
+    ) -> Result<(), NoValue> {
         let (n, all, count) = (
             system.first_equation,
             system.moving_unknowns,
@@ -164,6 +161,31 @@ impl Coupled {
         factors.factor_in_order(&matrix.view(), |entries| by_groups(entries, groups));
         equations.factorisations += 1;
         equations.jacobians += 3;
+        Ok(())
+    }
+
+    /// One iteration with the factors there are; gives the correction for its size.
+    pub fn iterate(
+        &mut self,
+        equations: &mut Equations,
+        (system, parameters): (&System, &Parameters),
+        (start, h): (&State, f64),
+        unknowns: &mut Unknowns,
+    ) -> Result<Unknowns, NoValue> {
+        equations.stage_residuals(system, parameters, start, h, unknowns)?;
+        let (n, all, count) = (
+            system.first_equation,
+            system.moving_unknowns,
+            system.equations,
+        );
+        let size = all + n + count;
+        let (y, w, mu) = (
+            |i: usize, k: usize| i * size + k,
+            |i: usize, k: usize| i * size + all + k,
+            |i: usize, k: usize| i * size + all + n + k,
+        );
+        let turns: [Vec<Mat3>; 3] = std::array::from_fn(|i| turns(system, &unknowns.z[i]));
+        let factors = &mut self.factors;
         let mut b = vec![0.0; 3 * size];
         for i in 0..3 {
             let from = equations.residuals.of(i);

@@ -11,6 +11,8 @@ use crate::system::{Parameters, State, System};
 const KAPPA: f64 = 3e-3;
 /// Factors stay while the iteration falls by this.
 const FAST: f64 = 0.1;
+/// Derivatives of all stages stay while the iteration falls by this.
+const SLUGGISH: f64 = 0.3;
 /// Steps that differ by less are the same.
 const SAME: f64 = 1e-9;
 /// A step that could grow by no more than this stays, and its factors with it.
@@ -361,6 +363,8 @@ impl<'a> Integrator<'a> {
     /// Newton's iteration, simplified or with derivatives of all stages; gives how many iterations it took.
     fn solve(&mut self, h: f64, coupled: bool) -> Result<usize, NotSettled> {
         let mut before = 0.0;
+        // Whether the derivatives of all stages are to be made anew.
+        let mut renew = coupled;
         let limit = KAPPA * self.settings.corrector * (1.0 + self.settings.adaptivity / h);
         for iteration in 1..=self.settings.maxit {
             let (equations, unknowns) = (&mut self.equations, &mut self.unknowns);
@@ -368,7 +372,13 @@ impl<'a> Integrator<'a> {
             let done = if coupled {
                 let coupled = &mut self.coupled;
                 let coupled = coupled.get_or_insert_with(|| Box::new(Coupled::new(system)));
-                coupled.iterate(equations, system, parameters, start, h, unknowns)
+                let (model, step) = ((system, parameters), (start, h));
+                let factored = if renew {
+                    coupled.factor(equations, model, step, unknowns)
+                } else {
+                    Ok(())
+                };
+                factored.and_then(|()| coupled.iterate(equations, model, step, unknowns))
             } else {
                 equations.iterate(system, parameters, start, h, unknowns)
             };
@@ -388,7 +398,9 @@ impl<'a> Integrator<'a> {
             }
             if iteration > 1 {
                 let theta: f64 = size / before;
-                if theta >= 0.99 && size > 10.0 * floor {
+                // Derivatives of an earlier iteration say nothing of where this one ends.
+                let fresh = renew || !coupled;
+                if fresh && theta >= 0.99 && size > 10.0 * floor {
                     return Err(NotSettled(format!("the iteration does not settle {at}")));
                 }
                 let left = theta.min(0.99) / (1.0 - theta.min(0.99)) * size;
@@ -399,9 +411,10 @@ impl<'a> Integrator<'a> {
                     return Ok(iteration);
                 }
                 let more = self.settings.maxit - iteration;
-                if left * theta.powi(more as i32) > limit && more < 4 {
+                if fresh && left * theta.powi(more as i32) > limit && more < 4 {
                     return Err(NotSettled(format!("the iteration does not settle {at}")));
                 }
+                renew = coupled && theta > SLUGGISH;
             } else if size <= 1e-2 * limit {
                 return Ok(iteration);
             }

@@ -13,4 +13,5 @@ mod kc_experiment;
 mod plant;
 #[path = "../common/proportion.rs"]
 mod proportion;
+mod remainder;
 mod unseen;

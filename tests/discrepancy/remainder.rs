@@ -1,0 +1,73 @@
+//! What no cause explains is shown where it acts, and predicts cases that nothing has seen with bands that hold.
+
+use std::fmt::Write as _;
+
+use admire::discrepancy::{Over, Verdict, diagnose, held_out};
+use admire::identify::LoadedStudy;
+
+use super::plant::{Plant, gforce, study};
+
+/// The longitudinal load in small steps, and the other loads as the shipped study has them.
+fn cases() -> String {
+    let mut out = String::from("case,vertical,lateral,longitudinal\n");
+    for (k, [vertical, lateral]) in [
+        [1500.0, 0.0],
+        [3000.0, 0.0],
+        [6000.0, 0.0],
+        [7500.0, 0.0],
+        [4500.0, -4000.0],
+        [4500.0, -2000.0],
+        [4500.0, 2000.0],
+        [4500.0, 4000.0],
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        writeln!(out, "{},{vertical},{lateral},0", k + 1).unwrap();
+    }
+    for k in 0..=32 {
+        // Up and down, so that the order of the cases is not that of the load.
+        let step = 7 * k % 33;
+        writeln!(out, "{},4500,0,{}", k + 9, -4000 + 250 * step).unwrap();
+    }
+    out
+}
+
+/// A force that comes and goes over the way of a bushing, 40 mm, in waves of 16 mm: no hypothesis has such a law.
+#[test]
+fn what_remains_predicts_cases_that_were_held_out() {
+    let (mut within, mut readings) = (0.0, 0);
+    for seed in [71, 72, 73] {
+        let plant = Plant {
+            added: gforce(1, (3, 4), 0, "150.0*SIN(0.4*DX(3,4,4))"),
+            ..Plant::nothing()
+        };
+        let folder = study("pseudo-mcpherson", &plant, 0.02, seed, Some(&cases()));
+        let toml = std::fs::read_to_string(folder.path().join("study.toml")).unwrap();
+        let kept: Vec<&str> = toml
+            .lines()
+            .filter(|line| !line.starts_with("hold_out"))
+            .collect();
+        std::fs::write(folder.path().join("study.toml"), kept.join("\n")).unwrap();
+        let loaded = LoadedStudy::read(folder.path()).value.unwrap();
+        let held = held_out(&loaded.study, &loaded.measurement);
+        let diagnosis = diagnose(&loaded.problem(), held).unwrap().diagnosis;
+        assert_eq!(diagnosis.verdict, Verdict::Unexplained, "{diagnosis:#?}");
+        let remainder = diagnosis.unexplained.remainder.unwrap();
+        assert_eq!(
+            (remainder.address.as_str(), remainder.over),
+            ("BUSHING/2.K.1", Over::Deflection)
+        );
+        let predicted = remainder.held_out.unwrap();
+        println!("{predicted:?}");
+        assert_eq!(predicted.address, "BUSHING/2.K.1");
+        assert!(
+            predicted.rms_after < 0.7 * predicted.rms_before,
+            "{predicted:?}"
+        );
+        within += predicted.within95 * predicted.readings as f64;
+        readings += predicted.readings;
+    }
+    let share = within / readings as f64;
+    assert!((0.9..0.99).contains(&share), "{share} of {readings}");
+}
