@@ -48,7 +48,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         }
         _ => table(&comparison, arguments.all),
     };
-    shell.print(&text);
+    shell.tell(&text);
     Ok(if comparison.agrees() {
         Exit::Fine
     } else {

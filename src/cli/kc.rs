@@ -14,7 +14,7 @@ use super::Outcome;
 use super::format::Format;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::progress::Progress;
-use super::render::table_text;
+use super::width::table_text;
 use super::results_kc::Axes;
 use super::shell::{Exit, Shell};
 

@@ -6,7 +6,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::identify::LoadedStudy;
 use crate::report::{Plausibility, Verdict};
 
-use super::render::table_text;
+use super::width::table_text;
 use super::shell::{Exit, Shell};
 
 /// Shows the table beside the answer; a study that cannot be meant ends the command unless it is forced.

@@ -17,7 +17,7 @@ use crate::units::Dimension;
 use super::Outcome;
 use super::format::Format;
 use super::input::{Solvable, solvable};
-use super::render::table_text;
+use super::width::table_text;
 use super::shell::{Exit, Shell};
 use super::solve_run::{self, Taken};
 

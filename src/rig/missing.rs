@@ -34,15 +34,22 @@ pub fn missing(study: &Study) -> Vec<String> {
     if let Some((readings, _)) = &study.readings {
         empty(readings, "what each channel read in each load case");
     }
+    if let Some((_, curves)) = &study.kc {
+        empty(curves, "what the rig read of the wheel in each load case");
+    }
+    if let Some(summary) = &study.kc_summary {
+        empty(summary, "gradients and widths of loops, one a row");
+    }
     let measured = study.marks.is_some()
         || study.readings.is_some()
+        || study.kc.is_some()
         || study
             .wheel
             .as_ref()
             .is_some_and(|(_, table)| table.is_some());
     if !measured {
         steps.push(
-            "study.toml: nothing is measured; give [marks], a measured [wheel] or [readings]"
+            "study.toml: nothing is measured; give [marks], [kc], a measured [wheel] or [readings]"
                 .to_string(),
         );
     }
