@@ -7,8 +7,8 @@ use crate::rig::schema;
 use crate::syntax::describe::{self, minimal};
 
 use super::Outcome;
-use super::width::hanging;
 use super::shell::{Exit, Shell};
+use super::width::hanging;
 
 /// Say what a word means: a statement, a command, a function, a complaint's code, a key of study.toml, a cause of a diagnosis, a
 /// field of an answer, a column.

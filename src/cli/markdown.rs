@@ -55,7 +55,10 @@ fn code_lines(code: &str) -> String {
         let blanks = before.len() - before.trim_start().len();
         let head = format!("    {}# ", " ".repeat(blanks));
         let above = hanging(&head, comment);
-        let above = above.replace(&format!("\n{}", " ".repeat(head.len())), &format!("\n{head}"));
+        let above = above.replace(
+            &format!("\n{}", " ".repeat(head.len())),
+            &format!("\n{head}"),
+        );
         return above + &code_lines(before.trim_end());
     }
     let text = wrapped(&indented(code));
@@ -145,7 +148,9 @@ fn table(rows: Vec<Vec<String>>) -> String {
         let mut cells = row.iter();
         cells.all(|cell| !cell.is_empty() && cell.chars().all(|c| "-: ".contains(c)))
     };
-    let first = rows.iter().map(|row| row.first().map_or(0, |c| c.chars().count()));
+    let first = rows
+        .iter()
+        .map(|row| row.first().map_or(0, |c| c.chars().count()));
     let first = first.max().unwrap_or_default();
     for row in rows.iter().filter(|row| !is_rule(row)) {
         table.add_row(row);
@@ -153,7 +158,9 @@ fn table(rows: Vec<Vec<String>>) -> String {
     for (k, column) in table.column_iter_mut().enumerate() {
         column.set_padding((0, 2));
         if k == 0 && first <= WORD {
-            column.set_constraint(ColumnConstraint::LowerBoundary(Width::Fixed(first as u16 + 2)));
+            column.set_constraint(ColumnConstraint::LowerBoundary(Width::Fixed(
+                first as u16 + 2,
+            )));
         }
     }
     table_text(&table)
@@ -172,11 +179,18 @@ mod tests {
             let wide: Vec<&str> = text
                 .lines()
                 .filter(|line| line.chars().count() > WIDTH && !line.starts_with("    "))
-                .filter(|line| line.split_whitespace().all(|word| word.chars().count() < 60))
+                .filter(|line| {
+                    line.split_whitespace()
+                        .all(|word| word.chars().count() < 60)
+                })
                 .collect();
             assert!(wide.is_empty(), "{}: {wide:#?}", page.topic);
             let words = |text: &str| -> usize { text.matches(char::is_alphabetic).count() };
-            assert!(words(&text) >= words(page.text) * 98 / 100, "{}", page.topic);
+            assert!(
+                words(&text) >= words(page.text) * 98 / 100,
+                "{}",
+                page.topic
+            );
         }
     }
 

@@ -157,7 +157,10 @@ fn answer(question: &str, shell: &Shell) -> String {
 
 fn ask_kinds(shell: &Shell) -> BTreeSet<Kind> {
     loop {
-        let line = answer("what was measured: marks, wheel, curves, readings? [marks] ", shell);
+        let line = answer(
+            "what was measured: marks, wheel, curves, readings? [marks] ",
+            shell,
+        );
         let words: Vec<&str> = line
             .split([',', ' '])
             .filter(|word| !word.is_empty())

@@ -14,8 +14,8 @@ use super::input::study;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::plausibility::before_a_fit;
 use super::progress::Progress;
-use super::width::{hanging, table_text};
 use super::shell::{Exit, Shell};
+use super::width::{hanging, table_text};
 
 /// Say which test, load or mark to add next to a study, ranked by what each would gain.
 ///
@@ -199,6 +199,11 @@ fn name(combination: &Combination) -> String {
     text
 }
 
+/// A number of percent with one decimal; what rounds to zero has no sign.
+fn percent(value: f64) -> String {
+    format!("{:.1}", (10.0 * value).round() / 10.0 + 0.0)
+}
+
 /// By how many percent a standard deviation falls.
 fn fall(before: f64, after: f64) -> f64 {
     if before > 0.0 {
@@ -233,7 +238,7 @@ fn table(found: &Plan, count: usize) -> String {
         };
         let mut row = vec![format!("{}", k + 1), ranked.what.clone(), cases];
         for (combination, after) in found.combinations.iter().zip(&ranked.sd_log) {
-            row.push(format!("{:.1}", fall(combination.sd_log, *after)));
+            row.push(percent(fall(combination.sd_log, *after)));
         }
         if let (Some(before), Some(after)) = (&found.curves, &ranked.curves) {
             let before = before.sd;
@@ -242,7 +247,7 @@ fn table(found: &Plan, count: usize) -> String {
                 (before.camber_deg, after.camber_deg),
                 (before.position, after.position),
             ] {
-                row.push(format!("{:.1}", fall(before, after)));
+                row.push(percent(fall(before, after)));
             }
         }
         if found.causes.is_some() {

@@ -113,12 +113,7 @@ fn as_json(diagnostic: &Diagnostic, sources: &Sources) -> Value {
     })
 }
 
-fn graphical(
-    diagnostics: &[Diagnostic],
-    sources: &Sources,
-    colours: bool,
-    width: usize,
-) -> String {
+fn graphical(diagnostics: &[Diagnostic], sources: &Sources, colours: bool, width: usize) -> String {
     let theme = if colours {
         GraphicalTheme::unicode()
     } else {
@@ -389,9 +384,18 @@ mod tests {
     #[test]
     fn the_three_formats() {
         let (found, sources) = sample();
-        insta::assert_snapshot!("text", diagnostics(&found, &sources, Format::Text, (false, 100)));
-        insta::assert_snapshot!("plain", diagnostics(&found, &sources, Format::Plain, (false, 100)));
-        insta::assert_snapshot!("json", diagnostics(&found, &sources, Format::Json, (false, 100)));
+        insta::assert_snapshot!(
+            "text",
+            diagnostics(&found, &sources, Format::Text, (false, 100))
+        );
+        insta::assert_snapshot!(
+            "plain",
+            diagnostics(&found, &sources, Format::Plain, (false, 100))
+        );
+        insta::assert_snapshot!(
+            "json",
+            diagnostics(&found, &sources, Format::Json, (false, 100))
+        );
     }
 
     #[test]

@@ -112,8 +112,11 @@ impl Shell {
         }
     }
 
-    /// Prints complaints on standard error.
+    /// Prints complaints on standard error; of a quiet command no notes.
     pub(super) fn complain(&self, diagnostics: &[Diagnostic]) {
+        let counts = |found: &&Diagnostic| !self.is_quiet() || found.severity > Severity::Note;
+        let diagnostics: Vec<Diagnostic> = diagnostics.iter().filter(counts).cloned().collect();
+        let diagnostics = diagnostics.as_slice();
         if diagnostics.is_empty() {
             return;
         }
@@ -151,7 +154,11 @@ impl Shell {
             // Nobody may be listening.
             let terminal = std::io::stderr().is_terminal();
             let text = printable(text);
-            let text = if terminal { Cow::Owned(wrapped(&text)) } else { text };
+            let text = if terminal {
+                Cow::Owned(wrapped(&text))
+            } else {
+                text
+            };
             let _ = std::io::stderr().write_all(&self.encoded(&text, terminal));
         }
     }

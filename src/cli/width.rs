@@ -155,7 +155,9 @@ mod tests {
         let long = format!("  {}\nx", "word ".repeat(40).trim_end());
         let text = wrapped(&long);
         assert!(text.lines().all(|line| line.chars().count() <= WIDTH));
-        assert!(text.starts_with("  word ") && text.contains("\n    word ") && text.ends_with("\nx"));
+        assert!(
+            text.starts_with("  word ") && text.contains("\n    word ") && text.ends_with("\nx")
+        );
         assert_eq!(
             text.split_whitespace().count(),
             long.split_whitespace().count()
@@ -163,6 +165,9 @@ mod tests {
         // What has no blank is not broken.
         let path = "p/".repeat(60);
         assert_eq!(wrapped(&path), path);
-        assert_eq!(wrapped(&format!("at {path} there")), format!("at\n  {path}\n  there"));
+        assert_eq!(
+            wrapped(&format!("at {path} there")),
+            format!("at\n  {path}\n  there")
+        );
     }
 }

@@ -193,7 +193,10 @@ fn residuals(
             let channels = read.at(&prepared.system, theta, &poses, &mut scratch);
             Some(CasePrediction {
                 poses,
-                channels: channels.into_iter().map(Option::unwrap_or_default).collect(),
+                channels: channels
+                    .into_iter()
+                    .map(Option::unwrap_or_default)
+                    .collect(),
                 by_unknown: Vec::new(),
             })
         })

@@ -136,7 +136,8 @@ impl<'a> Starter<'a> {
             files.push(("wheel.csv".to_string(), text));
         }
         if kinds.contains(&Kind::Curves) {
-            let mut text = String::from("case,toe_deg,camber_deg,caster_deg,travel_mm,base_mm,track_mm\n");
+            let mut text =
+                String::from("case,toe_deg,camber_deg,caster_deg,travel_mm,base_mm,track_mm\n");
             text += "# What the rig read of the wheel in each load case, loops in the order driven; an empty cell is a missing reading.\n";
             text += "# Names and units of the columns may be those of your rig: `Toe [min]`, `Wheel travel [mm]`.\n";
             text += "# 1,0.012,-0.310,0.040,12.5,0.42,-0.15\n";

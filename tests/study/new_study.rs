@@ -90,7 +90,11 @@ fn a_study_of_curves_begins_with_a_deck() {
     let said = admire(folder.path(), &["check", "axle", "--format", "text"]);
     assert_eq!(said.code, 1);
     assert_eq!(said.out, "", "nothing is wrong, only missing");
-    let at = |name: &str| said.err.find(name).unwrap_or_else(|| panic!("{}", said.err));
+    let at = |name: &str| {
+        said.err
+            .find(name)
+            .unwrap_or_else(|| panic!("{}", said.err))
+    };
     assert!(at("load_cases.csv: ") < at("kc.csv: "), "{}", said.err);
     assert!(!said.err.contains("1 error"), "{}", said.err);
     let study = folder.path().join("axle");

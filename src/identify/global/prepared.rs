@@ -54,7 +54,12 @@ impl Prepared {
             .map_err(|diagnostic| BackendError::NotSolvable(vec![diagnostic]))?;
         let system = System::compile(&model).value;
         let poses = &system.state().poses;
-        let design = channels.at(&system, &system.parameters(), poses, &mut Scratch::new(&system));
+        let design = channels.at(
+            &system,
+            &system.parameters(),
+            poses,
+            &mut Scratch::new(&system),
+        );
         let named = problem.measurement.channels.iter().zip(design);
         let refused: Vec<Diagnostic> = named
             .filter(|(_, value)| value.is_none())
