@@ -145,7 +145,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     files.push((
         "report.html".into(),
         kc_page(
-            (&arguments.deck, &units),
+            (&arguments.deck, deck.dataset.bytes(), &units),
             (&config, &found),
             (&others, &curves),
             convention,
