@@ -287,8 +287,7 @@ impl DiagnosisReport<'_> {
             let [x, y, z] = limit
                 .mm
                 .map(|mm| mm.map_or_else(String::new, |mm| format!("{mm:.2}")));
-            let members = limit.members.iter().map(|member| scene.named(member));
-            table.row([members.collect::<Vec<_>>().join(", "), x, y, z]);
+            table.row([scene.named_all(&limit.members), x, y, z]);
         }
         table
     }
@@ -361,7 +360,7 @@ impl DiagnosisReport<'_> {
                 shown(before),
                 shown(after),
                 shown(after),
-                format!("{:+.1} %", 100.0 * stiffness.bias()),
+                format!("{:+.1} %", (1e3 * stiffness.bias()).round() / 10.0 + 0.0),
             ]);
             let [low, high] = sides(after);
             let low = Some(low).filter(|low| *low > 0.0);

@@ -67,6 +67,29 @@ impl Scene {
         }
     }
 
+    /// Several addresses, those of one name together: `TIE_INNER (MARKER/16, MARKER/15)`.
+    pub fn named_all(&self, addresses: &[String]) -> String {
+        let mut groups: Vec<(String, Vec<&str>)> = Vec::new();
+        for address in addresses {
+            let named = self.named(address);
+            let name = named.strip_suffix(&format!(" ({address})"));
+            let name = name.unwrap_or_default().to_string();
+            match groups.iter_mut().find(|(own, _)| *own == name) {
+                Some((_, members)) => members.push(address),
+                None => groups.push((name, vec![address])),
+            }
+        }
+        let texts = groups.iter().map(|(name, members)| {
+            let members = members.join(", ");
+            if name.is_empty() {
+                members
+            } else {
+                format!("{name} ({members})")
+            }
+        });
+        texts.collect::<Vec<_>>().join(", ")
+    }
+
     /// A text whose addresses (`JOINT/3`, `BUSHING/1.K.2`) are given with the names of what they belong to.
     pub fn naming(&self, text: &str) -> String {
         let mut out = String::with_capacity(text.len());
