@@ -22,9 +22,11 @@ pub(super) fn in_lines(page: &str) -> String {
                 rows.push(cells(row));
             }
             out += &table(rows);
-        } else if line.trim().is_empty() || line.starts_with('#') {
-            out += line;
+        } else if line.trim().is_empty() {
             out.push('\n');
+        } else if let Some(heading) = line.strip_prefix('#') {
+            let marks = 1 + heading.bytes().take_while(|byte| *byte == b'#').count();
+            out += &hanging(&format!("{} ", &line[..marks]), &line[marks..]);
         } else if line.len() > 3 && line.bytes().all(|byte| byte == b'-') {
             out += &"-".repeat(WIDTH);
             out.push('\n');
@@ -91,15 +93,25 @@ fn item(line: &str) -> usize {
     }
 }
 
-/// Links as a reader of a terminal needs them: another page by its name, anything else by its address.
+/// Links as a reader of a terminal needs them: another page by its name, anything else by its address. Code stays as it is.
 fn linked(text: &str) -> String {
+    let pieces = text.split('`').enumerate();
+    let each = pieces.map(|(k, piece)| match k % 2 {
+        0 => of_prose(piece),
+        _ => piece.to_string(),
+    });
+    each.collect::<Vec<_>>().join("`")
+}
+
+/// The same of a text without code.
+fn of_prose(text: &str) -> String {
     let mut out = String::new();
     let mut rest = text;
     let link = |text: &str| {
         let close = text.find("](")?;
         let end = close + text[close..].find(')')?;
         let name = text[1..close].to_string();
-        let is_plain = !name.is_empty() && !name.contains(['[', ']', '`']);
+        let is_plain = !name.is_empty() && !name.contains(['[', ']']);
         is_plain.then(|| (name, text[close + 2..end].to_string(), end + 1))
     };
     while let Some(at) = rest.find('[') {

@@ -42,7 +42,12 @@ pub fn find(word: &str) -> Vec<Entry> {
     let found = ways.into_iter().map(all).find(|found| !found.is_empty());
     match (found, word.rsplit_once('.')) {
         (Some(found), _) => found,
-        (None, Some((whole, _))) => all(&|term| term == whole),
+        // Components are those of characteristics and of counts, not of a study's keys.
+        (None, Some((whole, _))) => {
+            let mut found = all(&|term| term == whole);
+            found.retain(|entry| entry.page == "kc" || entry.page == "sweep");
+            found
+        }
         (None, None) => Vec::new(),
     }
 }

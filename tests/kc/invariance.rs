@@ -105,8 +105,8 @@ fn same(a: &KcRun, b: &KcRun, scale: impl Fn(Unit) -> f64, bar: f64) {
     assert!(compared > 1000);
 }
 
-/// Solved with other round-off the equilibria agree to the tolerance of the solver; characteristics to 1e-9 of their size.
-const SOLVED: f64 = 1e-9;
+/// Solved with other round-off the characteristics agree to this part of their size.
+const SOLVED: f64 = 1e-11;
 
 #[test]
 fn axes() {
@@ -169,10 +169,11 @@ fn units() {
             .for_each(clean);
         run
     };
-    same(&strip(first), &strip(second), scale, 1e-8);
+    same(&strip(first), &strip(second), scale, SOLVED);
 }
 
-/// All standard tests of a multilink axle, 13 points up and 13 down each: time per run.
+/// All standard tests of a multilink axle, 13 points up and 13 down each: time per run, told with `--nocapture`. No bar: the machine may do
+/// other work.
 #[test]
 fn speed() {
     let axle = Axle::new(&corpus("multilink/reference.adm"), MCPHERSON);
@@ -189,7 +190,5 @@ fn speed() {
             assert_eq!(run.tests.len(), 8);
         }
         println!("{name}: {:.1} ms", 1e3 * best);
-        // Generous: this is a build without full optimisation on a machine that does other work.
-        assert!(best < 0.5, "{best}");
     }
 }
