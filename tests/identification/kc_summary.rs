@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use admire::discrepancy::{Data, Subject};
+use admire::discrepancy::{Data, Subject, diagnose, held_out};
 use admire::identify::LoadedStudy;
 use admire::identify::global::gauss_newton::LeastSquares;
 use admire::identify::global::{
@@ -395,4 +395,27 @@ fn a_reaction_is_no_channel_of_another_solver() {
         said.contains("`rod`") && said.contains("JOINT(5,0,2,0)"),
         "{said}"
     );
+}
+
+/// A curve that is held out is predicted by a search that has not seen it, and it confirms what that found.
+#[test]
+fn a_diagnosis_predicts_a_curve_that_it_has_not_seen() {
+    let hold = "\n[validate]\nhold_out = [\"camber\"]\n";
+    let friction = ["dry-friction@JOINT/3:force=120,stiffness=3000"];
+    let (_folder, loaded) = measured(TABLE, hold, &friction, None);
+    let problem = loaded.problem();
+    let cases = held_out(&loaded.study, problem.measurement);
+    assert!(cases.iter().all(|held| !held), "curves alone are held out");
+    let outcome = diagnose(&problem, cases).unwrap();
+    let found = outcome.diagnosis.hold_out.unwrap();
+    assert!(found.searched && found.cases.is_empty(), "{found:?}");
+    assert_eq!(found.curves, ["camber"]);
+    assert!(
+        found
+            .causes
+            .iter()
+            .any(|cause| cause == "dry-friction JOINT/3"),
+        "{found:?}"
+    );
+    assert!(found.rms_after < 0.5 * found.rms_before, "{found:?}");
 }
