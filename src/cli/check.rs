@@ -1,7 +1,7 @@
 use std::path::PathBuf;
 
 use crate::check::{self, is_command_file};
-use crate::diagnostic::{Diagnostic, Severity};
+use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::report::Plausibility;
 use crate::rig::{Study, missing};
 use crate::syntax::lint::Options;
@@ -95,7 +95,17 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             let file = d.labels.first().map(|label| label.file.to_string());
             file.is_some() && file == deck
         };
-        found.extend(read.diagnostics.into_iter().filter(|d| !of_the_deck(d)));
+        // What is still to be filled in is no fault of a study: the list of steps says it.
+        let is_step = |d: &Diagnostic| {
+            let Some(file) = d.labels.first().map(|label| &label.file) else {
+                return false;
+            };
+            let named = |step: &String| step.starts_with(&format!("{file}:"));
+            let is_setting = file.ends_with(".toml");
+            steps.iter().any(named) && (!is_setting || d.code == Code::MissingSetting)
+        };
+        let told = |d: &Diagnostic| !of_the_deck(d) && !is_step(d);
+        found.extend(read.diagnostics.into_iter().filter(told));
         checked += 1;
     }
     shell.findings(&found);

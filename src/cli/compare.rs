@@ -48,7 +48,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         }
         _ => table(&comparison, arguments.all),
     };
-    shell.print(&text);
+    shell.tell(&text);
     Ok(if comparison.agrees() {
         Exit::Fine
     } else {
@@ -63,11 +63,14 @@ fn table(comparison: &Comparison, all: bool) -> String {
         .iter()
         .filter(|column| all || column.beyond > 0)
         .collect();
+    let wide = |path: &str| path.chars().count();
+    let longest = shown.iter().map(|column| wide(&column.path)).max();
+    let width = longest.unwrap_or(0).clamp(20, 48);
     for column in &shown {
         let unit = column.units.as_deref().unwrap_or("");
         _ = write!(
             out,
-            "{:48} largest {:.3e} {unit}, relative {:.3e}, {} of {} steps beyond",
+            "{:width$} largest {:.3e} {unit}, relative {:.3e}, {} of {} steps beyond",
             column.path, column.largest, column.largest_relative, column.beyond, comparison.steps
         );
         if let Some(worst) = &column.worst {

@@ -99,7 +99,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         shell.print(&outcome.diagnosis.to_json());
     } else {
         let report = arguments.out.join("report.html");
-        shell.print(&format!(
+        shell.tell(&format!(
             "{}report: {}\n",
             words(&outcome),
             report.display()

@@ -36,7 +36,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         relative: arguments.rel,
     };
     let changes = diff(&a, &b, tolerance);
-    shell.print(&match shell.format {
+    shell.tell(&match shell.format {
         Format::Json => serde_json::to_string_pretty(&changes).expect("JSON values print") + "\n",
         _ => changes.iter().map(line).collect(),
     });

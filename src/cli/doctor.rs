@@ -57,7 +57,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             Err(error) => report.broken(what, &format!("{}: {error}", folder.display())),
         }
     }
-    shell.print(&report.text);
+    shell.tell(&report.text);
     if report.is_broken {
         return Err(Exit::Findings);
     }

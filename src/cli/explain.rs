@@ -7,8 +7,8 @@ use crate::rig::schema;
 use crate::syntax::describe::{self, minimal};
 
 use super::Outcome;
-use super::render::hanging;
 use super::shell::{Exit, Shell};
+use super::width::hanging;
 
 /// Say what a word means: a statement, a command, a function, a complaint's code, a key of study.toml, a cause of a diagnosis, a
 /// field of an answer, a column.
@@ -42,11 +42,11 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     };
     match page(word) {
         Ok(text) => {
-            shell.print(&text);
+            shell.tell(&text);
             Ok(Exit::Fine)
         }
         Err(text) => {
-            shell.print(&text);
+            shell.tell(&text);
             Err(Exit::Findings)
         }
     }

@@ -6,6 +6,7 @@ use crate::grammar::nearest;
 use crate::guide::{PAGES, page};
 
 use super::Outcome;
+use super::markdown::in_lines;
 use super::shell::{Exit, Shell};
 
 /// Show a page of the guide, or the list of its pages.
@@ -29,7 +30,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         return Ok(Exit::Fine);
     };
     if let Some(page) = page(topic) {
-        shell.print(page.text);
+        shell.print(&in_lines(page.text));
         return Ok(Exit::Fine);
     }
     let topics: Vec<String> = PAGES.iter().map(|page| page.topic.to_uppercase()).collect();

@@ -22,8 +22,8 @@ use super::interrupt;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::plausibility::before_a_fit;
 use super::progress::Progress as Bar;
-use super::render::{hanging, table_text};
 use super::shell::{Exit, Shell};
+use super::width::{hanging, table_text};
 
 /// Identify the stiffnesses of a study from what was measured.
 ///

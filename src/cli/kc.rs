@@ -14,9 +14,9 @@ use super::Outcome;
 use super::format::Format;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::progress::Progress;
-use super::render::table_text;
 use super::results_kc::Axes;
 use super::shell::{Exit, Shell};
+use super::width::table_text;
 
 /// Drive the standard K&C tests on an axle: bounce, roll, steering, lateral, longitudinal, aligning torque.
 ///
@@ -145,7 +145,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     files.push((
         "report.html".into(),
         kc_page(
-            (&arguments.deck, &units),
+            (&arguments.deck, deck.dataset.bytes(), &units),
             (&config, &found),
             (&others, &curves),
             convention,

@@ -7,8 +7,8 @@ use crate::sweep::{Summary, SweepFolder, merge, page, six_digits};
 
 use super::Outcome;
 use super::format::Format;
-use super::render::table_text;
 use super::shell::{Exit, Shell};
+use super::width::table_text;
 
 /// Join the shards of a sweep into one table.
 ///

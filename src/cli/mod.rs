@@ -35,6 +35,7 @@ mod install_shims;
 mod interrupt;
 mod kc;
 mod lsp;
+mod markdown;
 mod merge;
 mod new;
 mod output_folder;
@@ -62,6 +63,7 @@ mod sweep_slurm;
 mod target;
 mod tolerance;
 mod view;
+mod width;
 
 use std::process::ExitCode;
 

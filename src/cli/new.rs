@@ -37,6 +37,7 @@ pub(super) struct Arguments {
 const EXAMPLES: &str = "Examples:
   admire new my-axle --from front.adm
   admire new my-axle --from front.adm --measured marks,wheel --bushings 1,2
+  admire new my-axle --from front.adm --measured curves      # from a K&C rig
   admire check my-axle                       # what is still missing";
 
 /// `--measured`.
@@ -44,8 +45,10 @@ const EXAMPLES: &str = "Examples:
 enum Measured {
     /// Marks on parts: coordinate measuring machine, cameras.
     Marks,
-    /// The wheel, by a K&C rig.
+    /// Place and angles of the wheel.
     Wheel,
+    /// Toe, camber and other curves of a wheel, by a K&C rig.
+    Curves,
     /// Sensors: string pots, load cells, inclinometers.
     Readings,
 }
@@ -55,6 +58,7 @@ impl From<Measured> for Kind {
         match measured {
             Measured::Marks => Self::Marks,
             Measured::Wheel => Self::Wheel,
+            Measured::Curves => Self::Curves,
             Measured::Readings => Self::Readings,
         }
     }
@@ -153,7 +157,10 @@ fn answer(question: &str, shell: &Shell) -> String {
 
 fn ask_kinds(shell: &Shell) -> BTreeSet<Kind> {
     loop {
-        let line = answer("what was measured: marks, wheel, readings? [marks] ", shell);
+        let line = answer(
+            "what was measured: marks, wheel, curves, readings? [marks] ",
+            shell,
+        );
         let words: Vec<&str> = line
             .split([',', ' '])
             .filter(|word| !word.is_empty())
@@ -163,6 +170,7 @@ fn ask_kinds(shell: &Shell) -> BTreeSet<Kind> {
             .map(|word| match *word {
                 "marks" | "m" => Some(Kind::Marks),
                 "wheel" | "w" => Some(Kind::Wheel),
+                "curves" | "c" => Some(Kind::Curves),
                 "readings" | "r" => Some(Kind::Readings),
                 _ => None,
             })

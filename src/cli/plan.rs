@@ -4,9 +4,9 @@ use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::discrepancy::{Aim, Combination, Plan, Progress as Watched, Ranked, plan};
-use crate::front::fit::nothing_to_identify;
-use crate::front::foreign_parts;
-use crate::identify::{LoadedStudy, estimate_noise};
+use crate::front::fit::{no_wheel, nothing_to_identify};
+use crate::front::{foreign_parts, suggested};
+use crate::identify::estimate_noise;
 
 use super::Outcome;
 use super::format::Format;
@@ -14,8 +14,8 @@ use super::input::study;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::plausibility::before_a_fit;
 use super::progress::Progress;
-use super::render::{hanging, table_text};
 use super::shell::{Exit, Shell};
+use super::width::{hanging, table_text};
 
 /// Say which test, load or mark to add next to a study, ranked by what each would gain.
 ///
@@ -96,9 +96,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     drop(bar);
     let found = found.map_err(|error| no_fit(&error))?;
     if aim == Aim::Curves && found.curves.is_none() {
-        let message = "the study names no wheel, and its loads act at no marker";
-        let refused = Diagnostic::error(Code::MissingSetting, message);
-        return Err(shell.fail(refused.help("name the wheel: a section [wheel] or [kc]")));
+        return Err(shell.fail(no_wheel()));
     }
     let count = usize::from(arguments.count);
     if let Some(out) = &arguments.out {
@@ -117,47 +115,6 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         shell.print(&words(&found, count, length));
     }
     Ok(Exit::Fine)
-}
-
-/// Load cases among the first candidates, or the best one, as rows of the study's own file of load cases; what begins with # is no row.
-fn suggested(loaded: &LoadedStudy, found: &Plan, count: usize) -> String {
-    let table = &loaded.study.loads;
-    let (label, programme) = (table.column("case"), &loaded.programme);
-    let columns: Vec<Option<usize>> = programme
-        .loads
-        .iter()
-        .map(|load| table.column(&load.name))
-        .collect();
-    let mut text = String::new();
-    // So that the last row of the file ends before the first one of these begins.
-    if !table.source.bytes().ends_with(b"\n") {
-        text += "\n";
-    }
-    let with_cases = |ranked: &&Ranked| !ranked.cases.is_empty();
-    let mut chosen: Vec<&Ranked> = found
-        .candidates
-        .iter()
-        .take(count)
-        .filter(with_cases)
-        .collect();
-    if chosen.is_empty() {
-        chosen.extend(found.candidates.iter().find(with_cases));
-    }
-    let taken = |label: &str| loaded.measurement.case(label).is_some();
-    let mut labels = (1..).map(|k| format!("plan-{k}")).filter(|l| !taken(l));
-    for ranked in chosen {
-        text += &format!("# {}\n", ranked.what);
-        for case in &ranked.cases {
-            let mut cells: Vec<(usize, String)> = Vec::new();
-            cells.extend(label.zip(labels.next()));
-            for (load, column) in programme.loads.iter().zip(&columns) {
-                let value = case.get(&load.name).copied().unwrap_or_default();
-                cells.extend(column.map(|column| (column, format!("{value}"))));
-            }
-            text += &table.further_row(&cells);
-        }
-    }
-    text
 }
 
 /// The answer for a person.
@@ -242,6 +199,11 @@ fn name(combination: &Combination) -> String {
     text
 }
 
+/// A number of percent with one decimal; what rounds to zero has no sign.
+fn percent(value: f64) -> String {
+    format!("{:.1}", (10.0 * value).round() / 10.0 + 0.0)
+}
+
 /// By how many percent a standard deviation falls.
 fn fall(before: f64, after: f64) -> f64 {
     if before > 0.0 {
@@ -276,7 +238,7 @@ fn table(found: &Plan, count: usize) -> String {
         };
         let mut row = vec![format!("{}", k + 1), ranked.what.clone(), cases];
         for (combination, after) in found.combinations.iter().zip(&ranked.sd_log) {
-            row.push(format!("{:.1}", fall(combination.sd_log, *after)));
+            row.push(percent(fall(combination.sd_log, *after)));
         }
         if let (Some(before), Some(after)) = (&found.curves, &ranked.curves) {
             let before = before.sd;
@@ -285,7 +247,7 @@ fn table(found: &Plan, count: usize) -> String {
                 (before.camber_deg, after.camber_deg),
                 (before.position, after.position),
             ] {
-                row.push(format!("{:.1}", fall(before, after)));
+                row.push(percent(fall(before, after)));
             }
         }
         if found.causes.is_some() {

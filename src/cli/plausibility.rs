@@ -6,8 +6,8 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::identify::LoadedStudy;
 use crate::report::{Plausibility, Verdict};
 
-use super::render::table_text;
 use super::shell::{Exit, Shell};
+use super::width::table_text;
 
 /// Shows the table beside the answer; a study that cannot be meant ends the command unless it is forced.
 pub(super) fn before_a_fit(loaded: &LoadedStudy, force: bool, shell: &Shell) -> Result<(), Exit> {

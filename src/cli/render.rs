@@ -3,7 +3,6 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::fmt::Write as _;
 
-use comfy_table::{ColumnConstraint, Table};
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteSpanContents, SourceCode};
 use serde_json::{Value, json};
 
@@ -17,15 +16,15 @@ use super::format::Format;
 /// More complaints than a person reads are counted, not shown.
 const SHOWN: usize = 200;
 
-/// Complaints as text in the format asked for.
+/// Complaints as text in the format asked for, in colours or not, in lines of a width.
 pub(super) fn diagnostics(
     diagnostics: &[Diagnostic],
     sources: &Sources,
     format: Format,
-    colours: bool,
+    (colours, width): (bool, usize),
 ) -> String {
     match format {
-        Format::Text => graphical(diagnostics, sources, colours),
+        Format::Text => graphical(diagnostics, sources, colours, width),
         Format::Plain => diagnostics
             .iter()
             .map(|d| printable(&plain(d, sources)).into_owned())
@@ -114,14 +113,14 @@ fn as_json(diagnostic: &Diagnostic, sources: &Sources) -> Value {
     })
 }
 
-fn graphical(diagnostics: &[Diagnostic], sources: &Sources, colours: bool) -> String {
+fn graphical(diagnostics: &[Diagnostic], sources: &Sources, colours: bool, width: usize) -> String {
     let theme = if colours {
         GraphicalTheme::unicode()
     } else {
         GraphicalTheme::unicode_nocolor()
     };
     let handler = GraphicalReportHandler::new_themed(theme)
-        .with_width(100)
+        .with_width(width)
         .with_links(false);
     let mut decoded: BTreeMap<String, Decoded> = BTreeMap::new();
     let mut out = String::new();
@@ -356,110 +355,11 @@ impl SourceCode for Decoded {
     }
 }
 
-/// Columns of a terminal that every table keeps to.
-const WIDTH: usize = 80;
-
-/// The text of a table, without blanks at the ends of its lines. One that is too wide for a terminal gets narrower gaps; if that is
-/// not enough, its columns stand in several blocks one below the other, each with the first column.
-pub(super) fn table_text(table: &Table) -> String {
-    if let Some(text) = within(table) {
-        return text;
-    }
-    let mut narrow = table.clone();
-    for column in narrow.column_iter_mut() {
-        column.set_padding((0, 1));
-    }
-    if let Some(text) = within(&narrow) {
-        return text;
-    }
-    let count = narrow.column_iter().count();
-    let block = |from: usize, to: usize| {
-        let mut part = narrow.clone();
-        for (k, column) in part.column_iter_mut().enumerate() {
-            if k > 0 && !(from..to).contains(&k) {
-                column.set_constraint(ColumnConstraint::Hidden);
-            }
-        }
-        part
-    };
-    let mut blocks = Vec::new();
-    let mut from = 1;
-    while from < count {
-        let mut to = from + 1;
-        while to < count && within(&block(from, to + 1)).is_some() {
-            to += 1;
-        }
-        blocks.push(text_of(&block(from, to)));
-        from = to;
-    }
-    blocks.join("\n")
-}
-
-/// A text in lines that keep to the width, the first behind `head`, the others behind as many blanks. Ends with a line end.
-pub(super) fn hanging(head: &str, text: &str) -> String {
-    let margin = head.chars().count();
-    let mut out = head.to_string();
-    let mut column = margin;
-    for word in text.split_whitespace() {
-        let width = word.chars().count();
-        if column > margin && column + 1 + width > WIDTH {
-            out.push('\n');
-            out.push_str(&" ".repeat(margin));
-            column = margin;
-        }
-        if column > margin {
-            out.push(' ');
-            column += 1;
-        }
-        out.push_str(word);
-        column += width;
-    }
-    out.push('\n');
-    out
-}
-
-/// The text of a table if it keeps to the width.
-fn within(table: &Table) -> Option<String> {
-    let text = text_of(table);
-    let fits = text.lines().all(|line| line.chars().count() <= WIDTH);
-    fits.then_some(text)
-}
-
-fn text_of(table: &Table) -> String {
-    let lines = table.to_string();
-    lines
-        .lines()
-        .fold(String::new(), |text, line| text + line.trim_end() + "\n")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::diagnostic::Code;
     use crate::text::Edit;
-
-    #[test]
-    fn wide_tables_stand_in_blocks() {
-        let mut table = Table::new();
-        table.load_style(comfy_table::presets::NOTHING);
-        let cells = |word: &str| (0..9).map(|k| format!("{word}{k:08}")).collect::<Vec<_>>();
-        table.set_header(cells("h"));
-        table.add_row(cells("a"));
-        table.add_row(cells("b"));
-        let text = table_text(&table);
-        assert!(
-            text.lines().all(|line| line.chars().count() <= 80),
-            "{text}"
-        );
-        // Every cell is there, and the first column in each of the two blocks.
-        for word in ["h", "a", "b"] {
-            assert_eq!(text.matches(&format!("{word}00000000")).count(), 2);
-            for cell in cells(word).iter().skip(1) {
-                assert_eq!(text.matches(cell).count(), 1, "{text}");
-            }
-        }
-        assert!(text.contains("\n\nh00000000"));
-    }
 
     fn sample() -> (Vec<Diagnostic>, Sources) {
         let text =
@@ -484,9 +384,18 @@ mod tests {
     #[test]
     fn the_three_formats() {
         let (found, sources) = sample();
-        insta::assert_snapshot!("text", diagnostics(&found, &sources, Format::Text, false));
-        insta::assert_snapshot!("plain", diagnostics(&found, &sources, Format::Plain, false));
-        insta::assert_snapshot!("json", diagnostics(&found, &sources, Format::Json, false));
+        insta::assert_snapshot!(
+            "text",
+            diagnostics(&found, &sources, Format::Text, (false, 100))
+        );
+        insta::assert_snapshot!(
+            "plain",
+            diagnostics(&found, &sources, Format::Plain, (false, 100))
+        );
+        insta::assert_snapshot!(
+            "json",
+            diagnostics(&found, &sources, Format::Json, (false, 100))
+        );
     }
 
     #[test]
@@ -509,7 +418,7 @@ mod tests {
                         Span::new(start, start + len),
                         "here",
                     );
-                    let shown = diagnostics(&[d], &sources, Format::Text, false);
+                    let shown = diagnostics(&[d], &sources, Format::Text, (false, 100));
                     assert!(shown.contains("bad") && shown.len() < 2000, "{shown}");
                 }
             }

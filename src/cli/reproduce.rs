@@ -11,8 +11,8 @@ use super::Outcome;
 use super::format::Format;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::progress::Progress;
-use super::render::{hanging, table_text};
 use super::shell::{Exit, Shell};
+use super::width::{hanging, table_text};
 
 /// Run the paper's three validations again and print its tables beside ours.
 ///

@@ -11,8 +11,8 @@ use super::Outcome;
 use super::addresses::complete;
 use super::format::Format;
 use super::input::{Solvable, solvable};
-use super::render::table_text;
 use super::shell::{Exit, Shell};
+use super::width::table_text;
 
 /// Show how the equilibrium changes with the numbers of a dataset.
 ///

@@ -12,6 +12,7 @@ use crate::text::{CodePage, Source, check_size, printable};
 
 use super::format::Format;
 use super::render;
+use super::width::{WIDTH, wrapped};
 
 /// When to colour.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum)]
@@ -111,15 +112,18 @@ impl Shell {
         }
     }
 
-    /// Prints complaints on standard error.
+    /// Prints complaints on standard error; of a quiet command no notes.
     pub(super) fn complain(&self, diagnostics: &[Diagnostic]) {
+        let counts = |found: &&Diagnostic| !self.is_quiet() || found.severity > Severity::Note;
+        let diagnostics: Vec<Diagnostic> = diagnostics.iter().filter(counts).cloned().collect();
+        let diagnostics = diagnostics.as_slice();
         if diagnostics.is_empty() {
             return;
         }
         let terminal = std::io::stderr().is_terminal();
-        let colours = self.colours(terminal);
         let sources = self.with_streamed(diagnostics);
-        let text = render::diagnostics(diagnostics, &sources, self.format, colours);
+        let how = (self.colours(terminal), width_of(terminal));
+        let text = render::diagnostics(diagnostics, &sources, self.format, how);
         // Nobody may be listening.
         let _ = std::io::stderr().write_all(&self.encoded(&text, terminal));
     }
@@ -148,8 +152,13 @@ impl Shell {
     pub(super) fn say(&self, text: &str) {
         if self.format == Format::Text && self.verbosity != Verbosity::Quiet {
             // Nobody may be listening.
-            let text = printable(text);
             let terminal = std::io::stderr().is_terminal();
+            let text = printable(text);
+            let text = if terminal {
+                Cow::Owned(wrapped(&text))
+            } else {
+                text
+            };
             let _ = std::io::stderr().write_all(&self.encoded(&text, terminal));
         }
     }
@@ -174,9 +183,9 @@ impl Shell {
     /// Prints complaints on standard output: where they are what was asked for.
     pub(super) fn findings(&self, diagnostics: &[Diagnostic]) {
         let terminal = std::io::stdout().is_terminal();
-        let colours = self.colours(terminal);
         let sources = self.with_streamed(diagnostics);
-        let text = render::diagnostics(diagnostics, &sources, self.format, colours);
+        let how = (self.colours(terminal), width_of(terminal));
+        let text = render::diagnostics(diagnostics, &sources, self.format, how);
         self.put(&self.encoded(&text, terminal));
     }
 
@@ -184,6 +193,15 @@ impl Shell {
     pub(super) fn print(&self, text: &str) {
         let text = printable(text);
         self.put(&self.encoded(&text, std::io::stdout().is_terminal()));
+    }
+
+    /// Prints sentences on standard output: on a terminal in lines of its width, elsewhere each in one line.
+    pub(super) fn tell(&self, text: &str) {
+        if self.format == Format::Text && std::io::stdout().is_terminal() {
+            self.print(&wrapped(text));
+        } else {
+            self.print(text);
+        }
     }
 
     /// Bytes on standard output. A closed pipe ends nothing; what a full disk swallowed is remembered for the exit code.
@@ -301,6 +319,11 @@ impl Shell {
             ))
         })
     }
+}
+
+/// In which width complaints are shown: a terminal may have no more columns than [`WIDTH`].
+fn width_of(terminal: bool) -> usize {
+    if terminal { WIDTH } else { 100 }
 }
 
 /// True if the terminal understands colours: it is no "dumb" one, and no console of Windows that would show their codes as text.

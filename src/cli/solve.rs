@@ -17,9 +17,9 @@ use crate::units::Dimension;
 use super::Outcome;
 use super::format::Format;
 use super::input::{Solvable, solvable};
-use super::render::table_text;
 use super::shell::{Exit, Shell};
 use super::solve_run::{self, Taken};
+use super::width::table_text;
 
 /// Find the static equilibrium of a dataset, or execute a command file.
 ///

@@ -18,6 +18,7 @@ use crate::backend::{
 use crate::identify::global::{CasePrediction, NuisanceLayout, Observations, Row};
 use crate::mechanics::Pose;
 use crate::syntax::Address;
+use crate::system::Scratch;
 
 /// Rounds at most.
 const ROUNDS: usize = 5;
@@ -148,7 +149,7 @@ fn refitted(
 }
 
 /// Predictions of another solver minus those of the built-in one, row by row in units of the rows; zero where one has none, and for
-/// channels, which only the built-in solver evaluates.
+/// channels that the places of the parts do not tell.
 fn apart(
     subject: &Subject<'_>,
     fitted: &Fitted,
@@ -163,8 +164,9 @@ fn apart(
             foreign.clone_from(own);
         }
     }
-    if let Some([own, foreign]) = residuals(subject, fitted, &own)
-        .zip(residuals(subject, fitted, &foreign))
+    let at = (subject, fitted, plain);
+    if let Some([own, foreign]) = residuals(at, &own)
+        .zip(residuals(at, &foreign))
         .map(<[_; 2]>::from)
     {
         out = foreign - own;
@@ -172,17 +174,29 @@ fn apart(
     Ok(out)
 }
 
-/// Prediction minus reading of all rows at these poses; channels are taken to be zero.
-fn residuals(subject: &Subject<'_>, fitted: &Fitted, poses: &Poses) -> Option<DVector<f64>> {
+/// Prediction minus reading of all rows at these poses; channels that these do not tell are taken to be zero.
+fn residuals(
+    (subject, fitted, plain): (&Subject<'_>, &Fitted, &Plain),
+    poses: &Poses,
+) -> Option<DVector<f64>> {
     let measurement = subject.problem.measurement;
     let cases: Vec<usize> = (0..measurement.cases.len()).collect();
     let observations = Observations::new(measurement, &fitted.deck.model, &cases);
+    let prepared = &fitted.deck.prepared;
+    let mut scratch = Scratch::new(&prepared.system);
     let prediction: Vec<Option<CasePrediction>> = poses
         .iter()
-        .map(|poses| {
+        .zip(&plain.thetas)
+        .map(|(poses, theta)| {
+            let poses = poses.clone()?;
+            let read = prepared.channels;
+            let channels = read.at(&prepared.system, theta, &poses, &mut scratch);
             Some(CasePrediction {
-                poses: poses.clone()?,
-                channels: vec![0.0; measurement.channels.len()],
+                poses,
+                channels: channels
+                    .into_iter()
+                    .map(Option::unwrap_or_default)
+                    .collect(),
                 by_unknown: Vec::new(),
             })
         })

@@ -11,6 +11,8 @@ pub struct Trend {
     pub element: String,
     /// What is left: a direction of a part's marks, or a channel.
     pub what: String,
+    /// Its unit, if it has one.
+    pub unit: Option<String>,
     /// Force and mean residual of each case, as the model was; in the deck's units or those of the channel.
     pub before: Vec<(f64, f64)>,
     /// The same of the extended model.
@@ -20,6 +22,7 @@ pub struct Trend {
 /// A mean residual by case.
 struct Group {
     what: String,
+    unit: Option<String>,
     scale: f64,
     rows: Vec<Vec<usize>>,
 }
@@ -70,6 +73,7 @@ impl Outcome<'_> {
         Some(Trend {
             element: forces[f].0.clone(),
             what: groups[g].what.clone(),
+            unit: groups[g].unit.clone(),
             before: points(&self.baseline),
             after: points(&self.extended),
         })
@@ -78,20 +82,26 @@ impl Outcome<'_> {
     fn groups(&self) -> Vec<Group> {
         let measurement = self.subject.problem.measurement;
         let cases = measurement.cases.len();
-        let group = |what: String, scale: f64, accept: &dyn Fn(&Row) -> bool| {
+        let group = |what: String, unit, scale: f64, accept: &dyn Fn(&Row) -> bool| {
             let mut rows = vec![Vec::new(); cases];
             for (k, row) in self.subject.rows.iter().enumerate() {
                 if accept(row) {
                     rows[row.case()].push(k);
                 }
             }
-            Group { what, scale, rows }
+            Group {
+                what,
+                unit,
+                scale,
+                rows,
+            }
         };
         let mut out = Vec::new();
         for (k, part) in measurement.parts.iter().enumerate() {
             for (axis, word) in ["x", "y", "z"].into_iter().enumerate() {
                 out.push(group(
                     format!("{} along {word}", part.name),
+                    Some(self.subject.problem.model.units.length.word.to_string()),
                     self.subject.sigma,
                     &|row| {
                         matches!(*row, Row::Mark { case, reading, axis: of }
@@ -103,6 +113,7 @@ impl Outcome<'_> {
         for (k, channel) in measurement.channels.iter().enumerate() {
             out.push(group(
                 channel.name.clone(),
+                channel.unit.clone(),
                 channel.sigma,
                 &|row| matches!(*row, Row::Channel { channel: of, .. } if of == k),
             ));

@@ -1,42 +1,69 @@
-//! The wheel's steer while one load goes up and down: the hysteresis loop of a K&C rig.
-
-use nalgebra::DVector;
+//! The wheel, and what sensors read, while one load goes up and down: the hysteresis loops of a K&C rig.
 
 use super::diagnose::Outcome;
 use crate::identify::global::Row;
 
 /// Fewer cases in a row are no run.
 const LEAST: usize = 4;
-/// Row of the wheel that holds its steer.
-const STEER: usize = 4;
+/// More sensors than that are no curves to look at.
+const MOST: usize = 8;
+/// Rows of the wheel that hold angles.
+const ANGLES: [(&str, usize); 2] = [("steer", 4), ("camber", 3)];
 
-/// Steer against one load, the others standing still.
+/// A reading against one load, the others standing still.
 #[derive(Clone, PartialEq, Debug)]
 pub struct WheelRun {
     /// Column of the load.
     pub load: String,
-    /// Load and steer in degrees as read, in the order of application.
+    /// `steer` or `camber` of the wheel, or the name of a channel.
+    pub what: String,
+    /// Its unit, if it has one.
+    pub unit: Option<String>,
+    /// Load and reading, in the order of application.
     pub read: Vec<(f64, f64)>,
     /// The same by the model as it was.
     pub before: Vec<(f64, f64)>,
     /// The same by the extended model.
     pub after: Vec<(f64, f64)>,
-    /// True if neither fit has seen these cases.
+    /// True if neither fit has seen these readings.
     pub unseen: bool,
 }
 
+/// A reading of every case.
+#[derive(Clone, Copy)]
+enum Read {
+    /// An angle of the wheel, by its row.
+    Wheel(usize),
+    /// A channel.
+    Channel(usize),
+}
+
 impl Outcome<'_> {
-    /// For each load the longest run of cases in which it alone changes; of runs that no fit has seen, if there are any.
+    /// For each load the longest run of cases in which it alone changes; of runs that no fit has seen, if there are any. The angles of
+    /// the wheel first, then each channel.
     pub fn wheel_runs(&self) -> Vec<WheelRun> {
-        let programme = self.subject.problem.programme;
-        if self.subject.problem.measurement.wheel.is_none() {
-            return Vec::new();
+        let (programme, measurement) = (
+            self.subject.problem.programme,
+            self.subject.problem.measurement,
+        );
+        let mut reads: Vec<(String, Option<String>, Read)> = Vec::new();
+        if measurement.wheel.is_some() {
+            let angle = |(name, row): (&str, usize)| {
+                (name.to_string(), Some("deg".to_string()), Read::Wheel(row))
+            };
+            reads.extend(ANGLES.map(angle));
         }
+        let channels = measurement.channels.iter().enumerate();
+        let by_case = channels.filter(|(_, channel)| channel.is_read_by_case());
+        reads.extend(by_case.take(MOST).map(|(k, channel)| {
+            let unit = channel.unit.clone();
+            (channel.name.clone(), unit, Read::Channel(k))
+        }));
         let mut out = Vec::new();
         for (load, of) in programme.loads.iter().enumerate() {
             let unseen = |case: usize| self.unseen.is_some() && self.subject.is_held_out(case);
             let run = [true, false].into_iter().find_map(|hidden| {
-                let usable = |case: usize| hidden == unseen(case);
+                let usable = |case: usize| !hidden || unseen(case);
                 let run = longest(programme.cases.len(), |a, b| {
                     let (a_values, b_values) =
                         (&programme.cases[a].values, &programme.cases[b].values);
@@ -49,43 +76,75 @@ impl Outcome<'_> {
                 (run.len() >= LEAST && moves).then_some((run, hidden))
             });
             let Some((run, hidden)) = run else { continue };
-            let fits = match &self.unseen {
-                Some(unseen) if hidden => unseen.predicted.each_ref().map(|blind| &blind.misfit),
-                _ => [&self.baseline.misfit, &self.extended.misfit],
-            };
-            let points = |misfit: Option<&DVector<f64>>| self.steer(load, run.clone(), misfit);
-            out.push(WheelRun {
-                load: of.name.clone(),
-                read: points(None),
-                before: points(Some(fits[0])),
-                after: points(Some(fits[1])),
-                unseen: hidden,
-            });
+            for (what, unit, read) in &reads {
+                let held = match read {
+                    Read::Channel(k) => measurement.channels[*k].held_out,
+                    Read::Wheel(_) => false,
+                };
+                let fits = match &self.unseen {
+                    Some(unseen) if hidden || held => {
+                        unseen.predicted.each_ref().map(|blind| &blind.misfit)
+                    }
+                    _ => [&self.baseline.misfit, &self.extended.misfit],
+                };
+                let points: Vec<[(f64, f64); 3]> = run
+                    .clone()
+                    .filter_map(|case| {
+                        let (row, reading, sigma) = self.row(*read, case)?;
+                        let value = programme.cases[case].values[load];
+                        let by = |off: f64| (value, reading + off * sigma);
+                        Some([by(0.0), by(fits[0][row]), by(fits[1][row])])
+                    })
+                    .collect();
+                if points.len() < LEAST {
+                    continue;
+                }
+                let [read, before, after] =
+                    [0, 1, 2].map(|k| points.iter().map(|point| point[k]).collect());
+                out.push(WheelRun {
+                    load: of.name.clone(),
+                    what: what.clone(),
+                    unit: unit.clone(),
+                    read,
+                    before,
+                    after,
+                    unseen: self.unseen.is_some() && (hidden || held),
+                });
+            }
         }
         out
     }
 
-    fn steer(
-        &self,
-        load: usize,
-        run: std::ops::Range<usize>,
-        misfit: Option<&DVector<f64>>,
-    ) -> Vec<(f64, f64)> {
+    /// The row of a reading of a case, its value, and the standard deviation it is in units of.
+    fn row(&self, read: Read, case: usize) -> Option<(usize, f64, f64)> {
         let measurement = self.subject.problem.measurement;
-        let sigma = measurement
-            .wheel
-            .as_ref()
-            .map_or(0.0, |w| w.sigma_angle_deg);
-        run.filter_map(|case| {
-            let reading = measurement.cases[case].wheel?.steer_deg;
-            let row = self.subject.rows.iter().position(
-                |row| matches!(*row, Row::Wheel { case: of, component: STEER } if of == case),
-            )?;
-            let off = misfit.map_or(0.0, |misfit| misfit[row] * sigma);
-            let value = self.subject.problem.programme.cases[case].values[load];
-            Some((value, reading + off))
-        })
-        .collect()
+        let of = &measurement.cases[case];
+        let (reading, sigma) = match read {
+            Read::Wheel(component) => {
+                let wheel = of.wheel?;
+                let angle = [wheel.camber_deg, wheel.steer_deg][component - 3];
+                (angle, measurement.wheel.as_ref()?.sigma_angle_deg)
+            }
+            Read::Channel(channel) => (of.channels[channel]?, measurement.channels[channel].sigma),
+        };
+        let row = self
+            .subject
+            .rows
+            .iter()
+            .position(|row| match (*row, read) {
+                (
+                    Row::Wheel {
+                        case: of,
+                        component,
+                    },
+                    Read::Wheel(own),
+                ) => of == case && component == own,
+                (Row::Channel { case: of, channel }, Read::Channel(own)) => {
+                    of == case && channel == own
+                }
+                _ => false,
+            })?;
+        Some((row, reading, sigma))
     }
 }
 

@@ -98,7 +98,7 @@ impl Deck {
         let complaints = complaints.map(|found| Complaint::new(found, &sources));
         let complaints = complaints.collect();
         let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
-        let deck = (Path::new(self.name()), &units);
+        let deck = (Path::new(self.name()), self.bytes(), &units);
         let html =
             kc_page(deck, (&config, &found), (&others, &curves), convention).map_err(|error| {
                 let failed = Diagnostic::error(Code::CannotWrite, error.to_string());

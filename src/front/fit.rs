@@ -99,6 +99,13 @@ pub(crate) fn nothing_to_identify(loaded: &LoadedStudy) -> Diagnostic {
     )
 }
 
+/// Why nothing can be said of the curves of a study's wheel.
+pub(crate) fn no_wheel() -> Diagnostic {
+    let message = "the study names no wheel, and its loads act at no marker";
+    Diagnostic::error(Code::MissingSetting, message)
+        .help("name the wheel: a section [wheel] or [kc]")
+}
+
 /// Estimates what the study does not state of its sensors' noise, by the backend that solves it.
 fn noise(loaded: &mut LoadedStudy, backend: &mut dyn Backend) -> Result<(), IdentifyError> {
     let external = loaded.study.solver.backend != BackendChoice::Native;

@@ -4,11 +4,13 @@ use serde_json::json;
 
 use crate::kc::{Config, Convention, KcRun, output};
 use crate::report::{DrawingError, KcReport, MeasuredCurve};
+use crate::results::Timestamp;
+use crate::text::digest;
 use crate::units::Units;
 
 /// The report of K&C tests, beside other decks and measured curves.
 pub(crate) fn kc_page(
-    (deck, units): (&Path, &Units),
+    (deck, bytes, units): (&Path, &[u8], &Units),
     (config, found): (&Config, &KcRun),
     (others, curves): (&[(String, KcRun)], &[MeasuredCurve]),
     convention: Convention,
@@ -16,6 +18,7 @@ pub(crate) fn kc_page(
     let name = deck
         .file_name()
         .map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+    let (force, length) = (units.force.word, units.length.word);
     let given = |value: Option<String>| value.unwrap_or_else(|| "not given".to_string());
     let facts = [
         ("Deck", format!("{}, axes {}", deck.display(), config.axes)),
@@ -34,15 +37,18 @@ pub(crate) fn kc_page(
         (
             "Tyre",
             given(config.tyre.map(|tyre| match tyre.stiffness {
-                Some(k) => format!("unloaded radius {}, stiffness {k}", tyre.radius),
-                None => format!("unloaded radius {}, rigid", tyre.radius),
+                Some(k) => format!(
+                    "unloaded radius {} {length}, stiffness {k} {force}/{length}",
+                    tyre.radius
+                ),
+                None => format!("unloaded radius {} {length}, rigid", tyre.radius),
             })),
         ),
         (
             "Ride height",
             match config.ride_load {
-                Some(load) => format!("vertical load {load} on each wheel"),
-                None => format!("{} over design", config.ride_height),
+                Some(load) => format!("vertical load {load} {force} on each wheel"),
+                None => format!("{} {length} over design", config.ride_height),
             },
         ),
         (
@@ -68,6 +74,12 @@ pub(crate) fn kc_page(
             },
         ),
         ("Definitions", format!("version {}", output::DEFINITIONS)),
+        ("Date", format!("{} UTC", Timestamp::now().date_time())),
+        ("Made by", format!("admire {}", crate::report::VERSION)),
+        (
+            "Inputs",
+            format!("SHA-256 {}", digest([bytes, config.source.bytes()])),
+        ),
     ];
     let report = KcReport {
         deck: &name,

@@ -17,6 +17,7 @@ mod run;
 mod sensitivity;
 pub(crate) mod solver;
 mod study;
+mod suggested;
 #[cfg(test)]
 mod tests;
 mod value;
@@ -34,7 +35,8 @@ pub use results::{Results, Rows};
 pub use run::Run;
 pub(crate) use sensitivity::Unavailable;
 pub use sensitivity::{SensitivityRow, SensitivityTable};
-pub use study::{DiagnosisAnswer, Identification, Study};
+pub use study::{DiagnosisAnswer, Identification, PlanAnswer, Study};
+pub(crate) use suggested::suggested;
 pub(crate) use value::{is_angle, rounded, value};
 pub use watch::{Stand, Watch, Watched};
 pub(crate) use writing::{replace_file, take_place};

@@ -2,7 +2,9 @@ use std::path::{Path, PathBuf};
 
 use crate::backend::Backend;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::discrepancy::{Diagnosis, GainCheck, Progress, diagnose_watched, held_out};
+use crate::discrepancy::{
+    Aim, Diagnosis, GainCheck, Plan, Progress, diagnose_watched, held_out, plan,
+};
 use crate::identify::global::Marginal;
 use crate::identify::{Fit, LoadedStudy, estimate_noise};
 use crate::report::{DiagnosisReport, IdentificationReport, Plausibility, lead};
@@ -14,6 +16,7 @@ use super::error::{Complaint, Error, ErrorKind};
 use super::fit;
 use super::foreign::foreign_parts;
 use super::solver;
+use super::suggested::suggested;
 use super::watch::Watch;
 
 /// The largest file in which places are shown, in bytes.
@@ -57,6 +60,15 @@ pub struct DiagnosisAnswer {
     pub html: String,
     /// Remarks of the backend of the study.
     pub remarks: Vec<String>,
+}
+
+/// What to measure next.
+#[derive(Clone, Debug)]
+pub struct PlanAnswer {
+    /// What the readings leave open, and what each candidate would do: what `plan.json` holds.
+    pub plan: Plan,
+    /// Load cases among the first candidates as rows of the study's own table.
+    pub suggested: String,
 }
 
 /// Does a fit of a study again, and puts what comes of it into the fit.
@@ -235,6 +247,55 @@ impl Study {
             html,
             remarks,
             diagnosis: outcome.diagnosis,
+        })
+    }
+
+    /// Ranks measurements that could be added to the study by what each would gain; load cases among the first `count` are suggested.
+    /// With `force` also of a study that cannot be meant.
+    ///
+    /// ```
+    /// use admire::discrepancy::Aim;
+    /// use admire::{Study, Watched};
+    ///
+    /// # fn main() -> Result<(), admire::Error> {
+    /// let study = Study::open("corpus/pseudo-mcpherson")?;
+    /// let found = study.plan(Aim::Stiffnesses, 5, false, &Watched::default())?.plan;
+    /// // The best candidate makes the worst-known combination of stiffnesses better known.
+    /// assert!(found.candidates[0].sd_log[0] < found.combinations[0].sd_log);
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// When nothing is sought that the aim is about, the readings are not of the deck's parts, the study is not plausible, or there
+    /// is no fit.
+    pub fn plan(
+        &self,
+        aim: Aim,
+        count: usize,
+        force: bool,
+        watch: &dyn Watch,
+    ) -> Result<PlanAnswer, Error> {
+        let mut loaded = self.loaded.clone();
+        if aim == Aim::Stiffnesses && loaded.unknowns.is_empty() {
+            return Err(self.refused(&[fit::nothing_to_identify(&loaded)]));
+        }
+        let foreign = foreign_parts(&loaded);
+        if !foreign.is_empty() {
+            return Err(self.refused(&foreign));
+        }
+        self.plausible(force)?;
+        let progress = Progress::default();
+        watch.diagnoses(&progress);
+        estimate_noise(&mut loaded, None).map_err(|error| no_fit(&error.to_string()))?;
+        let found = plan(&loaded.problem(), aim, &progress);
+        let found = found.map_err(|error| no_fit(&error.to_string()))?;
+        if aim == Aim::Curves && found.curves.is_none() {
+            return Err(self.refused(&[fit::no_wheel()]));
+        }
+        Ok(PlanAnswer {
+            suggested: suggested(&loaded, &found, count),
+            plan: found,
         })
     }
 

@@ -18,7 +18,7 @@ pub struct Entry {
 }
 
 /// Pages whose tables explain words.
-const EXPLAINING: [&str; 4] = ["study", "diagnosis", "plan", "kc"];
+const EXPLAINING: [&str; 5] = ["study", "diagnosis", "plan", "kc", "sweep"];
 
 /// Every word that a table explains, in the order of the pages.
 pub fn entries() -> impl Iterator<Item = Entry> {
@@ -26,14 +26,30 @@ pub fn entries() -> impl Iterator<Item = Entry> {
     PAGES.iter().filter(explaining).flat_map(of_page)
 }
 
-/// The words of this name: the whole one, or the last piece of a dotted one.
+/// The words of this name: the whole one, the last piece of a dotted one, those that begin with it, or what it is a component of. The
+/// unit behind a column (`toe_angle.left [rad]`) does not matter.
 pub fn find(word: &str) -> Vec<Entry> {
-    let whole: Vec<Entry> = entries().filter(|entry| entry.term == word).collect();
-    if !whole.is_empty() {
-        return whole;
+    let word = word.split_once(" [").map_or(word, |(name, _)| name);
+    let all = |is: &dyn Fn(&str) -> bool| -> Vec<Entry> {
+        entries().filter(|entry| is(&entry.term)).collect()
+    };
+    let last = |term: &str| term.rsplit('.').next() == Some(word);
+    let within = |term: &str| {
+        let rest = term.strip_prefix(word);
+        rest.is_some_and(|rest| rest.starts_with('.'))
+    };
+    let ways: [&dyn Fn(&str) -> bool; 3] = [&|term| term == word, &last, &within];
+    let found = ways.into_iter().map(all).find(|found| !found.is_empty());
+    match (found, word.rsplit_once('.')) {
+        (Some(found), _) => found,
+        // Components are those of characteristics and of counts, not of a study's keys.
+        (None, Some((whole, _))) => {
+            let mut found = all(&|term| term == whole);
+            found.retain(|entry| entry.page == "kc" || entry.page == "sweep");
+            found
+        }
+        (None, None) => Vec::new(),
     }
-    let last = |entry: &Entry| entry.term.rsplit('.').next() == Some(word);
-    entries().filter(last).collect()
 }
 
 /// What a key of `study.toml` means, in one line.
@@ -123,6 +139,8 @@ mod tests {
                 .any(|(head, text)| *head == "unit" && *text == "length")
         );
         assert!(find("sigma").len() > 1);
-        assert!(find("no such word").is_empty());
+        assert!(find("no such word").is_empty() && find("no.such").is_empty());
+        assert_eq!(find("toe_angle.left [rad]")[0].term, "toe_angle");
+        assert_eq!(find("identify.frame_sd").len(), 2);
     }
 }

@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::diagnostic::{Code, Diagnostic};
-use crate::discrepancy::GainCheck;
+use crate::discrepancy::{Aim, GainCheck};
 use crate::front::{self, Error, ErrorKind, Watch as _, Watched};
 use crate::identify::global::Marginal;
 use crate::identify::{Fit, LoadedStudy};
@@ -133,6 +133,34 @@ impl Study {
             found.html,
             found.remarks,
         ))
+    }
+
+    /// `plan.json`, and load cases as rows of the study's own table.
+    #[pyo3(signature = (aim, count, force, progress))]
+    fn plan(
+        &self,
+        py: Python<'_>,
+        aim: &str,
+        count: usize,
+        force: bool,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<(String, String)> {
+        let aim = match aim {
+            "all" => Aim::All,
+            "stiffnesses" => Aim::Stiffnesses,
+            "curves" => Aim::Curves,
+            "causes" => Aim::Causes,
+            other => {
+                let message = format!("`{other}` is none of all, stiffnesses, curves, causes");
+                return Err(PyValueError::new_err(message));
+            }
+        };
+        let study = self.0.clone();
+        let watched = Watched::default();
+        let watch = watched.clone();
+        let job = move || study.plan(aim, count, force, &watch);
+        let found = work(py, &watched, progress.as_ref(), job)?;
+        Ok((found.plan.to_json(), found.suggested))
     }
 }
 

@@ -1,3 +1,4 @@
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use super::axis::{Axis, short};
@@ -127,13 +128,9 @@ impl Chart {
             let class = class(k, series.mark);
             push(format_args!("<g class=\"{class}\">"));
             if series.mark != Mark::Points && spots.len() > 1 {
-                let line: Vec<String> = spots
-                    .iter()
-                    .map(|p| format!("{:.1} {:.1}", p.0, p.1))
-                    .collect();
                 push(format_args!(
-                    "<path class=\"line\" d=\"M{}\"/>",
-                    line.join("L")
+                    "<path class=\"line\" d=\"{}\"/>",
+                    path(&spots)
                 ));
             }
             if matches!(series.mark, Mark::Points | Mark::LinePoints) || spots.len() == 1 {
@@ -210,6 +207,28 @@ impl Chart {
     }
 }
 
+/// A line through points. Where it goes back along itself it is drawn once: dashes would fill each other's gaps.
+fn path(spots: &[(f64, f64)]) -> String {
+    let places: Vec<String> = spots
+        .iter()
+        .map(|p| format!("{:.1} {:.1}", p.0, p.1))
+        .collect();
+    let (mut out, mut drawn) = (String::new(), BTreeSet::new());
+    let mut pen = None;
+    for pair in places.windows(2) {
+        let (from, to) = (&pair[0], &pair[1]);
+        if from == to || !drawn.insert((from.min(to), from.max(to))) {
+            continue;
+        }
+        if pen != Some(from) {
+            write!(out, "M{from}").expect("a String takes all");
+        }
+        write!(out, "L{to}").expect("a String takes all");
+        pen = Some(to);
+    }
+    out
+}
+
 fn class(k: usize, mark: Mark) -> String {
     let dash = if mark == Mark::Dashed || k >= COLOURS {
         " dashed"
@@ -280,6 +299,13 @@ mod tests {
         // The plot and the legend: the same class twice for either series.
         assert_eq!(svg.matches("class=\"s2 dashed\"").count(), 2);
         assert_eq!(svg.matches("class=\"s1\"").count(), 2);
+    }
+
+    #[test]
+    fn a_way_back_along_itself_is_drawn_once() {
+        let loop_of = [(0.0, 0.0), (1.0, 1.0), (2.0, 0.0), (1.0, 1.0), (0.0, 5.0)];
+        assert_eq!(path(&loop_of), "M0.0 0.0L1.0 1.0L2.0 0.0M1.0 1.0L0.0 5.0");
+        assert_eq!(path(&loop_of[..3]), "M0.0 0.0L1.0 1.0L2.0 0.0");
     }
 
     #[test]

@@ -1,9 +1,9 @@
 use crate::discrepancy::{
-    CrossValidation, Fitted, HoldOut, Outcome, Over, Remainder, StructureTest, Verdict, WheelRun,
+    CrossValidation, Fitted, HoldOut, Outcome, Over, Remainder, StructureTest, Verdict,
 };
 use crate::identify::global::Row;
 
-use super::diagnosis_view::{diagnosis_scene, headline};
+use super::diagnosis_view::{curves, diagnosis_scene, headline};
 use super::interval::IntervalScale;
 use super::ranking::{ranking, words};
 use super::{
@@ -32,6 +32,15 @@ fn loads(case: &std::collections::BTreeMap<String, f64>) -> String {
     case.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
+/// A p-value as a person reads it.
+fn probability(p: f64) -> String {
+    match p {
+        0.0 => "< 1e-300".to_string(),
+        p if p < 1e-3 => format!("{p:.0e}"),
+        p => format!("{p:.3}"),
+    }
+}
+
 /// Columns of a table of cases that were predicted from others.
 fn predicted(of: &str, length: &str) -> Table {
     let unit = if of == "mark" { length } else { "sigmas" };
@@ -48,7 +57,7 @@ fn predicted(of: &str, length: &str) -> Table {
 }
 
 /// A row of it.
-fn prediction(cases: &[String], causes: &[String], rms: [f64; 2]) -> [String; 4] {
+fn prediction(cases: &[String], causes: &[String], rms: [f64; 2], scene: &Scene) -> [String; 4] {
     let cases = match cases {
         [first, .., last] if cases.len() > 6 => format!("{} from {first} to {last}", cases.len()),
         few => few.join(", "),
@@ -56,26 +65,26 @@ fn prediction(cases: &[String], causes: &[String], rms: [f64; 2]) -> [String; 4]
     let causes = if causes.is_empty() {
         "none".to_string()
     } else {
-        causes.join(", ")
+        scene.naming(&causes.join(", "))
     };
     let [before, after] = rms.map(|rms| format!("{rms:.4}"));
     [cases, causes, before, after]
 }
 
 /// The cases held out.
-fn hold_out(found: &HoldOut, length: &str) -> Table {
+fn hold_out(found: &HoldOut, length: &str, scene: &Scene) -> Table {
     let mut table = predicted(found.of, length);
     let rms = [found.rms_before, found.rms_after];
-    table.row(prediction(&found.cases, &found.causes, rms));
+    table.row(prediction(&found.cases, &found.causes, rms, scene));
     table
 }
 
 /// Groups of cases, each predicted from the others.
-fn groups(found: &CrossValidation, length: &str) -> Table {
+fn groups(found: &CrossValidation, length: &str, scene: &Scene) -> Table {
     let mut table = predicted(found.of, length);
     for group in &found.groups {
         let rms = [group.rms_before, group.rms_after];
-        table.row(prediction(&group.cases, &group.causes, rms));
+        table.row(prediction(&group.cases, &group.causes, rms, scene));
     }
     table.row([
         "all".to_string(),
@@ -116,27 +125,6 @@ fn remainder(found: &Remainder) -> Chart {
     }
 }
 
-/// Steer against a load: as read, before and after.
-fn steer(run: WheelRun) -> Chart {
-    let series = |name: &str, points: Vec<(f64, f64)>, mark| Series {
-        name: name.to_string(),
-        points,
-        mark,
-    };
-    Chart {
-        title: format!("Steer of the wheel against {}", run.load),
-        x: run.load,
-        y: "steer, deg".to_string(),
-        series: vec![
-            series("as read", run.read, Mark::Points),
-            series("as the model was", run.before, Mark::Dashed),
-            series("as it is extended", run.after, Mark::Line),
-        ],
-        log_y: false,
-        level: None,
-    }
-}
-
 impl DiagnosisReport<'_> {
     /// The page.
     ///
@@ -171,7 +159,13 @@ impl DiagnosisReport<'_> {
             "{lead} Before any extension chi-square per degree of freedom is {:.2}; {} hypotheses were tried.",
             diagnosis.baseline.chi2_per_dof, self.outcome.places
         ));
-        page.list(&self.outcome.sentences());
+        let sentences = self.outcome.sentences();
+        page.list(
+            &sentences
+                .iter()
+                .map(|text| scene.naming(text))
+                .collect::<Vec<_>>(),
+        );
         if !diagnosis.findings.is_empty() {
             page.heading("Causes");
             page.table(&ranking(diagnosis, &self.loaded.model.units, &scene));
@@ -183,12 +177,16 @@ impl DiagnosisReport<'_> {
                 page.paragraph(&format!(
                     "To measure next: {}. It {}.",
                     loads(&next.case),
-                    next.why
+                    scene.naming(&next.why)
                 ));
             }
             page.heading("Gain on load cases held out");
             if let Some(found) = &diagnosis.hold_out {
-                page.table(&hold_out(found, self.loaded.model.units.length.word));
+                page.table(&hold_out(
+                    found,
+                    self.loaded.model.units.length.word,
+                    &scene,
+                ));
                 page.note(if found.searched {
                     "Neither the choice of causes nor the fits saw these cases: the whole search was done again without them."
                 } else {
@@ -198,7 +196,7 @@ impl DiagnosisReport<'_> {
             page.table(&self.gains(&scene));
             page.note("Both models are refitted without the cases held out. The causes themselves were chosen with them.");
             if let Some(found) = &diagnosis.cross_validation {
-                page.table(&groups(found, self.loaded.model.units.length.word));
+                page.table(&groups(found, self.loaded.model.units.length.word, &scene));
                 page.note(if found.searched {
                     "Each group of like loads predicted from the others, by a search of their own."
                 } else {
@@ -214,6 +212,11 @@ impl DiagnosisReport<'_> {
         }
         page.heading("The mechanism");
         page.scene(&scene);
+        let runs = curves(self.loaded, self.outcome)?;
+        if !runs.is_empty() {
+            page.heading("Curves of the rig");
+            page.figures(&runs);
+        }
         page.heading("Noise and tolerances");
         page.table(&self.tolerances());
         page.note(
@@ -222,7 +225,7 @@ impl DiagnosisReport<'_> {
         );
         if !diagnosis.detection_limits.is_empty() {
             page.heading("What cannot be seen");
-            page.table(&self.limits());
+            page.table(&self.limits(&scene));
             page.note(
                 "How far off, in mm, a point of the car has to be along each axis of ground to be named with even odds among tolerances of \
                  the size above; empty where the readings do not see it.",
@@ -233,14 +236,6 @@ impl DiagnosisReport<'_> {
             &self.by_case(),
             "Rms of prediction minus reading in each case, in standard deviations of the readings; one is noise.",
         )?];
-        for run in self.outcome.wheel_runs() {
-            let seen = if run.unseen {
-                "Neither fit has seen these cases."
-            } else {
-                "The fits have seen these cases."
-            };
-            figures.push(Figure::chart(&steer(run), seen)?);
-        }
         if let Some(chart) = self.force() {
             figures.push(Figure::chart(
                 &chart,
@@ -281,7 +276,7 @@ impl DiagnosisReport<'_> {
         measurement.parts.iter().map(|part| part.marks.len()).sum()
     }
 
-    fn limits(&self) -> Table {
+    fn limits(&self, scene: &Scene) -> Table {
         let mut table = Table::new(&[
             ("point", Align::Left),
             ("x, mm", Align::Right),
@@ -292,7 +287,7 @@ impl DiagnosisReport<'_> {
             let [x, y, z] = limit
                 .mm
                 .map(|mm| mm.map_or_else(String::new, |mm| format!("{mm:.2}")));
-            table.row([limit.members.join(", "), x, y, z]);
+            table.row([scene.named_all(&limit.members), x, y, z]);
         }
         table
     }
@@ -365,7 +360,7 @@ impl DiagnosisReport<'_> {
                 shown(before),
                 shown(after),
                 shown(after),
-                format!("{:+.1} %", 100.0 * stiffness.bias()),
+                format!("{:+.1} %", (1e3 * stiffness.bias()).round() / 10.0 + 0.0),
             ]);
             let [low, high] = sides(after);
             let low = Some(low).filter(|low| *low > 0.0);
@@ -427,8 +422,14 @@ impl DiagnosisReport<'_> {
                 "Residual of {} against the force in {}",
                 trend.what, trend.element
             ),
-            x: format!("force in {}", trend.element),
-            y: format!("mean residual, {}", trend.what),
+            x: format!(
+                "force in {}, {}",
+                trend.element, self.loaded.model.units.force.word
+            ),
+            y: match &trend.unit {
+                Some(unit) => format!("mean residual, {}, {unit}", trend.what),
+                None => format!("mean residual, {}", trend.what),
+            },
             series: vec![
                 series("as the model was", trend.before),
                 series("as it is extended", trend.after),
@@ -445,27 +446,35 @@ impl DiagnosisReport<'_> {
             format!("error without it, {length}"),
             format!("with it, {length}"),
         );
-        let mut table = Table::new(&[
-            ("finding", Align::Left),
-            (before.as_str(), Align::Right),
-            (after.as_str(), Align::Right),
+        let findings = &self.outcome.diagnosis.findings;
+        let of_marks = findings
+            .iter()
+            .any(|f| f.gain.held_out_rms_before.is_some());
+        let mut columns = vec![("finding", Align::Left)];
+        if of_marks {
+            columns.extend([
+                (before.as_str(), Align::Right),
+                (after.as_str(), Align::Right),
+            ]);
+        }
+        columns.extend([
             ("chi-square per degree of freedom without", Align::Right),
             ("with", Align::Right),
         ]);
+        let mut table = Table::new(&columns);
         let rms = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:.4}"));
-        for finding in &self.outcome.diagnosis.findings {
+        for finding in findings {
             let gain = &finding.gain;
-            table.row([
-                format!(
-                    "{}, {}",
-                    words(finding.cause),
-                    scene.named(&finding.address)
-                ),
-                rms(gain.held_out_rms_before),
-                rms(gain.held_out_rms_after),
+            let place = scene.named(&finding.address);
+            let mut row = vec![format!("{}, {place}", words(finding.cause))];
+            if of_marks {
+                row.extend([gain.held_out_rms_before, gain.held_out_rms_after].map(rms));
+            }
+            row.extend([
                 format!("{:.2}", gain.chi2_per_dof_before),
                 format!("{:.2}", gain.chi2_per_dof_after),
             ]);
+            table.row(row);
         }
         table
     }
@@ -488,9 +497,9 @@ impl DiagnosisReport<'_> {
                 test.what.clone(),
                 format!("{:.1}", test.value),
                 test.dof.to_string(),
-                format!("{:.1e}", test.p_value),
+                probability(test.p_value),
                 shown(|test| format!("{:.1}", test.value)),
-                shown(|test| format!("{:.1e}", test.p_value)),
+                shown(|test| probability(test.p_value)),
             ]);
         }
         table

@@ -1,6 +1,7 @@
 use super::ranking::words;
 use super::scene::Role;
-use super::{Positions, Scene, number, study_scene};
+use super::study_figures::load_axis;
+use super::{Chart, DrawingError, Figure, Mark, Positions, Scene, Series, number, study_scene};
 use crate::discrepancy::{Fitted, Outcome, Verdict};
 use crate::identify::LoadedStudy;
 use crate::model::Model;
@@ -51,6 +52,43 @@ fn positions(name: &str, role: Role, model: &Model, fitted: &Fitted) -> Position
     }
 }
 
+/// The wheel and the sensors of a rig against each load, there and back: as read, before and after.
+pub(super) fn curves(
+    loaded: &LoadedStudy,
+    outcome: &Outcome<'_>,
+) -> Result<Vec<Figure>, DrawingError> {
+    let series = |name: &str, points: Vec<(f64, f64)>, mark| Series {
+        name: name.to_string(),
+        points,
+        mark,
+    };
+    let mut out = Vec::new();
+    for run in outcome.wheel_runs() {
+        let chart = Chart {
+            title: format!("{} against {}", run.what, run.load),
+            x: load_axis(loaded, &run.load),
+            y: match &run.unit {
+                Some(unit) => format!("{}, {unit}", run.what),
+                None => run.what,
+            },
+            series: vec![
+                series("as read", run.read, Mark::Points),
+                series("as the model was", run.before, Mark::Dashed),
+                series("as it is extended", run.after, Mark::Line),
+            ],
+            log_y: false,
+            level: None,
+        };
+        let seen = if run.unseen {
+            "Neither fit has seen these readings."
+        } else {
+            "The fits have seen these readings."
+        };
+        out.push(Figure::chart(&chart, seen)?);
+    }
+    Ok(out)
+}
+
 /// The answer in a sentence or two for someone who decides: problem, cause, place, gain.
 pub(super) fn headline(loaded: &LoadedStudy, outcome: &Outcome<'_>, scene: &Scene) -> String {
     let diagnosis = &outcome.diagnosis;
@@ -90,14 +128,38 @@ pub(super) fn headline(loaded: &LoadedStudy, outcome: &Outcome<'_>, scene: &Scen
             digits(after)
         );
     }
-    let others = diagnosis
+    let of_marks = finding.gain.held_out_rms_before.is_some();
+    if let Some(found) = diagnosis.hold_out.as_ref().filter(|_| !of_marks) {
+        let digits = |value: f64| number(value, Some(value.abs() * 0.1));
+        let (before, after) = (digits(found.rms_before), digits(found.rms_after));
+        let what = match (found.cases.is_empty(), found.searched) {
+            (false, true) => "load cases that no fit saw",
+            (false, false) => "load cases that the fit did not see",
+            (true, _) => "curves that no fit saw",
+        };
+        text += &format!(
+            " With what was found the error on {what} falls from {before} to {after} times the noise of the readings."
+        );
+    }
+    let others: Vec<String> = diagnosis
         .findings
         .iter()
         .filter(|finding| !finding.minor)
-        .count()
-        - 1;
-    if others > 0 {
-        text += &format!(" {others} more below.");
+        .skip(1)
+        .map(|finding| {
+            format!(
+                "{} at {}",
+                words(finding.cause),
+                scene.named(&finding.address)
+            )
+        })
+        .collect();
+    match &others[..] {
+        [] => {}
+        [one] => text += &format!(" Found beside it: {one}."),
+        [one, more @ ..] => {
+            text += &format!(" Found beside it: {one}, and {} more below.", more.len());
+        }
     }
     if diagnosis.verdict == Verdict::Unexplained {
         text += " Something remains that no known cause explains.";

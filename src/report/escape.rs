@@ -15,3 +15,20 @@ pub fn escape(text: &str) -> String {
     }
     out
 }
+
+/// A sentence made safe, what stands in backticks set as code.
+pub(super) fn prose(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut pieces = text.split('`');
+    out.push_str(&escape(pieces.next().unwrap_or_default()));
+    while let Some(code) = pieces.next() {
+        match pieces.next() {
+            Some(behind) => {
+                out += &format!("<code>{}</code>{}", escape(code), escape(behind));
+            }
+            // A single one is a character like any other.
+            None => out += &format!("`{}", escape(code)),
+        }
+    }
+    out
+}

@@ -65,10 +65,10 @@ impl HeatMap {
         }
         write!(
             out,
-            "<text x=\"{LEFT}\" y=\"{}\" class=\"name\">{}; full colour at {:.3}</text>\n</svg>",
+            "<text x=\"{LEFT}\" y=\"{}\" class=\"name\">{}; red above zero, blue below, full colour at {}</text>\n</svg>",
             height - 12,
             escape(&self.what),
-            self.limit
+            super::number(self.limit, Some(0.1 * self.limit))
         )
         .expect("a String takes all");
         out

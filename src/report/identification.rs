@@ -57,7 +57,8 @@ impl IdentificationReport<'_> {
         page.heading("The mechanism");
         page.scene(&study_scene(self.loaded, self.positions));
         let of_cases = figures.by_case()?;
-        let wheel = figures.wheel()?;
+        let mut wheel = figures.wheel()?;
+        wheel.extend(figures.curves()?);
         if of_cases.is_some() || !wheel.is_empty() {
             page.heading("Before and after");
             page.figures(&of_cases.into_iter().chain(wheel).collect::<Vec<_>>());
@@ -144,7 +145,7 @@ impl IdentificationReport<'_> {
             .iter()
             .any(|p| p.tolerance_share.is_some());
         if shares {
-            columns.push(("of it tolerances", Align::Right));
+            columns.push(("due to tolerances", Align::Right));
         }
         columns.push(("", Align::Left));
         let mut table = Table::new(&columns);

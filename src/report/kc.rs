@@ -271,10 +271,11 @@ impl KcReport<'_> {
             .all(|g| g.hysteresis <= 1e-6 * g.tangent.abs() * settings.window);
         let both = test.samples.iter().any(|s| s.branch == Branch::Down);
         page.paragraph(&format!(
-            "Driven: {} from {} to {}; loads at the {}, {} held. {}",
+            "Driven: {} from {} to {} {}; loads at the {}, {} held. {}",
             test.kind.variable(),
             settings.range[0],
             settings.range[1],
+            self.variable_unit(test),
             if settings.point == crate::kc::LoadPoint::Patch {
                 "contact patch"
             } else {
@@ -352,6 +353,14 @@ impl KcReport<'_> {
             let mut down = points(test, Branch::Down, &mut unit);
             if one_curve(&up, &down) {
                 down.clear();
+            }
+            // The wheels of a symmetric axle in phase: one line for both.
+            let alone = self.others.is_empty() && self.measured.is_empty() && down.is_empty();
+            if let Some(left) = series.first_mut().filter(|left: &&mut Series| {
+                alone && word == "right" && left.name == "left" && one_curve(&left.points, &up)
+            }) {
+                left.name = "left and right".to_string();
+                continue;
             }
             series.push(Series {
                 name: named(if down.is_empty() { "" } else { "up" }),

@@ -1,6 +1,6 @@
 use std::fmt::Write as _;
 
-use super::escape::escape;
+use super::escape::{escape, prose};
 use super::scene::{CLIENT, CLIENT_STYLE};
 use super::{Figure, Scene, Table};
 
@@ -26,7 +26,7 @@ impl Page {
         page.push(format_args!(
             "<header><h1>{}</h1>\n<p class=\"lead\">{}</p></header>\n",
             escape(title),
-            escape(lead)
+            prose(lead)
         ));
         page
     }
@@ -45,13 +45,13 @@ impl Page {
 
     /// A paragraph.
     pub fn paragraph(&mut self, text: &str) -> &mut Self {
-        self.push(format_args!("<p>{}</p>\n", escape(text)));
+        self.push(format_args!("<p>{}</p>\n", prose(text)));
         self
     }
 
     /// A paragraph of small print.
     pub fn note(&mut self, text: &str) -> &mut Self {
-        self.push(format_args!("<p class=\"note\">{}</p>\n", escape(text)));
+        self.push(format_args!("<p class=\"note\">{}</p>\n", prose(text)));
         self
     }
 
@@ -59,7 +59,7 @@ impl Page {
     pub fn list(&mut self, items: &[String]) -> &mut Self {
         self.body.push_str("<ul>\n");
         for item in items {
-            self.push(format_args!("<li>{}</li>\n", escape(item)));
+            self.push(format_args!("<li>{}</li>\n", prose(item)));
         }
         self.body.push_str("</ul>\n");
         self
@@ -158,13 +158,14 @@ mod tests {
     #[test]
     fn study_texts_cannot_become_markup() {
         let mut page = Page::new("<script>alert(1)</script>", "a & b \"quoted\"");
-        page.paragraph("</p><img src=x onerror='alert(1)'>")
+        page.paragraph("</p><img src=x onerror='alert(1)'> `</code><img>` `<b>")
             .list(&["<li>".to_string()])
             .verbatim("</pre><b>");
         let html = page.finish("<footer>");
         assert!(!html.contains("<script"));
         assert!(!html.contains("<img"));
-        assert!(!html.contains("</pre><b>"));
+        assert!(!html.contains("</pre><b>") && !html.contains("<b>"));
+        assert!(html.contains("<code>&lt;/code&gt;&lt;img&gt;</code>"));
         assert!(html.contains("&lt;script&gt;alert(1)&lt;/script&gt;"));
     }
 }

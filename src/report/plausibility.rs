@@ -63,6 +63,7 @@ impl Plausibility {
         let mut table = Self::default();
         table.loads(loaded);
         table.readings(loaded);
+        table.summaries(loaded);
         table.units(loaded);
         table.sizes(loaded);
         table.noise(loaded);
@@ -171,6 +172,36 @@ impl Plausibility {
                 channels.len() * to.cases.len(),
             );
         }
+    }
+
+    /// Gradients and widths of loops: each is one reading of several cases.
+    fn summaries(&mut self, loaded: &LoadedStudy) {
+        let to = &loaded.measurement;
+        let (mut told, mut missing) = (Vec::new(), 0);
+        for (k, channel) in to.channels.iter().enumerate() {
+            if channel.summary.is_none() {
+                continue;
+            }
+            let value = to.cases.iter().find_map(|case| case.channels[k]);
+            missing += usize::from(value.is_none());
+            let value = value.map_or_else(|| "no value".to_string(), short);
+            let (unit, sigma) = (channel.behind(), short(channel.sigma));
+            told.push(format!("{} {value}{unit} (sd {sigma})", channel.name));
+        }
+        if told.is_empty() {
+            return;
+        }
+        let verdict = if missing > 0 {
+            Verdict::Doubtful
+        } else {
+            Verdict::Plausible
+        };
+        self.add(
+            "gradients, widths",
+            told.join("; "),
+            verdict,
+            "a row without a value is no reading",
+        );
     }
 
     /// So many readings of as many as there could be.

@@ -134,6 +134,13 @@ fn unit(finding: &Finding, name: &str, units: &Units) -> String {
         "stiffness" => format!("{force}/{length}"),
         "anchor" if turns => "rad".to_string(),
         "anchor" | "clearance_shift" => length.to_string(),
+        "x" | "y" | "z" => match finding.cause {
+            Cause::HardpointError
+            | Cause::AssemblyOffset
+            | Cause::LoadPointError
+            | Cause::FrameDrift => length.to_string(),
+            _ => String::new(),
+        },
         _ => String::new(),
     }
 }

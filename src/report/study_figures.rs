@@ -1,14 +1,38 @@
 use super::{Chart, DrawingError, Figure, HeatMap, Mark, Positions, Series};
 use crate::identify::LoadedStudy;
+use crate::identify::global::Prepared;
 use crate::mechanics::{Pose, Vec3, Vec6};
-use crate::model::MarkerIx;
+use crate::model::{MarkerIx, SforceKind};
 use crate::rig::deflection::{DeflectionForm, deflection};
 use crate::rig::wheel::WheelReading;
+use crate::system::Scratch;
 
 /// Up to so many cases a map of them can be read.
 const MAPPED: usize = 60;
 /// Axes of a bushing.
 const AXES: [&str; 6] = ["x", "y", "z", "about x", "about y", "about z"];
+
+/// A load as the name of an axis, with its unit unless the study's own name says it.
+pub(super) fn load_axis(loaded: &LoadedStudy, name: &str) -> String {
+    let load = loaded.programme.loads.iter().find(|load| load.name == name);
+    let argument = load.and_then(|load| load.target.argument.as_deref());
+    let turns = argument.is_some_and(|argument| argument.starts_with('T'));
+    let is_force = load.is_some_and(|load| {
+        let kind = load.target.kind.as_str();
+        let is_torque = |force: &crate::model::Sforce| {
+            Some(force.header.id) == load.target.id && force.kind == SforceKind::Rotational
+        };
+        match kind {
+            "SFORCE" => !loaded.model.sforces.iter().any(is_torque),
+            "GFORCE" | "VFORCE" => !turns,
+            _ => false,
+        }
+    });
+    if !is_force || name.contains(['[', '(']) {
+        return name.to_string();
+    }
+    format!("{name}, {}", loaded.model.units.force.word)
+}
 
 /// The pictures of a study that need where its model stands: `positions` in the order in which models are compared, the last the best.
 pub(super) struct StudyFigures<'a> {
@@ -269,6 +293,99 @@ impl StudyFigures<'_> {
         Ok(out)
     }
 
+    /// For each load that takes three values alone: the cases in which the others are what they are in the first.
+    fn runs(&self) -> Vec<(usize, Vec<usize>)> {
+        let programme = &self.loaded.programme;
+        let Some(rest) = programme.cases.first().map(|case| &case.values) else {
+            return Vec::new();
+        };
+        let of = |load: usize| {
+            let alone = |case: &usize| {
+                let values = programme.cases[*case].values.iter().zip(rest);
+                values.enumerate().all(|(k, (a, b))| k == load || a == b)
+            };
+            let cases: Vec<usize> = (0..programme.cases.len()).filter(alone).collect();
+            let mut levels: Vec<f64> = cases
+                .iter()
+                .map(|case| programme.cases[*case].values[load])
+                .collect();
+            levels.sort_by(f64::total_cmp);
+            levels.dedup();
+            (levels.len() >= 3).then_some((load, cases))
+        };
+        (0..programme.loads.len()).filter_map(of).collect()
+    }
+
+    /// The curves of a K&C rig against each load that changes alone, in the order of application.
+    pub fn curves(&self) -> Result<Vec<Figure>, DrawingError> {
+        let (measurement, programme) = (&self.loaded.measurement, &self.loaded.programme);
+        // What follows from the places of the parts alone.
+        let is_curve = |channel: &crate::rig::Channel| {
+            channel.is_read_by_case() && !channel.helpers.is_empty()
+        };
+        if self.positions.is_empty() || !measurement.channels.iter().any(is_curve) {
+            return Ok(Vec::new());
+        }
+        let Ok(prepared) = Prepared::new(&self.loaded.problem()) else {
+            return Ok(Vec::new());
+        };
+        let (system, theta) = (&prepared.system, prepared.system.parameters());
+        let mut scratch = Scratch::new(system);
+        let mut read = |poses: &Option<Vec<Pose>>| {
+            let poses = poses.as_ref()?;
+            Some(prepared.channels.at(system, &theta, poses, &mut scratch))
+        };
+        let shown: Vec<Vec<Option<Vec<Option<f64>>>>> = self
+            .positions
+            .iter()
+            .map(|positions| positions.cases.iter().map(&mut read).collect())
+            .collect();
+        let mut out = Vec::new();
+        for (load, cases) in self.runs() {
+            let of = &programme.loads[load];
+            let value = |case: usize| programme.cases[case].values[load];
+            for (k, channel) in measurement.channels.iter().enumerate() {
+                if !is_curve(channel) {
+                    continue;
+                }
+                let measured = cases
+                    .iter()
+                    .filter_map(|case| Some((value(*case), measurement.cases[*case].channels[k]?)));
+                let mut series = vec![Series {
+                    name: "measured".to_string(),
+                    points: measured.collect(),
+                    mark: Mark::Points,
+                }];
+                for (set, (positions, shown)) in self.positions.iter().zip(&shown).enumerate() {
+                    let at = |case: usize| *shown.get(case)?.as_ref()?.get(k)?;
+                    let points = cases.iter().filter_map(|case| {
+                        let zero = match channel.reference(*case) {
+                            Some(zero) => at(zero)?,
+                            None => 0.0,
+                        };
+                        Some((value(*case), at(*case)? - zero))
+                    });
+                    series.push(Series {
+                        name: positions.name.clone(),
+                        points: points.collect(),
+                        mark: self.mark(set),
+                    });
+                }
+                let unit = channel.unit.as_deref().unwrap_or_default();
+                let chart = Chart {
+                    title: format!("{} against {}", channel.name, of.name),
+                    x: load_axis(self.loaded, &of.name),
+                    y: format!("{}, {unit}", channel.name),
+                    series,
+                    log_y: false,
+                    level: None,
+                };
+                out.push(Figure::chart(&chart, "The other loads stand still.")?);
+            }
+        }
+        Ok(out)
+    }
+
     /// Camber, steer and the place of the wheel against each load that changes alone, in the order of application.
     pub fn wheel(&self) -> Result<Vec<Figure>, DrawingError> {
         let (measurement, programme) = (&self.loaded.measurement, &self.loaded.programme);
@@ -289,23 +406,9 @@ impl StudyFigures<'_> {
             ("Wheel z", length, |reading| reading.position.z),
         ];
         let mut out = Vec::new();
-        for (load, of) in programme.loads.iter().enumerate() {
-            // The cases in which the other loads are what they are in the first.
-            let Some(rest) = programme.cases.first().map(|case| case.values.clone()) else {
-                continue;
-            };
-            let alone = |case: &usize| {
-                let values = programme.cases[*case].values.iter().zip(&rest);
-                values.enumerate().all(|(k, (a, b))| k == load || a == b)
-            };
-            let cases: Vec<usize> = (0..programme.cases.len()).filter(alone).collect();
+        for (load, cases) in self.runs() {
+            let of = &programme.loads[load];
             let value = |case: usize| programme.cases[case].values[load];
-            let mut levels: Vec<f64> = cases.iter().map(|case| value(*case)).collect();
-            levels.sort_by(f64::total_cmp);
-            levels.dedup();
-            if levels.len() < 3 {
-                continue;
-            }
             for (name, unit, of_reading) in channels {
                 let read = cases.iter().filter_map(|case| {
                     let reading = measurement.cases[*case].wheel.as_ref()?;
@@ -330,7 +433,7 @@ impl StudyFigures<'_> {
                 }));
                 let chart = Chart {
                     title: format!("{name} against {}", of.name),
-                    x: of.name.clone(),
+                    x: load_axis(self.loaded, &of.name),
                     y: format!("{}, {unit}", name.to_lowercase()),
                     series,
                     log_y: false,

@@ -67,7 +67,7 @@ pub(super) fn check(to: &mut Measurement, study: &Study, model: &Model, out: &mu
                 Code::MissingMarks,
                 "the study holds no reading that can be used",
             )
-            .help("give [marks], a measured [wheel] or [readings]"),
+            .help("give [marks], [kc], a measured [wheel] or [readings]"),
         );
     }
 }

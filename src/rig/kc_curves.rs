@@ -324,9 +324,19 @@ pub(super) fn column(table: &Table, settings: &CurveSettings) -> Option<usize> {
         .or_else(|| header.iter().position(|name| plain(name) == own))
         .or_else(|| {
             let word = settings.curve.word();
-            let mut like = (0..header.len()).filter(|k| plain(&header[*k]) == word);
-            like.next().filter(|_| like.next().is_none())
+            let only = |is: &dyn Fn(&str) -> bool| {
+                let mut like = (0..header.len()).filter(|k| is(&header[*k]));
+                like.next().filter(|_| like.next().is_none())
+            };
+            only(&|name| plain(name) == word).or_else(|| only(&|name| has_word(name, word)))
         })
+}
+
+/// True for a name with a word of its own: `Wheel travel [mm]` has `travel`.
+fn has_word(header: &str, word: &str) -> bool {
+    let name = name_and_unit(header).0.to_lowercase();
+    name.split(|c: char| !c.is_alphanumeric())
+        .any(|own| own == word)
 }
 
 /// The unit that stands in a column's name, and the name without it: `Toe [deg]`, `Toe (min)`, `Toe / mm`, `toe_deg`.
@@ -371,7 +381,13 @@ pub(super) fn factor(unit: &str, angle: bool) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{factor, name_and_unit};
+    use super::{factor, has_word, name_and_unit};
+
+    #[test]
+    fn a_curve_is_a_word_of_its_column() {
+        assert!(has_word("Wheel travel [mm]", "travel") && has_word("toe_angle_deg", "toe"));
+        assert!(!has_word("Travels [mm]", "travel") && !has_word("base / mm", "mm"));
+    }
 
     #[test]
     fn units_stand_in_headers() {

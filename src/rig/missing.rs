@@ -2,15 +2,16 @@
 
 use super::study::Study;
 use super::table::Table;
+use crate::syntax::Dataset;
 
 /// What to fill in, in order, one sentence each; empty when every table of the study holds rows.
 pub fn missing(study: &Study) -> Vec<String> {
     let mut steps = Vec::new();
+    let toml = study.source.name();
     if study.columns.is_empty() {
-        steps.push(
-            "study.toml: `loads.columns` names no load; say what each column of the load cases drives"
-                .to_string(),
-        );
+        steps.push(format!(
+            "{toml}: `loads.columns` names no load; say what each column of the load cases drives"
+        ));
     }
     let mut empty = |table: &Table, what: &str| {
         if table.rows().is_empty() {
@@ -34,17 +35,35 @@ pub fn missing(study: &Study) -> Vec<String> {
     if let Some((readings, _)) = &study.readings {
         empty(readings, "what each channel read in each load case");
     }
+    if let Some((_, curves)) = &study.kc {
+        empty(curves, "what the rig read of the wheel in each load case");
+    }
+    if let Some(summary) = &study.kc_summary {
+        empty(summary, "gradients and widths of loops, one a row");
+    }
     let measured = study.marks.is_some()
         || study.readings.is_some()
+        || study.kc.is_some()
         || study
             .wheel
             .as_ref()
             .is_some_and(|(_, table)| table.is_some());
     if !measured {
-        steps.push(
-            "study.toml: nothing is measured; give [marks], a measured [wheel] or [readings]"
-                .to_string(),
-        );
+        steps.push(format!(
+            "{toml}: nothing is measured; give [marks], [kc], a measured [wheel] or [readings]"
+        ));
+    }
+    // A diagnosis needs no numbers to identify; who fills in a study may want some.
+    if !steps.is_empty() && study.identify.stiffnesses.is_empty() && !has_bushings(study) {
+        steps.push(format!(
+            "{toml}: the deck has no BUSHING; name the numbers to identify in `identify.stiffnesses`"
+        ));
     }
     steps
+}
+
+fn has_bushings(study: &Study) -> bool {
+    let deck = Dataset::parse(study.deck.clone()).value;
+    let mut statements = deck.statements().iter();
+    statements.any(|statement| statement.kind() == Some("BUSHING"))
 }

@@ -15,6 +15,8 @@ pub enum Kind {
     Marks,
     /// The wheel, by a K&C rig.
     Wheel,
+    /// Toe, camber and other curves of a wheel, by a K&C rig.
+    Curves,
     /// Any scalar a sensor gives.
     Readings,
 }
@@ -133,6 +135,14 @@ impl<'a> Starter<'a> {
             );
             files.push(("wheel.csv".to_string(), text));
         }
+        if kinds.contains(&Kind::Curves) {
+            let mut text =
+                String::from("case,toe_deg,camber_deg,caster_deg,travel_mm,base_mm,track_mm\n");
+            text += "# What the rig read of the wheel in each load case, loops in the order driven; an empty cell is a missing reading.\n";
+            text += "# Names and units of the columns may be those of your rig: `Toe [min]`, `Wheel travel [mm]`.\n";
+            text += "# 1,0.012,-0.310,0.040,12.5,0.42,-0.15\n";
+            files.push(("kc.csv".to_string(), text));
+        }
         if kinds.contains(&Kind::Readings) {
             files.push((
                 "readings.csv".to_string(),
@@ -234,22 +244,27 @@ measured = \"marks_measured.csv\"     # case,part,mark,x,y,z  in the ground fram
 ";
         }
         if kinds.contains(&Kind::Wheel) {
-            text += "\n[wheel]                             # what a K&C rig reads at the wheel\n";
-            match self.wheel {
-                Some(at) => {
-                    let marker = &self.model.markers[at.0];
-                    text += &format!(
-                        "marker = \"MARKER/{}\"                # looks like the wheel's centre: {}; CHECK\naxis = \"{}\"\n",
-                        marker.header.id,
-                        self.marker(at),
-                        self.spin_axis(at)
-                    );
-                }
-                None => {
-                    text += "marker = \"MARKER/?\"                 # FILL IN: a marker at the wheel's centre, on the carrier\naxis = \"y\"                         # its axis the wheel spins about\n";
-                }
-            }
+            text += "\n[wheel]                             # the wheel's place and angles\n";
+            text += &self.wheel_keys();
             text += "measured = \"wheel.csv\"              # case,x,y,z,camber_deg,steer_deg\n# sigma = { position = 0.05, angle_deg = 0.01 }\n";
+        }
+        if kinds.contains(&Kind::Curves) {
+            text += "
+[kc]                                # curves of a K&C rig, of one wheel
+file = \"kc.csv\"                     # one row per load case
+";
+            text += &self.wheel_keys();
+            text += "forward = \"-x\"                      # the way the vehicle drives, an axis of ground; CHECK
+# relative_to = \"1\"                 # the case at which the rig's displays stood at zero
+# summary = \"kc_summary.csv\"        # gradients and widths of loops, see `admire guide study`
+[kc.curves]                         # take out what was not read; `admire check` shows which column was taken
+toe = {}                            # or { column = \"Toe-in [min]\", sigma = 0.3 }: sd of a reading; without it
+camber = {}                         # repeats of a case tell, or the fit
+caster = {}
+travel = {}
+base = {}
+track = {}
+";
         }
         if kinds.contains(&Kind::Readings) {
             let marker = self.wheel.map_or_else(
@@ -298,6 +313,19 @@ top_height = {{ function = \"DZ({marker})\", sigma = 0.1, unit = \"{}\" }}   # F
 # hold_out = [\"3\", \"7\"]             # cases, or names of curves, that no fit sees: to test the answer on
 ";
         text
+    }
+
+    /// Marker and spin axis of the wheel.
+    fn wheel_keys(&self) -> String {
+        match self.wheel {
+            Some(at) => format!(
+                "marker = \"MARKER/{}\"                # looks like the wheel's centre: {}; CHECK\naxis = \"{}\"\n",
+                self.model.markers[at.0].header.id,
+                self.marker(at),
+                self.spin_axis(at)
+            ),
+            None => "marker = \"MARKER/?\"                 # FILL IN: a marker at the wheel's centre, on the carrier\naxis = \"y\"                         # its axis the wheel spins about\n".to_string(),
+        }
     }
 
     /// The axis of a marker that points most across the car.

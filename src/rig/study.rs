@@ -1,6 +1,5 @@
 use std::path::{Component, Path, PathBuf};
 
-use sha2::Digest;
 use toml::de::DeTable;
 
 use super::kc_curves::KcSettings;
@@ -12,7 +11,7 @@ use super::stated::ToleranceSettings;
 use super::table::Table;
 use crate::diagnostic::{Checked, Code, Diagnostic};
 use crate::session::{ignoring_case, native_spelling, told_of_case};
-use crate::text::{Source, Span};
+use crate::text::{Source, Span, digest};
 
 /// The marks of a study: two files and their noise.
 #[derive(Clone, Debug)]
@@ -123,17 +122,7 @@ impl Study {
 
     /// SHA-256 over every input file, in hexadecimal: two runs with the same value saw the same bytes.
     pub fn inputs_sha256(&self) -> String {
-        let mut hash = sha2::Sha256::new();
-        for source in self.sources() {
-            hash.update((source.bytes().len() as u64).to_le_bytes());
-            hash.update(source.bytes());
-        }
-        let digits =
-            |byte: u8| [byte >> 4, byte & 15].map(|d| char::from(b"0123456789abcdef"[d as usize]));
-        hash.finalize()
-            .iter()
-            .flat_map(|byte| digits(*byte))
-            .collect()
+        digest(self.sources().into_iter().map(Source::bytes))
     }
 }
 

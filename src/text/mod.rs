@@ -3,6 +3,7 @@
 //! Knows nothing about ADAMS. Bytes of files are never decoded to be edited: real decks hold Latin-1.
 
 mod code_page;
+mod digest;
 mod edit;
 mod held;
 mod line_ends;
@@ -12,6 +13,7 @@ mod source;
 mod span;
 
 pub use code_page::{CodePage, Encoded};
+pub use digest::digest;
 pub use edit::{Edit, EditConflict, apply_edits};
 pub use held::{patiently, persist};
 pub use line_ends::LineEnds;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use admire::discrepancy::{Data, Subject};
+use admire::discrepancy::{Data, Subject, diagnose, held_out};
 use admire::identify::LoadedStudy;
 use admire::identify::global::gauss_newton::LeastSquares;
 use admire::identify::global::{
@@ -338,4 +338,84 @@ fn a_wrong_table_is_told_where() {
         let found = change(from, to);
         assert!(found.contains(told), "{to}: {found}");
     }
+}
+
+/// Curves, gradients and a curve that is held out with another solver in between: it gives places, from which all of them follow.
+#[test]
+fn another_solver_is_fitted_to_curves_and_gradients() {
+    let hold = "\n[validate]\nhold_out = [\"toe\"]\n";
+    let stiff = ["element-parameter@BUSHING/2.K.1:factor=0.8"];
+    let (_folder, loaded) = measured(TABLE, hold, &stiff, None);
+    let problem = loaded.problem();
+    let own = Prepared::new(&problem).unwrap();
+    let native = fit_study(&problem, &own, None, Options::default())
+        .unwrap()
+        .fit;
+    let prepared = Prepared::external(&problem).unwrap();
+    // The built-in solver behind the interface of any other: poses of every case.
+    let mut backend = admire::backend::NativeBackend::new();
+    let other = fit_study(&problem, &prepared, Some(&mut backend), Options::default())
+        .unwrap()
+        .fit;
+    assert!(other.converged);
+    for (a, b) in native.parameters.iter().zip(&other.parameters) {
+        let error = a.std_error.unwrap_or(a.value);
+        assert!(
+            (a.value - b.value).abs() < 0.05 * error,
+            "{}: {} {}",
+            a.address,
+            a.value,
+            b.value
+        );
+    }
+    let (a, b) = (&native.held_out.curves[0], &other.held_out.curves[0]);
+    assert_eq!((&a.name, a.count), (&b.name, b.count));
+    assert!(
+        (a.rms_after / b.rms_after - 1.0).abs() < 1e-2,
+        "{a:?} {b:?}"
+    );
+}
+
+/// What only the solver knows, a reaction, is refused by name.
+#[test]
+fn a_reaction_is_no_channel_of_another_solver() {
+    let more = "\n[readings]\nfile = \"readings.csv\"\n[readings.channels]\n\
+                rod = { function = \"JOINT(5,0,2,0)\", sigma = 10.0 }\n";
+    let folder = folder(TABLE, more);
+    std::fs::write(folder.path().join("readings.csv"), "case,rod\n").unwrap();
+    let run = rig(folder.path(), &[], Some(0.0));
+    for (name, bytes) in &run.files {
+        std::fs::write(folder.path().join(name), bytes).unwrap();
+    }
+    let loaded = LoadedStudy::read(folder.path()).value.unwrap();
+    let problem = loaded.problem();
+    assert!(Prepared::new(&problem).is_ok());
+    let said = Prepared::external(&problem).unwrap_err().to_string();
+    assert!(
+        said.contains("`rod`") && said.contains("JOINT(5,0,2,0)"),
+        "{said}"
+    );
+}
+
+/// A curve that is held out is predicted by a search that has not seen it, and it confirms what that found.
+#[test]
+fn a_diagnosis_predicts_a_curve_that_it_has_not_seen() {
+    let hold = "\n[validate]\nhold_out = [\"camber\"]\n";
+    let friction = ["dry-friction@JOINT/3:force=120,stiffness=3000"];
+    let (_folder, loaded) = measured(TABLE, hold, &friction, None);
+    let problem = loaded.problem();
+    let cases = held_out(&loaded.study, problem.measurement);
+    assert!(cases.iter().all(|held| !held), "curves alone are held out");
+    let outcome = diagnose(&problem, cases).unwrap();
+    let found = outcome.diagnosis.hold_out.unwrap();
+    assert!(found.searched && found.cases.is_empty(), "{found:?}");
+    assert_eq!(found.curves, ["camber"]);
+    assert!(
+        found
+            .causes
+            .iter()
+            .any(|cause| cause == "dry-friction JOINT/3"),
+        "{found:?}"
+    );
+    assert!(found.rms_after < 0.5 * found.rms_before, "{found:?}");
 }

@@ -67,7 +67,7 @@ fn turned(deck: &str, Q: &Mat3) -> String {
 
 /// Every reading of every sample, scaled from the second deck's units to the first's.
 fn same(a: &KcRun, b: &KcRun, scale: impl Fn(Unit) -> f64, bar: f64) {
-    let mut compared = 0;
+    let (mut compared, mut worst) = (0, (0.0, String::new()));
     let samples = |run: &KcRun| -> Vec<admire::kc::Sample> {
         let all = run.tests.iter().flat_map(|t| t.samples.iter());
         std::iter::once(&run.ride).chain(all).cloned().collect()
@@ -93,22 +93,20 @@ fn same(a: &KcRun, b: &KcRun, scale: impl Fn(Unit) -> f64, bar: f64) {
                 Unit::Force => 1000.0,
                 _ => 0.0,
             };
-            let apart = (x.value - y.value * scale(x.unit)).abs();
-            assert!(
-                apart <= bar * size.max(floor),
-                "{}: {} {}",
-                x.path(),
-                x.value,
-                y.value * scale(x.unit)
-            );
+            let apart = (x.value - y.value * scale(x.unit)).abs() / size.max(floor);
+            if apart > worst.0 {
+                worst = (apart, x.path());
+            }
             compared += 1;
         }
     }
+    println!("{:.1e} {}", worst.0, worst.1);
+    assert!(worst.0 <= bar, "{worst:?}");
     assert!(compared > 1000);
 }
 
-/// Solved with other round-off the equilibria agree to the tolerance of the solver; characteristics to 1e-9 of their size.
-const SOLVED: f64 = 1e-9;
+/// Solved with other round-off the characteristics agree to this part of their size.
+const SOLVED: f64 = 1e-11;
 
 #[test]
 fn axes() {
@@ -171,10 +169,11 @@ fn units() {
             .for_each(clean);
         run
     };
-    same(&strip(first), &strip(second), scale, 1e-8);
+    same(&strip(first), &strip(second), scale, SOLVED);
 }
 
-/// All standard tests of a multilink axle, 13 points up and 13 down each: time per run.
+/// All standard tests of a multilink axle, 13 points up and 13 down each: time per run, told with `--nocapture`. No bar: the machine may do
+/// other work.
 #[test]
 fn speed() {
     let axle = Axle::new(&corpus("multilink/reference.adm"), MCPHERSON);
@@ -191,7 +190,5 @@ fn speed() {
             assert_eq!(run.tests.len(), 8);
         }
         println!("{name}: {:.1} ms", 1e3 * best);
-        // Generous: this is a build without full optimisation on a machine that does other work.
-        assert!(best < 0.5, "{best}");
     }
 }

@@ -122,6 +122,18 @@ def test_repeats_that_cannot_be_are_refused(corpus: Path) -> None:
         admire.diagnose(corpus / "pseudo-mcpherson", check_gain="none")
 
 
+def test_a_plan_is_the_same(corpus: Path, command: Command, tmp_path: Path) -> None:
+    study, out = corpus / "pseudo-mcpherson", tmp_path / "out"
+    done = command("plan", study, "--for", "stiffnesses", "--count", 6, "--out", out, "--format", "json")
+    found = admire.plan(study, aim="stiffnesses", count=6)
+    assert found.json == json.loads(done.stdout)
+    assert found.suggested == (out / "suggested.csv").read_text(encoding="utf-8")
+    first = found.candidates[0]
+    assert first.sd_log[0] < found.sd_log[0] and first.what == found.json["candidates"][0]["what"]
+    with pytest.raises(ValueError, match="stiffnesses, curves, causes"):
+        admire.plan(study, aim="marks")
+
+
 def test_an_axle_beside_others_is_the_same(corpus: Path, command: Command, tmp_path: Path) -> None:
     deck, config = corpus / "multilink" / "model.adm", corpus / "multilink" / "kc.toml"
     other = corpus / "multilink" / "reference.adm"

@@ -85,6 +85,56 @@ fn every_field_of_the_answers_is_explained() {
     assert_eq!(said.code, 0, "{}", said.err);
 }
 
+/// So is every column and field of the K&C tests and of a sweep, with component and unit as they stand in the file.
+#[test]
+fn every_column_of_the_tables_is_explained() {
+    let (folder, _study) = copied("multilink");
+    let said = admire(
+        folder.path(),
+        &[
+            "kc",
+            "study/model.adm",
+            "--config",
+            "study/kc.toml",
+            "--out",
+            "kc",
+        ],
+    );
+    assert_eq!(said.code, 0, "{}", said.err);
+    let (other, study) = copied("pseudo-mcpherson");
+    super::run::change(&study.join("sweep.toml"), "cases = 1000", "cases = 6");
+    let swept = admire(
+        other.path(),
+        &["sweep", "study/sweep.toml", "--out", "sweep"],
+    );
+    assert_eq!(swept.code, 0, "{}", swept.err);
+    let mut found = BTreeSet::new();
+    for path in [
+        folder.path().join("kc/kc.json"),
+        other.path().join("sweep/summary.json"),
+    ] {
+        let text = std::fs::read_to_string(path).unwrap();
+        fields(&serde_json::from_str(&text).unwrap(), "", &mut found);
+    }
+    for name in ["curves.csv", "gradients.csv"] {
+        let text = std::fs::read_to_string(folder.path().join("kc").join(name)).unwrap();
+        let head = text.lines().find(|line| !line.starts_with('#')).unwrap();
+        found.extend(head.split(',').map(ToString::to_string));
+    }
+    assert!(found.len() > 200, "{}", found.len());
+    let lacking: Vec<&String> = found
+        .iter()
+        .filter(|word| admire::guide::glossary::find(word).is_empty())
+        .collect();
+    assert!(lacking.is_empty(), "{lacking:?}");
+    let said = admire(folder.path(), &["explain", "toe_angle.left [rad]"]);
+    assert!(
+        said.code == 0 && said.out.contains("toe-in"),
+        "{}",
+        said.out
+    );
+}
+
 /// The causes are those the code names in `diagnosis.json`.
 #[test]
 fn every_cause_is_explained() {

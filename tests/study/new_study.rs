@@ -76,6 +76,47 @@ fn a_study_begins_with_a_deck() {
     );
 }
 
+/// Curves of a K&C rig alone: the wheel is found, an unfilled study has no faults but steps, and a filled table is read as it is.
+#[test]
+fn a_study_of_curves_begins_with_a_deck() {
+    let folder = tempfile::tempdir().unwrap();
+    let deck = corpus("pseudo-mcpherson/model.adm");
+    let deck = deck.to_str().unwrap();
+    let said = admire(
+        folder.path(),
+        &["new", "axle", "--from", deck, "--measured", "curves"],
+    );
+    assert_eq!(said.code, 0, "{}", said.err);
+    let said = admire(folder.path(), &["check", "axle", "--format", "text"]);
+    assert_eq!(said.code, 1);
+    assert_eq!(said.out, "", "nothing is wrong, only missing");
+    let at = |name: &str| {
+        said.err
+            .find(name)
+            .unwrap_or_else(|| panic!("{}", said.err))
+    };
+    assert!(at("load_cases.csv: ") < at("kc.csv: "), "{}", said.err);
+    assert!(!said.err.contains("1 error"), "{}", said.err);
+    let study = folder.path().join("axle");
+    change(
+        &study.join("load_cases.csv"),
+        "# 1,0,0,1500\n",
+        "1,0,0,1500\n2,0,0,3000\n",
+    );
+    change(
+        &study.join("kc.csv"),
+        "# 1,0.012,-0.310,0.040,12.5,0.42,-0.15\n",
+        "1,0.012,-0.310,0.040,12.5,0.42,-0.15\n2,0.02,-0.5,0.05,20,0.6,-0.2\n",
+    );
+    let said = admire(folder.path(), &["check", "axle"]);
+    assert!(
+        said.out.contains("toe from `toe_deg` in deg") && said.out.contains("track_mm"),
+        "{}",
+        said.out
+    );
+    assert!(said.err.contains("channels"), "{}", said.err);
+}
+
 /// A deck that is in its study already stays where it is; one with errors begins nothing.
 #[test]
 fn a_deck_stays_in_its_own_folder() {

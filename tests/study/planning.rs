@@ -243,6 +243,85 @@ fn suggested_cases_are_rows_of_the_study() {
     assert!(refused.err.contains("plan.json"), "{}", refused.err);
 }
 
+/// A top mount 2.5 times as stiff as the deck says: marks alone leave open which law of it is wrong. The plan says what would tell; measured,
+/// it does.
+#[test]
+fn what_is_undecided_is_decided_by_what_the_plan_names() {
+    let (folder, study) = copied("pseudo-mcpherson");
+    let rig = |out: &str| {
+        let effect = "element-parameter@BUSHING/3.K.1:factor=2.5";
+        let words = [
+            "rig", "study", "--out", out, "--effect", effect, "--seed", "6",
+        ];
+        let said = admire(folder.path(), &words);
+        assert_eq!(said.code, 0, "{}", said.err);
+    };
+    rig("before");
+    let words = [
+        "plan", "before", "--for", "causes", "--count", "3", "--out", "next",
+    ];
+    let said = admire(folder.path(), &words);
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert!(
+        said.out.contains("undecided: ") && said.out.contains("Next: load cell in BUSHING/3."),
+        "{}",
+        said.out
+    );
+    let json = std::fs::read_to_string(folder.path().join("next/plan.json")).unwrap();
+    let json: Value = serde_json::from_str(&json).unwrap();
+    let between = json["causes"]["between"].as_array().unwrap();
+    assert!(
+        between
+            .iter()
+            .all(|name| name.as_str().unwrap().ends_with("BUSHING/3.K.1"))
+    );
+    let shift = |k: usize| {
+        let candidates = json["candidates"].as_array().unwrap();
+        candidates[k]["causes"]["probability_shift"]
+            .as_f64()
+            .unwrap()
+    };
+    let last = json["candidates"].as_array().unwrap().len() - 1;
+    assert!(
+        shift(0) > 0.2 && shift(last) < 0.05,
+        "{} {}",
+        shift(0),
+        shift(last)
+    );
+    let probability = |study: &str| {
+        let out = format!("{study}-out");
+        let words = [
+            "diagnose",
+            study,
+            "--out",
+            &out,
+            "--check-gain",
+            "quick",
+            "--format",
+            "json",
+        ];
+        let said = admire(folder.path(), &words);
+        assert_eq!(said.code, 0, "{}", said.err);
+        let found: Value = serde_json::from_str(&said.out).unwrap();
+        let findings = found["findings"].as_array().unwrap();
+        let own = |f: &&Value| f["cause"] == "element-parameter" && f["address"] == "BUSHING/3.K.1";
+        let found = findings.iter().find(own);
+        found.map_or(0.0, |f| f["probability"].as_f64().unwrap())
+    };
+    let before = probability("before");
+    // Half a percent of the largest force: what the plan takes a load cell for.
+    let cells = "\n[readings]\nfile = \"readings.csv\"\n[readings.channels]\n\
+                 fx = { function = \"BUSH(3,0,2,0)\", sigma = 20.0 }\n\
+                 fy = { function = \"BUSH(3,0,3,0)\", sigma = 20.0 }\n\
+                 fz = { function = \"BUSH(3,0,4,0)\", sigma = 20.0 }\n";
+    let toml = std::fs::read_to_string(study.join("study.toml")).unwrap();
+    std::fs::write(study.join("study.toml"), toml + cells).unwrap();
+    std::fs::write(study.join("readings.csv"), "case,fx,fy,fz\n").unwrap();
+    rig("after");
+    let after = probability("after");
+    assert!(after > 0.9 && after > before + 0.2, "{before} {after}");
+}
+
 #[test]
 fn what_cannot_be_planned_is_refused() {
     let (folder, study) = copied("pseudo-mcpherson");

@@ -113,4 +113,28 @@ fn stages_are_said_as_much_as_is_asked_for() {
     assert!(fit(&["-v"]).contains("identifying\n"));
     assert!(!fit(&[]).contains("identifying"));
     assert_eq!(fit(&["--quiet"]), "");
+    // A note is none of the complaints that a quiet command tells.
+    let (folder, _study) = copied("kc-curves");
+    let words = ["plan", "study", "--for", "stiffnesses"];
+    let note = "curves of the rig";
+    assert!(admire(folder.path(), &words).err.contains(note));
+    assert_eq!(
+        admire(folder.path(), &[&words[..], &["-q"]].concat()).err,
+        ""
+    );
+}
+
+/// What is no code, and no path that cannot be broken, keeps to 80 columns.
+#[test]
+fn pages_of_the_guide_keep_to_a_terminal() {
+    let folder = tempfile::tempdir().unwrap();
+    for page in ["study", "kc", "sweep", "tutorial"] {
+        let said = admire(folder.path(), &["guide", page]);
+        let wide: Vec<&str> = said
+            .out
+            .lines()
+            .filter(|line| line.chars().count() > 80)
+            .collect();
+        assert!(said.code == 0 && wide.is_empty(), "{page}: {wide:#?}");
+    }
 }

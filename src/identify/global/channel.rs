@@ -1,6 +1,7 @@
 //! Scalar sensors of a study as functions of its deck.
 
 use crate::diagnostic::Diagnostic;
+use crate::mechanics::Pose;
 use crate::model::{Model, Request};
 use crate::rig::{Measurement, with_helpers};
 use crate::system::{NoValue, Parameters, Scratch, State, System};
@@ -69,6 +70,34 @@ impl Channels {
             values.push(read.map_or(f64::NAN, |(value, _)| value));
         }
         Ok(values)
+    }
+
+    /// Values where another solver puts all parts. `None` of a channel that does not follow from places and numbers alone, such as
+    /// a reaction or a VARIABLE, and of one without a value there.
+    pub fn at(
+        self,
+        system: &System,
+        theta: &Parameters,
+        poses: &[Pose],
+        scratch: &mut Scratch,
+    ) -> Vec<Option<f64>> {
+        let mut state = system.state();
+        let mut values = vec![None; self.count];
+        if self.count == 0 || state.poses.len() != poses.len() {
+            return values;
+        }
+        state.poses.copy_from_slice(poses);
+        let Ok(mut here) = system.look(theta, &state, scratch) else {
+            return values;
+        };
+        let places = system.equations_start();
+        for (k, value) in values.iter_mut().enumerate() {
+            if let Ok(Some((found, gradient))) = here.read_function((self.first + k, 1)) {
+                let of_places = gradient.iter().all(|(unknown, _)| *unknown < places);
+                *value = of_places.then_some(found);
+            }
+        }
+        values
     }
 
     /// Changes along each direction, given how the system's unknowns respond to it.

@@ -1,26 +1,37 @@
 //! Any backend as a predictor: sensitivities by central differences of whole runs.
 
+use super::channel::Channels;
 use super::predictor::{CaseChange, CasePrediction, Observed, Prediction, Predictor};
+use super::prepared::Prepared;
 use super::unknown::{Direction, Numbers};
-use crate::backend::{Backend, BackendError, Load, LoadProgramme, SweepRequest};
+use crate::backend::{Backend, BackendError, Load, LoadProgramme, SweepRequest, slot};
 use crate::identify::Problem;
 use crate::mechanics::{Pose, log};
 use crate::syntax::Address;
-use crate::system::{Parameters, System};
+use crate::system::{Parameters, Scratch, System};
 
 /// Step of a difference, in units of an unknown: a thousandth of an e-fold, where truncation and the ten digits of a results file
 /// are about as bad.
 const STEP: f64 = 1e-3;
 
-/// Predicts with a backend that only gives poses.
+/// Predicts with a backend that only gives poses; channels are functions of these.
 pub struct DifferencePredictor<'a> {
     problem: &'a Problem<'a>,
     system: &'a System,
+    channels: Channels,
+    scratch: Scratch,
     deck: Parameters,
     backend: &'a mut dyn Backend,
     observed: Observed,
     sweeps: usize,
     failure: Failure,
+}
+
+/// Where a case puts the parts, and what the channels read there.
+#[derive(Clone, Debug)]
+struct Answer {
+    poses: Vec<Pose>,
+    channels: Vec<f64>,
 }
 
 /// Why the last run that gave no answer at all gave none.
@@ -30,13 +41,16 @@ impl<'a> DifferencePredictor<'a> {
     /// For a study's problem, its compiled deck and whoever solves it.
     pub fn new(
         problem: &'a Problem<'a>,
-        system: &'a System,
+        prepared: &'a Prepared,
         backend: &'a mut dyn Backend,
         observed: Observed,
     ) -> Self {
+        let system = &prepared.system;
         Self {
             problem,
             system,
+            channels: prepared.channels,
+            scratch: Scratch::new(system),
             deck: system.parameters(),
             backend,
             observed,
@@ -50,8 +64,8 @@ impl<'a> DifferencePredictor<'a> {
         self.failure.clone()
     }
 
-    /// Poses of every case at each of these numbers; the runs go side by side where the backend can.
-    fn sweep(&mut self, all: &[Numbers]) -> Vec<Vec<Option<Vec<Pose>>>> {
+    /// Every case at each of these numbers; the runs go side by side where the backend can.
+    fn sweep(&mut self, all: &[Numbers]) -> Vec<Vec<Option<Answer>>> {
         let cases = self.problem.programme.cases.len();
         let lasting =
             |failure: &Option<BackendError>| failure.as_ref().is_some_and(BackendError::is_lasting);
@@ -82,21 +96,48 @@ impl<'a> DifferencePredictor<'a> {
             })
             .collect();
         let answers = self.backend.sweeps(&requests);
-        answers
-            .into_iter()
-            .map(|answer| match answer {
-                Ok(sweep) => (0..cases)
-                    .map(|case| sweep.equilibrium(case).map(|e| e.poses.clone()))
-                    .collect(),
+        let mut out = Vec::with_capacity(all.len());
+        for (answer, (numbers, (_, programme))) in answers.into_iter().zip(all.iter().zip(&asked)) {
+            let sweep = match answer {
+                Ok(sweep) => sweep,
                 Err(error) => {
                     let mut failure = self.failure.borrow_mut();
                     if !lasting(&failure) {
                         *failure = Some(error);
                     }
-                    vec![None; cases]
+                    out.push(vec![None; cases]);
+                    continue;
                 }
-            })
-            .collect()
+            };
+            let mut answers = Vec::with_capacity(cases);
+            for case in 0..cases {
+                let poses = sweep.equilibrium(case).map(|found| found.poses.clone());
+                answers.push(poses.and_then(|poses| self.read(numbers, (programme, case), poses)));
+            }
+            out.push(answers);
+        }
+        out
+    }
+
+    /// What the channels read where a case puts the parts; `None` where one has no value.
+    fn read(
+        &mut self,
+        numbers: &Numbers,
+        (programme, case): (&LoadProgramme, usize),
+        poses: Vec<Pose>,
+    ) -> Option<Answer> {
+        let mut theta = numbers.theta.clone();
+        for (load, value) in programme.loads.iter().zip(&programme.cases[case].values) {
+            // A load that the built-in solver does not know changes nothing that it reads.
+            if let Ok(slot) = slot(self.system, &load.target) {
+                theta.set(slot, *value);
+            }
+        }
+        let values = self
+            .channels
+            .at(self.system, &theta, &poses, &mut self.scratch);
+        let channels = values.into_iter().collect::<Option<_>>()?;
+        Some(Answer { poses, channels })
     }
 
     /// The study's programme with what the unknowns add from case to case.
@@ -159,10 +200,11 @@ impl Predictor for DifferencePredictor<'_> {
         let mut next = || swept.next().expect("an answer for each request");
         let mut out: Prediction = next()
             .into_iter()
-            .map(|poses| {
+            .map(|answer| {
+                let answer = answer?;
                 Some(CasePrediction {
-                    poses: poses?,
-                    channels: Vec::new(),
+                    poses: answer.poses,
+                    channels: answer.channels,
                     by_unknown: Vec::new(),
                 })
             })
@@ -174,26 +216,30 @@ impl Predictor for DifferencePredictor<'_> {
                     let (Some(up), Some(down)) = (up, down) else {
                         return [f64::NAN; 6];
                     };
-                    let (up, down) = (&up[part.0], &down[part.0]);
+                    let (up, down) = (&up.poses[part.0], &down.poses[part.0]);
                     let (dp, dr) = (up.p - down.p, log(&(up.R * down.R.transpose())));
                     [dp.x, dp.y, dp.z, dr.x, dr.y, dr.z].map(|value| value / (2.0 * STEP))
                 };
                 if let Some(prediction) = prediction {
                     let parts = self.observed.parts.iter().map(change).collect();
-                    prediction.by_unknown.push(CaseChange {
-                        parts,
-                        channels: Vec::new(),
-                    });
+                    let channels = match (up, down) {
+                        (Some(up), Some(down)) => {
+                            let both = up.channels.iter().zip(&down.channels);
+                            both.map(|(up, down)| (up - down) / (2.0 * STEP)).collect()
+                        }
+                        _ => vec![f64::NAN; prediction.channels.len()],
+                    };
+                    prediction.by_unknown.push(CaseChange { parts, channels });
                 }
             }
         }
         // A case whose neighbours have no equilibrium has no derivative and so no use.
         let usable = |p: &CasePrediction| {
-            p.by_unknown
-                .iter()
-                .flat_map(|c| &c.parts)
-                .flatten()
-                .all(|v| v.is_finite())
+            let values = |c: &CaseChange| {
+                let mut all = c.parts.iter().flatten().chain(&c.channels);
+                all.all(|value| value.is_finite())
+            };
+            p.by_unknown.iter().all(values)
         };
         out.into_iter()
             .map(|prediction| prediction.filter(usable))

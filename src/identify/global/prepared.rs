@@ -4,9 +4,10 @@ use super::channel::{Channels, with_channels};
 use super::native::{Loads, NativePredictor};
 use super::predictor::Observed;
 use crate::backend::{BackendError, compile, slot};
+use crate::diagnostic::{Code, Diagnostic};
 use crate::identify::{IdentifyError, Problem};
 use crate::model::Model;
-use crate::system::System;
+use crate::system::{Scratch, System};
 
 /// A study's deck with its channels, compiled.
 #[derive(Debug)]
@@ -43,14 +44,37 @@ impl Prepared {
         })
     }
 
-    /// The same for a deck that another program solves: what the built-in solver cannot solve is left to it.
+    /// The same for a deck that another program solves: what the built-in solver cannot solve is left to it. Channels are taken from the
+    /// places of the parts, which every solver tells.
     ///
     /// # Errors
-    /// A channel whose function cannot be read.
+    /// A channel whose function cannot be read, or needs more than these places.
     pub fn external(problem: &Problem<'_>) -> Result<Self, IdentifyError> {
         let (model, channels) = with_channels(problem.model, problem.measurement, &[])
             .map_err(|diagnostic| BackendError::NotSolvable(vec![diagnostic]))?;
         let system = System::compile(&model).value;
+        let poses = &system.state().poses;
+        let design = channels.at(
+            &system,
+            &system.parameters(),
+            poses,
+            &mut Scratch::new(&system),
+        );
+        let named = problem.measurement.channels.iter().zip(design);
+        let refused: Vec<Diagnostic> = named
+            .filter(|(_, value)| value.is_none())
+            .map(|(channel, _)| {
+                let message = format!(
+                    "the results of another solver do not tell the channel `{}`: {} is no function of the places of the parts",
+                    channel.name, channel.function
+                );
+                Diagnostic::error(Code::BadSetting, message)
+                    .help("leave the channel out, or `solver.backend = \"native\"`")
+            })
+            .collect();
+        if !refused.is_empty() {
+            return Err(BackendError::NotSolvable(refused).into());
+        }
         Ok(Self {
             model,
             channels,

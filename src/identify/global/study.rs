@@ -119,7 +119,7 @@ pub fn fit_study<'a>(
         return better.map(|found| together(found, problem, global, Some(&solution)));
     };
     let name = backend.name();
-    let predictor = DifferencePredictor::new(problem, &prepared.system, backend, observed);
+    let predictor = DifferencePredictor::new(problem, prepared, backend, observed);
     let failure = predictor.failure();
     let mut global = global_problem(problem, observations, unknowns, Box::new(predictor));
     global.watch = watch;

@@ -15,13 +15,28 @@ from ._admire import __version__
 from ._deck import AxleTests, Change, Deck, Sensitivity, Values, read
 from ._errors import AddressError, AdmireError, Complaint, DeckError, Place, SolveError
 from ._run import Results, Run, results
-from ._study import Diagnosis, Finding, Identification, Parameter, Repeated, Rival, Study, diagnose, identify, kc
+from ._study import (
+    Candidate,
+    Diagnosis,
+    Finding,
+    Identification,
+    Parameter,
+    Plan,
+    Repeated,
+    Rival,
+    Study,
+    diagnose,
+    identify,
+    kc,
+    plan,
+)
 from ._sweep import Sweep, merge, sweep
 
 __all__ = [
     "AddressError",
     "AdmireError",
     "AxleTests",
+    "Candidate",
     "Change",
     "Complaint",
     "Deck",
@@ -31,6 +46,7 @@ __all__ = [
     "Identification",
     "Parameter",
     "Place",
+    "Plan",
     "Repeated",
     "Results",
     "Rival",
@@ -45,6 +61,7 @@ __all__ = [
     "identify",
     "kc",
     "merge",
+    "plan",
     "read",
     "results",
     "sweep",

@@ -180,6 +180,51 @@ class Diagnosis:
         return framed(self.html)
 
 
+@dataclass(frozen=True)
+class Candidate:
+    """A measurement that could be added, and what it would do.
+
+    ``kind`` is ``load``, ``repeat``, ``loop``, ``mark``, ``curve`` or ``load-cell``; ``cases`` holds its load cases by the columns of the
+    study, none for an instrument. ``sd_log`` has the standard deviation of each of ``Plan.combinations`` with it, ``curves`` that of
+    the predicted wheel, ``causes`` what it would say of two explanations that are undecided.
+    """
+
+    kind: str
+    what: str
+    cases: tuple[Mapping[str, float], ...]
+    score: float
+    information: float | None
+    sd_log: tuple[float, ...]
+    curves: Mapping[str, float] | None = None
+    causes: Mapping[str, float] | None = None
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What to measure next: ``candidates``, the best first. ``json`` is ``plan.json``.
+
+    ``combinations`` are the worst-determined combinations of ln K, each a mapping of addresses to shares with its standard deviation
+    in ``sd_log``. ``suggested`` holds load cases among the first candidates as rows for the end of the study's own table.
+    """
+
+    aim: str
+    combinations: list[Mapping[str, float]]
+    sd_log: list[float]
+    candidates: list[Candidate]
+    suggested: str = field(repr=False)
+    json: dict[str, Any] = field(repr=False)
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """A frame with a row for each candidate; ``fall_K1`` is the part by which the first standard deviation falls."""
+        import pandas
+
+        def row(found: Candidate) -> dict[str, Any]:
+            falls = {f"fall_K{k + 1}": 1 - after / before for k, (before, after) in enumerate(zip(self.sd_log, found.sd_log))}
+            return {"kind": found.kind, "what": found.what, "score": found.score, "information": found.information, **falls}
+
+        return pandas.DataFrame([row(found) for found in self.candidates])
+
+
 def _opened(study: Study | str | os.PathLike[str]) -> Study:
     opened = study if isinstance(study, Study) else Study(study)
     command = opened._inner.starts_program()
@@ -292,6 +337,52 @@ def _finding(item: Mapping[str, Any]) -> Finding:
         tuple(Rival(**rival) for rival in item["indistinguishable_from"]),
         tuple(item.get("members", ())),
         item.get("form"),
+    )
+
+
+def plan(
+    study: Study | str | os.PathLike[str],
+    *,
+    aim: str = "all",
+    count: int = 10,
+    progress: Progress = False,
+    force: bool = False,
+) -> Plan:
+    """Ranks measurements that could be added to a study by what each would gain: what ``admire plan`` does, without files.
+
+    ``aim``: ``stiffnesses``, ``curves``, ``causes`` or ``all``; the last two take as long as a diagnosis. Load cases among the first
+    ``count`` candidates are ``suggested``. The built-in solver plans, whatever the study names.
+
+    >>> import admire
+    >>> found = admire.plan("corpus/pseudo-mcpherson", aim="stiffnesses")
+    >>> found.candidates[0].sd_log[0] < found.sd_log[0]
+    True
+    """
+    opened = study if isinstance(study, Study) else Study(study)
+    with shown(progress) as told:
+        text, suggested = opened._inner.plan(aim, count, force, told)
+    value = json.loads(text)
+    candidates = [
+        Candidate(
+            item["kind"],
+            item["what"],
+            tuple(item["cases"]),
+            item["score"],
+            item["information"],
+            tuple(item["sd_log"]),
+            item["curves"],
+            item["causes"],
+        )
+        for item in value["candidates"]
+    ]
+    combinations = value["combinations"]
+    return Plan(
+        value["aim"],
+        [item["combination"] for item in combinations],
+        [item["sd_log"] for item in combinations],
+        candidates,
+        suggested,
+        value,
     )
 
 

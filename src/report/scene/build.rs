@@ -67,6 +67,57 @@ impl Scene {
         }
     }
 
+    /// Several addresses, those of one name together: `TIE_INNER (MARKER/16, MARKER/15)`.
+    pub fn named_all(&self, addresses: &[String]) -> String {
+        let mut groups: Vec<(String, Vec<&str>)> = Vec::new();
+        for address in addresses {
+            let named = self.named(address);
+            let name = named.strip_suffix(&format!(" ({address})"));
+            let name = name.unwrap_or_default().to_string();
+            match groups.iter_mut().find(|(own, _)| *own == name) {
+                Some((_, members)) => members.push(address),
+                None => groups.push((name, vec![address])),
+            }
+        }
+        let texts = groups.iter().map(|(name, members)| {
+            let members = members.join(", ");
+            if name.is_empty() {
+                members
+            } else {
+                format!("{name} ({members})")
+            }
+        });
+        texts.collect::<Vec<_>>().join(", ")
+    }
+
+    /// A text whose addresses (`JOINT/3`, `BUSHING/1.K.2`) are given with the names of what they belong to.
+    pub fn naming(&self, text: &str) -> String {
+        let mut out = String::with_capacity(text.len());
+        let is_word = |c: char| c.is_ascii_alphanumeric() || matches!(c, '/' | '.' | '_');
+        let mut rest = text;
+        while let Some(start) = rest.find(is_word) {
+            out += &rest[..start];
+            rest = &rest[start..];
+            let end = rest.find(|c| !is_word(c)).unwrap_or(rest.len());
+            let (word, behind) = rest.split_at(end);
+            // A full stop ends the sentence.
+            let address = word.trim_end_matches('.');
+            let is_address = address.split_once('/').is_some_and(|(kind, id)| {
+                kind.len() > 2
+                    && kind.chars().all(|c| c.is_ascii_uppercase())
+                    && id.starts_with(|c: char| c.is_ascii_digit())
+            });
+            if is_address && !out.ends_with('(') {
+                out += &self.named(address);
+                out += &word[address.len()..];
+            } else {
+                out += word;
+            }
+            rest = behind;
+        }
+        out + rest
+    }
+
     /// The address of the object or part that is drawn for an address.
     fn owner(&self, address: &str) -> Option<String> {
         let address = address.split("<-").next()?.to_ascii_uppercase();

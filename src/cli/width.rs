@@ -1,0 +1,173 @@
+//! How wide text is: tables and prose keep to a terminal of 80 columns.
+
+use comfy_table::{ColumnConstraint, Table};
+
+/// Columns of a terminal that tables and prose keep to.
+pub(super) const WIDTH: usize = 80;
+
+/// The text of a table, without blanks at the ends of its lines. One that is too wide for a terminal gets narrower gaps; if that is
+/// not enough, its columns stand in several blocks one below the other, each with the first column.
+pub(super) fn table_text(table: &Table) -> String {
+    if let Some(text) = within(table) {
+        return text;
+    }
+    let mut narrow = table.clone();
+    for column in narrow.column_iter_mut() {
+        column.set_padding((0, 1));
+    }
+    if let Some(text) = within(&narrow) {
+        return text;
+    }
+    let count = narrow.column_iter().count();
+    let block = |from: usize, to: usize| {
+        let mut part = narrow.clone();
+        for (k, column) in part.column_iter_mut().enumerate() {
+            if k > 0 && !(from..to).contains(&k) {
+                column.set_constraint(ColumnConstraint::Hidden);
+            }
+        }
+        part
+    };
+    let mut blocks = Vec::new();
+    let mut from = 1;
+    while from < count {
+        let mut to = from + 1;
+        while to < count && within(&block(from, to + 1)).is_some() {
+            to += 1;
+        }
+        blocks.push(text_of(&block(from, to)));
+        from = to;
+    }
+    blocks.join("\n")
+}
+
+/// A text in lines that keep to the width, the first behind `head`, the others behind as many blanks. Ends with a line end.
+pub(super) fn hanging(head: &str, text: &str) -> String {
+    let margin = head.chars().count();
+    let mut out = head.to_string();
+    let mut column = margin;
+    for word in text.split_whitespace() {
+        let width = word.chars().count();
+        if column > margin && column + 1 + width > WIDTH {
+            out.push('\n');
+            out.push_str(&" ".repeat(margin));
+            column = margin;
+        }
+        if column > margin {
+            out.push(' ');
+            column += 1;
+        }
+        out.push_str(word);
+        column += width;
+    }
+    out.push('\n');
+    out
+}
+
+/// The text with its long lines broken at blanks; what goes on stands two columns further in than its line. All else stays as it is.
+pub(super) fn wrapped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for line in text.split_inclusive('\n') {
+        let blanks = line.chars().take_while(|c| *c == ' ').count();
+        let margin = blanks + 2;
+        let mut rest = line;
+        let mut column = 0;
+        while let Some(at) = broken(rest, column, blanks) {
+            out.push_str(rest[..at].trim_end());
+            out.push('\n');
+            out.push_str(&" ".repeat(margin));
+            rest = rest[at..].trim_start_matches(' ');
+            column = margin;
+        }
+        out.push_str(rest);
+    }
+    out
+}
+
+/// Where a line that begins at a column is to be broken: at the last blank within the width, else at the first behind it.
+fn broken(line: &str, column: usize, blanks: usize) -> Option<usize> {
+    let text = line.trim_end();
+    if column + text.chars().count() <= WIDTH {
+        return None;
+    }
+    let first = if column == 0 { blanks } else { 0 };
+    let gaps = text
+        .char_indices()
+        .enumerate()
+        .filter(|(k, (_, c))| *c == ' ' && *k > first)
+        .map(|(k, (at, _))| (column + k, at));
+    let (mut last, mut next) = (None, None);
+    for (k, at) in gaps {
+        if k <= WIDTH {
+            last = Some(at);
+        } else {
+            next = next.or(Some(at));
+        }
+    }
+    last.or(next)
+}
+
+/// The text of a table if it keeps to the width.
+fn within(table: &Table) -> Option<String> {
+    let text = text_of(table);
+    let fits = text.lines().all(|line| line.chars().count() <= WIDTH);
+    fits.then_some(text)
+}
+
+fn text_of(table: &Table) -> String {
+    let lines = table.to_string();
+    lines
+        .lines()
+        .fold(String::new(), |text, line| text + line.trim_end() + "\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wide_tables_stand_in_blocks() {
+        let mut table = Table::new();
+        table.load_style(comfy_table::presets::NOTHING);
+        let cells = |word: &str| (0..9).map(|k| format!("{word}{k:08}")).collect::<Vec<_>>();
+        table.set_header(cells("h"));
+        table.add_row(cells("a"));
+        table.add_row(cells("b"));
+        let text = table_text(&table);
+        assert!(
+            text.lines().all(|line| line.chars().count() <= 80),
+            "{text}"
+        );
+        // Every cell is there, and the first column in each of the two blocks.
+        for word in ["h", "a", "b"] {
+            assert_eq!(text.matches(&format!("{word}00000000")).count(), 2);
+            for cell in cells(word).iter().skip(1) {
+                assert_eq!(text.matches(cell).count(), 1, "{text}");
+            }
+        }
+        assert!(text.contains("\n\nh00000000"));
+    }
+
+    #[test]
+    fn long_lines_go_on_below_and_short_ones_stay() {
+        let row = format!("{:30}b  c\n\n", "  a");
+        assert_eq!(wrapped(&row), row);
+        let long = format!("  {}\nx", "word ".repeat(40).trim_end());
+        let text = wrapped(&long);
+        assert!(text.lines().all(|line| line.chars().count() <= WIDTH));
+        assert!(
+            text.starts_with("  word ") && text.contains("\n    word ") && text.ends_with("\nx")
+        );
+        assert_eq!(
+            text.split_whitespace().count(),
+            long.split_whitespace().count()
+        );
+        // What has no blank is not broken.
+        let path = "p/".repeat(60);
+        assert_eq!(wrapped(&path), path);
+        assert_eq!(
+            wrapped(&format!("at {path} there")),
+            format!("at\n  {path}\n  there")
+        );
+    }
+}
