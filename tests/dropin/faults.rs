@@ -328,3 +328,72 @@ fn outputs_of_a_study_are_whole_or_not_there() {
         assert!(stopped >= 3, "{stopped}");
     }
 }
+
+/// The most memory that a run of so many load cases had, bytes.
+fn most_memory(cases: usize) -> u64 {
+    let loads: String = (0..cases)
+        .map(|case| format!("SFORCE/1, FUNCTION={}\nSIM/STAT\n", case % 97))
+        .collect();
+    let acf = format!("\nfile/model=slider\n{loads}STOP\n");
+    let place = folder(&[("slider.adm", SLIDER), ("run.acf", &acf)]);
+    let mut child = Command::new(MDI)
+        .args(["ru-s", "run"])
+        .current_dir(place.path())
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap();
+    let status = format!("/proc/{}/status", child.id());
+    let mut most = 0;
+    let ended = loop {
+        let text = std::fs::read_to_string(&status).unwrap_or_default();
+        let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        let kilobytes = line.and_then(|line| line.split_whitespace().next()?.parse::<u64>().ok());
+        most = most.max(1024 * kilobytes.unwrap_or(0));
+        if let Some(ended) = child.try_wait().unwrap() {
+            break ended;
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    };
+    assert!(ended.success());
+    let z = Results::read(place.path(), "slider.res").column("block_XFORM", "Z");
+    assert_eq!(z.len(), cases);
+    for (case, z) in z.iter().enumerate() {
+        assert!((z - (case % 97) as f64 / 10.0).abs() < 1e-9, "{case}: {z}");
+    }
+    most
+}
+
+#[test]
+fn memory_does_not_grow_with_the_load_cases() {
+    let (few, many) = (most_memory(500), most_memory(10_000));
+    // The command file itself is some 400 bytes a case in memory.
+    assert!(many < few + (8 << 20), "{few} and {many} bytes");
+}
+
+/// Another language, clock and place: the same bytes.
+#[test]
+fn clock_and_locale_change_no_results() {
+    let acf = "\nfile/model=slider\nSIM/STAT, END=1, STEPS=5\nSTOP\n";
+    let written = |variables: &[(&str, &str)]| {
+        let place = folder(&[("slider.adm", SLIDER), ("run.acf", acf)]);
+        let ran = crate::run::mdi_with(place.path(), &["ru-s", "run"], "", variables);
+        assert_eq!(ran.code, 0, "{}", ran.stdout);
+        let text = crate::run::text(place.path(), "slider.res");
+        let own = place.path().canonicalize().unwrap();
+        text.replace(&own.display().to_string(), "HERE")
+    };
+    let usual = written(&[("SOURCE_DATE_EPOCH", "1600000000")]);
+    let other = written(&[
+        ("SOURCE_DATE_EPOCH", "1600000000"),
+        ("LC_ALL", "de_DE.UTF-8"),
+        ("LANG", "tr_TR.UTF-8"),
+        ("TZ", "Pacific/Kiritimati"),
+    ]);
+    assert_eq!(usual, other);
+    // A clock before 1970, or one that stands in the far future, is no reason to stop.
+    for time in ["0", "99999999999", "-1", "soon"] {
+        let there = written(&[("SOURCE_DATE_EPOCH", time)]);
+        assert_eq!(there.lines().count(), usual.lines().count(), "{time}");
+    }
+}
