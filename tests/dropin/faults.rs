@@ -73,16 +73,15 @@ fn strangers(place: &Path, own: &[&str]) -> Vec<String> {
 
 /// A deck of some pages, which is edited in its place.
 fn long_deck() -> String {
-    let more: String = (100..180)
-        .map(|id| format!("MARKER/{id}, PART=2, QP={id}, 0, 0\n"))
-        .collect();
+    let more = (100..180).map(|id| format!("MARKER/{id}, PART=2, QP={id}, 0, 0\n"));
+    let more = more.collect::<Vec<_>>().concat();
     SLIDER.replacen("MARKER/21", &format!("{more}MARKER/21"), 1)
 }
 
 #[test]
 fn an_edited_deck_is_the_old_one_or_the_new_one() {
     let old = long_deck();
-    let edit = ["set", "slider.adm", "MARKER/100.QP.3=7", "--write"];
+    let edit = ["set", "slider.adm", "MARKER/100.QP.3=7", "--in-place"];
     let whole = folder(&[("slider.adm", &old)]);
     let done = Command::new(ADMIRE)
         .args(edit)
@@ -331,9 +330,8 @@ fn outputs_of_a_study_are_whole_or_not_there() {
 
 /// The most memory that a run of so many load cases had, bytes.
 fn most_memory(cases: usize) -> u64 {
-    let loads: String = (0..cases)
-        .map(|case| format!("SFORCE/1, FUNCTION={}\nSIM/STAT\n", case % 97))
-        .collect();
+    let loads = (0..cases).map(|case| format!("SFORCE/1, FUNCTION={}\nSIM/STAT\n", case % 97));
+    let loads = loads.collect::<Vec<_>>().concat();
     let acf = format!("\nfile/model=slider\n{loads}STOP\n");
     let place = folder(&[("slider.adm", SLIDER), ("run.acf", &acf)]);
     let mut child = Command::new(MDI)

@@ -184,7 +184,7 @@ pub fn fuzz(name: &'static str, cases: u64, seeds: &[Vec<u8>], words: &[String])
     let run = |case: u64, bytes: Vec<u8>| {
         let running = || watch.running.lock().expect("no panic while it is held");
         running().insert(case, (Instant::now(), bytes.clone()));
-        let failed = failure(&target, &bytes);
+        let failed = failure(target, &bytes);
         running().remove(&case);
         if let Some(why) = failed {
             let mut failures = failures.lock().expect("no panic while it is held");
@@ -213,7 +213,7 @@ pub fn fuzz(name: &'static str, cases: u64, seeds: &[Vec<u8>], words: &[String])
     );
     let mut told = Vec::new();
     for (count, bytes, why) in failures.values() {
-        let path = kept(name, &shrunk(&target, bytes, why));
+        let path = kept(name, &shrunk(target, bytes, why));
         told.push(format!("{count} times, input {}: {why}", path.display()));
     }
     assert!(told.is_empty(), "{name}:\n{}", told.join("\n"));

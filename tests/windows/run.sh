@@ -193,7 +193,7 @@ names() {
     same "$work/linux/lettered.txt" "$work/windows/lettered.txt"
     cp corpus/pseudo-mcpherson/model.adm "$work/windows/first.adm"
     ln "$work/windows/first.adm" "$work/windows/second.adm"
-    (cd "$work/windows" && wine "$exe/admire.exe" set first.adm BUSHING/1.K.1=1234 --write >/dev/null) || failed "a file of two names"
+    (cd "$work/windows" && wine "$exe/admire.exe" set first.adm BUSHING/1.K.1=1234 --in-place >/dev/null) || failed "a file of two names"
     grep -q 1234 "$work/windows/second.adm" || failed "the second name shows the old text"
     cmp "$work/windows/first.adm" "$work/windows/second.adm" || failed "two names, two texts"
     ls "$work/windows/"*.whole-* 2>/dev/null && failed "a text is left beside"

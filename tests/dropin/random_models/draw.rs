@@ -628,7 +628,7 @@ impl Draw {
                         rm + 1,
                         said.join("\\\n, ")
                     ),
-                    Law::Vector(rm, functions),
+                    Law::Vector(rm, Box::new(functions)),
                     None,
                 )
             }

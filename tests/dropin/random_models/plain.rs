@@ -242,7 +242,7 @@ pub enum Law {
     /// About z of J; on J too, or not.
     Twist(Function, bool),
     /// In axes of a marker: force, torque; the reaction acts on J's part where I is.
-    Vector(usize, [Option<Function>; 6]),
+    Vector(usize, Box<[Option<Function>; 6]>),
 }
 
 #[derive(Clone)]
