@@ -4,6 +4,7 @@
 //! `RANDOM_MODELS=2000 cargo test --test dropin random_models` solves as many; `RANDOM_FROM=N` begins with seed N.
 
 mod draw;
+mod loads;
 #[allow(non_snake_case, reason = "rotation matrices")]
 mod plain;
 
