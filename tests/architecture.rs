@@ -278,7 +278,7 @@ fn solutions_do_not_depend_on_the_c_library() {
     let mut wrong = Vec::new();
     for (path, text) in rust_files() {
         let below = |folder: &&str| path.starts_with(&format!("src/{folder}/"));
-        if !folders.iter().any(|folder| below(folder)) || path.contains("/tests") {
+        if !folders.iter().any(below) || path.contains("/tests") {
             continue;
         }
         let code = without_comments(text.split("#[cfg(test)]").next().unwrap_or_default());

@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use super::plain::{
-    At, FORMS, Force, Frame, Function, Joint, Law, M, Measure, Part, Plain, V, about_x, about_y,
+    At, FORMS, Force, Frame, Function, Joint, M, Measure, Part, Plain, V, about_x, about_y,
     about_z, euler, number, numbers,
 };
 
