@@ -28,6 +28,9 @@ struct Manifest {
     /// Tells the file from one of somebody else.
     written_by: String,
     files: BTreeMap<String, String>,
+    /// Those of a run that goes on, or that ended before all of them were there.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    begun: BTreeMap<String, String>,
 }
 
 const WRITER: &str = "admire";
@@ -50,7 +53,9 @@ impl Manifest {
         let Ok(there) = std::fs::read(&path) else {
             return false;
         };
-        new == Some(there.as_slice()) || self.files.get(&key(name)) == Some(&sha256(&there))
+        let (name, sum) = (key(name), sha256(&there));
+        let ours = [&self.files, &self.begun].map(|files| files.get(&name) == Some(&sum));
+        new == Some(there.as_slice()) || ours.contains(&true)
     }
 }
 
@@ -109,18 +114,29 @@ pub(super) fn write_folder(
     }
     refuse(taken, replacing, shell)?;
     manifest.written_by = WRITER.to_string();
+    let made = |folder: &Path| {
+        std::fs::create_dir_all(folder).map_err(|error| {
+            let message = format!("{}: {error}", folder.display());
+            shell.fail(Diagnostic::error(Code::CannotWrite, message))
+        })
+    };
+    let listed = |manifest: &Manifest| {
+        let text = serde_json::to_string_pretty(manifest).expect("names and digits print");
+        shell.write(&list, (text + "\n").as_bytes())
+    };
+    // Told first: a run that ends half-way leaves files that the next one may replace.
+    let sums = files.iter().map(|(name, bytes)| (key(name), sha256(bytes)));
+    manifest.begun = sums.collect();
+    made(folder)?;
+    listed(&manifest)?;
     for (name, bytes) in files {
         let path = folder.join(name);
-        let parent = path.parent().unwrap_or(folder);
-        std::fs::create_dir_all(parent).map_err(|error| {
-            let message = format!("{}: {error}", parent.display());
-            shell.fail(Diagnostic::error(Code::CannotWrite, message))
-        })?;
+        made(path.parent().unwrap_or(folder))?;
         shell.write(&path, bytes)?;
-        manifest.files.insert(key(name), sha256(bytes));
     }
-    let text = serde_json::to_string_pretty(&manifest).expect("names and digits print");
-    shell.write(&list, (text + "\n").as_bytes())
+    let done = std::mem::take(&mut manifest.begun);
+    manifest.files.extend(done);
+    listed(&manifest)
 }
 
 /// Gives up if files would be replaced that may not; says which are replaced where that was asked for.

@@ -9,7 +9,8 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::mechanics::psi_theta_phi;
 use crate::model::{Ignore, Model, PartIx, PartKind};
 use crate::statics::{
-    Continuation, Report, Settings, Settled, Softest, SolveError, Solver, history_table,
+    Balance, Continuation, Left, Report, Settings, Settled, Softest, SolveError, Solver,
+    history_table,
 };
 use crate::system::{Scratch, State, System};
 use crate::units::Dimension;
@@ -144,6 +145,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
                 settled: settled.as_ref(),
                 bodies: &bodies,
                 left_out: &left_out,
+                balance: Balance::of(&system, &parameters, &state).ok(),
             };
             shell.print(&match shell.format {
                 Format::Json => answer.json(),
@@ -219,6 +221,8 @@ struct Answer<'a> {
     bodies: &'a [PartIx],
     /// What is left out as asked.
     left_out: &'a [Diagnostic],
+    /// What is left of all forces on a part, summed anew.
+    balance: Option<Balance>,
 }
 
 impl Answer<'_> {
@@ -326,6 +330,24 @@ impl Answer<'_> {
         ))
     }
 
+    /// What is left of forces and torques that were summed anew.
+    fn left_over(&self) -> Option<String> {
+        let balance = self.balance.as_ref()?;
+        let units = &self.model.units;
+        let mut out = Vec::new();
+        for (left, dimension) in [
+            (&balance.force, Dimension::FORCE),
+            (&balance.torque, Dimension::TORQUE),
+        ] {
+            if let Some(left) = left {
+                let unit = units.name(dimension);
+                out.push(format!("{:.1e} {unit} on {}", left.size, left.part));
+            }
+        }
+        let told = out.join(", ");
+        (!told.is_empty()).then(|| format!("forces summed again leave at most {told}"))
+    }
+
     /// How it was reached, if plain iteration did not do.
     fn help_needed(&self) -> Option<String> {
         Some(match self.report.continuation? {
@@ -379,10 +401,13 @@ impl Answer<'_> {
             let names = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
             _ = write!(out, "\n{}", table(&head, &names, &rows));
         }
-        for line in [self.help_needed(), self.left(), self.stability()]
-            .into_iter()
-            .flatten()
-        {
+        let lines = [
+            self.left_over(),
+            self.help_needed(),
+            self.left(),
+            self.stability(),
+        ];
+        for line in lines.into_iter().flatten() {
             _ = write!(out, "\n{line}");
         }
         for redundant in &self.report.redundant {
@@ -417,6 +442,13 @@ impl Answer<'_> {
             "time": self.state.time,
             "iterations": self.report.iterations,
             "imbalance": self.report.imbalance,
+            "balance": self.balance.as_ref().map(|balance| {
+                let left = |left: &Option<Left>| left.as_ref().map(|left| json!({
+                    "left": left.size,
+                    "part": left.part.to_string(),
+                }));
+                json!({ "force": left(&balance.force), "torque": left(&balance.torque) })
+            }),
             "parts": named(parts, &[("position", 0..3), ("psi_theta_phi_deg", 3..6)]),
             "bushings": named(bushings, &[("deflection_j", 0..3), ("force_on_i_j", 3..6), ("torque_on_i_j", 6..9)]),
             "left_out": self.left_out.iter().map(|d| &d.message).collect::<Vec<_>>(),

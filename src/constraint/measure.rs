@@ -60,24 +60,24 @@ impl Measure {
             Self::Body123(1) => {
                 // sin b2 = zi . xj, db2 = g / cos b2 with g = zi x xj, and d(1 / cos b2) = sin b2 / cos^3 b2 g.
                 let zi = R.column(2);
-                let (s, c) = (zi[0], R[(0, 0)].hypot(R[(0, 1)]));
+                let (s, c) = (zi[0], libm::hypot(R[(0, 0)], R[(0, 1)]));
                 let g = Vec3::new(0.0, zi[2], -zi[1]);
                 let mut by_dtheta = Mat3::from_diagonal_element(-s);
                 for a in 0..3 {
                     by_dtheta[(a, 0)] += zi[a];
                 }
                 turning(
-                    s.atan2(c),
+                    libm::atan2(s, c),
                     (g / c, by_dtheta / c + g * g.transpose() * (s / (c * c * c))),
                 )
             }
             // xj has the components (cos b2 cos b3, -cos b2 sin b3, sin b2) in I.
             Self::Body123(_) => turning(
-                unwrap_near((-R[(0, 1)]).atan2(R[(0, 0)]), near),
+                unwrap_near(libm::atan2(-R[(0, 1)], R[(0, 0)]), near),
                 about_i(R, 0, 2),
             ),
             Self::Pinion => turning(
-                unwrap_near((-R[(2, 1)]).atan2(R[(2, 0)]), near),
+                unwrap_near(libm::atan2(-R[(2, 1)], R[(2, 0)]), near),
                 about_i(R, 2, 2),
             ),
         }

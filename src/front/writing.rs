@@ -75,22 +75,25 @@ fn whole(path: &Path) -> PathBuf {
 }
 
 /// Writes into a file whose place no other can take: it has further names, or an owner that cannot be given. `new` stays if its bytes
-/// cannot be written.
+/// cannot be written, or if the process ends before they are.
 fn overwrite(path: &Path, new: NamedTempFile) -> std::io::Result<()> {
+    // Under the name of a temporary file it would be swept away as soon as this process is gone.
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(format!(".whole-{}", std::process::id()));
+    let whole = path.with_file_name(name);
+    new.persist(&whole)?;
     let copy = || {
-        let mut from = std::fs::File::open(new.path())?;
+        let mut from = std::fs::File::open(&whole)?;
         let mut file = patiently(|| std::fs::OpenOptions::new().write(true).open(path))?;
         let length = std::io::copy(&mut from, &mut file)?;
         file.set_len(length)?;
         file.sync_all()
     };
-    copy().map_err(|error| match new.keep() {
-        Ok((_, kept)) => {
-            let message = format!("{error}; the whole new text is in {}", kept.display());
-            std::io::Error::new(error.kind(), message)
-        }
-        Err(_) => error,
-    })
+    copy().map_err(|error| {
+        let message = format!("{error}; the whole new text is in {}", whole.display());
+        std::io::Error::new(error.kind(), message)
+    })?;
+    std::fs::remove_file(&whole)
 }
 
 #[cfg(test)]

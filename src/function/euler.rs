@@ -56,7 +56,7 @@ impl Sequence {
         let angles = body_angles(R, [a, b, c]);
         // dtheta = A1 dt1 + A2 dt2 + A3 dt3; the rows of the inverse are the dual basis.
         let axis1 = Vec3::ith(a, 1.0);
-        let (sin, cos) = angles[0].sin_cos();
+        let (sin, cos) = libm::sincos(angles[0]);
         let turned = Vec3::ith(b, 1.0);
         let axis2 = turned * cos + axis1.cross(&turned) * sin;
         let axis3: Vec3 = R.column(c).into();
@@ -80,20 +80,28 @@ fn body_angles(R: &Mat3, [a, b, c]: [usize; 3]) -> [f64; 3] {
     let third = 3 - a - b;
     let sign = if (b + 3 - a) % 3 == 1 { 1.0 } else { -1.0 };
     let (sin, cos, last) = if a == c {
-        let sin = R[(b, a)].hypot(R[(third, a)]);
-        (sin, R[(a, a)], R[(a, b)].atan2(sign * R[(a, third)]))
+        let sin = libm::hypot(R[(b, a)], R[(third, a)]);
+        (sin, R[(a, a)], libm::atan2(R[(a, b)], sign * R[(a, third)]))
     } else {
-        let cos = R[(a, a)].hypot(R[(a, b)]);
-        (sign * R[(a, c)], cos, (-sign * R[(a, b)]).atan2(R[(a, a)]))
+        let cos = libm::hypot(R[(a, a)], R[(a, b)]);
+        (
+            sign * R[(a, c)],
+            cos,
+            libm::atan2(-sign * R[(a, b)], R[(a, a)]),
+        )
     };
     let parallel = if a == c { sin } else { cos } < PARALLEL;
     if parallel {
-        return [(sign * R[(third, b)]).atan2(R[(b, b)]), sin.atan2(cos), 0.0];
+        return [
+            libm::atan2(sign * R[(third, b)], R[(b, b)]),
+            libm::atan2(sin, cos),
+            0.0,
+        ];
     }
     let first = if a == c {
-        R[(b, a)].atan2(-sign * R[(third, a)])
+        libm::atan2(R[(b, a)], -sign * R[(third, a)])
     } else {
-        (-sign * R[(b, c)]).atan2(R[(c, c)])
+        libm::atan2(-sign * R[(b, c)], R[(c, c)])
     };
-    [first, sin.atan2(cos), last]
+    [first, libm::atan2(sin, cos), last]
 }

@@ -72,7 +72,7 @@ struct Stop {
 
 impl Stop {
     fn at(p: f64, rate: f64, k: f64, e: f64, cmax: f64, d: f64) -> Result<Self, Fault> {
-        let power = p.powf(e);
+        let power = libm::pow(p, e);
         let mut by = [0.0; 5];
         let c = if d == 0.0 {
             by[4] = 1.0;
@@ -82,9 +82,14 @@ impl Stop {
         };
         Ok(Self {
             force: k * power - c * rate,
-            by_p: k * e * p.powf(e - 1.0) - by[0] * rate,
+            by_p: k * e * libm::pow(p, e - 1.0) - by[0] * rate,
             by_rate: -c,
-            by_law: [power, k * power * p.ln(), -by[4] * rate, -by[3] * rate],
+            by_law: [
+                power,
+                k * power * libm::log(p),
+                -by[4] * rate,
+                -by[3] * rate,
+            ],
         })
     }
 }

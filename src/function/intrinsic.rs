@@ -49,34 +49,34 @@ impl Unary {
     pub(super) fn at(self, x: f64) -> (f64, f64) {
         match self {
             Self::Abs => (x.abs(), if x == 0.0 { 0.0 } else { x.signum() }),
-            Self::Acos => (x.acos(), -1.0 / (1.0 - x * x).sqrt()),
-            Self::Asin => (x.asin(), 1.0 / (1.0 - x * x).sqrt()),
-            Self::Atan => (x.atan(), 1.0 / (1.0 + x * x)),
+            Self::Acos => (libm::acos(x), -1.0 / (1.0 - x * x).sqrt()),
+            Self::Asin => (libm::asin(x), 1.0 / (1.0 - x * x).sqrt()),
+            Self::Atan => (libm::atan(x), 1.0 / (1.0 + x * x)),
             Self::Cos => {
-                let (sin, cos) = x.sin_cos();
+                let (sin, cos) = libm::sincos(x);
                 (cos, -sin)
             }
-            Self::Cosh => (x.cosh(), x.sinh()),
+            Self::Cosh => (libm::cosh(x), libm::sinh(x)),
             Self::Exp => {
-                let value = x.exp();
+                let value = libm::exp(x);
                 (value, value)
             }
-            Self::Ln => (x.ln(), 1.0 / x),
-            Self::Log10 => (x.log10(), 1.0 / (x * std::f64::consts::LN_10)),
+            Self::Ln => (libm::log(x), 1.0 / x),
+            Self::Log10 => (libm::log10(x), 1.0 / (x * std::f64::consts::LN_10)),
             // Halves go away from zero, as in FORTRAN.
             Self::Nearest => (x.round(), 0.0),
-            Self::Sin => x.sin_cos(),
-            Self::Sinh => (x.sinh(), x.cosh()),
+            Self::Sin => libm::sincos(x),
+            Self::Sinh => (libm::sinh(x), libm::cosh(x)),
             Self::Sqrt => {
                 let value = x.sqrt();
                 (value, 0.5 / value)
             }
             Self::Tan => {
-                let value = x.tan();
+                let value = libm::tan(x);
                 (value, 1.0 + value * value)
             }
             Self::Tanh => {
-                let value = x.tanh();
+                let value = libm::tanh(x);
                 (value, 1.0 - value * value)
             }
             Self::Truncate => (x.trunc(), 0.0),
@@ -115,11 +115,11 @@ impl Binary {
                     let value = if a == 0.0 && b == 0.0 {
                         0.0
                     } else {
-                        a.atan2(b)
+                        libm::atan2(a, b)
                     };
                     return (value, [0.0, 0.0]);
                 }
-                (a.atan2(b), [b / square, -a / square])
+                (libm::atan2(a, b), [b / square, -a / square])
             }
             Self::Dim => {
                 if a > b {
@@ -143,12 +143,16 @@ impl Binary {
 /// finite number, except that the derivative by y is taken as zero for x <= 0, where only whole y are meant.
 pub(super) fn power(x: f64, y: f64) -> (f64, [f64; 2]) {
     if y == 2.0 {
-        let by_y = if x > 0.0 { x * x * x.ln() } else { 0.0 };
+        let by_y = if x > 0.0 { x * x * libm::log(x) } else { 0.0 };
         return (x * x, [2.0 * x, by_y]);
     }
-    let value = x.powf(y);
-    let by_x = if y == 0.0 { 0.0 } else { y * x.powf(y - 1.0) };
-    let by_y = if x > 0.0 { value * x.ln() } else { 0.0 };
+    let value = libm::pow(x, y);
+    let by_x = if y == 0.0 {
+        0.0
+    } else {
+        y * libm::pow(x, y - 1.0)
+    };
+    let by_y = if x > 0.0 { value * libm::log(x) } else { 0.0 };
     (value, [by_x, by_y])
 }
 

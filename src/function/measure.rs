@@ -106,7 +106,7 @@ fn displacement(axis: usize, i: &Pose, j: &Pose, k: &Pose) -> Measured {
 fn included_angle(i: &Pose, j: &Pose, k: &Pose) -> Measured {
     let (a, b) = (i.p - j.p, k.p - j.p);
     let (sin, cos) = (a.cross(&b).norm(), a.dot(&b));
-    let value = sin.atan2(cos);
+    let value = libm::atan2(sin, cos);
     let lengths = a.norm() * b.norm();
     let (by_a, by_b) = if sin > f64::EPSILON * lengths {
         let (sin, cos) = (sin / lengths, cos / lengths);

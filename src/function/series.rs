@@ -46,7 +46,7 @@ pub(super) fn fourier(sine: bool, a: &[f64], by: &mut [f64]) -> f64 {
     by[3] = 1.0;
     for (j, &coefficient) in a.iter().enumerate().skip(4) {
         let order = (j - 3) as f64;
-        let (sin, cos) = (order * w * u).sin_cos();
+        let (sin, cos) = libm::sincos(order * w * u);
         let (term, slope) = if sine { (sin, cos) } else { (cos, -sin) };
         value += coefficient * term;
         by_phase += coefficient * order * slope;
@@ -61,7 +61,7 @@ pub(super) fn fourier(sine: bool, a: &[f64], by: &mut [f64]) -> f64 {
 /// SHF(x, x0, a, w, phi[, b]): `a sin(w (x - x0) - phi) + b`.
 pub(super) fn shf(a: &[f64], by: &mut [f64]) -> f64 {
     let (u, amplitude, w, phi) = (a[0] - a[1], a[2], a[3], a[4]);
-    let (sin, cos) = (w * u - phi).sin_cos();
+    let (sin, cos) = libm::sincos(w * u - phi);
     by[0] = amplitude * w * cos;
     by[1] = -by[0];
     by[2] = sin;
@@ -118,7 +118,7 @@ pub(super) fn sweep(args: &[f64], by: &mut [f64]) -> Result<f64, Fault> {
             [f1, -0.5 * rise, middle, -0.5 * rise, x - middle],
         )
     };
-    let (sin, cos) = (std::f64::consts::TAU * h).sin_cos();
+    let (sin, cos) = libm::sincos(std::f64::consts::TAU * h);
     let swing = envelope * a * std::f64::consts::TAU * cos;
     let grow = a * sin;
     by[0] = swing * by_h[0] + grow * by_step[0];

@@ -21,7 +21,7 @@ impl Shape {
                 30.0 * u * u * (1.0 - u) * (1.0 - u),
             ),
             Self::Haversine => {
-                let (sin, cos) = (std::f64::consts::PI * (u - 0.5)).sin_cos();
+                let (sin, cos) = libm::sincos(std::f64::consts::PI * (u - 0.5));
                 (0.5 * (1.0 + sin), 0.5 * std::f64::consts::PI * cos)
             }
         }

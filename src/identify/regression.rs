@@ -90,7 +90,7 @@ pub fn predict(history: &[Vec<f64>]) -> Prediction {
     for k in 0..count {
         let steps: Vec<f64> = history
             .windows(2)
-            .map(|pair| (pair[1][k] / pair[0][k]).ln())
+            .map(|pair| libm::log(pair[1][k] / pair[0][k]))
             .collect();
         let Some(&last) = steps.last() else { continue };
         if last == 0.0 {
@@ -103,7 +103,7 @@ pub fn predict(history: &[Vec<f64>]) -> Prediction {
         if span == 0 || first * last <= 0.0 {
             continue;
         }
-        let ratio = (last / first).powf(1.0 / span as f64);
+        let ratio = libm::pow(last / first, 1.0 / span as f64);
         rate[k] = Some(ratio);
         if ratio < 1.0 {
             remaining[k] = Some(last * ratio / (1.0 - ratio));
@@ -393,7 +393,7 @@ fn stagnation(
                 "the step test of equation 17 fired while {} still moves: its steps shrink by a factor of {rate:.3} only, so a \
                  further change by a factor of about {:.2} is to be expected",
                 unknown.address,
-                remaining.exp()
+                libm::exp(remaining)
             ));
         }
     }

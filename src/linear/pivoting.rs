@@ -291,7 +291,7 @@ fn scale<T: Scalar>(matrix: &Entries<'_, T>, rows: &mut [f64], columns: &mut [f6
 /// Close to the inverse and free of round-off; one for zero.
 fn inverse_power_of_two(x: f64) -> f64 {
     if x > 0.0 && x.is_finite() {
-        (-x.log2().round()).exp2()
+        libm::exp2(-libm::log2(x).round())
     } else {
         1.0
     }

@@ -83,8 +83,8 @@ fn jacobi(mut a: DMatrix<f64>) -> SymmetricEigen<f64, Dyn> {
                 }
                 turned = true;
                 let tau = (a[(q, q)] - a[(p, p)]) / (2.0 * a[(p, q)]);
-                let t = tau.signum() / (tau.abs() + tau.hypot(1.0));
-                let c = 1.0 / t.hypot(1.0);
+                let t = tau.signum() / (tau.abs() + libm::hypot(tau, 1.0));
+                let c = 1.0 / libm::hypot(t, 1.0);
                 let s = t * c;
                 for k in 0..n {
                     let (x, y) = (a[(k, p)], a[(k, q)]);

@@ -2,6 +2,9 @@
 //!
 //! nalgebra only. Knows no names, units or files. Frames live in names: `R_ji` turns components in I axes into components
 //! in J axes, `p_ij_j` is the position of I from J resolved in J.
+//!
+//! Here and above, what a solution is made of takes sines, exponentials and powers from the crate `libm`: the C library differs from
+//! system to system in last digits, and for large angles in all of them.
 
 pub mod eigen;
 mod pose;

@@ -14,7 +14,7 @@ pub fn exp(a: &Vec3) -> Mat3 {
         (1.0 - angle2 / 6.0, 0.5 - angle2 / 24.0)
     } else {
         let angle = angle2.sqrt();
-        (angle.sin() / angle, (1.0 - angle.cos()) / angle2)
+        (libm::sin(angle) / angle, (1.0 - libm::cos(angle)) / angle2)
     };
     Mat3::identity() + s * f + s * s * g
 }
@@ -28,7 +28,7 @@ pub fn turning_rate(a: &Vec3) -> Mat3 {
         1.0 / 12.0 + angle2 / 720.0 + angle2 * angle2 / 30240.0
     } else {
         let half = 0.5 * angle2.sqrt();
-        (1.0 - half / half.tan()) / angle2
+        (1.0 - half / libm::tan(half)) / angle2
     };
     Mat3::identity() - s * 0.5 + s * s * g
 }
@@ -38,14 +38,19 @@ pub fn log(R: &Mat3) -> Vec3 {
     let q = nalgebra::UnitQuaternion::from_rotation_matrix(
         &nalgebra::Rotation3::from_matrix_unchecked(*R),
     );
-    q.scaled_axis()
+    let v = if q.w < 0.0 { -q.imag() } else { q.imag() };
+    let sine = v.norm();
+    if sine == 0.0 {
+        return Vec3::zeros();
+    }
+    v * (2.0 * libm::atan2(sine, q.w.abs()) / sine)
 }
 
 /// Body-fixed 3-1-3 rotation: `Rz(psi) * Rx(theta) * Rz(phi)` (guide/formats.md 4.1). Angles in radians.
 pub fn euler313(psi: f64, theta: f64, phi: f64) -> Mat3 {
-    let (sa, ca) = psi.sin_cos();
-    let (sb, cb) = theta.sin_cos();
-    let (sc, cc) = phi.sin_cos();
+    let (sa, ca) = libm::sincos(psi);
+    let (sb, cb) = libm::sincos(theta);
+    let (sc, cc) = libm::sincos(phi);
     Mat3::new(
         ca * cc - sa * cb * sc,
         -ca * sc - sa * cb * cc,
@@ -62,20 +67,22 @@ pub fn euler313(psi: f64, theta: f64, phi: f64) -> Mat3 {
 /// PSI, THETA, PHI of a rotation matrix: theta in [0, pi], the others in (-pi, pi]; at theta = 0 or pi the whole turn about z
 /// is put into psi (guide/formats.md 4.1).
 pub fn psi_theta_phi(R: &Mat3) -> [f64; 3] {
-    let s = R[(0, 2)].hypot(R[(1, 2)]);
+    let s = libm::hypot(R[(0, 2)], R[(1, 2)]);
     if s < 1e-12 {
         let theta = if R[(2, 2)] > 0.0 {
             0.0
         } else {
             std::f64::consts::PI
         };
-        return [R[(1, 0)].atan2(R[(0, 0)]), theta, 0.0];
+        return [libm::atan2(R[(1, 0)], R[(0, 0)]), theta, 0.0];
     }
-    [
-        R[(0, 2)].atan2(-R[(1, 2)]),
-        s.atan2(R[(2, 2)]),
-        R[(2, 0)].atan2(R[(2, 1)]),
-    ]
+    let (sin, cos) = (R[(0, 2)] / s, -R[(1, 2)] / s);
+    // From R without psi: near theta = 0, where psi is not well known, the two are still one turn together.
+    let phi = libm::atan2(
+        0.0 - (cos * R[(0, 1)] + sin * R[(1, 1)]),
+        cos * R[(0, 0)] + sin * R[(1, 0)],
+    );
+    [libm::atan2(sin, cos), libm::atan2(s, R[(2, 2)]), phi]
 }
 
 /// AX, AY, AZ of I with respect to J from `R_ji`: `atan2(-zi.yj, zi.zj)`, `atan2(zi.xj, zi.zj)`, `atan2(xi.yj, xi.xj)`
@@ -92,7 +99,7 @@ pub fn projected_angles(R_ji: &Mat3) -> Vec3 {
 fn atan2(y: f64, x: f64) -> f64 {
     let small = x > 0.0 && y.abs() <= 0.1 * x;
     if !small {
-        return y.atan2(x);
+        return libm::atan2(y, x);
     }
     let t = y / x;
     let u = -t * t;
@@ -116,10 +123,20 @@ mod tests {
 
     #[test]
     fn euler_angles_come_back() {
-        for (psi, theta, phi) in [(0.3, 0.7, -1.2), (-2.9, 2.8, 3.0), (1.0, 1e-9, 0.0)] {
-            let R = euler313(psi, theta, phi);
+        for (psi, theta, phi) in [
+            (0.3, 0.7, -1.2),
+            (-2.9, 2.8, 3.0),
+            (1.0, 1e-9, 0.0),
+            (0.4, 3e-7, -0.4),
+            (2.0, std::f64::consts::PI - 1e-10, 0.7),
+            (1.0, 1e-13, 0.5),
+        ] {
+            // Round-off of many products besides.
+            let R = exp(&Vec3::new(0.3, 0.2, 0.1)) * euler313(psi, theta, phi);
+            let R = exp(&Vec3::new(0.3, 0.2, 0.1)).transpose() * R;
             let [a, b, c] = psi_theta_phi(&R);
-            assert!((euler313(a, b, c) - R).norm() < 1e-9, "{psi} {theta} {phi}");
+            let apart = (euler313(a, b, c) - R).norm();
+            assert!(apart < 2e-12, "{psi} {theta} {phi}: {apart:e}");
         }
     }
 

@@ -77,7 +77,7 @@ fn unit_factor(scale: f64) -> Option<(f64, &'static str)> {
     FACTORS
         .iter()
         .copied()
-        .find(|(factor, _)| (scale * factor).ln().abs() < 0.1)
+        .find(|(factor, _)| libm::log(scale * factor).abs() < 0.1)
 }
 
 /// The median of ratios of measured to on-part distances between marks of one part in one case.
@@ -184,10 +184,11 @@ fn on_part_units(
             continue;
         };
         let candidate = FACTORS.iter().copied().find(|(factor, _)| {
-            let listed_fits = (ratio * factor).ln().abs() < (ratio.ln().abs() / 3.0).max(0.7);
-            let gross = ratio.ln().abs() > 1.5;
-            let readings_right = (scale / factor).ln().abs() < 0.1;
-            let both_wrong = scale.ln().abs() < 0.1
+            let listed_fits =
+                libm::log(ratio * factor).abs() < (libm::log(ratio).abs() / 3.0).max(0.7);
+            let gross = libm::log(ratio).abs() > 1.5;
+            let readings_right = libm::log(scale / factor).abs() < 0.1;
+            let both_wrong = libm::log(scale).abs() < 0.1
                 && NEARER * distance(to, at, &pose, *factor) < distance(to, at, &pose, 1.0);
             gross && listed_fits && (readings_right || both_wrong)
         });

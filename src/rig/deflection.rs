@@ -48,9 +48,9 @@ pub fn relative_motion(
 
 fn printed_angles(R: &Mat3) -> Vec3 {
     Vec3::new(
-        (-R[(1, 2)] / R[(2, 2)]).atan(),
-        (R[(2, 0)] / R[(2, 2)]).atan(),
-        (R[(1, 0)] / R[(0, 0)]).atan(),
+        libm::atan(-R[(1, 2)] / R[(2, 2)]),
+        libm::atan(R[(2, 0)] / R[(2, 2)]),
+        libm::atan(R[(1, 0)] / R[(0, 0)]),
     )
 }
 

@@ -62,12 +62,12 @@ impl SpinDirection {
 
 /// `asin(s0.z) - asin(s.z)` in degrees.
 pub fn camber_deg(s0: &Vec3, s: &Vec3) -> f64 {
-    (s0.z.clamp(-1.0, 1.0).asin() - s.z.clamp(-1.0, 1.0).asin()).to_degrees()
+    (libm::asin(s0.z.clamp(-1.0, 1.0)) - libm::asin(s.z.clamp(-1.0, 1.0))).to_degrees()
 }
 
 /// `atan2(s.y, s.x) - atan2(s0.y, s0.x)` in degrees, wrapped to (-180, 180].
 pub fn steer_deg(s0: &Vec3, s: &Vec3) -> f64 {
-    let turn = (s.y.atan2(s.x) - s0.y.atan2(s0.x)).to_degrees();
+    let turn = (libm::atan2(s.y, s.x) - libm::atan2(s0.y, s0.x)).to_degrees();
     180.0 - (180.0 - turn).rem_euclid(360.0)
 }
 

@@ -1,6 +1,7 @@
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
+use crate::function::Measure;
 use crate::model::{Ignore, Model, Request, said_left_out};
 use crate::statics::Solver;
 use crate::syntax::expression::Node;
@@ -34,7 +35,7 @@ pub(super) struct Loaded {
     /// What may be left out of the model.
     ignored: Vec<Ignore>,
     /// Where the model was before it is compiled anew.
-    before: Option<State>,
+    before: Option<Before>,
     beginning: Beginning,
     /// A simulation over time has written where it began.
     pub begun: bool,
@@ -52,6 +53,22 @@ pub(super) struct Compiled {
     pub errors: Vec<Diagnostic>,
     /// What a motion begins with.
     pub beginning: Beginning,
+}
+
+/// Where a model stood before it was changed.
+struct Before {
+    state: State,
+    /// Places of the angles whose turns its functions counted.
+    counted: BTreeMap<Measure, usize>,
+}
+
+impl Before {
+    fn of(system: &System, state: State) -> Self {
+        Self {
+            state,
+            counted: system.counted_angles(),
+        }
+    }
 }
 
 /// What a motion begins with.
@@ -131,14 +148,14 @@ impl Loaded {
     pub fn state(&self) -> Option<&State> {
         match &self.compiled {
             Some(compiled) => Some(&compiled.state),
-            None => self.before.as_ref(),
+            None => self.before.as_ref().map(|before| &before.state),
         }
     }
 
     /// The model was changed: its equations are compiled anew before the next simulation, which starts from where it stands.
     pub fn changed(&mut self) {
         if let Some(compiled) = self.compiled.take() {
-            self.before = Some(compiled.state);
+            self.before = Some(Before::of(&compiled.system, compiled.state));
             self.beginning = compiled.beginning.after_change();
         }
         self.outputs.last = None;
@@ -169,7 +186,7 @@ impl Loaded {
         }
         self.changed();
         // A part that is placed anew goes there; the others stay where they are.
-        if let Some(state) = &mut self.before {
+        if let Some(Before { state, .. }) = &mut self.before {
             for (k, part) in self.model.parts.iter().enumerate() {
                 if poses.get(k) != Some(&part.pose)
                     && let Some(pose) = state.poses.get_mut(k)
@@ -216,12 +233,13 @@ impl Loaded {
 
     /// The components of a request that the dataset does not have, where the model stands. `None` if they have no value here.
     pub fn answer(&mut self, request: Request) -> Option<[f64; 8]> {
-        let state = self.compiled().value.state.clone();
+        let compiled = self.compiled().value;
+        let before = Before::of(&compiled.system, compiled.state.clone());
         let mut model = self.model.clone();
         model.requests = vec![request];
         let system = System::compile(&model).value;
         let mut here = system.state();
-        carry_over(&mut here, state);
+        carry_over(&system, &mut here, before);
         let parameters = system.parameters();
         Some(Measures::new(&system, &parameters, &here).request(&model, 0))
             .filter(|values| values.iter().all(|value| value.is_finite()))
@@ -238,7 +256,8 @@ impl Loaded {
         }
         self.before = match saved.state {
             Some(placed) => {
-                let mut state = System::compile(&self.model).value.state();
+                let system = System::compile(&self.model).value;
+                let mut state = system.state();
                 placed.put_into(&mut state)?;
                 // What moved goes on; what stood still is at rest, or begins with the dataset.
                 self.beginning = if state.moves() {
@@ -246,7 +265,7 @@ impl Loaded {
                 } else {
                     self.beginning.after_statics(state.time)
                 };
-                Some(state)
+                Some(Before::of(&system, state))
             }
             None => None,
         };
@@ -272,7 +291,7 @@ impl Loaded {
             let system = checked.value;
             let mut state = system.state();
             if let Some(before) = self.before.take() {
-                carry_over(&mut state, before);
+                carry_over(&system, &mut state, before);
             }
             for (value, sensor) in state.sensors.iter_mut().zip(&self.model.sensors) {
                 if !sensor.header.active {
@@ -296,7 +315,9 @@ impl Loaded {
 }
 
 /// Puts a model that was compiled anew where it stood before. What has changed in number starts from the dataset's values.
-fn carry_over(state: &mut State, before: State) {
+fn carry_over(system: &System, state: &mut State, before: Before) {
+    let (counted, before) = (before.counted, before.state);
+    system.count_on(state, (&counted, &before.measure_angles));
     state.time = before.time;
     for (now, then) in [
         (&mut state.variables, before.variables),
@@ -324,9 +345,6 @@ fn carry_over(state: &mut State, before: State) {
     }
     if state.pair_angles.len() == before.pair_angles.len() {
         state.pair_angles = before.pair_angles;
-    }
-    if state.measure_angles.len() == before.measure_angles.len() {
-        state.measure_angles = before.measure_angles;
     }
 }
 

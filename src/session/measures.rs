@@ -133,9 +133,9 @@ impl<'s> Measures<'s> {
 /// YAW, PITCH, ROLL of R = Rz(a) Ry(b) Rx(c): a, -b, c (guide/formats.md 4.4).
 fn yaw_pitch_roll(R: &Mat3) -> [f64; 3] {
     [
-        R[(1, 0)].atan2(R[(0, 0)]),
-        R[(2, 0)].clamp(-1.0, 1.0).asin(),
-        R[(2, 1)].atan2(R[(2, 2)]),
+        libm::atan2(R[(1, 0)], R[(0, 0)]),
+        libm::asin(R[(2, 0)].clamp(-1.0, 1.0)),
+        libm::atan2(R[(2, 1)], R[(2, 2)]),
     ]
 }
 

@@ -272,10 +272,10 @@ impl<'a> Messages<'a> {
         );
     }
 
-    /// A converged static solution.
-    pub fn converged(&mut self, iterations: usize, imbalance: f64) {
+    /// A converged static solution, and its balance evaluated anew.
+    pub fn converged(&mut self, iterations: usize, imbalance: f64, balance: &str) {
         self.say(&format!(
-            "  Static Solution converged in {iterations} iterations\n  Residual imbalance is less than {}\n\n  End Static \
+            "  Static Solution converged in {iterations} iterations\n  Residual imbalance is less than {}\n{balance}\n  End Static \
              Solution\n",
             exponent(imbalance, 5)
         ));
@@ -456,7 +456,7 @@ mod tests {
             messages.command("FILE/MODEL=run");
             messages.open(&path).unwrap();
             messages.title("A title");
-            messages.converged(63, 0.464042);
+            messages.converged(63, 0.464042, "");
             messages.flush();
         }
         let file = std::fs::read_to_string(&path).unwrap();

@@ -1,9 +1,10 @@
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::Model;
 use crate::results::StepKind;
-use crate::statics::{Report, Settings, Softest, SolveError};
+use crate::statics::{Balance, Left, Report, Settings, Softest, SolveError};
 use crate::syntax::Statement;
 use crate::text::Source;
+use crate::units::Dimension;
 use std::fmt::Write as _;
 
 use super::ending::Stop;
@@ -101,7 +102,11 @@ impl Session<'_> {
         match outcome {
             Ok(report) => {
                 self.remarks(&report);
-                self.messages.converged(report.iterations, report.imbalance);
+                let balance = self.balance();
+                let told = self.balance_line(balance.as_ref());
+                self.messages
+                    .converged(report.iterations, report.imbalance, &told);
+                self.warn_if_unbalanced(balance.as_ref());
                 self.warn_if_unstable();
                 self.write_step(LONE_STATIC)?;
                 let sensed = self.sense();
@@ -127,6 +132,7 @@ impl Session<'_> {
         let fresh = self.model().outputs.last != Some(times.start);
         let mut k = usize::from(!fresh);
         let mut halted = false;
+        let mut balance: Option<Balance> = None;
         while k <= times.count {
             let time = if k == 0 { times.start } else { times.at(k) };
             k += 1;
@@ -135,6 +141,10 @@ impl Session<'_> {
                     self.remarks(&report);
                     self.messages
                         .simulation_step(time, report.iterations, report.imbalance);
+                    balance = match (balance, self.balance()) {
+                        (Some(worst), Some(here)) => Some(worst.worse(here)),
+                        (worst, here) => worst.or(here),
+                    };
                     let cheap = Softest::is_cheap(&self.model().compiled().value.system);
                     if cheap || k > times.count {
                         self.warn_if_unstable();
@@ -162,9 +172,58 @@ impl Session<'_> {
             }
             self.messages.flush();
         }
+        let told = self.balance_line(balance.as_ref());
+        self.messages.say(&told);
         self.messages.end_simulation();
+        self.warn_if_unbalanced(balance.as_ref());
         self.simulation_ended()?;
         if halted { Err(Stop::Finished) } else { Ok(()) }
+    }
+
+    /// The balance of the present state, summed anew from the forces on each part.
+    fn balance(&mut self) -> Option<Balance> {
+        let compiled = self.model().compiled().value;
+        Balance::of(&compiled.system, &compiled.parameters, &compiled.state).ok()
+    }
+
+    /// A balance as a line of the message file.
+    fn balance_line(&mut self, balance: Option<&Balance>) -> String {
+        let units = self.model().model.units;
+        let left = |left: &Left, dimension: Dimension| {
+            let part = as_adams_names(&left.part.to_string());
+            let size = exponent(left.size, 2);
+            format!("{size} {} on {part}", units.name(dimension))
+        };
+        let told: Vec<String> = balance
+            .iter()
+            .flat_map(|balance| {
+                let force = balance.force.as_ref();
+                let torque = balance.torque.as_ref();
+                [
+                    force.map(|force| left(force, Dimension::FORCE)),
+                    torque.map(|torque| left(torque, Dimension::TORQUE)),
+                ]
+            })
+            .flatten()
+            .collect();
+        if told.is_empty() {
+            return String::new();
+        }
+        format!("  Forces summed again leave at most {}\n", told.join(", "))
+    }
+
+    /// Says that forces summed again do not cancel as the solution says.
+    fn warn_if_unbalanced(&mut self, balance: Option<&Balance>) {
+        let imbalance = Settings::from(&self.model().model.equilibrium).imbalance;
+        if balance.is_none_or(|balance| balance.holds(imbalance)) {
+            return;
+        }
+        let told = self.balance_line(balance);
+        let text = format!(
+            "{}: more than IMBALANCE and round-off allow.",
+            told.trim_end()
+        );
+        self.messages.frame("WARNING", &text);
     }
 
     /// Looks at the sensors and says which fired.

@@ -2,6 +2,7 @@
 //!
 //! Newton's method on the force balance with Lagrange multipliers. Knows no files and no commands.
 
+mod balance;
 mod causes;
 mod continuation;
 mod freedoms;
@@ -19,6 +20,7 @@ mod settle;
 mod stability;
 mod tangent;
 
+pub use balance::{Balance, Left};
 pub use freedoms::Freedoms;
 pub use newton::{Solver, solve};
 pub use report::{Continuation, FreeMotion, Iteration, Report, SolveError, history_table};

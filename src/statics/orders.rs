@@ -78,7 +78,7 @@ fn compared_with_faer() {
         let mut lu = Lu::new(n);
         let (first, ()) = seconds(|| lu.factor(&matrix));
         let (again, ()) = seconds(|| lu.factor(&matrix));
-        let b: Vec<f64> = (0..n).map(|k| (k as f64).sin()).collect();
+        let b: Vec<f64> = (0..n).map(|k| libm::sin(k as f64)).collect();
         let mut x = b.clone();
         let (solve, ()) = seconds(|| lu.solve(&mut x));
         println!(

@@ -2,12 +2,14 @@
 //!
 //! Knows how the inputs of a program hang on parts, multipliers, variables and states; not what the program computes.
 
+use std::collections::BTreeMap;
+
 use super::assemble::{NoValue, Reason};
 use super::force_measure::Force;
 use super::scratch::FunctionValue;
 use super::structure::{LinearRow, Name};
 use super::{Configuration, Scratch, State, System};
-use crate::function::{Measure, Program, RateKind, RateMeasure, measure, rate};
+use crate::function::{Measure, MeasureKind, Program, RateKind, RateMeasure, measure, rate};
 use crate::mechanics::{Pose, Vec3, Vec6};
 use crate::model::MarkerIx;
 
@@ -271,6 +273,32 @@ impl Configuration<'_> {
 }
 
 impl System {
+    /// The angles of functions whose turns are counted, each with its place in `State::measure_angles`.
+    pub(crate) fn counted_angles(&self) -> BTreeMap<Measure, usize> {
+        let sources = self.functions.iter().flat_map(|function| &function.sources);
+        let counted = sources.filter_map(|source| match source {
+            Source::Measure(measure, angle) => Some((*measure, *angle)),
+            _ => None,
+        });
+        counted
+            .filter(|(measure, _)| matches!(measure.kind, MeasureKind::ProjectedAngle(_)))
+            .collect()
+    }
+
+    /// Counts turns on from those of a model before it was changed: of every angle that it counted too, whichever function asks for it.
+    pub(crate) fn count_on(&self, state: &mut State, before: (&BTreeMap<Measure, usize>, &[f64])) {
+        let (counted, angles) = before;
+        for function in &self.functions {
+            for source in &function.sources {
+                if let Source::Measure(measure, angle) = source
+                    && let Some(&old) = counted.get(measure)
+                {
+                    state.measure_angles[*angle] = angles[old];
+                }
+            }
+        }
+    }
+
     /// Takes the angles that functions measure as those of an equilibrium.
     pub(crate) fn count_measured_turns(&self, state: &mut State, scratch: &Scratch) {
         for function in &self.functions {

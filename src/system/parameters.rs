@@ -79,11 +79,11 @@ impl Parameters {
         // R = Rz(psi) Rx(theta) Rz(phi): each angle turns about an axis that the ones before it have placed.
         let axis = match k {
             3 => Vec3::z(),
-            4 => Vec3::new(psi.cos(), psi.sin(), 0.0),
+            4 => Vec3::new(libm::cos(psi), libm::sin(psi), 0.0),
             _ => Vec3::new(
-                psi.sin() * theta.sin(),
-                -psi.cos() * theta.sin(),
-                theta.cos(),
+                libm::sin(psi) * libm::sin(theta),
+                -libm::cos(psi) * libm::sin(theta),
+                libm::cos(theta),
             ),
         };
         (Vec3::zeros(), axis)

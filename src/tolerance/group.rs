@@ -60,7 +60,7 @@ const STATED: f64 = 0.25;
 
 impl Size {
     fn new(usual: f64, ln_sd: f64) -> Self {
-        let middle = usual.ln();
+        let middle = libm::log(usual);
         Self {
             usual,
             ln_sd,
@@ -69,14 +69,14 @@ impl Size {
     }
 
     fn at_most(mut self, most: f64) -> Self {
-        self.bounds.1 = self.bounds.1.min(most.ln());
+        self.bounds.1 = self.bounds.1.min(libm::log(most));
         self
     }
 
     /// Logarithm of the prior's density, constants left out.
     pub fn ln_prior(&self, ln: f64) -> f64 {
-        let z = (ln - self.usual.ln()) / self.ln_sd;
-        -0.5 * z * z - self.ln_sd.ln()
+        let z = (ln - libm::log(self.usual)) / self.ln_sd;
+        -0.5 * z * z - libm::log(self.ln_sd)
     }
 }
 
@@ -161,12 +161,12 @@ impl Sizes {
     pub fn add_scale(&mut self, scale: Scale, declared: bool) {
         let size = Size::new(1.0, if declared { 0.5 } else { 3.0 });
         self.scales.push((scale, size));
-        self.ln.push(size.usual.ln());
+        self.ln.push(libm::log(size.usual));
     }
 
     /// Logarithms of the usual sizes.
     pub fn usual(&self) -> Vec<f64> {
-        self.each().map(|size| size.usual.ln()).collect()
+        self.each().map(|size| libm::log(size.usual)).collect()
     }
 
     /// Prior and bounds of each, in the order of `ln`.
@@ -188,12 +188,12 @@ impl Sizes {
 
     /// The size of a group.
     pub fn of(&self, group: Group) -> Option<f64> {
-        self.group(group).map(|at| self.ln[at].exp())
+        self.group(group).map(|at| libm::exp(self.ln[at]))
     }
 
     /// The size of a scale.
     pub fn of_scale(&self, scale: Scale) -> Option<f64> {
-        self.scale(scale).map(|at| self.ln[at].exp())
+        self.scale(scale).map(|at| libm::exp(self.ln[at]))
     }
 
     /// The same with other values.
@@ -206,7 +206,7 @@ impl Sizes {
     /// let it go.
     pub fn modest(&self, over: f64) -> Vec<f64> {
         let each = self.ln.iter().zip(self.each());
-        each.map(|(ln, size)| ln.min(size.usual.ln() + over))
+        each.map(|(ln, size)| ln.min(libm::log(size.usual) + over))
             .collect()
     }
 }

@@ -35,7 +35,7 @@ impl Unknown {
     /// Prior standard deviation at these sizes.
     pub fn prior_sd(&self, sizes: &Sizes) -> f64 {
         let tau = self.group.and_then(|group| sizes.of(group)).unwrap_or(0.0);
-        tau.hypot(self.sd)
+        libm::hypot(tau, self.sd)
     }
 }
 
@@ -226,7 +226,7 @@ impl Linear {
             }
             g.axpy(precision, &share.g, 1.0);
             q += share.q * precision;
-            logs += share.count * variance.ln();
+            logs += share.count * libm::log(variance);
         }
         (H, g, q, logs)
     }
@@ -264,7 +264,7 @@ impl Linear {
             .l_dirty()
             .diagonal()
             .iter()
-            .map(|d| d.ln())
+            .map(|d| libm::log(*d))
             .sum::<f64>()
             * 2.0;
         let prior: f64 = sizes
@@ -300,14 +300,14 @@ impl Linear {
             .ln
             .iter()
             .zip(sizes.each())
-            .map(|(ln, size)| -(ln - size.usual.ln()) / (size.ln_sd * size.ln_sd))
+            .map(|(ln, size)| -(ln - libm::log(size.usual)) / (size.ln_sd * size.ln_sd))
             .collect();
         let mut information: Vec<f64> = sizes.each().map(|size| size.ln_sd.powi(-2)).collect();
         for (k, unknown) in self.unknowns.iter().enumerate() {
             let Some(at) = unknown.group.and_then(|group| sizes.group(group)) else {
                 continue;
             };
-            let phi = (2.0 * sizes.ln[at]).exp() / (S[k] * S[k]).max(f64::MIN_POSITIVE);
+            let phi = libm::exp(2.0 * sizes.ln[at]) / (S[k] * S[k]).max(f64::MIN_POSITIVE);
             // Where the unknown ends, in units of its prior.
             let end = solved.from[k] + mu[k];
             gradient[at] += phi * (end * end + inverse[(k, k)] - 1.0);

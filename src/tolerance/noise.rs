@@ -174,7 +174,7 @@ impl Noise {
             (Some(declared), Some(estimated)) if declared > 0.0 => {
                 // With heavy tails a standard deviation says little.
                 let loose = if self.has_tails() { TAILED } else { 0.0 };
-                (estimated / declared).ln().abs() > CONTRADICTED * self.ln_sd + loose
+                libm::log(estimated / declared).abs() > CONTRADICTED * self.ln_sd + loose
             }
             _ => false,
         }

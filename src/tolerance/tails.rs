@@ -26,7 +26,7 @@ impl Tails {
         if n < 30.0 || variance <= 0.0 {
             return None;
         }
-        let gauss = -0.5 * n * ((2.0 * std::f64::consts::PI * variance).ln() + 1.0);
+        let gauss = -0.5 * n * (libm::log(2.0 * std::f64::consts::PI * variance) + 1.0);
         let best = GRID
             .iter()
             .map(|&nu| {
@@ -40,10 +40,10 @@ impl Tails {
                 }
                 let constant = ln_gamma(0.5 * (nu + 1.0))
                     - ln_gamma(0.5 * nu)
-                    - 0.5 * (nu * std::f64::consts::PI * square).ln();
+                    - 0.5 * libm::log(nu * std::f64::consts::PI * square);
                 let logs: f64 = residuals
                     .iter()
-                    .map(|r| (r * r / (nu * square)).ln_1p())
+                    .map(|r| libm::log1p(r * r / (nu * square)))
                     .sum();
                 let value = n * constant - 0.5 * (nu + 1.0) * logs;
                 (value, nu, square.sqrt())

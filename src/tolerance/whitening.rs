@@ -41,16 +41,18 @@ pub struct Class {
 impl Class {
     /// Variance at these sizes.
     pub fn variance(&self, ln: &[f64]) -> f64 {
-        let own = self.scale.map_or(1.0, |at| (2.0 * ln[at]).exp());
-        own + self.rigid.map_or(0.0, |(at, mu)| mu * (2.0 * ln[at]).exp())
+        let own = self.scale.map_or(1.0, |at| libm::exp(2.0 * ln[at]));
+        own + self
+            .rigid
+            .map_or(0.0, |(at, mu)| mu * libm::exp(2.0 * ln[at]))
     }
 
     /// Its derivatives by the logarithms of the sizes.
     pub fn by_size(&self, ln: &[f64]) -> [Option<(usize, f64)>; 2] {
         [
-            self.scale.map(|at| (at, 2.0 * (2.0 * ln[at]).exp())),
+            self.scale.map(|at| (at, 2.0 * libm::exp(2.0 * ln[at]))),
             self.rigid
-                .map(|(at, mu)| (at, 2.0 * mu * (2.0 * ln[at]).exp())),
+                .map(|(at, mu)| (at, 2.0 * mu * libm::exp(2.0 * ln[at]))),
         ]
     }
 }
@@ -88,7 +90,9 @@ impl Whitening {
         let mut known: BTreeMap<(usize, usize, i64), usize> = BTreeMap::new();
         let mut class =
             |classes: &mut Vec<Class>, scale: Option<usize>, rigid: Option<(usize, f64)>| {
-                let bin = rigid.map_or(0, |(_, mu)| (mu.ln() / ALIKE.ln()).round() as i64);
+                let bin = rigid.map_or(0, |(_, mu)| {
+                    (libm::log(mu) / libm::log(ALIKE)).round() as i64
+                });
                 let at = |of: Option<usize>| of.map_or(usize::MAX, |at| at);
                 let key = (at(scale), at(rigid.map(|(at, _)| at)), bin);
                 *known.entry(key).or_insert_with(|| {

@@ -68,7 +68,7 @@ pub fn effective_draws(chains: &[Vec<f64>]) -> f64 {
         lag += 2;
     }
     let total = (halves.len() * n) as f64;
-    total / (2.0 * sum - 1.0).max(1.0 / total.log10())
+    total / (2.0 * sum - 1.0).max(1.0 / libm::log10(total))
 }
 
 #[cfg(test)]

@@ -62,7 +62,7 @@ impl<'a> Estimate<'a> {
         let of = |k: usize| {
             let place = (k, &self.covariance);
             let sides = profile_interval(&mut fit, &self.minimum, place, priors, &scale, &held);
-            sides.map(|side| side.map(f64::exp))
+            sides.map(|side| side.map(libm::exp))
         };
         Ok((0..self.marginal.len()).map(of).collect())
     }

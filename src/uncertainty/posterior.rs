@@ -98,7 +98,7 @@ impl<'a> Posterior<'a> {
         let x: Vec<f64> = if let Some(row) = before {
             row.outputs[..count]
                 .iter()
-                .map(|value| value.ln())
+                .map(|value| libm::log(*value))
                 .collect()
         } else {
             let mut x = self.scattered(&stream);
@@ -108,7 +108,7 @@ impl<'a> Posterior<'a> {
             x
         };
         let end = self.draw(&x, &stream, 1 + WARM_UP + draw);
-        let mut outputs: Vec<f64> = end.x.iter().map(|x| x.exp()).collect();
+        let mut outputs: Vec<f64> = end.x.iter().map(|x| libm::exp(*x)).collect();
         outputs.extend([end.energy, end.probability]);
         Row {
             case,

@@ -116,7 +116,7 @@ pub fn repeat(
     let away: Vec<&str> = away
         .filter(|(k, (_, parameter))| {
             let sd = estimate.covariance[(*k, *k)].sqrt();
-            (estimate.minimum.x[*k] - parameter.value.ln()).abs() > sd
+            (estimate.minimum.x[*k] - libm::log(parameter.value)).abs() > sd
         })
         .map(|(_, (address, _))| address.as_str())
         .collect();

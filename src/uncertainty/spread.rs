@@ -10,7 +10,7 @@ pub fn spread(
 ) -> Repeated {
     let logarithms: Vec<Vec<f64>> = chains
         .iter()
-        .map(|chain| chain.iter().map(|value| value.ln()).collect())
+        .map(|chain| chain.iter().map(|value| libm::log(*value)).collect())
         .collect();
     let mut all: Vec<f64> = logarithms.iter().flatten().copied().collect();
     let mean = all.iter().sum::<f64>() / all.len() as f64;
@@ -19,13 +19,15 @@ pub fn spread(
     all.sort_by(f64::total_cmp);
     let [low, median, high] = [0.025, 0.5, 0.975].map(|p| quantile(&all, p));
     let width_ratio = match profile {
-        [Some(from), Some(to)] => Some((high - low) / (to / from).ln()).filter(|r| r.is_finite()),
+        [Some(from), Some(to)] => {
+            Some((high - low) / libm::log(to / from)).filter(|r| r.is_finite())
+        }
         _ => None,
     };
     Repeated {
-        median: median.exp(),
+        median: libm::exp(median),
         std_error: estimate * sd,
-        interval95: [low.exp(), high.exp()],
+        interval95: [libm::exp(low), libm::exp(high)],
         width_ratio,
         effective_draws: chained.then(|| effective_draws(&logarithms)),
         r_hat: chained.then(|| split_r_hat(&logarithms)),

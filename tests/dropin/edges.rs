@@ -358,3 +358,14 @@ fn other_units_give_the_same_answer() {
         }
     }
 }
+
+/// The sine of 1e22 (Ng, Argument reduction for huge arguments: good to the last bit, 1992): libraries of C with pi to 64 bits have none
+/// of its digits.
+#[test]
+fn angles_of_many_turns_keep_their_digits() {
+    let turned = euler313(1e22, 0.0, 0.0);
+    assert!(
+        (turned[(1, 0)] + 0.852_200_849_767_188_8).abs() < 1e-15,
+        "{turned}"
+    );
+}

@@ -9,6 +9,7 @@ mod entities;
 mod errors;
 #[cfg_attr(windows, allow(dead_code, unused_imports))] // Some of it needs a shell of Unix.
 mod external;
+mod faults;
 mod friction;
 mod launch;
 #[allow(non_snake_case, reason = "rotation matrices and inertias")]
@@ -16,6 +17,8 @@ mod mechanisms;
 mod message;
 mod motion;
 mod parsers;
+#[allow(non_snake_case, reason = "rotation matrices, forces and torques")]
+mod random_models;
 mod redefinitions;
 mod reference;
 mod run;

@@ -177,3 +177,18 @@ fn a_force_gets_its_reaction_back() {
     near(&results.column("above_XFORM", "Z"), &[100.5, 100.5, 100.5]);
     near(&results.column("below_XFORM", "Z"), &[0.0, -0.25, 0.0]);
 }
+
+/// Turns are counted on from the same angle, not from what another function measured before.
+#[test]
+fn another_angle_does_not_begin_at_the_turn_of_the_one_before() {
+    let deck = format!(
+        "{HEAD}PART/2, MASS=1, CM=20, IP=9,9,9\nMARKER/20, PART=2\nMARKER/30, PART=2, ZP=0.75, 0.6, -1\nJOINT/1, FIXED, I=20, J=1\n\
+         SFORCE/1, TRANSLATIONAL, ACTIONONLY, I=20, J=1, FUNCTION=AY(30,1)\n{TAIL}"
+    );
+    let found = results(
+        &deck,
+        "SIM/STAT\nSFORCE/1, FUNCTION=AX(30,1)\nSIM/STAT\nSFORCE/1, FUNCTION=AY(30,1)\nSIM/STAT",
+    );
+    let (x, y) = ((-0.6_f64).atan2(-1.0), 0.75_f64.atan2(-1.0));
+    near(&found.column("SFORCE_1", "FZ"), &[y, x, y]);
+}

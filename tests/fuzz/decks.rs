@@ -195,13 +195,13 @@ pub fn property(bytes: &[u8]) {
 #[test]
 fn datasets() {
     let seeds = [seeds::all("adm"), seeds::faults("adm")].concat();
-    fuzz("dataset", 1500, &seeds, &grammar_words(), deck);
+    fuzz("dataset", 1500, &seeds, &grammar_words());
 }
 
 #[test]
 fn command_files() {
     let seeds = [seeds::all("acf"), seeds::faults("acf")].concat();
-    fuzz("command-file", 4000, &seeds, &grammar_words(), commands);
+    fuzz("command-file", 4000, &seeds, &grammar_words());
 }
 
 #[test]
@@ -224,11 +224,5 @@ fn property_files() {
         "[UNITS]\n",
         "inch",
     ];
-    fuzz(
-        "property-file",
-        6000,
-        &seeds,
-        &words.map(String::from),
-        property,
-    );
+    fuzz("property-file", 6000, &seeds, &words.map(String::from));
 }

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, Once};
 use std::time::{Duration, Instant};
@@ -14,6 +14,7 @@ use rand_pcg::Pcg64;
 use rayon::prelude::*;
 
 use crate::mutation::mutated;
+use crate::readers::reader;
 
 /// A case of a few thousand bytes that takes longer is a failure, on a busy machine too.
 const SLOW: Duration = Duration::from_secs(20);
@@ -148,15 +149,32 @@ impl Drop for Watch {
     }
 }
 
+/// Seeds and words for a fuzzer that looks at coverage, as files below a folder.
+fn given_away(folder: &Path, name: &str, seeds: &[Vec<u8>], words: &[String]) {
+    let place = folder.join(name).join("seeds");
+    std::fs::create_dir_all(&place).expect("a folder for seeds");
+    for (at, seed) in seeds.iter().enumerate() {
+        std::fs::write(place.join(at.to_string()), seed).expect("a seed");
+    }
+    let quoted = words.iter().map(|word| {
+        let escaped = word.bytes().map(|byte| match byte {
+            b'"' | b'\\' => format!("\\{}", char::from(byte)),
+            b' '..=b'~' => char::from(byte).to_string(),
+            _ => format!("\\x{byte:02x}"),
+        });
+        format!("\"{}\"\n", escaped.collect::<String>())
+    });
+    let dictionary = quoted.collect::<String>();
+    std::fs::write(folder.join(name).join("words"), dictionary).expect("a dictionary");
+}
+
 /// Every seed as it is, and then `cases` mutations of the seeds (or `FUZZ_CASES`), through a reader that panics where something does
-/// not hold.
-pub fn fuzz(
-    name: &'static str,
-    cases: u64,
-    seeds: &[Vec<u8>],
-    words: &[String],
-    target: impl Fn(&[u8]) + Sync,
-) {
+/// not hold. With `FUZZ_SEEDS` seeds and words go into that folder instead.
+pub fn fuzz(name: &'static str, cases: u64, seeds: &[Vec<u8>], words: &[String]) {
+    let target = reader(name);
+    if let Some(folder) = std::env::var_os("FUZZ_SEEDS") {
+        return given_away(Path::new(&folder), name, seeds, words);
+    }
     note_panics();
     let cases = variable("FUZZ_CASES").unwrap_or(cases);
     let from = variable("FUZZ_FROM").unwrap_or(0);
@@ -166,7 +184,7 @@ pub fn fuzz(
     let run = |case: u64, bytes: Vec<u8>| {
         let running = || watch.running.lock().expect("no panic while it is held");
         running().insert(case, (Instant::now(), bytes.clone()));
-        let failed = failure(&target, &bytes);
+        let failed = failure(target, &bytes);
         running().remove(&case);
         if let Some(why) = failed {
             let mut failures = failures.lock().expect("no panic while it is held");
@@ -195,7 +213,7 @@ pub fn fuzz(
     );
     let mut told = Vec::new();
     for (count, bytes, why) in failures.values() {
-        let path = kept(name, &shrunk(&target, bytes, why));
+        let path = kept(name, &shrunk(target, bytes, why));
         told.push(format!("{count} times, input {}: {why}", path.display()));
     }
     assert!(told.is_empty(), "{name}:\n{}", told.join("\n"));

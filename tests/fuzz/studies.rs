@@ -1,7 +1,7 @@
 //! The folders of studies: settings and tables.
 
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{LazyLock, Mutex, PoisonError};
 
 use admire::kc::Config;
 use admire::model::Model;
@@ -73,7 +73,7 @@ impl Folder {
 }
 
 /// A reader of a study with another file in it. Every case has a folder for itself while it runs.
-fn in_folders(study: &'static str, file: &'static str) -> impl Fn(&[u8]) + Sync {
+fn in_folders(study: &'static str, file: &'static str) -> impl Fn(&[u8]) + Send + Sync {
     let free: Mutex<Vec<Folder>> = Mutex::default();
     move |bytes| {
         let free = || free.lock().unwrap_or_else(PoisonError::into_inner);
@@ -83,6 +83,26 @@ fn in_folders(study: &'static str, file: &'static str) -> impl Fn(&[u8]) + Sync 
         free().push(folder);
     }
 }
+
+const STUDY: (&str, &str) = ("pseudo-mcpherson", "study.toml");
+const LOAD_CASES: (&str, &str) = ("pseudo-mcpherson", "load_cases.csv");
+const MARKS_ON_PARTS: (&str, &str) = ("pseudo-mcpherson", "marks_on_parts.csv");
+const MARKS_MEASURED: (&str, &str) = ("pseudo-mcpherson", "marks_measured.csv");
+const WHEEL: (&str, &str) = ("kc-experiment", "wheel.csv");
+
+/// Readers of studies, each with another one of its files.
+macro_rules! readers {
+    ($($reader:ident $file:ident),+) => {
+        $(
+            pub fn $reader(bytes: &[u8]) {
+                type Reader = Box<dyn Fn(&[u8]) + Send + Sync>;
+                static READ: LazyLock<Reader> = LazyLock::new(|| Box::new(in_folders($file.0, $file.1)));
+                READ(bytes);
+            }
+        )+
+    };
+}
+readers!(study_file STUDY, load_cases LOAD_CASES, marks_on_parts MARKS_ON_PARTS, marks_measured MARKS_MEASURED, wheel WHEEL);
 
 fn own(study: &str, file: &str) -> Vec<u8> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -126,13 +146,7 @@ fn study_files() {
         "\"BUSHING/1.K\"",
         "1979-05-27T07:32:00Z",
     ];
-    fuzz(
-        "study.toml",
-        600,
-        &seeds,
-        &words.map(String::from),
-        in_folders("pseudo-mcpherson", "study.toml"),
-    );
+    fuzz("study.toml", 600, &seeds, &words.map(String::from));
 }
 
 #[test]
@@ -141,24 +155,14 @@ fn tables_of_studies() {
         "case", ",", ";", "\t", "\"", "#", "part", "mark", "x", "\u{feff}",
     ]
     .map(String::from);
-    for file in ["load_cases.csv", "marks_on_parts.csv", "marks_measured.csv"] {
-        let seeds = [own("pseudo-mcpherson", file)];
-        fuzz(
-            "study-table",
-            250,
-            &seeds,
-            &words,
-            in_folders("pseudo-mcpherson", file),
-        );
+    for (name, (study, file), cases) in [
+        ("load-cases", LOAD_CASES, 250),
+        ("marks-on-parts", MARKS_ON_PARTS, 250),
+        ("marks-measured", MARKS_MEASURED, 250),
+        ("wheel", WHEEL, 150),
+    ] {
+        fuzz(name, cases, &[own(study, file)], &words);
     }
-    let seeds = [own("kc-experiment", "wheel.csv")];
-    fuzz(
-        "study-table",
-        150,
-        &seeds,
-        &words,
-        in_folders("kc-experiment", "wheel.csv"),
-    );
 }
 
 /// Cells are where their text stands.
@@ -190,9 +194,17 @@ fn tables() {
         "case", ",", ";", "\t", "\"", "\"\"", "#", "\r", "1,5", "\u{feff}", "\n#\n",
     ]
     .map(String::from);
-    fuzz("table", 4000, &seeds::all("csv"), &words, |bytes| {
-        table(bytes);
-    });
+    fuzz("table", 4000, &seeds::all("csv"), &words);
+}
+
+/// Settings, or a reason why there are none.
+pub fn settings(bytes: &[u8]) {
+    let read = Config::read(&Source::new("kc.toml", bytes), (1.0, 1.0));
+    assert_inside(&read.diagnostics, "kc.toml", bytes);
+    assert!(
+        read.value.is_some() || read.has_errors(),
+        "no settings, and no reason"
+    );
 }
 
 #[test]
@@ -209,12 +221,5 @@ fn settings_of_the_test_rig() {
         "{}",
     ]
     .map(String::from);
-    fuzz("kc.toml", 3000, &seeds, &words, |bytes| {
-        let read = Config::read(&Source::new("kc.toml", bytes), (1.0, 1.0));
-        assert_inside(&read.diagnostics, "kc.toml", bytes);
-        assert!(
-            read.value.is_some() || read.has_errors(),
-            "no settings, and no reason"
-        );
-    });
+    fuzz("kc.toml", 3000, &seeds, &words);
 }

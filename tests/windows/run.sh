@@ -2,7 +2,7 @@
 # Runs admire as programs of Windows, under Wine, and holds them to what they do on Linux.
 #
 #   tests/windows/run.sh             all parts
-#   tests/windows/run.sh shims text  some of them: libraries unit dropin shims corpus toolkit interrupt text
+#   tests/windows/run.sh shims text  some of them: libraries unit dropin shims names corpus toolkit interrupt text
 #
 # SHARED names the folder of reference material (../shared without it). Needs the Debian packages gcc-mingw-w64-x86-64, wine and wine64
 # (8.0 is enough), and rustup. PROFILE=release tries that build.
@@ -31,7 +31,7 @@ for program in wine x86_64-w64-mingw32-gcc rustup; do
 done
 
 parts=("$@")
-((${#parts[@]})) || parts=(libraries unit dropin shims corpus toolkit interrupt text)
+((${#parts[@]})) || parts=(libraries unit dropin shims names corpus toolkit interrupt text)
 failures=0
 
 failed() {
@@ -177,6 +177,27 @@ shims() {
         failed "a shim below $odd: $(tail -1 "$work/said")"
     solved "a shim below a folder with an umlaut"
     echo "shims: done"
+}
+
+# Files that a study names in other letters, and files of two names.
+names() {
+    local side
+    for side in linux windows; do
+        cp -r corpus/pseudo-mcpherson "$work/$side/letters"
+        sed -i 's/"model.adm"/"MODEL.Adm"/; s/"reference.adm"/"Reference.ADM"/; s/"\([a-z_]*\)\.csv"/"\U\1\E.CSV"/g' "$work/$side/letters/study.toml"
+    done
+    grep -q '"MODEL.Adm"' "$work/linux/letters/study.toml" || failed "the study names its deck otherwise"
+    (cd "$work/linux" && "$linux/admire" identify letters --out lettered >lettered.txt 2>lettered.err) || failed "letters on Linux"
+    (cd "$work/windows" && wine "$exe/admire.exe" identify letters --out lettered >lettered.txt 2>lettered.err) || failed "letters"
+    same "$work/linux/lettered/identified.adm" "$work/windows/lettered/identified.adm"
+    same "$work/linux/lettered.txt" "$work/windows/lettered.txt"
+    cp corpus/pseudo-mcpherson/model.adm "$work/windows/first.adm"
+    ln "$work/windows/first.adm" "$work/windows/second.adm"
+    (cd "$work/windows" && wine "$exe/admire.exe" set first.adm BUSHING/1.K.1=1234 --in-place >/dev/null) || failed "a file of two names"
+    grep -q 1234 "$work/windows/second.adm" || failed "the second name shows the old text"
+    cmp "$work/windows/first.adm" "$work/windows/second.adm" || failed "two names, two texts"
+    ls "$work/windows/"*.whole-* 2>/dev/null && failed "a text is left beside"
+    echo "names: done"
 }
 
 corpus() {

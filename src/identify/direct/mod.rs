@@ -177,7 +177,11 @@ impl<'a> Direct<'a> {
         let cases = problem.measurement.fitted_cases().filter_map(|case| {
             CaseState::new(system, problem.model, problem.measurement, case, sigma)
         });
-        let mut x: Vec<f64> = problem.initial().iter().map(|value| value.ln()).collect();
+        let mut x: Vec<f64> = problem
+            .initial()
+            .iter()
+            .map(|value| libm::log(*value))
+            .collect();
         x.resize(slots.len(), 0.0);
         Ok(Self {
             cases: cases.collect(),
@@ -194,7 +198,7 @@ impl<'a> Direct<'a> {
         self.x
             .iter()
             .take(self.problem.unknowns.len())
-            .map(|ln| ln.exp())
+            .map(|ln| libm::exp(*ln))
             .collect()
     }
 
@@ -239,7 +243,7 @@ impl<'a> Direct<'a> {
         };
         self.x = x;
         let at_bound = (0..count).map(|k| {
-            let initial = self.problem.unknowns[k].initial.ln();
+            let initial = libm::log(self.problem.unknowns[k].initial);
             (self.x[k] - initial).abs() >= WIDTH - 1e-9
         });
         let offsets = self.offsets.iter().enumerate();
@@ -353,7 +357,8 @@ impl<'a> Direct<'a> {
     fn priors(&self) -> Vec<(f64, f64)> {
         let settings = self.problem.settings;
         let unknowns = self.problem.unknowns.iter();
-        let stiffnesses = unknowns.map(|unknown| (unknown.initial.ln(), settings.prior_log_sd));
+        let stiffnesses =
+            unknowns.map(|unknown| (libm::log(unknown.initial), settings.prior_log_sd));
         let offset_sd = |axis: usize| match axis {
             0..3 => settings.offset_sd.length,
             _ => settings.offset_sd.angle_deg.to_radians(),
@@ -459,7 +464,7 @@ impl<'a> Direct<'a> {
     fn bounds(&self) -> (Vec<f64>, Vec<f64>) {
         let (mut lower, mut upper) = (Vec::new(), Vec::new());
         for (k, unknown) in self.problem.unknowns.iter().enumerate() {
-            let moved = self.x[k] - unknown.initial.ln();
+            let moved = self.x[k] - libm::log(unknown.initial);
             lower.push((-STEP).max(-WIDTH - moved));
             upper.push(STEP.min(WIDTH - moved));
         }

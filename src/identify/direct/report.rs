@@ -103,7 +103,7 @@ fn parameters(problem: &Problem<'_>, solution: &DirectSolution) -> Vec<Parameter
             initial: unknown.initial,
             value,
             std_error: Some(value * sd),
-            interval95: [side((-reach).exp()), side(reach.exp())],
+            interval95: [side(libm::exp(-reach)), side(libm::exp(reach))],
             correlation: Some(correlation(k)),
             tolerance_share: None,
             profile95: None,
@@ -161,7 +161,7 @@ fn remarks(problem: &Problem<'_>, solution: &DirectSolution) -> Vec<String> {
     let mut remarks = Vec::new();
     let mut worst: Option<(usize, f64)> = None;
     for (k, plain) in solution.uncorrected.iter().enumerate() {
-        let bias = (plain / solution.values[k]).ln();
+        let bias = libm::log(plain / solution.values[k]);
         if sd_log(solution, k) <= UNIDENTIFIABLE && worst.is_none_or(|(_, b)| bias.abs() > b.abs())
         {
             worst = Some((k, bias));
@@ -174,7 +174,7 @@ fn remarks(problem: &Problem<'_>, solution: &DirectSolution) -> Vec<String> {
             "noise in the measured poses would bias plain weighted least squares; the correction moved {} most, from {:.2} of the \
              value given here. What the correction leaves is of second order in the noise",
             problem.unknowns[k].address,
-            bias.exp()
+            libm::exp(bias)
         ));
     }
     let fitted: Vec<usize> = problem.measurement.fitted_cases().collect();

@@ -106,7 +106,7 @@ pub fn fit_unknowns(
             })
             .collect();
         // A stiffness of zero in the deck has no logarithm; it starts as soft as makes no difference.
-        let usable = |value: f64| if value > 0.0 { value.ln() } else { 0.0 };
+        let usable = |value: f64| if value > 0.0 { libm::log(value) } else { 0.0 };
         let mean = usable(unknown.initial);
         for (component, axis) in components.iter().zip(&axes) {
             let Some(axis) = axis else { continue };
@@ -234,7 +234,7 @@ pub fn identify<'a>(
     let count = problem.unknowns.len();
     fit.history = std::iter::once(&initial)
         .chain(&history)
-        .map(|x| x[..count].iter().map(|x| x.exp()).collect())
+        .map(|x| x[..count].iter().map(|x| libm::exp(*x)).collect())
         .collect();
     fit.history.dedup();
     // Wheel and held-out cases are compared with everything that was found, offsets included.
@@ -339,10 +339,10 @@ fn answer(
     let mut unrefined = Vec::new();
     for (k, unknown) in problem.unknowns.iter().enumerate() {
         let (x, sd) = (minimum.x[k], covariance[(k, k)].max(0.0).sqrt());
-        let value = x.exp();
+        let value = libm::exp(x);
         let normal = [
-            Some((x - NORMAL_975 * sd).exp()),
-            Some((x + NORMAL_975 * sd).exp()),
+            Some(libm::exp(x - NORMAL_975 * sd)),
+            Some(libm::exp(x + NORMAL_975 * sd)),
         ];
         let poor = profile && sd > POOR_NORMAL;
         let refined = (poor && global.goes_on(minimum))
@@ -351,7 +351,7 @@ fn answer(
         if minimum.ending == Ending::Stopped || (poor && refined.is_none()) {
             unrefined.push(unknown.address.to_string());
         }
-        let interval95 = refined.map_or(normal, |sides| sides.map(|side| side.map(f64::exp)));
+        let interval95 = refined.map_or(normal, |sides| sides.map(|side| side.map(libm::exp)));
         let correlation = (0..count)
             .filter(|&j| j != k)
             .map(|j| covariance[(k, j)] / (sd * covariance[(j, j)].max(0.0).sqrt()))

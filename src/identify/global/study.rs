@@ -164,13 +164,13 @@ fn direct_start(problem: &Problem<'_>, watch: Option<&mut Watch<'_>>) -> Option<
 fn sanity(problem: &Problem<'_>, fit: &mut Fit, solution: &DirectSolution) {
     for (k, parameter) in fit.parameters.iter().enumerate() {
         let sd = solution.covariance[(k, k)].max(0.0).sqrt();
-        let apart = (solution.values[k] / parameter.value).ln();
+        let apart = libm::log(solution.values[k] / parameter.value);
         if sd < POOR_NORMAL && apart.abs() > CONTRADICTION * sd.max(1e-3) {
             fit.remarks.push(format!(
                 "The direct solution of the measured poses puts {} at {:.2} of the value given here, {:.0} of its standard \
                  deviations away: the model may lack something.",
                 problem.unknowns[k].address,
-                apart.exp(),
+                libm::exp(apart),
                 apart.abs() / sd
             ));
         }

@@ -92,7 +92,7 @@ pub struct FitUnknowns {
 
 /// The step of a spring with share `s` that changes its ln K by `change`.
 fn step_of(s: f64, change: f64) -> f64 {
-    change.exp_m1() / (1.0 + s * change.exp_m1())
+    libm::expm1(change) / (1.0 + s * libm::expm1(change))
 }
 
 /// Shares below this are round-off.
@@ -173,7 +173,7 @@ impl FitUnknowns {
     /// for springs that others hold, s near 0, in K. It makes the linear model good far away: half of the sweeps are saved.
     pub fn moved(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
         let to = |(k, (x, step)): (usize, (&f64, &f64))| match self.share(k) {
-            Some(s) => x + (step / (1.0 - s * step)).ln_1p(),
+            Some(s) => x + libm::log1p(step / (1.0 - s * step)),
             None => x + step,
         };
         x.iter().zip(step.iter()).enumerate().map(to).collect()
@@ -206,7 +206,7 @@ impl FitUnknowns {
             match &unknown.meaning {
                 Meaning::Stiffness(components) => {
                     for component in components {
-                        theta.set(component.stiffness, value.exp());
+                        theta.set(component.stiffness, libm::exp(*value));
                     }
                 }
                 Meaning::Number(slots) => {

@@ -140,7 +140,7 @@ fn range(ratios: &[f64]) -> String {
 
 /// The median of |ln ratio|.
 fn median_error(ratios: &[f64]) -> f64 {
-    let mut errors: Vec<f64> = ratios.iter().map(|ratio| ratio.ln().abs()).collect();
+    let mut errors: Vec<f64> = ratios.iter().map(|ratio| libm::log(*ratio).abs()).collect();
     errors.sort_by(f64::total_cmp);
     errors.get(errors.len() / 2).copied().unwrap_or(f64::NAN)
 }

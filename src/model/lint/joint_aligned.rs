@@ -214,7 +214,7 @@ fn faults(i: &Pose, j: &Pose, wanted: Wanted, size: f64, unit: &str) -> Vec<Stri
         faults.push(format!("I is {:.4} {unit} away", off.norm()));
     }
     let R_ji = j.R.transpose() * i.R;
-    let between = |a: usize, b: usize| R_ji[(b, a)].clamp(-1.0, 1.0).acos().to_degrees();
+    let between = |a: usize, b: usize| libm::acos(R_ji[(b, a)].clamp(-1.0, 1.0)).to_degrees();
     let mut tilt = |angle: f64, from: f64, text: &str| {
         if (angle - from).abs() > TILT {
             faults.push(format!("{text} {angle:.2} degrees, not {from}"));

@@ -71,7 +71,7 @@ impl MemoryLaw {
                 // After a monotonic way from (u0, f0): s F - (s F - f0) exp(-k |u - u0| / F).
                 let (u0, f0) = (held[0], held[1]);
                 let goal = (u - u0).signum() * limit;
-                let force = goal - (goal - f0) * (-stiffness * (u - u0).abs() / limit).exp();
+                let force = goal - (goal - f0) * libm::exp(-stiffness * (u - u0).abs() / limit);
                 vec![u, force]
             }
             Self::Creep { rate } => vec![held[0] + rate * (u - held[0])],

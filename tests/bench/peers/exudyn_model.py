@@ -153,15 +153,23 @@ class Model:
         return self.mbs.AddMarker(MarkerBodyPosition(bodyNumber=self.part(statement, which), localPosition=place))
 
     def joint(self, joint):
-        kind = next(k for k in ("SPHERICAL", "CYLINDRICAL", "UNIVERSAL") if k in joint)
+        kinds = {
+            "SPHERICAL": None,
+            "CYLINDRICAL": [1, 1, 0, 1, 1, 0],
+            "REVOLUTE": [1, 1, 1, 1, 1, 0],
+            "TRANSLATIONAL": [1, 1, 0, 1, 1, 1],
+            "FIXED": [1, 1, 1, 1, 1, 1],
+            "UNIVERSAL": [1, 1, 1, 0, 0, 1],
+        }
+        kind = next(kind for kind in kinds if kind in joint)
         if kind == "SPHERICAL":
             markers = [self.point(joint, "J"), self.point(joint, "I")]
             self.mbs.AddObject(ObjectJointSpherical(markerNumbers=markers))
             return
-        axes, order_j, order_i = [1, 1, 0, 1, 1, 0], (0, 1, 2), (0, 1, 2)
+        axes, order_j, order_i = kinds[kind], (0, 1, 2), (0, 1, 2)
         if kind == "UNIVERSAL":
             # zi.zj = 0 alone: Exudyn's third rotation constraint is x0.y1 = 0, so z_j becomes x0 and z_i becomes y1.
-            axes, order_j, order_i = [1, 1, 1, 0, 0, 1], (2, 0, 1), (1, 2, 0)
+            order_j, order_i = (2, 0, 1), (1, 2, 0)
         markers = [self.rigid(joint, "J", order_j), self.rigid(joint, "I", order_i)]
         self.mbs.AddObject(ObjectJointGeneric(markerNumbers=markers, constrainedAxes=axes))
 
