@@ -19,7 +19,7 @@ use super::remainder::{predicted, remainder};
 use super::search::{Found, Visited};
 use super::sought::{NAMED, Sought, of_place, probability, seek};
 use super::stiffness::{CorrectedStiffness, corrected};
-use super::structure::{StructureTest, structure};
+use super::structure::{ALL, StructureTest, structure};
 use super::subject::{Data, Subject};
 use super::unseen::Unseen;
 use crate::identify::{IdentifyError, Problem};
@@ -517,16 +517,18 @@ pub(super) fn tolerances(
 
 fn unexplained(after: &[StructureTest]) -> Unexplained {
     let count = after.len() as f64;
-    let worst = after
-        .first()
-        .map_or(1.0, |test| test.p_value * count)
-        .min(1.0);
+    // Whether all readings together agree is one question; where they do not, one of many.
+    let corrected = |test: &StructureTest| {
+        let asked = if test.what == ALL { 1.0 } else { count };
+        (test.p_value * asked).min(1.0)
+    };
+    let worst = after.iter().map(corrected).fold(1.0, f64::min);
     Unexplained {
         structured: worst < STRUCTURED,
         p_value: worst,
         places: after
             .iter()
-            .filter(|test| test.p_value * count < STRUCTURED)
+            .filter(|test| corrected(test) < STRUCTURED)
             .map(|test| format!("{} (p = {:.1e})", test.what, test.p_value))
             .collect(),
         remainder: None,

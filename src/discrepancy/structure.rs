@@ -8,6 +8,9 @@ use crate::identify::global::Row;
 use crate::mechanics::Vec3;
 use crate::rig::orientation::chi_square_p_value;
 
+/// What the test over all readings looks at.
+pub const ALL: &str = "all readings";
+
 /// One test of structure.
 #[derive(Clone, PartialEq, Debug)]
 pub struct StructureTest {
@@ -53,7 +56,7 @@ impl Tests<'_> {
             .max(1.0)
             .round() as usize;
         self.out.push(StructureTest {
-            what: "all readings".to_string(),
+            what: ALL.to_string(),
             value,
             dof,
             p_value: chi_square_p_value(value, dof),
