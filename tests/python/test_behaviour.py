@@ -19,6 +19,8 @@ import admire
 LONG = """
 import os, signal, sys, threading, time
 import admire
+# A shell that runs the tests in the background has its children ignore Ctrl-C.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 deck = admire.read("corpus/pseudo-mcpherson/model.adm")
 commands = "SIMULATE/STATICS, END=1, STEPS=100000\\n"
 threading.Timer(0.7, os.kill, (os.getpid(), signal.SIGINT)).start()
