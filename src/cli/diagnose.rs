@@ -194,7 +194,7 @@ fn line(finding: &Finding) -> String {
             "    or {} {} ({:.1} times less probable)\n",
             rival.cause,
             rival.address,
-            (0.5 * rival.bic_behind).exp()
+            libm::exp(0.5 * rival.bic_behind)
         );
     }
     text

@@ -47,7 +47,7 @@ pub fn averaged(subject: &Subject<'_>, models: &[(Visited, f64)]) -> Vec<Paramet
     unknowns
         .map(|(k, unknown)| {
             let sd = (square[k] - mean[k] * mean[k]).max(0.0).sqrt();
-            let value: f64 = mean[k].exp();
+            let value: f64 = libm::exp(mean[k]);
             let half = Z95 * sd;
             let low = (half < WIDE).then_some(value * (1.0 - half));
             Parameter {

@@ -428,7 +428,7 @@ fn faults_of_marks(subject: &Subject<'_>) -> Vec<Finding> {
         (noise.contradicts(), noise.declared, noise.estimated)
     {
         let one = |value: f64| BTreeMap::from([("sigma".to_string(), value)]);
-        let z = (estimated / declared).ln() / noise.ln_sd;
+        let z = libm::log(estimated / declared) / noise.ln_sd;
         out.push(fault(
             Cause::NoiseLevel,
             "marks".to_string(),
@@ -487,7 +487,7 @@ pub(super) fn tolerances(
         out.insert(
             group.as_str().to_string(),
             ToleranceFound {
-                sd: sizes.ln[k].exp() * scale,
+                sd: libm::exp(sizes.ln[k]) * scale,
                 usual: size.usual * scale,
                 unit,
             },
@@ -505,7 +505,7 @@ pub(super) fn tolerances(
             out.insert(
                 name.to_string(),
                 ToleranceFound {
-                    sd: sizes.ln[at].exp() * factor,
+                    sd: libm::exp(sizes.ln[at]) * factor,
                     usual: usual * factor,
                     unit,
                 },

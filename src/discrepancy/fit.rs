@@ -117,12 +117,12 @@ impl Fitted {
             .map(|(number, &at)| {
                 let (x, sd) = (self.x[at], covariance[(at, at)].max(0.0).sqrt());
                 let (value, std_error) = match number.unknown {
-                    Unknown::Compliance(_) => ((-x).exp(), (-x).exp() * sd),
+                    Unknown::Compliance(_) => (libm::exp(-x), libm::exp(-x) * sd),
                     Unknown::SlipLength { .. } => {
                         let first = self.places[chosen][0];
                         let force = self.x[first];
                         let scale = hypothesis.numbers[0].sd;
-                        let stiffness = force * scale / x.exp();
+                        let stiffness = force * scale / libm::exp(x);
                         // d ln(force / length) = d force / force - d ln length.
                         let relative = covariance[(first, first)] / (force * force)
                             + covariance[(at, at)]
@@ -152,7 +152,7 @@ impl Fitted {
 
     /// Estimate and standard error of stiffness `k` of the study, in units of the deck.
     pub fn stiffness(&self, k: usize) -> (f64, f64) {
-        let value = self.x[k].exp();
+        let value = libm::exp(self.x[k]);
         (
             value,
             value * self.posterior.covariance[(k, k)].max(0.0).sqrt(),

@@ -83,7 +83,7 @@ impl Information {
 pub fn ln_det(covariance: &DMatrix<f64>) -> Option<f64> {
     let factor = Cholesky::new(covariance.clone())?;
     let diagonal = factor.l_dirty().diagonal();
-    Some(2.0 * diagonal.iter().map(|d| d.ln()).sum::<f64>())
+    Some(2.0 * diagonal.iter().map(|d| libm::log(*d)).sum::<f64>())
 }
 
 #[cfg(test)]

@@ -43,7 +43,7 @@ pub fn detection_limits(subject: &Subject<'_>, fitted: &Fitted) -> Vec<Detection
             }
             let before = 1.0 / information + tau * tau;
             let after = before + slab * slab;
-            let needed = (after / before).ln() - 2.0 * odds.ln();
+            let needed = libm::log(after / before) - 2.0 * libm::log(odds);
             let d = (needed / (1.0 / before - 1.0 / after)).sqrt() / millimetre;
             (d < FAR).then_some(d)
         };

@@ -70,7 +70,7 @@ impl Outcome<'_> {
         let poses = solved(other, &extended, &plain, subject)?;
         self.diagnosis.baseline.chi2_per_dof = baseline.posterior.chi_square_per_dof();
         for (k, parameter) in self.diagnosis.parameters.iter_mut().enumerate() {
-            parameter.scale((extended.x[k] - self.extended.x[k]).exp());
+            parameter.scale(libm::exp(extended.x[k] - self.extended.x[k]));
         }
         for finding in &mut self.diagnosis.findings {
             let mut chosen = extended.chosen.iter();

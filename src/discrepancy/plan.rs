@@ -336,7 +336,7 @@ impl<'a, 'b> Weighing<'a, 'b> {
         let said = self.said(&self.information.with(&readings))?;
         let gained = |before: f64, after: f64| {
             if before > 0.0 && after > 0.0 {
-                (before / after).ln()
+                libm::log(before / after)
             } else {
                 0.0
             }

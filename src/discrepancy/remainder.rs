@@ -299,7 +299,7 @@ fn as_hypothesis(fitted: &Fitted, found: Best) -> Unnamed {
         numbers(&(&found.effect * &root)),
     );
     let laws = found.tried * LENGTHS.len() * SIZES.len();
-    hypothesis.ln_prior = (PRESENT / laws as f64).ln();
+    hypothesis.ln_prior = libm::log(PRESENT / laws as f64);
     let step = &found.posterior.step - &found.taken_up * mean;
     let x = fitted.x.iter().zip(step.iter()).zip(&fitted.priors);
     let moved = x.map(|((x, step), prior)| match prior.group {
@@ -354,7 +354,7 @@ fn most_spoken_for(subject: &Subject<'_>, fitted: &Fitted, sizes: &Sizes) -> Opt
     let by_nats =
         |a: &(usize, Process), b: &(usize, Process)| b.1.law.nats.total_cmp(&a.1.law.nats);
     found.sort_by(by_nats);
-    if found.first()?.1.law.nats < STANDS_OUT + (tried as f64).ln() {
+    if found.first()?.1.law.nats < STANDS_OUT + libm::log(tried as f64) {
         return None;
     }
     let (at, process) = found.swap_remove(0);
@@ -499,7 +499,7 @@ fn best(
     for length in LENGTHS {
         let mut K = DMatrix::from_fn(n, n, |a, b| {
             let apart = (coordinate[a] - coordinate[b]) / (length * range);
-            (-0.5 * apart * apart).exp()
+            libm::exp(-0.5 * apart * apart)
         });
         if over == Over::Deflection {
             let P = beyond_a_line(coordinate, (low, range));
@@ -523,7 +523,7 @@ fn best(
                 continue;
             };
             let z = factor.solve(&(&g * s));
-            let logs: f64 = factor.l_dirty().diagonal().iter().map(|d| d.ln()).sum();
+            let logs: f64 = factor.l_dirty().diagonal().iter().map(|d| libm::log(*d)).sum();
             let nats = 0.5 * s * g.dot(&z) - logs;
             if nats.is_finite() && out.as_ref().is_none_or(|law| nats > law.nats) {
                 out = Some(Law {

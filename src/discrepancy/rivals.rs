@@ -94,14 +94,14 @@ impl Separation {
     /// the Bayes factor is Gaussian with mean half the chi-square for the true one, and with the chi-square as variance.
     pub fn of(chi_square: f64, odds: f64) -> Self {
         let (mut right, mut entropy, mut sum) = (0.0, 0.0, 0.0);
-        let prior = (odds / (1.0 - odds)).ln();
+        let prior = libm::log(odds / (1.0 - odds));
         for step in -80..=80 {
             let z = f64::from(step) * 0.1;
-            let weight = (-0.5 * z * z).exp();
+            let weight = libm::exp(-0.5 * z * z);
             sum += weight;
             for (share, sign) in [(odds, 1.0), (1.0 - odds, -1.0)] {
                 let factor = sign * 0.5 * chi_square + chi_square.sqrt() * z;
-                let first = 1.0 / (1.0 + (-(prior + factor)).exp());
+                let first = 1.0 / (1.0 + libm::exp(-(prior + factor)));
                 let own = if sign > 0.0 { first } else { 1.0 - first };
                 right += weight * share * own;
                 entropy += weight * share * of_two(first);
@@ -118,7 +118,7 @@ impl Separation {
 
 /// Entropy of a choice of two.
 fn of_two(p: f64) -> f64 {
-    let term = |p: f64| if p > 0.0 { -p * p.ln() } else { 0.0 };
+    let term = |p: f64| if p > 0.0 { -p * libm::log(p) } else { 0.0 };
     term(p) + term(1.0 - p)
 }
 

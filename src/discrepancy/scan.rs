@@ -101,7 +101,7 @@ impl Catalogue {
             let first = first_member(fitted);
             for (member, sd) in h.slab() {
                 let unknown = &mut linear.unknowns[first + member];
-                unknown.sd = unknown.sd.hypot(sd);
+                unknown.sd = libm::hypot(unknown.sd, sd);
             }
             linear
         } else {
@@ -200,7 +200,7 @@ fn projected(information: &DMatrix<f64>, g: &DVector<f64>, one_sided: bool) -> O
         .l_dirty()
         .diagonal()
         .iter()
-        .map(|d| d.ln())
+        .map(|d| libm::log(*d))
         .sum::<f64>()
         * 2.0;
     Some(0.5 * g.dot(&estimate) - 0.5 * log_det)
@@ -228,11 +228,11 @@ fn slab(fitted: &Fitted, posterior: &Posterior, sizes: &Sizes, h: &Hypothesis) -
         let before = fitted.priors[*place].prior_sd(sizes).powi(2);
         let after = before + sd * sd;
         D[(at, at)] = 1.0 / before - 1.0 / after;
-        logs += 0.5 * (before / after).ln();
+        logs += 0.5 * libm::log(before / after);
     }
     let rest = DMatrix::identity(k, k) - &C * &D;
     let lu = rest.lu();
     let determinant = lu.determinant();
     let right = lu.solve(&m)?;
-    (determinant > 0.0).then(|| logs - 0.5 * determinant.ln() + 0.5 * m.dot(&(&D * right)))
+    (determinant > 0.0).then(|| logs - 0.5 * libm::log(determinant) + 0.5 * m.dot(&(&D * right)))
 }

@@ -247,7 +247,7 @@ impl Search<'_, '_> {
             };
             for factor in SLIPS {
                 let mut x = current.x.clone();
-                x[place] += f64::ln(factor);
+                x[place] += libm::log(factor);
                 let chosen = unguessed(&current);
                 let found = fit(self.subject, &chosen, Some((&current, &x)), self.data, ANY);
                 let Some(found) = found.filter(|found| !found.has_wrong_sign(at)) else {
@@ -428,10 +428,10 @@ impl Search<'_, '_> {
                 models.push(visited);
             }
         }
-        let sum: f64 = models.iter().map(|v| (v.ln_posterior - best).exp()).sum();
+        let sum: f64 = models.iter().map(|v| libm::exp(v.ln_posterior - best)).sum();
         let mut out: Vec<(Visited, f64)> = models
             .into_iter()
-            .map(|v| (v.clone(), (v.ln_posterior - best).exp() / sum))
+            .map(|v| (v.clone(), libm::exp(v.ln_posterior - best) / sum))
             .collect();
         out.sort_by(|a, b| b.1.total_cmp(&a.1));
         out

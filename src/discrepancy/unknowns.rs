@@ -127,7 +127,7 @@ impl Unknowns {
                 let meaning = match (&number.unknown, &number.column) {
                     (Unknown::Member(member), _) => {
                         let at = stiffnesses + member;
-                        priors[at].sd = priors[at].sd.hypot(number.sd);
+                        priors[at].sd = libm::hypot(priors[at].sd, number.sd);
                         if before.is_none() && guesses[k] != 0.0 {
                             start[at] = guesses[k] * number.sd;
                         }
@@ -155,9 +155,9 @@ impl Unknowns {
                     (Unknown::Linear, Column::Wrench(..) | Column::None) => return None,
                     (Unknown::Compliance(addresses), _) => {
                         if before.is_none() {
-                            guess = -(guess.max(1e-3) * number.sd).ln();
+                            guess = -libm::log(guess.max(1e-3) * number.sd);
                         }
-                        (mean, sd) = (-number.sd.ln(), 2.0);
+                        (mean, sd) = (-libm::log(number.sd), 2.0);
                         Meaning::Stiffness(components(addresses, &slot)?)
                     }
                     (Unknown::Offset { stiffness, preload }, _) => {
@@ -179,9 +179,9 @@ impl Unknowns {
                         _,
                     ) => {
                         if before.is_none() {
-                            guess = start.ln();
+                            guess = libm::log(*start);
                         }
-                        (mean, sd) = (usual.ln(), number.sd);
+                        (mean, sd) = (libm::log(*usual), number.sd);
                         Meaning::Stiffness(components(std::slice::from_ref(address), &slot)?)
                     }
                 };

@@ -69,11 +69,11 @@ impl WheelPlace {
         let (p, s) = (pose.point(&self.centre), pose.R * self.spin);
         // Of the axis, not of its sense.
         let toe = if s.y.abs() > s.x.abs() {
-            -(s.x / s.y).atan()
+            -libm::atan(s.x / s.y)
         } else {
-            (s.y / s.x).atan()
+            libm::atan(s.y / s.x)
         };
-        [p.x, p.y, p.z, -s.z.asin().to_degrees(), toe.to_degrees()]
+        [p.x, p.y, p.z, -libm::asin(s.z).to_degrees(), toe.to_degrees()]
     }
 
     /// How that changes with an unknown; `at` is the place of the carrier among the parts observed.

@@ -281,7 +281,7 @@ impl Outcome<'_> {
             ));
         }
         // Where the readings do not see points their size stays where it was.
-        let seen = |size: &&ToleranceFound| (size.sd / size.usual).ln().abs() > SEEN;
+        let seen = |size: &&ToleranceFound| libm::log(size.sd / size.usual).abs() > SEEN;
         if let Some(points) = self.diagnosis.tolerances.get("hardpoints").filter(seen) {
             let word = match points.sd / points.usual {
                 ratio if ratio < 2.0 => "usual for a production axle",
@@ -474,7 +474,7 @@ impl Outcome<'_> {
         let mut biased: Vec<_> = self
             .stiffnesses
             .iter()
-            .filter(|s| (s.before.0 - s.after.0).abs() > NOTABLE * s.before.1.hypot(s.after.1))
+            .filter(|s| (s.before.0 - s.after.0).abs() > NOTABLE * libm::hypot(s.before.1, s.after.1))
             .collect();
         biased.sort_by(|a, b| b.bias().abs().total_cmp(&a.bias().abs()));
         let listed: Vec<String> = biased

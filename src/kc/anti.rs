@@ -86,7 +86,7 @@ impl Anti {
     pub fn angle(self, c: &Compliance, side: Side, r0: f64) -> f64 {
         let lever = if self.at_patch() { r0 } else { 0.0 };
         let zf = c.of((side, 3), (side, 1)) - lever * c.of((side, 3), (side, 5));
-        (-zf / c.of((side, 3), (side, 3))).atan()
+        libm::atan(-zf / c.of((side, 3), (side, 3)))
     }
 
     /// (percent, per g): the names of Adams/Car's requests.

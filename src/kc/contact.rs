@@ -22,5 +22,5 @@ pub fn total_track(left: &Vec3, right: &Vec3) -> f64 {
 /// Roll angle from the heights of two points of an axle, positive with the left one up relative to the body: `atan((zL - zR) / T0)`, T0
 /// the distance of the wheel centres at design. Verified on real results to 1e-16; the present distance is wrong there by 2e-6.
 pub fn roll_angle(left: &Vec3, right: &Vec3, design_track: f64) -> f64 {
-    ((left.z - right.z) / design_track).atan()
+    libm::atan((left.z - right.z) / design_track)
 }

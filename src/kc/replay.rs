@@ -201,7 +201,7 @@ impl Replay {
         match (options.road, self.roll) {
             (Road::Patches, _) => state.normal = through_patches(&state),
             (Road::Rig, Some([rolls, at_patches])) if read(rolls).abs() > LEAST_ROLL => {
-                let (sin, cos) = (read(at_patches) * angle).sin_cos();
+                let (sin, cos) = libm::sincos(read(at_patches) * angle);
                 state.normal = Vec3::new(0.0, sin, cos);
             }
             _ => {}
@@ -229,7 +229,7 @@ impl Known {
         if !(across(axis) >= LEAST) {
             return Err(ReplayError::NoSpin {
                 name: name.to_string(),
-                degrees: across(axis).acos().to_degrees(),
+                degrees: libm::acos(across(axis)).to_degrees(),
             });
         }
         let side = if p.y < 0.0 { Side::Left } else { Side::Right };
@@ -263,7 +263,7 @@ fn through_patches(state: &AxleState) -> Vec3 {
         let Some(roll) = state.patch_roll() else {
             break;
         };
-        let (sin, cos) = roll.sin_cos();
+        let (sin, cos) = libm::sincos(roll);
         let normal = Vec3::new(0.0, sin, cos);
         let done = (normal - state.normal).norm() < 1e-16;
         state.normal = normal;

@@ -185,7 +185,7 @@ fn find(
         let message = format!(
             "the spin axis `{}` does not lie across the vehicle: it leans by {:.0} degrees",
             wheel.spin.text,
-            o.y.abs().acos().to_degrees()
+            libm::acos(o.y.abs()).to_degrees()
         );
         return Err(config.complain(&wheel.spin, Code::BadSetting, message));
     }

@@ -58,12 +58,12 @@ impl SteerAxis {
 
     /// Positive if the axis leans rearward: `atan(u.x / u.z)`.
     pub fn caster(&self) -> f64 {
-        (self.direction.x / self.direction.z).atan()
+        libm::atan(self.direction.x / self.direction.z)
     }
 
     /// Positive if the axis leans inboard: `atan(u.y / u.z)` on the left, with the other sign on the right.
     pub fn kingpin_inclination(&self, side: Side) -> f64 {
-        (-side.outboard() * self.direction.y / self.direction.z).atan()
+        libm::atan(-side.outboard() * self.direction.y / self.direction.z)
     }
 
     /// The foot of the perpendicular from the wheel centre.
@@ -90,7 +90,7 @@ impl SteerAxis {
         // The road's forward and right axes, turned by the steer angle.
         let right = Vec3::new(0.0, normal.z, -normal.y);
         let forward = Vec3::new(-1.0, 0.0, 0.0);
-        let (s, c) = steer.sin_cos();
+        let (s, c) = libm::sincos(steer);
         let heading = forward * c + right * s;
         let lateral = right * c - forward * s;
         (-side.outboard() * d.dot(&lateral), d.dot(&heading))

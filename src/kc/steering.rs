@@ -30,13 +30,13 @@ impl Steering {
     /// `L / tan(steer of the inside wheel) + y of the inside wheel`, positive for a right turn.
     pub fn turn_radius(&self) -> Option<f64> {
         let k = self.inside()?.index();
-        Some(self.wheelbase / self.steer[k].tan() + self.y[k])
+        Some(self.wheelbase / libm::tan(self.steer[k]) + self.y[k])
     }
 
     /// `atan(L / R)`; zero straight ahead.
     pub fn ackerman_angle(&self) -> f64 {
         self.turn_radius()
-            .map_or(0.0, |r| (self.wheelbase / r).atan())
+            .map_or(0.0, |r| libm::atan(self.wheelbase / r))
     }
 
     /// The steer angle the geometry asks for: inside its own, outside `atan(L / (R - y))`; zero straight ahead.
@@ -47,7 +47,7 @@ impl Steering {
         if side == inside {
             self.steer[side.index()]
         } else {
-            (self.wheelbase / (radius - self.y[side.index()])).atan()
+            libm::atan(self.wheelbase / (radius - self.y[side.index()]))
         }
     }
 
@@ -65,7 +65,7 @@ impl Steering {
     /// `2 sqrt((|R| + T/2)^2 + L^2)`.
     pub fn outside_diameter(&self, track: f64) -> f64 {
         let radius = self.turn_radius().unwrap_or(STRAIGHT);
-        2.0 * (radius.abs() + track / 2.0).hypot(self.wheelbase)
+        2.0 * libm::hypot(radius.abs() + track / 2.0, self.wheelbase)
     }
 
     /// `100 (inside - outside) / (inside - ideal outside)`; 100 straight ahead. The formula is not confirmed by real results, which

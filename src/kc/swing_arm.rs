@@ -36,24 +36,24 @@ impl VerticalLoad {
 
 /// Slope of the front view swing arm, positive if the instant centre is above the wheel centre: left `atan(-C23 / C33)`.
 pub fn front_view_angle(c: &Compliance, side: Side, load: VerticalLoad) -> f64 {
-    (side.outboard() * load.per_travel(c, side, 2)).atan()
+    libm::atan(side.outboard() * load.per_travel(c, side, 2))
 }
 
 /// Slant length of the front view swing arm, positive with the instant centre inboard: left `-1 / (C43/C33 cos angle)`.
 pub fn front_view_length(c: &Compliance, side: Side, load: VerticalLoad) -> f64 {
     let angle = front_view_angle(c, side, load);
-    side.outboard() / (load.per_travel(c, side, 4) * angle.cos())
+    side.outboard() / (load.per_travel(c, side, 4) * libm::cos(angle))
 }
 
 /// Slope of the side view swing arm: `atan(-C13 / C33)`; negative if the instant centre is ahead of the wheel and above its centre.
 pub fn side_view_angle(c: &Compliance, side: Side, load: VerticalLoad) -> f64 {
-    (-load.per_travel(c, side, 1)).atan()
+    libm::atan(-load.per_travel(c, side, 1))
 }
 
 /// Slant length of the side view swing arm, positive with the instant centre ahead of the wheel: `-1 / (C53/C33 cos angle)`.
 pub fn side_view_length(c: &Compliance, side: Side, load: VerticalLoad) -> f64 {
     let angle = side_view_angle(c, side, load);
-    -1.0 / (load.per_travel(c, side, 5) * angle.cos())
+    -1.0 / (load.per_travel(c, side, 5) * libm::cos(angle))
 }
 
 /// The kinematic roll centre in the front view.

@@ -35,28 +35,28 @@ impl Wheel {
 
 /// Angle of the wheel plane to the vehicle's longitudinal plane, positive for toe-in: `atan(-o.x / |o.y|)`.
 pub fn toe(o: &Vec3) -> f64 {
-    (-o.x / o.y.abs()).atan()
+    libm::atan(-o.x / o.y.abs())
 }
 
 /// Lean to the vehicle's vertical, positive with the top outboard: `-asin(o.z)`.
 pub fn camber(o: &Vec3) -> f64 {
-    -o.z.clamp(-1.0, 1.0).asin()
+    -libm::asin(o.z.clamp(-1.0, 1.0))
 }
 
 /// Lean to the road, positive with the top towards the left of the vehicle on both sides: `-+asin(o . n)`.
 pub fn inclination(side: Side, o: &Vec3, normal: &Vec3) -> f64 {
-    side.outboard() * o.dot(normal).clamp(-1.0, 1.0).asin()
+    side.outboard() * libm::asin(o.dot(normal).clamp(-1.0, 1.0))
 }
 
 /// Turn of the wheel about the road normal, positive to the right on both sides: `atan(o.x / o.ey)`, ey the road's lateral axis.
 pub fn steer(o: &Vec3, normal: &Vec3) -> f64 {
     let lateral = Vec3::new(0.0, normal.z, -normal.y);
-    (o.x / o.dot(&lateral)).atan()
+    libm::atan(o.x / o.dot(&lateral))
 }
 
 /// Pitch of the carrier since design, positive with the top rearward: `-atan(A31 / A11)`.
 pub fn side_view_angle(turn: &Mat3) -> f64 {
-    -(turn[(2, 0)] / turn[(0, 0)]).atan()
+    -libm::atan(turn[(2, 0)] / turn[(0, 0)])
 }
 
 /// A point of the spin axis 1000 length units outboard of the centre: what Adams/Car calls `wheel_axis`.

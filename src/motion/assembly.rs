@@ -198,11 +198,11 @@ fn exact_weight(system: &System, part: usize, pose: &Pose, plain: &Mat6) -> Mat6
     let [psi, theta, _] = psi_theta_phi(&pose.R);
     let axes = Mat3::from_columns(&[
         Vec3::z(),
-        Vec3::new(psi.cos(), psi.sin(), 0.0),
+        Vec3::new(libm::cos(psi), libm::sin(psi), 0.0),
         Vec3::new(
-            psi.sin() * theta.sin(),
-            -psi.cos() * theta.sin(),
-            theta.cos(),
+            libm::sin(psi) * libm::sin(theta),
+            -libm::cos(psi) * libm::sin(theta),
+            libm::cos(theta),
         ),
     ]);
     if let Some(angles_by_turn) = axes.try_inverse() {

@@ -269,11 +269,11 @@ impl<'a> Integrator<'a> {
             };
             let budget = self.settings.maxit as f64;
             let safety = SAFETY * (2.0 * budget + 1.0) / (2.0 * budget + iterations as f64);
-            let mut factor = safety * error.powf(-0.25);
+            let mut factor = safety * libm::pow(error, -0.25);
             if error < 1.0 {
                 if let Some((h_before, error_before)) = self.before {
                     // Gustafsson's prediction: how the error changed with the last step.
-                    let trend = (error_before / (error * error)).powf(0.25);
+                    let trend = libm::pow(error_before / (error * error), 0.25);
                     factor = factor.min(safety * (h / h_before) * trend);
                 }
                 factor = factor.clamp(SHORTEST, LONGEST);

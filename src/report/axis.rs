@@ -35,7 +35,7 @@ impl Axis {
         let room = 0.05 * (high - low);
         (low, high) = (low - room, high + room);
         let rough = (high - low) / wanted as f64;
-        let power = 10f64.powf(rough.log10().floor());
+        let power = libm::pow(10f64, libm::log10(rough).floor());
         let step = [1.0, 2.0, 5.0, 10.0]
             .map(|k| k * power)
             .into_iter()
@@ -54,7 +54,7 @@ impl Axis {
     fn logarithmic(low: f64, high: f64, wanted: usize) -> Self {
         let (low, high) = if low > high { (0.1, 10.0) } else { (low, high) };
         let (low, high) = (low / 1.25, high * 1.25);
-        let decades = (high / low).log10();
+        let decades = libm::log10(high / low);
         // The fewer decades there are, the more of each is labelled.
         let steps: &[f64] = if decades < 1.2 {
             &[1.0, 1.5, 2.0, 3.0, 5.0, 7.0]
@@ -64,8 +64,8 @@ impl Axis {
             &[1.0]
         };
         let every = ((decades / wanted as f64).ceil() as i32).max(1);
-        let from = low.log10().floor() as i32;
-        let to = high.log10().ceil() as i32;
+        let from = libm::log10(low).floor() as i32;
+        let to = libm::log10(high).ceil() as i32;
         let ticks = (from..=to)
             .filter(|power| steps.len() > 1 || power % every == 0)
             .flat_map(|power| steps.iter().map(move |k| k * 10f64.powi(power)))
@@ -81,7 +81,7 @@ impl Axis {
     /// Where a value is between the ends of the axis, 0 to 1; `None` if it cannot be shown.
     pub fn share(&self, value: f64) -> Option<f64> {
         let share = if self.log {
-            (value / self.low).ln() / (self.high / self.low).ln()
+            libm::log(value / self.low) / libm::log(self.high / self.low)
         } else {
             (value - self.low) / (self.high - self.low)
         };
@@ -99,7 +99,7 @@ pub(super) fn short(value: f64) -> String {
     if !(1e-3..1e6).contains(&size) {
         return format!("{value:.1e}").replace(".0e", "e");
     }
-    let digits = (3 - size.log10().floor() as i32).clamp(0, 6) as usize;
+    let digits = (3 - libm::log10(size).floor() as i32).clamp(0, 6) as usize;
     let text = format!("{value:.digits$}");
     if text.contains('.') {
         text.trim_end_matches('0').trim_end_matches('.').to_string()

@@ -366,7 +366,7 @@ impl DiagnosisReport<'_> {
             let low = Some(low).filter(|low| *low > 0.0);
             let diamond = before.0 / after.0;
             table.picture(4, scale.svg(low, Some(high), Some(diamond), &shown(after)));
-            if (before.0 - after.0).abs() > 2.0 * before.1.hypot(after.1) {
+            if (before.0 - after.0).abs() > 2.0 * libm::hypot(before.1, after.1) {
                 table.mark(5, "bad");
             }
         }

@@ -41,7 +41,7 @@ impl IntervalScale {
         let (width, height) = SIZE;
         let (left, right, middle) = (8.0, width - 8.0, height / 2.0);
         let place = |ratio: f64| {
-            let share = 0.5 + 0.5 * ratio.ln() / self.reach.ln();
+            let share = 0.5 + 0.5 * libm::log(ratio) / libm::log(self.reach);
             left + share.clamp(0.0, 1.0) * (right - left)
         };
         let mut out = format!(

@@ -122,7 +122,7 @@ fn digits(value: f64) -> String {
     let places = if size == 0.0 {
         0
     } else {
-        (4 - size.log10().floor() as i32).clamp(0, 6)
+        (4 - libm::log10(size).floor() as i32).clamp(0, 6)
     };
     format!("{value:.*}", places as usize)
 }

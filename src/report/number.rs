@@ -4,14 +4,14 @@ pub fn number(value: f64, std_error: Option<f64>) -> String {
         return format!("{value}");
     }
     let digits = match std_error.filter(|error| *error > 0.0 && error.is_finite()) {
-        Some(error) => (value.abs().log10().floor() - error.log10().floor() + 2.0).clamp(1.0, 8.0),
+        Some(error) => (libm::log10(value.abs()).floor() - libm::log10(error).floor() + 2.0).clamp(1.0, 8.0),
         None => 6.0,
     };
     rounded(value, digits as i32)
 }
 
 pub(super) fn rounded(value: f64, digits: i32) -> String {
-    let exponent = value.abs().log10().floor() as i32;
+    let exponent = libm::log10(value.abs()).floor() as i32;
     let decimals = digits - 1 - exponent;
     if !(-5..=9).contains(&exponent) {
         return format!("{value:.*e}", (digits - 1).max(0) as usize);

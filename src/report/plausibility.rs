@@ -556,7 +556,7 @@ fn short(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
     }
-    let digits = 2 - value.abs().log10().floor() as i32;
+    let digits = 2 - libm::log10(value.abs()).floor() as i32;
     if (-3..=6).contains(&digits) {
         format!("{value:.*}", digits.max(0) as usize)
     } else {

@@ -34,7 +34,7 @@ pub(super) fn ranking(diagnosis: &Diagnosis, units: &Units, scene: &Scene) -> Ta
             sizes(finding, units),
         );
         for rival in &finding.indistinguishable_from {
-            let behind = (0.5 * rival.bic_behind).exp();
+            let behind = libm::exp(0.5 * rival.bic_behind);
             table.row([
                 format!("or {}", words(rival.cause)),
                 scene.named(&rival.address),

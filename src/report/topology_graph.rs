@@ -160,7 +160,7 @@ impl TopologyGraph {
                 if count.is_multiple_of(2) { 1.0 } else { -1.0 } * 34.0 * count.div_ceil(2) as f64;
             *count += 1;
             let [(x0, y0), (x1, y1)] = pair.map(|end| places[end]);
-            let length = (x1 - x0).hypot(y1 - y0).max(1.0);
+            let length = libm::hypot(x1 - x0, y1 - y0).max(1.0);
             let flat = if (y1 - y0).abs() < 1.0 { 46.0 } else { 0.0 };
             let (nx, ny) = (-(y1 - y0) / length, (x1 - x0) / length);
             let (cx, cy) = (

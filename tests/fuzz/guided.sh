@@ -19,7 +19,9 @@ FUZZ_SEEDS=$work cargo test -q --test fuzz >/dev/null
 }
 # Coverage of every edge and of comparisons, as cargo-fuzz asks for it; the readers have no unsafe code that a sanitizer could watch.
 flags="--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 -Cllvm-args=-sanitizer-coverage-inline-8bit-counters"
-flags+=" -Cllvm-args=-sanitizer-coverage-pc-table -Cllvm-args=-sanitizer-coverage-trace-compares -Ccodegen-units=1"
+flags+=" -Cllvm-args=-sanitizer-coverage-pc-table -Cllvm-args=-sanitizer-coverage-trace-compares"
+# Programs that are built along have no fuzzer in them, and are not run.
+flags+=" -Clink-arg=-Wl,--unresolved-symbols=ignore-all"
 built=$(RUSTFLAGS="$flags" CARGO_TARGET_DIR=$work/build cargo build --target "$target" --bench guided --message-format=json-render-diagnostics |
     sed -n 's/.*"name":"guided".*"executable":"\([^"]*\)".*/\1/p')
 readers=("$1")

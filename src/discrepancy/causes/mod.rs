@@ -53,13 +53,13 @@ pub fn all(survey: &Survey<'_>) -> Vec<Hypothesis> {
     let classes: Vec<_> = out.iter().map(class).collect();
     for h in &mut out {
         let count = classes.iter().filter(|of| **of == class(h)).count();
-        h.ln_prior = (PRESENT / count as f64).ln();
+        h.ln_prior = libm::log(PRESENT / count as f64);
         if h.form == body_compliance::IN_LINE {
             h.ln_prior -= std::f64::consts::LN_2;
         }
         // Rubber flows in hours; the cases of most measurements follow one another faster.
         if h.cause == Cause::Creep {
-            h.ln_prior -= 5f64.ln();
+            h.ln_prior -= libm::log(5f64);
         }
     }
     out

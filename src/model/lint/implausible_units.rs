@@ -94,7 +94,7 @@ fn reasons(design: &Design<'_>) -> Vec<String> {
 /// Three digits, with an exponent only where they would be many.
 fn short(value: f64) -> String {
     if (1e-3..1e6).contains(&value) {
-        let places = (2 - value.log10().floor() as i32).max(0) as usize;
+        let places = (2 - libm::log10(value).floor() as i32).max(0) as usize;
         format!("{value:.places$}")
     } else {
         format!("{value:.2e}")

@@ -106,7 +106,7 @@ fn extreme(points: &[Vec3]) -> Vec<usize> {
         let z = 1.0 - 2.0 * (n as f64 + 0.5) / MOST as f64;
         let turn = 2.399_963_229_728_653 * n as f64;
         let across = (1.0 - z * z).sqrt();
-        let direction = Vec3::new(across * turn.cos(), across * turn.sin(), z);
+        let direction = Vec3::new(across * libm::cos(turn), across * libm::sin(turn), z);
         let farthest = (0..points.len()).max_by(|a, b| {
             direction
                 .dot(&points[*a])

@@ -74,7 +74,7 @@ fn shape(statement: &Statement, model: &Model) -> Option<Shape> {
     let ring = |radii: [f64; 2], height: f64, extent: f64| -> Vec<Vec3> {
         (0..=SIDES)
             .map(|k| {
-                let (sin, cos) = (extent * k as f64 / SIDES as f64).sin_cos();
+                let (sin, cos) = libm::sincos(extent * k as f64 / SIDES as f64);
                 frame.point(&Vec3::new(radii[0] * cos, radii[1] * sin, height))
             })
             .collect()
@@ -102,7 +102,7 @@ fn shape(statement: &Statement, model: &Model) -> Option<Shape> {
         let around = |a: usize, b: usize| -> Vec<Vec3> {
             (0..=SIDES)
                 .map(|k| {
-                    let (sin, cos) = (full * k as f64 / SIDES as f64).sin_cos();
+                    let (sin, cos) = libm::sincos(full * k as f64 / SIDES as f64);
                     let mut p = Vec3::zeros();
                     p[a] = half[a] * cos;
                     p[b] = half[b] * sin;

@@ -47,7 +47,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
 /// True if the number is 57.29578 times a short one: somebody has turned a stiffness per degree into one per radian.
 fn was_converted(kt: f64) -> bool {
     let digits = |value: f64| {
-        let scaled = value / 10f64.powi(value.log10().floor() as i32 - 3);
+        let scaled = value / 10f64.powi(libm::log10(value).floor() as i32 - 3);
         (scaled - scaled.round()).abs() < 1e-5 * scaled
     };
     digits(kt.to_radians()) && !digits(kt)

@@ -57,7 +57,7 @@ fn value(expression: &Expression, node: &Node) -> Option<f64> {
                 BinaryOperator::Subtract => left - right,
                 BinaryOperator::Multiply => left * right,
                 BinaryOperator::Divide => left / right,
-                BinaryOperator::Power => left.powf(right),
+                BinaryOperator::Power => libm::pow(left, right),
                 BinaryOperator::Cross => return None,
             }
         }
