@@ -523,7 +523,12 @@ fn best(
                 continue;
             };
             let z = factor.solve(&(&g * s));
-            let logs: f64 = factor.l_dirty().diagonal().iter().map(|d| libm::log(*d)).sum();
+            let logs: f64 = factor
+                .l_dirty()
+                .diagonal()
+                .iter()
+                .map(|d| libm::log(*d))
+                .sum();
             let nats = 0.5 * s * g.dot(&z) - logs;
             if nats.is_finite() && out.as_ref().is_none_or(|law| nats > law.nats) {
                 out = Some(Law {

@@ -428,7 +428,10 @@ impl Search<'_, '_> {
                 models.push(visited);
             }
         }
-        let sum: f64 = models.iter().map(|v| libm::exp(v.ln_posterior - best)).sum();
+        let sum: f64 = models
+            .iter()
+            .map(|v| libm::exp(v.ln_posterior - best))
+            .sum();
         let mut out: Vec<(Visited, f64)> = models
             .into_iter()
             .map(|v| (v.clone(), libm::exp(v.ln_posterior - best) / sum))

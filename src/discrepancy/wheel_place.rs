@@ -73,7 +73,13 @@ impl WheelPlace {
         } else {
             libm::atan(s.y / s.x)
         };
-        [p.x, p.y, p.z, -libm::asin(s.z).to_degrees(), toe.to_degrees()]
+        [
+            p.x,
+            p.y,
+            p.z,
+            -libm::asin(s.z).to_degrees(),
+            toe.to_degrees(),
+        ]
     }
 
     /// How that changes with an unknown; `at` is the place of the carrier among the parts observed.

@@ -474,7 +474,9 @@ impl Outcome<'_> {
         let mut biased: Vec<_> = self
             .stiffnesses
             .iter()
-            .filter(|s| (s.before.0 - s.after.0).abs() > NOTABLE * libm::hypot(s.before.1, s.after.1))
+            .filter(|s| {
+                (s.before.0 - s.after.0).abs() > NOTABLE * libm::hypot(s.before.1, s.after.1)
+            })
             .collect();
         biased.sort_by(|a, b| b.bias().abs().total_cmp(&a.bias().abs()));
         let listed: Vec<String> = biased

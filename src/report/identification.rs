@@ -83,7 +83,10 @@ impl IdentificationReport<'_> {
                     .collect();
                 table.row([
                     text.join(", "),
-                    number(libm::exp(direction.sd_log), Some(libm::exp(direction.sd_log) * 0.1)),
+                    number(
+                        libm::exp(direction.sd_log),
+                        Some(libm::exp(direction.sd_log) * 0.1),
+                    ),
                     format!("{:.2}", direction.sd_log),
                 ]);
             }

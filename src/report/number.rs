@@ -4,7 +4,9 @@ pub fn number(value: f64, std_error: Option<f64>) -> String {
         return format!("{value}");
     }
     let digits = match std_error.filter(|error| *error > 0.0 && error.is_finite()) {
-        Some(error) => (libm::log10(value.abs()).floor() - libm::log10(error).floor() + 2.0).clamp(1.0, 8.0),
+        Some(error) => {
+            (libm::log10(value.abs()).floor() - libm::log10(error).floor() + 2.0).clamp(1.0, 8.0)
+        }
         None => 6.0,
     };
     rounded(value, digits as i32)

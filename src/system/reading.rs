@@ -39,8 +39,25 @@ impl Configuration<'_> {
 
     /// The reaction of a constraint on its I marker; after [`Configuration::look`]. For COUPLER and GEAR that of the first joint.
     pub fn read_constraint(&mut self, constraint: ConstraintIx) -> Reading {
-        self.read(Exerted::Joint(constraint.0, 0))
-            .expect("constraints have a value everywhere")
+        let terms = &self.system.joints[constraint.0].terms;
+        // A cylindrical joint in a GEAR has two terms: what it turns, and what it shifts.
+        let same = |other: &usize| {
+            let (first, other) = (&terms[0], &terms[*other]);
+            (first.i, first.j) == (other.i, other.j)
+        };
+        let mut all = (0..terms.len()).filter(same).map(|at| {
+            self.read(Exerted::Joint(constraint.0, at))
+                .expect("constraints have a value everywhere")
+        });
+        let mut out = all.next().expect("a constraint has a term");
+        for more in all {
+            out.wrench_j += more.wrench_j;
+            out.force += more.force;
+            out.torque += more.torque;
+            out.force_on_j += more.force_on_j;
+            out.torque_on_j += more.torque_on_j;
+        }
+        out
     }
 
     /// What an NFORCE does at each of its I markers; after [`Configuration::look`].

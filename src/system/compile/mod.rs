@@ -20,7 +20,7 @@ use super::multi::Multi;
 use super::structure::{
     Algebraic, Body, Condition, Element, Joint, Name, Rate, Start, StateEquation, System,
 };
-use super::{Driven, Parameters, State};
+use super::{Driven, Parameters, Scratch, State};
 use crate::diagnostic::{Checked, Code, Diagnostic};
 use crate::grammar::{self, ArgumentDef};
 use crate::mechanics::{Mat3, Pose, Vec3};
@@ -486,6 +486,10 @@ impl<'a> Compiler<'a> {
         let mut system = system;
         system.breaks.sort_by(f64::total_cmp);
         system.not_in_motion = not_in_motion(&system);
+        // An angle next to 180 degrees may go beyond it on the way to the first equilibrium.
+        let mut initial = system.initial.clone();
+        system.accept(&system.parameters, &mut initial, &mut Scratch::new(&system));
+        system.initial = initial;
         Checked {
             value: system,
             diagnostics: self.diagnostics,

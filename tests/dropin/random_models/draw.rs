@@ -5,8 +5,8 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use super::plain::{
-    At, FORMS, Force, Frame, Function, Joint, M, Measure, Part, Plain, V, about_x, about_y,
-    about_z, euler, number, numbers,
+    At, FORMS, Force, Frame, Function, Joint, M, Measure, Multi, Part, Plain, Train, V, about_x,
+    about_y, about_z, euler, number, numbers,
 };
 
 /// Units: word, size in those of the international system.
@@ -53,6 +53,8 @@ pub(super) struct Draw {
     pub(super) marker_text: String,
     pub(super) joints: Vec<Joint>,
     pub(super) forces: Vec<Force>,
+    pub(super) trains: Vec<Train>,
+    pub(super) multis: Vec<Multi>,
     pub(super) statements: String,
     /// Statements of forces that a command says anew, with the force it then is.
     pub(super) redefined: Vec<(String, Force)>,
@@ -62,6 +64,9 @@ pub(super) struct Draw {
     pub(super) floating: Vec<usize>,
     pub(super) count: [usize; 20],
 }
+
+/// Joints that a GEAR or COUPLER may join.
+pub(super) const GEARED: [&str; 3] = ["REVOLUTE", "TRANSLATIONAL", "CYLINDRICAL"];
 
 pub(super) fn one<T: Copy>(random: &mut Pcg64, all: &[T]) -> T {
     all[random.random_range(0..all.len())]
@@ -175,8 +180,14 @@ impl Draw {
             "PERPENDICULAR",
             "SCREW",
             "DISTANCE",
+            "RACKPIN",
         ];
-        let kind = one(&mut self.random, &kinds);
+        // What gears and couplers join is wanted often.
+        let kind = if self.chance(3) {
+            one(&mut self.random, &GEARED)
+        } else {
+            one(&mut self.random, &kinds)
+        };
         let j = self.near(b);
         let (s, t) = (self.u() * self.length, self.u());
         let pitch = 0.2 * self.length;
@@ -206,6 +217,13 @@ impl Draw {
             "INPLANE" => (V::new(s, 0.5 * s, 0.0), self.turn(1.0)),
             "ORIENTATION" => (self.vector(self.length), M::identity()),
             "PARALLEL_AXES" => (self.vector(self.length), about_z(t)),
+            // xi points along zj where the pinion has not turned; its axis lies across, to the digits of a deck.
+            "RACKPIN" => {
+                let across = about_z(3.0 * s / self.length) * V::x();
+                let rest = M::from_columns(&[V::z(), across.cross(&V::z()), across]);
+                let place = V::new(s, 0.5 * s, -0.5 * pitch * t);
+                (place, rest * about_z(t))
+            }
             _ => (V::new(1.0, 0.4 * t, t) * self.length, self.turn(1.0)),
         };
         let i = j.then(&Frame {
@@ -213,7 +231,7 @@ impl Draw {
             R: seen.1,
         });
         let value = match kind {
-            "SCREW" => pitch,
+            "SCREW" | "RACKPIN" => pitch,
             "DISTANCE" => seen.0.norm(),
             _ => 0.0,
         };
@@ -246,10 +264,10 @@ impl Draw {
             }
             _ => {
                 let id = self.id(0);
-                let pitch = if kind == "SCREW" {
-                    format!(", PITCH={}", number(pitch))
-                } else {
-                    String::new()
+                let pitch = match kind {
+                    "SCREW" => format!(", PITCH={}", number(pitch)),
+                    "RACKPIN" => format!(", PD={}", number(pitch)),
+                    _ => String::new(),
                 };
                 (
                     format!("JOINT_{id}"),
@@ -343,7 +361,7 @@ impl Draw {
         Function { form, x, q }
     }
 
-    fn frames(&self) -> Vec<Frame> {
+    pub(super) fn frames(&self) -> Vec<Frame> {
         let place = |(part, frame): &(usize, Frame)| self.places[*part].then(frame);
         self.markers.iter().map(place).collect()
     }
@@ -372,6 +390,8 @@ pub fn drawn(seed: u64) -> Drawn {
         marker_text: String::new(),
         joints: Vec::new(),
         forces: Vec::new(),
+        trains: Vec::new(),
+        multis: Vec::new(),
         statements: String::new(),
         redefined: Vec::new(),
         hinges: Vec::new(),
@@ -431,6 +451,17 @@ pub fn drawn(seed: u64) -> Drawn {
     } else {
         draw.motion();
     }
+    // A motion and both would move one joint in two ways.
+    let driven = draw.count[3] > 0;
+    if !driven || draw.chance(2) {
+        draw.gear();
+    }
+    if draw.trains.is_empty() || !driven {
+        draw.coupler();
+    }
+    if draw.chance(4) {
+        draw.multi_point(count);
+    }
     for _ in 0..draw.random.random_range(1..5) {
         let a = draw.random.random_range(1..=count);
         let b = (a + draw.random.random_range(1..=count)) % (count + 1);
@@ -462,6 +493,9 @@ pub fn drawn(seed: u64) -> Drawn {
         markers: draw.markers.clone(),
         joints: draw.joints.clone(),
         forces,
+        trains: draw.trains.clone(),
+        multis: draw.multis.clone(),
+        design: draw.places.clone(),
         gravity: g * ucf,
     };
     let mut solutions = vec![plain(draw.forces.clone(), &draw)];

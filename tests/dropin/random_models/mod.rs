@@ -7,6 +7,8 @@ mod draw;
 mod loads;
 #[allow(non_snake_case, reason = "rotation matrices")]
 mod plain;
+#[allow(non_snake_case, reason = "rotation matrices")]
+mod trains;
 
 use rayon::prelude::*;
 
@@ -56,10 +58,13 @@ fn judged(plain: &Plain, results: &Results, step: usize, drawn: &Drawn) -> Resul
         let frame = |(part, frame): &(usize, Frame)| places[*part].then(frame);
         plain.markers.iter().map(frame).collect()
     };
-    let before = step.checked_sub(1);
+    let before = match step.checked_sub(1) {
+        Some(before) => self::places(plain, results, before),
+        None => plain.design.clone(),
+    };
     let at = At {
         now: frames(&places),
-        before: before.map(|before| frames(&self::places(plain, results, before))),
+        before: Some(frames(&before)),
     };
     let mut worst = 0.0_f64;
     let mut sums = vec![(V::zeros(), V::zeros()); places.len()];
@@ -122,6 +127,59 @@ fn judged(plain: &Plain, results: &Results, step: usize, drawn: &Drawn) -> Resul
         add(plain.markers[joint.i].0, i.p, F, T);
         // The reaction on J acts where I is: torques about J follow.
         add(plain.markers[joint.j].0, i.p, -F, -T);
+    }
+    for train in &plain.trains {
+        let sum: f64 = train.terms.iter().map(|term| term.value(&at.now)).sum();
+        let scale = train
+            .terms
+            .iter()
+            .map(|term| term.scale.abs())
+            .fold(0.0, f64::max);
+        let apart = (sum - train.value).abs() / (scale * drawn.length.min(1.0));
+        if !(apart <= EXACT) {
+            return Err(format!("{}: {sum:e} for {:e}", train.name, train.value));
+        }
+        let told = read(&train.name);
+        let (on, (F, T)) = train.wrenches(&at.now, told);
+        let size = told.0.norm() + told.1.norm() / drawn.length + 1e-3 * drawn.force;
+        let apart = (F.norm() + T.norm() / drawn.length) / size;
+        if !(apart <= EXACT) {
+            return Err(format!(
+                "{}: {told:?} told, {F:?} {T:?} beside its joint",
+                train.name
+            ));
+        }
+        for (term, (F, T)) in train.terms.iter().zip(on) {
+            let point = at[term.i].p;
+            add(plain.markers[term.i].0, point, F, T);
+            add(plain.markers[term.j].0, point, -F, -T);
+        }
+    }
+    for multi in &plain.multis {
+        for (n, (F, T)) in multi.wrenches(&at.now).into_iter().enumerate() {
+            let own = |names: [&str; 3]| {
+                let columns = names.map(|name| match n {
+                    0 => name.to_string(),
+                    n => format!("{name}_{}", n + 1),
+                });
+                let [x, y, z] = columns
+                    .each_ref()
+                    .map(|name| results.column(&multi.name, name)[step]);
+                V::new(x, y, z)
+            };
+            let told = (own(["FX", "FY", "FZ"]), own(["TX", "TY", "TZ"]));
+            let size = F.norm() + T.norm() / drawn.length + 1e-3 * drawn.force;
+            let apart = ((told.0 - F).norm() + (told.1 - T).norm() / drawn.length) / size;
+            if !(apart <= EXACT) {
+                let name = &multi.name;
+                return Err(format!("{name}: {told:?} told, {F:?} {T:?} by its law"));
+            }
+            worst = worst.max(apart);
+            let point = at[multi.i[n]].p;
+            add(plain.markers[multi.i[n]].0, point, F, T);
+            // J feels the opposite of each where that marker is.
+            add(plain.markers[multi.j].0, point, -F, -T);
+        }
     }
     for (part, of) in plain.parts.iter().enumerate().skip(1) {
         let point = at[of.cm].p;

@@ -48,7 +48,7 @@ pub fn euler(angles: [f64; 3]) -> M {
 }
 
 /// x, y, z and the projected angles of a frame as seen from another.
-fn six(seen: &Frame) -> [f64; 6] {
+pub fn six(seen: &Frame) -> [f64; 6] {
     let (p, R) = (seen.p, seen.R);
     [
         p.x,
@@ -311,7 +311,7 @@ pub struct Joint {
     pub kind: &'static str,
     pub i: usize,
     pub j: usize,
-    /// PITCH, or the value of a motion or distance.
+    /// PITCH, PD, or the value of a motion or distance.
     pub value: f64,
 }
 
@@ -337,6 +337,11 @@ impl Joint {
             "ORIENTATION" => vec![zx, zy, R[(1, 0)]],
             "PARALLEL_AXES" => vec![zx, zy],
             "PERPENDICULAR" => vec![R[(2, 2)]],
+            // I rolls on J: where zj points in axes of I tells the turn; the rack goes the other way than I as seen from it.
+            "RACKPIN" => {
+                let zj = R.transpose() * V::z();
+                vec![-d.z + 0.5 * self.value * zj.y.atan2(zj.x)]
+            }
             "ROTATION" => vec![turned - self.value],
             "SHIFT" => vec![d.z - self.value],
             "DISTANCE" => vec![d.norm() - self.value],
@@ -383,6 +388,97 @@ impl Joint {
     }
 }
 
+/// A displacement of a joint in a COUPLER or GEAR, about or along z of J, times a scale.
+#[derive(Clone, Copy)]
+pub struct Term {
+    pub i: usize,
+    pub j: usize,
+    pub turns: bool,
+    pub scale: f64,
+}
+
+impl Term {
+    pub fn value(&self, at: &[Frame]) -> f64 {
+        let seen = six(&at[self.i].seen_from(&at[self.j]));
+        self.scale * seen[if self.turns { 5 } else { 2 }]
+    }
+}
+
+/// A COUPLER or GEAR: displacements of joints, whose sum stays as it is.
+#[derive(Clone)]
+pub struct Train {
+    /// `COUPLER_3`, as results call it.
+    pub name: String,
+    pub terms: Vec<Term>,
+    pub value: f64,
+}
+
+impl Train {
+    /// Force and torque on the I of each term, from those on the first joint's I that the results tell; and what of these is neither
+    /// along nor about the axis of that joint. A reaction does no work: it is proportional to the scales.
+    pub fn wrenches(&self, at: &[Frame], (F, T): (V, V)) -> (Vec<(V, V)>, (V, V)) {
+        let first = |term: &&Term| term.i == self.terms[0].i;
+        let axis = |term: &Term| V::from(at[term.j].R.column(2));
+        // Per unit of its scale.
+        let of = |term: &Term| axis(term).dot(if term.turns { &T } else { &F }) / term.scale;
+        let largest = self.terms.iter().filter(first);
+        let largest = largest.max_by(|a, b| a.scale.abs().total_cmp(&b.scale.abs()));
+        let multiplier = of(largest.expect("at least one"));
+        let each = |term: &Term| {
+            let along = axis(term) * (multiplier * term.scale);
+            let (force, torque) = (
+                along * f64::from(!term.turns),
+                along * f64::from(term.turns),
+            );
+            (force, torque)
+        };
+        let all: Vec<_> = self.terms.iter().map(each).collect();
+        let mut left = (F, T);
+        for (term, on) in self.terms.iter().zip(&all) {
+            if first(&term) {
+                left = (left.0 - on.0, left.1 - on.1);
+            }
+        }
+        (all, left)
+    }
+}
+
+/// A linear force between several markers I and one J: -K q + F in axes of J; K by rows.
+#[derive(Clone)]
+pub struct Multi {
+    /// `NFORCE_3`, as results call it.
+    pub name: String,
+    pub i: Vec<usize>,
+    pub j: usize,
+    pub k: Vec<Vec<f64>>,
+    pub rest: Vec<f64>,
+    pub preload: Vec<f64>,
+}
+
+impl Multi {
+    /// Force and torque on each I.
+    pub fn wrenches(&self, at: &[Frame]) -> Vec<(V, V)> {
+        let j = &at[self.j];
+        let q: Vec<f64> = self
+            .i
+            .iter()
+            .flat_map(|i| six(&at[*i].seen_from(j)))
+            .collect();
+        let row = |(row, preload): (&Vec<f64>, &f64)| {
+            let each = row.iter().zip(q.iter().zip(&self.rest));
+            preload - each.map(|(k, (q, rest))| k * (q - rest)).sum::<f64>()
+        };
+        let w: Vec<f64> = self.k.iter().zip(&self.preload).map(row).collect();
+        let each = |w: &[f64]| {
+            (
+                j.R * V::new(w[0], w[1], w[2]),
+                j.R * V::new(w[3], w[4], w[5]),
+            )
+        };
+        w.chunks(6).map(each).collect()
+    }
+}
+
 pub struct Part {
     pub mass: f64,
     pub cm: usize,
@@ -395,6 +491,10 @@ pub struct Plain {
     pub markers: Vec<(usize, Frame)>,
     pub joints: Vec<Joint>,
     pub forces: Vec<Force>,
+    pub trains: Vec<Train>,
+    pub multis: Vec<Multi>,
+    /// Where the parts stand in the dataset: turns of the first solution are counted from there.
+    pub design: Vec<Frame>,
     /// Weight by mass.
     pub gravity: V,
 }
