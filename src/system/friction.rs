@@ -125,12 +125,12 @@ pub struct FrictionReading {
 type Span = (usize, usize);
 
 /// Velocities, creeps and load of a friction, with the ranges of their gradients.
-struct Sliding {
-    v: Vec3,
-    c: Vec3,
+pub(super) struct Sliding {
+    pub v: Vec3,
+    pub c: Vec3,
     load: f64,
-    v_spans: [Span; 3],
-    c_spans: [Span; 3],
+    pub v_spans: [Span; 3],
+    pub c_spans: [Span; 3],
     load_span: Span,
 }
 
@@ -286,7 +286,7 @@ impl Configuration<'_> {
     }
 
     /// The motion of the surfaces and what presses them together; gradients are appended where asked for, the same pattern every time.
-    fn sliding(&mut self, number: usize, tangent: bool) -> Result<Sliding, NoValue> {
+    pub(super) fn sliding(&mut self, number: usize, tangent: bool) -> Result<Sliding, NoValue> {
         let friction = &self.system.frictions[number];
         let grip = self.state.grips[number];
         let mut out = Sliding {
@@ -417,7 +417,7 @@ impl Configuration<'_> {
     }
 
     /// The wrench of a friction into `scratch.contribution`; zero, with the same pattern, if it is switched off.
-    fn friction(&mut self, number: usize, ask: Ask) -> Result<(), NoValue> {
+    pub(super) fn friction(&mut self, number: usize, ask: Ask) -> Result<(), NoValue> {
         let system = self.system;
         let friction = &system.frictions[number];
         let tangent = ask == Ask::Tangent;
@@ -550,7 +550,7 @@ pub(crate) const SLOTS: usize = 3;
 const LEAST_OVERLAP: f64 = 1e-3;
 
 /// Of the load, and of the preload that no coefficient multiplies.
-fn coefficients(friction: &Friction, sliding: &Sliding) -> (Coefficient, Coefficient) {
+pub(super) fn coefficients(friction: &Friction, sliding: &Sliding) -> (Coefficient, Coefficient) {
     let law = &friction.law;
     (
         law.coefficient(&sliding.v, &sliding.c),

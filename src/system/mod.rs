@@ -15,6 +15,7 @@ mod driven;
 mod force_measure;
 mod forces;
 mod friction;
+mod friction_measure;
 mod function;
 mod inertia;
 mod load;
