@@ -516,6 +516,44 @@ mod tests {
         );
     }
 
+    /// Deflections of two springs in a row under unit loads, at places where the second counts by `share`. They were read with an error
+    /// that looks like a second spring pushed instead of pulled; the noise is a thousandth.
+    struct Springs;
+
+    impl LeastSquares for Springs {
+        fn evaluate(&mut self, x: &[f64], _with_jacobian: bool) -> Option<Evaluation> {
+            let (soft, other) = ((-x[0]).exp(), (-x[1]).exp());
+            let shares: Vec<f64> = (0..5).map(|k| 0.1 * f64::from(k)).collect();
+            let read = |share: f64| (-1.0_f64).exp() - 0.5 * share;
+            Some(Evaluation {
+                residual: DVector::from_fn(5, |k, _| {
+                    1e3 * (soft + shares[k] * other - read(shares[k]))
+                }),
+                jacobian: DMatrix::from_fn(5, 2, |k, j| {
+                    -1e3 * if j == 0 { soft } else { shares[k] * other }
+                }),
+            })
+        }
+    }
+
+    #[test]
+    fn what_is_hardly_seen_does_not_run_off_on_the_way() {
+        let (start, scale, held) = ([0.0; 2], [1.0; 2], [false; 2]);
+        let prior = Prior { mean: 0.0, sd: 3.0 };
+        let straight = minimise(
+            &mut Springs,
+            &start,
+            &[prior; 2],
+            &scale,
+            &held,
+            Tolerances::default(),
+        )
+        .unwrap();
+        assert!(straight.x[1] > 6.0, "{:?}", straight.x);
+        let led = approach(&mut Springs, &start, &scale, &held);
+        assert!(led[1] < 3.0 && (led[0] - 1.2).abs() < 0.5, "{led:?}");
+    }
+
     #[test]
     fn a_held_unknown_stays_and_a_prior_pulls() {
         let held = minimise(
