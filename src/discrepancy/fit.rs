@@ -10,6 +10,7 @@ use super::settle::{Settled, Sweep};
 use super::subject::{Data, Subject};
 use super::unknowns::{Known, Unknowns};
 use crate::identify::Problem;
+use crate::identify::global::gauss_newton::LOUD;
 use crate::identify::global::{FitUnknowns, Memory, NuisanceLayout, Observations, Predictor};
 use crate::system::{Parameters, State};
 use crate::tolerance::{self, Linear, Posterior, Sizes, Whitening};
@@ -274,7 +275,8 @@ pub fn fit(
         (sweep, settled)
     } else {
         // Stiffnesses that were fitted as if all else were exact can be so wrong that nothing leads away from them; everything at once
-        // from afar goes astray as often, in other studies. The evidence says which of both ends is the better one.
+        // from afar goes astray as often, in other studies. The evidence says which of both ends is the better one. Where stiffnesses alone
+        // nearly explain the readings there is nothing to run off after.
         let from = |alone: bool| {
             let (mut sweep, mut x) = (begun()?, x.clone());
             if alone {
@@ -282,21 +284,24 @@ pub fn fit(
             }
             let steps = if alone { STEPS } else { 2 * STEPS };
             let start = sweep.at(x);
+            let missed = start.as_ref().is_none_or(|start| {
+                let residual = &start.evaluation.residual;
+                residual.norm_squared() > LOUD * LOUD * residual.len() as f64
+            });
             let settled =
                 start.and_then(|start| sweep.settle(start, &subject.sizes, (steps, least), alone));
             subject.spend(sweep.predictor.sweeps());
-            Some((sweep, settled))
+            Some((sweep, settled, missed))
         };
-        let reached = |(_, settled): &(Sweep<'_>, Option<Settled>)| {
+        let reached = |settled: &Option<Settled>| {
             settled
                 .as_ref()
                 .map_or(f64::NEG_INFINITY, |s| s.posterior.ln_z - s.posterior.gain)
         };
-        let (first, second) = (from(true)?, from(false)?);
-        if reached(&second) > reached(&first) {
-            second
-        } else {
-            first
+        let (sweep, settled, missed) = from(true)?;
+        match missed.then(|| from(false)).flatten() {
+            Some((other, ended, _)) if reached(&ended) > reached(&settled) => (other, ended),
+            _ => (sweep, settled),
         }
     };
     let settled = settled?;
