@@ -55,6 +55,7 @@ pub use candidate::Kind;
 pub use cause::Cause;
 pub use cross_validation::{CrossValidation, GroupGain};
 pub use diagnose::{Outcome, diagnose, diagnose_watched, held_out};
+pub use words::ChannelMiss;
 pub use diagnosis::{
     BaselineFit, DetectionLimit, Diagnosis, Evidence, Finding, Gain, Indistinguishable,
     NextMeasurement, NoiseFound, Parameter, ToleranceFound, Unexplained, Verdict,

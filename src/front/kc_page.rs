@@ -58,6 +58,16 @@ pub(crate) fn kc_page(
                 |at| format!("locked by {}", at.text),
             ),
         ),
+        (
+            "Friction",
+            match found.ride.seen.friction {
+                Some(_) => format!(
+                    "joints slide with MU_{}",
+                    config.sliding_with.word().to_uppercase()
+                ),
+                None => "no joint rubs".to_string(),
+            },
+        ),
         ("Axes of the answer", convention.word().to_string()),
         (
             "Swing arms and roll centre",

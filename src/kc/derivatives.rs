@@ -2,7 +2,8 @@
 
 use nalgebra::DMatrix;
 
-use super::bench::{Compiled, Drive, Fitted, WheelRate};
+use super::bench::{Compiled, Fitted, WheelRate};
+use super::inputs::Drive;
 use super::config::{AxisMethod, Config};
 use super::rig::FoundWheel;
 use super::{Compliance, Mat12, SteerAxis};

@@ -1,5 +1,5 @@
 use crate::discrepancy::{
-    CrossValidation, Fitted, HoldOut, Outcome, Over, Remainder, StructureTest, Verdict,
+    ChannelMiss, CrossValidation, Fitted, HoldOut, Outcome, Over, Remainder, StructureTest, Verdict,
 };
 use crate::identify::global::Row;
 
@@ -30,6 +30,11 @@ pub struct DiagnosisReport<'a> {
 fn loads(case: &std::collections::BTreeMap<String, f64>) -> String {
     let one = |(name, value): (&String, &f64)| format!("{name} = {value}");
     case.iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
+/// Three digits.
+fn three(value: f64) -> String {
+    number(value, Some(0.1 * value.abs()))
 }
 
 /// A p-value as a person reads it.
@@ -67,8 +72,30 @@ fn prediction(cases: &[String], causes: &[String], rms: [f64; 2], scene: &Scene)
     } else {
         scene.naming(&causes.join(", "))
     };
-    let [before, after] = rms.map(|rms| format!("{rms:.4}"));
+    let [before, after] = rms.map(three);
     [cases, causes, before, after]
+}
+
+/// How far channels are missed.
+fn missed(channels: &[ChannelMiss]) -> Table {
+    let mut table = Table::new(&[
+        ("channel", Align::Left),
+        ("unit", Align::Left),
+        ("missed, rms: as the model was", Align::Right),
+        ("as it is extended", Align::Right),
+        ("noise of a reading", Align::Right),
+    ]);
+    for miss in channels {
+        let value = |x: f64| number(x, Some(0.1 * miss.noise));
+        table.row([
+            miss.name.clone(),
+            miss.behind.trim().to_string(),
+            value(miss.before),
+            value(miss.after),
+            value(miss.noise),
+        ]);
+    }
+    table
 }
 
 /// The cases held out.
@@ -89,8 +116,8 @@ fn groups(found: &CrossValidation, length: &str, scene: &Scene) -> Table {
     table.row([
         "all".to_string(),
         String::new(),
-        format!("{:.4}", found.rms_before),
-        format!("{:.4}", found.rms_after),
+        three(found.rms_before),
+        three(found.rms_after),
     ]);
     table
 }
@@ -159,7 +186,13 @@ impl DiagnosisReport<'_> {
             "{lead} Before any extension chi-square per degree of freedom is {:.2}; {} hypotheses were tried.",
             diagnosis.baseline.chi2_per_dof, self.outcome.places
         ));
-        let sentences = self.outcome.sentences();
+        let channels = self.outcome.channels();
+        let mut sentences = self.outcome.sentences();
+        if channels.len() > 1 {
+            // Many alike read better as a table.
+            sentences.retain(|text| channels.iter().all(|miss| miss.sentence() != *text));
+            page.table(&missed(&channels));
+        }
         page.list(
             &sentences
                 .iter()
