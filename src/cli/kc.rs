@@ -211,7 +211,8 @@ fn refuse(why: &BenchError, path: &Path, shell: &Shell) -> Exit {
         }
         BenchError::NoAxleLoad { .. } => {
             let message = format!("`{file}`, {why}");
-            let help = "a deck without springs bears no load: hold = \"height\" drives the wheels alone";
+            let help =
+                "a deck without springs bears no load: hold = \"height\" drives the wheels alone";
             shell.complain(&[Diagnostic::error(Code::NoEquilibrium, message).help(help)]);
             Exit::NoAnswer
         }

@@ -55,7 +55,6 @@ pub use candidate::Kind;
 pub use cause::Cause;
 pub use cross_validation::{CrossValidation, GroupGain};
 pub use diagnose::{Outcome, diagnose, diagnose_watched, held_out};
-pub use words::ChannelMiss;
 pub use diagnosis::{
     BaselineFit, DetectionLimit, Diagnosis, Evidence, Finding, Gain, Indistinguishable,
     NextMeasurement, NoiseFound, Parameter, ToleranceFound, Unexplained, Verdict,
@@ -76,3 +75,4 @@ pub use tolerant::{Tolerant, tolerant};
 pub use trend::Trend;
 pub use unseen::{HoldOut, Unseen};
 pub use wheel_run::WheelRun;
+pub use words::ChannelMiss;

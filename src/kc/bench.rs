@@ -465,9 +465,7 @@ impl Compiled {
             normal: Vec3::z(),
             compliance: derivatives.compliance,
         };
-        let friction = self
-            .system
-            .creep_on(&parameters, state, &mut self.scratch);
+        let friction = self.system.creep_on(&parameters, state, &mut self.scratch);
         let mut load = [0.0; 2];
         let mut rates = [None; 2];
         for (n, (wheel, found)) in self.wheels.iter().zip(found).enumerate() {

@@ -357,7 +357,8 @@ impl Config {
             if kind == TestKind::Bounce && settings.hold == Hold::Load {
                 wrong(
                     0..0,
-                    "test `bounce` drives the heights that hold = \"load\" would let go".to_string(),
+                    "test `bounce` drives the heights that hold = \"load\" would let go"
+                        .to_string(),
                 );
             }
             if settings.point == LoadPoint::Patch && file.tyre.is_none() {

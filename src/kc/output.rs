@@ -144,7 +144,10 @@ fn cell(value: f64) -> String {
 
 /// What joints with friction do.
 fn friction(sample: &Sample) -> &'static str {
-    sample.seen.friction.map_or("none", crate::system::Grasp::word)
+    sample
+        .seen
+        .friction
+        .map_or("none", crate::system::Grasp::word)
 }
 
 /// All samples of all tests, a line each; ride height first.

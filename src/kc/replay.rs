@@ -200,9 +200,10 @@ impl Replay {
             let how = (options, angle);
             let (p, R) = followed.body.at(&options.centre, how, read);
             let point = |(body, local): &(Body, Vec3)| body.at(local, how, read).0;
-            let axis = followed.axis.as_ref().and_then(|[lower, upper]| {
-                SteerAxis::through(&point(lower), &point(upper))
-            });
+            let axis = followed
+                .axis
+                .as_ref()
+                .and_then(|[lower, upper]| SteerAxis::through(&point(lower), &point(upper)));
             if followed.known.is_none() {
                 let forces = (self.normal_force, read);
                 followed.known = Some(Known::at(&followed.name, &p, &R, options, forces)?);

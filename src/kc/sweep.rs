@@ -2,9 +2,9 @@
 
 use super::axle::Given;
 use super::bench::{Bench, BenchError, Chain, Observation, WheelRate};
-use super::inputs::{Drive, Inputs};
 use super::config::Config;
 use super::gradient::{Gradient, gradients};
+use super::inputs::{Drive, Inputs};
 use super::rig::Variant;
 use super::sample::{Branch, Sample};
 use super::test_kind::{Driven, TestKind};
@@ -238,7 +238,11 @@ const HEAVE: Drive = Drive {
 impl Course<'_> {
     /// Where it is, in words.
     fn at(&self, value: f64) -> String {
-        format!("test {}, {} {value}", self.kind.name(), self.kind.variable())
+        format!(
+            "test {}, {} {value}",
+            self.kind.name(),
+            self.kind.variable()
+        )
     }
 
     /// True of a roll under the load of the axle.
@@ -387,7 +391,10 @@ fn test(
         }
     }
     // Where joints rub, the tangent is the mean of both branches, each where it passes ride height.
-    let nearest = grid.iter().copied().min_by(|a, b| a.abs().total_cmp(&b.abs()));
+    let nearest = grid
+        .iter()
+        .copied()
+        .min_by(|a, b| a.abs().total_cmp(&b.abs()));
     let mut branches = Vec::new();
     let mut samples = Vec::new();
     let mut go = |bench: &mut Bench<'_>, branch, value: f64| -> Result<(), BenchError> {

@@ -8,6 +8,7 @@ use super::interval::IntervalScale;
 use super::ranking::{ranking, words};
 use super::{
     Align, Chart, DrawingError, Figure, HeatMap, Mark, Page, Scene, Series, Table, number,
+    short_unit,
 };
 use crate::identify::LoadedStudy;
 use crate::identify::global::confidence::NORMAL_975;
@@ -386,7 +387,7 @@ impl DiagnosisReport<'_> {
                 .unknowns
                 .iter()
                 .find(|unknown| unknown.address.to_string() == stiffness.address)
-                .map_or_else(String::new, |unknown| unknown.unit.clone());
+                .map_or_else(String::new, |unknown| short_unit(&unknown.unit));
             table.row([
                 scene.named(&stiffness.address),
                 unit,

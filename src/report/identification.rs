@@ -2,7 +2,7 @@
 
 use super::convergence::convergence;
 use super::interval::IntervalScale;
-use super::number::{number, rounded};
+use super::number::{number, rounded, short_unit};
 use super::repeats::repeats;
 use super::study_figures::StudyFigures;
 use super::{Align, DrawingError, Page, Positions, Table, headline, study_scene};
@@ -134,10 +134,7 @@ impl IdentificationReport<'_> {
             (picture.as_str(), Align::Left),
         ];
         if known {
-            columns.extend([
-                ("reference", Align::Right),
-                ("identified / reference", Align::Right),
-            ]);
+            columns.extend([("reference", Align::Right), ("ratio", Align::Right)]);
         }
         let shares = self
             .fit
@@ -147,12 +144,12 @@ impl IdentificationReport<'_> {
         if shares {
             columns.push(("due to tolerances", Align::Right));
         }
-        columns.push(("", Align::Left));
+        columns.push(("status", Align::Left));
         let mut table = Table::new(&columns);
         for (parameter, reference) in self.fit.parameters.iter().zip(reference) {
             let mut cells = vec![
                 self.named(parameter),
-                parameter.unit.clone(),
+                short_unit(&parameter.unit),
                 number(parameter.initial, None),
                 number(parameter.value, parameter.std_error),
                 interval(parameter),

@@ -1,7 +1,7 @@
 use super::{Align, Chart, DrawingError, Figure, Mark, Page, Series, Table};
 use crate::kc::{
-    Branch, Convention, Driven, Gradient, KcRun, Reading, Sample, Side, TestKind, TestRun, Unit, fitted_slope,
-    loop_half_width, output,
+    Branch, Convention, Driven, Gradient, KcRun, Reading, Sample, Side, TestKind, TestRun, Unit,
+    fitted_slope, loop_half_width, output,
 };
 use crate::units::Units;
 
@@ -123,7 +123,7 @@ fn shown(value: f64, unit: Unit, units: &Units) -> (f64, String) {
     if let Some((factor, word)) = people {
         return (factor * value, word.to_string());
     }
-    let word = unit.word(units);
+    let word = super::short_unit(&unit.word(units));
     if unit.is_angle() {
         (value.to_degrees(), word.replacen("rad", "deg", 1))
     } else {
@@ -520,7 +520,11 @@ impl KcReport<'_> {
             let width = |value: f64| {
                 let (value, unit) = shown(value, gradient.unit, self.units);
                 let text = digits(value);
-                if text.is_empty() { text } else { format!("{text} {unit}") }
+                if text.is_empty() {
+                    text
+                } else {
+                    format!("{text} {unit}")
+                }
             };
             let (tangent, unit) = of(factor * gradient.tangent);
             let mut row = vec![

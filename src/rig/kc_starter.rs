@@ -63,7 +63,11 @@ pub(super) fn spin_axis(model: &Model, at: MarkerIx) -> &'static str {
 
 /// Loads with a number for a function on the parts of the wheels: what the rig replaces.
 fn own_loads(model: &Model, wheels: &[MarkerIx]) -> Vec<String> {
-    let on = |at: MarkerIx| wheels.iter().any(|&w| part_of(model, w) == part_of(model, at));
+    let on = |at: MarkerIx| {
+        wheels
+            .iter()
+            .any(|&w| part_of(model, w) == part_of(model, at))
+    };
     let mut found = Vec::new();
     for force in &model.sforces {
         if force.header.active && on(force.i) && is_number(&force.function) {
@@ -107,7 +111,11 @@ pub(super) fn kc_toml(model: &Model, wheel: MarkerIx) -> String {
     }
     for at in &wheels {
         // Of Adams/Car's axes.
-        let side = if place(model, *at).y < 0.0 { "left" } else { "right" };
+        let side = if place(model, *at).y < 0.0 {
+            "left"
+        } else {
+            "right"
+        };
         let marker = &model.markers[at.0];
         let part = &model.parts[marker.part.0].header.name;
         _ = writeln!(

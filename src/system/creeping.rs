@@ -65,7 +65,11 @@ impl System {
             if ids.contains(&friction.name.id) {
                 let law = friction.law;
                 let dynamic = with == SlidingWith::Dynamic && friction.slips;
-                let mu_static = if dynamic { law.mu_dynamic } else { law.mu_static };
+                let mu_static = if dynamic {
+                    law.mu_dynamic
+                } else {
+                    law.mu_static
+                };
                 friction.at_rest = Some(FrictionLaw { mu_static, ..law });
             }
         }
@@ -109,7 +113,11 @@ impl System {
             sliding += usize::from(size >= limit * NEAR);
             *grip = Grip {
                 sticking: true,
-                creep: if size > limit { crept * (limit / size) } else { crept },
+                creep: if size > limit {
+                    crept * (limit / size)
+                } else {
+                    crept
+                },
                 place,
                 turn,
                 first: grip.first.or(Some(place)),

@@ -2,7 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use admire::discrepancy::{Data, Subject, diagnose, held_out};
+use admire::backend::{Backend, BackendError, Sweep, SweepRequest};
+use admire::discrepancy::{
+    Data, GainCheck, Outcome, Progress, Subject, diagnose, diagnose_watched, held_out,
+};
 use admire::identify::LoadedStudy;
 use admire::identify::global::gauss_newton::LeastSquares;
 use admire::identify::global::{
@@ -10,6 +13,7 @@ use admire::identify::global::{
 };
 use admire::rig::effect::EffectSpec;
 use admire::rig::{RigOptions, RigRun, virtual_rig};
+use admire::syntax::Address;
 
 use crate::setup::replace;
 
@@ -374,6 +378,56 @@ fn another_solver_is_fitted_to_curves_and_gradients() {
         (a.rms_after / b.rms_after - 1.0).abs() < 1e-2,
         "{a:?} {b:?}"
     );
+}
+
+/// A solver that knows the coil spring to be softer than the deck says.
+struct Softer(admire::backend::NativeBackend);
+
+const SOFTER: f64 = 0.9;
+
+impl Backend for Softer {
+    fn name(&self) -> &'static str {
+        "softer"
+    }
+
+    fn sweep(&mut self, request: &SweepRequest<'_>) -> Result<Sweep, BackendError> {
+        let spring = Address::parse("SPRINGDAMPER/1.K", request.dataset).unwrap();
+        let mut theta = request.theta.to_vec();
+        match theta.iter_mut().find(|(address, _)| *address == spring) {
+            Some((_, value)) => *value *= SOFTER,
+            None => theta.push((spring, SOFTER * request.model.springdampers[0].stiffness)),
+        }
+        self.0.sweep(&SweepRequest {
+            theta: &theta,
+            ..*request
+        })
+    }
+}
+
+/// All readings are channels: the last fit of a diagnosis takes them from the solver of the study, which knows better here. Without them the
+/// misfit of the built-in one would stay.
+#[test]
+fn the_last_fit_of_a_diagnosis_takes_channels_of_another_solver() {
+    let spring = format!("element-parameter@SPRINGDAMPER/1.K:factor={SOFTER}");
+    let (_folder, loaded) = measured(TABLE, "", &[spring.as_str()], None);
+    let problem = loaded.problem();
+    let cases = held_out(&loaded.study, problem.measurement);
+    let progress = Progress::default();
+    let mut outcome = diagnose_watched(&problem, cases, GainCheck::Quick, &progress).unwrap();
+    let before = outcome.diagnosis.baseline.chi2_per_dof;
+    assert!(before > 3.0, "{before}");
+    let travel = |outcome: &Outcome<'_>| {
+        let all = outcome.channels();
+        let found = all.iter().find(|miss| miss.name == "travel").unwrap();
+        (found.before, found.noise)
+    };
+    let (native, noise) = travel(&outcome);
+    assert!(native > 3.0 * noise, "{native}");
+    let mut other = Softer(admire::backend::NativeBackend::new());
+    assert_eq!(outcome.by_the_study(&mut other), None);
+    let after = outcome.diagnosis.baseline.chi2_per_dof;
+    let (foreign, _) = travel(&outcome);
+    assert!(after < 1.5 && foreign < 1.5 * noise, "{after} {foreign}");
 }
 
 /// What only the solver knows, a reaction, is refused by name.

@@ -39,14 +39,27 @@ fn tests_of(deck: &str, toml: &str) -> KcRun {
 
 /// The load of the left wheel on both branches of a bounce test at ride height, and slope and half width of its gradient.
 fn loads(run: &KcRun) -> ([f64; 2], f64, f64) {
-    let test = run.tests.iter().find(|t| t.kind == TestKind::Bounce).unwrap();
+    let test = run
+        .tests
+        .iter()
+        .find(|t| t.kind == TestKind::Bounce)
+        .unwrap();
     let at = |branch: Branch| {
         let mut all = test.samples.iter();
-        all.find(|s| s.branch == branch && s.value == 0.0).unwrap().seen.load[0]
+        all.find(|s| s.branch == branch && s.value == 0.0)
+            .unwrap()
+            .seen
+            .load[0]
     };
     let mut gradients = test.gradients.iter();
-    let gradient = gradients.find(|g| g.component == "vertical_left_force").unwrap();
-    ([at(Branch::Up), at(Branch::Down)], gradient.tangent, gradient.hysteresis)
+    let gradient = gradients
+        .find(|g| g.component == "vertical_left_force")
+        .unwrap();
+    (
+        [at(Branch::Up), at(Branch::Down)],
+        gradient.tangent,
+        gradient.hysteresis,
+    )
 }
 
 /// Up and down the pin takes `mu r N` with N the difference of spring and wheel load: `F (L + m) = S (a + m)`, m = mu r, down with -m.
@@ -89,12 +102,18 @@ fn all_close(run: &KcRun, bar: f64) -> f64 {
             }
             let of = |sample: &Sample| sample.readings[k].value;
             let values: Vec<f64> = test.samples.iter().map(of).collect();
-            let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(a, b), v| (a.min(*v), b.max(*v)));
+            let (low, high) = values
+                .iter()
+                .fold((f64::MAX, f64::MIN), |(a, b), v| (a.min(*v), b.max(*v)));
             let range = (high - low).max(1e-6);
             for (a, b) in [(up_low, down_low), (up_high, down_high)] {
                 let apart = (of(a) - of(b)).abs();
                 let path = up_low.readings[k].path();
-                assert!(apart <= bar * range, "{} {path}: {apart:e} of {range:e}", test.kind.name());
+                assert!(
+                    apart <= bar * range,
+                    "{} {path}: {apart:e} of {range:e}",
+                    test.kind.name()
+                );
             }
         }
         for gradient in &test.gradients {
@@ -122,18 +141,35 @@ fn loops_close() {
     let ball = ", BALL_RADIUS = 12";
     let pin = ", PIN_RADIUS = 15, FRICTION_ARM = 15, BENDING_REACTION_ARM = 60";
     let cases = [
-        ("mcpherson", corpus("pseudo-mcpherson/model.adm"), MCPHERSON, vec![(3, strut), (1, ball), (2, ball), (4, ball)]),
-        ("wishbone", sprung_wishbone(), DOUBLE_WISHBONE, vec![(11, pin), (21, pin), (12, pin), (22, pin)]),
+        (
+            "mcpherson",
+            corpus("pseudo-mcpherson/model.adm"),
+            MCPHERSON,
+            vec![(3, strut), (1, ball), (2, ball), (4, ball)],
+        ),
+        (
+            "wishbone",
+            sprung_wishbone(),
+            DOUBLE_WISHBONE,
+            vec![(11, pin), (21, pin), (12, pin), (22, pin)],
+        ),
     ];
     for (name, deck, toml, joints) in cases {
         let with = tests_of(&rubs(deck.clone(), &joints, ""), toml);
         let width = all_close(&with, 1e-9);
         println!("{name}: {width:.1} N");
         assert!(width > 1.0, "{name}: {width}");
-        assert!(with.tests.iter().all(|t| t.samples.iter().all(|s| s.seen.friction.is_some())));
+        assert!(
+            with.tests
+                .iter()
+                .all(|t| t.samples.iter().all(|s| s.seen.friction.is_some()))
+        );
         let without = tests_of(&rubs(deck, &joints, ", INACTIVE = STATIC"), toml);
         let width = all_close(&without, 1e-9);
-        assert!(width < 1e-6 && without.ride.seen.friction.is_none(), "{name}: {width}");
+        assert!(
+            width < 1e-6 && without.ride.seen.friction.is_none(),
+            "{name}: {width}"
+        );
     }
 }
 
@@ -152,19 +188,33 @@ fn a_roll_keeps_the_load_of_the_axle() {
         let mut rise: f64 = 0.0;
         for sample in &test.samples {
             let load: f64 = sample.seen.load.iter().sum();
-            assert!((load - axle_load).abs() < 1e-6 * axle_load, "{name} {load} {axle_load}");
+            assert!(
+                (load - axle_load).abs() < 1e-6 * axle_load,
+                "{name} {load} {axle_load}"
+            );
             let height = sample.inputs.height;
-            assert!((height[0] - height[1] - 2.0 * sample.value).abs() < 1e-9, "{name}");
-            rise = rise.max((height[0] + height[1] - run.ride.inputs.height.iter().sum::<f64>()).abs());
+            assert!(
+                (height[0] - height[1] - 2.0 * sample.value).abs() < 1e-9,
+                "{name}"
+            );
+            rise = rise
+                .max((height[0] + height[1] - run.ride.inputs.height.iter().sum::<f64>()).abs());
         }
         assert!(rise > 0.01, "{name}: {rise}");
         // The tangent is the slope of what is recorded.
         let fine = format!("{toml}range = [-0.5, 0.5]\npoints = 5\n");
         let fine = tests_of(&deck, &fine);
-        let fine = fine.tests.iter().find(|t| t.kind == TestKind::Roll).unwrap();
+        let fine = fine
+            .tests
+            .iter()
+            .find(|t| t.kind == TestKind::Roll)
+            .unwrap();
         for gradient in &fine.gradients {
             let apart = (gradient.fitted - gradient.tangent).abs();
-            assert!(apart < 1e-3 * gradient.tangent.abs().max(1e-6), "{name} {gradient:?}");
+            assert!(
+                apart < 1e-3 * gradient.tangent.abs().max(1e-6),
+                "{name} {gradient:?}"
+            );
         }
     }
 }

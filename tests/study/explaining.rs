@@ -164,7 +164,9 @@ fn every_cause_is_explained() {
 
 /// What a reader says it knows at a place: the words in backticks behind "expected".
 fn expected(complaint: &str) -> Vec<String> {
-    let (_, rest) = complaint.split_once("expected").unwrap_or_else(|| panic!("{complaint}"));
+    let (_, rest) = complaint
+        .split_once("expected")
+        .unwrap_or_else(|| panic!("{complaint}"));
     let line = rest.lines().next().unwrap_or_default();
     let words = line.split('`').skip(1).step_by(2);
     words.map(str::to_string).collect()
@@ -183,7 +185,11 @@ fn every_key_of_the_other_settings_is_explained() {
         let said = admire(folder.path(), command);
         assert_eq!(said.code, 1, "{text}: {}", said.err);
         for key in expected(&said.err) {
-            keys.insert(if table.is_empty() { key } else { format!("{table}.{key}") });
+            keys.insert(if table.is_empty() {
+                key
+            } else {
+                format!("{table}.{key}")
+            });
         }
     };
     let kc = ["kc", "model.adm", "--out", "out", "--format", "plain"];
@@ -206,7 +212,10 @@ fn every_key_of_the_other_settings_is_explained() {
         ("zz = 1\n", ""),
         ("[sampling]\nzz = 1\n", "sampling"),
         ("sampling.plan = 'random'\n[[vary]]\nzz = 1\n", "vary"),
-        ("sampling.plan = 'random'\n[[correlate]]\nzz = 1\n", "correlate"),
+        (
+            "sampling.plan = 'random'\n[[correlate]]\nzz = 1\n",
+            "correlate",
+        ),
         ("sampling.plan = 'random'\n[[keep]]\nzz = 1\n", "keep"),
         ("sampling.plan = 'random'\n[solver]\nzz = 1\n", "solver"),
     ] {
@@ -221,10 +230,16 @@ fn every_key_of_the_other_settings_is_explained() {
     let known = |key: &String| {
         let within = format!("{key}.");
         let side = ["wheels.left", "wheels.right"].contains(&key.as_str());
-        side || terms.iter().any(|term| term == key || term.starts_with(&within))
+        side || terms
+            .iter()
+            .any(|term| term == key || term.starts_with(&within))
     };
     let lacking: Vec<&String> = keys.iter().filter(|key| !known(key)).collect();
     assert!(lacking.is_empty(), "{lacking:?}");
     let said = admire(folder.path(), &["explain", "tests.bounce.hold"]);
-    assert!(said.code == 0 && said.out.contains("of the axle"), "{}", said.out);
+    assert!(
+        said.code == 0 && said.out.contains("of the axle"),
+        "{}",
+        said.out
+    );
 }
