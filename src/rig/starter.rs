@@ -488,16 +488,23 @@ fn wheel(model: &Model) -> Option<MarkerIx> {
             return 0;
         }
         let name = marker.header.name.to_lowercase();
-        let own = wheel_words(&name);
-        let centre = own > 0 && ["cent", "wc"].iter().any(|word| name.contains(word));
+        let part_name = part.header.name.to_lowercase();
+        // A mark on the carrier, `CARRIER_M1`, has only the name of its part.
+        let own = WHEEL_WORDS
+            .iter()
+            .filter(|word| name.contains(**word) && !part_name.contains(**word))
+            .count();
+        let mut tokens = name.split(|c: char| !c.is_alphanumeric());
+        let centre = tokens.any(|token| ["wc", "wcl", "wcr"].contains(&token))
+            || (wheel_words(&name) > 0 && name.contains("cent"));
         let scalar = model.sforces.iter().filter(|force| force.i.0 == at);
         let vector = model.vector_forces.iter().filter(|force| force.i.0 == at);
         let loaded = scalar.count() + vector.count();
         let on_part = wheel_words(&part.header.name);
-        if own + on_part == 0 {
+        if own + on_part + usize::from(centre) == 0 {
             return 0;
         }
-        8 * own + 4 * usize::from(centre) + 3 * on_part + 2 * loaded.min(3)
+        8 * own + 12 * usize::from(centre) + 3 * on_part + 2 * loaded.min(3)
     };
     let best = (0..model.markers.len()).max_by_key(|&at| (score(at), std::cmp::Reverse(at)))?;
     (score(best) > 0).then_some(MarkerIx(best))

@@ -202,7 +202,7 @@ fn a_roll_keeps_the_load_of_the_axle() {
         }
         assert!(rise > 0.01, "{name}: {rise}");
         // The tangent is the slope of what is recorded.
-        let fine = format!("{toml}range = [-0.5, 0.5]\npoints = 5\n");
+        let fine = format!("{toml}range = [-0.5, 0.5]\npoints = 5\nwindow = 0.5\n");
         let fine = tests_of(&deck, &fine);
         let fine = fine
             .tests
