@@ -18,7 +18,10 @@ pub(crate) fn kc_page(
     let name = deck
         .file_name()
         .map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-    let (force, length) = (units.force.word, units.length.word);
+    let (force, length) = (
+        crate::report::short_unit(units.force.word),
+        units.length.word,
+    );
     let given = |value: Option<String>| value.unwrap_or_else(|| "not given".to_string());
     let facts = [
         ("Deck", format!("{}, axes {}", deck.display(), config.axes)),

@@ -50,7 +50,8 @@ impl IdentificationReport<'_> {
         page.table(&self.parameters());
         page.note(
             "K in force per length, KT in torque per radian, as in the deck. Intervals hold the true value in 95 of 100 repetitions of \
-             the measurement if the model is right; whether it is, says the diagnosis.",
+             the measurement if the model is right; whether it is, says the diagnosis. What is not told is unidentifiable: the readings say \
+             too little about it.",
         );
         self.tolerances(&mut page);
         repeats(&mut page, self.fit, &|parameter| self.named(parameter));
@@ -167,7 +168,11 @@ impl IdentificationReport<'_> {
                     share.map_or_else(String::new, |share| format!("{:.0} %", 100.0 * share)),
                 );
             }
-            cells.push(status(parameter.status).to_string());
+            cells.push(match parameter.status {
+                // The word of the JSON is too wide for a column.
+                Status::Unidentifiable => "not told".to_string(),
+                other => status(other).to_string(),
+            });
             let last = cells.len() - 1;
             table.row(cells);
             let ratio = |value: Option<f64>| value.map(|value| value / parameter.value);

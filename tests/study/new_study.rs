@@ -105,13 +105,15 @@ fn both_wheels_are_found() {
 UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND
 PART/1, GROUND
 !                 adams_view_name='nsl_upright'
-PART/2, MASS=20, CM=20, IP=1E5,1E5,1E5
+PART/2, MASS=20, CM=21, IP=1E5,1E5,1E5
 !                 adams_view_name='nsl_wheel_center'
 MARKER/20, PART=2, QP=3000, -760, 310
+MARKER/21, PART=2, QP=3000, -700, 310
 !                 adams_view_name='nsr_upright'
-PART/3, MASS=20, CM=30, IP=1E5,1E5,1E5
+PART/3, MASS=20, CM=31, IP=1E5,1E5,1E5
 !                 adams_view_name='nsr_wheel_center'
 MARKER/30, PART=3, QP=3000, 760, 310
+MARKER/31, PART=3, QP=3000, 700, 310
 END
 ";
     std::fs::write(folder.path().join("axle.adm"), deck).unwrap();
