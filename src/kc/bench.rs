@@ -112,6 +112,8 @@ pub struct Bench<'a> {
 #[derive(Clone, Debug)]
 pub struct Chain {
     states: [State; 2],
+    /// Joints with friction rub; before, they are as after a shake.
+    rubs: bool,
 }
 
 impl<'a> Bench<'a> {
@@ -161,15 +163,26 @@ impl<'a> Bench<'a> {
     /// # Errors
     /// As [`Bench::variant`].
     pub fn chain(&mut self, variant: Variant) -> Result<Chain, BenchError> {
-        let compiled = self.variant(variant)?;
-        let mut state = compiled.system.state();
-        let parameters = compiled.system.parameters();
-        compiled
-            .system
-            .creep_on(&parameters, &mut state, &mut compiled.scratch);
+        let state = self.variant(variant)?.system.state();
         Ok(Chain {
             states: [state.clone(), state],
+            rubs: false,
         })
+    }
+
+    /// From here on joints with friction rub: they hold what comes now, and nothing yet.
+    ///
+    /// # Errors
+    /// As [`Bench::variant`].
+    pub fn let_rub(&mut self, variant: Variant, chain: &mut Chain) -> Result<(), BenchError> {
+        let compiled = self.variant(variant)?;
+        let parameters = compiled.system.parameters();
+        for state in &mut chain.states {
+            let scratch = &mut compiled.scratch;
+            compiled.system.creep_on(&parameters, state, scratch);
+        }
+        chain.rubs = true;
+        Ok(())
     }
 
     /// Solves for these inputs from where the chain is, and looks at nothing.
@@ -185,12 +198,14 @@ impl<'a> Bench<'a> {
     ) -> Result<(), BenchError> {
         let mirror = self.config.mirror;
         let compiled = self.variant(variant)?;
+        let rubs = chain.rubs;
         let [own, other] = &mut chain.states;
         let mut settle = |inputs: &Inputs, state: &mut State| -> Result<(), BenchError> {
             let (parameters, _) = compiled.solve(inputs, state, at)?;
-            compiled
-                .system
-                .creep_on(&parameters, state, &mut compiled.scratch);
+            if rubs {
+                let scratch = &mut compiled.scratch;
+                compiled.system.creep_on(&parameters, state, scratch);
+            }
             Ok(())
         };
         settle(inputs, own)?;
@@ -211,10 +226,10 @@ impl<'a> Bench<'a> {
         (inputs, drive): (&Inputs, Option<&Drive>),
         at: &str,
     ) -> Result<Observation, BenchError> {
-        let (config, wheels) = (self.config, self.wheels.clone());
+        let (config, wheels, rubs) = (self.config, self.wheels.clone(), chain.rubs);
         let job =
             |compiled: &mut Compiled, inputs: &Inputs, drive: Option<&Drive>, state: &mut State| {
-                compiled.observe((config, &wheels), (inputs, drive), state, at)
+                compiled.observe((config, &wheels), (inputs, drive), (state, rubs), at)
             };
         let compiled = self.variant(variant)?;
         let [own, mirrored] = &mut chain.states;
@@ -438,7 +453,7 @@ impl Compiled {
         &mut self,
         (config, found): (&Config, &[FoundWheel]),
         (inputs, drive): (&Inputs, Option<&Drive>),
-        state: &mut State,
+        (state, rubs): (&mut State, bool),
         at: &str,
     ) -> Result<Observation, BenchError> {
         let (parameters, named) = self.solve(inputs, state, at)?;
@@ -465,7 +480,11 @@ impl Compiled {
             normal: Vec3::z(),
             compliance: derivatives.compliance,
         };
-        let friction = self.system.creep_on(&parameters, state, &mut self.scratch);
+        let friction = if rubs {
+            self.system.creep_on(&parameters, state, &mut self.scratch)
+        } else {
+            self.system.creeps().then_some(Grasp::Released)
+        };
         let mut load = [0.0; 2];
         let mut rates = [None; 2];
         for (n, (wheel, found)) in self.wheels.iter().zip(found).enumerate() {
@@ -539,14 +558,10 @@ impl Compiled {
 }
 
 impl Chain {
-    /// Goes on from where another chain of the same deck is, whatever that held. Surfaces go on from there too, unless one of the decks is
-    /// without a joint that rubs.
+    /// Goes on from where another chain of the same deck is, whatever that held. Joints do not rub yet.
     pub fn start_at(&mut self, other: &Self) {
         for (own, other) in self.states.iter_mut().zip(&other.states) {
             own.poses.clone_from(&other.poses);
-            if own.grips.len() == other.grips.len() {
-                own.grips.clone_from(&other.grips);
-            }
         }
     }
 }

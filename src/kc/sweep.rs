@@ -410,6 +410,7 @@ fn test(
     };
     let mut chain = bench.chain(course.variant)?;
     chain.start_at(base);
+    bench.let_rub(course.variant, &mut chain)?;
     // Ride height first, with tangents; then outward to the lowest value, up, and down again.
     let (_, mut centre) = course.observe(bench, &mut chain, (0.0, true))?;
     each();

@@ -38,6 +38,8 @@ pub enum Grasp {
     Mixed,
     /// None slides.
     Sticking,
+    /// Nothing rubs for now: as after a shake.
+    Released,
 }
 
 impl Grasp {
@@ -47,6 +49,7 @@ impl Grasp {
             Self::Sliding => "sliding",
             Self::Mixed => "mixed",
             Self::Sticking => "sticking",
+            Self::Released => "released",
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Joints that rub: loops close and are as wide as the closed form says.
 
 use admire::kc::{Branch, Hold, KcRun, Sample, TestKind, run};
+use admire::system::Grasp;
 
 use crate::axles::{Axle, DOUBLE_WISHBONE, MCPHERSON, corpus, sprung_wishbone};
 
@@ -164,8 +165,15 @@ fn loops_close() {
                 .iter()
                 .all(|t| t.samples.iter().all(|s| s.seen.friction.is_some()))
         );
+        // Ride height is that without friction.
+        assert_eq!(with.ride.seen.friction, Some(Grasp::Released), "{name}");
         let without = tests_of(&rubs(deck, &joints, ", INACTIVE = STATIC"), toml);
         let width = all_close(&without, 1e-9);
+        let rate = |run: &KcRun| {
+            let mut all = run.ride.readings.iter();
+            all.find(|r| r.path() == "wheel_rate.left").unwrap().value
+        };
+        assert!((rate(&with) / rate(&without) - 1.0).abs() < 1e-9, "{name}");
         assert!(
             width < 1e-6 && without.ride.seen.friction.is_none(),
             "{name}: {width}"
