@@ -106,7 +106,7 @@ fn all_close(run: &KcRun, bar: f64) -> f64 {
             let (low, high) = values
                 .iter()
                 .fold((f64::MAX, f64::MIN), |(a, b), v| (a.min(*v), b.max(*v)));
-            let range = (high - low).max(1e-6);
+            let range = (high - low).max(1e-3);
             for (a, b) in [(up_low, down_low), (up_high, down_high)] {
                 let apart = (of(a) - of(b)).abs();
                 let path = up_low.readings[k].path();
