@@ -375,7 +375,7 @@ fn settle_loop(
         let closes = before.is_some_and(|before| {
             let wheels = before.axle.wheels.iter().zip(&seen.axle.wheels);
             wheels
-                .flat_map(|(a, b)| a.as_ref().zip(b.as_ref()))
+                .filter_map(|(a, b)| a.as_ref().zip(b.as_ref()))
                 .all(|(a, b)| {
                     let (a, b) = (&a.wheel, &b.wheel);
                     let moved = (a.centre - b.centre).norm() <= 100.0 * NONE;
