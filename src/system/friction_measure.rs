@@ -83,7 +83,7 @@ impl Configuration<'_> {
                 }
                 Number::Stiction | Number::Share => {
                     let sliding = self.sliding(number, false)?;
-                    let (mu, _) = coefficients(friction, &sliding);
+                    let (mu, _) = coefficients(&friction.law, &sliding);
                     let found = match Number::of(which) {
                         Number::Stiction => mu.mu_1,
                         _ => mu.beta,
@@ -135,7 +135,7 @@ impl Configuration<'_> {
         sliding: &Sliding,
         (of, axis, turning): (Vector, usize, bool),
     ) -> f64 {
-        let (mu, _) = coefficients(friction, sliding);
+        let (mu, _) = coefficients(&friction.law, sliding);
         let parts = match of {
             Vector::Coefficient => mu.value,
             Vector::Velocity => sliding.v,

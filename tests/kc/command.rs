@@ -303,7 +303,7 @@ fn the_report_compares() {
     said(&admire(folder.path(), &arguments), 0);
     let page = std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
     assert!(page.contains("left measured") && page.contains("left reference"));
-    // The slope of the three measured points, in degrees per mm.
-    assert!(page.contains("-1.000e-3"));
+    // The slope of the three measured points, in degrees per metre.
+    assert!(page.contains("-1.0000") && page.contains("deg/m"));
     assert!(!page.contains("NaN"));
 }
