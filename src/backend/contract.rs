@@ -1,6 +1,6 @@
 use crate::diagnostic::Diagnostic;
 use crate::model::Model;
-use crate::statics::SolveError;
+use crate::statics::{Balance, SolveError};
 use crate::syntax::{Address, Dataset};
 use crate::system::Equilibrium;
 
@@ -195,6 +195,11 @@ pub trait Backend {
     /// Solves several requests that do not wait for each other; answers come in their order.
     fn sweeps(&mut self, requests: &[SweepRequest<'_>]) -> Vec<Result<Sweep, BackendError>> {
         requests.iter().map(|request| self.sweep(request)).collect()
+    }
+
+    /// What was left of the forces on a part at worst, in all equilibria so far; `None` if the backend does not know.
+    fn balance(&self) -> Option<&Balance> {
+        None
     }
 
     /// What a person should know of the runs so far.

@@ -1,7 +1,7 @@
 use super::{Backend, BackendError, Sweep, SweepRequest};
 use crate::diagnostic::Severity;
 use crate::model::Model;
-use crate::statics::{Settings, Solver};
+use crate::statics::{Balance, Settings, Solver};
 use crate::syntax::Address;
 use crate::system::{Parameters, Slot, State, System};
 
@@ -152,5 +152,9 @@ impl Backend for NativeBackend {
 
     fn sweep(&mut self, request: &SweepRequest<'_>) -> Result<Sweep, BackendError> {
         self.compiled(request.model)?.sweep(request)
+    }
+
+    fn balance(&self) -> Option<&Balance> {
+        self.compiled.as_ref()?.solver.worst_balance()
     }
 }

@@ -312,5 +312,10 @@ fn summary(run: &KcRun, units: &crate::units::Units, convention: Convention) -> 
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }
-    out + &table_text(&table)
+    out += &table_text(&table);
+    let told = run.balance.told(units);
+    if !told.is_empty() {
+        out += &format!("\nforces summed again leave at most {told}\n");
+    }
+    out
 }

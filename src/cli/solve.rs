@@ -9,8 +9,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::mechanics::psi_theta_phi;
 use crate::model::{Ignore, Model, PartIx, PartKind};
 use crate::statics::{
-    Balance, Continuation, Left, Report, Settings, Settled, Softest, SolveError, Solver,
-    history_table,
+    Continuation, Report, Settings, Settled, Softest, SolveError, Solver, history_table,
 };
 use crate::system::{Scratch, State, System};
 use crate::units::Dimension;
@@ -145,7 +144,6 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
                 settled: settled.as_ref(),
                 bodies: &bodies,
                 left_out: &left_out,
-                balance: Balance::of(&system, &parameters, &state).ok(),
             };
             shell.print(&match shell.format {
                 Format::Json => answer.json(),
@@ -221,8 +219,6 @@ struct Answer<'a> {
     bodies: &'a [PartIx],
     /// What is left out as asked.
     left_out: &'a [Diagnostic],
-    /// What is left of all forces on a part, summed anew.
-    balance: Option<Balance>,
 }
 
 impl Answer<'_> {
@@ -332,19 +328,7 @@ impl Answer<'_> {
 
     /// What is left of forces and torques that were summed anew.
     fn left_over(&self) -> Option<String> {
-        let balance = self.balance.as_ref()?;
-        let units = &self.model.units;
-        let mut out = Vec::new();
-        for (left, dimension) in [
-            (&balance.force, Dimension::FORCE),
-            (&balance.torque, Dimension::TORQUE),
-        ] {
-            if let Some(left) = left {
-                let unit = units.name(dimension);
-                out.push(format!("{:.1e} {unit} on {}", left.size, left.part));
-            }
-        }
-        let told = out.join(", ");
+        let told = self.report.balance.told(&self.model.units);
         (!told.is_empty()).then(|| format!("forces summed again leave at most {told}"))
     }
 
@@ -442,13 +426,7 @@ impl Answer<'_> {
             "time": self.state.time,
             "iterations": self.report.iterations,
             "imbalance": self.report.imbalance,
-            "balance": self.balance.as_ref().map(|balance| {
-                let left = |left: &Option<Left>| left.as_ref().map(|left| json!({
-                    "left": left.size,
-                    "part": left.part.to_string(),
-                }));
-                json!({ "force": left(&balance.force), "torque": left(&balance.torque) })
-            }),
+            "balance": self.report.balance,
             "parts": named(parts, &[("position", 0..3), ("psi_theta_phi_deg", 3..6)]),
             "bushings": named(bushings, &[("deflection_j", 0..3), ("force_on_i_j", 3..6), ("torque_on_i_j", 6..9)]),
             "left_out": self.left_out.iter().map(|d| &d.message).collect::<Vec<_>>(),

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
 use crate::results::{Catalogue, ResultsTable, SelectedColumn, Selection, StepKind};
 use crate::session::{Ending, Session, Stop, folder_of};
+use crate::statics::Balance;
 use crate::syntax::{CommandFile, Dataset};
 
 use super::error::{Complaint, Error, ErrorKind};
@@ -25,6 +26,7 @@ pub struct Run {
     table: Option<ResultsTable>,
     complaints: Vec<Complaint>,
     files: BTreeMap<String, Vec<u8>>,
+    balance: BTreeMap<String, (f64, String)>,
     elapsed: Duration,
 }
 
@@ -48,6 +50,13 @@ impl Run {
         let complaints = told
             .map(|found| Complaint::new(found, &record.sources))
             .collect();
+        let Balance { force, torque, .. } = &record.balance;
+        let kinds = [("force", force), ("torque", torque)];
+        let left = kinds.into_iter().filter_map(|(kind, left)| {
+            let left = left.as_ref()?;
+            Some((kind.to_string(), (left.size, left.part.to_string())))
+        });
+        let balance = left.collect();
         let table = record.results.take();
         // A run is over when what it needed is given back.
         drop(record);
@@ -56,6 +65,7 @@ impl Run {
             table,
             complaints,
             files,
+            balance,
             elapsed: start.elapsed(),
         }
     }
@@ -95,6 +105,12 @@ impl Run {
     /// Warnings and errors in the order they came up.
     pub fn complaints(&self) -> &[Complaint] {
         &self.complaints
+    }
+
+    /// What was left of the forces on a part at worst when they were summed anew, in all static solutions: `force` and `torque` in
+    /// units of the deck, and where. Empty if there was none.
+    pub fn balance(&self) -> &BTreeMap<String, (f64, String)> {
+        &self.balance
     }
 
     /// The message file.

@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::goodness::FitTest;
 use super::repeated::{BootstrapMade, PosteriorMade, Repeated};
 use super::structure::StructureTest;
+use crate::statics::Balance;
 
 /// What became of a number.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
@@ -164,6 +165,8 @@ pub struct Fit {
     pub iterations: usize,
     /// Equilibria asked of the solver: sweeps times cases.
     pub solver_runs: usize,
+    /// What was left of the forces on a part at worst when they were summed anew; `None` if another solver ran.
+    pub balance: Option<Balance>,
     /// SHA-256 over every input file.
     pub inputs_sha256: String,
     /// One per unknown.

@@ -265,6 +265,7 @@ pub fn identify_as(
         converged,
         iterations: history.len() - 1,
         solver_runs: sweeps * problem.programme.cases.len(),
+        balance: backend.balance().cloned(),
         inputs_sha256: String::new(),
         parameters: parameters(problem, &bushings, &lines, &values, &kept),
         assembly_offsets: offsets(problem, &bushings, &lines),

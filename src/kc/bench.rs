@@ -12,7 +12,7 @@ use crate::backend::{compile, tight_settings};
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::mechanics::{Pose, Vec3, Vec6};
 use crate::model::{MarkerIx, Model, PartIx};
-use crate::statics::{Settings, SolveError, Solver};
+use crate::statics::{Balance, Settings, SolveError, Solver};
 use crate::syntax::files::Files;
 use crate::syntax::{Address, Dataset};
 use crate::system::{ConstraintIx, Grasp, Parameters, Scratch, Slot, State, System};
@@ -133,6 +133,17 @@ impl<'a> Bench<'a> {
             wheels: super::rig::wheels(config, dataset, model)?,
             variants: BTreeMap::new(),
         })
+    }
+
+    /// What was left of the forces on a part at worst, in all equilibria so far.
+    pub fn balance(&self) -> Balance {
+        let mut worst = Balance::default();
+        for compiled in self.variants.values() {
+            if let Some(found) = compiled.solver.worst_balance() {
+                worst.or_worse(found);
+            }
+        }
+        worst
     }
 
     /// The deck as it came.
@@ -464,7 +475,7 @@ impl Compiled {
             })?;
         if derivatives.deficiency > named {
             // The factors of the last iteration did not show it yet. New ones of the equilibrium itself do, and name it.
-            self.solver = Solver::new(&self.system);
+            self.solver.forget(&self.system);
             self.solve(inputs, state, at)?;
         }
         // Round-off may hide a free motion from the factors, but not from what they answer.

@@ -335,6 +335,7 @@ pub fn json(run: &KcRun, config: &Config, units: &Units, convention: Convention)
         "stated": Statement::new(config, None, convention).json(),
         "compliance": matrix(&run.ride),
         "compliance_asymmetry": run.asymmetry,
+        "balance": run.balance,
         "tests": tests,
     })
 }

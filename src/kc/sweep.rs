@@ -10,6 +10,7 @@ use super::sample::{Branch, Sample};
 use super::test_kind::{Driven, TestKind};
 use super::test_settings::{Branches, Hold, LoadPoint, TestSettings};
 use super::{Reading, Sense, Side, Unit};
+use crate::statics::Balance;
 use crate::units::Units;
 
 /// One test.
@@ -34,6 +35,8 @@ pub struct KcRun {
     pub tests: Vec<TestRun>,
     /// Lack of symmetry of the compliance matrix at ride height.
     pub asymmetry: f64,
+    /// What was left of the forces on a part at worst when they were summed anew, in all states of the axle.
+    pub balance: Balance,
 }
 
 /// What is in the configuration and needed for characteristics.
@@ -118,6 +121,7 @@ pub fn run_watched(
         ride: at_ride,
         tests,
         asymmetry,
+        balance: bench.balance(),
     })
 }
 

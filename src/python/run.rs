@@ -88,6 +88,10 @@ impl Run {
         self.0.ending().exit_code(true)
     }
 
+    fn balance(&self) -> std::collections::BTreeMap<String, (f64, String)> {
+        self.0.balance().clone()
+    }
+
     fn elapsed(&self) -> f64 {
         self.0.elapsed().as_secs_f64()
     }

@@ -9,6 +9,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use crate::diagnostic::Diagnostic;
 use crate::motion::Mode;
 use crate::results::ResultsTable;
+use crate::statics::Balance;
 use crate::text::LineEnds;
 
 use super::located::Sources;
@@ -23,6 +24,8 @@ pub struct Record {
     pub results: Option<ResultsTable>,
     /// The modes of the last LINEAR/EIGENSOL, one of each pair, in the order of `.modes.json`.
     pub modes: Vec<Mode>,
+    /// What was left of the forces on a part at worst when they were summed anew, in all equilibria.
+    pub balance: Balance,
     /// What the message file would hold.
     pub messages: Vec<u8>,
     /// Warnings and errors in the order they were told.

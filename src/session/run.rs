@@ -3,6 +3,7 @@ use std::path::{Path, PathBuf};
 
 use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
 use crate::model::{self, Ignore};
+use crate::statics::Balance;
 use crate::syntax::{CommandFile, Dataset, Statement};
 use crate::text::{Source, read_at_most};
 
@@ -47,6 +48,8 @@ pub struct Session<'a> {
     given: Option<&'a Checked<Dataset>>,
     /// What is kept in memory of the last model.
     record: Option<Record>,
+    /// What the equilibria so far left over at worst.
+    pub(super) worst_balance: Balance,
 }
 
 /// What executing a command leads to; `Err` ends the run.
@@ -77,6 +80,7 @@ impl<'a> Session<'a> {
             watcher: None,
             given: None,
             record: None,
+            worst_balance: Balance::default(),
         }
     }
 
@@ -169,6 +173,7 @@ impl<'a> Session<'a> {
         let mut record = self.record.take().unwrap_or_default();
         (record.messages, record.diagnostics) = self.messages.take();
         record.sources = self.sources;
+        record.balance = self.worst_balance;
         (self.ending, record)
     }
 

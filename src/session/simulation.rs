@@ -102,11 +102,11 @@ impl Session<'_> {
         match outcome {
             Ok(report) => {
                 self.remarks(&report);
-                let balance = self.balance();
-                let told = self.balance_line(balance.as_ref());
+                let told = self.balance_line(&report.balance);
+                self.worst_balance.or_worse(&report.balance);
                 self.messages
                     .converged(report.iterations, report.imbalance, &told);
-                self.warn_if_unbalanced(balance.as_ref());
+                self.warn_if_unbalanced(&report.balance);
                 self.warn_if_unstable();
                 self.write_step(LONE_STATIC)?;
                 let sensed = self.sense();
@@ -132,7 +132,7 @@ impl Session<'_> {
         let fresh = self.model().outputs.last != Some(times.start);
         let mut k = usize::from(!fresh);
         let mut halted = false;
-        let mut balance: Option<Balance> = None;
+        let mut balance = Balance::default();
         while k <= times.count {
             let time = if k == 0 { times.start } else { times.at(k) };
             k += 1;
@@ -141,10 +141,7 @@ impl Session<'_> {
                     self.remarks(&report);
                     self.messages
                         .simulation_step(time, report.iterations, report.imbalance);
-                    balance = match (balance, self.balance()) {
-                        (Some(worst), Some(here)) => Some(worst.worse(here)),
-                        (worst, here) => worst.or(here),
-                    };
+                    balance.or_worse(&report.balance);
                     let cheap = Softest::is_cheap(&self.model().compiled().value.system);
                     if cheap || k > times.count {
                         self.warn_if_unstable();
@@ -172,40 +169,32 @@ impl Session<'_> {
             }
             self.messages.flush();
         }
-        let told = self.balance_line(balance.as_ref());
+        let told = self.balance_line(&balance);
         self.messages.say(&told);
         self.messages.end_simulation();
-        self.warn_if_unbalanced(balance.as_ref());
+        self.worst_balance.or_worse(&balance);
+        self.warn_if_unbalanced(&balance);
         self.simulation_ended()?;
         if halted { Err(Stop::Finished) } else { Ok(()) }
     }
 
-    /// The balance of the present state, summed anew from the forces on each part.
-    fn balance(&mut self) -> Option<Balance> {
-        let compiled = self.model().compiled().value;
-        Balance::of(&compiled.system, &compiled.parameters, &compiled.state).ok()
-    }
-
     /// A balance as a line of the message file.
-    fn balance_line(&mut self, balance: Option<&Balance>) -> String {
+    fn balance_line(&mut self, balance: &Balance) -> String {
         let units = self.model().model.units;
         let left = |left: &Left, dimension: Dimension| {
             let part = as_adams_names(&left.part.to_string());
             let size = exponent(left.size, 2);
             format!("{size} {} on {part}", units.name(dimension))
         };
-        let told: Vec<String> = balance
+        let force = balance
+            .force
             .iter()
-            .flat_map(|balance| {
-                let force = balance.force.as_ref();
-                let torque = balance.torque.as_ref();
-                [
-                    force.map(|force| left(force, Dimension::FORCE)),
-                    torque.map(|torque| left(torque, Dimension::TORQUE)),
-                ]
-            })
-            .flatten()
-            .collect();
+            .map(|force| left(force, Dimension::FORCE));
+        let torque = balance
+            .torque
+            .iter()
+            .map(|torque| left(torque, Dimension::TORQUE));
+        let told: Vec<String> = force.chain(torque).collect();
         if told.is_empty() {
             return String::new();
         }
@@ -213,9 +202,9 @@ impl Session<'_> {
     }
 
     /// Says that forces summed again do not cancel as the solution says.
-    fn warn_if_unbalanced(&mut self, balance: Option<&Balance>) {
+    fn warn_if_unbalanced(&mut self, balance: &Balance) {
         let imbalance = Settings::from(&self.model().model.equilibrium).imbalance;
-        if balance.is_none_or(|balance| balance.holds(imbalance)) {
+        if balance.holds(imbalance) {
             return;
         }
         let told = self.balance_line(balance);

@@ -96,11 +96,11 @@ impl Ended<'_> {
         let (system, parameters, state) = (self.system, self.parameters, self.end);
         let mut here = system.look(parameters, state, scratch).ok()?;
         let loads = here.loads().ok()?;
-        let by = |load: &Load| match &load.by {
+        let by = |load: &Load<'_>| match load.by {
             Some(name) => name.to_string(),
             None => format!("the weight of {}", system.bodies[load.part.0].name),
         };
-        let speed = |load: &Load| {
+        let speed = |load: &Load<'_>| {
             let (v, w) = motion_of(system, load.part.0, z);
             (v + w.cross(&(load.point - state.poses[load.part.0].p)), w)
         };

@@ -5,7 +5,7 @@ use super::measures::{
 };
 use super::path::{add_damping, add_stability};
 use super::rank::{free_motions, redundant_equations};
-use super::{Iteration, Report, Settings, SolveError, Tangent};
+use super::{Balance, Iteration, Report, Settings, SolveError, Tangent};
 use crate::linear::{Lu, Matrix};
 use crate::mechanics::Pose;
 use crate::system::{NoValue, Parameters, Scratch, State, System};
@@ -64,6 +64,8 @@ pub struct Solver {
     pub(super) remaining: usize,
     /// Where the factors are the tangent of an equilibrium.
     pub(super) poses: Vec<Pose>,
+    /// What was left over at worst.
+    worst: Option<Balance>,
 }
 
 /// Why a sequence of iterations ended without an answer.
@@ -114,7 +116,16 @@ impl Solver {
             factorisations: 0,
             remaining: usize::MAX,
             poses: Vec::new(),
+            worst: None,
         }
+    }
+
+    /// Lets go of all factors: the next solve works out its own.
+    pub fn forget(&mut self, system: &System) {
+        *self = Self {
+            worst: self.worst.take(),
+            ..Self::new(system)
+        };
     }
 
     /// Finds the equilibrium next to the state and puts it there.
@@ -189,8 +200,32 @@ impl Solver {
         report.shortened = self.shortened;
         report.at_roundoff = self.at_roundoff;
         report.factorisations = self.factorisations;
+        self.judge(system, parameters, state, settings, &mut report)?;
         self.poses.clone_from(&state.poses);
         Ok(report)
+    }
+
+    /// Sums the forces on every part anew, by another way than the residual takes. What round-off of the model's own numbers
+    /// leaves (`at_roundoff`) is an answer with its residual; anything else that does not cancel is none.
+    pub(super) fn judge(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+        settings: &Settings,
+        report: &mut Report,
+    ) -> Result<(), SolveError> {
+        report.balance = Balance::of(system, parameters, state, &mut self.scratch)?;
+        if !report.at_roundoff && !report.balance.holds(settings.imbalance) {
+            return Err(SolveError::Unbalanced(Box::new(report.balance.clone())));
+        }
+        self.worst.get_or_insert_default().or_worse(&report.balance);
+        Ok(())
+    }
+
+    /// The worst balance of all equilibria that were found so far; `None` before the first.
+    pub fn worst_balance(&self) -> Option<&Balance> {
+        self.worst.as_ref()
     }
 
     /// The linearised equations at an equilibrium.

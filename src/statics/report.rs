@@ -1,5 +1,6 @@
 use std::fmt;
 
+use super::Balance;
 use crate::mechanics::Vec3;
 use crate::system::{Name, NoValue};
 
@@ -88,6 +89,8 @@ pub struct Report {
     pub at_roundoff: bool,
     /// Iterations whose step was shortened beyond TLIMIT and ALIMIT.
     pub shortened: usize,
+    /// What is left of the forces on each part, summed anew at the end.
+    pub balance: Balance,
 }
 
 /// Help that was needed.
@@ -131,6 +134,9 @@ pub enum SolveError {
         /// Its residual.
         violation: f64,
     },
+    /// The iteration ended, but forces that are summed anew do not cancel.
+    #[error("the forces of this equilibrium do not cancel when they are summed anew: {0} is left")]
+    Unbalanced(Box<Balance>),
     /// An element has no value in this configuration.
     #[error(transparent)]
     NoValue(#[from] NoValue),

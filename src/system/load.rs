@@ -6,9 +6,9 @@ use crate::model::PartIx;
 
 /// One force and torque on one part: an arrow of its free-body diagram.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Load {
+pub struct Load<'s> {
     /// What exerts it; `None` for the weight.
-    pub by: Option<Name>,
+    pub by: Option<&'s Name>,
     /// The part that feels it.
     pub part: PartIx,
     /// Where the force attacks, ground coordinates.
@@ -19,21 +19,21 @@ pub struct Load {
     pub torque: Vec3,
 }
 
-impl Load {
+impl Load<'_> {
     /// The torque about another point, ground axes.
     pub fn torque_about(&self, point: &Vec3) -> Vec3 {
         self.torque + (self.point - point).cross(&self.force)
     }
 }
 
-impl Configuration<'_> {
+impl<'s> Configuration<'s> {
     /// Every force and torque on every part, ground included; after [`Configuration::look`]. At an equilibrium those on a part cancel.
     ///
     /// Constraint reactions come from the multipliers of the state. Elements that are switched off do nothing and are left out.
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
-    pub fn loads(&mut self) -> Result<Vec<Load>, NoValue> {
+    pub fn loads(&mut self) -> Result<Vec<Load<'s>>, NoValue> {
         let system = self.system;
         let mut out = self.weights();
         for (number, element) in system.elements.iter().enumerate() {
@@ -74,9 +74,9 @@ impl Configuration<'_> {
         Ok(out)
     }
 
-    fn on_i(&self, by: &Name, reading: &Reading) -> Load {
+    fn on_i(&self, by: &'s Name, reading: &Reading) -> Load<'s> {
         Load {
-            by: Some(by.clone()),
+            by: Some(by),
             part: PartIx(self.system.owners[reading.i.0]),
             point: self.scratch.markers[reading.i.0].p,
             force: reading.force,
@@ -84,9 +84,9 @@ impl Configuration<'_> {
         }
     }
 
-    fn on_j(&self, by: &Name, reading: &Reading) -> Load {
+    fn on_j(&self, by: &'s Name, reading: &Reading) -> Load<'s> {
         Load {
-            by: Some(by.clone()),
+            by: Some(by),
             part: PartIx(self.system.owners[reading.j.0]),
             point: self.scratch.markers[reading.j.0].p,
             force: reading.force_on_j,
@@ -94,7 +94,7 @@ impl Configuration<'_> {
         }
     }
 
-    fn weights(&self) -> Vec<Load> {
+    fn weights(&self) -> Vec<Load<'s>> {
         let theta = self.parameters.theta();
         let gravity = self.system.gravity_vector(theta);
         let mut out = Vec::new();
@@ -113,15 +113,15 @@ impl Configuration<'_> {
     }
 
     /// GCONs: minus multiplier times the gradient of the function, about the part origins.
-    fn reactions_of_conditions(&self, out: &mut Vec<Load>) {
-        let (state, scratch) = (self.state, &*self.scratch);
-        for condition in self.system.conditions.iter().filter(|c| c.active) {
+    fn reactions_of_conditions(&self, out: &mut Vec<Load<'s>>) {
+        let (system, state, scratch) = (self.system, self.state, &*self.scratch);
+        for condition in system.conditions.iter().filter(|c| c.active) {
             if state.redundant.get(condition.equation) == Some(&true) {
                 continue;
             }
             let lambda = state.multipliers[condition.equation];
             let value = scratch.functions[condition.function];
-            for (part, body) in self.system.bodies.iter().enumerate() {
+            for (part, body) in system.bodies.iter().enumerate() {
                 let mut on = [0.0; 6];
                 for &(unknown, by) in &scratch.gradient[value.first..value.last] {
                     if (body.first..body.first + body.freedoms).contains(&unknown) {
@@ -130,7 +130,7 @@ impl Configuration<'_> {
                 }
                 if on != [0.0; 6] {
                     out.push(Load {
-                        by: Some(condition.name.clone()),
+                        by: Some(&condition.name),
                         part: PartIx(part),
                         point: state.poses[part].p,
                         force: Vec3::new(on[0], on[1], on[2]),

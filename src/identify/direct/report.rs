@@ -43,6 +43,7 @@ pub fn identify(
         converged: solution.settled,
         iterations: solution.rounds,
         solver_runs: 2 * problem.programme.cases.len(),
+        balance: backend.balance().cloned(),
         inputs_sha256: String::new(),
         parameters: parameters(problem, &solution),
         assembly_offsets: offsets(problem, &solution),

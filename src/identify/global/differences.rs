@@ -7,6 +7,7 @@ use super::unknown::{Direction, Numbers};
 use crate::backend::{Backend, BackendError, Load, LoadProgramme, SweepRequest, slot};
 use crate::identify::Problem;
 use crate::mechanics::{Pose, log};
+use crate::statics::Balance;
 use crate::syntax::Address;
 use crate::system::{Parameters, Scratch, System};
 
@@ -252,5 +253,9 @@ impl Predictor for DifferencePredictor<'_> {
 
     fn solver_runs(&self) -> usize {
         self.sweeps * self.problem.programme.cases.len()
+    }
+
+    fn balance(&self) -> Option<&Balance> {
+        self.backend.balance()
     }
 }

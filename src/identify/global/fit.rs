@@ -434,6 +434,7 @@ fn answer(
         affected: unrefined,
         iterations: minimum.iterations,
         solver_runs: global.predictor.solver_runs(),
+        balance: global.predictor.balance().cloned(),
         inputs_sha256: String::new(),
         parameters,
         assembly_offsets: offsets(problem, global, minimum, covariance),

@@ -7,7 +7,7 @@ use super::channel::Channels;
 use super::memory::{Carried, Memory};
 use super::predictor::{CaseChange, CasePrediction, Observed, Prediction, Predictor};
 use super::unknown::{Component, Direction, Numbers};
-use crate::statics::{Settings, Solver};
+use crate::statics::{Balance, Settings, Solver};
 use crate::system::{Parameters, Scratch, Slot, State, System};
 
 /// Numbers that change from case to case: the loads.
@@ -295,6 +295,10 @@ impl Predictor for NativePredictor<'_> {
 
     fn solver_runs(&self) -> usize {
         self.runs
+    }
+
+    fn balance(&self) -> Option<&Balance> {
+        self.solver.worst_balance()
     }
 }
 

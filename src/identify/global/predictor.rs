@@ -5,6 +5,7 @@
 use super::unknown::{Component, Direction, Numbers};
 use crate::mechanics::Pose;
 use crate::model::PartIx;
+use crate::statics::Balance;
 use crate::system::System;
 
 /// One load case at equilibrium.
@@ -57,4 +58,7 @@ pub trait Predictor {
 
     /// How many equilibria were solved so far.
     fn solver_runs(&self) -> usize;
+
+    /// What was left of the forces on a part at worst, in all of them; `None` if the backend does not know.
+    fn balance(&self) -> Option<&Balance>;
 }

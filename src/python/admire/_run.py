@@ -94,6 +94,14 @@ class Run:
         return self._inner.exit_code()
 
     @property
+    def balance(self) -> dict[str, tuple[float, str]]:
+        """What was left of the forces on a part at worst when they were summed anew, in all static solutions.
+
+        ``"force"`` and ``"torque"`` in units of the deck, each with the part; empty if there was no static solution.
+        """
+        return self._inner.balance()
+
+    @property
     def seconds(self) -> float:
         """How long the run took inside of the library."""
         return self._inner.elapsed()
