@@ -38,7 +38,7 @@ pub(super) struct KcArguments {
     centre: Option<Vec3>,
     /// The geometric steer axis of each wheel: its lower and its upper point, each a part and a place in the frame of the part (the part's
     /// origin without one), for caster, kingpin, scrub and trail.
-    #[arg(long, value_name = "PART[@X,Y,Z]", requires = "kc", num_args = 2..=4, value_parser = body_point, allow_hyphen_values = true)]
+    #[arg(long, value_name = "PART[@X,Y,Z]", requires = "kc", num_args = 2..=4, value_parser = body_point)]
     steer_axis: Vec<BodyPoint>,
     /// The unloaded tyre radius, for contact points.
     #[arg(long, value_name = "LENGTH", requires = "kc", value_parser = positive)]
