@@ -16,7 +16,7 @@ use super::format::Format;
 use super::input::study;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::plausibility::before_a_fit;
-use super::progress::Progress;
+use super::progress::{Count, Progress};
 use super::shell::{Exit, Shell};
 
 /// Say what a model still gets wrong after its best fit, name the cause, and extend the model by it.
@@ -78,7 +78,8 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let watched = Watched::default();
     let seen = watched.clone();
     let bar = Progress::new("diagnosing", shell, move || {
-        Some((seen.stage(), (seen.sweeps(), Some(seen.budget()), "sweeps")))
+        let count = Count::Within(seen.sweeps(), seen.budget(), "sweeps");
+        Some((seen.stage(), count))
     });
     let check = match arguments.check_gain {
         CheckChoice::Quick => GainCheck::Quick,

@@ -21,7 +21,7 @@ use super::input::study;
 use super::interrupt;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::plausibility::before_a_fit;
-use super::progress::Progress as Bar;
+use super::progress::{Count, Progress as Bar};
 use super::shell::{Exit, Shell};
 use super::width::{hanging, table_text};
 
@@ -258,7 +258,8 @@ fn repeated(
                     Kind::Bootstrap => "fits",
                     Kind::Posterior => "draws",
                 };
-                *shown = Some((kind.word(), (progress.done as usize, Some(most), unit)));
+                let count = Count::Of(progress.done as usize, Some(most), unit);
+                *shown = Some((kind.word(), count));
             }
             !interrupt::asked()
         },

@@ -209,6 +209,13 @@ fn refuse(why: &BenchError, path: &Path, shell: &Shell) -> Exit {
             shell.complain(&[Diagnostic::error(Code::NoEquilibrium, message).help(help)]);
             Exit::NoAnswer
         }
+        BenchError::NoAxleLoad { .. } => {
+            let message = format!("`{file}`, {why}");
+            let help =
+                "a deck without springs bears no load: hold = \"height\" drives the wheels alone";
+            shell.complain(&[Diagnostic::error(Code::NoEquilibrium, message).help(help)]);
+            Exit::NoAnswer
+        }
         BenchError::NoEquilibrium { at, why } => {
             let diagnostic =
                 Diagnostic::error(Code::NoEquilibrium, format!("`{file}`, {at}: {why}"));

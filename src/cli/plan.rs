@@ -13,7 +13,7 @@ use super::format::Format;
 use super::input::study;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::plausibility::before_a_fit;
-use super::progress::Progress;
+use super::progress::{Count, Progress};
 use super::shell::{Exit, Shell};
 use super::width::{hanging, table_text};
 
@@ -90,7 +90,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let watched = Watched::default();
     let seen = watched.clone();
     let bar = Progress::new("planning", shell, move || {
-        Some((seen.stage(), (seen.sweeps(), None, "sweeps")))
+        Some((seen.stage(), Count::Of(seen.sweeps(), None, "sweeps")))
     });
     let found = plan(&loaded.problem(), aim, &watched);
     drop(bar);

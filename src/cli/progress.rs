@@ -18,7 +18,13 @@ const PATIENCE: Duration = Duration::from_millis(500);
 const TICK: Duration = Duration::from_millis(120);
 
 /// So many are done, of how many at most, and of what.
-pub(super) type Count = (usize, Option<usize>, &'static str);
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Count {
+    /// Of so many, where that is known: they are all done in the end.
+    Of(usize, Option<usize>, &'static str),
+    /// It ends by itself, and with so many at the latest.
+    Within(usize, usize, &'static str),
+}
 
 /// A rate counts from so many on, and from such a share of all.
 const SETTLED: usize = 2;
@@ -94,7 +100,7 @@ impl Watch for Progress {
         self.state
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
-            .count = Some((done, most, of));
+            .count = Some(Count::Of(done, most, of));
     }
 
     fn goes_on(&self) -> bool {
@@ -140,28 +146,40 @@ fn paint(
     bar.finish_and_clear();
 }
 
-/// `search: 812 sweeps · 61/s · at most 36 s more · 13 s`.
+/// `cases: 812 of 3000 cases · 61/s · at most 36 s more · 13 s`; of what ends by itself `search: 812 sweeps · 61/s · 13 s so far, ends by itself,
+/// at most 36 s more`.
 fn line(state: &State, elapsed: Duration) -> String {
     let mut pieces = Vec::new();
     if !state.detail.is_empty() {
         pieces.push(state.detail.clone());
     }
     let seconds = elapsed.as_secs_f64();
-    if let Some((done, most, of)) = state.count.filter(|(done, ..)| *done > 0) {
+    let (done, most, of, ends_by_itself) = match state.count {
+        Some(Count::Of(done, most, of)) => (done, most, of, false),
+        Some(Count::Within(done, most, of)) => (done, Some(most), of, true),
+        None => (0, None, "", false),
+    };
+    let mut so_far = span(seconds);
+    if done > 0 {
         let rate = done as f64 / seconds.max(1e-3);
         pieces.push(match most {
-            Some(most) => format!("{done} of {most} {of}"),
-            None => format!("{done} {of}"),
+            Some(most) if !ends_by_itself => format!("{done} of {most} {of}"),
+            _ => format!("{done} {of}"),
         });
         let digits = usize::from(rate < 10.0);
         pieces.push(format!("{rate:.digits$}/s"));
-        let settled = |most: &usize| done >= SETTLED && done as f64 >= SETTLED_SHARE * *most as f64;
+        let share = if ends_by_itself { 0.0 } else { SETTLED_SHARE };
+        let settled = |most: &usize| done >= SETTLED && done as f64 >= share * *most as f64;
         if let Some(left) = most.filter(settled) {
-            let left = left.saturating_sub(done) as f64 / rate;
-            pieces.push(format!("at most {} more", span(left)));
+            let left = span(left.saturating_sub(done) as f64 / rate);
+            if ends_by_itself {
+                so_far += &format!(" so far, ends by itself, at most {left} more");
+            } else {
+                pieces.push(format!("at most {left} more"));
+            }
         }
     }
-    pieces.push(span(seconds));
+    pieces.push(so_far);
     format!("{}: {}", state.stage, pieces.join(" · "))
 }
 
@@ -183,20 +201,29 @@ mod tests {
         let state = State {
             stage: "search".to_string(),
             detail: String::new(),
-            count: Some((600, Some(3000), "sweeps")),
+            count: Some(Count::Of(600, Some(3000), "runs")),
         };
         assert_eq!(
             line(&state, Duration::from_secs(10)),
-            "search: 600 of 3000 sweeps · 60/s · at most 40 s more · 10 s"
+            "search: 600 of 3000 runs · 60/s · at most 40 s more · 10 s"
         );
         // Few, slow ones have a rate too, once there is more than one.
         let state = State {
-            count: Some((4, Some(13), "cases")),
+            count: Some(Count::Of(4, Some(13), "cases")),
             ..state
         };
         assert_eq!(
             line(&state, Duration::from_secs(8)),
             "search: 4 of 13 cases · 0.5/s · at most 18 s more · 8 s"
+        );
+        // A budget is nothing to be reached.
+        let budget = State {
+            count: Some(Count::Within(60, 3000, "sweeps")),
+            ..state
+        };
+        assert_eq!(
+            line(&budget, Duration::from_secs(10)),
+            "search: 60 sweeps · 6.0/s · 10 s so far, ends by itself, at most 8 min more"
         );
         assert_eq!(
             line(

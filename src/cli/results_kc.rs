@@ -9,7 +9,7 @@ use serde_json::json;
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::kc::{
-    Convention, Frame, Given, Reading, Replay, ReplayError, ReplayOptions, Road, Tyre,
+    BodyPoint, Convention, Frame, Given, Reading, Replay, ReplayError, ReplayOptions, Road, Tyre,
 };
 use crate::mechanics::Vec3;
 use crate::results::{AnyResults, ResultsError, Selection, StepFilter, StepKind};
@@ -36,6 +36,10 @@ pub(super) struct KcArguments {
     /// The wheel centre in the frame of the part; without it the part's origin.
     #[arg(long, value_name = "X,Y,Z", requires = "kc", value_parser = place, allow_hyphen_values = true)]
     centre: Option<Vec3>,
+    /// The geometric steer axis of each wheel: its lower and its upper point, each a part and a place in the frame of the part (the part's
+    /// origin without one), for caster, kingpin, scrub and trail.
+    #[arg(long, value_name = "PART[@X,Y,Z]", requires = "kc", num_args = 2..=4, value_parser = body_point)]
+    steer_axis: Vec<BodyPoint>,
     /// The unloaded tyre radius, for contact points.
     #[arg(long, value_name = "LENGTH", requires = "kc", value_parser = positive)]
     radius: Option<f64>,
@@ -110,6 +114,17 @@ fn place(text: &str) -> Result<Vec3, String> {
         }
         _ => Err("write three numbers: X,Y,Z".to_string()),
     }
+}
+
+fn body_point(text: &str) -> Result<BodyPoint, String> {
+    let (body, local) = match text.split_once('@') {
+        Some((body, at)) => (body, place(at)?),
+        None => (text, Vec3::zeros()),
+    };
+    Ok(BodyPoint {
+        body: body.to_string(),
+        local,
+    })
 }
 
 impl KcArguments {
@@ -199,7 +214,20 @@ fn rows(
 ) -> Result<Vec<Row>, Exit> {
     let catalogue = reader.catalogue().clone();
     let degrees = reader.header().units.angle.eq_ignore_ascii_case("deg");
-    let replay = Replay::new(&catalogue, &arguments.wheel, degrees, arguments.options());
+    let points = &arguments.steer_axis;
+    if points.len() % 2 == 1 || points.len() / 2 > arguments.wheel.len() {
+        let message = format!(
+            "--steer-axis takes a lower and an upper point for each --wheel, not {} points",
+            points.len()
+        );
+        return Err(shell.usage(Diagnostic::error(Code::BadSetting, message)));
+    }
+    let axes: Vec<[BodyPoint; 2]> = points
+        .chunks_exact(2)
+        .map(|pair| [pair[0].clone(), pair[1].clone()])
+        .collect();
+    let wheels = (&*arguments.wheel, &*axes);
+    let replay = Replay::new(&catalogue, wheels, degrees, arguments.options());
     let mut replay = replay.map_err(|error| no_wheel(&error, shell))?;
     let time = catalogue
         .columns()

@@ -277,7 +277,7 @@ impl Answer<'_> {
             for (sum, value) in sum.iter_mut().zip(all) {
                 *sum += value;
             }
-            let by = load.by.map_or_else(|| "weight".into(), |n| n.to_string());
+            let by = load.by.map_or_else(|| "weight".into(), ToString::to_string);
             out.push((by, all));
         }
         out.push(("sum".into(), sum));

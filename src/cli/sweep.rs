@@ -13,7 +13,7 @@ use crate::sweep::{
 
 use super::Outcome;
 use super::interrupt;
-use super::progress::Progress;
+use super::progress::{Count, Progress};
 use super::shell::{Exit, Shell};
 use super::sweep_slurm;
 
@@ -141,7 +141,8 @@ fn cases(
             shown.0.load(Ordering::Relaxed),
             shown.1.load(Ordering::Relaxed),
         );
-        Some(("sweep", (done as usize, Some(most as usize), "cases")))
+        let count = Count::Of(done as usize, Some(most as usize), "cases");
+        Some(("sweep", count))
     });
     let ran = run_shard(runner, plan, (folder, shard), threads, |progress| {
         done.store(progress.done, Ordering::Relaxed);

@@ -6,10 +6,11 @@ use nalgebra::{DMatrix, DVector};
 
 use super::extended_deck::{ExtendedDeck, deck_of, like};
 use super::hypothesis::{Hypothesis, Unknown};
-use super::settle::{NEAR, Settled, Sweep};
+use super::settle::{Settled, Sweep};
 use super::subject::{Data, Subject};
 use super::unknowns::{Known, Unknowns};
 use crate::identify::Problem;
+use crate::identify::global::gauss_newton::LOUD;
 use crate::identify::global::{FitUnknowns, Memory, NuisanceLayout, Observations, Predictor};
 use crate::system::{Parameters, State};
 use crate::tolerance::{self, Linear, Posterior, Sizes, Whitening};
@@ -240,57 +241,69 @@ pub fn fit(
     });
     let unknowns = Unknowns::new((subject, &problem), &deck.prepared, chosen, known)?;
     let cases: Vec<usize> = (0..problem.measurement.cases.len()).collect();
-    let observations = Observations::new(problem.measurement, &deck.model, &cases);
-    let mut predictor = deck
-        .prepared
-        .native(&problem, observations.observed.clone())
-        .ok()?
-        .remembering(unknowns.memories.clone());
-    if let Some((warm, _)) = warm {
+    let whitening = Arc::new(subject.whitening(data));
+    // Each has its own predictor: equilibria are followed from one solution to the next.
+    let begun = || {
+        let observations = Observations::new(problem.measurement, &deck.model, &cases);
+        let predictor = deck
+            .prepared
+            .native(&problem, observations.observed.clone())
+            .ok()?
+            .remembering(unknowns.memories.clone());
+        Some(Sweep {
+            of_the_model: unknowns.of_the_model(),
+            unknowns: &unknowns,
+            observations,
+            predictor,
+            whitening: &whitening,
+            stiffnesses: subject.problem.unknowns.len(),
+        })
+    };
+    let x = unknowns.start.clone();
+    let (sweep, settled) = if let Some((warm, _)) = warm {
+        let mut sweep = begun()?;
         for (case, state) in warm.states.iter().enumerate() {
             let state = like(&deck, state, &warm.deck);
-            predictor.start_from(case, state, unknowns.deck.clone());
+            sweep
+                .predictor
+                .start_from(case, state, unknowns.deck.clone());
         }
-    }
-    let whitening = Arc::new(subject.whitening(data));
-    let mut sweep = Sweep {
-        of_the_model: unknowns.of_the_model(),
-        unknowns: &unknowns,
-        observations,
-        predictor,
-        whitening: &whitening,
-        stiffnesses: subject.problem.unknowns.len(),
-    };
-    let mut x = unknowns.start.clone();
-    if warm.is_none() {
-        sweep.stiffnesses_alone(&mut x);
-    }
-    let first = match warm {
-        Some((warm, _)) => warm.sizes.at(warm.sizes.modest(1.0)),
-        None => subject.sizes.clone(),
-    };
-    let start = match warm {
-        Some((warm, _)) => sweep.beside(x, (&warm.jacobian, warm.unknowns.len())),
-        None => sweep.at(x),
-    };
-    let mut settled = start.and_then(|start| {
-        let alone = warm.is_none();
-        sweep.settle(start, &first, (STEPS, least), alone)
-    });
-    // Stiffnesses that were fitted as if all else were exact can be so wrong that nothing leads away from them.
-    if warm.is_none() && settled.as_ref().is_none_or(|s| s.posterior.gain > NEAR) {
-        let again = sweep
-            .at(unknowns.start.clone())
-            .and_then(|start| sweep.settle(start, &first, (2 * STEPS, least), false));
-        let reached = |s: &Option<Settled>| {
-            s.as_ref()
+        let first = warm.sizes.at(warm.sizes.modest(1.0));
+        let start = sweep.beside(x, (&warm.jacobian, warm.unknowns.len()));
+        let settled = start.and_then(|start| sweep.settle(start, &first, (STEPS, least), false));
+        subject.spend(sweep.predictor.sweeps());
+        (sweep, settled)
+    } else {
+        // Stiffnesses that were fitted as if all else were exact can be so wrong that nothing leads away from them; everything at once
+        // from afar goes astray as often, in other studies. The evidence says which of both ends is the better one. Where stiffnesses alone
+        // nearly explain the readings there is nothing to run off after.
+        let from = |alone: bool| {
+            let (mut sweep, mut x) = (begun()?, x.clone());
+            if alone {
+                sweep.stiffnesses_alone(&mut x);
+            }
+            let steps = if alone { STEPS } else { 2 * STEPS };
+            let start = sweep.at(x);
+            let missed = start.as_ref().is_none_or(|start| {
+                let residual = &start.evaluation.residual;
+                residual.norm_squared() > LOUD * LOUD * residual.len() as f64
+            });
+            let settled =
+                start.and_then(|start| sweep.settle(start, &subject.sizes, (steps, least), alone));
+            subject.spend(sweep.predictor.sweeps());
+            Some((sweep, settled, missed))
+        };
+        let reached = |settled: &Option<Settled>| {
+            settled
+                .as_ref()
                 .map_or(f64::NEG_INFINITY, |s| s.posterior.ln_z - s.posterior.gain)
         };
-        if reached(&again) > reached(&settled) {
-            settled = again;
+        let (sweep, settled, missed) = from(true)?;
+        match missed.then(|| from(false)).flatten() {
+            Some((other, ended, _)) if reached(&ended) > reached(&settled) => (other, ended),
+            _ => (sweep, settled),
         }
-    }
-    subject.spend(sweep.predictor.sweeps());
+    };
     let settled = settled?;
     let (mut thetas, mut states) = (Vec::new(), Vec::new());
     for case in cases {

@@ -75,3 +75,4 @@ pub use tolerant::{Tolerant, tolerant};
 pub use trend::Trend;
 pub use unseen::{HoldOut, Unseen};
 pub use wheel_run::WheelRun;
+pub use words::ChannelMiss;

@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 use nalgebra::DVector;
 
 use super::unknowns::Unknowns;
-use crate::identify::global::gauss_newton::{Ending, LeastSquares, Tolerances, minimise};
+use crate::identify::global::gauss_newton::{LeastSquares, approach};
 use crate::identify::global::{Evaluation, NativePredictor, Observations, Predictor};
 use crate::tolerance::{Linear, Posterior, Sizes, Whitening};
 
@@ -14,7 +14,7 @@ const REACH: [f64; 2] = [0.8, 1.2];
 const ENOUGH: f64 = 0.05;
 /// Sizes of tolerances are held for so many steps of a fit that starts from another, unless a step promises less than so many nats.
 const HELD: usize = 5;
-pub const NEAR: f64 = 30.0;
+const NEAR: f64 = 30.0;
 /// A step that lowers the objective by less than this is a small one; after so many in a row a fit ends.
 const LITTLE: f64 = 0.2;
 const SLOW: usize = 3;
@@ -190,29 +190,14 @@ impl Sweep<'_> {
             return;
         }
         let priors = &self.unknowns.priors[..count];
-        let priors: Vec<_> = priors
-            .iter()
-            .map(|prior| crate::identify::global::gauss_newton::Prior {
-                mean: prior.mean,
-                sd: prior.sd,
-            })
-            .collect();
         let scale: Vec<f64> = priors.iter().map(|prior| prior.sd.min(1.0)).collect();
         let start = x[..count].to_vec();
-        let tolerances = Tolerances {
-            decrement: 0.1,
-            step: 1e-3,
-            max_iterations: 40,
-        };
         let mut alone = Alone {
             sweep: self,
             rest: x.to_vec(),
         };
         let held = vec![false; count];
-        let found = minimise(&mut alone, &start, &priors, &scale, &held, tolerances);
-        if let Some(found) = found.filter(|found| found.ending != Ending::NoAnswer) {
-            x[..count].copy_from_slice(&found.x);
-        }
+        x[..count].copy_from_slice(&approach(&mut alone, &start, &scale, &held));
     }
 
     /// Gauss-Newton over everything, the sizes by their evidence: at every step where the stiffnesses `alone` were fitted before. Ends

@@ -19,6 +19,35 @@ const RIVAL_PLACE: f64 = 5.0;
 /// So many failing tests are listed.
 const LISTED: usize = 6;
 
+/// How far the model misses a channel, rms over all its readings.
+#[derive(Clone, PartialEq, Debug)]
+pub struct ChannelMiss {
+    /// The channel.
+    pub name: String,
+    /// Its unit with a blank before it, or nothing.
+    pub behind: String,
+    /// As the model was, after its best fit.
+    pub before: f64,
+    /// As it is extended.
+    pub after: f64,
+    /// Of a reading.
+    pub noise: f64,
+}
+
+impl ChannelMiss {
+    /// The same in words.
+    pub fn sentence(&self) -> String {
+        format!(
+            "Channel {} is missed by {:.3}{unit} rms as the model was and by {:.3}{unit} as it is extended, where its noise is {:.3}{unit}.",
+            self.name,
+            self.before,
+            self.after,
+            self.noise,
+            unit = self.behind
+        )
+    }
+}
+
 impl Outcome<'_> {
     /// The answer in sentences: what the model misses and where, what of it sits in which cause, what is gained on cases no fit saw,
     /// what the wrong model did to the stiffnesses, what remains.
@@ -32,7 +61,7 @@ impl Outcome<'_> {
         out.extend(solver.map(|solver| solver.sentence(sigma, unit)));
         out.extend(self.worst_mark());
         out.extend(self.worst_angle());
-        out.extend(self.worst_channel());
+        out.extend(self.channels().iter().map(ChannelMiss::sentence));
         out.extend(self.turned_part());
         out.extend(self.exactness());
         out.extend(self.probabilities());
@@ -162,7 +191,8 @@ impl Outcome<'_> {
         out
     }
 
-    fn worst_channel(&self) -> Vec<String> {
+    /// How far each channel is missed.
+    pub fn channels(&self) -> Vec<ChannelMiss> {
         let measurement = self.subject.problem.measurement;
         let mut out = Vec::new();
         for (channel, info) in measurement.channels.iter().enumerate() {
@@ -174,14 +204,13 @@ impl Outcome<'_> {
                 (squares.sum::<f64>() / rows.clone().count().max(1) as f64).sqrt() * info.sigma
             };
             if rows.clone().next().is_some() {
-                out.push(format!(
-                    "Channel {} is missed by {:.3}{unit} rms as the model was and by {:.3}{unit} as it is extended, where its noise is {:.3}{unit}.",
-                    info.name,
-                    of(&self.baseline),
-                    of(&self.extended),
-                    info.sigma,
-                    unit = info.behind()
-                ));
+                out.push(ChannelMiss {
+                    name: info.name.clone(),
+                    behind: info.behind(),
+                    before: of(&self.baseline),
+                    after: of(&self.extended),
+                    noise: info.sigma,
+                });
             }
         }
         out

@@ -18,7 +18,10 @@ pub(crate) fn kc_page(
     let name = deck
         .file_name()
         .map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-    let (force, length) = (units.force.word, units.length.word);
+    let (force, length) = (
+        crate::report::short_unit(units.force.word),
+        units.length.word,
+    );
     let given = |value: Option<String>| value.unwrap_or_else(|| "not given".to_string());
     let facts = [
         ("Deck", format!("{}, axes {}", deck.display(), config.axes)),
@@ -57,6 +60,16 @@ pub(crate) fn kc_page(
                 || "as in the deck".to_string(),
                 |at| format!("locked by {}", at.text),
             ),
+        ),
+        (
+            "Friction",
+            match found.ride.seen.friction {
+                Some(_) => format!(
+                    "joints slide with MU_{}",
+                    config.sliding_with.word().to_uppercase()
+                ),
+                None => "no joint rubs".to_string(),
+            },
         ),
         ("Axes of the answer", convention.word().to_string()),
         (

@@ -1,5 +1,6 @@
 use super::build::{Build, Place};
 use super::compiler::Space;
+use super::input::FRICTION_NUMBERS;
 use super::interpolant::Method;
 use super::intrinsic::{Binary, Unary};
 use super::program::Kind;
@@ -67,6 +68,7 @@ impl Build<'_> {
             "PINVAL" => self.plant(function, arguments, Space::PlantInput),
             "POUVAL" => self.plant(function, arguments, Space::PlantOutput),
             "ARYVAL" => self.array(function, arguments),
+            "FRICTION" => self.friction(function, arguments),
             _ => self.element(function, arguments),
         }
     }
@@ -246,6 +248,24 @@ impl Build<'_> {
                 Ok(self.input(Input::ArrayValue { array, element }))
             }
         }
+    }
+
+    /// FRICTION(id, index).
+    fn friction(
+        &mut self,
+        function: &'static FunctionDef,
+        arguments: Arguments,
+    ) -> Result<Place, Diagnostic> {
+        let friction = self.object(function, arguments, 0, Space::Friction)?;
+        let index = self.code_or_id(function, arguments, 1)?;
+        if !(1..=FRICTION_NUMBERS).contains(&index) {
+            return Err(wrong(
+                function,
+                format!("index {index} is not one of 1 to {FRICTION_NUMBERS}"),
+            ));
+        }
+        let which = index as usize - 1;
+        Ok(self.input(Input::Friction { friction, which }))
     }
 
     /// PINVAL(id, component) and POUVAL: a variable of the list.

@@ -39,10 +39,11 @@ pub(super) enum Space {
     Joint,
     Primitive,
     Motion,
+    Friction,
 }
 
 impl Space {
-    const COUNT: usize = Self::Motion as usize + 1;
+    const COUNT: usize = Self::Friction as usize + 1;
 
     pub(super) fn keyword(self) -> &'static str {
         match self {
@@ -64,6 +65,7 @@ impl Space {
             Self::Joint => "JOINT",
             Self::Primitive => "JPRIM",
             Self::Motion => "MOTION",
+            Self::Friction => "FRICTION",
         }
     }
 
@@ -115,6 +117,7 @@ impl Space {
             Self::Joint => ids!(joints),
             Self::Primitive => ids!(primitives),
             Self::Motion => ids!(motions),
+            Self::Friction => ids!(frictions),
         }
     }
 }

@@ -28,7 +28,17 @@ pub enum Input {
     SensorValue(usize),
     /// A force of an element or between two markers.
     Force(ForceMeasure),
+    /// FRICTION: zero in statics.
+    Friction {
+        /// Index into `Model::frictions`.
+        friction: usize,
+        /// Which number, from 0: force and torque, coefficients, that of stiction, surface velocities, creeps, the share of the velocity.
+        which: usize,
+    },
 }
+
+/// How many numbers FRICTION gives: as many as its component of a result has.
+pub(super) const FRICTION_NUMBERS: u32 = 26;
 
 /// A geometric quantity of up to three markers. An absent marker is the ground frame.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]

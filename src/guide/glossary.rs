@@ -38,7 +38,15 @@ pub fn find(word: &str) -> Vec<Entry> {
         let rest = term.strip_prefix(word);
         rest.is_some_and(|rest| rest.starts_with('.'))
     };
-    let ways: [&dyn Fn(&str) -> bool; 3] = [&|term| term == word, &last, &within];
+    // A piece in capitals, such as NAME, stands for any.
+    let own = |piece: &str| piece.len() > 1 && piece.chars().all(|c| c.is_ascii_uppercase());
+    let fits = |term: &str| {
+        let (terms, words) = (term.split('.'), word.split('.'));
+        term.contains('.')
+            && terms.clone().count() == words.clone().count()
+            && terms.zip(words).all(|(t, w)| t == w || own(t))
+    };
+    let ways: [&dyn Fn(&str) -> bool; 4] = [&|term| term == word, &fits, &last, &within];
     let found = ways.into_iter().map(all).find(|found| !found.is_empty());
     match (found, word.rsplit_once('.')) {
         (Some(found), _) => found,
@@ -142,5 +150,6 @@ mod tests {
         assert!(find("no such word").is_empty() && find("no.such").is_empty());
         assert_eq!(find("toe_angle.left [rad]")[0].term, "toe_angle");
         assert_eq!(find("identify.frame_sd").len(), 2);
+        assert_eq!(find("tests.bounce.hold")[0].term, "tests.TEST.hold");
     }
 }

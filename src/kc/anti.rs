@@ -18,6 +18,8 @@ pub struct Vehicle {
     pub front_brake: f64,
     /// Part of the driving force on the front axle.
     pub front_drive: f64,
+    /// Of a live axle (dependent suspension): turns of the drive shaft per turn of the wheels. An independent suspension if absent.
+    pub axle_ratio: Option<f64>,
 }
 
 /// The four cases.
@@ -53,17 +55,37 @@ impl Anti {
         }
     }
 
-    /// True if the force acts at the patch; driving forces of an independent axle act at the wheel centre.
-    pub const fn at_patch(self) -> bool {
+    /// True if the force acts at the patch. Driving forces of an independent suspension act at the wheel centre, those of a live axle,
+    /// which bears the torque of its wheels, at the patch.
+    pub const fn at_patch(self, v: &Vehicle) -> bool {
+        self.brakes() || v.axle_ratio.is_some()
+    }
+
+    const fn brakes(self) -> bool {
         matches!(self, Self::DiveBraking | Self::LiftBraking)
     }
 
-    /// `-100 Zf / Zw`, in percent: `Zf = F [(C31 - R0 C35) + (C37 - R0 C3,11)]` (no R0 term when driving), `Zw = W (C33 + C39)`.
-    pub fn percent(self, c: &Compliance, side: Side, v: &Vehicle, r0: f64) -> f64 {
+    /// `-100 Zf / Zw`, in percent: `Zf = F [(C31 - R0 C35) + (C37 - R0 C3,11)]` (no R0 term when an independent suspension drives),
+    /// `Zw = V C33 + V' C39` with V and V' the load transfers of this wheel and the other: W, and for a live axle that drives `-t` on
+    /// the left and `+t` on the right besides, `t = R0 |2 F| / axle_ratio / track` by the torque of the drive shaft.
+    pub fn percent(
+        self,
+        c: &Compliance,
+        side: Side,
+        v: &Vehicle,
+        (r0, track): (f64, Option<f64>),
+    ) -> f64 {
         let (force, transfer) = self.force_and_transfer(v);
-        let lever = if self.at_patch() { r0 } else { 0.0 };
+        let lever = if self.at_patch(v) { r0 } else { 0.0 };
         let zf = force * (c.in_phase(side, 3, 1) - lever * c.in_phase(side, 3, 5));
-        let zw = transfer * c.in_phase(side, 3, 3);
+        let shaft = match (v.axle_ratio, self.brakes()) {
+            (Some(ratio), false) => {
+                let track = track.unwrap_or(f64::NAN);
+                side.outboard() * r0 * (2.0 * force).abs() / ratio / track
+            }
+            _ => 0.0,
+        };
+        let zw = transfer * c.in_phase(side, 3, 3) + shaft * c.antiphase(side, 3, 3);
         -100.0 * zf / zw
     }
 
@@ -74,19 +96,12 @@ impl Anti {
         c: &Compliance,
         side: Side,
         v: &Vehicle,
-        (r0, tyre, weight): (f64, Option<f64>, f64),
+        ((r0, tyre, weight), track): ((f64, Option<f64>, f64), Option<f64>),
     ) -> f64 {
-        let anti = self.percent(c, side, v, r0);
+        let anti = self.percent(c, side, v, (r0, track));
         let give = tyre.map_or(0.0, |k| 1.0 / k);
         weight * v.cg_height / (2.0 * v.wheelbase)
             * ((1.0 - anti / 100.0) / ride::wheel_rate(c, side) + give)
-    }
-
-    /// The kinematic anti angle: `atan(-Zf / F / C33)`, the slope of the line to the instant centre in the side view.
-    pub fn angle(self, c: &Compliance, side: Side, r0: f64) -> f64 {
-        let lever = if self.at_patch() { r0 } else { 0.0 };
-        let zf = c.of((side, 3), (side, 1)) - lever * c.of((side, 3), (side, 5));
-        libm::atan(-zf / c.of((side, 3), (side, 3)))
     }
 
     /// (percent, per g): the names of Adams/Car's requests.

@@ -280,9 +280,11 @@ impl AxleState {
                 Own,
                 axis.offset(centre),
             );
+            let (lateral, along) = axis.offset_parts(side, centre, &state.wheel.spin);
             let name = of(side, "lat_left", "lat_right");
-            let lateral = axis.lateral_offset(centre);
             out.push(("steer_axis_offset", name), Unit::Length, Own, lateral);
+            let name = of(side, "lon_left", "lon_right");
+            out.push(("steer_axis_offset", name), Unit::Length, Own, along);
             out.push(("steer_axis_pitch", word), Unit::Length, Own, axis.pitch);
             let Some((contact, _)) = state.contact(&self.normal) else {
                 continue;
@@ -291,6 +293,10 @@ impl AxleState {
             let (scrub, trail) = axis.scrub_and_trail(side, &contact, &self.normal, steer);
             out.push(("scrub_radius", word), Unit::Length, Own, scrub);
             out.push(("caster_moment_arm", word), Unit::Length, Own, trail);
+            let lead = axis.hub_lead(side, (scrub, trail));
+            out.push(("hub_lead", word), Unit::Length, Own, lead);
+            let lever = axis.load_lever(side, (scrub, trail));
+            out.push(("wheel_load_lever_arm", word), Unit::Length, Own, lever);
             let at = axis.road_point(&contact, &self.normal);
             // The column holds x from the wheel centre at design, y, and z above the road.
             let shown = [at.x - state.design.centre.x, at.y, at.z - contact.z];
@@ -412,12 +418,13 @@ impl AxleState {
             let (Some(tyre), Some(vehicle)) = (given.tyre, &given.vehicle) else {
                 continue;
             };
+            let track = self.contacts().map(|[l, r]| contact::total_track(&l, &r));
             for anti in Anti::ALL {
                 let (percent, height) = anti.names();
-                let value = anti.percent(c, side, vehicle, tyre.radius);
+                let value = anti.percent(c, side, vehicle, (tyre.radius, track));
                 out.push((percent, word), Unit::Percent, Own, value);
                 let loads = (tyre.radius, tyre.stiffness, given.weight);
-                let value = anti.height_per_g(c, side, vehicle, loads);
+                let value = anti.height_per_g(c, side, vehicle, (loads, track));
                 out.push((height, word), Unit::LengthPerG, Own, value);
             }
         }

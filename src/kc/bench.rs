@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::axle::{AxleState, WheelState};
 use super::config::{AxisMethod, Config};
 use super::derivatives::Derivatives;
+use super::inputs::{Drive, Inputs};
 use super::rig::{FoundWheel, Rigged, Variant, rigged};
 use super::{Side, SteerAxis, Wheel, contact};
 use crate::backend::{compile, tight_settings};
@@ -14,65 +15,7 @@ use crate::model::{MarkerIx, Model, PartIx};
 use crate::statics::{Balance, Settings, SolveError, Solver};
 use crate::syntax::files::Files;
 use crate::syntax::{Address, Dataset};
-use crate::system::{ConstraintIx, Parameters, Scratch, Slot, State, System};
-
-/// What the rig does to the axle, in the axes of Adams/Car.
-#[derive(Clone, Copy, PartialEq, Debug, Default)]
-pub struct Inputs {
-    /// Heights of the wheel centres over their design position, where heights are held.
-    pub height: [f64; 2],
-    /// Forces along X, Y, Z and torque about Z on each wheel; the vertical one where loads are held.
-    pub loads: [[f64; 4]; 2],
-    /// The vertical load acts at the contact patch.
-    pub vertical_at_patch: bool,
-    /// The loads in the road plane do.
-    pub plane_at_patch: bool,
-    /// The steering input, where it is driven.
-    pub steer: Option<f64>,
-}
-
-impl Inputs {
-    /// What the other wheel of a mirrored axle sees.
-    fn mirrored(&self) -> Self {
-        let swap = |[a, b]: [f64; 2]| [b, a];
-        let [l, r] = self.loads;
-        let turned = |[x, y, z, m]: [f64; 4]| [x, -y, z, -m];
-        Self {
-            height: swap(self.height),
-            loads: [turned(r), turned(l)],
-            steer: self.steer.map(|value| -value),
-            ..*self
-        }
-    }
-}
-
-/// What a test drives: the same, as a direction.
-#[derive(Clone, Copy, PartialEq, Debug, Default)]
-pub struct Drive {
-    /// Per unit of the variable.
-    pub height: [f64; 2],
-    /// Per unit of the variable.
-    pub loads: [[f64; 4]; 2],
-    /// Per unit of the variable.
-    pub steer: f64,
-}
-
-impl Drive {
-    fn mirrored(&self) -> Self {
-        let inputs = Inputs {
-            height: self.height,
-            loads: self.loads,
-            steer: Some(self.steer),
-            ..Inputs::default()
-        };
-        let inputs = inputs.mirrored();
-        Self {
-            height: inputs.height,
-            loads: inputs.loads,
-            steer: inputs.steer.unwrap_or(0.0),
-        }
-    }
-}
+use crate::system::{ConstraintIx, Grasp, Parameters, Scratch, Slot, State, System};
 
 /// The motion of a wheel per unit of what is driven.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -92,6 +35,8 @@ pub struct Observation {
     pub load: [f64; 2],
     /// How the wheels move per unit of what is driven.
     pub rates: [Option<WheelRate>; 2],
+    /// What the joints with friction do; `None` without any.
+    pub friction: Option<Grasp>,
 }
 
 /// Why the rig has no answer.
@@ -107,6 +52,12 @@ pub enum BenchError {
         at: String,
         /// Why.
         why: Box<SolveError>,
+    },
+    /// No height of the axle bears its load.
+    #[error("{at}: no height of both wheels keeps the load of the axle")]
+    NoAxleLoad {
+        /// Which test and point.
+        at: String,
     },
     /// A motion of the wheel that nothing resists.
     #[error("{at}: the compliance is not defined: {motion}")]
@@ -161,6 +112,8 @@ pub struct Bench<'a> {
 #[derive(Clone, Debug)]
 pub struct Chain {
     states: [State; 2],
+    /// Joints with friction rub; before, they are as after a shake.
+    rubs: bool,
 }
 
 impl<'a> Bench<'a> {
@@ -224,7 +177,23 @@ impl<'a> Bench<'a> {
         let state = self.variant(variant)?.system.state();
         Ok(Chain {
             states: [state.clone(), state],
+            rubs: false,
         })
+    }
+
+    /// From here on joints with friction rub: they hold what comes now, and nothing yet.
+    ///
+    /// # Errors
+    /// As [`Bench::variant`].
+    pub fn let_rub(&mut self, variant: Variant, chain: &mut Chain) -> Result<(), BenchError> {
+        let compiled = self.variant(variant)?;
+        let parameters = compiled.system.parameters();
+        for state in &mut chain.states {
+            let scratch = &mut compiled.scratch;
+            compiled.system.creep_on(&parameters, state, scratch);
+        }
+        chain.rubs = true;
+        Ok(())
     }
 
     /// Solves for these inputs from where the chain is, and looks at nothing.
@@ -240,10 +209,19 @@ impl<'a> Bench<'a> {
     ) -> Result<(), BenchError> {
         let mirror = self.config.mirror;
         let compiled = self.variant(variant)?;
+        let rubs = chain.rubs;
         let [own, other] = &mut chain.states;
-        compiled.solve(inputs, own, at)?;
+        let mut settle = |inputs: &Inputs, state: &mut State| -> Result<(), BenchError> {
+            let (parameters, _) = compiled.solve(inputs, state, at)?;
+            if rubs {
+                let scratch = &mut compiled.scratch;
+                compiled.system.creep_on(&parameters, state, scratch);
+            }
+            Ok(())
+        };
+        settle(inputs, own)?;
         if mirror {
-            compiled.solve(&inputs.mirrored(), other, at)?;
+            settle(&inputs.mirrored(), other)?;
         }
         Ok(())
     }
@@ -259,10 +237,10 @@ impl<'a> Bench<'a> {
         (inputs, drive): (&Inputs, Option<&Drive>),
         at: &str,
     ) -> Result<Observation, BenchError> {
-        let (config, wheels) = (self.config, self.wheels.clone());
+        let (config, wheels, rubs) = (self.config, self.wheels.clone(), chain.rubs);
         let job =
             |compiled: &mut Compiled, inputs: &Inputs, drive: Option<&Drive>, state: &mut State| {
-                compiled.observe((config, &wheels), (inputs, drive), state, at)
+                compiled.observe((config, &wheels), (inputs, drive), (state, rubs), at)
             };
         let compiled = self.variant(variant)?;
         let [own, mirrored] = &mut chain.states;
@@ -275,12 +253,14 @@ impl<'a> Bench<'a> {
         let other_drive = drive.map(Drive::mirrored);
         // The other wheel of a symmetric load case needs no solve of its own.
         let k = side.index();
-        let alike = other_inputs.height[k] == inputs.height[k]
+        let alike = own.grips == mirrored.grips
+            && other_inputs.height[k] == inputs.height[k]
             && other_inputs.loads[k] == inputs.loads[k]
             && other_inputs.steer.unwrap_or(0.0) == inputs.steer.unwrap_or(0.0)
             && other_drive.map(|d| (d.height[k], d.loads[k], d.steer))
                 == drive.map(|d| (d.height[k], d.loads[k], d.steer));
         let other = if alike {
+            mirrored.clone_from(own);
             seen
         } else {
             job(compiled, &other_inputs, other_drive.as_ref(), mirrored)?
@@ -289,6 +269,9 @@ impl<'a> Bench<'a> {
         seen.axle.wheels[b] = other.axle.wheels[a].map(|state| state.mirrored());
         seen.load[b] = other.load[a];
         seen.rates[b] = other.rates[a].map(WheelRate::mirrored);
+        if seen.friction != other.friction {
+            seen.friction = Some(Grasp::Mixed);
+        }
         if let (Some(own), Some(other)) = (&mut seen.axle.compliance, other.axle.compliance) {
             let image = other.mirrored(side);
             own.matrix
@@ -301,6 +284,15 @@ impl<'a> Bench<'a> {
 }
 
 impl WheelRate {
+    /// The mean; `None` of nothing.
+    pub(super) fn mean(all: &[Self]) -> Option<Self> {
+        let share = 1.0 / all.len() as f64;
+        (!all.is_empty()).then(|| Self {
+            motion: all.iter().map(|rate| rate.motion).sum::<Vec6>() * share,
+            load: all.iter().map(|rate| rate.load).sum::<f64>() * share,
+        })
+    }
+
     fn mirrored(self) -> Self {
         let m = &self.motion;
         Self {
@@ -326,7 +318,16 @@ impl Compiled {
             let message = error.to_string();
             BenchError::Deck(vec![Diagnostic::error(Code::NotSolvedNatively, message)])
         };
-        let system = compile(&model).map_err(|error| refuse(&error))?;
+        // In statics FRICTION is refused. Here it creeps from one equilibrium to the next.
+        let mut rest = model.clone();
+        let mut creeping = Vec::new();
+        for friction in &mut rest.frictions {
+            if std::mem::take(&mut friction.in_statics) {
+                creeping.push(friction.header.id);
+            }
+        }
+        let mut system = compile(&rest).map_err(|error| refuse(&error))?;
+        system.let_creep(&creeping, bench.config.sliding_with);
         let slot = |kind: &str, id: u32| {
             let address = Address {
                 kind: kind.to_string(),
@@ -463,7 +464,7 @@ impl Compiled {
         &mut self,
         (config, found): (&Config, &[FoundWheel]),
         (inputs, drive): (&Inputs, Option<&Drive>),
-        state: &mut State,
+        (state, rubs): (&mut State, bool),
         at: &str,
     ) -> Result<Observation, BenchError> {
         let (parameters, named) = self.solve(inputs, state, at)?;
@@ -489,6 +490,11 @@ impl Compiled {
             wheels: [None; 2],
             normal: Vec3::z(),
             compliance: derivatives.compliance,
+        };
+        let friction = if rubs {
+            self.system.creep_on(&parameters, state, &mut self.scratch)
+        } else {
+            self.system.creeps().then_some(Grasp::Released)
         };
         let mut load = [0.0; 2];
         let mut rates = [None; 2];
@@ -518,7 +524,12 @@ impl Compiled {
                     .or_else(|| derivatives.axes.get(n).copied().flatten()),
             });
         }
-        Ok(Observation { axle, load, rates })
+        Ok(Observation {
+            axle,
+            load,
+            rates,
+            friction,
+        })
     }
 
     fn place(&self, state: &State, marker: MarkerIx) -> Pose {
@@ -558,7 +569,7 @@ impl Compiled {
 }
 
 impl Chain {
-    /// Goes on from where another chain of the same deck is, whatever that held.
+    /// Goes on from where another chain of the same deck is, whatever that held. Joints do not rub yet.
     pub fn start_at(&mut self, other: &Self) {
         for (own, other) in self.states.iter_mut().zip(&other.states) {
             own.poses.clone_from(&other.poses);

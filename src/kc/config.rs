@@ -9,6 +9,7 @@ use super::test_kind::TestKind;
 use super::test_settings::{Branches, Hold, LoadPoint, TestSettings};
 use super::{Convention, Direction, Frame, Side, Tyre, Vehicle, VerticalLoad};
 use crate::diagnostic::{Checked, Code, Diagnostic};
+use crate::system::SlidingWith;
 use crate::text::{Source, Span};
 
 /// A text of the file and where it stands.
@@ -90,6 +91,8 @@ pub struct Config {
     pub axis_method: AxisMethod,
     /// Which vertical load swing arms and roll centre are for.
     pub vertical_load: VerticalLoad,
+    /// With what coefficient joints with friction slide.
+    pub sliding_with: SlidingWith,
     /// What is said about an anti-roll bar.
     pub anti_roll_bar: String,
     /// Which ways tests are driven.
@@ -170,9 +173,19 @@ struct Choices {
     steer_axis: AxisMethod,
     #[serde(default)]
     vertical_load: VerticalLoad,
+    #[serde(default)]
+    friction: FrictionWord,
     anti_roll_bar: Option<String>,
     #[serde(default)]
     branches: Branches,
+}
+
+#[derive(Deserialize, Clone, Copy, Default)]
+#[serde(rename_all = "lowercase")]
+enum FrictionWord {
+    #[default]
+    Dynamic,
+    Static,
 }
 
 #[derive(Deserialize, Default)]
@@ -341,6 +354,13 @@ impl Config {
             settings.point = table.point.unwrap_or(settings.point);
             settings.hold = table.hold.unwrap_or(settings.hold);
             settings.steering_locked = table.steering != Some(SteeringWord::Free);
+            if kind == TestKind::Bounce && settings.hold == Hold::Load {
+                wrong(
+                    0..0,
+                    "test `bounce` drives the heights that hold = \"load\" would let go"
+                        .to_string(),
+                );
+            }
             if settings.point == LoadPoint::Patch && file.tyre.is_none() {
                 wrong(
                     0..0,
@@ -387,6 +407,10 @@ impl Config {
             steering_drive: file.steering.drive.map(Spelled::from),
             axis_method: file.choices.steer_axis,
             vertical_load: file.choices.vertical_load,
+            sliding_with: match file.choices.friction {
+                FrictionWord::Dynamic => SlidingWith::Dynamic,
+                FrictionWord::Static => SlidingWith::Static,
+            },
             anti_roll_bar: file
                 .choices
                 .anti_roll_bar

@@ -32,7 +32,7 @@ pub fn deck_files(
         if test.kind == TestKind::Steering && by_number {
             continue;
         }
-        let variant = Variant::of(test.settings.hold, test.settings.steering_locked);
+        let variant = Variant::of_test(test.kind, &test.settings);
         let rigged = &bench.variant(variant)?.rigged;
         let deck = variant.name();
         if written.insert(variant) {

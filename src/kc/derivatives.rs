@@ -2,8 +2,9 @@
 
 use nalgebra::DMatrix;
 
-use super::bench::{Compiled, Drive, Fitted, WheelRate};
+use super::bench::{Compiled, Fitted, WheelRate};
 use super::config::{AxisMethod, Config};
+use super::inputs::Drive;
 use super::rig::FoundWheel;
 use super::{Compliance, Mat12, SteerAxis};
 use crate::mechanics::{Vec3, Vec6};

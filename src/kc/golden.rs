@@ -117,28 +117,53 @@ fn anti_effects() {
         sprung_mass: 1600.0,
         front_brake: 0.45,
         front_drive: 0.0,
+        axle_ratio: None,
     };
     near(
-        Anti::LiftBraking.percent(&c, Side::Left, &v, R0),
+        Anti::LiftBraking.percent(&c, Side::Left, &v, (R0, None)),
         221.599704,
         1e-5,
     );
     near(
-        Anti::SquatAcceleration.percent(&c, Side::Left, &v, R0),
+        Anti::SquatAcceleration.percent(&c, Side::Left, &v, (R0, None)),
         32.951929,
         1e-5,
     );
     let loads = (R0, Some(TYRE), 1600.0 * 9.80665);
     near(
-        Anti::LiftBraking.height_per_g(&c, Side::Left, &v, loads),
+        Anti::LiftBraking.height_per_g(&c, Side::Left, &v, (loads, None)),
         -36.8843001,
         1e-5,
     );
     near(
-        Anti::SquatAcceleration.height_per_g(&c, Side::Left, &v, loads),
+        Anti::SquatAcceleration.height_per_g(&c, Side::Left, &v, (loads, None)),
         31.4953521,
         1e-5,
     );
+}
+
+/// The torque of the drive shaft takes from one wheel of a live axle what it gives to the other: the harmonic mean of both sides is that
+/// without it, where the forces act at the patch as those of braking do.
+#[test]
+fn a_live_axle() {
+    let c = golden().mirrored(Side::Left);
+    let v = Vehicle {
+        wheelbase: 2700.0,
+        cg_height: 500.0,
+        sprung_mass: 1600.0,
+        front_brake: 1.0,
+        front_drive: 0.0,
+        axle_ratio: Some(3.5),
+    };
+    let track = Some(1540.0);
+    let of = |side| Anti::SquatAcceleration.percent(&c, side, &v, (R0, track));
+    let (left, right) = (of(Side::Left), of(Side::Right));
+    // Full braking force on the front: forward and up in place of rearward and down, the same ratio.
+    let without = Anti::DiveBraking.percent(&c, Side::Left, &v, (R0, track));
+    near(2.0 / (1.0 / left + 1.0 / right), -without, 1e-12);
+    // The shaft turns against its torque: R0 / 3.5 / 1540 beside h / 2L, off the left wheel.
+    let share = R0 / 3.5 / 1540.0 / (500.0 / 5400.0);
+    near(right / left, (1.0 - share) / (1.0 + share), 1e-12);
 }
 
 /// The slopes of both lines, put in as the data's own roll centre gives them, meet there.

@@ -18,6 +18,7 @@ mod frame;
 #[cfg(test)]
 mod golden;
 mod gradient;
+mod inputs;
 pub mod output;
 mod reading;
 mod replay;
@@ -36,15 +37,16 @@ pub mod wheel;
 
 pub use anti::{Anti, Vehicle};
 pub use axle::{AxleState, Given, Tyre, WheelState};
-pub use bench::{Bench, BenchError, Chain, Drive, Inputs, Observation, WheelRate};
+pub use bench::{Bench, BenchError, Chain, Observation, WheelRate};
 pub use compliance::{Compliance, Mat12};
 pub use config::{AxisMethod, Config};
 pub use deck_files::deck_files;
 pub use force_compliance::Pairing;
 pub use frame::{Convention, Direction, Frame, Sense};
 pub use gradient::{Gradient, fitted_slope, loop_half_width};
+pub use inputs::{Drive, Inputs};
 pub use reading::{Reading, Unit};
-pub use replay::{Replay, ReplayError, ReplayOptions, Road};
+pub use replay::{BodyPoint, Replay, ReplayError, ReplayOptions, Road};
 pub use rig::{FoundWheel, Rigged, Variant, WheelIds};
 pub use sample::{Branch, Sample};
 pub use side::Side;

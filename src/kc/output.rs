@@ -113,6 +113,8 @@ pub fn background(entity: &str) -> (&'static str, &'static str, &'static str) {
         | "total_track"
         | "scrub_radius"
         | "caster_moment_arm"
+        | "hub_lead"
+        | "wheel_load_lever_arm"
         | "steer_axis_road_plane_intersection" => ("as the test", "loaded", "out"),
         _ => ("as the test", none, "out"),
     }
@@ -140,6 +142,14 @@ fn cell(value: f64) -> String {
     }
 }
 
+/// What joints with friction do.
+fn friction(sample: &Sample) -> &'static str {
+    sample
+        .seen
+        .friction
+        .map_or("none", crate::system::Grasp::word)
+}
+
 /// All samples of all tests, a line each; ride height first.
 pub fn curves_csv(run: &KcRun, config: &Config, units: &Units, convention: Convention) -> Vec<u8> {
     let mut csv = csv::Writer::from_writer(Vec::new());
@@ -148,7 +158,7 @@ pub fn curves_csv(run: &KcRun, config: &Config, units: &Units, convention: Conve
             .expect("writing to memory does not fail");
     };
     let statement = Statement::new(config, None, convention);
-    let first = ["test", "branch", "value"].map(str::to_string);
+    let first = ["test", "branch", "value", "friction"].map(str::to_string);
     let said = statement.rows.iter().map(|row| row.0.to_string());
     let names = run.ride.readings.iter().map(|reading| head(reading, units));
     write(first.into_iter().chain(said).chain(names).collect());
@@ -157,6 +167,7 @@ pub fn curves_csv(run: &KcRun, config: &Config, units: &Units, convention: Conve
             name.to_string(),
             sample.branch.word().to_string(),
             sample.value.to_string(),
+            friction(sample).to_string(),
         ];
         let said = statement.rows.iter().map(|row| row.1.clone());
         let values = run.ride.readings.iter().map(|wanted| {
@@ -257,7 +268,12 @@ pub fn json(run: &KcRun, config: &Config, units: &Units, convention: Convention)
                 found.map_or(f64::NAN, |r| r.value_in(convention))
             })
             .collect();
-        json!({ "branch": sample.branch.word(), "value": sample.value, "values": values })
+        json!({
+            "branch": sample.branch.word(),
+            "value": sample.value,
+            "friction": friction(sample),
+            "values": values,
+        })
     };
     let matrix = |sample: &Sample| -> Value {
         let Some(compliance) = sample.seen.axle.compliance else {
@@ -310,6 +326,7 @@ pub fn json(run: &KcRun, config: &Config, units: &Units, convention: Convention)
         "deck_axes": config.axes,
         "choices": {
             "vertical_load": config.vertical_load,
+            "friction": config.sliding_with.word(),
             "mirrored": config.mirror,
             "road": "level",
         },

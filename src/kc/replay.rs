@@ -1,7 +1,7 @@
 //! Wheels followed through the body motions of a results file.
 
 use super::axle::WheelState;
-use super::{AxleState, Frame, Side, Tyre, Wheel, contact};
+use super::{AxleState, Frame, Side, SteerAxis, Tyre, Wheel, contact};
 use crate::mechanics::{Mat3, Vec3, euler313};
 use crate::results::{Catalogue, Entity, ResultsError, Step};
 
@@ -34,6 +34,15 @@ pub struct ReplayOptions {
     pub tyre: Option<Tyre>,
     /// What the road is taken for.
     pub road: Road,
+}
+
+/// A point of a body: where it is in the frame of the body.
+#[derive(Clone, PartialEq, Debug)]
+pub struct BodyPoint {
+    /// The body.
+    pub body: String,
+    /// Where.
+    pub local: Vec3,
 }
 
 /// Why wheels cannot be followed.
@@ -73,12 +82,32 @@ pub enum ReplayError {
     },
 }
 
-/// One body that is followed.
+/// A body's columns of X, Y, Z, PSI, THETA, PHI.
+#[derive(Clone, Copy, Debug)]
+struct Body([usize; 6]);
+
+impl Body {
+    /// Place of a point of it, and its orientation, in the axes of Adams/Car.
+    fn at(
+        &self,
+        local: &Vec3,
+        (options, angle): (&ReplayOptions, f64),
+        read: &dyn Fn(usize) -> f64,
+    ) -> (Vec3, Mat3) {
+        let [x, y, z, psi, theta, phi] = self.0.map(read);
+        let R = euler313(psi * angle, theta * angle, phi * angle);
+        let p = Vec3::new(x, y, z) + R * local;
+        (options.frame.vector(&p), options.frame.from_deck * R)
+    }
+}
+
+/// One wheel that is followed.
 #[derive(Clone, Debug)]
 struct Followed {
     name: String,
-    /// Columns of X, Y, Z, PSI, THETA, PHI.
-    ids: [usize; 6],
+    body: Body,
+    /// Lower and upper point of the geometric steer axis.
+    axis: Option<[(Body, Vec3); 2]>,
     /// Known after the first step.
     known: Option<Known>,
 }
@@ -108,19 +137,31 @@ pub struct Replay {
 }
 
 impl Replay {
-    /// The bodies `names`; `degrees` if the file's angles are.
+    /// The bodies `names`, with lower and upper points of their steer axes for as many as are given; `degrees` if the file's angles are.
     ///
     /// # Errors
     /// [`ReplayError`] if a body is not there or has no pose.
     pub fn new(
         catalogue: &Catalogue,
-        names: &[String],
+        (names, axes): (&[String], &[[BodyPoint; 2]]),
         degrees: bool,
         options: ReplayOptions,
     ) -> Result<Self, ReplayError> {
         let wheels = names
             .iter()
-            .map(|name| follow(catalogue, name))
+            .enumerate()
+            .map(|(k, name)| {
+                let point = |at: &BodyPoint| Ok((body(catalogue, &at.body)?, at.local));
+                Ok(Followed {
+                    name: name.clone(),
+                    body: body(catalogue, name)?,
+                    axis: match axes.get(k) {
+                        Some([lower, upper]) => Some([point(lower)?, point(upper)?]),
+                        None => None,
+                    },
+                    known: None,
+                })
+            })
             .collect::<Result<_, _>>()?;
         let column = |entity: &str, component: &str| {
             let entity = catalogue.entities_called(entity).next()?;
@@ -156,10 +197,13 @@ impl Replay {
         let mut wheels = [None; 2];
         let (options, angle) = (&self.options, self.angle);
         for followed in &mut self.wheels {
-            let [x, y, z, psi, theta, phi] = followed.ids.map(read);
-            let R = euler313(psi * angle, theta * angle, phi * angle);
-            let p = Vec3::new(x, y, z) + R * options.centre;
-            let (p, R) = (options.frame.vector(&p), options.frame.from_deck * R);
+            let how = (options, angle);
+            let (p, R) = followed.body.at(&options.centre, how, read);
+            let point = |(body, local): &(Body, Vec3)| body.at(local, how, read).0;
+            let axis = followed
+                .axis
+                .as_ref()
+                .and_then(|[lower, upper]| SteerAxis::through(&point(lower), &point(upper)));
             if followed.known.is_none() {
                 let forces = (self.normal_force, read);
                 followed.known = Some(Known::at(&followed.name, &p, &R, options, forces)?);
@@ -168,11 +212,11 @@ impl Replay {
                 continue;
             };
             let side = known.design.side;
-            let (axis, sense) = known.axis;
+            let (column, sense) = known.axis;
             let wheel = Wheel {
                 side,
                 centre: p,
-                spin: R.column(axis) * sense,
+                spin: R.column(column) * sense,
                 turn: R * known.design_R.transpose(),
             };
             let radius = options.tyre.map(|tyre| {
@@ -190,7 +234,7 @@ impl Replay {
                 wheel,
                 design: known.design,
                 radius,
-                axis: None,
+                axis,
             });
         }
         let mut state = AxleState {
@@ -274,7 +318,7 @@ fn through_patches(state: &AxleState) -> Vec3 {
     state.normal
 }
 
-fn follow(catalogue: &Catalogue, name: &str) -> Result<Followed, ReplayError> {
+fn body(catalogue: &Catalogue, name: &str) -> Result<Body, ReplayError> {
     let with_suffix = format!("{name}_XFORM");
     let plain = |entity: &Entity| {
         let object = entity.entity.as_deref().unwrap_or(&entity.name);
@@ -316,9 +360,5 @@ fn follow(catalogue: &Catalogue, name: &str) -> Result<Followed, ReplayError> {
         };
         *id = found.id;
     }
-    Ok(Followed {
-        name: name.to_string(),
-        ids,
-        known: None,
-    })
+    Ok(Body(ids))
 }

@@ -7,7 +7,8 @@
 
 use super::Side;
 use super::config::{Config, Spelled, WheelConfig};
-use super::test_settings::Hold;
+use super::test_kind::{Driven, TestKind};
+use super::test_settings::{Hold, TestSettings};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::mechanics::{Mat3, Pose, Vec3, psi_theta_phi};
 use crate::model::{MarkerIx, Model, PartKind};
@@ -48,11 +49,20 @@ impl Variant {
         format!("kc_{height}{steering}")
     }
 
-    /// For a test that holds this.
+    /// For ride height and tests that hold this.
     pub fn of(hold: Hold, steering_locked: bool) -> Self {
         Self {
             height_held: hold == Hold::Height,
             steering_locked,
+        }
+    }
+
+    /// For a test: what drives heights holds them, whatever else it holds.
+    pub fn of_test(kind: TestKind, settings: &TestSettings) -> Self {
+        let drives_heights = matches!(kind.driven(), Driven::Height(_));
+        Self {
+            height_held: drives_heights || settings.hold == Hold::Height,
+            steering_locked: settings.steering_locked,
         }
     }
 }

@@ -1,4 +1,5 @@
-use super::bench::{Inputs, Observation};
+use super::bench::Observation;
+use super::inputs::Inputs;
 use super::reading::Reading;
 
 /// Which way a test went when it came by.

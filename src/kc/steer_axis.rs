@@ -101,10 +101,27 @@ impl SteerAxis {
         (centre - self.location(centre)).norm()
     }
 
-    /// The lateral part of the offset, `|(P - K).y| / sqrt(1 - u.y^2)`: exact only at zero toe.
-    pub fn lateral_offset(&self, centre: &Vec3) -> f64 {
-        let y = self.direction.y;
-        (centre - self.location(centre)).y.abs() / (1.0 - y * y).sqrt()
+    /// The parts of the offset `d = P - K`: (lateral, longitudinal). With e the spin axis without its part along u, `d . e` outboard, and
+    /// `d . (e x u)`, with the other sign on the left, rearward.
+    pub fn offset_parts(&self, side: Side, centre: &Vec3, spin: &Vec3) -> (f64, f64) {
+        let u = &self.direction;
+        let across = spin - u * u.dot(spin);
+        let Some(e) = across.try_normalize(0.0) else {
+            return (f64::NAN, f64::NAN);
+        };
+        let d = centre - self.location(centre);
+        (d.dot(&e), side.outboard() * d.dot(&e.cross(u)))
+    }
+
+    /// The lever of a vertical load at the contact point about the axis in the two views: `scrub tan(caster) + trail tan(kingpin)`.
+    pub fn load_lever(&self, side: Side, (scrub, trail): (f64, f64)) -> f64 {
+        scrub * self.caster().tan() + trail * self.kingpin_inclination(side).tan()
+    }
+
+    /// `hub_lead` as Adams/Car writes it: [`Self::load_lever`] with the angles, which are in radians, taken for degrees.
+    pub fn hub_lead(&self, side: Side, (scrub, trail): (f64, f64)) -> f64 {
+        let tan = |angle: f64| angle.to_radians().tan();
+        scrub * tan(self.caster()) + trail * tan(self.kingpin_inclination(side))
     }
 }
 

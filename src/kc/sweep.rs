@@ -1,9 +1,10 @@
 //! The standard tests: sweeps of equilibria on the rig.
 
 use super::axle::Given;
-use super::bench::{Bench, BenchError, Chain, Drive, Inputs, Observation};
+use super::bench::{Bench, BenchError, Chain, Observation, WheelRate};
 use super::config::Config;
 use super::gradient::{Gradient, gradients};
+use super::inputs::{Drive, Inputs};
 use super::rig::Variant;
 use super::sample::{Branch, Sample};
 use super::test_kind::{Driven, TestKind};
@@ -219,6 +220,180 @@ fn states(config: &Config, settings: &TestSettings) -> usize {
     1 + way_down(settings, &grid).len() + branches * grid.len()
 }
 
+/// A test under way.
+struct Course<'a> {
+    config: &'a Config,
+    kind: TestKind,
+    settings: TestSettings,
+    variant: Variant,
+    drive: Drive,
+    ride: &'a Ride,
+    /// What both wheels rise by so that the axle keeps its load.
+    rise: f64,
+}
+
+/// Both wheels up.
+const HEAVE: Drive = Drive {
+    height: [1.0; 2],
+    loads: [[0.0; 4]; 2],
+    steer: 0.0,
+};
+
+impl Course<'_> {
+    /// Where it is, in words.
+    fn at(&self, value: f64) -> String {
+        format!(
+            "test {}, {} {value}",
+            self.kind.name(),
+            self.kind.variable()
+        )
+    }
+
+    /// True of a roll under the load of the axle.
+    fn keeps_axle_load(&self) -> bool {
+        self.kind == TestKind::Roll && self.settings.hold == Hold::Load
+    }
+
+    /// What the rig does at a value.
+    fn inputs(&self, value: f64) -> Inputs {
+        let (settings, patch) = (&self.settings, self.config.tyre.is_some());
+        let drives_heights = matches!(self.kind.driven(), Driven::Height(_) | Driven::Steering);
+        let mut inputs = Inputs {
+            height: self.ride.height,
+            vertical_at_patch: if drives_heights {
+                settings.point == LoadPoint::Patch
+            } else {
+                patch
+            },
+            plane_at_patch: settings.point == LoadPoint::Patch,
+            ..Inputs::default()
+        };
+        if self.kind == TestKind::Steering {
+            inputs.steer = Some(value);
+        }
+        for k in 0..2 {
+            inputs.height[k] += self.drive.height[k] * value + self.rise;
+            for (load, per_unit) in inputs.loads[k].iter_mut().zip(self.drive.loads[k]) {
+                *load = per_unit * value;
+            }
+            if !self.variant.height_held {
+                inputs.loads[k][2] += self.ride.load[k];
+            }
+        }
+        inputs
+    }
+
+    /// The same, with the rise that keeps the load of the axle. The chain stays where it is.
+    fn placed(
+        &mut self,
+        bench: &mut Bench<'_>,
+        chain: &Chain,
+        value: f64,
+    ) -> Result<Inputs, BenchError> {
+        /// Newton steps at most, and the change of height, in tyre radii or hundred units, that is none.
+        const ROUNDS: usize = 20;
+        const NONE: f64 = 1e-8;
+        if !self.keeps_axle_load() {
+            return Ok(self.inputs(value));
+        }
+        let least = NONE * self.config.tyre.map_or(100.0, |tyre| tyre.radius);
+        let at = self.at(value);
+        for _ in 0..ROUNDS {
+            let mut trial = chain.clone();
+            let inputs = self.inputs(value);
+            let seen = bench.observe(self.variant, &mut trial, (&inputs, Some(&HEAVE)), &at)?;
+            let sum = |of: [f64; 2]| of[0] + of[1];
+            let rate = sum(seen.rates.map(|rate| rate.map_or(0.0, |rate| rate.load)));
+            let step = (sum(self.ride.load) - sum(seen.load)) / rate;
+            if !step.is_finite() {
+                break;
+            }
+            self.rise += step;
+            if step.abs() <= least {
+                return Ok(self.inputs(value));
+            }
+        }
+        Err(BenchError::NoAxleLoad { at })
+    }
+
+    /// What is driven per unit of the variable, in a state.
+    fn direction(
+        &self,
+        bench: &mut Bench<'_>,
+        chain: &Chain,
+        inputs: &Inputs,
+        at: &str,
+    ) -> Result<Drive, BenchError> {
+        let mut drive = self.drive;
+        if self.keeps_axle_load() {
+            let mut load = |drive: &Drive| -> Result<f64, BenchError> {
+                let seen =
+                    bench.observe(self.variant, &mut chain.clone(), (inputs, Some(drive)), at)?;
+                Ok(seen.rates.iter().flatten().map(|rate| rate.load).sum())
+            };
+            let rise = -load(&self.drive)? / load(&HEAVE)?;
+            drive.height.iter_mut().for_each(|height| *height += rise);
+        }
+        Ok(drive)
+    }
+
+    /// Looks at a value, with tangents where they are asked for.
+    fn observe(
+        &mut self,
+        bench: &mut Bench<'_>,
+        chain: &mut Chain,
+        (value, tangents): (f64, bool),
+    ) -> Result<(Inputs, Observation), BenchError> {
+        let at = self.at(value);
+        let inputs = self.placed(bench, chain, value)?;
+        let drive = if tangents {
+            Some(self.direction(bench, chain, &inputs, &at)?)
+        } else {
+            None
+        };
+        let seen = bench.observe(self.variant, chain, (&inputs, drive.as_ref()), &at)?;
+        Ok((inputs, seen))
+    }
+}
+
+/// Drives the loop until it ends where it began: how the axle came to ride height is no part of what is recorded.
+fn settle_loop(
+    course: &mut Course<'_>,
+    bench: &mut Bench<'_>,
+    chain: &mut Chain,
+    grid: &[f64],
+) -> Result<(), BenchError> {
+    /// Loops at most: where joints slide in a part of the loop only, it settles slowly. A change of places (of 100 units) and directions
+    /// that is none.
+    const LOOPS: usize = 60;
+    const NONE: f64 = 1e-10;
+    let back = grid.iter().rev().skip(1);
+    let way: Vec<f64> = grid.iter().skip(1).chain(back).copied().collect();
+    let mut before: Option<Observation> = None;
+    for _ in 0..LOOPS {
+        for &value in &way[..way.len() - 1] {
+            let inputs = course.placed(bench, chain, value)?;
+            bench.settle(course.variant, chain, &inputs, &course.at(value))?;
+        }
+        let (_, seen) = course.observe(bench, chain, (grid[0], false))?;
+        let closes = before.is_some_and(|before| {
+            let wheels = before.axle.wheels.iter().zip(&seen.axle.wheels);
+            wheels
+                .filter_map(|(a, b)| a.as_ref().zip(b.as_ref()))
+                .all(|(a, b)| {
+                    let (a, b) = (&a.wheel, &b.wheel);
+                    let moved = (a.centre - b.centre).norm() <= 100.0 * NONE;
+                    moved && (a.spin - b.spin).norm() <= NONE
+                })
+        });
+        if closes {
+            break;
+        }
+        before = Some(seen);
+    }
+    Ok(())
+}
+
 fn test(
     bench: &mut Bench<'_>,
     (kind, settings): (TestKind, TestSettings),
@@ -228,51 +403,44 @@ fn test(
 ) -> Result<TestRun, BenchError> {
     let config = bench.config;
     let sides: Vec<Side> = bench.wheels.iter().map(|wheel| wheel.side).collect();
-    let drive = drive(kind, &sides, config.mirror);
-    let variant = Variant::of(settings.hold, settings.steering_locked);
-    let patch = config.tyre.is_some();
-    let drives_heights = matches!(kind.driven(), Driven::Height(_) | Driven::Steering);
-    let inputs = |value: f64| {
-        let mut inputs = Inputs {
-            height: ride.height,
-            vertical_at_patch: if drives_heights {
-                settings.point == LoadPoint::Patch
-            } else {
-                patch
-            },
-            plane_at_patch: settings.point == LoadPoint::Patch,
-            ..Inputs::default()
-        };
-        if kind == TestKind::Steering {
-            inputs.steer = Some(value);
-        }
-        for k in 0..2 {
-            inputs.height[k] += drive.height[k] * value;
-            for (load, per_unit) in inputs.loads[k].iter_mut().zip(drive.loads[k]) {
-                *load = per_unit * value;
-            }
-            if settings.hold == Hold::Load {
-                inputs.loads[k][2] += ride.load[k];
-            }
-        }
-        inputs
+    let mut course = Course {
+        config,
+        kind,
+        settings,
+        variant: Variant::of_test(kind, &settings),
+        drive: drive(kind, &sides, config.mirror),
+        ride,
+        rise: 0.0,
     };
-    let at = |value: f64| format!("test {}, {} {value}", kind.name(), kind.variable());
-    let mut chain = bench.chain(variant)?;
+    let mut chain = bench.chain(course.variant)?;
     chain.start_at(base);
+    bench.let_rub(course.variant, &mut chain)?;
     // Ride height first, with tangents; then outward to the lowest value, up, and down again.
-    let zero = inputs(0.0);
-    let centre = bench.observe(variant, &mut chain, (&zero, Some(&drive)), &at(0.0))?;
+    let (_, mut centre) = course.observe(bench, &mut chain, (0.0, true))?;
     each();
     let grid = grid(&settings);
     for value in way_down(&settings, &grid) {
-        bench.settle(variant, &mut chain, &inputs(value), &at(value))?;
+        let inputs = course.placed(bench, &chain, value)?;
+        bench.settle(course.variant, &mut chain, &inputs, &course.at(value))?;
         each();
     }
+    let rubs = centre.friction.is_some();
+    if rubs {
+        settle_loop(&mut course, bench, &mut chain, &grid)?;
+    }
+    // Where joints rub, the tangent is the mean of both branches, each where it passes ride height.
+    let nearest = grid
+        .iter()
+        .copied()
+        .min_by(|a, b| a.abs().total_cmp(&b.abs()));
+    let mut branches = Vec::new();
     let mut samples = Vec::new();
     let mut go = |bench: &mut Bench<'_>, branch, value: f64| -> Result<(), BenchError> {
-        let inputs = inputs(value);
-        let seen = bench.observe(variant, &mut chain, (&inputs, None), &at(value))?;
+        let tangents = rubs && nearest == Some(value);
+        let (inputs, seen) = course.observe(bench, &mut chain, (value, tangents))?;
+        if tangents {
+            branches.push(seen.rates);
+        }
         samples.push(sample(branch, value, (inputs, seen), given));
         each();
         Ok(())
@@ -283,6 +451,12 @@ fn test(
     if config.branches == Branches::Both {
         for &value in grid.iter().rev() {
             go(bench, Branch::Down, value)?;
+        }
+    }
+    if rubs {
+        for k in 0..2 {
+            let all: Vec<WheelRate> = branches.iter().filter_map(|rates| rates[k]).collect();
+            centre.rates[k] = WheelRate::mean(&all);
         }
     }
     let gradients = gradients(&centre, &samples, settings.window);

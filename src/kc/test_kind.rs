@@ -92,7 +92,7 @@ impl TestKind {
         }
     }
 
-    /// What is driven, per unit of the test's own variable. Roll is driven by the height of the left wheel.
+    /// What is driven, per unit of the test's own variable. That of roll is half the difference of the travels, left less right.
     pub const fn driven(self) -> Driven {
         match self {
             Self::Bounce => Driven::Height([1.0, 1.0]),
@@ -112,7 +112,7 @@ impl TestKind {
     pub const fn variable(self) -> &'static str {
         match self {
             Self::Bounce => "wheel travel",
-            Self::Roll => "travel of the left wheel",
+            Self::Roll => "antiphase travel",
             Self::Steering => "steering input",
             Self::Lateral | Self::LateralOpposed | Self::LateralSingle => "lateral force",
             Self::Braking => "braking force",

@@ -6,7 +6,7 @@ use serde::Deserialize;
 pub enum Hold {
     /// The height of the wheel centre.
     Height,
-    /// The vertical load.
+    /// The vertical load; of a roll the sum of both wheels.
     Load,
 }
 

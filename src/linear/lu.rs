@@ -15,8 +15,14 @@ use super::ordering::columns_of;
 use super::pivoting::Elimination;
 use super::scalar::Scalar;
 
-/// A pivot may shrink by this against the one it was when the order was chosen.
+/// A pivot may shrink by this against the one it was when the order was chosen, whatever stands below it.
 const SHRUNK: f64 = 1e-3;
+/// A pivot that has shrunk further will do while it is so large, after rows and columns are scaled as they were then,
+const SMALL: f64 = 1e-8;
+/// and no entry below it is larger by more than this: the multipliers bound what round-off grows by. For answers, and for steps of an
+/// iteration whose residuals say what is left.
+const GROWTH: f64 = 1e3;
+const GROWTH_OF_STEPS: f64 = 1e7;
 
 /// One step of the elimination. Its pivot, row of U and column of L stand one after the other in the values.
 #[derive(Clone, Copy, Debug)]
@@ -53,6 +59,8 @@ pub(crate) struct Lu<T = f64> {
     row: Vec<T>,
     /// How often an order was chosen.
     pub(crate) orders: usize,
+    /// Only steps of an iteration come from it.
+    for_steps: bool,
 }
 
 impl Lu {
@@ -70,6 +78,14 @@ impl<T: Scalar> Lu<T> {
             column_scale: vec![1.0; n],
             work: vec![T::default(); n],
             ..Self::default()
+        }
+    }
+
+    /// Its solutions are steps of an iteration alone: an order stays for longer.
+    pub fn for_steps(n: usize) -> Self {
+        Self {
+            for_steps: true,
+            ..Self::new(n)
         }
     }
 
@@ -102,14 +118,14 @@ impl<T: Scalar> Lu<T> {
         for step in &self.steps {
             let at = step.at as usize;
             let pivot = self.values[at];
+            let upper = step.upper as usize;
+            let lower = at + 1 + upper;
             // Written so that a NaN fails.
             let sound = pivot.size() >= SHRUNK * step.size;
-            if !sound {
+            if !sound && !self.bounds(step, lower) {
                 return false;
             }
             let inverse = pivot.inverse();
-            let upper = step.upper as usize;
-            let lower = at + 1 + upper;
             self.row.clear();
             self.row.extend_from_slice(&self.values[at + 1..lower]);
             for k in lower..lower + step.lower as usize {
@@ -126,6 +142,22 @@ impl<T: Scalar> Lu<T> {
             }
         }
         true
+    }
+
+    /// Whether a small pivot still is a pivot, and large enough against what stands below it.
+    fn bounds(&self, step: &Step, lower: usize) -> bool {
+        let scaled = |at: usize, row: u32| self.values[at].size() * self.row_scale[row as usize];
+        let pivot = scaled(step.at as usize, step.row);
+        let growth = if self.for_steps {
+            GROWTH_OF_STEPS
+        } else {
+            GROWTH
+        };
+        let below = lower..lower + step.lower as usize;
+        pivot * self.column_scale[step.column as usize] >= SMALL * GROWTH / growth
+            && below
+                .into_iter()
+                .all(|k| scaled(k, self.index[k]) <= growth * pivot)
     }
 
     /// Solves for the right side given; unknowns without a pivot are zero.

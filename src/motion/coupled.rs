@@ -42,7 +42,7 @@ impl Coupled {
         Self {
             groups,
             matrix: Matrix::new(size),
-            factors: Lu::new(size),
+            factors: Lu::for_steps(size),
             levels: Levels::new(system.moving_unknowns),
             rows: Rows::new(system),
             g: vec![0.0; system.moving_unknowns],

@@ -166,6 +166,13 @@ fn frictions(stiction: f64) -> String {
             k = k + 1,
         );
     }
+    // What functions see of them: force, torque, coefficients, velocities and creeps along every axis.
+    for index in (1..13).chain(14..26) {
+        let terms: Vec<String> = (1..=6)
+            .map(|k| format!("0.{k}*FRICTION({k},{index})"))
+            .collect();
+        all += &format!("VARIABLE/{index}, FUNCTION={}\n", terms.join("+"));
+    }
     all
 }
 

@@ -1,5 +1,5 @@
 use crate::discrepancy::{
-    CrossValidation, Fitted, HoldOut, Outcome, Over, Remainder, StructureTest, Verdict,
+    ChannelMiss, CrossValidation, Fitted, HoldOut, Outcome, Over, Remainder, StructureTest, Verdict,
 };
 use crate::identify::global::Row;
 
@@ -8,6 +8,7 @@ use super::interval::IntervalScale;
 use super::ranking::{ranking, words};
 use super::{
     Align, Chart, DrawingError, Figure, HeatMap, Mark, Page, Scene, Series, Table, number,
+    short_unit,
 };
 use crate::identify::LoadedStudy;
 use crate::identify::global::confidence::NORMAL_975;
@@ -30,6 +31,11 @@ pub struct DiagnosisReport<'a> {
 fn loads(case: &std::collections::BTreeMap<String, f64>) -> String {
     let one = |(name, value): (&String, &f64)| format!("{name} = {value}");
     case.iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
+/// Three digits.
+fn three(value: f64) -> String {
+    number(value, Some(0.1 * value.abs()))
 }
 
 /// A p-value as a person reads it.
@@ -67,8 +73,30 @@ fn prediction(cases: &[String], causes: &[String], rms: [f64; 2], scene: &Scene)
     } else {
         scene.naming(&causes.join(", "))
     };
-    let [before, after] = rms.map(|rms| format!("{rms:.4}"));
+    let [before, after] = rms.map(three);
     [cases, causes, before, after]
+}
+
+/// How far channels are missed.
+fn missed(channels: &[ChannelMiss]) -> Table {
+    let mut table = Table::new(&[
+        ("channel", Align::Left),
+        ("unit", Align::Left),
+        ("missed, rms: as the model was", Align::Right),
+        ("as it is extended", Align::Right),
+        ("noise of a reading", Align::Right),
+    ]);
+    for miss in channels {
+        let value = |x: f64| number(x, Some(0.1 * miss.noise));
+        table.row([
+            miss.name.clone(),
+            miss.behind.trim().to_string(),
+            value(miss.before),
+            value(miss.after),
+            value(miss.noise),
+        ]);
+    }
+    table
 }
 
 /// The cases held out.
@@ -89,8 +117,8 @@ fn groups(found: &CrossValidation, length: &str, scene: &Scene) -> Table {
     table.row([
         "all".to_string(),
         String::new(),
-        format!("{:.4}", found.rms_before),
-        format!("{:.4}", found.rms_after),
+        three(found.rms_before),
+        three(found.rms_after),
     ]);
     table
 }
@@ -159,7 +187,13 @@ impl DiagnosisReport<'_> {
             "{lead} Before any extension chi-square per degree of freedom is {:.2}; {} hypotheses were tried.",
             diagnosis.baseline.chi2_per_dof, self.outcome.places
         ));
-        let sentences = self.outcome.sentences();
+        let channels = self.outcome.channels();
+        let mut sentences = self.outcome.sentences();
+        if channels.len() > 1 {
+            // Many alike read better as a table.
+            sentences.retain(|text| channels.iter().all(|miss| miss.sentence() != *text));
+            page.table(&missed(&channels));
+        }
         page.list(
             &sentences
                 .iter()
@@ -353,7 +387,7 @@ impl DiagnosisReport<'_> {
                 .unknowns
                 .iter()
                 .find(|unknown| unknown.address.to_string() == stiffness.address)
-                .map_or_else(String::new, |unknown| unknown.unit.clone());
+                .map_or_else(String::new, |unknown| short_unit(&unknown.unit));
             table.row([
                 scene.named(&stiffness.address),
                 unit,

@@ -2,7 +2,7 @@
 
 use super::convergence::convergence;
 use super::interval::IntervalScale;
-use super::number::{number, rounded};
+use super::number::{number, rounded, short_unit};
 use super::repeats::repeats;
 use super::study_figures::StudyFigures;
 use super::{Align, DrawingError, Page, Positions, Table, headline, study_scene};
@@ -50,7 +50,8 @@ impl IdentificationReport<'_> {
         page.table(&self.parameters());
         page.note(
             "K in force per length, KT in torque per radian, as in the deck. Intervals hold the true value in 95 of 100 repetitions of \
-             the measurement if the model is right; whether it is, says the diagnosis.",
+             the measurement if the model is right; whether it is, says the diagnosis. What is not told is unidentifiable: the readings say \
+             too little about it.",
         );
         self.tolerances(&mut page);
         repeats(&mut page, self.fit, &|parameter| self.named(parameter));
@@ -137,10 +138,7 @@ impl IdentificationReport<'_> {
             (picture.as_str(), Align::Left),
         ];
         if known {
-            columns.extend([
-                ("reference", Align::Right),
-                ("identified / reference", Align::Right),
-            ]);
+            columns.extend([("reference", Align::Right), ("ratio", Align::Right)]);
         }
         let shares = self
             .fit
@@ -150,12 +148,12 @@ impl IdentificationReport<'_> {
         if shares {
             columns.push(("due to tolerances", Align::Right));
         }
-        columns.push(("", Align::Left));
+        columns.push(("status", Align::Left));
         let mut table = Table::new(&columns);
         for (parameter, reference) in self.fit.parameters.iter().zip(reference) {
             let mut cells = vec![
                 self.named(parameter),
-                parameter.unit.clone(),
+                short_unit(&parameter.unit),
                 number(parameter.initial, None),
                 number(parameter.value, parameter.std_error),
                 interval(parameter),
@@ -173,7 +171,11 @@ impl IdentificationReport<'_> {
                     share.map_or_else(String::new, |share| format!("{:.0} %", 100.0 * share)),
                 );
             }
-            cells.push(status(parameter.status).to_string());
+            cells.push(match parameter.status {
+                // The word of the JSON is too wide for a column.
+                Status::Unidentifiable => "not told".to_string(),
+                other => status(other).to_string(),
+            });
             let last = cells.len() - 1;
             table.row(cells);
             let ratio = |value: Option<f64>| value.map(|value| value / parameter.value);

@@ -1,7 +1,7 @@
 use super::{Align, Chart, DrawingError, Figure, Mark, Page, Series, Table};
 use crate::kc::{
-    Branch, Convention, Gradient, KcRun, Reading, Sample, Side, TestRun, Unit, fitted_slope,
-    loop_half_width, output,
+    Branch, Convention, Driven, Gradient, KcRun, Reading, Sample, Side, TestKind, TestRun, Unit,
+    fitted_slope, loop_half_width, output,
 };
 use crate::units::Units;
 
@@ -98,13 +98,77 @@ const AT_RIDE_HEIGHT: [&str; 22] = [
     "anti_squat_acceleration",
 ];
 
-/// Value and unit as people read them: angles in degrees.
+/// True for decks in newtons and metric lengths: others are shown in their own units.
+fn metric(units: &Units) -> bool {
+    units.force.word == "newton" && matches!(units.length.word, "mm" | "cm" | "meter")
+}
+
+/// Value and unit as people read them: angles in degrees, compliances per kilonewton.
 fn shown(value: f64, unit: Unit, units: &Units) -> (f64, String) {
-    let word = unit.word(units);
+    let (force, length) = (units.force.si, units.length.si);
+    let people = match unit {
+        _ if !metric(units) => None,
+        Unit::Force => Some((1.0, "N")),
+        Unit::Rate => Some((force / length * 1e-3, "N/mm")),
+        Unit::RollRate => Some((force * length * 1f64.to_radians(), "Nm/deg")),
+        Unit::AnglePerLength => Some((1f64.to_degrees() / length, "deg/m")),
+        Unit::LengthPerForce => Some((length * 1e6 / force, "mm/kN")),
+        Unit::AnglePerForce => Some((1f64.to_degrees() * 1e3 / force, "deg/kN")),
+        Unit::AnglePerTorque => {
+            let torque = force * length;
+            Some((1f64.to_degrees() * 100.0 / torque, "deg/100 Nm"))
+        }
+        _ => None,
+    };
+    if let Some((factor, word)) = people {
+        return (factor * value, word.to_string());
+    }
+    let word = super::short_unit(&unit.word(units));
     if unit.is_angle() {
         (value.to_degrees(), word.replacen("rad", "deg", 1))
     } else {
         (value, word)
+    }
+}
+
+/// A slope over a test's variable as people read it.
+fn slope(value: f64, unit: Unit, driven: Driven, units: &Units) -> (f64, String) {
+    let (value, word) = shown(value, unit, units);
+    let (force, length) = (units.force.si, units.length.si);
+    let (factor, per) = match driven {
+        Driven::Steering => (1.0, " per unit driven"),
+        _ if !metric(units) => {
+            let variable = match driven {
+                Driven::Height(_) => Unit::Length,
+                Driven::Mz(_) => Unit::Torque,
+                _ => Unit::Force,
+            };
+            return (value, format!("{word} per {}", variable.word(units)));
+        }
+        Driven::Height(_) if unit == Unit::Force => (1e-3 / length, "/mm"),
+        Driven::Height(_) => (1.0 / length, "/m"),
+        Driven::Fx(_) | Driven::Fy(_) => (1e3 / force, "/kN"),
+        Driven::Mz(_) => (100.0 / (force * length), "/100 Nm"),
+    };
+    (factor * value, word + per)
+}
+
+/// The name of a request as people say it.
+fn called(entity: &str) -> String {
+    match entity {
+        "kingpin_incl_angle" => "kingpin inclination".to_string(),
+        "caster_moment_arm" => "caster trail".to_string(),
+        "wheel_load_vertical_force" => "vertical load".to_string(),
+        "fr_view_swing_arm_length" => "front-view swing arm".to_string(),
+        "side_view_swing_arm_length" => "side-view swing arm".to_string(),
+        "lat_force_defl_compliance" => "lateral compliance".to_string(),
+        "lat_force_steer_compliance" => "lateral force steer".to_string(),
+        "lat_force_camber_compliance" => "lateral force camber".to_string(),
+        "alt_steer_compliance" => "aligning torque steer".to_string(),
+        "fore_aft_wheel_center_stiffness" => "fore-aft stiffness".to_string(),
+        "anti_dive_braking" => "anti-dive, braking".to_string(),
+        "anti_squat_acceleration" => "anti-squat, driving".to_string(),
+        other => other.replace("_angle", "").replace('_', " "),
     }
 }
 
@@ -216,7 +280,7 @@ impl KcReport<'_> {
                 continue;
             };
             let unit = shown(0.0, first.unit, self.units).1;
-            let mut row = vec![entity.replace('_', " "), unit];
+            let mut row = vec![called(entity), unit];
             for run in std::iter::once(self.run).chain(self.others.iter().map(|o| &o.1)) {
                 for side in Side::BOTH {
                     let mut all = run.ride.readings.iter();
@@ -246,10 +310,13 @@ impl KcReport<'_> {
             let Some(found) = reading(&self.run.ride, entity, component) else {
                 continue;
             };
-            let mut row = vec![name.to_string(), found.unit.word(self.units)];
+            let unit = shown(0.0, found.unit, self.units).1;
+            let mut row = vec![name.to_string(), unit];
             for run in std::iter::once(self.run).chain(self.others.iter().map(|o| &o.1)) {
                 let found = reading(&run.ride, entity, component);
-                row.push(found.map_or_else(String::new, |r| digits(r.value_in(self.convention))));
+                row.push(found.map_or_else(String::new, |r| {
+                    digits(shown(r.value_in(self.convention), r.unit, self.units).0)
+                }));
                 row.push(String::new());
             }
             table.row(row);
@@ -281,15 +348,15 @@ impl KcReport<'_> {
             } else {
                 "wheel centre"
             },
-            if settings.hold == crate::kc::Hold::Height {
-                "height of the wheel centres"
-            } else {
-                "vertical loads"
+            match (settings.hold, test.kind) {
+                (crate::kc::Hold::Height, _) => "height of the wheel centres",
+                (_, TestKind::Roll) => "load of the axle",
+                _ => "vertical loads",
             },
             match (both, same) {
                 (false, _) => "Driven one way.",
                 (true, true) => "Both branches are one curve: there is no friction in the deck.",
-                (true, false) => "The branches differ: see the half widths below.",
+                (true, false) => "The branches differ: joints rub. The half widths are below.",
             }
         ));
         let mut figures = Vec::new();
@@ -416,17 +483,16 @@ impl KcReport<'_> {
     }
 
     fn variable_unit(&self, test: &TestRun) -> String {
-        use crate::kc::Driven;
         match test.kind.driven() {
             Driven::Height(_) => Unit::Length.word(self.units),
             Driven::Steering => "as driven".to_string(),
-            Driven::Fx(_) | Driven::Fy(_) => Unit::Force.word(self.units),
+            Driven::Fx(_) | Driven::Fy(_) => shown(0.0, Unit::Force, self.units).1,
             Driven::Mz(_) => Unit::Torque.word(self.units),
         }
     }
 
     fn gradients(&self, test: &TestRun) -> Table {
-        let per = self.variable_unit(test);
+        let driven = test.kind.driven();
         let mut heads = vec![
             ("quantity", Align::Left),
             ("unit", Align::Left),
@@ -450,14 +516,23 @@ impl KcReport<'_> {
         let mut table = Table::new(&heads);
         for gradient in &test.gradients {
             let factor = self.convention.factor(gradient.sense);
-            let of = |value: f64| shown(value, gradient.unit, self.units);
+            let of = |value: f64| slope(value, gradient.unit, driven, self.units);
+            let width = |value: f64| {
+                let (value, unit) = shown(value, gradient.unit, self.units);
+                let text = digits(value);
+                if text.is_empty() {
+                    text
+                } else {
+                    format!("{text} {unit}")
+                }
+            };
             let (tangent, unit) = of(factor * gradient.tangent);
             let mut row = vec![
                 format!("{}.{}", gradient.entity, gradient.component),
-                format!("{unit} per {per}"),
+                unit,
                 digits(tangent),
                 digits(of(factor * gradient.fitted).0),
-                digits(of(gradient.hysteresis).0),
+                width(gradient.hysteresis),
                 digits(gradient.linear_range[0]),
                 digits(gradient.linear_range[1]),
                 percent(gradient.asymmetry(&test.gradients)),
@@ -476,10 +551,9 @@ impl KcReport<'_> {
                 let mut all = self.measured.iter();
                 let curve = all.find(|c| c.test == test.kind.name() && c.path == path);
                 let slope = curve.map(|c| fitted_slope(&c.points, test.settings.window));
-                let width = curve.map(|c| loop_half_width(&c.points));
-                for value in [slope, width] {
-                    row.push(value.map_or_else(String::new, |value| digits(of(value).0)));
-                }
+                let loops = curve.map(|c| loop_half_width(&c.points));
+                row.push(slope.map_or_else(String::new, |value| digits(of(value).0)));
+                row.push(loops.map_or_else(String::new, width));
             }
             table.row(row);
         }

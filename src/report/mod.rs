@@ -35,7 +35,7 @@ pub use figure::Figure;
 pub use heat_map::HeatMap;
 pub use identification::{IdentificationReport, lead, status};
 pub use kc::{KcReport, MeasuredCurve};
-pub use number::number;
+pub use number::{number, short_unit};
 pub use page::Page;
 pub use plausibility::{Check, Plausibility, Verdict};
 pub use reproduction::ReproductionReport;

@@ -1,3 +1,13 @@
+/// A unit as people write it: `N/mm` for `newton/mm`, `N mm/rad` for `newton-mm/rad`.
+pub fn short_unit(unit: &str) -> String {
+    let starts = |word: &str| unit.starts_with(word) || unit.contains(&format!("/{word}"));
+    if starts("newton") || starts("knewton") {
+        unit.replace("newton-", "N ").replace("newton", "N")
+    } else {
+        unit.to_string()
+    }
+}
+
 /// A value with no more digits than its standard error deserves: two digits of the error.
 pub fn number(value: f64, std_error: Option<f64>) -> String {
     if value == 0.0 || !value.is_finite() {

@@ -1,7 +1,7 @@
 //! The ranking of causes: each with its probability as a bar, its rivals below it.
 
 use super::scene::Scene;
-use super::{Align, Table, escape, number};
+use super::{Align, Table, escape, number, short_unit};
 use crate::discrepancy::{Cause, Diagnosis, Finding};
 use crate::units::Units;
 
@@ -105,7 +105,7 @@ fn sizes(finding: &Finding, units: &Units) -> String {
             text += &format!(" ± {}", number(error, Some(error)));
         }
         if !unit.is_empty() {
-            text += &format!(" {unit}");
+            text += &format!(" {}", short_unit(&unit));
         }
         // A stiffness is what an engineer has in mind.
         if name == "compliance" && *value > 0.0 {
@@ -113,7 +113,7 @@ fn sizes(finding: &Finding, units: &Units) -> String {
             text += &format!(
                 ", that is {} {}/{}",
                 number(1.0 / value, relative),
-                units.force.word,
+                short_unit(units.force.word),
                 units.length.word
             );
         }

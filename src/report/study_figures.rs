@@ -1,4 +1,4 @@
-use super::{Chart, DrawingError, Figure, HeatMap, Mark, Positions, Series};
+use super::{Chart, DrawingError, Figure, HeatMap, Mark, Positions, Series, short_unit};
 use crate::identify::LoadedStudy;
 use crate::identify::global::Prepared;
 use crate::mechanics::{Pose, Vec3, Vec6};
@@ -31,7 +31,7 @@ pub(super) fn load_axis(loaded: &LoadedStudy, name: &str) -> String {
     if !is_force || name.contains(['[', '(']) {
         return name.to_string();
     }
-    format!("{name}, {}", loaded.model.units.force.word)
+    format!("{name}, {}", short_unit(loaded.model.units.force.word))
 }
 
 /// The pictures of a study that need where its model stands: `positions` in the order in which models are compared, the last the best.
@@ -230,7 +230,7 @@ impl StudyFigures<'_> {
             let read = both.map(|(i, j)| at(&i.pose, &j.pose));
             found.push((read, at(&poses[part(law.i)], &poses[part(law.j)])));
         }
-        let force = model.units.force.word;
+        let force = short_unit(model.units.force.word);
         let mut out = Vec::new();
         for axis in 0..6 {
             let turning = axis >= 3;
@@ -272,7 +272,7 @@ impl StudyFigures<'_> {
                 });
             }
             let unit = if turning {
-                format!("torque on J, {force}-{}", self.length())
+                format!("torque on J, {force} {}", self.length())
             } else {
                 format!("force on J, {force}")
             };

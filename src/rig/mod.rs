@@ -8,6 +8,7 @@ pub mod deflection;
 pub mod effect;
 mod kc_curves;
 mod kc_readings;
+mod kc_starter;
 mod load;
 mod load_table;
 mod measurement;

@@ -3,10 +3,10 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
+use super::kc_starter::{WHEEL_WORDS, is_number, kc_toml, spin_axis};
 use super::schema::schema;
 use crate::mechanics::Vec3;
-use crate::model::{Function, MarkerIx, Model, Part, PartKind, SforceKind};
-use crate::syntax::expression::Node;
+use crate::model::{MarkerIx, Model, Part, PartKind, SforceKind};
 
 /// What was measured.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
@@ -41,11 +41,6 @@ pub struct Starter<'a> {
     wheel: Option<MarkerIx>,
 }
 
-/// Words that parts and markers at a wheel carry in their names.
-const WHEEL_WORDS: [&str; 9] = [
-    "wheel", "hub", "knuckle", "upright", "spindle", "carrier", "tire", "tyre", "rim",
-];
-
 impl<'a> Starter<'a> {
     /// Looks for loads and a wheel.
     pub fn of(model: &'a Model) -> Self {
@@ -65,12 +60,15 @@ impl<'a> Starter<'a> {
 
     /// What was found, one line each.
     pub fn found(&self) -> Vec<String> {
-        let many = |list: Vec<String>, none: &str| {
-            if list.is_empty() {
-                none.to_string()
-            } else {
-                list.join(", ")
+        /// More are counted, not listed.
+        const LISTED: usize = 12;
+        let many = |list: Vec<String>, none: &str| match list.len() {
+            0 => none.to_string(),
+            count if count > LISTED => {
+                let first = list[..LISTED].join(", ");
+                format!("{first} and {} more", count - LISTED)
             }
+            _ => list.join(", "),
         };
         let loads = self.loads.iter().map(|load| load.target.clone()).collect();
         let wheel = self.wheel.map(|at| self.marker(at)).into_iter().collect();
@@ -148,6 +146,9 @@ impl<'a> Starter<'a> {
                 "readings.csv".to_string(),
                 "case,top_height\n# One column per channel of [readings.channels]; an empty cell is a missing reading.\n# 1,305.2\n".to_string(),
             ));
+        }
+        if let Some(wheel) = self.wheel {
+            files.push(("kc.toml".to_string(), kc_toml(self.model, wheel)));
         }
         let schema = serde_json::to_string_pretty(&schema()).expect("a schema prints");
         files.push(("study.schema.json".to_string(), schema + "\n"));
@@ -322,38 +323,16 @@ top_height = {{ function = \"DZ({marker})\", sigma = 0.1, unit = \"{}\" }}   # F
                 "marker = \"MARKER/{}\"                # looks like the wheel's centre: {}; CHECK\naxis = \"{}\"\n",
                 self.model.markers[at.0].header.id,
                 self.marker(at),
-                self.spin_axis(at)
+                spin_axis(self.model, at)
             ),
             None => "marker = \"MARKER/?\"                 # FILL IN: a marker at the wheel's centre, on the carrier\naxis = \"y\"                         # its axis the wheel spins about\n".to_string(),
         }
-    }
-
-    /// The axis of a marker that points most across the car.
-    fn spin_axis(&self, at: MarkerIx) -> &'static str {
-        let marker = &self.model.markers[at.0];
-        let part = &self.model.parts[marker.part.0].pose;
-        let turned = part.R * marker.R;
-        let across = |axis: &usize| turned[(1, *axis)].abs();
-        let best = (0..3).max_by(|a, b| across(a).total_cmp(&across(b)));
-        ["x", "y", "z"][best.unwrap_or(1)]
     }
 }
 
 /// A text of TOML in quotes.
 fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
-}
-
-/// True for a FUNCTION that is only a number: nothing but a load case would drive it.
-fn is_number(function: &Function) -> bool {
-    let Function::Expression(expression) = function else {
-        return false;
-    };
-    match &expression.root {
-        Node::Literal(_) => true,
-        Node::Negate(inner) => matches!(**inner, Node::Literal(_)),
-        _ => false,
-    }
 }
 
 fn loads(model: &Model) -> Vec<Driven> {
@@ -509,16 +488,23 @@ fn wheel(model: &Model) -> Option<MarkerIx> {
             return 0;
         }
         let name = marker.header.name.to_lowercase();
-        let own = wheel_words(&name);
-        let centre = own > 0 && ["cent", "wc"].iter().any(|word| name.contains(word));
+        let part_name = part.header.name.to_lowercase();
+        // A mark on the carrier, `CARRIER_M1`, has only the name of its part.
+        let own = WHEEL_WORDS
+            .iter()
+            .filter(|word| name.contains(**word) && !part_name.contains(**word))
+            .count();
+        let mut tokens = name.split(|c: char| !c.is_alphanumeric());
+        let centre = tokens.any(|token| ["wc", "wcl", "wcr"].contains(&token))
+            || (wheel_words(&name) > 0 && name.contains("cent"));
         let scalar = model.sforces.iter().filter(|force| force.i.0 == at);
         let vector = model.vector_forces.iter().filter(|force| force.i.0 == at);
         let loaded = scalar.count() + vector.count();
         let on_part = wheel_words(&part.header.name);
-        if own + on_part == 0 {
+        if own + on_part + usize::from(centre) == 0 {
             return 0;
         }
-        8 * own + 4 * usize::from(centre) + 3 * on_part + 2 * loaded.min(3)
+        8 * own + 12 * usize::from(centre) + 3 * on_part + 2 * loaded.min(3)
     };
     let best = (0..model.markers.len()).max_by_key(|&at| (score(at), std::cmp::Reverse(at)))?;
     (score(best) > 0).then_some(MarkerIx(best))

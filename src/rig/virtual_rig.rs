@@ -84,6 +84,16 @@ pub fn virtual_rig_watched(
     } else if measured.sigma_estimated {
         measured.sigma = 0.05;
     }
+    // Curves whose noise the study does not say are read as well as rigs do: 0.005 deg, 0.05 mm.
+    for channel in measured.channels.iter_mut().filter(|c| c.sigma_estimated) {
+        match channel.unit.as_deref() {
+            Some("deg") => channel.sigma = 0.005,
+            Some(unit) if unit == lowered.value.units.length.word => {
+                channel.sigma = 5e-5 / lowered.value.units.length.si;
+            }
+            _ => {}
+        }
+    }
     if let Some(sigma) = options.sigma_on_parts {
         measured.sigma_on_parts = sigma;
     }

@@ -374,6 +374,7 @@ impl<'p> Runner<'p> {
             .map_err(|error| match error {
                 BenchError::Deck(all) => invalid(&all).unwrap_or_else(failed),
                 BenchError::Free { at, motion } => (Status::NoAnswer, format!("{at}: {motion}")),
+                why @ BenchError::NoAxleLoad { .. } => (Status::NoAnswer, why.to_string()),
                 BenchError::NoEquilibrium { at, why } => (Status::NoAnswer, format!("{at}: {why}")),
             })
     }

@@ -80,9 +80,7 @@ impl System {
         for number in 0..self.joints.len() {
             here.add_joint(number, g, sink);
         }
-        if here.moving() {
-            here.add_frictions(g, sink)?;
-        }
+        here.add_frictions(g, sink)?;
         here.add_conditions(g, sink)?;
         here.add_data(g, sink);
         Ok(())

@@ -1,5 +1,7 @@
 //! Friction of joints: from the motion and the reaction of a joint to a wrench on its parts, and the creep that goes on from step to step.
 //!
+//! In statics nothing acts but what `creeping` lets creep.
+//!
 //! Of every sliding direction k, a displacement along zj or a rotation about an axis of I or J with a radius as lever:
 //! `f_k = lever (mu_k N + T0/radius sigma_k)`, mu by `element::FrictionLaw` from surface velocities and creeps, N from the reaction of the
 //! joint on I. Its derivatives are exact, by positions, velocities and multipliers.
@@ -62,6 +64,10 @@ pub(crate) struct Friction {
     pub law: FrictionLaw,
     /// EFFECT has stiction: surfaces creep.
     pub sticks: bool,
+    /// EFFECT has sliding.
+    pub slips: bool,
+    /// Its law at rest, where it counts in statics too.
+    pub at_rest: Option<FrictionLaw>,
     pub pressing: Pressing,
     /// FRICTION_TORQUE_PRELOAD.
     pub torque_preload: f64,
@@ -125,12 +131,12 @@ pub struct FrictionReading {
 type Span = (usize, usize);
 
 /// Velocities, creeps and load of a friction, with the ranges of their gradients.
-struct Sliding {
-    v: Vec3,
-    c: Vec3,
+pub(super) struct Sliding {
+    pub v: Vec3,
+    pub c: Vec3,
     load: f64,
-    v_spans: [Span; 3],
-    c_spans: [Span; 3],
+    pub v_spans: [Span; 3],
+    pub c_spans: [Span; 3],
     load_span: Span,
 }
 
@@ -223,7 +229,7 @@ impl System {
 
 impl Configuration<'_> {
     /// Displacement along zj and rotation of I in J.
-    fn joint_place(&self, friction: &Friction) -> (f64, Mat3) {
+    pub(super) fn joint_place(&self, friction: &Friction) -> (f64, Mat3) {
         let motion = self.motion((friction.i, friction.j, friction.pair), false);
         (motion.p_ij_j.z, motion.R_ji)
     }
@@ -265,7 +271,7 @@ impl Configuration<'_> {
     }
 
     /// The creep by directions; zero unless it sticks.
-    fn creep(&self, friction: &Friction, grip: &Grip) -> Vec3 {
+    pub(super) fn creep(&self, friction: &Friction, grip: &Grip) -> Vec3 {
         if !grip.sticking {
             return Vec3::zeros();
         }
@@ -286,7 +292,7 @@ impl Configuration<'_> {
     }
 
     /// The motion of the surfaces and what presses them together; gradients are appended where asked for, the same pattern every time.
-    fn sliding(&mut self, number: usize, tangent: bool) -> Result<Sliding, NoValue> {
+    pub(super) fn sliding(&mut self, number: usize, tangent: bool) -> Result<Sliding, NoValue> {
         let friction = &self.system.frictions[number];
         let grip = self.state.grips[number];
         let mut out = Sliding {
@@ -417,12 +423,12 @@ impl Configuration<'_> {
     }
 
     /// The wrench of a friction into `scratch.contribution`; zero, with the same pattern, if it is switched off.
-    fn friction(&mut self, number: usize, ask: Ask) -> Result<(), NoValue> {
+    pub(super) fn friction(&mut self, number: usize, ask: Ask) -> Result<(), NoValue> {
         let system = self.system;
         let friction = &system.frictions[number];
         let tangent = ask == Ask::Tangent;
         let sliding = self.sliding(number, tangent)?;
-        let (mu, sigma) = coefficients(friction, &sliding);
+        let (mu, sigma) = coefficients(self.law(friction), &sliding);
         let on = f64::from(u8::from(friction.active));
         let mut w = Vec6::zeros();
         let slots = system.functions.len() + SLOTS * number;
@@ -478,7 +484,13 @@ impl Configuration<'_> {
         Ok(())
     }
 
-    /// Adds all frictions to the balances: in motion alone.
+    /// The law that holds: in statics that of rest.
+    fn law<'a>(&self, friction: &'a Friction) -> &'a FrictionLaw {
+        let at_rest = friction.at_rest.as_ref().filter(|_| !self.moving());
+        at_rest.unwrap_or(&friction.law)
+    }
+
+    /// Adds all frictions to the balances; in statics those that creep.
     pub(super) fn add_frictions<S: Sink>(
         &mut self,
         g: &mut [f64],
@@ -486,7 +498,8 @@ impl Configuration<'_> {
     ) -> Result<(), NoValue> {
         let ask = if S::WANTED { Ask::Tangent } else { Ask::Value };
         for number in 0..self.system.frictions.len() {
-            if !self.system.frictions[number].active {
+            let friction = &self.system.frictions[number];
+            if !friction.active || !(self.moving() || friction.at_rest.is_some()) {
                 continue;
             }
             let first = self.scratch.gradient.len();
@@ -512,7 +525,7 @@ impl Configuration<'_> {
                 continue;
             }
             let sliding = self.sliding(number, false)?;
-            let (mu, _) = coefficients(friction, &sliding);
+            let (mu, _) = coefficients(&friction.law, &sliding);
             self.friction(number, Ask::Value)?;
             out.force += self.scratch.contribution.F;
             out.torque += self.scratch.contribution.T;
@@ -550,8 +563,7 @@ pub(crate) const SLOTS: usize = 3;
 const LEAST_OVERLAP: f64 = 1e-3;
 
 /// Of the load, and of the preload that no coefficient multiplies.
-fn coefficients(friction: &Friction, sliding: &Sliding) -> (Coefficient, Coefficient) {
-    let law = &friction.law;
+pub(super) fn coefficients(law: &FrictionLaw, sliding: &Sliding) -> (Coefficient, Coefficient) {
     (
         law.coefficient(&sliding.v, &sliding.c),
         law.direction().coefficient(&sliding.v, &sliding.c),

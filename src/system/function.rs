@@ -30,6 +30,8 @@ pub(crate) enum Source {
     Constant(f64),
     Sensor(usize),
     Force(Box<Force>),
+    /// A number of the FRICTION with this id.
+    Friction(u32, usize),
 }
 
 /// A FUNCTION of the model, ready to evaluate.
@@ -196,6 +198,7 @@ impl Configuration<'_> {
                 measured.value
             }
             Source::Force(force) => self.measure_force(force)?,
+            Source::Friction(id, which) => self.measure_friction(*id, *which)?,
         })
     }
 

@@ -1,4 +1,5 @@
 use super::contribution::Exerted;
+use super::forces::Ask;
 use super::structure::{Action, Name};
 use super::{Configuration, NoValue, Reading};
 use crate::mechanics::Vec3;
@@ -69,6 +70,14 @@ impl<'s> Configuration<'s> {
             let reading = self.read(who)?;
             out.push(self.on_i(name, &reading));
             out.push(self.on_j(name, &reading));
+        }
+        for (number, friction) in system.frictions.iter().enumerate() {
+            if friction.active && (self.moving() || friction.at_rest.is_some()) {
+                self.friction(number, Ask::Value)?;
+                let reading = self.contributed();
+                out.push(self.on_i(&friction.name, &reading));
+                out.push(self.on_j(&friction.name, &reading));
+            }
         }
         self.reactions_of_conditions(&mut out);
         Ok(out)

@@ -79,11 +79,16 @@ impl Configuration<'_> {
         if !self.contribute(who, Ask::Value)? {
             self.scratch.contribution = super::contribution::Contribution::default();
         }
+        Ok(self.contributed())
+    }
+
+    /// What the wrench in `scratch.contribution` does.
+    pub(super) fn contributed(&self) -> Reading {
         let wrench = &self.scratch.contribution;
         let (i, j) = (wrench.i, wrench.j);
         let on_j = if wrench.b.is_some() { 1.0 } else { 0.0 };
         let d = self.scratch.markers[i].p - self.scratch.markers[j].p;
-        Ok(Reading {
+        Reading {
             i: MarkerIx(i),
             j: MarkerIx(j),
             motion: self.motion((i, j, wrench.pair), true),
@@ -92,6 +97,6 @@ impl Configuration<'_> {
             torque: wrench.T,
             force_on_j: -on_j * wrench.F,
             torque_on_j: -on_j * (wrench.T + d.cross(&wrench.F)),
-        })
+        }
     }
 }

@@ -1,5 +1,9 @@
 //! Constraint equations that say nothing new.
 
+use std::ops::Range;
+
+use nalgebra::DVectorView;
+
 use super::System;
 use crate::constraint::Constraint as _;
 
@@ -93,9 +97,9 @@ enum Taken {
     Nothing,
 }
 
-/// Orthonormal rows.
+/// Orthonormal rows, each with the columns between which it is not zero.
 #[derive(Default)]
-struct Basis(Vec<Vec<f64>>);
+struct Basis(Vec<(Range<usize>, Vec<f64>)>);
 
 impl Basis {
     /// Takes a row in that keeps more than a share of its length when its part in the basis is taken off.
@@ -104,29 +108,47 @@ impl Basis {
         for &(column, value) in row {
             v[column] += value;
         }
-        let before = norm(&v);
+        let mut within = support(&v);
+        let before = norm(&v[within.clone()]);
         if before == 0.0 {
             return Taken::Nothing;
         }
         // Twice is enough (Kahan).
         for _ in 0..2 {
-            for b in &self.0 {
-                let part: f64 = v.iter().zip(b).map(|(x, y)| x * y).sum();
-                for (x, y) in v.iter_mut().zip(b) {
+            for (of, b) in &self.0 {
+                let common = within.start.max(of.start)..within.end.min(of.end);
+                if common.is_empty() {
+                    continue;
+                }
+                let (mine, its) = (&v[common.clone()], &b[common]);
+                let part = DVectorView::from_slice(mine, mine.len())
+                    .dot(&DVectorView::from_slice(its, its.len()));
+                if part == 0.0 {
+                    continue;
+                }
+                for (x, y) in v[of.clone()].iter_mut().zip(&b[of.clone()]) {
                     *x -= part * y;
                 }
+                within = within.start.min(of.start)..within.end.max(of.end);
             }
         }
-        let after = norm(&v);
+        let after = norm(&v[within.clone()]);
         if after < share * before {
             return Taken::Dependent;
         }
-        for x in &mut v {
+        for x in &mut v[within.clone()] {
             *x /= after;
         }
-        self.0.push(v);
+        self.0.push((within, v));
         Taken::In
     }
+}
+
+/// From the first to the last number that is not zero.
+fn support(v: &[f64]) -> Range<usize> {
+    let first = v.iter().position(|x| *x != 0.0).unwrap_or(v.len());
+    let end = v.iter().rposition(|x| *x != 0.0).map_or(first, |k| k + 1);
+    first..end
 }
 
 fn norm(v: &[f64]) -> f64 {

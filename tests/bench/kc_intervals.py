@@ -1,10 +1,11 @@
 """Stiffnesses from the curves of a K&C rig alone: how many 95 percent intervals hold the truth, over seeds.
 
     cargo build --release
-    python tests/bench/kc_intervals.py [--admire PATH] [--seeds 100]
+    python tests/bench/kc_intervals.py [--admire PATH] [--seeds 100] [--scale 0.25 [--stated]]
 
 Every stiffness is drawn from the prior that the study states (its deck's value, half an e-fold), hardpoints, loads, assembly, axes and
-preload with the sizes that an identification takes for usual. Each seed is a rig of its own.
+preload with the sizes that an identification takes for usual, times `--scale`. With `--stated` the study says these sizes, as far as a
+study can: without it the identification has to guess them. Each seed is a rig of its own.
 """
 
 import argparse
@@ -17,7 +18,16 @@ import tempfile
 
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 RIG = os.path.join(ROOT, "corpus", "rigs", "kc-curves")
-TOLERANCES = "hardpoints=0.2,load_gain=0.003,load_direction_deg=0.057,assembly_offset=0.05,bushing_axis_deg=0.1,preload=0.003"
+TOLERANCES = {
+    "hardpoints": 0.2,
+    "load_gain": 0.003,
+    "load_direction_deg": 0.057,
+    "assembly_offset": 0.05,
+    "bushing_axis_deg": 0.1,
+    "preload": 0.003,
+}
+# Those of `[tolerances]`.
+STATED = ("hardpoints", "load_gain", "load_direction_deg")
 SPREAD = 0.5
 SOUGHT = ["BUSHING/1", "BUSHING/2"]
 
@@ -32,7 +42,11 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--admire", default=os.path.join(ROOT, "target", "release", "admire"))
     parser.add_argument("--seeds", type=int, default=100)
+    parser.add_argument("--scale", type=float, default=1.0)
+    parser.add_argument("--stated", action="store_true")
     options = parser.parse_args()
+    sizes = {name: size * options.scale for name, size in TOLERANCES.items()}
+    tolerances = ",".join(f"{name}={size:g}" for name, size in sizes.items())
     deck = os.path.join(RIG, "model.adm")
     nominal = {}
     for bushing in SOUGHT:
@@ -48,8 +62,11 @@ def main():
             effects += ["--effect", f"element-parameter@{address}:factor={value / nominal[address]}"]
         with tempfile.TemporaryDirectory() as folder:
             study, out = os.path.join(folder, "study"), os.path.join(folder, "out")
-            words = ["rig", RIG, "--out", study, "--seed", str(seed), "--tolerances", TOLERANCES, *effects]
+            words = ["rig", RIG, "--out", study, "--seed", str(seed), "--tolerances", tolerances, *effects]
             subprocess.run([options.admire, *words], capture_output=True, check=True)
+            if options.stated:
+                with open(os.path.join(study, "study.toml"), "a") as text:
+                    text.write("\n[tolerances]\n" + "".join(f"{name} = {sizes[name]:g}\n" for name in STATED))
             found = answer(options.admire, "identify", study, "--out", out)
         for parameter in found["parameters"]:
             low, high = parameter["interval95"]

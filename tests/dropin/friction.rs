@@ -306,6 +306,45 @@ ACCGRAV/KGRAV=-9.81
     }
 }
 
+/// FRICTION(id, index) gives the numbers of the results, in the axes of J, to requests and to forces: what one block loses a second one gains.
+#[test]
+fn functions_read_friction() {
+    let other = "PART/3, MASS=5, CM=30, IP=1,1,1
+MARKER/30, PART=3
+SFORCE/2, TRANSLATIONAL, ACTIONONLY, I=30, J=11, FUNCTION=FRICTION(1,3)
+REQUEST/1, F2=FRICTION(1,3)\\F3=FRICTION(1,9)\\F4=FRICTION(1,13)\\F6=FRICTION(1,16)\\F7=FRICTION(1,22)\\F8=FRICTION(1,26)
+"
+    .replace("\\\\", "\\");
+    let deck = format!("{}{other}", block(", VX=2", "0"));
+    let found = run(&deck, "simulate/dynamic, end=1, dtout=0.01");
+    let (one, two) = (
+        found.column("PART_2_XFORM", "VX"),
+        found.column("PART_3_XFORM", "VX"),
+    );
+    let lost = 2.0 * (one[100] - 2.0);
+    near(5.0 * two[100], lost, 1e-5);
+    assert!(lost < -3.9);
+    let columns = [
+        ("U2", "FX"),
+        ("U3", "MUZ"),
+        ("U4", "MU1"),
+        ("U6", "VZ"),
+        ("U7", "CREEP_Z"),
+        ("U8", "BETA"),
+    ];
+    for (of_request, of_friction) in columns {
+        let read = found.column("REQUEST_1", of_request);
+        let said = found.column("FRICTION_1", of_friction);
+        for k in [3, 67, 69, 90] {
+            near(read[k], said[k], 1e-9);
+        }
+    }
+    let bad = deck.replace("FRICTION(1,26)", "FRICTION(1,27)");
+    let (_, ran) = attempt(&bad, "simulate/dynamic, end=0.1, steps=2");
+    assert_eq!(ran.code, 1);
+    assert!(ran.stdout.contains("1 to 26"), "{}", ran.stdout);
+}
+
 /// Statics refuses friction that would act in it, a motion does not; INACTIVE=STATIC lets both run.
 #[test]
 fn statics_asks_for_friction_to_be_off() {

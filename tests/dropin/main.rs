@@ -11,6 +11,7 @@ mod errors;
 mod external;
 mod faults;
 mod friction;
+mod governor;
 mod kills;
 mod launch;
 #[allow(non_snake_case, reason = "rotation matrices and inertias")]

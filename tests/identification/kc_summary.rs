@@ -2,7 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use admire::discrepancy::{Data, Subject, diagnose, held_out};
+use admire::backend::{Backend, BackendError, Sweep, SweepRequest};
+use admire::discrepancy::{
+    Data, GainCheck, Outcome, Progress, Subject, diagnose, diagnose_watched, held_out,
+};
 use admire::identify::LoadedStudy;
 use admire::identify::global::gauss_newton::LeastSquares;
 use admire::identify::global::{
@@ -10,6 +13,7 @@ use admire::identify::global::{
 };
 use admire::rig::effect::EffectSpec;
 use admire::rig::{RigOptions, RigRun, virtual_rig};
+use admire::syntax::Address;
 
 use crate::setup::replace;
 
@@ -374,6 +378,61 @@ fn another_solver_is_fitted_to_curves_and_gradients() {
         (a.rms_after / b.rms_after - 1.0).abs() < 1e-2,
         "{a:?} {b:?}"
     );
+}
+
+/// A solver to which a bushing is softer than the deck says.
+struct Softer(admire::backend::NativeBackend);
+
+const SOFTER: f64 = 0.9;
+/// BUSHING/2.K.1.
+const IN_THE_DECK: f64 = 310.0;
+
+impl Backend for Softer {
+    fn name(&self) -> &'static str {
+        "softer"
+    }
+
+    fn sweep(&mut self, request: &SweepRequest<'_>) -> Result<Sweep, BackendError> {
+        let rubber = Address::parse("BUSHING/2.K.1", request.dataset).unwrap();
+        let mut theta = request.theta.to_vec();
+        match theta.iter_mut().find(|(address, _)| *address == rubber) {
+            Some((_, value)) => *value *= SOFTER,
+            None => theta.push((rubber, SOFTER * IN_THE_DECK)),
+        }
+        self.0.sweep(&SweepRequest {
+            theta: &theta,
+            ..*request
+        })
+    }
+}
+
+/// All readings are channels: the last fit of a diagnosis takes them from the solver of the study, which takes the
+/// bushing for softer than its number. Without them the number would stay that of the built-in one.
+#[test]
+fn the_last_fit_of_a_diagnosis_takes_channels_of_another_solver() {
+    let rubber = format!("element-parameter@BUSHING/2.K.1:factor={SOFTER}");
+    let (_folder, loaded) = measured(TABLE, "", &[rubber.as_str()], None);
+    let problem = loaded.problem();
+    let cases = held_out(&loaded.study, problem.measurement);
+    let progress = Progress::default();
+    let mut outcome = diagnose_watched(&problem, cases, GainCheck::Quick, &progress).unwrap();
+    let found = |outcome: &Outcome<'_>| {
+        let mut all = outcome.diagnosis.parameters.iter();
+        let of = all.find(|p| p.address == "BUSHING/2.K.1").unwrap();
+        assert_eq!(of.initial, IN_THE_DECK);
+        (of.value, of.std_error)
+    };
+    let (native, error) = found(&outcome);
+    assert!(
+        (native - SOFTER * IN_THE_DECK).abs() < 3.0 * error,
+        "{native}"
+    );
+    let mut other = Softer(admire::backend::NativeBackend::new());
+    assert_eq!(outcome.by_the_study(&mut other), None);
+    // Ten percent are more than ten standard errors.
+    let (foreign, error) = found(&outcome);
+    assert!((foreign - IN_THE_DECK).abs() < 3.0 * error, "{foreign}");
+    assert!((foreign - native) > 10.0 * error, "{foreign} {native}");
 }
 
 /// What only the solver knows, a reaction, is refused by name.

@@ -8,5 +8,6 @@ mod command;
 #[path = "../common/mod.rs"]
 mod common;
 mod compliance;
+mod friction;
 mod invariance;
 mod real;

@@ -61,7 +61,7 @@ fn run(path: PathBuf) -> Run {
         road: Road::Rig,
     };
     let names = ["whl_wheel", "whr_wheel"].map(str::to_string);
-    let mut replay = Replay::new(reader.catalogue(), &names, false, options).unwrap();
+    let mut replay = Replay::new(reader.catalogue(), (&names, &[]), false, options).unwrap();
     let mut steps = Vec::new();
     let mut rolls = false;
     while let Some(step) = reader.next_step().unwrap() {
@@ -159,6 +159,10 @@ fn steer_axes_of_real_results() {
                 assert!(moved.norm() < LENGTH, "{moved}");
                 let offset = axis.offset(&wheel.wheel.centre);
                 assert!((offset - of("steer_axis_offset.off_@")).abs() < LENGTH);
+                let spin = &wheel.wheel.spin;
+                let (lateral, along) = axis.offset_parts(side, &wheel.wheel.centre, spin);
+                assert!((lateral - of("steer_axis_offset.lat_@")).abs() < LENGTH);
+                assert!((along - of("steer_axis_offset.lon_@")).abs() < LENGTH);
                 let contact = contact(&|name| of(name), side);
                 let at = axis.road_point(&contact, &state.normal);
                 let shown = Vec3::new(at.x - wheel.design.centre.x, at.y, at.z - contact.z);
@@ -169,6 +173,8 @@ fn steer_axes_of_real_results() {
                 let (scrub, trail) = axis.scrub_and_trail(side, &contact, &state.normal, steer);
                 assert!((scrub - of("scrub_radius.@")).abs() < LENGTH);
                 assert!((trail - of("caster_moment_arm.@")).abs() < LENGTH);
+                let lead = axis.hub_lead(side, (scrub, trail));
+                assert!((lead - of("hub_lead.@")).abs() < LENGTH);
             }
         });
     }

@@ -161,3 +161,85 @@ fn every_cause_is_explained() {
         );
     }
 }
+
+/// What a reader says it knows at a place: the words in backticks behind "expected".
+fn expected(complaint: &str) -> Vec<String> {
+    let (_, rest) = complaint
+        .split_once("expected")
+        .unwrap_or_else(|| panic!("{complaint}"));
+    let line = rest.lines().next().unwrap_or_default();
+    let words = line.split('`').skip(1).step_by(2);
+    words.map(str::to_string).collect()
+}
+
+/// Every key of `kc.toml` and of SWEEP.toml is explained: the readers themselves say which they know.
+#[test]
+fn every_key_of_the_other_settings_is_explained() {
+    let folder = tempfile::tempdir().unwrap();
+    let deck = "A DECK\nPART/1, GROUND\nEND\n";
+    std::fs::write(folder.path().join("model.adm"), deck).unwrap();
+    let wheel = "wheels.left = { centre = 'A', spin = 'y' }\n";
+    let mut keys = std::collections::BTreeSet::new();
+    let mut ask = |command: &[&str], file: &str, text: &str, table: &str| {
+        std::fs::write(folder.path().join(file), text).unwrap();
+        let said = admire(folder.path(), command);
+        assert_eq!(said.code, 1, "{text}: {}", said.err);
+        for key in expected(&said.err) {
+            keys.insert(if table.is_empty() {
+                key
+            } else {
+                format!("{table}.{key}")
+            });
+        }
+    };
+    let kc = ["kc", "model.adm", "--out", "out", "--format", "plain"];
+    for (text, table) in [
+        ("zz = 1\n".to_string(), ""),
+        (format!("{wheel}[deck]\nzz = 1\n"), "deck"),
+        ("[wheels]\nzz = 1\n".to_string(), "wheels"),
+        ("[wheels.left]\nzz = 1\n".to_string(), "wheels.SIDE"),
+        (format!("{wheel}[tyre]\nzz = 1\n"), "tyre"),
+        (format!("{wheel}[vehicle]\nzz = 1\n"), "vehicle"),
+        (format!("{wheel}[ride]\nzz = 1\n"), "ride"),
+        (format!("{wheel}[steering]\nzz = 1\n"), "steering"),
+        (format!("{wheel}[choices]\nzz = 1\n"), "choices"),
+        (format!("{wheel}[tests.bounce]\nzz = 1\n"), "tests.TEST"),
+    ] {
+        ask(&kc, "kc.toml", &text, table);
+    }
+    let sweep = ["sweep", "sweep.toml", "--out", "out", "--format", "plain"];
+    for (text, table) in [
+        ("zz = 1\n", ""),
+        ("[sampling]\nzz = 1\n", "sampling"),
+        ("sampling.plan = 'random'\n[[vary]]\nzz = 1\n", "vary"),
+        (
+            "sampling.plan = 'random'\n[[correlate]]\nzz = 1\n",
+            "correlate",
+        ),
+        ("sampling.plan = 'random'\n[[keep]]\nzz = 1\n", "keep"),
+        ("sampling.plan = 'random'\n[solver]\nzz = 1\n", "solver"),
+    ] {
+        ask(&sweep, "sweep.toml", text, table);
+    }
+    assert!(keys.len() > 70, "{keys:?}");
+    let terms: Vec<String> = admire::guide::glossary::entries()
+        .filter(|entry| entry.section == "kc.toml" || entry.section == "SWEEP.toml")
+        .map(|entry| entry.term)
+        .collect();
+    // A table is explained by its keys, `left` and `right` by SIDE, a test by TEST.
+    let known = |key: &String| {
+        let within = format!("{key}.");
+        let side = ["wheels.left", "wheels.right"].contains(&key.as_str());
+        side || terms
+            .iter()
+            .any(|term| term == key || term.starts_with(&within))
+    };
+    let lacking: Vec<&String> = keys.iter().filter(|key| !known(key)).collect();
+    assert!(lacking.is_empty(), "{lacking:?}");
+    let said = admire(folder.path(), &["explain", "tests.bounce.hold"]);
+    assert!(
+        said.code == 0 && said.out.contains("of the axle"),
+        "{}",
+        said.out
+    );
+}

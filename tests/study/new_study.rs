@@ -61,6 +61,27 @@ fn a_study_begins_with_a_deck() {
         })
         .collect();
     assert!(places.is_sorted(), "{}", said.err);
+    // The K&C tests run on it as it was begun: its own loads are left out, the one wheel has its mirror image.
+    let kc = [
+        "kc",
+        "axle/model.adm",
+        "--config",
+        "axle/kc.toml",
+        "--out",
+        "kc",
+    ];
+    let said = admire(folder.path(), &kc);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let begun = std::fs::read_to_string(study.join("kc.toml")).unwrap();
+    for text in [
+        "SFORCE/1",
+        "SFORCE/2",
+        "SFORCE/3",
+        "[wheels.left]",
+        "mirror = true",
+    ] {
+        assert!(begun.contains(text), "{begun}");
+    }
     // Nothing of the user's is replaced unasked.
     change(
         &study.join("study.toml"),
@@ -74,6 +95,37 @@ fn a_study_begins_with_a_deck() {
             .unwrap()
             .contains("# mine")
     );
+}
+
+/// Of an axle with two wheels both are found, left and right by where they are.
+#[test]
+fn both_wheels_are_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let deck = "AXLE
+UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND
+PART/1, GROUND
+!                 adams_view_name='nsl_upright'
+PART/2, MASS=20, CM=21, IP=1E5,1E5,1E5
+!                 adams_view_name='nsl_wheel_center'
+MARKER/20, PART=2, QP=3000, -760, 310
+MARKER/21, PART=2, QP=3000, -700, 310
+!                 adams_view_name='nsr_upright'
+PART/3, MASS=20, CM=31, IP=1E5,1E5,1E5
+!                 adams_view_name='nsr_wheel_center'
+MARKER/30, PART=3, QP=3000, 760, 310
+MARKER/31, PART=3, QP=3000, 700, 310
+END
+";
+    std::fs::write(folder.path().join("axle.adm"), deck).unwrap();
+    let said = admire(folder.path(), &["new", "axle", "--from", "axle.adm"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let begun = std::fs::read_to_string(folder.path().join("axle/kc.toml")).unwrap();
+    let (left, right) = begun.split_once("[wheels.right]").unwrap();
+    assert!(
+        left.contains("MARKER/20") && right.contains("MARKER/30"),
+        "{begun}"
+    );
+    assert!(!begun.contains("mirror"), "{begun}");
 }
 
 /// Curves of a K&C rig alone: the wheel is found, an unfilled study has no faults but steps, and a filled table is read as it is.

@@ -6,7 +6,7 @@ use nalgebra::DMatrix;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::confidence::{NORMAL_975, covariance, open_directions};
-use super::gauss_newton::{Ending, Minimum, Tolerances, minimise};
+use super::gauss_newton::{Ending, LOUD, Minimum, Tolerances, approach, minimise};
 use super::held_curves::held_curves;
 use super::observation::{NuisanceLayout, Observations, Row};
 use super::predictor::{CasePrediction, Predictor};
@@ -271,9 +271,9 @@ pub fn identify<'a>(
     })
 }
 
-/// Fits from the first start; from the next where that does not converge. The best minimum of them.
+/// Fits from the first start; from the next where that does not converge; where the readings are missed by far, from a place to which the
+/// last one is carefully led. The best minimum of them.
 fn attempt(global: &mut GlobalProblem<'_>, starts: &[Vec<f64>]) -> Option<Minimum> {
-    let (priors, scale, held) = (global.priors(), global.scale(), global.held());
     let mut best: Option<Minimum> = None;
     for (at, start) in starts.iter().enumerate() {
         let done = best
@@ -282,19 +282,43 @@ fn attempt(global: &mut GlobalProblem<'_>, starts: &[Vec<f64>]) -> Option<Minimu
         if done || starts[..at].contains(start) {
             break;
         }
-        let history = vec![start[..global.unknowns.len()].to_vec()];
-        let before = std::mem::replace(&mut global.history, history);
-        let tolerances = Tolerances::default();
-        let found = minimise(global, start, &priors, &scale, &held, tolerances);
-        match (found, &best) {
-            (Some(found), Some(old)) if found.objective >= old.objective => {
-                global.history = before;
-            }
-            (Some(found), _) => best = Some(found),
-            (None, _) => global.history = before,
-        }
+        best = better(global, start, best);
+    }
+    let missed = best.as_ref().is_some_and(|found| {
+        let rows = found.evaluation.residual.len() as f64;
+        2.0 * found.objective > LOUD * LOUD * rows && found.ending != Ending::Stopped
+    });
+    if let (true, Some(last)) = (missed, starts.last()) {
+        let (scale, held) = (global.scale(), global.held());
+        let history = global.history.clone();
+        let led = approach(global, last, &scale, &held);
+        global.history = history;
+        best = better(global, &led, best);
     }
     best
+}
+
+/// The minimum from a start if it is lower than the one known; the history is that of the one returned.
+fn better(
+    global: &mut GlobalProblem<'_>,
+    start: &[f64],
+    known: Option<Minimum>,
+) -> Option<Minimum> {
+    let (priors, scale, held) = (global.priors(), global.scale(), global.held());
+    let history = vec![start[..global.unknowns.len()].to_vec()];
+    let before = std::mem::replace(&mut global.history, history);
+    let found = minimise(global, start, &priors, &scale, &held, Tolerances::default());
+    match (found, known) {
+        (Some(found), Some(known)) if found.objective >= known.objective => {
+            global.history = before;
+            Some(known)
+        }
+        (Some(found), _) => Some(found),
+        (None, known) => {
+            global.history = before;
+            known
+        }
+    }
 }
 
 /// Which of these cases have no equilibrium at x.

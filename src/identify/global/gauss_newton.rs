@@ -376,6 +376,97 @@ pub fn minimise(
     })
 }
 
+/// A stage of [`approach`] takes so many steps at most, and there are so many stages.
+const STEPS_OF_A_STAGE: usize = 8;
+const STAGES: usize = 12;
+/// A stage that leaves more than this of the misfit was the last one.
+const STALLED: f64 = 0.8;
+/// Louder noise than this hides how far away the answer is.
+pub const LOUD: f64 = 3.0;
+
+/// A place from which a fit goes on well, for starts that miss the readings by much more than their noise.
+///
+/// Far away the readings seem to say more than they do: what they hardly determine would run off by orders of magnitude after what the
+/// linear model misses, and not come back. So the noise counts as the misfit there is, and every unknown has a prior of one natural unit
+/// about the start; stage by stage the misfit falls and the readings count more. (Levenberg's damping by the square of the misfit, as of
+/// Yamashita and Fukushima, 2001.)
+pub fn approach(
+    problem: &mut dyn LeastSquares,
+    start: &[f64],
+    scale: &[f64],
+    held: &[bool],
+) -> Vec<f64> {
+    let priors: Vec<Prior> = start
+        .iter()
+        .zip(scale)
+        .map(|(start, scale)| Prior {
+            mean: *start,
+            sd: *scale,
+        })
+        .collect();
+    let mut x = start.to_vec();
+    let mut before = f64::INFINITY;
+    for _ in 0..STAGES {
+        let Some(here) = problem.evaluate(&x, false) else {
+            return x;
+        };
+        let misfit = (here.residual.norm_squared() / here.residual.len().max(1) as f64).sqrt();
+        if !(misfit > LOUD && misfit < STALLED * before) {
+            return x;
+        }
+        before = misfit;
+        let mut louder = Louder {
+            problem: &mut *problem,
+            noise: misfit,
+        };
+        let tolerances = Tolerances {
+            decrement: 0.1,
+            step: 1e-2,
+            max_iterations: STEPS_OF_A_STAGE,
+        };
+        let Some(found) = minimise(&mut louder, &x, &priors, scale, held, tolerances) else {
+            return x;
+        };
+        x = found.x;
+        if found.ending == Ending::Stopped {
+            return x;
+        }
+    }
+    x
+}
+
+/// A problem whose noise is so many times as large.
+struct Louder<'a> {
+    problem: &'a mut dyn LeastSquares,
+    noise: f64,
+}
+
+impl LeastSquares for Louder<'_> {
+    fn evaluate(&mut self, x: &[f64], with_jacobian: bool) -> Option<Evaluation> {
+        let found = self.problem.evaluate(x, with_jacobian)?;
+        Some(Evaluation {
+            residual: found.residual / self.noise,
+            jacobian: found.jacobian / self.noise,
+        })
+    }
+
+    fn moved(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
+        self.problem.moved(x, step)
+    }
+
+    fn step_to(&self, from: &[f64], to: &[f64]) -> DVector<f64> {
+        self.problem.step_to(from, to)
+    }
+
+    fn limits(&self, scale: &[f64], reach: f64) -> (Vec<f64>, Vec<f64>) {
+        self.problem.limits(scale, reach)
+    }
+
+    fn progress(&mut self, iteration: usize, x: &[f64], objective: f64) -> bool {
+        self.problem.progress(iteration, x, objective)
+    }
+}
+
 /// The largest displacement between two places, in natural units.
 fn longest(from: &[f64], to: &[f64], scale: &[f64]) -> f64 {
     from.iter()
@@ -423,6 +514,44 @@ mod tests {
             "{:?}",
             found.x
         );
+    }
+
+    /// Deflections of two springs in a row under unit loads, at places where the second counts by `share`. They were read with an error
+    /// that looks like a second spring pushed instead of pulled; the noise is a thousandth.
+    struct Springs;
+
+    impl LeastSquares for Springs {
+        fn evaluate(&mut self, x: &[f64], _with_jacobian: bool) -> Option<Evaluation> {
+            let (soft, other) = ((-x[0]).exp(), (-x[1]).exp());
+            let shares: Vec<f64> = (0..5).map(|k| 0.1 * f64::from(k)).collect();
+            let read = |share: f64| (-1.0_f64).exp() - 0.5 * share;
+            Some(Evaluation {
+                residual: DVector::from_fn(5, |k, _| {
+                    1e3 * (soft + shares[k] * other - read(shares[k]))
+                }),
+                jacobian: DMatrix::from_fn(5, 2, |k, j| {
+                    -1e3 * if j == 0 { soft } else { shares[k] * other }
+                }),
+            })
+        }
+    }
+
+    #[test]
+    fn what_is_hardly_seen_does_not_run_off_on_the_way() {
+        let (start, scale, held) = ([0.0; 2], [1.0; 2], [false; 2]);
+        let prior = Prior { mean: 0.0, sd: 3.0 };
+        let straight = minimise(
+            &mut Springs,
+            &start,
+            &[prior; 2],
+            &scale,
+            &held,
+            Tolerances::default(),
+        )
+        .unwrap();
+        assert!(straight.x[1] > 6.0, "{:?}", straight.x);
+        let led = approach(&mut Springs, &start, &scale, &held);
+        assert!(led[1] < 3.0 && (led[0] - 1.2).abs() < 0.5, "{led:?}");
     }
 
     #[test]

@@ -5,6 +5,7 @@ use crate::mechanics::{Pose, Vec3};
 use crate::model::{
     JointKind, MarkerIx, Model, PartKind, PrimitiveKind, SforceKind, SpringKind, VectorForceKind,
 };
+use crate::report::short_unit;
 use crate::syntax::Dataset;
 
 impl Scene {
@@ -21,7 +22,7 @@ impl Scene {
         Self {
             title: model.title.trim().to_string(),
             length: model.units.length.word.to_string(),
-            force: model.units.force.word.to_string(),
+            force: short_unit(model.units.force.word),
             up: point(&up),
             parts: bodies(model, &objects, &shapes.unwrap_or_default()),
             objects,

@@ -112,6 +112,8 @@ impl Compiler<'_> {
                     radius,
                     law,
                     sticks: f.stiction,
+                    slips: f.sliding,
+                    at_rest: None,
                     pressing,
                     torque_preload,
                     active: f.header.active,

@@ -178,6 +178,9 @@ impl Compiler<'_> {
                     .map_or(Source::Constant(0.0), |row| Source::Output(row.clone())),
             },
             Input::SensorValue(k) => Source::Sensor(k),
+            Input::Friction { friction, which } => {
+                Source::Friction(self.model.frictions[friction].header.id, which)
+            }
             Input::Force(ForceMeasure::Between { component, i, j, k }) => {
                 for marker in [Some(i), j, k].into_iter().flatten() {
                     self.used[marker.0] = true;

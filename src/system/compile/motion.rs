@@ -78,7 +78,7 @@ fn unsteady(system: &System, function: usize) -> Option<&'static str> {
         for source in &system.functions[function].sources {
             match source {
                 Source::Moved(_) => return Some("a velocity or an acceleration"),
-                Source::Force(_) => return Some("a force"),
+                Source::Force(_) | Source::Friction(..) => return Some("a force"),
                 Source::State(_) | Source::StateRate(..) | Source::Output(_) => {
                     return Some("a dynamic state");
                 }

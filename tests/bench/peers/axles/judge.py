@@ -16,6 +16,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 NOT_A_NAME = {"noise-level"}  # of the noise, which is no cause of an error
 BINS = [(0.0, 0.02), (0.02, 0.1), (0.1, 0.3), (0.3, 0.5), (0.5, 0.7), (0.7, 0.9), (0.9, 0.99), (0.99, 1.0001)]
+EFFECTS = [(0, 0.05), (0.05, 0.2), (0.2, 0.5), (0.5, 1), (1, 2), (2, 1e9)]
 
 
 def diagnose(study, out, options):
@@ -62,8 +63,7 @@ def judged(truth, said, seconds):
     statements = [(f["probability"], any(same(f, c) for c in planted)) for f in names if f.get("probability") is not None]
     for f in names:
         statements += [(r["probability"], any(same(r, c) for c in planted)) for r in f.get("indistinguishable_from", []) if r.get("probability") is not None]
-    if said.get("none_of_these") is not None:
-        statements.append((said["none_of_these"], not planted))
+    none = [(said["none_of_these"], not planted)] if said.get("none_of_these") is not None else []
     covered, widths, ratios, identified = [], [], [], 0
     for p in said.get("parameters", []):
         value = truth["stiffness"].get(p["address"])
@@ -79,7 +79,7 @@ def judged(truth, said, seconds):
                 ratios.append((high - low) / (2 * 1.96 * least * abs(p["value"])))
     return dict(verdict=said["verdict"], planted=len(planted), hits=sum(hits), with_rivals=sum(rivals), false=false, wrong_marks=len(wrong_marks),
                 listed=sum(any(same(f, c) for f in listed) for c in wrong_marks), invented=sum(not any(same(f, c) for c in wrong_marks) for f in listed),
-                statements=statements, covered=covered, widths=widths, ratios=ratios, identified=identified, seconds=seconds,
+                statements=statements, none=none, effect=truth.get("effect_shift_mm_rms", 0.0) / (truth.get("sigma_mm") or 1.0), covered=covered, widths=widths, ratios=ratios, identified=identified, seconds=seconds,
                 first=bool(planted) and bool(names) and any(same(names[0], c) for c in planted))
 
 
@@ -125,9 +125,19 @@ def tables(lines, failed):
             group = [(p, t) for p, t in statements if low <= p < high]
             if group:
                 out.append(f"| {low:g} to {min(high, 1):g} | {len(group)} | {sum(p for p, _ in group) / len(group):.2f} | {sum(t for _, t in group) / len(group):.2f} |")
-        out += ["", f"Brier score {sum((p - t) ** 2 for p, t in statements) / len(statements):.4f} over {len(statements)} statements."]
+        out += ["", f"Brier score {sum((p - t) ** 2 for p, t in statements) / len(statements):.4f} over {len(statements)} statements of causes with their places."]
     else:
         out += ["", "No probabilities are stated."]
+    none = [(line, *s) for line in every for s in line["none"]]
+    if none:
+        out += ["", "| what is planted moves the marks by, sigma rms | studies | named with place | mean probability that no cause acts |", "|---|---|---|---|"]
+        groups = [("nothing planted", [g for g in none if g[2]])]
+        for low, high in EFFECTS:
+            groups.append((f"{low:g} to {high:g}" if high < 1e9 else f"beyond {low:g}", [g for g in none if not g[2] and low <= g[0]["effect"] < high]))
+        for name, group in groups:
+            if group:
+                named = sum(g[0]["hits"] for g in group) if name != "nothing planted" else ""
+                out.append(f"| {name} | {len(group)} | {named} | {sum(g[1] for g in group) / len(group):.2f} |")
     if failed:
         out += ["", f"{len(failed)} studies without a diagnosis:"] + [f"- {name}: {why}" for name, why in failed]
     return "\n".join(out)
