@@ -37,8 +37,11 @@ impl Configuration<'_> {
                 Ok(self.exerted(who, false)?[component])
             }
             Quantity::Constraint(ConstraintIx(k), component) => {
-                let who = Exerted::Joint(k, 0);
-                Ok(self.exerted(who, false)?[component])
+                let mut sum = 0.0;
+                for at in 0..self.system.joints[k].at_first() {
+                    sum += self.exerted(Exerted::Joint(k, at), false)?[component];
+                }
+                Ok(sum)
             }
             Quantity::Request(index, component) => Ok(self
                 .read_function((index, component))?
@@ -56,15 +59,22 @@ impl Configuration<'_> {
         out: &mut [f64],
     ) -> Result<(), NoValue> {
         let before = self.scratch.gradient.len();
-        let (who, component) = match quantity {
+        let weight = |component| Vec6::ith(component, 1.0);
+        match quantity {
             Quantity::Motion(part, component) => {
                 if let Some(unknown) = self.system.part_unknowns(part).nth(component) {
                     out[unknown] += 1.0;
                 }
                 return Ok(());
             }
-            Quantity::Element(ElementIx(k), component) => (Exerted::Element(k), component),
-            Quantity::Constraint(ConstraintIx(k), component) => (Exerted::Joint(k, 0), component),
+            Quantity::Element(ElementIx(k), component) => {
+                self.push_force(Exerted::Element(k), false, &weight(component))?;
+            }
+            Quantity::Constraint(ConstraintIx(k), component) => {
+                for at in 0..self.system.joints[k].at_first() {
+                    self.push_force(Exerted::Joint(k, at), false, &weight(component))?;
+                }
+            }
             Quantity::Request(index, component) => {
                 let at = (index, component);
                 let read = self.read_function(at)?;
@@ -73,9 +83,7 @@ impl Configuration<'_> {
                 }
                 return Ok(());
             }
-        };
-        let weight = Vec6::ith(component, 1.0);
-        self.push_force(who, false, &weight)?;
+        }
         for &(unknown, by) in &self.scratch.gradient[before..] {
             out[unknown] += by;
         }

@@ -39,17 +39,12 @@ impl Configuration<'_> {
 
     /// The reaction of a constraint on its I marker; after [`Configuration::look`]. For COUPLER and GEAR that of the first joint.
     pub fn read_constraint(&mut self, constraint: ConstraintIx) -> Reading {
-        let terms = &self.system.joints[constraint.0].terms;
-        // A cylindrical joint in a GEAR has two terms: what it turns, and what it shifts.
-        let same = |other: &usize| {
-            let (first, other) = (&terms[0], &terms[*other]);
-            (first.i, first.j) == (other.i, other.j)
-        };
-        let mut all = (0..terms.len()).filter(same).map(|at| {
+        let terms = self.system.joints[constraint.0].at_first().max(1);
+        let mut all = (0..terms).map(|at| {
             self.read(Exerted::Joint(constraint.0, at))
                 .expect("constraints have a value everywhere")
         });
-        let mut out = all.next().expect("a constraint has a term");
+        let mut out = all.next().expect("at least one");
         for more in all {
             out.wrench_j += more.wrench_j;
             out.force += more.force;

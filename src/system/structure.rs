@@ -161,6 +161,17 @@ pub(crate) struct Joint {
     pub active: bool,
 }
 
+impl Joint {
+    /// How many terms, from the first on, act between the same two markers: what a COUPLER or GEAR does at its first joint. A cylindrical
+    /// joint in a GEAR has two terms, what it turns and what it shifts.
+    pub fn at_first(&self) -> usize {
+        let ends = |term: &Term| (term.i, term.j);
+        let first = self.terms.first().map(ends);
+        let same = |term: &&Term| Some(ends(term)) == first;
+        self.terms.iter().take_while(same).count()
+    }
+}
+
 /// GCON: a function is zero.
 #[derive(Debug)]
 pub(crate) struct Condition {

@@ -219,3 +219,38 @@ fn measures() {
         assert!(direct != 0.0);
     }
 }
+
+/// A GEAR whose first joint is cylindrical: its reaction there has two parts, what turns and what shifts. Both move with every number.
+#[test]
+fn reaction_of_a_gear_at_a_cylindrical_joint() {
+    let solved = deck::solve(
+        "MARKER/2, PART=1, REULER=10D,70D,-20D\nMARKER/3, PART=1, QP=60,5,0, REULER=30D,50D,0D\nMARKER/4, PART=1, QP=25,10,5, REULER=40D,80D,10D\n\
+         PART/2, MASS=1, CM=20, IP=100,100,100\nMARKER/20, PART=2, REULER=10D,70D,-20D\nMARKER/21, PART=2, QP=10,-5,20\n\
+         PART/3, MASS=1, CM=30, IP=100,100,100\nMARKER/30, PART=3, QP=60,5,0, REULER=30D,50D,0D\nMARKER/31, PART=3, QP=70,20,3\n\
+         JOINT/1, CYLINDRICAL, I=20, J=2\nJOINT/2, REVOLUTE, I=30, J=3\nGEAR/1, JOINTS=1,2, CV=4\n\
+         BUSHING/1, I=21, J=1, K=10,20,30, KT=4E3,5E3,6E3, FORCE=10,20,30\n\
+         SPRINGDAMPER/1, TRANSLATIONAL, I=31, J=1, K=5, LENGTH=40",
+    );
+    let quantities = forces(&solved.system);
+    let (gear, _) = solved.system.constraints().last().unwrap();
+    let mut scratch = Scratch::new(&solved.system);
+    let mut here = solved
+        .system
+        .look(&solved.parameters, &solved.state, &mut scratch)
+        .unwrap();
+    let told = here.read_constraint(gear);
+    let whole = [told.force.x, told.force.y, told.force.z, told.torque.x];
+    for (component, told) in whole.into_iter().enumerate() {
+        let value = here.quantity(Quantity::Constraint(gear, component));
+        assert!((value.unwrap() - told).abs() < 1e-12 * told.abs());
+    }
+    // A force along the axis and a torque about it.
+    let axis = solved.state.poses[1].R * admire::mechanics::euler313(10_f64.to_radians(), 70_f64.to_radians(), -20_f64.to_radians()).column(2);
+    assert!(told.force.dot(&axis).abs() > 1.0 && told.torque.dot(&axis).abs() > 1.0);
+    check(
+        &solved.system,
+        &solved.parameters,
+        &solved.state,
+        &quantities,
+    );
+}
