@@ -176,10 +176,9 @@ fn edited(deck: &Dataset, edits: &[crate::text::Edit]) -> Dataset {
 fn commands(request: &SweepRequest<'_>, deck: &Dataset) -> String {
     let mut out = format!("\nfile/model={STEM}\n");
     for case in &request.programme.cases {
-        out += &format!(
-            "! case {}\n",
-            case.label.replace(['\n', '\r', '&', ';'], " ")
-        );
+        // A remark, whatever the name is: nothing in it ends the line or carries it on.
+        let ends = |c: char| c.is_control() || matches!(c, '&' | ';');
+        out += &format!("! case {}\n", case.label.replace(ends, " "));
         for command in redefinitions(&request.programme.loads, &case.values, deck) {
             out += &command;
             out.push('\n');

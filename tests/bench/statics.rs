@@ -5,7 +5,7 @@
 //! solves what that says (`tests/bench/peers` writes one): a list of
 //! `{ "name", "deck", "loads": ["SFORCE/1"], "cases": [[0.0]], "repeats", "error", "imbalance", "tlimit", "last_part_only" }`.
 //! Set-up (reading, compiling, the first rank analysis) is timed apart from the sweeps; each sweep starts at the design position
-//! and goes from case to case.
+//! and goes from case to case. `balance_s` is the time of one summing of forces after a solve, `balance_share` its part of a sweep.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -15,9 +15,9 @@ use std::time::Instant;
 use serde_json::{Value, json};
 
 use admire::model::Model;
-use admire::statics::{Settings, Solver};
+use admire::statics::{Balance, Settings, Solver};
 use admire::syntax::{Address, Dataset};
-use admire::system::{State, System};
+use admire::system::{Scratch, State, System};
 use admire::text::Source;
 
 fn main() {
@@ -208,6 +208,15 @@ fn solve(job: &Value) -> Value {
     let mut sweeps: Vec<f64> = (0..repeats).map(|_| sweep(&start, false).0).collect();
     sweeps.sort_by(f64::total_cmp);
     let best = sweeps.first().copied().unwrap_or(first);
+    // What every solve ends with: the forces on all parts, summed anew.
+    let mut scratch = Scratch::new(&system);
+    let begin = Instant::now();
+    let summed = 20;
+    for _ in 0..summed {
+        let balance = Balance::of(&system, &parameters, &end, &mut scratch).expect("a balance");
+        std::hint::black_box(balance);
+    }
+    let balance = begin.elapsed().as_secs_f64() / f64::from(summed);
     let total: usize = iterations.iter().sum();
     let per_body = job["bodies"]
         .as_f64()
@@ -222,6 +231,8 @@ fn solve(job: &Value) -> Value {
         "first_sweep_s": first,
         "sweep_s": sweeps.get(sweeps.len() / 2).copied().unwrap_or(first),
         "best_s": best,
+        "balance_s": balance,
+        "balance_share": balance * cases.len() as f64 / best,
         "repeats": repeats,
         "iterations": iterations,
         "parts": poses,

@@ -433,3 +433,29 @@ fn swapped_and_repeated_cases_are_refused() {
     let error = refusal(order("1 1"), &task);
     assert!(error.contains("wrong sign"), "{error}");
 }
+
+/// The name of a load case is a remark in the command file, whatever it says: it commands neither ADAMS nor a shell.
+#[test]
+fn names_of_load_cases_are_remarks() {
+    let mut task = Task::new();
+    let plain = task.sweep(&mut backend(mdi())).unwrap();
+    task.programme.cases[0].label =
+        "a\nSTOP\r\n$(touch owned)\u{b}STOP; `touch owned` & | touch owned &\0\u{85}STOP &"
+            .to_string();
+    let place = folder(&[]);
+    let mut backend = backend(mdi());
+    backend.keep = Some(place.path().join("runs"));
+    let sweep = task.sweep(&mut backend).unwrap();
+    for case in 0..2 {
+        let places = |of: &admire::backend::Sweep| of.equilibrium(case).unwrap().poses[1].p;
+        assert_eq!(places(&sweep), places(&plain));
+    }
+    let mut runs = std::fs::read_dir(place.path().join("runs")).unwrap();
+    let run = runs.next().unwrap().unwrap().path();
+    let commands = std::fs::read_to_string(run.join("run.acf")).unwrap();
+    let stops = commands
+        .lines()
+        .filter(|line| !line.starts_with('!') && line.to_lowercase().contains("stop"));
+    assert_eq!(stops.count(), 1, "{commands}");
+    assert!(!run.join("owned").exists() && !Path::new("owned").exists());
+}

@@ -379,7 +379,8 @@ fn past_half_a_turn_from_the_dataset() {
     let (k, moment) = (2e3, 1e3);
     let lever = "PART/2, MASS=1, CM=20, IP=100,100,100, REULER=3.0, 0, 0\nMARKER/20, PART=2\n\
                  JOINT/1, REVOLUTE, I=20, J=1\n";
-    let function = format!("SFORCE/1, ROTATIONAL, ACTIONONLY, I=20, J=1, FUNCTION={moment}-{k}*(AZ(20,1)-3)");
+    let function =
+        format!("SFORCE/1, ROTATIONAL, ACTIONONLY, I=20, J=1, FUNCTION={moment}-{k}*(AZ(20,1)-3)");
     let bushing = format!(
         "BUSHING/1, I=20, J=1, K=0,0,0, KT=0,0,{k}\nSFORCE/1, ROTATIONAL, ACTIONONLY, I=20, J=1, FUNCTION={}",
         moment + 3.0 * k
@@ -387,6 +388,10 @@ fn past_half_a_turn_from_the_dataset() {
     for law in [function, bushing] {
         let solved = solve(&format!("{lever}{law}"));
         // From 3 to 3.5, which a matrix tells as 3.5 - 2 pi.
-        close(turn(&solved, 2), 3.0 + moment / k - 2.0 * std::f64::consts::PI, 1e-9);
+        close(
+            turn(&solved, 2),
+            3.0 + moment / k - 2.0 * std::f64::consts::PI,
+            1e-9,
+        );
     }
 }

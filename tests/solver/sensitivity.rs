@@ -245,7 +245,13 @@ fn reaction_of_a_gear_at_a_cylindrical_joint() {
         assert!((value.unwrap() - told).abs() < 1e-12 * told.abs());
     }
     // A force along the axis and a torque about it.
-    let axis = solved.state.poses[1].R * admire::mechanics::euler313(10_f64.to_radians(), 70_f64.to_radians(), -20_f64.to_radians()).column(2);
+    let axis = solved.state.poses[1].R
+        * admire::mechanics::euler313(
+            10_f64.to_radians(),
+            70_f64.to_radians(),
+            -20_f64.to_radians(),
+        )
+        .column(2);
     assert!(told.force.dot(&axis).abs() > 1.0 && told.torque.dot(&axis).abs() > 1.0);
     check(
         &solved.system,
