@@ -7,8 +7,6 @@ use std::path::{Path, PathBuf};
 #[path = "common/circles.rs"]
 mod circles;
 mod common;
-#[path = "common/dependencies.rs"]
-mod dependencies;
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))

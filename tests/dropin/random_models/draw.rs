@@ -338,7 +338,7 @@ impl Draw {
         let x = Measure { name, i, j, k };
         let at = At {
             now: self.frames(),
-            before: None,
+            before: Vec::new(),
         };
         let (here, scale) = match name {
             "AX" | "AY" | "AZ" => (x.value(&at), 1.0),

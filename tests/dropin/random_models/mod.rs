@@ -58,13 +58,11 @@ fn judged(plain: &Plain, results: &Results, step: usize, drawn: &Drawn) -> Resul
         let frame = |(part, frame): &(usize, Frame)| places[*part].then(frame);
         plain.markers.iter().map(frame).collect()
     };
-    let before = match step.checked_sub(1) {
-        Some(before) => self::places(plain, results, before),
-        None => plain.design.clone(),
-    };
+    let mut before = vec![frames(&plain.design)];
+    before.extend((0..step).map(|before| frames(&self::places(plain, results, before))));
     let at = At {
         now: frames(&places),
-        before: Some(frames(&before)),
+        before,
     };
     let mut worst = 0.0_f64;
     let mut sums = vec![(V::zeros(), V::zeros()); places.len()];

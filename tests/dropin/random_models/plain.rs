@@ -60,10 +60,10 @@ pub fn six(seen: &Frame) -> [f64; 6] {
     ]
 }
 
-/// Frames of all markers, and where they were in the solution before: turns are counted from there.
+/// Frames of all markers, and where they were in the design and in the solutions since, in this order: turns are counted along them.
 pub struct At {
     pub now: Vec<Frame>,
-    pub before: Option<Vec<Frame>>,
+    pub before: Vec<Vec<Frame>>,
 }
 
 impl std::ops::Index<usize> for At {
@@ -96,9 +96,10 @@ impl Measure {
         let angle = |k: usize| {
             let of = |at: &[Frame]| six(&at[self.i].seen_from(&at[self.j]))[k];
             let turn = std::f64::consts::TAU;
+            let next = |before: f64, now: f64| now + turn * ((before - now) / turn).round();
+            let along = at.before.iter().map(|at| of(at)).reduce(next);
             let now = of(&at.now);
-            let before = at.before.as_deref().map_or(now, of);
-            now + turn * ((before - now) / turn).round()
+            along.map_or(now, |before| next(before, now))
         };
         match self.name {
             "DX" => d.dot(&at[self.k].R.column(0)),
