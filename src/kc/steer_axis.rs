@@ -115,12 +115,12 @@ impl SteerAxis {
 
     /// The lever of a vertical load at the contact point about the axis in the two views: `scrub tan(caster) + trail tan(kingpin)`.
     pub fn load_lever(&self, side: Side, (scrub, trail): (f64, f64)) -> f64 {
-        scrub * self.caster().tan() + trail * self.kingpin_inclination(side).tan()
+        scrub * libm::tan(self.caster()) + trail * libm::tan(self.kingpin_inclination(side))
     }
 
     /// `hub_lead` as Adams/Car writes it: [`Self::load_lever`] with the angles, which are in radians, taken for degrees.
     pub fn hub_lead(&self, side: Side, (scrub, trail): (f64, f64)) -> f64 {
-        let tan = |angle: f64| angle.to_radians().tan();
+        let tan = |angle: f64| libm::tan(angle.to_radians());
         scrub * tan(self.caster()) + trail * tan(self.kingpin_inclination(side))
     }
 }
