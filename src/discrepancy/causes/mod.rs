@@ -8,7 +8,7 @@ mod bushing_coupling;
 mod bushing_orientation;
 mod channel_fault;
 mod creep;
-mod dry_friction;
+pub mod dry_friction;
 mod element_parameter;
 mod frame_drift;
 mod hardpoint_error;
