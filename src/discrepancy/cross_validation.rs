@@ -13,6 +13,7 @@ use nalgebra::DVector;
 use serde::Serialize;
 
 use super::fit::Fitted;
+use super::hypothesis::Hypothesis;
 use super::jackknife::{Squares, fall};
 use super::progress::Progress;
 use super::search::Visited;
@@ -229,7 +230,9 @@ impl<'a> Folds<'a> {
             let (_, after, chosen) = best?;
             Some(Predicted {
                 misfits: [before.misfit, after.misfit],
-                causes: chosen.chosen.iter().map(ToString::to_string).collect(),
+                causes: Hypothesis::causes(&chosen.chosen)
+                    .map(ToString::to_string)
+                    .collect(),
             })
         })
     }
@@ -240,7 +243,7 @@ impl<'a> Folds<'a> {
             let mut subject = unfitted.clone();
             subject.hold_out(&self.groups[group]);
             let unseen = Unseen::new(&subject, progress).filter(|found| !found.is_cut_short())?;
-            let chosen = unseen.chosen.chosen.iter();
+            let chosen = Hypothesis::causes(&unseen.chosen.chosen);
             Some(Predicted {
                 causes: chosen.map(ToString::to_string).collect(),
                 misfits: unseen.predicted.map(|blind| blind.misfit),

@@ -8,7 +8,7 @@ use super::diagnosis::{
     BaselineFit, Diagnosis, Evidence, Finding, Gain, Indistinguishable, NoiseFound, ToleranceFound,
     Unexplained, Verdict,
 };
-use super::fit::{ANY, Fitted, Plain, fit, unguessed};
+use super::fit::{ANY, Estimate, Fitted, Plain, fit, unguessed};
 use super::folds::{Blind, HeldOutTest, moved};
 use super::gain_check::GainCheck;
 use super::hypothesis::Hypothesis;
@@ -230,13 +230,13 @@ fn rival_fit(found: &Found, leading: &Fitted, at: usize) -> Option<(Arc<Fitted>,
 
 /// What a model holds instead of one cause, all others being the same places.
 fn instead<'m>(model: &'m Visited, leading: &Fitted, at: usize) -> Option<&'m Hypothesis> {
-    if model.causes.len() != leading.chosen.len() {
+    let own = &leading.chosen[at];
+    let others = Hypothesis::causes(&leading.chosen).filter(|h| !h.same_place(own));
+    let mut rest: Vec<&Hypothesis> = Hypothesis::causes(&model.causes).collect();
+    if rest.len() != Hypothesis::causes(&leading.chosen).count() {
         return None;
     }
-    let own = &leading.chosen[at];
-    let others = leading.chosen.iter().enumerate().filter(|(k, _)| *k != at);
-    let mut rest: Vec<&Hypothesis> = model.causes.iter().collect();
-    for (_, other) in others {
+    for other in others {
         let place = rest.iter().position(|h| h.same_place(other))?;
         rest.remove(place);
     }
@@ -292,7 +292,14 @@ fn findings(
             .as_ref()
             .filter(|_| h.only_case(&subject.rows).is_none())
             .and_then(|folds| folds.advantage(leading, &without));
-        let numbers = leading.estimates(k);
+        let mut numbers = leading.estimates(k);
+        let further = leading.chosen.iter().enumerate();
+        for (at, _) in further.filter(|(_, other)| other.refines && other.same_place(h)) {
+            numbers.extend(leading.estimates(at).into_iter().map(|n| Estimate {
+                name: format!("{}_2", n.name),
+                ..n
+            }));
+        }
         let count = numbers.len();
         let finding = Finding {
             cause: h.cause,
@@ -338,11 +345,12 @@ fn findings(
     let faults = leading.chosen.iter().filter(|h| of_a_case(h)).count();
     let is_told = |k: &usize| {
         let h = &leading.chosen[*k];
-        stands_in.is_none_or(|force| {
-            h.is_named()
-                && !(faults > 1 && of_a_case(h))
-                && !is_at_element_of(subject.problem.model, h, force)
-        })
+        !h.refines
+            && stands_in.is_none_or(|force| {
+                h.is_named()
+                    && !(faults > 1 && of_a_case(h))
+                    && !is_at_element_of(subject.problem.model, h, force)
+            })
     };
     let told = (0..leading.chosen.len()).filter(is_told);
     let mut out: Vec<(Finding, f64, usize)> = told.map(of).collect();
@@ -387,14 +395,13 @@ fn of_rival(found: &Found, rival: &Indistinguishable) -> f64 {
     })
 }
 
-/// The best fitted model without one cause; the one without any where there is none.
+/// The best fitted model without one cause and what refines it; the one without any where there is none.
 fn without(found: &Found, leading: &Fitted, at: usize) -> Arc<Fitted> {
     let is_rest = |model: &Visited| {
-        let rest = leading.chosen.iter().enumerate().filter(|(k, _)| *k != at);
-        model.causes.len() + 1 == leading.chosen.len()
-            && rest
-                .into_iter()
-                .all(|(_, h)| model.causes.iter().any(|other| other.same(h)))
+        let own = &leading.chosen[at];
+        let mut rest = leading.chosen.iter().filter(|h| !h.same_place(own));
+        model.causes.len() == rest.clone().count()
+            && rest.all(|h| model.causes.iter().any(|other| other.same(h)))
     };
     let mut models = found.models.iter().map(|(model, _)| model);
     let fitted = models.find_map(|model| model.fitted.as_ref().filter(|_| is_rest(model)));

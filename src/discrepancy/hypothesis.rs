@@ -100,6 +100,8 @@ pub struct Hypothesis {
     pub changes: Vec<Change>,
     /// What it carries from case to case.
     pub memory: Option<MemoryPlan>,
+    /// True if it is a further part of the law of a cause that is there already, told with that.
+    pub refines: bool,
 }
 
 /// What a contact or rubber carries from case to case, and the function that measures its displacement.
@@ -136,6 +138,7 @@ impl Hypothesis {
             one_sided: false,
             changes: Vec::new(),
             memory: None,
+            refines: false,
         }
     }
 
@@ -156,6 +159,16 @@ impl Hypothesis {
             unknown: Unknown::Member(member),
         });
         Self::plain(cause, address, form, numbers.collect())
+    }
+
+    /// Those that are causes of their own.
+    pub fn causes(all: &[Self]) -> impl DoubleEndedIterator<Item = &Self> {
+        all.iter().filter(|h| !h.refines)
+    }
+
+    /// True if another one of these is a further part of its law.
+    pub fn is_refined(&self, all: &[Self]) -> bool {
+        !self.refines && all.iter().any(|h| h.refines && h.same_place(self))
     }
 
     /// True if both say the same of the same place, in whatever form.
@@ -186,6 +199,7 @@ impl Hypothesis {
     pub fn same(&self, other: &Self) -> bool {
         self.same_place(other)
             && self.form == other.form
+            && self.refines == other.refines
             && self.numbers.len() == other.numbers.len()
     }
 

@@ -8,13 +8,14 @@
 //! [`unnamed`] makes it a hypothesis that a search holds against several causes of the catalogue: one effect that the catalogue lacks
 //! looks like many of those it has. Source: Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), chapters 2 and 5.
 
-use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
+use nalgebra::{Cholesky, DMatrix, DVector};
 use serde::Serialize;
 
 use super::cause::Cause;
 use super::causes::PRESENT;
 use super::fit::Fitted;
 use super::folds::{compared, unseen};
+use super::gaussian_process::{LAWS, Law};
 use super::hypothesis::{Column, Hypothesis, Number, component};
 use super::subject::{Data, Subject};
 use super::survey::Survey;
@@ -23,12 +24,6 @@ use crate::model::{JointKind, MarkerIx};
 use crate::rig::orientation::chi_square_p_value;
 use crate::tolerance::{Posterior, Sizes};
 
-/// Lengths of the covariance as parts of the range of the coordinate.
-const LENGTHS: [f64; 4] = [0.06, 0.15, 0.4, 1.0];
-/// Sizes of the force as parts of the place's usual force: the largest of the bushing component, for a joint that of all bushings.
-const SIZES: [f64; 6] = [0.003, 0.01, 0.03, 0.1, 0.3, 1.0];
-/// Directions of the covariance below this part of the largest are left out.
-const LEAST: f64 = 1e-6;
 /// A first guess moves no stiffness by more than this factor of e.
 const FAR: f64 = 0.8;
 /// A place stands out from so many nats on, the number of places tried taken off.
@@ -114,19 +109,6 @@ struct Process {
     load: Option<String>,
     coordinate: Vec<f64>,
     law: Law,
-}
-
-/// The force in all cases at the length and size that do best.
-struct Law {
-    nats: f64,
-    /// What of chi-square it takes up.
-    taken: f64,
-    mean: DVector<f64>,
-    covariance: DMatrix<f64>,
-    /// The covariance before the readings were known is this times its transpose.
-    root: DMatrix<f64>,
-    /// The mean is that times these.
-    weights: DVector<f64>,
 }
 
 /// The place, coordinate and law that do best.
@@ -298,7 +280,7 @@ fn as_hypothesis(fitted: &Fitted, found: Best) -> Unnamed {
         form,
         numbers(&(&found.effect * &root)),
     );
-    let laws = found.tried * LENGTHS.len() * SIZES.len();
+    let laws = found.tried * LAWS;
     hypothesis.ln_prior = libm::log(PRESENT / laws as f64);
     let step = &found.posterior.step - &found.taken_up * mean;
     let x = fitted.x.iter().zip(step.iter()).zip(&fitted.priors);
@@ -336,8 +318,9 @@ fn most_spoken_for(subject: &Subject<'_>, fitted: &Fitted, sizes: &Sizes) -> Opt
         responses.push((plain, taken_up));
         for (over, load, coordinate) in coordinates(subject, place) {
             tried += 1;
-            let found_here = best(&coordinate, over, (&information, &gradient), place.force);
-            let Some(law) = found_here else {
+            let is_stiffness_apart = over == Over::Deflection;
+            let read = (&information, &gradient);
+            let Some(law) = Law::best(&coordinate, is_stiffness_apart, read, place.force) else {
                 continue;
             };
             found.push((
@@ -478,120 +461,4 @@ fn effect(survey: &Survey<'_>, place: &Place) -> DMatrix<f64> {
         numbers,
     );
     survey.columns(&[all])
-}
-
-/// Evidence gained, chi-square taken up, mean and covariance of the force in all cases, at the length and size that do best.
-/// `information` and `gradient` are those of a force in each case, all other unknowns of the fit eliminated.
-fn best(
-    coordinate: &[f64],
-    over: Over,
-    (information, gradient): (&DMatrix<f64>, &DVector<f64>),
-    force: f64,
-) -> Option<Law> {
-    let n = coordinate.len();
-    let low = coordinate.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = coordinate.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let range = high - low;
-    if !(range > 0.0) {
-        return None;
-    }
-    let mut out: Option<Law> = None;
-    for length in LENGTHS {
-        let mut K = DMatrix::from_fn(n, n, |a, b| {
-            let apart = (coordinate[a] - coordinate[b]) / (length * range);
-            libm::exp(-0.5 * apart * apart)
-        });
-        if over == Over::Deflection {
-            let P = beyond_a_line(coordinate, (low, range));
-            K = &P * K * &P;
-        }
-        let eigen = SymmetricEigen::new(K);
-        let most = eigen.eigenvalues.max();
-        let kept: Vec<usize> = (0..n)
-            .filter(|k| eigen.eigenvalues[*k] > LEAST * most)
-            .collect();
-        let mut root = eigen.eigenvectors.select_columns(&kept);
-        for (mut column, k) in root.column_iter_mut().zip(&kept) {
-            column *= eigen.eigenvalues[*k].sqrt();
-        }
-        let (M, g) = (root.tr_mul(&(information * &root)), root.tr_mul(gradient));
-        for size in SIZES {
-            let s = size * force;
-            let Some(factor) =
-                Cholesky::new(&M * (s * s) + DMatrix::identity(kept.len(), kept.len()))
-            else {
-                continue;
-            };
-            let z = factor.solve(&(&g * s));
-            let logs: f64 = factor
-                .l_dirty()
-                .diagonal()
-                .iter()
-                .map(|d| libm::log(*d))
-                .sum();
-            let nats = 0.5 * s * g.dot(&z) - logs;
-            if nats.is_finite() && out.as_ref().is_none_or(|law| nats > law.nats) {
-                out = Some(Law {
-                    nats,
-                    taken: 2.0 * s * g.dot(&z) - s * s * z.dot(&(&M * &z)),
-                    covariance: &root * factor.inverse() * root.transpose() * (s * s),
-                    mean: &root * &z * s,
-                    root: &root * s,
-                    weights: z,
-                });
-            }
-        }
-    }
-    out
-}
-
-/// Takes constant and straight line off a function of a coordinate.
-fn beyond_a_line(coordinate: &[f64], (low, range): (f64, f64)) -> DMatrix<f64> {
-    let n = coordinate.len();
-    let X = DMatrix::from_fn(n, 2, |row, column| match column {
-        0 => 1.0,
-        _ => (coordinate[row] - low) / range - 0.5,
-    });
-    let identity = DMatrix::identity(n, n);
-    match Cholesky::new(X.tr_mul(&X)) {
-        Some(factor) => identity - &X * factor.solve(&X.transpose()),
-        None => identity,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Forces in thirty cases, each read with an error of one: a wave over the deflection is found, its band holds it, and a line is none.
-    #[test]
-    fn a_wave_is_found_and_a_line_is_not() {
-        let n = 30_u8;
-        let u: Vec<f64> = (0..n).map(|k| f64::from(k) * 0.1).collect();
-        let wave = DVector::from_fn(usize::from(n), |k, _| 20.0 * (2.5 * u[k]).sin());
-        let information = DMatrix::identity(usize::from(n), usize::from(n));
-        // Reading equals force here: the gradient is the reading itself.
-        let found = best(&u, Over::Deflection, (&information, &wave), 100.0);
-        let Law {
-            nats,
-            taken,
-            mean,
-            covariance,
-            root,
-            ..
-        } = found.unwrap();
-        assert!(nats > 100.0, "{nats}");
-        assert!(taken > 0.0);
-        assert_eq!(root.nrows(), usize::from(n));
-        let beyond = beyond_a_line(&u, (0.0, 2.9)) * &wave;
-        for k in 0..usize::from(n) {
-            assert!(
-                (mean[k] - beyond[k]).abs() < 4.0 * covariance[(k, k)].sqrt(),
-                "{k}"
-            );
-        }
-        let line = DVector::from_fn(usize::from(n), |k, _| 7.0 + 20.0 * u[k]);
-        let found = best(&u, Over::Deflection, (&information, &line), 100.0);
-        assert!(found.unwrap().nats < 1.0);
-    }
 }

@@ -2,6 +2,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
+use super::cause::Cause;
 use super::causes;
 use super::fit::Fitted;
 use super::hypothesis::Hypothesis;
@@ -33,7 +34,15 @@ impl Catalogue {
     pub fn new(subject: &Subject<'_>, fitted: &Fitted) -> Self {
         let survey = Survey::new(subject, fitted);
         let mut hypotheses = causes::all(&survey);
-        hypotheses.retain(|h| !fitted.chosen.iter().any(|chosen| chosen.same_place(h)));
+        hypotheses.retain_mut(|h| {
+            let there = || fitted.chosen.iter().filter(|chosen| chosen.same_place(h));
+            let count = there().count();
+            if count == 1 && h.cause == Cause::DryFriction {
+                causes::dry_friction::second_slider(h);
+                return true;
+            }
+            count == 0
+        });
         let own: Vec<Hypothesis> = hypotheses
             .iter()
             .filter(|h| !h.is_slab())

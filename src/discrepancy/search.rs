@@ -301,6 +301,10 @@ impl Search<'_, '_> {
     fn pruned(&mut self, mut current: Arc<Fitted>) -> Arc<Fitted> {
         let mut at = 0;
         while at + 1 < current.chosen.len() {
+            if current.chosen[at].is_refined(&current.chosen) {
+                at += 1;
+                continue;
+            }
             match self.without(&current, at) {
                 Some(found) if found.ln_posterior() > current.ln_posterior() => {
                     current = found;
@@ -316,7 +320,9 @@ impl Search<'_, '_> {
     fn exchanged(&mut self, mut current: Arc<Fitted>) -> Arc<Fitted> {
         let mut at = 0;
         while at < current.chosen.len() && current.chosen.len() > 1 && !self.subject.is_spent() {
-            let Some(base) = self.without(&current, at) else {
+            let is_refined = current.chosen[at].is_refined(&current.chosen);
+            let base = Some(at).filter(|_| !is_refined);
+            let Some(base) = base.and_then(|at| self.without(&current, at)) else {
                 at += 1;
                 continue;
             };
@@ -340,7 +346,8 @@ impl Search<'_, '_> {
     fn unnamed(&mut self, current: &Fitted) -> Option<Arc<Fitted>> {
         let subject = self.subject;
         let named = || current.chosen.iter().filter(|h| h.is_named());
-        if named().count() < MANY || subject.is_spent() {
+        let many = named().filter(|h| !h.refines).count();
+        if many < MANY || subject.is_spent() {
             return None;
         }
         let of_the_model = |h: &&Hypothesis| h.only_case(&subject.rows).is_none();

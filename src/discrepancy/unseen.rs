@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::fit::Fitted;
 use super::folds::{Blind, HeldOutTest, compared};
+use super::hypothesis::Hypothesis;
 use super::jackknife::{Squares, fall};
 use super::progress::Progress;
 use super::sought::seek;
@@ -152,7 +153,9 @@ impl Unseen {
                 .filter(|channel| channel.held_out)
                 .map(|channel| channel.name.clone())
                 .collect(),
-            causes: self.chosen.chosen.iter().map(ToString::to_string).collect(),
+            causes: Hypothesis::causes(&self.chosen.chosen)
+                .map(ToString::to_string)
+                .collect(),
             of,
             rms_before: fall.before,
             rms_after: fall.after,

@@ -526,7 +526,9 @@ impl Outcome<'_> {
 
 /// Causes by name and place.
 fn chosen(causes: &[Hypothesis]) -> String {
-    let names: Vec<String> = causes.iter().map(ToString::to_string).collect();
+    let names: Vec<String> = Hypothesis::causes(causes)
+        .map(ToString::to_string)
+        .collect();
     match names.as_slice() {
         [] => "no cause".to_string(),
         [one] => one.clone(),

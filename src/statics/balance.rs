@@ -49,6 +49,16 @@ pub struct Balance {
     torques: f64,
 }
 
+/// The loads on one part.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sum {
+    force: Vec3,
+    torque: Vec3,
+    /// Sums of their sizes.
+    forces: f64,
+    torques: f64,
+}
+
 impl Balance {
     /// Sums the loads on every part.
     ///
@@ -60,17 +70,27 @@ impl Balance {
         state: &State,
         scratch: &mut Scratch,
     ) -> Result<Self, NoValue> {
-        let loads = system.look(parameters, state, scratch)?.loads()?;
-        let mut sums = vec![(Vec3::zeros(), Vec3::zeros()); system.bodies.len()];
-        let mut sizes = vec![(0.0, 0.0); system.bodies.len()];
-        for load in &loads {
+        Self::summed(system, parameters, state, (scratch, &mut Vec::new()))
+    }
+
+    /// The same with memory for the sums.
+    pub(super) fn summed(
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+        (scratch, sums): (&mut Scratch, &mut Vec<Sum>),
+    ) -> Result<Self, NoValue> {
+        sums.clear();
+        sums.resize(system.bodies.len(), Sum::default());
+        system.look(parameters, state, scratch)?.each_load(|load| {
             let part = load.part.0;
             let torque = load.torque_about(&state.poses[part].p);
-            sums[part].0 += load.force;
-            sums[part].1 += torque;
-            sizes[part].0 += load.force.norm();
-            sizes[part].1 += torque.norm();
-        }
+            let sum = &mut sums[part];
+            sum.force += load.force;
+            sum.torque += torque;
+            sum.forces += load.force.norm();
+            sum.torques += torque.norm();
+        })?;
         let mut out = Self::default();
         let (mut force, mut torque) = (None, None);
         for (part, body) in system.bodies.iter().enumerate() {
@@ -81,12 +101,12 @@ impl Balance {
                 }
             };
             if body.freedoms >= 3 {
-                left(sums[part].0.norm(), &mut force);
-                out.forces = out.forces.max(sizes[part].0);
+                left(sums[part].force.norm(), &mut force);
+                out.forces = out.forces.max(sums[part].forces);
             }
             if body.freedoms == 6 {
-                left(sums[part].1.norm(), &mut torque);
-                out.torques = out.torques.max(sizes[part].1);
+                left(sums[part].torque.norm(), &mut torque);
+                out.torques = out.torques.max(sums[part].torques);
             }
         }
         out.torques += ARMS / ROUND_OFF * system.length * out.forces;

@@ -1,5 +1,6 @@
 //! Newton's method on the static equations, with step control that is only used where the plain step fails.
 
+use super::balance::Sum;
 use super::measures::{
     balanced, force_imbalance, largest, limit, motion_norm, relative_correction,
 };
@@ -66,6 +67,8 @@ pub struct Solver {
     pub(super) poses: Vec<Pose>,
     /// What was left over at worst.
     worst: Option<Balance>,
+    /// Memory for the sums of a balance.
+    sums: Vec<Sum>,
 }
 
 /// Why a sequence of iterations ended without an answer.
@@ -117,6 +120,7 @@ impl Solver {
             remaining: usize::MAX,
             poses: Vec::new(),
             worst: None,
+            sums: Vec::new(),
         }
     }
 
@@ -215,7 +219,8 @@ impl Solver {
         settings: &Settings,
         report: &mut Report,
     ) -> Result<(), SolveError> {
-        report.balance = Balance::of(system, parameters, state, &mut self.scratch)?;
+        let memory = (&mut self.scratch, &mut self.sums);
+        report.balance = Balance::summed(system, parameters, state, memory)?;
         if !report.at_roundoff && !report.balance.holds(settings.imbalance) {
             return Err(SolveError::Unbalanced(Box::new(report.balance.clone())));
         }

@@ -331,6 +331,44 @@ impl System {
         elements.chain(terms).chain(markers)
     }
 
+    /// True if a function of the model's request number `index` may change with a number while no unknown does: it measures a marker,
+    /// reads a force, or the number is a literal of its own.
+    pub(crate) fn request_reads(&self, (index, component): (usize, usize), slot: Slot) -> bool {
+        let role = self.catalogue().group(slot).role;
+        let function = self.requests[index].get(component).copied().flatten();
+        function.is_some_and(|function| self.function_reads(function, role))
+    }
+
+    /// True if a function of the model's request number `index` may change with the axes of a marker while no unknown does.
+    pub(crate) fn request_reads_marker(
+        &self,
+        (index, component): (usize, usize),
+        marker: MarkerIx,
+    ) -> bool {
+        let function = self.requests[index].get(component).copied().flatten();
+        function.is_some_and(|function| self.function_reads(function, Role::Marker(marker.0)))
+    }
+
+    fn function_reads(&self, function: usize, role: Role) -> bool {
+        if matches!(role, Role::Literals(own) | Role::Override(own) if own == function) {
+            return true;
+        }
+        let is = |m: &Option<MarkerIx>| m.is_some_and(|m| role == Role::Marker(m.0));
+        let mut sources = self.functions[function].sources.iter();
+        sources.any(|source| match source {
+            Source::Measure(m, _) => [m.i, m.j, m.k].iter().any(is),
+            Source::Moved(m) => m.markers.iter().any(is),
+            Source::Force(_) | Source::Friction(..) | Source::StateRate(..) => true,
+            Source::Time
+            | Source::Mode
+            | Source::Variable(_)
+            | Source::State(_)
+            | Source::Output(_)
+            | Source::Constant(_)
+            | Source::Sensor(_) => false,
+        })
+    }
+
     /// True if a number also acts through functions that measure what it changes. Functions have no derivative by that.
     fn acts_through_functions(&self, role: Role) -> bool {
         let sources = || self.order.iter().flat_map(|&f| &self.functions[f].sources);

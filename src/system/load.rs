@@ -35,8 +35,18 @@ impl<'s> Configuration<'s> {
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
     pub fn loads(&mut self) -> Result<Vec<Load<'s>>, NoValue> {
+        let mut out = Vec::new();
+        self.each_load(|load| out.push(load))?;
+        Ok(out)
+    }
+
+    /// Shows every load of [`Configuration::loads`] in turn.
+    ///
+    /// # Errors
+    /// [`NoValue`] if an element is undefined in this configuration.
+    pub fn each_load(&mut self, mut show: impl FnMut(Load<'s>)) -> Result<(), NoValue> {
         let system = self.system;
-        let mut out = self.weights();
+        self.weights(&mut show);
         for (number, element) in system.elements.iter().enumerate() {
             if !element.active {
                 continue;
@@ -46,15 +56,15 @@ impl<'s> Configuration<'s> {
             match (&element.action, element.reaction) {
                 (_, None) => {}
                 // The floating marker stands where I is.
-                (Action::Vector(_), Some(part)) => out.push(Load {
+                (Action::Vector(_), Some(part)) => show(Load {
                     part: PartIx(part),
                     force: -reading.force,
                     torque: -reading.torque,
                     ..on_i.clone()
                 }),
-                (Action::Law(..), Some(_)) => out.push(self.on_j(&element.name, &reading)),
+                (Action::Law(..), Some(_)) => show(self.on_j(&element.name, &reading)),
             }
-            out.push(on_i);
+            show(on_i);
         }
         let joints = system.joints.iter().enumerate().filter(|(_, j)| j.active);
         let terms = joints.flat_map(|(number, joint)| {
@@ -68,19 +78,19 @@ impl<'s> Configuration<'s> {
         });
         for (name, who) in terms.chain(markers) {
             let reading = self.read(who)?;
-            out.push(self.on_i(name, &reading));
-            out.push(self.on_j(name, &reading));
+            show(self.on_i(name, &reading));
+            show(self.on_j(name, &reading));
         }
         for (number, friction) in system.frictions.iter().enumerate() {
             if friction.active && (self.moving() || friction.at_rest.is_some()) {
                 self.friction(number, Ask::Value)?;
                 let reading = self.contributed();
-                out.push(self.on_i(&friction.name, &reading));
-                out.push(self.on_j(&friction.name, &reading));
+                show(self.on_i(&friction.name, &reading));
+                show(self.on_j(&friction.name, &reading));
             }
         }
-        self.reactions_of_conditions(&mut out);
-        Ok(out)
+        self.reactions_of_conditions(&mut show);
+        Ok(())
     }
 
     fn on_i(&self, by: &'s Name, reading: &Reading) -> Load<'s> {
@@ -103,13 +113,12 @@ impl<'s> Configuration<'s> {
         }
     }
 
-    fn weights(&self) -> Vec<Load<'s>> {
+    fn weights(&self, mut show: impl FnMut(Load<'s>)) {
         let theta = self.parameters.theta();
         let gravity = self.system.gravity_vector(theta);
-        let mut out = Vec::new();
         for (part, body) in self.system.bodies.iter().enumerate() {
             if let (Some(cm), true) = (body.cm, body.freedoms > 0) {
-                out.push(Load {
+                show(Load {
                     by: None,
                     part: PartIx(part),
                     point: self.state.poses[part].p + self.scratch.arms[cm],
@@ -118,11 +127,10 @@ impl<'s> Configuration<'s> {
                 });
             }
         }
-        out
     }
 
     /// GCONs: minus multiplier times the gradient of the function, about the part origins.
-    fn reactions_of_conditions(&self, out: &mut Vec<Load<'s>>) {
+    fn reactions_of_conditions(&self, mut show: impl FnMut(Load<'s>)) {
         let (system, state, scratch) = (self.system, self.state, &*self.scratch);
         for condition in system.conditions.iter().filter(|c| c.active) {
             if state.redundant.get(condition.equation) == Some(&true) {
@@ -138,7 +146,7 @@ impl<'s> Configuration<'s> {
                     }
                 }
                 if on != [0.0; 6] {
-                    out.push(Load {
+                    show(Load {
                         by: Some(&condition.name),
                         part: PartIx(part),
                         point: state.poses[part].p,

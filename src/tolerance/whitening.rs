@@ -60,7 +60,7 @@ impl Class {
 /// An orthonormal change of rows with their precisions, and the class of each new row.
 #[derive(Clone, Debug)]
 pub struct Whitening {
-    /// Rows that are turned together, their places and the matrix.
+    /// Rows that are turned together, their places and the matrix, one row per new direction.
     blocks: Vec<(Vec<usize>, DMatrix<f64>)>,
     /// Square root of the precision of each old row that stands alone.
     alone: Vec<(usize, f64)>,
@@ -131,7 +131,7 @@ impl Whitening {
         if rows == 0 {
             return out;
         }
-        let mut gathered = Vec::new();
+        let (mut gathered, mut turned) = (Vec::new(), Vec::new());
         let each = columns
             .as_slice()
             .chunks_exact(rows)
@@ -143,9 +143,16 @@ impl Whitening {
                 if gathered.iter().all(|value| *value == 0.0) {
                     continue;
                 }
-                let directions = matrix.as_slice().chunks_exact(places.len());
-                for (place, direction) in places.iter().zip(directions) {
-                    to[*place] = direction.iter().zip(&gathered).map(|(a, b)| a * b).sum();
+                turned.clear();
+                turned.resize(places.len(), 0.0);
+                // Column by column, so that all new rows are summed side by side.
+                for (column, value) in matrix.as_slice().chunks_exact(places.len()).zip(&gathered) {
+                    for (sum, by) in turned.iter_mut().zip(column) {
+                        *sum += by * value;
+                    }
+                }
+                for (place, value) in places.iter().zip(&turned) {
+                    to[*place] = *value;
                 }
             }
             for (row, scale) in &self.alone {
@@ -173,7 +180,7 @@ impl Whitening {
                 Some((Some(block), at)) => {
                     let (places, matrix) = &self.blocks[block];
                     for (k, place) in places.iter().enumerate() {
-                        *out.entry(*place).or_insert(0.0) += matrix[(at, k)] * value;
+                        *out.entry(*place).or_insert(0.0) += matrix[(k, at)] * value;
                     }
                 }
                 Some((None, at)) => {
@@ -206,7 +213,7 @@ impl Whitening {
     }
 }
 
-/// Used rows of a block, the matrix whose columns are the new rows' directions times the root of the precision, and the squares of
+/// Used rows of a block, the matrix whose rows are the new rows' directions times the root of the precision, and the squares of
 /// the leading, rigid ones with whether they turn.
 fn turned(block: &MarkBlock, precision: &[f64]) -> (Vec<usize>, DMatrix<f64>, Vec<(bool, f64)>) {
     let mut places = Vec::new();
@@ -279,7 +286,7 @@ fn turned(block: &MarkBlock, precision: &[f64]) -> (Vec<usize>, DMatrix<f64>, Ve
     let mut matrix = DMatrix::zeros(m, m);
     for (k, direction) in basis.iter().take(m).enumerate() {
         for (j, place) in places.iter().enumerate() {
-            matrix[(j, k)] = direction[j] * precision[*place].sqrt();
+            matrix[(k, j)] = direction[j] * precision[*place].sqrt();
         }
     }
     (places, matrix, squares)

@@ -154,7 +154,7 @@ fn call(def: &FunctionDef) -> String {
             "i" | "marker" => "20".to_string(),
             "j" | "k" | "l" | "rm" => "10".to_string(),
             "id" | "method" | "component" => "1".to_string(),
-            "comp" => "2".to_string(),
+            "comp" | "index" => "2".to_string(),
             "jflag" | "iord" => "0".to_string(),
             "type" => "27".to_string(),
             _ => format!("{}", 0.5 * (k + 1) as f64),
@@ -177,6 +177,7 @@ fn functions_are_evaluated_as_the_grammar_says() {
         GFORCE/1, I=20, JFLOAT=11, RM=10, FX=1\nVFORCE/1, I=20, JFLOAT=11, RM=10, FX=1\nVTORQUE/1, I=20, JFLOAT=11, RM=10, TX=1\n\
         MATRIX/1, FULL=RORDER, ROWS=6, COLUMNS=6, VALUES=1,0,0,0,0,0,0,1,0,0,0,0,0,0,1,0,0,0\n, 0,0,0,1,0,0,0,0,0,0,1,0,0,0,0,0,0,1\n\
         NFORCE/1, I=20, J=10, KMATRIX=1\nJOINT/1, REVOLUTE, I=20, J=10\nJPRIM/1, INPLANE, I=20, J=10\nMOTION/1, JOINT=1, FUNCTION=0\n\
+        FRICTION/1, JOINT=1, MU_STATIC=0.3, MU_DYNAMIC=0.2\n\
         SPLINE/1, X=0,1,2,3, Y=0,1,4,9\nVARIABLE/1, FUNCTION=1\nARRAY/1, IC, SIZE=1, NUMBERS=4\nDIFF/1, FUNCTION=-DIF(1)\n\
         PINPUT/1, VARIABLES=1\nPOUTPUT/1, VARIABLES=1\nSENSOR/1, GE, VALUE=1, ERROR=0.1, FUNCTION=TIME\n";
     let mut seen = [0, 0];

@@ -55,6 +55,7 @@ fn elements() -> String {
          VTORQUE/1, I=203, JFLOAT=399, RM=303, TX=500\\, TY=-8*DZ(203,303)\n\
          MATRIX/1, FULL=RORDER, ROWS=6, COLUMNS=6, VALUES={six}\nNFORCE/1, I=203, J=303, KMATRIX=1\n\
          JOINT/1, TRANSLATIONAL, I=406, J=505\nMOTION/1, JOINT=1, FUNCTION=1.5\nJPRIM/1, INPLANE, I=600, J=500\n\
+         FRICTION/1, JOINT=1, REACTION_ARM=20, INITIAL_OVERLAP=30, MU_STATIC=0.3, MU_DYNAMIC=0.2, INACTIVE=STATIC\n\
          SPLINE/1, X=0,1,2,3,4, Y=0,1,4,2,1\nVARIABLE/1, FUNCTION=0.8+0.002*DX(200,300)\nVARIABLE/2, FUNCTION=DZ(303)\n\
          ARRAY/1, U, SIZE=2, VARIABLES=2,1\nDIFF/1, IC=1, FUNCTION=DY(303)-3*DIF(1)\n\
          DIFF/2, IC=2, STATIC_HOLD, FUNCTION=DX(303)*DIF(2)\n\
@@ -66,12 +67,12 @@ fn elements() -> String {
 
 const FORCES_AT_MARKERS: [&str; 8] = ["FX", "FY", "FZ", "FM", "TX", "TY", "TZ", "TM"];
 
-/// Functions that do not follow the state: constants, whole numbers, rates (zero in statics), what a sensor kept.
+/// Functions that do not follow the state: constants, whole numbers, rates and friction (zero in statics), what a sensor kept.
 fn is_flat(def: &FunctionDef) -> bool {
     let rate = ["VM", "VR", "VX", "VY", "VZ", "WM", "WX", "WY", "WZ"].contains(&def.name)
         || def.name.starts_with("ACC")
         || def.name.starts_with("WDT");
-    let constant = ["TIME", "MODE", "PI", "RTOD", "DTOR", "SENVAL"].contains(&def.name);
+    let constant = ["TIME", "MODE", "PI", "RTOD", "DTOR", "SENVAL", "FRICTION"].contains(&def.name);
     let whole = ["AINT", "ANINT", "INT", "NINT"].contains(&def.name);
     rate || constant || whole
 }
@@ -131,6 +132,7 @@ fn calls(def: &FunctionDef) -> Vec<String> {
                 "comp" => &["1", "2", "3", "4", "5", "6", "7", "8"],
                 "jflag" | "iord" => &["0", "1"],
                 "component" => &["1", "2", "3"],
+                "index" => return (1..=26).map(|index| format!("{index}")).collect(),
                 "z" => &["0"],
                 "type" => return (1..25).chain([27]).map(|t| format!("{t}")).collect(),
                 _ => return vec![follows(value(name, k), k)],

@@ -31,6 +31,16 @@ const FORMS: [(f64, f64, &str); 9] = [
     (0.3, -1.0, "long, pulled at first"),
 ];
 
+/// The limit of a friction is reached by degrees with this probability.
+const GRADUAL: f64 = 0.3;
+
+/// Makes a slider the second one of a friction that is there: two in parallel, one of which slips before the other, are a law whose limit
+/// is reached by degrees. Source: Iwan, Journal of Applied Mechanics 33 (1966) 893.
+pub fn second_slider(h: &mut Hypothesis) {
+    h.refines = true;
+    h.ln_prior = libm::log(GRADUAL / FORMS.len() as f64);
+}
+
 /// The force of each case as a part of the limit, if the displacements were these: the spring of length `length` starts at `anchor`.
 fn pattern(u: &[f64], length: f64, mut anchor: f64) -> Vec<f64> {
     u.iter()
@@ -170,6 +180,7 @@ fn put(
             ln_prior: 0.0,
             one_sided: true,
             changes: changes.clone(),
+            refines: false,
             memory: Some(MemoryPlan {
                 anchor: at_start.clone(),
                 carries: Carries::Slider,

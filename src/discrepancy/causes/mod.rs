@@ -8,7 +8,7 @@ mod bushing_coupling;
 mod bushing_orientation;
 mod channel_fault;
 mod creep;
-mod dry_friction;
+pub mod dry_friction;
 mod element_parameter;
 mod frame_drift;
 mod hardpoint_error;
@@ -50,10 +50,16 @@ pub fn all(survey: &Survey<'_>) -> Vec<Hypothesis> {
         Cause::BodyCompliance => (Cause::LinkCompliance, ""),
         cause => (cause, h.side),
     };
-    let classes: Vec<_> = out.iter().map(class).collect();
+    let mut counts: Vec<((Cause, &'static str), f64)> = Vec::new();
+    for own in out.iter().map(class) {
+        match counts.iter_mut().find(|(of, _)| *of == own) {
+            Some((_, count)) => *count += 1.0,
+            None => counts.push((own, 1.0)),
+        }
+    }
     for h in &mut out {
-        let count = classes.iter().filter(|of| **of == class(h)).count();
-        h.ln_prior = libm::log(PRESENT / count as f64);
+        let count = counts.iter().find(|(of, _)| *of == class(h));
+        h.ln_prior = libm::log(PRESENT / count.map_or(1.0, |(_, count)| *count));
         if h.form == body_compliance::IN_LINE {
             h.ln_prior -= std::f64::consts::LN_2;
         }

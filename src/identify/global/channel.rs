@@ -131,9 +131,13 @@ impl Channels {
             }
         }
         // A spring's force depends on its stiffness, a place on a part on its marker, even where nothing moves.
+        let mut near = theta.clone();
         for (changes, direction) in out.iter_mut().zip(directions) {
+            if !self.read(system, direction, case) {
+                continue;
+            }
             let mut at = |step: f64| {
-                let mut near = theta.clone();
+                near.clone_from(theta);
                 for (slot, factor) in direction.in_case(case) {
                     near.set(slot, near.get(slot) + step * factor);
                 }
@@ -148,5 +152,16 @@ impl Channels {
             }
         }
         Ok(out)
+    }
+
+    /// True if a channel may change along a direction while nothing moves.
+    fn read(self, system: &System, direction: &Direction, case: usize) -> bool {
+        let mut numbers = direction.in_case(case).filter(|(_, weight)| *weight != 0.0);
+        let mut functions = (0..self.count).map(|k| (self.first + k, 1));
+        numbers.any(|(slot, _)| functions.clone().any(|k| system.request_reads(k, slot)))
+            || functions.any(|k| {
+                let mut turns = direction.turns.iter();
+                turns.any(|(marker, _)| system.request_reads_marker(k, *marker))
+            })
     }
 }
