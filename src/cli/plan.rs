@@ -90,7 +90,12 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let watched = Watched::default();
     let seen = watched.clone();
     let bar = Progress::new("planning", shell, move || {
-        Some((seen.stage(), Count::Of(seen.sweeps(), None, "sweeps")))
+        let count = Count {
+            done: seen.sweeps(),
+            of: None,
+            what: "sweeps",
+        };
+        Some((seen.stage(), count))
     });
     let found = plan(&loaded.problem(), aim, &watched);
     drop(bar);

@@ -6,21 +6,54 @@ use crate::mechanics::Vec3;
 use crate::model::{Function, MarkerIx, Model, PartIx, VectorForceKind};
 use crate::syntax::expression::Node;
 
-/// Words that parts and markers at a wheel carry in their names.
-pub(super) const WHEEL_WORDS: [&str; 9] = [
-    "wheel", "hub", "knuckle", "upright", "spindle", "carrier", "tire", "tyre", "rim",
+/// Words that parts and markers at a wheel carry in their names: English, German, French, Italian, Spanish.
+pub(super) const WHEEL_WORDS: [&str; 22] = [
+    "wheel",
+    "hub",
+    "knuckle",
+    "upright",
+    "spindle",
+    "carrier",
+    "tire",
+    "tyre",
+    "rim",
+    "radtr",
+    "radmitt",
+    "radnabe",
+    "radlager",
+    "achsschenkel",
+    "schwenklager",
+    "moyeu",
+    "fusee",
+    "roue",
+    "mozzo",
+    "ruota",
+    "mangueta",
+    "rueda",
 ];
 
-/// True for a FUNCTION that is only a number: nothing but a load case would drive it.
-pub(super) fn is_number(function: &Function) -> bool {
+/// Words of a centre.
+pub(super) const CENTRE_WORDS: [&str; 3] = ["cent", "mitte", "zentrum"];
+
+/// The value of a FUNCTION that is only a number: nothing but a load case would drive it.
+pub(super) fn number(function: &Function) -> Option<f64> {
     let Function::Expression(expression) = function else {
-        return false;
+        return None;
     };
+    let literal = |k: &usize| expression.literals.get(*k).map(|literal| literal.value);
     match &expression.root {
-        Node::Literal(_) => true,
-        Node::Negate(inner) => matches!(**inner, Node::Literal(_)),
-        _ => false,
+        Node::Literal(k) => literal(k),
+        Node::Negate(inner) => match &**inner {
+            Node::Literal(k) => literal(k).map(|value| -value),
+            _ => None,
+        },
+        _ => None,
     }
+}
+
+/// True for a FUNCTION that is only a number.
+pub(super) fn is_number(function: &Function) -> bool {
+    number(function).is_some()
 }
 
 /// A marker at design, in ground axes.

@@ -437,6 +437,10 @@ fn a_mirrored_axle_has_mirrored_columns() {
         };
         let apart = (a - b).abs() / a.abs().max(floor);
         worst = f64::max(worst, apart);
+        let own = (a - b).abs() / a.abs();
+        if own > 1e-12 {
+            println!("{path}: {:e} {other:e}, {own:.1e} of itself", reading.value);
+        }
         assert!(
             apart <= 1e-12,
             "{path}: {} {other} {apart:e}",
