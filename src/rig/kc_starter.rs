@@ -56,6 +56,36 @@ pub(super) fn is_number(function: &Function) -> bool {
     number(function).is_some()
 }
 
+/// Words of the left and of the right side in names: English, German, French.
+const SIDES: [&[&str]; 2] = [
+    &["left", "links", "gauche"],
+    &["right", "rechts", "droite", "droit"],
+];
+
+/// True if the names around a wheel say that its side is another than in the axes of Adams/Car, X rearward and Y right: as in ISO 8855.
+pub(super) fn looks_like_iso(model: &Model, wheel: MarkerIx) -> bool {
+    let part = &model.parts[part_of(model, wheel).0];
+    let names = [
+        &model.markers[wheel.0].header.name,
+        &part.header.name,
+        &model.title,
+    ];
+    let said = names.into_iter().find_map(|name| {
+        let name = name.to_lowercase();
+        let of = |words: &[&str]| {
+            let mut tokens = name.split(|c: char| !c.is_alphanumeric());
+            tokens.any(|token| words.contains(&token))
+        };
+        match SIDES.map(of) {
+            [true, false] => Some(1.0),
+            [false, true] => Some(-1.0),
+            _ => None,
+        }
+    });
+    // On the left of the vehicle y is negative in the axes of Adams/Car.
+    said.is_some_and(|side| side * place(model, wheel).y > 0.0)
+}
+
 /// A marker at design, in ground axes.
 fn place(model: &Model, at: MarkerIx) -> Vec3 {
     let marker = &model.markers[at.0];
@@ -129,12 +159,18 @@ pub(super) fn kc_toml(model: &Model, wheel: MarkerIx) -> String {
         .iter()
         .map(|load| format!("\"{load}\""))
         .collect();
+    let iso = looks_like_iso(model, wheel);
+    let axes = if iso {
+        "axes = \"iso\"                        # X forward, Y left, Z up, by the names of the sides; CHECK; or \"adams-car\", \"sae\", [\"forward\", \"left\", \"up\"]"
+    } else {
+        "axes = \"adams-car\"                  # X rearward, Y right, Z up; CHECK; or \"iso\", \"sae\", [\"forward\", \"left\", \"up\"]"
+    };
     let (length, force) = (model.units.length.word, model.units.force.word);
     let millimetre = 1e-3 / model.units.length.si;
     let mut text = format!(
         "# K&C tests of the axle: `admire kc` with this file; `admire explain wheels.left.centre` explains a key. In {length} and {force}.\n\n\
          [deck]\n\
-         axes = \"adams-car\"                  # X rearward, Y right, Z up; CHECK; or \"iso\", \"sae\", [\"forward\", \"left\", \"up\"]\n\
+         {axes}\n\
          without = [{}]  # the deck's own loads and drives of the wheels, which the rig replaces; CHECK\n\n\
          [wheels]\n",
         quoted.join(", ")
@@ -143,8 +179,7 @@ pub(super) fn kc_toml(model: &Model, wheel: MarkerIx) -> String {
         text += "mirror = true                       # the other wheel is the mirror image\n";
     }
     for at in &wheels {
-        // Of Adams/Car's axes.
-        let side = if place(model, *at).y < 0.0 {
+        let side = if (place(model, *at).y < 0.0) != iso {
             "left"
         } else {
             "right"

@@ -3,7 +3,9 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use super::kc_starter::{CENTRE_WORDS, WHEEL_WORDS, is_number, kc_toml, number, spin_axis};
+use super::kc_starter::{
+    CENTRE_WORDS, WHEEL_WORDS, is_number, kc_toml, looks_like_iso, number, spin_axis,
+};
 use super::schema::schema;
 use crate::mechanics::{Mat3, Vec3};
 use crate::model::{MarkerIx, Model, Part, PartKind, SforceKind};
@@ -255,7 +257,13 @@ measured = \"marks_measured.csv\"     # case,part,mark,x,y,z  in the ground fram
 file = \"kc.csv\"                     # one row per load case
 ";
             text += &self.wheel_keys();
-            text += "forward = \"-x\"                      # the way the vehicle drives, an axis of ground; CHECK
+            let forward = self.wheel.is_some_and(|at| looks_like_iso(self.model, at));
+            text += if forward {
+                "forward = \"+x\"                      # the way the vehicle drives, by the names of its sides; CHECK\n"
+            } else {
+                "forward = \"-x\"                      # the way the vehicle drives, an axis of ground; CHECK\n"
+            };
+            text += "\
 # relative_to = \"1\"                 # the case at which the rig's displays stood at zero
 # summary = \"kc_summary.csv\"        # gradients and widths of loops, see `admire guide study`
 [kc.curves]                         # take out what was not read; `admire check` shows which column was taken

@@ -120,12 +120,17 @@ fn same(a: &KcRun, b: &KcRun, scale: impl Fn(Unit) -> f64, bar: f64) {
     };
     let (first, second) = (samples(a), samples(b));
     assert_eq!(first.len(), second.len());
-    // Wheels that point to both sides do not turn: round-off says which one is the inside one.
-    let turns = |sample: &admire::kc::Sample| {
+    // Wheels that point to both sides do not turn: round-off says which one is the inside one. Near straight ahead the percentage is a
+    // quotient of differences that go with the square of the steer angle.
+    let steered = |sample: &admire::kc::Sample| {
         let all = sample.readings.iter();
         let steer = all.filter(|r| r.path().starts_with("steer_angle"));
-        let signs: Vec<f64> = steer.map(|r| r.value.signum()).collect();
-        signs.windows(2).all(|pair| pair[0] == pair[1])
+        let angles: Vec<f64> = steer.map(|r| r.value).collect();
+        let alike = angles
+            .windows(2)
+            .all(|pair| pair[0].signum() == pair[1].signum());
+        let least = angles.iter().map(|a| a.abs()).fold(f64::MAX, f64::min);
+        if alike { least } else { 0.0 }
     };
     let of_a_turn = |path: &str| {
         ["ackerman", "ideal_steer", "turn"]
@@ -140,10 +145,11 @@ fn same(a: &KcRun, b: &KcRun, scale: impl Fn(Unit) -> f64, bar: f64) {
             .filter(|v| v.is_finite())
             .fold(0.0, f64::max);
         for (x, y) in first.iter().zip(&second) {
-            let turning = turns(x);
+            let steered = steered(x);
             let (x, y) = (x.readings[k], y.readings[k]);
             assert_eq!(x.path(), y.path());
-            if !turning && of_a_turn(&x.path()) {
+            let ill = steered == 0.0 && of_a_turn(&x.path());
+            if ill || (steered < 0.02 && x.path().contains("percent_ackerman")) {
                 continue;
             }
             if !x.value.is_finite() || x.path().contains("swing_arm_length") {
@@ -153,6 +159,7 @@ fn same(a: &KcRun, b: &KcRun, scale: impl Fn(Unit) -> f64, bar: f64) {
                 Unit::Length => 100.0,
                 Unit::Angle => 0.1,
                 Unit::Force => 1000.0,
+                Unit::Percent => 100.0,
                 _ => 0.0,
             };
             let apart = (x.value - y.value * scale(x.unit)).abs() / size.max(floor);

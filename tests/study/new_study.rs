@@ -281,18 +281,18 @@ fn curves_that_move_otherwise_than_the_model_are_seen() {
 #[test]
 fn a_deck_and_a_table_in_german_are_understood() {
     let folder = tempfile::tempdir().unwrap();
-    let deck = "ACHSE
+    let deck = "ACHSE links
 UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND
 PART/1, GROUND
 MARKER/10, PART=1
 MARKER/11, PART=1, FLOATING
-MARKER/12, PART=1, QP=0, -400, 300
+MARKER/12, PART=1, QP=0, 400, 300
 !                 adams_view_name='Radtraeger'
 PART/2, MASS=20, CM=21, IP=1E5,1E5,1E5
-MARKER/21, PART=2, QP=0, -700, 300
+MARKER/21, PART=2, QP=0, 700, 300
 !                 adams_view_name='Radmitte'
-MARKER/22, PART=2, QP=0, -760, 310
-MARKER/23, PART=2, QP=0, -400, 300
+MARKER/22, PART=2, QP=0, 760, 310
+MARKER/23, PART=2, QP=0, 400, 300
 BUSHING/1, I=23, J=12, K=1E4,1E4,1E4, KT=1E8,1E8,1E8
 GFORCE/4, I=22, JFLOAT=11, RM=10, FX=0\\
 , FY=0\\
@@ -308,6 +308,14 @@ END
     assert_eq!(said.code, 0, "{}", said.err);
     assert!(said.err.contains("MARKER/22 on Radtraeger"), "{}", said.err);
     let study = folder.path().join("s");
+    // A left wheel at y > 0: the axes of ISO 8855.
+    let toml = std::fs::read_to_string(study.join("study.toml")).unwrap();
+    let rig = std::fs::read_to_string(study.join("kc.toml")).unwrap();
+    assert!(toml.contains("forward = \"+x\""), "{toml}");
+    assert!(
+        rig.contains("axes = \"iso\"") && rig.contains("[wheels.left]"),
+        "{rig}"
+    );
     let loads = std::fs::read_to_string(study.join("load_cases.csv")).unwrap();
     assert!(
         loads.starts_with("case,longitudinal,lateral,vertical,longitudinal_torque,")
