@@ -11,6 +11,8 @@ const TOGETHER: f64 = 0.95;
 const MOVES: f64 = 10.0;
 /// Two sizes are those of a unit apart if they agree with it to this part.
 const NEAR: f64 = 0.25;
+/// Readings and model have other zeros if they differ by so many times the scatter of their difference.
+const SHIFTED: f64 = 3.0;
 /// Readings begin at zero if the first is below this part of their spread.
 const ZERO: f64 = 0.02;
 
@@ -26,7 +28,6 @@ const UNITS: [(f64, &str); 5] = [
 /// A channel in the cases where it was read.
 struct Beside {
     channel: usize,
-    first_case: Option<f64>,
     read: Vec<f64>,
     model: Vec<f64>,
 }
@@ -42,7 +43,6 @@ pub(super) fn agreement(
     let mut all: Vec<Beside> = (0..to.channels.len())
         .map(|channel| Beside {
             channel,
-            first_case: None,
             read: Vec::new(),
             model: Vec::new(),
         })
@@ -54,9 +54,6 @@ pub(super) fn agreement(
         if let Some(read) = to.cases[case].channels[channel] {
             let beside = &mut all[channel];
             let model = read + residual * to.channels[channel].sigma;
-            if case == 0 {
-                beside.first_case = Some(model);
-            }
             beside.read.push(read);
             beside.model.push(model);
         }
@@ -100,7 +97,14 @@ pub(super) fn agreement(
             continue;
         }
         let begins = channel.relative_to.is_none() && beside.read[0].abs() < ZERO * read;
-        if begins && beside.first_case.is_some_and(|model| model.abs() > read) {
+        let apart: Vec<f64> = beside
+            .read
+            .iter()
+            .zip(&beside.model)
+            .map(|(a, b)| a - b)
+            .collect();
+        let (mean, scatter) = spread(&apart);
+        if begins && mean.abs() > SHIFTED * scatter {
             let key = if is_curve {
                 "kc.relative_to"
             } else {

@@ -7,7 +7,7 @@ use admire::syntax::{Address, Dataset};
 use admire::text::Source;
 use admire::units::{FORCE_UNITS, LENGTH_UNITS, MASS_UNITS, TIME_UNITS, Unit as DeckUnit};
 
-use crate::axles::{Axle, DOUBLE_WISHBONE, MCPHERSON, MULTILINK, corpus, double_wishbone};
+use crate::axles::{Axle, DOUBLE_WISHBONE, MCPHERSON, MULTILINK, corpus, double_wishbone, largest};
 
 /// The decks with their rigs, and those rigs in metres.
 fn decks() -> [(String, &'static str, String); 3] {
@@ -137,7 +137,8 @@ fn same(a: &KcRun, b: &KcRun, scale: impl Fn(Unit) -> f64, bar: f64) {
             .iter()
             .any(|word| path.contains(word))
     };
-    // Sizes of columns: what is small beside its own column is noise.
+    // Sizes of columns: what is small beside its own column, or beside what it is a difference of, is noise.
+    let [moves, turns, twists] = largest(&a.ride.seen.axle.compliance.unwrap());
     for k in 0..first[0].readings.len() {
         let size = first
             .iter()
@@ -160,6 +161,10 @@ fn same(a: &KcRun, b: &KcRun, scale: impl Fn(Unit) -> f64, bar: f64) {
                 Unit::Angle => 0.1,
                 Unit::Force => 1000.0,
                 Unit::Percent => 100.0,
+                Unit::LengthPerForce => moves,
+                Unit::AnglePerForce => turns,
+                Unit::AnglePerTorque => twists,
+                Unit::AnglePerLength => turns / moves,
                 _ => 0.0,
             };
             let apart = (x.value - y.value * scale(x.unit)).abs() / size.max(floor);
