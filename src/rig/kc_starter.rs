@@ -179,10 +179,10 @@ pub(super) fn kc_toml(model: &Model, wheel: MarkerIx) -> String {
         text += "mirror = true                       # the other wheel is the mirror image\n";
     }
     for at in &wheels {
-        let side = if (place(model, *at).y < 0.0) != iso {
-            "left"
-        } else {
+        let side = if (place(model, *at).y < 0.0) == iso {
             "right"
+        } else {
+            "left"
         };
         let marker = &model.markers[at.0];
         let part = &model.parts[marker.part.0].header.name;

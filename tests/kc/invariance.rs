@@ -157,10 +157,9 @@ fn same(a: &KcRun, b: &KcRun, scale: impl Fn(Unit) -> f64, bar: f64) {
                 continue;
             }
             let floor = match x.unit {
-                Unit::Length => 100.0,
+                Unit::Length | Unit::Percent => 100.0,
                 Unit::Angle => 0.1,
                 Unit::Force => 1000.0,
-                Unit::Percent => 100.0,
                 Unit::LengthPerForce => moves,
                 Unit::AnglePerForce => turns,
                 Unit::AnglePerTorque => twists,
