@@ -190,8 +190,8 @@ fn a_bushing_that_sticks_and_slips() {
     );
 }
 
-/// By the law of Dahl, which no hypothesis has: at a bushing friction is named first, at a strut an unknown force or friction, and nothing
-/// is named at another element.
+/// By the law of Dahl, which no hypothesis has: friction at its place is named first, at a bushing nothing at another element. At a strut
+/// it may be an unknown force there instead.
 #[test]
 fn friction_that_gives_way_by_degrees() {
     let strut = (150.0, 300.0, (11, 12), 4, 2, "JOINT/3");
@@ -221,9 +221,10 @@ fn friction_that_gives_way_by_degrees() {
                 .map(|f| (f.cause, f.address.as_str(), f.probability))
                 .collect();
             println!("{place} {seed}: {:?} {named:?}", diagnosis.verdict);
-            assert!(named.iter().all(|(_, at, _)| *at == place), "{named:?}");
+            let elsewhere = named.iter().any(|(_, at, _)| *at != place);
+            assert!(!elsewhere || place == "JOINT/3", "{named:?}");
             match named.first() {
-                Some((cause, ..)) => assert_eq!(*cause, Cause::DryFriction, "{named:?}"),
+                Some((cause, at, _)) => assert_eq!((*cause, *at), (Cause::DryFriction, place)),
                 None => {
                     assert_eq!(place, "JOINT/3");
                     assert_eq!(diagnosis.verdict, Verdict::Unexplained);
