@@ -18,11 +18,14 @@ use super::shell::{Exit, Shell, exit_of};
 
 /// Check datasets, command files, property files and studies.
 ///
-/// Prints what is wrong with them, each complaint at its place. A command file is checked against the deck it names. Exit code 1 if
-/// there is an error among the complaints, with --strict also for warnings.
+/// Prints what is wrong with them, each complaint at its place. A command file
+/// is checked against the deck it names. Exit code 1 if there is an error among
+/// the complaints, with --strict also for warnings.
 ///
-/// Comments of a deck silence complaints: `! admire: ignore[tab]` behind a statement or above it, `! admire: ignore-file[tab]`
-/// anywhere for the whole file. Settings for all files of a folder stand in `admire.toml` there or above:
+/// Comments of a deck silence complaints: `! admire: ignore[tab]` behind a
+/// statement or above it, `! admire: ignore-file[tab]` anywhere for the whole
+/// file. Settings for all files of a folder stand in `admire.toml` there or
+/// above:
 ///
 /// ```toml
 /// [check]
@@ -104,7 +107,8 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             let is_setting = file.ends_with(".toml");
             steps.iter().any(named) && (!is_setting || d.code == Code::MissingSetting)
         };
-        let told = |d: &Diagnostic| !of_the_deck(d) && !is_step(d);
+        let settings = all.of(&folder.join("study.toml"), shell)?;
+        let told = |d: &Diagnostic| !of_the_deck(d) && !is_step(d) && settings.shows(d);
         found.extend(read.diagnostics.into_iter().filter(told));
         checked += 1;
     }

@@ -78,7 +78,11 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let watched = Watched::default();
     let seen = watched.clone();
     let bar = Progress::new("diagnosing", shell, move || {
-        let count = Count::Within(seen.sweeps(), seen.budget(), "sweeps");
+        let count = Count {
+            done: seen.sweeps(),
+            of: None,
+            what: "sweeps",
+        };
         Some((seen.stage(), count))
     });
     let check = match arguments.check_gain {

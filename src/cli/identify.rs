@@ -258,7 +258,11 @@ fn repeated(
                     Kind::Bootstrap => "fits",
                     Kind::Posterior => "draws",
                 };
-                let count = Count::Of(progress.done as usize, Some(most), unit);
+                let count = Count {
+                    done: progress.done as usize,
+                    of: Some(most),
+                    what: unit,
+                };
                 *shown = Some((kind.word(), count));
             }
             !interrupt::asked()

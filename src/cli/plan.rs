@@ -58,6 +58,8 @@ const OUTPUTS: [&str; 2] = ["plan.json", "suggested.csv"];
 
 /// A smaller rise of a probability is none.
 const LITTLE: f64 = 0.005;
+/// A standard deviation that falls by less, in percent, stays what it is.
+const NOTHING: f64 = 0.1;
 /// So many of what is not possible are named.
 const SHOWN: usize = 4;
 
@@ -90,7 +92,12 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let watched = Watched::default();
     let seen = watched.clone();
     let bar = Progress::new("planning", shell, move || {
-        Some((seen.stage(), Count::Of(seen.sweeps(), None, "sweeps")))
+        let count = Count {
+            done: seen.sweeps(),
+            of: None,
+            what: "sweeps",
+        };
+        Some((seen.stage(), count))
     });
     let found = plan(&loaded.problem(), aim, &watched);
     drop(bar);
@@ -276,11 +283,18 @@ fn sentence(found: &Plan, best: &Ranked) -> String {
     if let (Some((combination, sd)), true) =
         (most, matches!(found.aim, Aim::All | Aim::Stiffnesses))
     {
-        gains.push(format!(
-            "lowers the sd of ln {} from {:.3} to {sd:.3}",
-            name(combination),
-            combination.sd_log
-        ));
+        gains.push(if fall(combination.sd_log, *sd) < NOTHING {
+            let nats = best.information.unwrap_or_default();
+            format!(
+                "tells nothing of the worst-determined combinations, but {nats:.1} nats of all stiffnesses together"
+            )
+        } else {
+            format!(
+                "lowers the sd of ln {} from {:.3} to {sd:.3}",
+                name(combination),
+                combination.sd_log
+            )
+        });
     }
     if let (Some(before), Some(after), true) = (
         &found.curves,

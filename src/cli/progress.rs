@@ -17,13 +17,15 @@ const PATIENCE: Duration = Duration::from_millis(500);
 /// Between two looks.
 const TICK: Duration = Duration::from_millis(120);
 
-/// So many are done, of how many at most, and of what.
+/// So many are done, of how many, and of what.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Count {
-    /// Of so many, where that is known: they are all done in the end.
-    Of(usize, Option<usize>, &'static str),
-    /// It ends by itself, and with so many at the latest.
-    Within(usize, usize, &'static str),
+pub(super) struct Count {
+    /// Done so far.
+    pub done: usize,
+    /// Of so many, where that is known. A budget is none: a search ends long before it.
+    pub of: Option<usize>,
+    /// What is counted.
+    pub what: &'static str,
 }
 
 /// A rate counts from so many on, and from such a share of all.
@@ -57,14 +59,21 @@ impl Progress {
         let state = Arc::new(Mutex::new(State::default()));
         let ended = Arc::new(AtomicBool::new(false));
         let shown = (Arc::clone(&state), Arc::clone(&ended));
-        let painter = shell
-            .shows_progress()
-            .then(|| std::thread::spawn(move || paint(&shown.0, &shown.1, &look)));
+        let lines = shell.is_verbose() && !shell.shows_progress();
+        let painter = (lines || shell.shows_progress()).then(|| {
+            std::thread::spawn(move || {
+                if lines {
+                    tell(&shown.1, &look);
+                } else {
+                    paint(&shown.0, &shown.1, &look);
+                }
+            })
+        });
         let progress = Self {
             state,
             ended,
             painter,
-            lines: shell.is_verbose() && !shell.shows_progress(),
+            lines,
         };
         progress.stage(stage);
         progress
@@ -96,11 +105,15 @@ impl Watch for Progress {
             .detail = detail;
     }
 
-    fn count(&self, done: usize, most: Option<usize>, of: &'static str) {
+    fn count(&self, done: usize, most: Option<usize>, what: &'static str) {
         self.state
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
-            .count = Some(Count::Of(done, most, of));
+            .count = Some(Count {
+            done,
+            of: most,
+            what,
+        });
     }
 
     fn goes_on(&self) -> bool {
@@ -116,6 +129,21 @@ impl Drop for Progress {
             // A painter that failed has nothing to clean up.
             let _ = painter.join();
         }
+    }
+}
+
+/// Says each stage that a command does not tell but is asked for, until the end.
+fn tell(ended: &AtomicBool, look: &dyn Fn() -> Option<(&'static str, Count)>) {
+    let mut last = "";
+    while !ended.load(Ordering::Relaxed) {
+        if let Some((stage, _)) = look()
+            && !stage.is_empty()
+            && stage != last
+        {
+            eprintln!("{stage}");
+            last = stage;
+        }
+        std::thread::park_timeout(TICK);
     }
 }
 
@@ -146,40 +174,28 @@ fn paint(
     bar.finish_and_clear();
 }
 
-/// `cases: 812 of 3000 cases · 61/s · at most 36 s more · 13 s`; of what ends by itself `search: 812 sweeps · 61/s · 13 s so far, ends by itself,
-/// at most 36 s more`.
+/// `cases: 812 of 3000 cases · 61/s · at most 36 s more · 13 s`; where nobody knows the end `search: 812 sweeps · 61/s · 13 s`.
 fn line(state: &State, elapsed: Duration) -> String {
     let mut pieces = Vec::new();
     if !state.detail.is_empty() {
         pieces.push(state.detail.clone());
     }
     let seconds = elapsed.as_secs_f64();
-    let (done, most, of, ends_by_itself) = match state.count {
-        Some(Count::Of(done, most, of)) => (done, most, of, false),
-        Some(Count::Within(done, most, of)) => (done, Some(most), of, true),
-        None => (0, None, "", false),
-    };
-    let mut so_far = span(seconds);
-    if done > 0 {
+    if let Some(Count { done, of, what }) = state.count.filter(|count| count.done > 0) {
         let rate = done as f64 / seconds.max(1e-3);
-        pieces.push(match most {
-            Some(most) if !ends_by_itself => format!("{done} of {most} {of}"),
-            _ => format!("{done} {of}"),
+        pieces.push(match of {
+            Some(most) => format!("{done} of {most} {what}"),
+            None => format!("{done} {what}"),
         });
         let digits = usize::from(rate < 10.0);
         pieces.push(format!("{rate:.digits$}/s"));
-        let share = if ends_by_itself { 0.0 } else { SETTLED_SHARE };
-        let settled = |most: &usize| done >= SETTLED && done as f64 >= share * *most as f64;
-        if let Some(left) = most.filter(settled) {
+        let settled = |most: &usize| done >= SETTLED && done as f64 >= SETTLED_SHARE * *most as f64;
+        if let Some(left) = of.filter(settled) {
             let left = span(left.saturating_sub(done) as f64 / rate);
-            if ends_by_itself {
-                so_far += &format!(" so far, ends by itself, at most {left} more");
-            } else {
-                pieces.push(format!("at most {left} more"));
-            }
+            pieces.push(format!("at most {left} more"));
         }
     }
-    pieces.push(so_far);
+    pieces.push(span(seconds));
     format!("{}: {}", state.stage, pieces.join(" · "))
 }
 
@@ -201,7 +217,11 @@ mod tests {
         let state = State {
             stage: "search".to_string(),
             detail: String::new(),
-            count: Some(Count::Of(600, Some(3000), "runs")),
+            count: Some(Count {
+                done: 600,
+                of: Some(3000),
+                what: "runs",
+            }),
         };
         assert_eq!(
             line(&state, Duration::from_secs(10)),
@@ -209,21 +229,29 @@ mod tests {
         );
         // Few, slow ones have a rate too, once there is more than one.
         let state = State {
-            count: Some(Count::Of(4, Some(13), "cases")),
+            count: Some(Count {
+                done: 4,
+                of: Some(13),
+                what: "cases",
+            }),
             ..state
         };
         assert_eq!(
             line(&state, Duration::from_secs(8)),
             "search: 4 of 13 cases · 0.5/s · at most 18 s more · 8 s"
         );
-        // A budget is nothing to be reached.
-        let budget = State {
-            count: Some(Count::Within(60, 3000, "sweeps")),
+        // Where nobody knows the end there is none.
+        let search = State {
+            count: Some(Count {
+                done: 60,
+                of: None,
+                what: "sweeps",
+            }),
             ..state
         };
         assert_eq!(
-            line(&budget, Duration::from_secs(10)),
-            "search: 60 sweeps · 6.0/s · 10 s so far, ends by itself, at most 8 min more"
+            line(&search, Duration::from_secs(10)),
+            "search: 60 sweeps · 6.0/s · 10 s"
         );
         assert_eq!(
             line(

@@ -141,7 +141,11 @@ fn cases(
             shown.0.load(Ordering::Relaxed),
             shown.1.load(Ordering::Relaxed),
         );
-        let count = Count::Of(done as usize, Some(most as usize), "cases");
+        let count = Count {
+            done: done as usize,
+            of: Some(most as usize),
+            what: "cases",
+        };
         Some(("sweep", count))
     });
     let ran = run_shard(runner, plan, (folder, shard), threads, |progress| {

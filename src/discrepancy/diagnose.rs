@@ -294,9 +294,10 @@ fn findings(
             .and_then(|folds| folds.advantage(leading, &without));
         let mut numbers = leading.estimates(k);
         let further = leading.chosen.iter().enumerate();
-        for (at, _) in further.filter(|(_, other)| other.refines && other.same_place(h)) {
-            numbers.extend(leading.estimates(at).into_iter().map(|n| Estimate {
-                name: format!("{}_2", n.name),
+        for (at, other) in further.filter(|(_, other)| other.part > 0 && other.same_place(h)) {
+            let own = leading.estimates(at).into_iter();
+            numbers.extend(own.map(|n| Estimate {
+                name: format!("{}_{}", n.name, other.part + 1),
                 ..n
             }));
         }
@@ -345,7 +346,7 @@ fn findings(
     let faults = leading.chosen.iter().filter(|h| of_a_case(h)).count();
     let is_told = |k: &usize| {
         let h = &leading.chosen[*k];
-        !h.refines
+        h.part == 0
             && stands_in.is_none_or(|force| {
                 h.is_named()
                     && !(faults > 1 && of_a_case(h))

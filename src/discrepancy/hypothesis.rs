@@ -100,8 +100,8 @@ pub struct Hypothesis {
     pub changes: Vec<Change>,
     /// What it carries from case to case.
     pub memory: Option<MemoryPlan>,
-    /// True if it is a further part of the law of a cause that is there already, told with that.
-    pub refines: bool,
+    /// Zero for a cause of its own; else the number of a further part of the law of one that is there already, told with that.
+    pub part: usize,
 }
 
 /// What a contact or rubber carries from case to case, and the function that measures its displacement.
@@ -138,7 +138,7 @@ impl Hypothesis {
             one_sided: false,
             changes: Vec::new(),
             memory: None,
-            refines: false,
+            part: 0,
         }
     }
 
@@ -163,12 +163,12 @@ impl Hypothesis {
 
     /// Those that are causes of their own.
     pub fn causes(all: &[Self]) -> impl DoubleEndedIterator<Item = &Self> {
-        all.iter().filter(|h| !h.refines)
+        all.iter().filter(|h| h.part == 0)
     }
 
     /// True if another one of these is a further part of its law.
     pub fn is_refined(&self, all: &[Self]) -> bool {
-        !self.refines && all.iter().any(|h| h.refines && h.same_place(self))
+        all.iter().any(|h| h.part > self.part && h.same_place(self))
     }
 
     /// True if both say the same of the same place, in whatever form.
@@ -199,7 +199,7 @@ impl Hypothesis {
     pub fn same(&self, other: &Self) -> bool {
         self.same_place(other)
             && self.form == other.form
-            && self.refines == other.refines
+            && self.part == other.part
             && self.numbers.len() == other.numbers.len()
     }
 

@@ -30,7 +30,7 @@ impl Progress {
     }
 
     /// How often they may be solved, searches up to the present one together.
-    pub fn budget(&self) -> usize {
+    fn budget(&self) -> usize {
         self.budget.load(Ordering::Relaxed)
     }
 

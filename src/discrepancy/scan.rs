@@ -37,8 +37,9 @@ impl Catalogue {
         hypotheses.retain_mut(|h| {
             let there = || fitted.chosen.iter().filter(|chosen| chosen.same_place(h));
             let count = there().count();
-            if count == 1 && h.cause == Cause::DryFriction {
-                causes::dry_friction::second_slider(h);
+            if (1..causes::dry_friction::SLIDERS).contains(&count) && h.cause == Cause::DryFriction
+            {
+                causes::dry_friction::further_slider(h, count);
                 return true;
             }
             count == 0

@@ -346,7 +346,7 @@ impl Search<'_, '_> {
     fn unnamed(&mut self, current: &Fitted) -> Option<Arc<Fitted>> {
         let subject = self.subject;
         let named = || current.chosen.iter().filter(|h| h.is_named());
-        let many = named().filter(|h| !h.refines).count();
+        let many = named().filter(|h| h.part == 0).count();
         if many < MANY || subject.is_spent() {
             return None;
         }

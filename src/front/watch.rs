@@ -52,7 +52,7 @@ impl Watched {
                 stage: progress.stage().to_string(),
                 detail: String::new(),
                 done: progress.sweeps(),
-                most: Some(progress.budget()),
+                most: None,
             };
         }
         self.change(|stand| stand.clone())

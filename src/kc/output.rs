@@ -212,6 +212,8 @@ pub fn gradients_csv(
         "linear_from",
         "linear_to",
         "left_right_asymmetry",
+        "radius",
+        "tyre_stiffness",
     ];
     let statement = Statement::new(config, None, convention);
     let said = statement.rows.iter().map(|row| row.0.to_string());
@@ -220,6 +222,7 @@ pub fn gradients_csv(
         let statement = Statement::new(config, Some(&test.settings), convention);
         for gradient in &test.gradients {
             let factor = convention.factor(gradient.sense);
+            let (_, radius, tyre) = background(gradient.entity);
             let first = [
                 test.kind.name().to_string(),
                 format!("{}.{}", gradient.entity, gradient.component),
@@ -231,6 +234,8 @@ pub fn gradients_csv(
                 cell(gradient.linear_range[0]),
                 cell(gradient.linear_range[1]),
                 cell(gradient.asymmetry(&test.gradients)),
+                radius.to_string(),
+                tyre.to_string(),
             ];
             let said = statement.rows.iter().map(|row| row.1.clone());
             write(first.into_iter().chain(said).collect());

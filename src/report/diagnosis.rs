@@ -5,6 +5,7 @@ use crate::identify::global::Row;
 
 use super::diagnosis_view::{curves, diagnosis_scene, headline};
 use super::interval::IntervalScale;
+use super::number::unbroken;
 use super::ranking::{ranking, words};
 use super::{
     Align, Chart, DrawingError, Figure, HeatMap, Mark, Page, Scene, Series, Table, number,
@@ -387,7 +388,7 @@ impl DiagnosisReport<'_> {
                 .unknowns
                 .iter()
                 .find(|unknown| unknown.address.to_string() == stiffness.address)
-                .map_or_else(String::new, |unknown| short_unit(&unknown.unit));
+                .map_or_else(String::new, |unknown| unbroken(&short_unit(&unknown.unit)));
             table.row([
                 scene.named(&stiffness.address),
                 unit,

@@ -1,7 +1,8 @@
+use super::number::change;
 use super::ranking::words;
 use super::scene::Role;
 use super::study_figures::load_axis;
-use super::{Chart, DrawingError, Figure, Mark, Positions, Scene, Series, number, study_scene};
+use super::{Chart, DrawingError, Figure, Mark, Positions, Scene, Series, study_scene};
 use crate::discrepancy::{Fitted, Outcome, Verdict};
 use crate::identify::LoadedStudy;
 use crate::model::Model;
@@ -121,24 +122,21 @@ pub(super) fn headline(loaded: &LoadedStudy, outcome: &Outcome<'_>, scene: &Scen
         finding.gain.held_out_rms_before,
         finding.gain.held_out_rms_after,
     ) {
-        let digits = |value: f64| number(value, Some(value.abs() * 0.1));
         text += &format!(
-            " With it the error on load cases that the fit did not see falls from {} to {} {length}.",
-            digits(before),
-            digits(after)
+            " With it the error on load cases that the fit did not see {} {length}.",
+            change(before, after)
         );
     }
     let of_marks = finding.gain.held_out_rms_before.is_some();
     if let Some(found) = diagnosis.hold_out.as_ref().filter(|_| !of_marks) {
-        let digits = |value: f64| number(value, Some(value.abs() * 0.1));
-        let (before, after) = (digits(found.rms_before), digits(found.rms_after));
         let what = match (found.cases.is_empty(), found.searched) {
             (false, true) => "load cases that no fit saw",
             (false, false) => "load cases that the fit did not see",
             (true, _) => "curves that no fit saw",
         };
         text += &format!(
-            " With what was found the error on {what} falls from {before} to {after} times the noise of the readings."
+            " With what was found the error on {what} {} times the noise of the readings.",
+            change(found.rms_before, found.rms_after)
         );
     }
     let others: Vec<String> = diagnosis

@@ -1,3 +1,4 @@
+use super::number::change;
 use crate::identify::{Fit, FitTest, LoadedStudy, Status, Verdict};
 
 /// The answer of an identification in a sentence or two for someone who decides.
@@ -40,25 +41,22 @@ pub(super) fn identification(loaded: &LoadedStudy, fit: &Fit, before: Option<f64
     for curve in &held.curves {
         let unit = curve.unit.as_deref().unwrap_or("");
         text += &format!(
-            " Of {}, which the fit did not see, the error falls from {} to {} {unit}.",
+            " Of {}, which the fit did not see, the error {} {unit}.",
             curve.name,
-            digits(curve.rms_before),
-            digits(curve.rms_after)
+            change(curve.rms_before, curve.rms_after)
         );
     }
     if let (Some(from), Some(to)) = (held.marks_rms_before, held.marks_rms_after) {
         text += &format!(
-            " On {} load cases that the fit did not see, the error of the model falls from {} to {} {length}.",
+            " On {} load cases that the fit did not see, the error of the model {} {length}.",
             held.cases.len(),
-            digits(from),
-            digits(to)
+            change(from, to)
         );
     } else if let Some(after) = fit.marks.and_then(|marks| marks.rms) {
         text += &match before {
             Some(before) => format!(
-                " With them the error of the model falls from {} to {} {length}.",
-                digits(before),
-                digits(after)
+                " With them the error of the model {} {length}.",
+                change(before, after)
             ),
             None => format!(
                 " With them the model follows the measured marks to {} {length}.",

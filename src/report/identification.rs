@@ -2,7 +2,7 @@
 
 use super::convergence::convergence;
 use super::interval::IntervalScale;
-use super::number::{number, rounded, short_unit};
+use super::number::{number, rounded, short_unit, unbroken};
 use super::repeats::repeats;
 use super::study_figures::StudyFigures;
 use super::{Align, DrawingError, Page, Positions, Table, headline, study_scene};
@@ -153,7 +153,7 @@ impl IdentificationReport<'_> {
         for (parameter, reference) in self.fit.parameters.iter().zip(reference) {
             let mut cells = vec![
                 self.named(parameter),
-                short_unit(&parameter.unit),
+                unbroken(&short_unit(&parameter.unit)),
                 number(parameter.initial, None),
                 number(parameter.value, parameter.std_error),
                 interval(parameter),
@@ -173,8 +173,8 @@ impl IdentificationReport<'_> {
             }
             cells.push(match parameter.status {
                 // The word of the JSON is too wide for a column.
-                Status::Unidentifiable => "not told".to_string(),
-                other => status(other).to_string(),
+                Status::Unidentifiable => unbroken("not told"),
+                other => unbroken(status(other)),
             });
             let last = cells.len() - 1;
             table.row(cells);

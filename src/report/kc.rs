@@ -1,3 +1,4 @@
+use super::number::rounded;
 use super::{Align, Chart, DrawingError, Figure, Mark, Page, Series, Table};
 use crate::kc::{
     Branch, Convention, Driven, Gradient, KcRun, Reading, Sample, Side, TestKind, TestRun, Unit,
@@ -103,6 +104,9 @@ fn metric(units: &Units) -> bool {
     units.force.word == "newton" && matches!(units.length.word, "mm" | "cm" | "meter")
 }
 
+/// So many digits are enough for a sentence.
+const LEAD: i32 = 3;
+
 /// Value and unit as people read them: angles in degrees, compliances per kilonewton.
 fn shown(value: f64, unit: Unit, units: &Units) -> (f64, String) {
     let (force, length) = (units.force.si, units.length.si);
@@ -120,6 +124,9 @@ fn shown(value: f64, unit: Unit, units: &Units) -> (f64, String) {
         }
         _ => None,
     };
+    if unit == Unit::Percent {
+        return (value, "%".to_string());
+    }
     if let Some((factor, word)) = people {
         return (factor * value, word.to_string());
     }
@@ -245,7 +252,7 @@ impl KcReport<'_> {
         let value = |entity: &str, component: &str| {
             let found = reading(&self.run.ride, entity, component)?;
             let (value, unit) = shown(found.value_in(self.convention), found.unit, self.units);
-            Some(format!("{} {unit}", digits(value)))
+            Some(format!("{} {unit}", rounded(value, LEAD)))
         };
         let side = output::sides(self.run)
             .first()
@@ -416,18 +423,14 @@ impl KcReport<'_> {
             if up.is_empty() {
                 continue;
             }
-            let named = |what: &str| format!("{word} {what}").trim().to_string();
+            let named = |what: &str| match (word, what) {
+                ("", "") if self.others.is_empty() => String::new(),
+                ("", "") => "this deck".to_string(),
+                _ => format!("{word} {what}").trim().to_string(),
+            };
             let mut down = points(test, Branch::Down, &mut unit);
             if one_curve(&up, &down) {
                 down.clear();
-            }
-            // The wheels of a symmetric axle in phase: one line for both.
-            let alone = self.others.is_empty() && self.measured.is_empty() && down.is_empty();
-            if let Some(left) = series.first_mut().filter(|left: &&mut Series| {
-                alone && word == "right" && left.name == "left" && one_curve(&left.points, &up)
-            }) {
-                left.name = "left and right".to_string();
-                continue;
             }
             series.push(Series {
                 name: named(if down.is_empty() { "" } else { "up" }),
@@ -463,6 +466,7 @@ impl KcReport<'_> {
                 }
             }
         }
+        merge_sides(&mut series);
         let all = || series.iter().flat_map(|s| &s.points).map(|p| p.1);
         let (low, high) = (
             all().fold(f64::MAX, f64::min),
@@ -558,5 +562,28 @@ impl KcReport<'_> {
             table.row(row);
         }
         table
+    }
+}
+
+/// The wheels of a symmetric axle in phase: one line for both.
+fn merge_sides(series: &mut Vec<Series>) {
+    let mut at = 0;
+    while at < series.len() {
+        let Some(what) = series[at].name.strip_prefix("right") else {
+            at += 1;
+            continue;
+        };
+        let left = format!("left{what}");
+        let both = format!("left and right{what}");
+        let same = series
+            .iter()
+            .position(|other| other.name == left && one_curve(&other.points, &series[at].points));
+        match same {
+            Some(other) => {
+                series[other].name = both;
+                series.remove(at);
+            }
+            None => at += 1,
+        }
     }
 }

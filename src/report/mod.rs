@@ -2,6 +2,7 @@
 //!
 //! Knows results and how a person reads them; neither solvers nor files. Every text that comes from a study is escaped.
 
+mod agreement;
 mod axis;
 mod bars;
 mod chart;

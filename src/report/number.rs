@@ -8,6 +8,11 @@ pub fn short_unit(unit: &str) -> String {
     }
 }
 
+/// A short text that stays on one line.
+pub(super) fn unbroken(text: &str) -> String {
+    text.replace(' ', "\u{a0}")
+}
+
 /// A value with no more digits than its standard error deserves: two digits of the error.
 pub fn number(value: f64, std_error: Option<f64>) -> String {
     if value == 0.0 || !value.is_finite() {
@@ -20,6 +25,19 @@ pub fn number(value: f64, std_error: Option<f64>) -> String {
         None => 6.0,
     };
     rounded(value, digits as i32)
+}
+
+/// What becomes of an error, three digits each: `falls from 0.48 to 0.05`; `stays at 0.05` where nobody sees a difference.
+pub(super) fn change(before: f64, after: f64) -> String {
+    let digits = |value: f64| number(value, Some(value.abs() * 0.1));
+    let (from, to) = (digits(before), digits(after));
+    if from == to || (after / before - 1.0).abs() < 0.01 {
+        format!("stays at {to}")
+    } else if after < before {
+        format!("falls from {from} to {to}")
+    } else {
+        format!("rises from {from} to {to}")
+    }
 }
 
 pub(super) fn rounded(value: f64, digits: i32) -> String {

@@ -2,6 +2,7 @@
 
 use nalgebra::DMatrix;
 
+use super::agreement::agreement;
 use crate::diagnostic::Severity;
 use crate::identify::LoadedStudy;
 use crate::identify::global::gauss_newton::LeastSquares;
@@ -408,7 +409,7 @@ impl Plausibility {
         if count == 0 || loaded.study.solver.backend != BackendChoice::Native {
             return;
         }
-        let Some(sd) = forecast(loaded) else {
+        let Some(Forecast { sd, channels }) = forecast(loaded) else {
             self.add(
                 "forecast",
                 "the start values give no equilibrium in some load case".to_string(),
@@ -417,6 +418,18 @@ impl Plausibility {
             );
             return;
         };
+        if let Some((alike, odd)) = channels {
+            let verdict = if odd.is_empty() {
+                Verdict::Plausible
+            } else {
+                Verdict::Doubtful
+            };
+            let found = format!(
+                "{alike} of {} channels move as the model does",
+                loaded.measurement.channels.len()
+            );
+            self.add("agreement", found, verdict, odd.join("; "));
+        }
         let open: Vec<String> = sd
             .iter()
             .zip(&loaded.unknowns)
@@ -450,8 +463,16 @@ impl Plausibility {
     }
 }
 
-/// Posterior sd of ln K of each number sought, linearised at the start values.
-fn forecast(loaded: &LoadedStudy) -> Option<Vec<f64>> {
+/// What the start values say.
+struct Forecast {
+    /// Posterior sd of ln K of each number sought, linearised there.
+    sd: Vec<f64>,
+    /// Channels that move as the model does, and what is odd of others.
+    channels: Option<(usize, Vec<String>)>,
+}
+
+/// `None` where the start values have no equilibrium in some load case.
+fn forecast(loaded: &LoadedStudy) -> Option<Forecast> {
     let problem = loaded.problem();
     let prepared = Prepared::new(&problem).ok()?;
     let cases: Vec<usize> = problem.measurement.fitted_cases().collect();
@@ -462,21 +483,25 @@ fn forecast(loaded: &LoadedStudy) -> Option<Vec<f64>> {
         .ok()?;
     let mut global = global_problem(&problem, observations, unknowns, Box::new(predictor));
     let start = global.start();
-    let J = global.evaluate(&start, true)?.jacobian;
+    let there = global.evaluate(&start, true)?;
+    let channels = agreement(loaded, &global.observations.rows, there.residual.as_slice());
     // In units of each prior the information of the priors is the identity.
     let sd: Vec<f64> = global
         .priors()
         .iter()
         .map(|prior| if prior.sd.is_finite() { prior.sd } else { 1e6 })
         .collect();
-    let mut scaled = J;
+    let mut scaled = there.jacobian;
     for (mut column, sd) in scaled.column_iter_mut().zip(&sd) {
         column *= *sd;
     }
     let information = scaled.transpose() * &scaled + DMatrix::identity(sd.len(), sd.len());
     let covariance = nalgebra::Cholesky::new(information)?.inverse();
     let of = |k: usize| covariance[(k, k)].sqrt() * sd[k];
-    Some((0..loaded.unknowns.len()).map(of).collect())
+    Some(Forecast {
+        sd: (0..loaded.unknowns.len()).map(of).collect(),
+        channels,
+    })
 }
 
 /// Sd of a coordinate that the fits of rigid parts to their marks show; fits that stand out are left out.

@@ -367,7 +367,7 @@ impl StudyFigures<'_> {
                     });
                     series.push(Series {
                         name: positions.name.clone(),
-                        points: points.collect(),
+                        points: once(points.collect()),
                         mark: self.mark(set),
                     });
                 }
@@ -427,7 +427,7 @@ impl StudyFigures<'_> {
                     });
                     Series {
                         name: positions.name.clone(),
-                        points: points.collect(),
+                        points: once(points.collect()),
                         mark: self.mark(set),
                     }
                 }));
@@ -443,5 +443,44 @@ impl StudyFigures<'_> {
             }
         }
         Ok(out)
+    }
+}
+
+/// Two values of a curve are one below this share of its whole change.
+const ONE: f64 = 2e-3;
+
+/// A curve that comes back on itself, drawn once: two lines of dashes over one another would show none. A loop stays as it is driven.
+fn once(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    let mut sorted = points.clone();
+    sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (low, high) = points
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
+            (low.min(p.1), high.max(p.1))
+        });
+    let (mut one, mut again) = (true, false);
+    for pair in sorted.windows(2) {
+        if pair[0].0 == pair[1].0 {
+            again = true;
+            one &= (pair[0].1 - pair[1].1).abs() <= ONE * (high - low);
+        }
+    }
+    if !(one && again) {
+        return points;
+    }
+    sorted.dedup_by(|a, b| a.0 == b.0);
+    sorted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::once;
+
+    #[test]
+    fn a_way_back_is_drawn_once_and_a_loop_twice() {
+        let there = vec![(0.0, 0.0), (1.0, 2.0), (2.0, 4.0), (1.0, 2.0), (0.0, 0.0)];
+        assert_eq!(once(there), [(0.0, 0.0), (1.0, 2.0), (2.0, 4.0)]);
+        let loops = vec![(0.0, 0.0), (1.0, 2.0), (2.0, 4.0), (1.0, 2.5), (0.0, 0.4)];
+        assert_eq!(once(loops.clone()), loops);
     }
 }

@@ -50,6 +50,41 @@ impl Curve {
         own.map_or("", |(word, _)| word)
     }
 
+    /// Words by which laboratories call its column: English, German, French.
+    const fn called(self) -> &'static [&'static str] {
+        match self {
+            Self::Toe => &["toe", "spur", "vorspur", "spurwinkel", "pincement"],
+            Self::Camber => &["camber", "sturz", "sturzwinkel", "carrossage"],
+            Self::Steer => &["steer", "lenkwinkel", "braquage"],
+            Self::Caster => &["caster", "castor", "nachlauf", "nachlaufwinkel", "chasse"],
+            Self::Travel => &[
+                "travel",
+                "jounce",
+                "radhub",
+                "federweg",
+                "einfederung",
+                "debattement",
+                "débattement",
+            ],
+            Self::Base => &[
+                "base",
+                "wheelbase",
+                "recession",
+                "radstand",
+                "radstandsänderung",
+                "radstandsaenderung",
+                "empattement",
+            ],
+            Self::Track => &[
+                "track",
+                "spurweite",
+                "spurweitenänderung",
+                "spurweitenaenderung",
+                "voie",
+            ],
+        }
+    }
+
     /// The curve of this word.
     pub(super) fn named(word: &str) -> Option<Self> {
         let own = Self::ALL.iter().find(|(own, _)| *own == word);
@@ -110,6 +145,8 @@ pub struct CurveSettings {
     pub column: Option<Spelled>,
     /// Its unit if the header does not say it.
     pub unit: Option<Spelled>,
+    /// The rig counts the other way round.
+    pub reversed: bool,
     /// Sd of one reading in this unit; from repeats or the fit if it is not given.
     pub sigma: Option<f64>,
     /// The wheel if it is another than that of `[kc]`.
@@ -160,6 +197,7 @@ impl KcSettings {
                 curve: own.choice("curve", usual, &Curve::ALL, out),
                 column: own.text("column", out),
                 unit: own.text("unit", out),
+                reversed: own.choice("sign", false, &[("+", false), ("-", true)], out),
                 sigma: own.optional_number("sigma", (1e-300, f64::INFINITY), out),
                 marker: own.text("marker", out),
                 relative_to: own.text("relative_to", out),
@@ -323,12 +361,13 @@ pub(super) fn column(table: &Table, settings: &CurveSettings) -> Option<usize> {
         .column(&settings.name.text)
         .or_else(|| header.iter().position(|name| plain(name) == own))
         .or_else(|| {
-            let word = settings.curve.word();
+            let words = settings.curve.called();
             let only = |is: &dyn Fn(&str) -> bool| {
                 let mut like = (0..header.len()).filter(|k| is(&header[*k]));
                 like.next().filter(|_| like.next().is_none())
             };
-            only(&|name| plain(name) == word).or_else(|| only(&|name| has_word(name, word)))
+            only(&|name| words.contains(&plain(name).as_str()))
+                .or_else(|| only(&|name| words.iter().any(|word| has_word(name, word))))
         })
 }
 

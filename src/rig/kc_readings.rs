@@ -45,6 +45,10 @@ pub(super) fn kc_readings(
         case.channels.resize(first + count, None);
     }
     let label = table.column("case");
+    if to.cases.is_empty() {
+        // What is wrong with the load cases is told already.
+        return;
+    }
     if label.is_none() && table.rows().len() != to.cases.len() && !table.rows().is_empty() {
         let message = format!(
             "{} rows without a column `case`, but {} load cases",
@@ -144,7 +148,11 @@ fn channel(
             Diagnostic::error(Code::MissingColumn, message)
                 .label(study.source.name(), asked.span, "")
                 .label(table.source.name(), table.header_span(), "the header line")
-                .help(meant(&asked.text, "the header line", &table.header())),
+                .help(format!(
+                    "{}; say which: `{} = {{ column = \"...\" }}`, or take it out of [kc.curves]",
+                    meant(&asked.text, "the header line", &table.header()),
+                    curve.name.text
+                )),
         );
     }
     let asked = &curve.column.as_ref().unwrap_or(&curve.name).text;
@@ -179,13 +187,14 @@ fn channel(
         }
         None => 1.0,
     };
+    let factor = if curve.reversed { -factor } else { factor };
     let channel = to.channels.len();
     to.channels.push(Channel {
         name: curve.name.text.clone(),
         column: (header.clone(), factor),
         function: gauge.function(curve.curve),
         helpers: gauge.helpers().to_vec(),
-        sigma: curve.sigma.map_or(1.0, |sigma| sigma * factor),
+        sigma: curve.sigma.map_or(1.0, |sigma| sigma * factor.abs()),
         sigma_estimated: curve.sigma.is_none(),
         unit: Some(
             if angle {
@@ -206,8 +215,13 @@ fn channel(
         None => "the deck's length unit",
     };
     let name = &curve.name.text;
+    let reversed = if curve.reversed {
+        " once its sign is changed"
+    } else {
+        ""
+    };
     told.push(format!(
-        "{name} from `{header}` in {shown}, {}",
+        "{name} from `{header}` in {shown}, {}{reversed}",
         curve.curve.told()
     ));
     Some(Source {

@@ -6,21 +6,84 @@ use crate::mechanics::Vec3;
 use crate::model::{Function, MarkerIx, Model, PartIx, VectorForceKind};
 use crate::syntax::expression::Node;
 
-/// Words that parts and markers at a wheel carry in their names.
-pub(super) const WHEEL_WORDS: [&str; 9] = [
-    "wheel", "hub", "knuckle", "upright", "spindle", "carrier", "tire", "tyre", "rim",
+/// Words that parts and markers at a wheel carry in their names: English, German, French, Italian, Spanish.
+pub(super) const WHEEL_WORDS: [&str; 22] = [
+    "wheel",
+    "hub",
+    "knuckle",
+    "upright",
+    "spindle",
+    "carrier",
+    "tire",
+    "tyre",
+    "rim",
+    "radtr",
+    "radmitt",
+    "radnabe",
+    "radlager",
+    "achsschenkel",
+    "schwenklager",
+    "moyeu",
+    "fusee",
+    "roue",
+    "mozzo",
+    "ruota",
+    "mangueta",
+    "rueda",
 ];
 
-/// True for a FUNCTION that is only a number: nothing but a load case would drive it.
-pub(super) fn is_number(function: &Function) -> bool {
+/// Words of a centre.
+pub(super) const CENTRE_WORDS: [&str; 3] = ["cent", "mitte", "zentrum"];
+
+/// The value of a FUNCTION that is only a number: nothing but a load case would drive it.
+pub(super) fn number(function: &Function) -> Option<f64> {
     let Function::Expression(expression) = function else {
-        return false;
+        return None;
     };
+    let literal = |k: &usize| expression.literals.get(*k).map(|literal| literal.value);
     match &expression.root {
-        Node::Literal(_) => true,
-        Node::Negate(inner) => matches!(**inner, Node::Literal(_)),
-        _ => false,
+        Node::Literal(k) => literal(k),
+        Node::Negate(inner) => match &**inner {
+            Node::Literal(k) => literal(k).map(|value| -value),
+            _ => None,
+        },
+        _ => None,
     }
+}
+
+/// True for a FUNCTION that is only a number.
+pub(super) fn is_number(function: &Function) -> bool {
+    number(function).is_some()
+}
+
+/// Words of the left and of the right side in names: English, German, French.
+const SIDES: [&[&str]; 2] = [
+    &["left", "links", "gauche"],
+    &["right", "rechts", "droite", "droit"],
+];
+
+/// True if the names around a wheel say that its side is another than in the axes of Adams/Car, X rearward and Y right: as in ISO 8855.
+pub(super) fn looks_like_iso(model: &Model, wheel: MarkerIx) -> bool {
+    let part = &model.parts[part_of(model, wheel).0];
+    let names = [
+        &model.markers[wheel.0].header.name,
+        &part.header.name,
+        &model.title,
+    ];
+    let said = names.into_iter().find_map(|name| {
+        let name = name.to_lowercase();
+        let of = |words: &[&str]| {
+            let mut tokens = name.split(|c: char| !c.is_alphanumeric());
+            tokens.any(|token| words.contains(&token))
+        };
+        match SIDES.map(of) {
+            [true, false] => Some(1.0),
+            [false, true] => Some(-1.0),
+            _ => None,
+        }
+    });
+    // On the left of the vehicle y is negative in the axes of Adams/Car.
+    said.is_some_and(|side| side * place(model, wheel).y > 0.0)
 }
 
 /// A marker at design, in ground axes.
@@ -96,12 +159,18 @@ pub(super) fn kc_toml(model: &Model, wheel: MarkerIx) -> String {
         .iter()
         .map(|load| format!("\"{load}\""))
         .collect();
+    let iso = looks_like_iso(model, wheel);
+    let axes = if iso {
+        "axes = \"iso\"                        # X forward, Y left, Z up, by the names of the sides; CHECK; or \"adams-car\", \"sae\", [\"forward\", \"left\", \"up\"]"
+    } else {
+        "axes = \"adams-car\"                  # X rearward, Y right, Z up; CHECK; or \"iso\", \"sae\", [\"forward\", \"left\", \"up\"]"
+    };
     let (length, force) = (model.units.length.word, model.units.force.word);
     let millimetre = 1e-3 / model.units.length.si;
     let mut text = format!(
         "# K&C tests of the axle: `admire kc` with this file; `admire explain wheels.left.centre` explains a key. In {length} and {force}.\n\n\
          [deck]\n\
-         axes = \"adams-car\"                  # X rearward, Y right, Z up; CHECK; or \"iso\", \"sae\", [\"forward\", \"left\", \"up\"]\n\
+         {axes}\n\
          without = [{}]  # the deck's own loads and drives of the wheels, which the rig replaces; CHECK\n\n\
          [wheels]\n",
         quoted.join(", ")
@@ -110,11 +179,10 @@ pub(super) fn kc_toml(model: &Model, wheel: MarkerIx) -> String {
         text += "mirror = true                       # the other wheel is the mirror image\n";
     }
     for at in &wheels {
-        // Of Adams/Car's axes.
-        let side = if place(model, *at).y < 0.0 {
-            "left"
-        } else {
+        let side = if (place(model, *at).y < 0.0) == iso {
             "right"
+        } else {
+            "left"
         };
         let marker = &model.markers[at.0];
         let part = &model.parts[marker.part.0].header.name;

@@ -3,9 +3,11 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use super::kc_starter::{WHEEL_WORDS, is_number, kc_toml, spin_axis};
+use super::kc_starter::{
+    CENTRE_WORDS, WHEEL_WORDS, is_number, kc_toml, looks_like_iso, number, spin_axis,
+};
 use super::schema::schema;
-use crate::mechanics::Vec3;
+use crate::mechanics::{Mat3, Vec3};
 use crate::model::{MarkerIx, Model, Part, PartKind, SforceKind};
 
 /// What was measured.
@@ -197,7 +199,7 @@ impl<'a> Starter<'a> {
     fn load_cases(&self) -> String {
         let columns: Vec<&str> = self.loads.iter().map(|load| load.column.as_str()).collect();
         let mut text = format!("case,{}\n", columns.join(","));
-        text += "# One row per load case, in the order they were applied on the rig; friction depends on it.\n";
+        text += "# One row per load case, in the order they were applied on the rig; friction depends on it. Its values take the place of the deck's.\n";
         for load in &self.loads {
             writeln!(text, "# {}: {}", load.column, load.what).expect("writing to a string");
         }
@@ -255,7 +257,13 @@ measured = \"marks_measured.csv\"     # case,part,mark,x,y,z  in the ground fram
 file = \"kc.csv\"                     # one row per load case
 ";
             text += &self.wheel_keys();
-            text += "forward = \"-x\"                      # the way the vehicle drives, an axis of ground; CHECK
+            let forward = self.wheel.is_some_and(|at| looks_like_iso(self.model, at));
+            text += if forward {
+                "forward = \"+x\"                      # the way the vehicle drives, by the names of its sides; CHECK\n"
+            } else {
+                "forward = \"-x\"                      # the way the vehicle drives, an axis of ground; CHECK\n"
+            };
+            text += "\
 # relative_to = \"1\"                 # the case at which the rig's displays stood at zero
 # summary = \"kc_summary.csv\"        # gradients and widths of loops, see `admire guide study`
 [kc.curves]                         # take out what was not read; `admire check` shows which column was taken
@@ -387,8 +395,9 @@ fn loads(model: &Model) -> Vec<Driven> {
             usual,
             format!("SFORCE/{}", force.header.id),
             format!(
-                "{unit} of SFORCE/{} on {on}{along} at design",
-                force.header.id
+                "{unit} of SFORCE/{} on {on}{along} at design; {} in the deck",
+                force.header.id,
+                number(&force.function).unwrap_or_default()
             ),
         );
     }
@@ -399,19 +408,34 @@ fn loads(model: &Model) -> Vec<Driven> {
     {
         let kind = format!("{:?}", force.kind).to_uppercase();
         let on = &model.parts[model.markers[force.i.0].part.0].header.name;
-        for (component, word) in force
+        let axes = force.rm.map_or_else(Mat3::identity, |rm| {
+            let frame = &model.markers[rm.0];
+            model.parts[frame.part.0].pose.R * frame.R
+        });
+        for (k, (component, word)) in force
             .components
             .iter()
             .zip(["FX", "FY", "FZ", "TX", "TY", "TZ"])
+            .enumerate()
         {
-            if component.as_ref().is_some_and(is_number) {
-                add(
-                    "",
-                    format!("{}_{}", kind.to_lowercase(), word.to_lowercase()),
-                    format!("{kind}/{}.{word}", force.header.id),
-                    format!("{word} of {kind}/{} on {on}", force.header.id),
-                );
-            }
+            let Some(own) = component.as_ref().and_then(number) else {
+                continue;
+            };
+            let along: Vec3 = axes.column(k % 3).into();
+            let turns = if k < 3 { "" } else { "_torque" };
+            let usual = direction(along).map_or_else(
+                || format!("{}_{}", kind.to_lowercase(), word.to_lowercase()),
+                |word| format!("{word}{turns}"),
+            );
+            add(
+                "",
+                usual,
+                format!("{kind}/{}.{word}", force.header.id),
+                format!(
+                    "{word} of {kind}/{} on {on} along ({:.2}, {:.2}, {:.2}) of ground at design; {own} in the deck",
+                    force.header.id, along.x, along.y, along.z
+                ),
+            );
         }
     }
     for motion in model
@@ -479,7 +503,19 @@ fn wheel_words(name: &str) -> usize {
         .count()
 }
 
-/// The marker that looks most like the centre of a wheel: by its own name, or on a part named like one where most loads act.
+/// How many components of forces act at a marker that are only numbers: what a rig drives.
+fn numbers_at(model: &Model, at: MarkerIx) -> usize {
+    let scalar = model
+        .sforces
+        .iter()
+        .filter(|force| force.i == at && is_number(&force.function));
+    let vector = model.vector_forces.iter().filter(|force| force.i == at);
+    let components = vector.flat_map(|force| force.components.iter().take(3).flatten());
+    scalar.count() + components.filter(|function| is_number(function)).count()
+}
+
+/// The marker that looks most like the centre of a wheel: by its own name, or on a part named like one where most loads act; without such
+/// names the one where most loads act.
 fn wheel(model: &Model) -> Option<MarkerIx> {
     let score = |at: usize| {
         let marker = &model.markers[at];
@@ -496,13 +532,14 @@ fn wheel(model: &Model) -> Option<MarkerIx> {
             .count();
         let mut tokens = name.split(|c: char| !c.is_alphanumeric());
         let centre = tokens.any(|token| ["wc", "wcl", "wcr"].contains(&token))
-            || (wheel_words(&name) > 0 && name.contains("cent"));
+            || (wheel_words(&name) > 0 && CENTRE_WORDS.iter().any(|word| name.contains(word)));
         let scalar = model.sforces.iter().filter(|force| force.i.0 == at);
         let vector = model.vector_forces.iter().filter(|force| force.i.0 == at);
         let loaded = scalar.count() + vector.count();
         let on_part = wheel_words(&part.header.name);
         if own + on_part + usize::from(centre) == 0 {
-            return 0;
+            // No name tells it: where forces of several directions act that are only numbers.
+            return usize::from(numbers_at(model, MarkerIx(at)) > 1);
         }
         8 * own + 12 * usize::from(centre) + 3 * on_part + 2 * loaded.min(3)
     };

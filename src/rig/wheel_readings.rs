@@ -80,11 +80,13 @@ pub(super) fn marker_of(
             })
             .filter(|name| !name.is_empty())
             .collect();
-        out.push(
-            Diagnostic::error(Code::UnknownTarget, message)
-                .label(study.source.name(), name.span, "")
-                .help(meant(&name.text, "the deck", &there)),
-        );
+        let complaint = Diagnostic::error(Code::UnknownTarget, message)
+            .label(study.source.name(), name.span, "")
+            .help(meant(&name.text, "the deck", &there));
+        // Several curves may name the same one.
+        if !out.contains(&complaint) {
+            out.push(complaint);
+        }
     }
     found
 }

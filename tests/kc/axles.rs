@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use admire::kc::{Bench, Config};
+use admire::kc::{Bench, Compliance, Config};
 use admire::model::Model;
 use admire::syntax::Dataset;
 use admire::syntax::files::Files;
@@ -37,6 +37,15 @@ impl Axle {
         let deck = (&self.dataset, &self.files, &self.model);
         Bench::new(&self.config, deck).unwrap_or_else(|why| panic!("{why:?}"))
     }
+}
+
+/// The largest translation per force, rotation per force and rotation per torque of a compliance matrix.
+pub fn largest(c: &Compliance) -> [f64; 3] {
+    [(0, 0), (1, 0), (1, 1)].map(|(row, column)| {
+        let all = (0..12).flat_map(|i| (0..12).map(move |j| (i, j)));
+        let block = all.filter(|(i, j)| i % 6 / 3 == row && j % 6 / 3 == column);
+        block.map(|at| c.matrix[at].abs()).fold(0.0, f64::max)
+    })
 }
 
 pub fn corpus(name: &str) -> String {

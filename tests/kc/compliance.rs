@@ -7,7 +7,7 @@ use admire::kc::{
 use admire::mechanics::{Vec3, Vec6, exp, log};
 
 use crate::axles::{
-    Axle, DOUBLE_WISHBONE, MCPHERSON, MULTILINK, corpus, double_wishbone, sprung_wishbone,
+    Axle, DOUBLE_WISHBONE, MCPHERSON, MULTILINK, corpus, double_wishbone, largest, sprung_wishbone,
 };
 
 fn axles() -> Vec<(&'static str, Axle)> {
@@ -389,7 +389,8 @@ fn columns_are_slopes_of_wheel_centre_sweeps() {
 }
 
 /// A symmetric axle: left and right agree with the signs of the definitions, in every column, at ride height, to 1e-12 of what a column is
-/// made of. A column that is a small difference of large entries, such as the fore-aft stiffness of rigid joints, agrees to 7e-12 of itself.
+/// made of. Beyond 1e-12 of itself are small differences of large numbers alone, which the test prints, by 3e-12 at most: the base change
+/// of 0.085 mm is off by 1e-13 mm, two units in the last place of its coordinates of 267 mm; the anti effects by 2e-13 of 100 percent.
 #[test]
 fn a_mirrored_axle_has_mirrored_columns() {
     let axle = Axle::new(&double_wishbone(), DOUBLE_WISHBONE);
@@ -399,13 +400,7 @@ fn a_mirrored_axle_has_mirrored_columns() {
         let all = &run.ride.readings;
         all.iter().find(|r| r.path() == path).map(|r| r.value)
     };
-    let matrix = run.ride.seen.axle.compliance.unwrap().matrix;
-    let largest = |row: usize, column: usize| {
-        let all = (0..12).flat_map(|i| (0..12).map(move |j| (i, j)));
-        let block = all.filter(|(i, j)| i % 6 / 3 == row && j % 6 / 3 == column);
-        block.map(|at| matrix[at].abs()).fold(0.0, f64::max)
-    };
-    let (moves, turns, twists) = (largest(0, 0), largest(1, 0), largest(1, 1));
+    let [moves, turns, twists] = largest(&run.ride.seen.axle.compliance.unwrap());
     let (mut compared, mut worst) = (0, 0.0);
     for reading in &run.ride.readings {
         let path = reading.path();
@@ -437,6 +432,11 @@ fn a_mirrored_axle_has_mirrored_columns() {
         };
         let apart = (a - b).abs() / a.abs().max(floor);
         worst = f64::max(worst, apart);
+        let own = (a - b).abs() / a.abs();
+        assert!(a == b || own <= 1e-11, "{path}: {own:.1e} of itself");
+        if own > 1e-12 {
+            println!("{path}: {:e} {other:e}, {own:.1e} of itself", reading.value);
+        }
         assert!(
             apart <= 1e-12,
             "{path}: {} {other} {apart:e}",

@@ -244,3 +244,106 @@ fn a_unit_slip_of_the_deck_is_seen() {
         said.err
     );
 }
+
+/// Another sign or unit of a curve shows before any fit; a sign can be stated.
+#[test]
+fn curves_that_move_otherwise_than_the_model_are_seen() {
+    let (folder, study) = copied("kc-curves");
+    let told = || admire(folder.path(), &["check", "study"]).err;
+    let said = told();
+    assert!(
+        said.contains(" ok  agreement") && said.contains("move as the model does"),
+        "{said}"
+    );
+    let toml = study.join("study.toml");
+    let shipped = std::fs::read_to_string(&toml).unwrap();
+    let (key, _) = shipped
+        .split_once("[kc.curves]")
+        .unwrap()
+        .1
+        .split_once("camber = {")
+        .unwrap();
+    let key = format!("[kc.curves]{key}camber = {{");
+    change(&toml, &key, &format!("{key} sign = \"-\","));
+    let said = told();
+    assert!(
+        said.contains("look") && said.contains("camber moves against the model"),
+        "{said}"
+    );
+    std::fs::write(&toml, &shipped).unwrap();
+    change(&study.join("kc.csv"), "Camber [deg]", "Camber [min]");
+    let said = told();
+    assert!(said.contains("degrees and minutes"), "{said}");
+}
+
+/// A deck with names of another language, loads of a GFORCE, a laboratory's own words: wheel, directions and curves are found. What several
+/// curves share is complained about once.
+#[test]
+fn a_deck_and_a_table_in_german_are_understood() {
+    let folder = tempfile::tempdir().unwrap();
+    let deck = "ACHSE links
+UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND
+PART/1, GROUND
+MARKER/10, PART=1
+MARKER/11, PART=1, FLOATING
+MARKER/12, PART=1, QP=0, 400, 300
+!                 adams_view_name='Radtraeger'
+PART/2, MASS=20, CM=21, IP=1E5,1E5,1E5
+MARKER/21, PART=2, QP=0, 700, 300
+!                 adams_view_name='Radmitte'
+MARKER/22, PART=2, QP=0, 760, 310
+MARKER/23, PART=2, QP=0, 400, 300
+BUSHING/1, I=23, J=12, K=1E4,1E4,1E4, KT=1E8,1E8,1E8
+GFORCE/4, I=22, JFLOAT=11, RM=10, FX=0\\
+, FY=0\\
+, FZ=-3000\\
+, TX=0\\
+, TY=0\\
+, TZ=0
+END
+";
+    std::fs::write(folder.path().join("achse.adm"), deck).unwrap();
+    let new = ["new", "s", "--from", "achse.adm", "--measured", "curves"];
+    let said = admire(folder.path(), &new);
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert!(said.err.contains("MARKER/22 on Radtraeger"), "{}", said.err);
+    let study = folder.path().join("s");
+    // A left wheel at y > 0: the axes of ISO 8855.
+    let toml = std::fs::read_to_string(study.join("study.toml")).unwrap();
+    let rig = std::fs::read_to_string(study.join("kc.toml")).unwrap();
+    assert!(toml.contains("forward = \"+x\""), "{toml}");
+    assert!(
+        rig.contains("axes = \"iso\"") && rig.contains("[wheels.left]"),
+        "{rig}"
+    );
+    let loads = std::fs::read_to_string(study.join("load_cases.csv")).unwrap();
+    assert!(
+        loads.starts_with("case,longitudinal,lateral,vertical,longitudinal_torque,")
+            && loads.contains("FZ of GFORCE/4 on Radtraeger")
+            && loads.contains("-3000 in the deck"),
+        "{loads}"
+    );
+    let cases = "case,longitudinal,lateral,vertical,longitudinal_torque,lateral_torque,vertical_torque\n1,0,0,0,0,0,0\n2,0,0,-3000,0,0,0\n";
+    std::fs::write(study.join("load_cases.csv"), cases).unwrap();
+    let curves = "Spur [min];Sturz (min);Nachlauf [deg];Radhub [mm];Radstandsänderung [mm];Spurweite [mm]\n0,1;0,2;0;0;0;0\n1,5;2,5;0,1;-3,1;0;0,2\n";
+    std::fs::write(study.join("kc.csv"), curves).unwrap();
+    let said = admire(folder.path(), &["check", "s", "--format", "plain"]);
+    for text in [
+        "toe from `Spur [min]` in min",
+        "camber from `Sturz (min)`",
+        "travel from `Radhub [mm]`",
+        "base from `Radstandsänderung [mm]`",
+        "track from `Spurweite [mm]`",
+    ] {
+        assert!(said.out.contains(text), "{text}: {}{}", said.out, said.err);
+    }
+    let quiet = admire(folder.path(), &["check", "s", "-q", "--format", "plain"]);
+    assert_eq!((quiet.code, quiet.out.as_str()), (0, ""), "{}", quiet.err);
+    change(&study.join("study.toml"), "MARKER/22", "MARKER/99");
+    let said = admire(folder.path(), &["check", "s", "--format", "plain"]);
+    let count = said
+        .out
+        .matches("the deck has no marker `MARKER/99`")
+        .count();
+    assert_eq!(count, 1, "{}", said.out);
+}

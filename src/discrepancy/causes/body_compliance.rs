@@ -65,7 +65,7 @@ pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 one_sided: true,
                 changes,
                 memory: None,
-                refines: false,
+                part: 0,
             });
         };
     for joint in model.joints.iter().filter(|j| j.header.active) {

@@ -91,7 +91,7 @@ pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 one_sided: false,
                 changes: vec![Change::Add(statement)],
                 memory: None,
-                refines: false,
+                part: 0,
             });
         }
     }

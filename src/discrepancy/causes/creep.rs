@@ -64,7 +64,7 @@ pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                         .chain(added.clone())
                         .map(Change::Add)
                         .collect(),
-                    refines: false,
+                    part: 0,
                     memory: Some(MemoryPlan {
                         anchor: literal(place),
                         carries: Carries::Flow,

@@ -34,10 +34,13 @@ const FORMS: [(f64, f64, &str); 9] = [
 /// The limit of a friction is reached by degrees with this probability.
 const GRADUAL: f64 = 0.3;
 
-/// Makes a slider the second one of a friction that is there: two in parallel, one of which slips before the other, are a law whose limit
+/// Sliders of one friction at most.
+pub const SLIDERS: usize = 3;
+
+/// Makes a slider a further one of a friction that is there: some in parallel, one of which slips before the other, are a law whose limit
 /// is reached by degrees. Source: Iwan, Journal of Applied Mechanics 33 (1966) 893.
-pub fn second_slider(h: &mut Hypothesis) {
-    h.refines = true;
+pub fn further_slider(h: &mut Hypothesis, part: usize) {
+    h.part = part;
     h.ln_prior = libm::log(GRADUAL / FORMS.len() as f64);
 }
 
@@ -180,7 +183,7 @@ fn put(
             ln_prior: 0.0,
             one_sided: true,
             changes: changes.clone(),
-            refines: false,
+            part: 0,
             memory: Some(MemoryPlan {
                 anchor: at_start.clone(),
                 carries: Carries::Slider,

@@ -58,7 +58,7 @@ pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 one_sided: true,
                 changes,
                 memory: None,
-                refines: false,
+                part: 0,
             });
         }
     }

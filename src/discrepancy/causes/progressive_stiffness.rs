@@ -76,7 +76,7 @@ pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                     one_sided: powers.len() == 1,
                     changes: changes.into_iter().map(Change::Add).collect(),
                     memory: None,
-                    refines: false,
+                    part: 0,
                 });
             }
         }

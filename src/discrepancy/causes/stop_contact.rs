@@ -193,7 +193,7 @@ fn stops(
                 one_sided: true,
                 changes: added.into_iter().map(Change::Add).collect(),
                 memory: None,
-                refines: false,
+                part: 0,
             });
         }
     }

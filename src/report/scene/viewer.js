@@ -76,10 +76,12 @@ function start(root) {
     return low <= high ? (low + high) / 2 : 0;
   });
   const radius = Math.max(cloud.reduce((r, p) => Math.max(r, norm(add(p, centre, -1))), 0), 1e-9);
-  // Half the width and height of the mechanism as first seen.
+  // Half the width and height of the mechanism as first seen, with the ends on ground that are near it.
   const reach = (() => {
     const view = camera();
-    return [view.right, view.above].map((axis) => cloud.reduce((r, p) => Math.max(r, Math.abs(dot(add(p, centre, -1), axis))), 0.5 * radius));
+    const ends = scene.objects.flatMap((object) => [object.i, object.j]).filter((end) => end && design[end.part]);
+    const near = ends.map((end) => apply(design[end.part], end.at)).filter((p) => norm(add(p, centre, -1)) < 1.3 * radius);
+    return [view.right, view.above].map((axis) => cloud.concat(near).reduce((r, p) => Math.max(r, Math.abs(dot(add(p, centre, -1), axis))), 0.5 * radius));
   })();
   const pixels = () => Math.min(0.42 * stage.clientWidth / reach[0], 0.4 * stage.clientHeight / reach[1]) * state.zoom;
   const glyph = 0.028 * radius;
@@ -546,8 +548,9 @@ function start(root) {
 
   const again = () => { readColours(false); draw(); };
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", again);
-  addEventListener("beforeprint", () => { readColours(true); draw(); });
-  addEventListener("afterprint", again);
+  // On paper as wide as a page: labels keep their size.
+  addEventListener("beforeprint", () => { stage.classList.add("paper"); readColours(true); draw(); });
+  addEventListener("afterprint", () => { stage.classList.remove("paper"); again(); });
   new ResizeObserver(draw).observe(stage);
   readColours(matchMedia("print").matches);
   // The case with the largest loads tells most.
