@@ -203,7 +203,7 @@ fn solve(job: &Value) -> Value {
     // The first sweep finds redundant equations; later ones start at the design position knowing them.
     let (first, (iterations, factored), poses, end) = sweep(&system.state(), true);
     let mut start = system.state();
-    start.redundant = end.redundant.clone();
+    start.redundant.clone_from(&end.redundant);
     let repeats = job["repeats"].as_u64().unwrap_or(9);
     let mut sweeps: Vec<f64> = (0..repeats).map(|_| sweep(&start, false).0).collect();
     sweeps.sort_by(f64::total_cmp);
