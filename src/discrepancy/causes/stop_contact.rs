@@ -115,86 +115,95 @@ fn stops(
     if !range.is_finite() || range < 1e-6 {
         return;
     }
-    for (share, above, below) in GRID {
-        for up in [true, false] {
-            let clearance = if up {
-                low + share * range
+    let mut ascending = u.to_vec();
+    ascending.sort_by(f64::total_cmp);
+    // A stop that only one case reaches may begin anywhere between this and the next.
+    let last = |next: usize, end: usize| 0.5 * (ascending[next] + ascending[end]);
+    let ends = (u.len() > 2).then(|| {
+        let count = u.len();
+        [
+            (last(count - 2, count - 1), "in the highest case", true),
+            (last(1, 0), "in the lowest case", false),
+        ]
+    });
+    let grid = GRID.into_iter().flat_map(|(share, above, below)| {
+        [
+            (low + share * range, above, true),
+            (high - share * range, below, false),
+        ]
+    });
+    for (clearance, form, up) in grid.chain(ends.into_iter().flatten()) {
+        let past = |u: f64| {
+            if up {
+                -(u - clearance).max(0.0)
             } else {
-                high - share * range
-            };
-            let past = |u: f64| {
-                if up {
-                    -(u - clearance).max(0.0)
-                } else {
-                    (clearance - u).max(0.0)
-                }
-            };
-            let wrench = |power: i32| {
-                let along =
-                    |(u, d): (&f64, &Vec6)| d * past(*u).signum() * past(*u).abs().powi(power);
-                Column::Wrench(pair, u.iter().zip(directions).map(along).collect())
-            };
-            // A literal has no sign of its own, so a negative clearance is added instead.
-            let (sign, size) = if clearance < 0.0 {
-                ('+', -clearance)
-            } else {
-                ('-', clearance)
-            };
-            let past_it = format!("{measure}{sign}{size:.6}");
-            let linear = if up {
-                format!("-0.0*MAX(0.0,{past_it})")
-            } else {
-                format!("+0.0*MAX(0.0,-({past_it}))")
-            };
-            // A buffer hardens.
-            let body = format!("{}{linear}**3", linear.trim_start_matches('+'));
-            let toward = if clearance < 0.0 { -1.0 } else { 1.0 };
-            let (id, added) = statements(&body);
-            let literals = crate::syntax::Expression::parse_str(linear.trim_start_matches('+'))
-                .map(|expression| expression.literals)
-                .unwrap_or_default();
-            let at = literals
-                .iter()
-                .rposition(|literal| (literal.value - size).abs() < 1e-5)
-                .map_or(3, |k| k + 1);
-            let second = literals.len();
-            let slot = |k: usize| number(kind, id, argument, Some(k));
-            let clearances = vec![(slot(at), toward), (slot(second + at), toward)];
-            out.push(Hypothesis {
-                cause: Cause::StopContact,
-                address: address.to_string(),
-                members: Vec::new(),
-                side: "",
-                form: if up { above } else { below },
-                numbers: vec![
-                    Number {
-                        column: wrench(1),
-                        ..Number::new(
-                            "stiffness",
-                            SD * per_length,
-                            Unknown::Extended(vec![(slot(1), 1.0)]),
-                        )
-                    },
-                    Number {
-                        column: wrench(3),
-                        ..Number::new(
-                            "hardening",
-                            SD * per_length / (0.3 * range).powi(2),
-                            Unknown::Extended(vec![(slot(second + 1), 1.0)]),
-                        )
-                    },
-                    Number::new(
-                        "clearance_shift",
-                        0.2 * range,
-                        Unknown::Extended(clearances),
-                    ),
-                ],
-                ln_prior: 0.0,
-                one_sided: true,
-                changes: added.into_iter().map(Change::Add).collect(),
-                memory: None,
-                part: 0,
-            });
-        }
+                (clearance - u).max(0.0)
+            }
+        };
+        let wrench = |power: i32| {
+            let along = |(u, d): (&f64, &Vec6)| d * past(*u).signum() * past(*u).abs().powi(power);
+            Column::Wrench(pair, u.iter().zip(directions).map(along).collect())
+        };
+        // A literal has no sign of its own, so a negative clearance is added instead.
+        let (sign, size) = if clearance < 0.0 {
+            ('+', -clearance)
+        } else {
+            ('-', clearance)
+        };
+        let past_it = format!("{measure}{sign}{size:.6}");
+        let linear = if up {
+            format!("-0.0*MAX(0.0,{past_it})")
+        } else {
+            format!("+0.0*MAX(0.0,-({past_it}))")
+        };
+        // A buffer hardens.
+        let body = format!("{}{linear}**3", linear.trim_start_matches('+'));
+        let toward = if clearance < 0.0 { -1.0 } else { 1.0 };
+        let (id, added) = statements(&body);
+        let literals = crate::syntax::Expression::parse_str(linear.trim_start_matches('+'))
+            .map(|expression| expression.literals)
+            .unwrap_or_default();
+        let at = literals
+            .iter()
+            .rposition(|literal| (literal.value - size).abs() < 1e-5)
+            .map_or(3, |k| k + 1);
+        let second = literals.len();
+        let slot = |k: usize| number(kind, id, argument, Some(k));
+        let clearances = vec![(slot(at), toward), (slot(second + at), toward)];
+        out.push(Hypothesis {
+            cause: Cause::StopContact,
+            address: address.to_string(),
+            members: Vec::new(),
+            side: "",
+            form,
+            numbers: vec![
+                Number {
+                    column: wrench(1),
+                    ..Number::new(
+                        "stiffness",
+                        SD * per_length,
+                        Unknown::Extended(vec![(slot(1), 1.0)]),
+                    )
+                },
+                Number {
+                    column: wrench(3),
+                    ..Number::new(
+                        "hardening",
+                        SD * per_length / (0.3 * range).powi(2),
+                        Unknown::Extended(vec![(slot(second + 1), 1.0)]),
+                    )
+                },
+                Number::new(
+                    "clearance_shift",
+                    0.2 * range,
+                    Unknown::Extended(clearances),
+                ),
+            ],
+            ln_prior: 0.0,
+            one_sided: true,
+            changes: added.into_iter().map(Change::Add).collect(),
+            memory: None,
+            part: 0,
+        });
     }
 }
