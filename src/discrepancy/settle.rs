@@ -11,7 +11,7 @@ use crate::tolerance::{Linear, Posterior, Sizes, Whitening};
 /// The longest step of the logarithm of a stiffness, at first and later.
 const REACH: [f64; 2] = [0.8, 1.2];
 /// A step that promises less than so many nats was the last one.
-const ENOUGH: f64 = 0.05;
+pub const ENOUGH: f64 = 0.05;
 /// Sizes of tolerances are held for so many steps of a fit that starts from another, unless a step promises less than so many nats.
 const HELD: usize = 5;
 const NEAR: f64 = 30.0;

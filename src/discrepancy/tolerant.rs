@@ -8,12 +8,13 @@ use super::diagnose::tolerances;
 use super::diagnosis::{NoiseFound, Parameter, ToleranceFound};
 use super::fit::Fitted;
 use super::search::Visited;
+use super::settle::ENOUGH;
 use super::sought::as_it_is;
 use super::structure::structure;
 use super::subject::{Data, Subject};
 use crate::identify::global::gauss_newton::Prior;
 use crate::identify::global::{Joint, Marginal};
-use crate::identify::{Fit, FitTest, Problem, Status, StructureTest, Verdict};
+use crate::identify::{Fit, FitTest, NOT_CONVERGED, Problem, Status, StructureTest, Verdict};
 
 /// What a study says of its stiffnesses if nothing is wrong but noise and tolerances.
 #[derive(Clone, Debug)]
@@ -106,6 +107,17 @@ impl Tolerant {
 
     /// Puts it into the answer of an identification, whose own fit took everything but the marks for exact.
     pub fn apply(self, fit: &mut Fit) {
+        // The numbers are those of this fit, wherever the other one ended.
+        if !fit.converged && !fit.interrupted && self.fitted.posterior.gain < ENOUGH {
+            fit.converged = true;
+            for remark in &mut fit.remarks {
+                if remark == NOT_CONVERGED {
+                    *remark = "The fit that takes all but the stiffnesses for exact did not converge; the fit with tolerances did, and the \
+                               numbers are its own."
+                        .to_string();
+                }
+            }
+        }
         for (own, found) in fit.parameters.iter_mut().zip(self.parameters) {
             own.value = found.value;
             own.std_error = Some(found.std_error);

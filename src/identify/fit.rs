@@ -7,6 +7,9 @@ use super::repeated::{BootstrapMade, PosteriorMade, Repeated};
 use super::structure::StructureTest;
 use crate::statics::Balance;
 
+/// What is told of a fit that ended before its minimum.
+pub const NOT_CONVERGED: &str = "The fit did not converge; these are the values it had reached.";
+
 /// What became of a number.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]

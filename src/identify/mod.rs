@@ -21,8 +21,8 @@ mod unknowns;
 
 pub use evaluation::{Discrepancy, compare};
 pub use fit::{
-    CurveHeldOut, Fit, HeldOut, Marks, NoiseFound, OffsetFit, ParameterFit, Status, ToleranceFound,
-    UnidentifiableDirection, WheelFit,
+    CurveHeldOut, Fit, HeldOut, Marks, NOT_CONVERGED, NoiseFound, OffsetFit, ParameterFit, Status,
+    ToleranceFound, UnidentifiableDirection, WheelFit,
 };
 pub use goodness::{FitTest, ReadingsLeft, Verdict};
 pub use loaded::LoadedStudy;

@@ -1,7 +1,8 @@
 //! The verdict on a fit: the chi-square test, structure in what is left, and runs that were ended early.
 
+use admire::discrepancy::tolerant;
 use admire::identify::global::{Options, Prepared, fit_study};
-use admire::identify::{Fit, Problem, Verdict, structure};
+use admire::identify::{Fit, NOT_CONVERGED, Problem, Verdict, structure};
 use admire::report::lead;
 
 use crate::options::with_sensors;
@@ -135,4 +136,22 @@ fn a_run_that_is_ended_early_names_what_it_left() {
     assert!(fit.interrupted && fit.converged);
     assert!(!fit.affected.is_empty() && fit.affected.len() < fit.parameters.len());
     assert!(fit.to_json().contains("\"interrupted\": true"));
+}
+
+/// The numbers told are those of the fit with tolerances: where that came to its end, the fit that takes all else for exact need not have.
+#[test]
+fn the_fit_with_tolerances_says_whether_its_numbers_can_be_used() {
+    let mut loaded = exact_mcpherson(|_| {});
+    measure(&mut loaded, 0.02, 3);
+    let problem = loaded.problem();
+    for interrupted in [false, true] {
+        let mut fit = fit_of(&problem);
+        (fit.converged, fit.interrupted) = (false, interrupted);
+        fit.remarks.push(NOT_CONVERGED.to_string());
+        tolerant(&problem).unwrap().apply(&mut fit);
+        assert_eq!(fit.converged, !interrupted);
+        let told = fit.remarks.iter().any(|remark| remark == NOT_CONVERGED);
+        assert_eq!(told, interrupted, "{:?}", fit.remarks);
+        assert!(!lead(&fit).contains("should not be used"));
+    }
 }

@@ -19,7 +19,7 @@ use crate::identify::goodness::{FitTest, Kind, Tally};
 use crate::identify::structure::{Residuals, structure};
 use crate::identify::unknowns::{Place, bushing_number};
 use crate::identify::{
-    Fit, HeldOut, IdentifyError, Marks, OffsetFit, ParameterFit, Problem, Status,
+    Fit, HeldOut, IdentifyError, Marks, NOT_CONVERGED, OffsetFit, ParameterFit, Problem, Status,
     UnidentifiableDirection,
 };
 use crate::rig::settings::{Loss, Method};
@@ -422,8 +422,7 @@ fn answer(
             remarks.push("The fit was stopped; these are the values it had reached.".to_string());
         }
         Ending::MaxIterations | Ending::Stalled | Ending::NoAnswer => {
-            remarks
-                .push("The fit did not converge; these are the values it had reached.".to_string());
+            remarks.push(NOT_CONVERGED.to_string());
         }
     }
     Fit {
