@@ -10,13 +10,15 @@ use super::settle::{Settled, Sweep};
 use super::subject::{Data, Subject};
 use super::unknowns::{Known, Unknowns};
 use crate::identify::Problem;
-use crate::identify::global::gauss_newton::LOUD;
 use crate::identify::global::{FitUnknowns, Memory, NuisanceLayout, Observations, Predictor};
 use crate::system::{Parameters, State};
 use crate::tolerance::{self, Linear, Posterior, Sizes, Whitening};
 
 /// Steps of a fit at most.
 const STEPS: usize = 16;
+/// Stiffnesses alone that miss the readings by more than so many times their noise may have run off after something else: tolerances that
+/// grow hide it.
+const MISSED: f64 = 1.3;
 
 /// A model linearised where its fit ended, and what the readings say there.
 #[derive(Clone, Debug)]
@@ -286,7 +288,7 @@ pub fn fit(
             let start = sweep.at(x);
             let missed = start.as_ref().is_none_or(|start| {
                 let residual = &start.evaluation.residual;
-                residual.norm_squared() > LOUD * LOUD * residual.len() as f64
+                residual.norm_squared() > MISSED * MISSED * residual.len() as f64
             });
             let settled =
                 start.and_then(|start| sweep.settle(start, &subject.sizes, (steps, least), alone));
