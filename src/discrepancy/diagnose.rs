@@ -12,7 +12,7 @@ use super::fit::{ANY, Estimate, Fitted, Plain, fit, unguessed};
 use super::folds::{Blind, HeldOutTest, moved};
 use super::gain_check::GainCheck;
 use super::hypothesis::Hypothesis;
-use super::limits::detection_limits;
+use super::limits::{cause_limits, detection_limits};
 use super::next_measurement::next_measurement;
 use super::progress::Progress;
 use super::remainder::{predicted, remainder};
@@ -36,6 +36,8 @@ const MATTERS_WHEEL_DEG: f64 = 0.01;
 const STRUCTURED: f64 = 0.005;
 /// Held-out readings less probable than this under the extended model speak against its causes.
 const SURPRISED: f64 = 0.002;
+/// A cause with which other cases are predicted worse by so many nats is none.
+const WORSE: f64 = 0.5;
 /// Rivals are no further behind than so many units of twice the logarithm of probability.
 const RIVAL: f64 = 6.0;
 
@@ -102,10 +104,24 @@ pub fn diagnose_watched<'a>(
     subject.watched_by(progress);
     let no_cases = || IdentifyError::NoCases(None);
     let unfitted = subject.clone();
-    let Sought { found, leading } = seek(&mut subject, Data::All, progress).ok_or_else(no_cases)?;
+    let mut sought = seek(&mut subject, Data::All, progress).ok_or_else(no_cases)?;
     progress.begin("testing what was found");
+    let mut tested = structure(&subject, &sought.leading);
+    // A search that does not see all cases says what is gained, and where this one should go on.
+    let is_explained = !unexplained(&tested).structured;
+    let is_searched =
+        !is_explained || (check != GainCheck::Quick && !sought.leading.chosen.is_empty());
+    let mut unseen = is_searched
+        .then(|| Unseen::new(&unfitted, progress))
+        .flatten();
+    if let Some(unseen) = &unseen
+        && sought.go_on(&subject, unseen.models(), Data::All)
+    {
+        tested = structure(&subject, &sought.leading);
+    }
+    let Sought { found, leading } = sought;
     let none = Arc::clone(&found.none);
-    let structures = [structure(&subject, &none), structure(&subject, &leading)];
+    let structures = [structure(&subject, &none), tested];
     let blind = Blind::new(&subject, &none).zip(Blind::new(&subject, &leading));
     let tests = blind
         .as_ref()
@@ -145,11 +161,10 @@ pub fn diagnose_watched<'a>(
             &leading.sizes,
         );
     }
-    let (mut cross_validation, mut unseen) = (None, None);
-    if !findings.is_empty() {
-        if check != GainCheck::Quick {
-            unseen = Unseen::new(&unfitted, progress);
-        }
+    let mut cross_validation = None;
+    if findings.is_empty() {
+        unseen = None;
+    } else {
         if unseen.is_none() {
             unseen = Unseen::refitted_only(&subject, [Arc::clone(&none), Arc::clone(&leading)]);
         }
@@ -197,6 +212,7 @@ pub fn diagnose_watched<'a>(
             parameters: averaged(&subject, &found.models),
             tolerances: tolerances(&subject, &leading),
             detection_limits: detection_limits(&subject, &leading),
+            cause_limits: cause_limits(&subject, &leading),
             noise: NoiseFound {
                 declared: subject.noise.declared,
                 estimated: subject.noise.estimated,
@@ -361,7 +377,7 @@ fn findings(
             && finding
                 .gain
                 .cross_validated_nats
-                .is_none_or(|nats| nats > 0.0)
+                .is_none_or(|nats| nats > -WORSE)
     });
     out.sort_by(|(a, ..), (b, ..)| {
         a.minor

@@ -167,6 +167,19 @@ pub struct DetectionLimit {
     pub mm: [Option<f64>; 3],
 }
 
+/// How large another cause has to be to be named with even odds.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct CauseLimit {
+    /// What.
+    pub cause: Cause,
+    /// Where.
+    pub address: String,
+    /// Which of its numbers, as `findings[].parameters` has them.
+    pub number: String,
+    /// Its size; `null` where the readings do not see it.
+    pub size: Option<f64>,
+}
+
 /// What `diagnosis.json` holds.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Diagnosis {
@@ -189,6 +202,8 @@ pub struct Diagnosis {
     pub noise: NoiseFound,
     /// What could not be seen: how far off each hardpoint has to be.
     pub detection_limits: Vec<DetectionLimit>,
+    /// The same for all other causes.
+    pub cause_limits: Vec<CauseLimit>,
     /// Groups of cases, each predicted from the others with causes chosen anew; `None` with too few cases or no finding.
     pub cross_validation: Option<CrossValidation>,
     /// Cases that neither the choice of causes nor any fit saw; `None` without them or without a finding.

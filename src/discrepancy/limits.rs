@@ -1,26 +1,27 @@
-//! How far off a hardpoint has to be before it is named: what the readings cannot see is said.
+//! How far off something has to be before it is named: what the readings cannot see is said.
 
-use super::diagnosis::DetectionLimit;
+use super::cause::Cause;
+use super::diagnosis::{CauseLimit, DetectionLimit};
 use super::fit::Fitted;
-use super::scan::first_member;
+use super::hypothesis::{Hypothesis, Number, Unknown};
+use super::scan::{Catalogue, first_member};
 use super::subject::Subject;
 use crate::tolerance::Group;
 
 /// Millimetres a point may well be off, as the hypothesis has it.
 const SD: f64 = 3.0;
-/// Limits beyond so many millimetres are none.
+/// Limits beyond so many millimetres are none,
 const FAR: f64 = 50.0;
+/// and of other causes those beyond so many times the size they may well have.
+const BEYOND: f64 = 20.0;
 
-/// For each point and axis the error at which the cause is as probable as not, the others being off by the size of their group: with
-/// `F` the information of the readings on the error, `V0 = 1/F + tau^2` and `V1 = V0 + v^2`,
-/// `d^2 (1/V0 - 1/V1) = ln(V1/V0) - 2 ln(prior odds)`.
+/// For each point and axis the error at which the cause is as probable as not, the others being off by the size of their group.
 pub fn detection_limits(subject: &Subject<'_>, fitted: &Fitted) -> Vec<DetectionLimit> {
     let Some(tau) = fitted.sizes.of(Group::Hardpoints) else {
         return Vec::new();
     };
     let millimetre = subject.millimetre();
     let slab = SD * millimetre;
-    let first = first_member(fitted);
     let points = &subject.layer.points;
     // Each point in all directions and along each one alone.
     let odds = super::causes::PRESENT / (4 * points.len()) as f64;
@@ -34,17 +35,7 @@ pub fn detection_limits(subject: &Subject<'_>, fitted: &Fitted) -> Vec<Detection
         };
         let members: Vec<String> = point.markers.iter().map(name).collect();
         let limit = |member: usize| {
-            let at = first + member;
-            // What stands out has a prior of its own; its information is the same.
-            let prior = fitted.priors[at].prior_sd(&fitted.sizes).powi(2);
-            let information = 1.0 / fitted.posterior.covariance[(at, at)] - 1.0 / prior;
-            if information <= 1e-6 / prior {
-                return None;
-            }
-            let before = 1.0 / information + tau * tau;
-            let after = before + slab * slab;
-            let needed = libm::log(after / before) - 2.0 * libm::log(odds);
-            let d = (needed / (1.0 / before - 1.0 / after)).sqrt() / millimetre;
+            let d = outstanding(fitted, member, (tau, slab), libm::log(odds))? / millimetre;
             (d < FAR).then_some(d)
         };
         let axes = subject.layer.at(Group::Hardpoints, &members[0]);
@@ -58,4 +49,80 @@ pub fn detection_limits(subject: &Subject<'_>, fitted: &Fitted) -> Vec<Detection
         }
     }
     out
+}
+
+/// The error at which a member of the tolerance layer that may be larger by `slab` is as probable as not: with `F` the information of the
+/// readings on the error, `V0 = 1/F + tau^2` and `V1 = V0 + slab^2`, `d^2 (1/V0 - 1/V1) = ln(V1/V0) - 2 ln(prior odds)`.
+fn outstanding(
+    fitted: &Fitted,
+    member: usize,
+    (tau, slab): (f64, f64),
+    ln_odds: f64,
+) -> Option<f64> {
+    let at = first_member(fitted) + member;
+    // What stands out has a prior of its own; its information is the same.
+    let prior = fitted.priors[at].prior_sd(&fitted.sizes).powi(2);
+    let information = 1.0 / fitted.posterior.covariance[(at, at)] - 1.0 / prior;
+    if information <= 1e-6 / prior {
+        return None;
+    }
+    let before = 1.0 / information + tau * tau;
+    let after = before + slab * slab;
+    let needed = libm::log(after / before) - 2.0 * ln_odds;
+    Some((needed / (1.0 / before - 1.0 / after)).sqrt())
+}
+
+/// For each number of every other cause the size at which the cause is as probable as not, all else being sound: with `F` the information
+/// of the readings on it in units of its prior, to first order, `d^2 F^2 / (1 + F) = ln(1 + F) - 2 ln(prior odds)`. Of several forms
+/// of one cause at one place the one that is seen best. Faults of readings of single cases are left out.
+pub fn cause_limits(subject: &Subject<'_>, fitted: &Fitted) -> Vec<CauseLimit> {
+    let catalogue = Catalogue::new(subject, fitted);
+    let information = catalogue.information(fitted, &fitted.sizes);
+    let mut out: Vec<CauseLimit> = Vec::new();
+    for (h, information) in catalogue.hypotheses.iter().zip(&information) {
+        if h.cause == Cause::HardpointError || h.part > 0 || h.only_case(&subject.rows).is_some() {
+            continue;
+        }
+        for (k, number) in h.numbers.iter().enumerate() {
+            let d = match number.unknown {
+                Unknown::Member(member) => {
+                    let group = fitted.priors[first_member(fitted) + member].group;
+                    let tau = group.and_then(|group| fitted.sizes.of(group));
+                    tau.and_then(|tau| outstanding(fitted, member, (tau, number.sd), h.ln_prior))
+                        .map(|d| d / number.sd)
+                }
+                Unknown::SlipLength { .. } | Unknown::Offset { .. } => continue,
+                _ => information.get(k).and_then(|f| alone(*f, h.ln_prior)),
+            };
+            let d = d.filter(|d| *d < BEYOND);
+            take(&mut out, h, number, d);
+        }
+    }
+    out
+}
+
+/// The size in units of its prior at which a number with such information is as probable as not.
+fn alone(information: f64, ln_odds: f64) -> Option<f64> {
+    let evidence = libm::log1p(information) - 2.0 * ln_odds;
+    (information > 1e-6).then(|| (evidence * (1.0 + information)).sqrt() / information)
+}
+
+/// Adds a limit, or betters that of another form of the same.
+fn take(out: &mut Vec<CauseLimit>, h: &Hypothesis, number: &Number, d: Option<f64>) {
+    let size = d.map(|d| d * number.sd * number.unit);
+    let same = |l: &&mut CauseLimit| {
+        (l.cause, l.address.as_str(), l.number.as_str())
+            == (h.cause, h.address.as_str(), number.name.as_str())
+    };
+    if let Some(known) = out.iter_mut().find(same) {
+        let least = size.into_iter().chain(known.size).reduce(f64::min);
+        known.size = least;
+        return;
+    }
+    out.push(CauseLimit {
+        cause: h.cause,
+        address: h.address.clone(),
+        number: number.name.clone(),
+        size,
+    });
 }

@@ -57,7 +57,7 @@ pub use cause::Cause;
 pub use cross_validation::{CrossValidation, GroupGain};
 pub use diagnose::{Outcome, diagnose, diagnose_watched, held_out};
 pub use diagnosis::{
-    BaselineFit, DetectionLimit, Diagnosis, Evidence, Finding, Gain, Indistinguishable,
+    BaselineFit, CauseLimit, DetectionLimit, Diagnosis, Evidence, Finding, Gain, Indistinguishable,
     NextMeasurement, NoiseFound, Parameter, ToleranceFound, Unexplained, Verdict,
 };
 pub use fit::{Estimate, Fitted, Plain};

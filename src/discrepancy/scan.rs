@@ -68,32 +68,23 @@ impl Catalogue {
         let Some(posterior) = fitted.linear.posterior(sizes) else {
             return Vec::new();
         };
+        let effects = self.effects(fitted, sizes, &posterior);
         let weights = fitted.whitening.weights(&sizes.ln);
-        // The residual where the linear model is best, and all columns, whitened.
+        // The residual where the linear model is best.
         let step = &fitted.misfit + &fitted.jacobian * &posterior.step;
         let r = fitted
             .whitening
             .apply_vector(&-step)
             .component_mul(&weights);
-        let mut A = fitted.turned.clone();
-        let mut E = self.turned.clone();
-        for (row, weight) in weights.iter().enumerate() {
-            A.row_mut(row).scale_mut(*weight);
-            E.row_mut(row).scale_mut(*weight);
-        }
-        let cross = A.transpose() * &E;
-        let through = &posterior.covariance * &cross;
-        let g = E.transpose() * &r;
+        let g = effects.own.transpose() * &r;
         let of = |(at, h): (usize, &Hypothesis)| {
             let gain = if h.is_slab() {
                 slab(fitted, &posterior, sizes, h)?
             } else {
                 let range = self.ranges[at].clone();
                 let (from, count) = (range.start, range.len());
-                let own = E.columns(from, count);
-                let mut M = own.transpose() * own;
-                M -= cross.columns(from, count).transpose() * through.columns(from, count);
-                projected(&M, &g.rows(from, count).into_owned(), h.one_sided)?
+                let g = g.rows(from, count).into_owned();
+                projected(&effects.information(range), &g, h.one_sided)?
             };
             let gain = gain + h.ln_prior;
             gain.is_finite().then_some(Promise { at, gain })
@@ -101,6 +92,37 @@ impl Catalogue {
         let mut out: Vec<Promise> = self.hypotheses.iter().enumerate().filter_map(of).collect();
         out.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         out
+    }
+
+    /// For each hypothesis what the readings say of each of its numbers alone, the others being as in a sound model: the information in
+    /// units of the number's prior, all that is fitted marginalised. Of hypotheses that are no slabs.
+    pub fn information(&self, fitted: &Fitted, sizes: &Sizes) -> Vec<Vec<f64>> {
+        let Some(posterior) = fitted.linear.posterior(sizes) else {
+            return vec![Vec::new(); self.hypotheses.len()];
+        };
+        let effects = self.effects(fitted, sizes, &posterior);
+        let of = |range: &std::ops::Range<usize>| {
+            let own = effects.information(range.clone()).diagonal();
+            own.iter().copied().collect()
+        };
+        self.ranges.iter().map(of).collect()
+    }
+
+    fn effects(&self, fitted: &Fitted, sizes: &Sizes, posterior: &Posterior) -> Effects {
+        let weights = fitted.whitening.weights(&sizes.ln);
+        let mut A = fitted.turned.clone();
+        let mut own = self.turned.clone();
+        for (row, weight) in weights.iter().enumerate() {
+            A.row_mut(row).scale_mut(*weight);
+            own.row_mut(row).scale_mut(*weight);
+        }
+        let cross = A.transpose() * &own;
+        let through = &posterior.covariance * &cross;
+        Effects {
+            own,
+            cross,
+            through,
+        }
     }
 
     /// A hypothesis with sizes of its own in the linear model: evidence and prior, and guesses of its numbers in units of their priors.
@@ -173,6 +195,24 @@ impl Catalogue {
             x,
             sizes,
         })
+    }
+}
+
+/// What the numbers of all hypotheses do to the whitened rows: `E`, `A'E` and `C A'E` with the columns `A` of a fit and its covariance `C`.
+struct Effects {
+    own: DMatrix<f64>,
+    cross: DMatrix<f64>,
+    through: DMatrix<f64>,
+}
+
+impl Effects {
+    /// `E'E - E'A C A'E` of some columns.
+    fn information(&self, range: std::ops::Range<usize>) -> DMatrix<f64> {
+        let (from, count) = (range.start, range.len());
+        let own = self.own.columns(from, count);
+        let mut out = own.transpose() * own;
+        out -= self.cross.columns(from, count).transpose() * self.through.columns(from, count);
+        out
     }
 }
 

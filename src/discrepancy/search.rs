@@ -15,6 +15,8 @@ const WEIGHED: usize = 7;
 const REFITTED: usize = 3;
 /// where they are within so many nats of the best; friction, whose first guess is rough, within so many more.
 const WITHIN: (f64, f64) = (30.0, 600.0);
+/// Beyond so many nats the linear model is far from where fits end: every place that promises this part of the best is refitted.
+const FAR: (f64, f64) = (1000.0, 0.9);
 /// A model that would lose so many nats is not refitted.
 const HOPELESS: f64 = -6.0;
 /// A model known only by its linear approximation counts when it is so close to the best one.
@@ -29,8 +31,10 @@ const BEHIND: f64 = 50.0;
 const MANY: usize = 3;
 /// Slip lengths are tried again at these parts of themselves.
 const SLIPS: [f64; 2] = [0.4, 2.0];
-/// A model has to be better by so many nats.
+/// A model has to be better by so many nats,
 const BETTER: f64 = 0.05;
+/// and by so many to be another place than the one a fit of the same causes came to.
+const ELSEWHERE: f64 = 2.0;
 
 /// A model that was looked at.
 #[derive(Clone, Debug)]
@@ -61,38 +65,46 @@ pub struct Found {
 /// Searches from the model without any cause.
 pub fn search(subject: &Subject<'_>, none: Fitted, data: Data) -> Found {
     let none = Arc::new(none);
-    let mut search = Search {
-        subject,
-        data,
-        visited: Vec::new(),
-        beside: Vec::new(),
-        places: 0,
-    };
+    let mut search = Search::new(subject, data);
     search.note(&none);
-    let mut best = Arc::clone(&none);
-    loop {
-        while best.chosen.len() < MOST && !subject.is_spent() {
-            let Some(next) = search.grown(&best) else {
-                break;
-            };
-            let next = search.restarted(next);
-            best = search.pruned(next);
-            best = search.unnamed(&best).unwrap_or(best);
-        }
-        best = search.exchanged(best);
-        let Some(next) = search.unnamed(&best) else {
-            break;
-        };
-        best = search.pruned(next);
+    let best = search.climbed(Arc::clone(&none));
+    search.ended(none, best)
+}
+
+/// Goes on with a search from the models with and without causes that a search of some of the cases came to: where a fit ran off after
+/// something, or a first cause hides the true one, the other search as a rule did not. `None` where they are no better.
+pub fn search_on(
+    subject: &Subject<'_>,
+    found: &Found,
+    [none, best]: [&Arc<Fitted>; 2],
+    data: Data,
+) -> Option<Found> {
+    let again = |other: &Arc<Fitted>| {
+        let from = Some((&**other, other.x.as_slice()));
+        Some(Arc::new(fit(subject, &unguessed(other), from, data, ANY)?))
+    };
+    let better = |a: &Arc<Fitted>, b: &Arc<Fitted>| a.ln_posterior() > b.ln_posterior() + ELSEWHERE;
+    let none = again(none).filter(|none| better(none, &found.none));
+    let best = again(best).filter(|best| better(best, &found.best));
+    if none.is_none() && best.is_none() {
+        return None;
     }
-    let models = search.probabilities();
-    Found {
-        none,
-        best,
-        models,
-        places: search.places,
-        cut_short: subject.is_spent(),
+    let mut search = Search::new(subject, data);
+    search.visited = found.models.iter().map(|(m, _)| m.clone()).collect();
+    search.places = found.places;
+    for model in none.iter().chain(&best) {
+        search.note(model);
     }
+    let mut ends = vec![Arc::clone(&found.best)];
+    for start in best.into_iter().chain(none.clone()) {
+        let start = search.pruned(start);
+        ends.push(search.climbed(start));
+    }
+    let by_evidence =
+        |a: &Arc<Fitted>, b: &Arc<Fitted>| a.ln_posterior().total_cmp(&b.ln_posterior());
+    let best = ends.into_iter().max_by(by_evidence)?;
+    let none = none.unwrap_or_else(|| Arc::clone(&found.none));
+    Some(search.ended(none, best))
 }
 
 struct Search<'a, 'b> {
@@ -104,7 +116,46 @@ struct Search<'a, 'b> {
     places: usize,
 }
 
-impl Search<'_, '_> {
+impl<'a, 'b> Search<'a, 'b> {
+    fn new(subject: &'a Subject<'b>, data: Data) -> Self {
+        Self {
+            subject,
+            data,
+            visited: Vec::new(),
+            beside: Vec::new(),
+            places: 0,
+        }
+    }
+
+    /// The best model that adding, dropping and exchanging causes leads to.
+    fn climbed(&mut self, mut best: Arc<Fitted>) -> Arc<Fitted> {
+        loop {
+            while best.chosen.len() < MOST && !self.subject.is_spent() {
+                let Some(next) = self.grown(&best) else {
+                    break;
+                };
+                let next = self.restarted(next);
+                best = self.pruned(next);
+                best = self.unnamed(&best).unwrap_or(best);
+            }
+            best = self.exchanged(best);
+            let Some(next) = self.unnamed(&best) else {
+                return best;
+            };
+            best = self.pruned(next);
+        }
+    }
+
+    fn ended(self, none: Arc<Fitted>, best: Arc<Fitted>) -> Found {
+        Found {
+            none,
+            best,
+            models: self.probabilities(),
+            places: self.places,
+            cut_short: self.subject.is_spent(),
+        }
+    }
+
     fn note(&mut self, fitted: &Arc<Fitted>) {
         self.visited.push(Visited {
             causes: fitted.chosen.clone(),
@@ -161,14 +212,30 @@ impl Search<'_, '_> {
         (h, weighed): (&Hypothesis, &Weighed),
         least: f64,
     ) -> Option<Arc<Fitted>> {
-        let mut all = unguessed(base);
-        all.push((h.clone(), weighed.guesses.clone()));
         let mut start = base.clone();
         start.sizes = weighed.sizes.clone();
         let least = least - base.ln_prior() - h.ln_prior;
-        let from = |x: &[f64]| fit(self.subject, &all, Some((&start, x)), self.data, least);
-        let found = from(&weighed.x).or_else(|| from(&base.x))?;
+        let from = |guesses: &[f64], x: &[f64]| {
+            let mut all = unguessed(base);
+            all.push((h.clone(), guesses.to_vec()));
+            fit(self.subject, &all, Some((&start, x)), self.data, least)
+        };
+        let guesses = &weighed.guesses;
+        let found = from(guesses, &weighed.x).or_else(|| from(guesses, &base.x))?;
         let last = found.chosen.len() - 1;
+        let first = found.places[last].first().map_or(0.0, |at| found.x[*at]);
+        if h.one_sided && first < 0.0 && guesses.len() > 1 {
+            // A law whose first term pulls where it can only push: a higher one took its place. Again from the first term alone.
+            let mut alone = vec![0.0; guesses.len()];
+            alone[0] = guesses.iter().map(|g| g.abs()).sum();
+            let again = from(&alone, &weighed.x).filter(|again| {
+                !again.has_wrong_sign(last)
+                    && (found.has_wrong_sign(last) || again.ln_posterior() > found.ln_posterior())
+            });
+            if let Some(again) = again {
+                return Some(Arc::new(again));
+            }
+        }
         (!found.has_wrong_sign(last)).then(|| Arc::new(found))
     }
 
@@ -193,8 +260,10 @@ impl Search<'_, '_> {
             let same = |of: &&(&Hypothesis, &Weighed)| of.0.same_place(h);
             let known = forms.iter().flatten().filter(same).count();
             let most = if h.cause.has_rough_law() { FORMS } else { 1 };
+            let promised = best - least;
+            let is_as_good = promised > FAR.0 && weighed.ln_posterior - least > FAR.1 * promised;
             if weighed.ln_posterior < (best - within).max(least + HOPELESS)
-                || (known == 0 && forms[0].len() >= REFITTED)
+                || (known == 0 && forms[0].len() >= REFITTED && !is_as_good)
                 || known >= most
             {
                 continue;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::fit::{ANY, Fitted, fit, refit};
 use super::hypothesis::Hypothesis;
 use super::progress::Progress;
-use super::search::{Found, search};
+use super::search::{Found, search, search_on};
 use super::subject::{Data, Subject};
 
 /// A place is named from this probability on.
@@ -46,6 +46,18 @@ pub fn seek(subject: &mut Subject<'_>, data: Data, progress: &Progress) -> Optio
     let found = search(subject, none, data);
     let leading = leading(&found);
     Some(Sought { found, leading })
+}
+
+impl Sought {
+    /// Goes on from what a search of some of the cases chose; false where that is no better.
+    pub fn go_on(&mut self, subject: &Subject<'_>, models: [&Arc<Fitted>; 2], data: Data) -> bool {
+        let Some(found) = search_on(subject, &self.found, models, data) else {
+            return false;
+        };
+        self.leading = leading(&found);
+        self.found = found;
+        true
+    }
 }
 
 /// Probability of all models whose causes are such.

@@ -115,6 +115,11 @@ impl Unseen {
         Ok(found.unwrap_or_else(|| self.clone()))
     }
 
+    /// The models without and with causes behind it.
+    pub fn models(&self) -> [&Arc<Fitted>; 2] {
+        [&self.none, &self.chosen]
+    }
+
     /// The model that was chosen and fitted without these cases; `None` if it was only refitted.
     pub fn own_choice(&self) -> Option<&Arc<Fitted>> {
         self.searched.then_some(&self.chosen)

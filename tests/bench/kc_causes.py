@@ -5,7 +5,8 @@
 
 Each seed draws for every cause its place and size, and the stiffnesses of the rubber beside it. Two virtual rigs measure the same axle in the same
 three loops: one reads toe, camber, caster, travel, base and track of the wheel, the other four marks on each part. A cause is named if a
-finding of this cause at this place, or at one that nothing tells from it, has a probability above one half.
+finding of this cause at this place, or at one that nothing tells from it, has a probability above one half. It can be seen if it is larger than
+the limit that the diagnosis itself states for it; a friction that never slips is not, whatever its force.
 """
 
 import argparse
@@ -21,6 +22,7 @@ RIG = os.path.join(ROOT, "corpus", "rigs", "kc-curves")
 MARKS = os.path.join(ROOT, "corpus", "pseudo-mcpherson", "marks_on_parts.csv")
 TOLERANCES = "hardpoints=0.2,load_gain=0.003,load_direction_deg=0.057,assembly_offset=0.05,bushing_axis_deg=0.1,preload=0.003"
 RUBBER = [f"BUSHING/{bushing}.{kind}.{k}" for bushing in (1, 2) for kind in ("K", "KT") for k in (1, 2, 3)]
+RATE = 60.0  # of SPRINGDAMPER/1, in N/mm
 LOADS = {"Fz [N]": "SFORCE/3", "Fy [N]": "SFORCE/2", "Fx [N]": "SFORCE/1"}
 
 
@@ -65,13 +67,47 @@ def with_marks(folder):
             out.write(",".join([row["case"], *(row[load] for load in LOADS)]) + "\n")
 
 
-def named(program, study, out, cause, address):
-    """Whether a diagnosis names the cause; and what it names."""
+def size(rest):
+    """What the limits of a planted effect are of, and its size: a name of findings[].parameters."""
+    given = dict(word.split("=") for word in rest.split(","))
+    for key in ("x", "y", "z"):
+        if key in given:
+            return key, abs(float(given[key]))
+    if "force" in given:
+        return "force", float(given["force"])
+    if "factor" in given:
+        return "change", abs(float(given["factor"]) - 1) * RATE
+    if "gain" in given:
+        return "gain", abs(float(given["gain"]) - 1)
+    if "cubic" in given:
+        return "cubic", float(given["cubic"])
+    if "clearance" in given:
+        return "stiffness", float(given["stiffness"])
+    return "compliance", 1 / float(given["stiffness"])
+
+
+def is_seen(diagnosis, cause, address, rest):
+    """Whether the planted effect is above the limit that a diagnosis states; None if it states none."""
+    number, planted = size(rest)
+    for limit in diagnosis["detection_limits"]:
+        if cause == "hardpoint-error" and address in limit["members"]:
+            least = limit["mm"]["xyz".index(number)]
+            return least is not None and planted > least
+    for limit in diagnosis["cause_limits"]:
+        if (limit["cause"], limit["address"], limit["number"]) == (cause, address, number):
+            return limit["size"] is not None and planted > limit["size"]
+    return None
+
+
+def named(program, study, out, cause, address, rest):
+    """Whether a diagnosis names the cause, whether it could be seen, and what it names."""
     words = [program, "diagnose", study, "--out", out, "--check-gain", "quick", "--format", "json", "--force"]
     done = subprocess.run(words, capture_output=True, text=True)
     if done.returncode != 0:
-        return False, [f"exit code {done.returncode}: {done.stderr.strip()[:120]}"]
-    findings = json.loads(done.stdout)["findings"]
+        return False, None, [f"exit code {done.returncode}: {done.stderr.strip()[:120]}"]
+    diagnosis = json.loads(done.stdout)
+    findings = diagnosis["findings"]
+    seen = is_seen(diagnosis, cause, address, rest)
     shown = [f"{f['cause']}@{f['address']} {f['probability']:.2f}" for f in findings]
     for found in findings:
         if found["probability"] <= 0.5:
@@ -80,8 +116,8 @@ def named(program, study, out, cause, address):
         same += [(found["cause"], member) for member in found.get("members", [])]
         same += [(other["cause"], other["address"]) for other in found.get("indistinguishable_from", [])]
         if (cause, address) in same:
-            return True, shown
-    return False, shown
+            return True, True, shown
+    return False, seen, shown
 
 
 def main():
@@ -106,20 +142,21 @@ def main():
                     for effect in [hidden, *rubber]:
                         words += ["--effect", effect]
                     subprocess.run(words, capture_output=True, check=True)
-                    right, shown = named(options.admire, study, out, cause, address)
-                    told = counts.setdefault((cause, address.split("/")[0]), {}).setdefault(kind, [0, 0])
+                    right, seen, shown = named(options.admire, study, out, cause, address, rest)
+                    told = counts.setdefault((cause, address.split("/")[0]), {}).setdefault(kind, [0, 0, 0])
                     told[0] += right
-                    told[1] += 1
-                    line.append(f"{kind}: {'named' if right else 'not named'} ({', '.join(shown) or 'nothing'})")
+                    told[1] += bool(seen)
+                    told[2] += 1
+                    word = "named" if right else "not named" if seen else "cannot be seen"
+                    line.append(f"{kind}: {word} ({', '.join(shown) or 'nothing'})")
             print(f"{seed} {hidden} | {' | '.join(line)}", flush=True)
     total = {}
     for (cause, where), kinds in counts.items():
-        print(f"{cause} at {where}: " + ", ".join(f"{kind} {right} of {count}" for kind, (right, count) in kinds.items()))
-        for kind, (right, count) in kinds.items():
-            total.setdefault(kind, [0, 0])
-            total[kind][0] += right
-            total[kind][1] += count
-    print("all: " + ", ".join(f"{kind} {right} of {count}" for kind, (right, count) in total.items()))
+        told = (f"{kind} {right} of {seen} that can be seen, {count} planted" for kind, (right, seen, count) in kinds.items())
+        print(f"{cause} at {where}: " + "; ".join(told))
+        for kind, of in kinds.items():
+            total[kind] = [a + b for a, b in zip(total.get(kind, [0, 0, 0]), of)]
+    print("all: " + "; ".join(f"{kind} {a} of {b} that can be seen, {c} planted" for kind, (a, b, c) in total.items()))
 
 
 if __name__ == "__main__":

@@ -1,8 +1,9 @@
 //! The shipped study of K&C curves: toe, camber, caster and displacements of one wheel in loops, nothing else.
 
 use std::path::Path;
+use std::process::Command;
 
-use admire::discrepancy::{Verdict, diagnose, held_out};
+use admire::discrepancy::{GainCheck, Progress, Verdict, diagnose, diagnose_watched, held_out};
 use admire::identify::LoadedStudy;
 
 #[test]
@@ -40,4 +41,68 @@ fn a_wrong_hardpoint_and_friction_are_found_from_curves_of_the_wheel() {
     assert!(
         after.chi_square < 1.5 * after.dof as f64 && before.chi_square > 5.0 * after.chi_square
     );
+}
+
+/// By marks in the loops of the rig, with tolerances everywhere and rubber that is not the deck's: the fit without a cause puts the strut's
+/// friction into the arms, and what undoes that at an arm promises more than friction in the strut.
+#[test]
+fn friction_of_a_strut_is_not_taken_for_that_of_an_arm() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus");
+    let rig = root.join("rigs/kc-curves");
+    let folder = tempfile::tempdir().unwrap();
+    let with_marks = folder.path().join("rig");
+    std::fs::create_dir(&with_marks).unwrap();
+    let text = std::fs::read_to_string(rig.join("study.toml")).unwrap();
+    let (head, rest) = text.split_once("[kc]").unwrap();
+    let marks = "[marks]\non_parts = \"marks_on_parts.csv\"\nmeasured = \"measured.csv\"\nsigma = 0.05\n\n[identify]";
+    let text = head.to_string() + marks + rest.split_once("[identify]").unwrap().1;
+    std::fs::write(with_marks.join("study.toml"), text).unwrap();
+    for from in [
+        rig.join("model.adm"),
+        rig.join("kc.csv"),
+        root.join("pseudo-mcpherson/marks_on_parts.csv"),
+    ] {
+        std::fs::copy(&from, with_marks.join(from.file_name().unwrap())).unwrap();
+    }
+    for seed in [201, 401] {
+        let study = folder.path().join(format!("study-{seed}"));
+        let mut command = Command::new(env!("CARGO_BIN_EXE_admire"));
+        command.arg("rig").arg(&with_marks).arg("--out").arg(&study);
+        command.args(["--seed", &seed.to_string(), "--tolerances"]);
+        command.arg("hardpoints=0.2,load_gain=0.003,load_direction_deg=0.057,assembly_offset=0.05,bushing_axis_deg=0.1,preload=0.003");
+        command.args(["--effect", "dry-friction@JOINT/3:force=220,stiffness=3000"]);
+        for (component, factor) in [
+            ("1.K.1", 1.2),
+            ("1.KT.3", 0.85),
+            ("2.K.1", 0.85),
+            ("2.KT.3", 1.15),
+        ] {
+            command.arg("--effect");
+            command.arg(format!(
+                "element-parameter@BUSHING/{component}:factor={factor}"
+            ));
+        }
+        let done = command.output().unwrap();
+        assert!(done.status.success(), "{done:?}");
+        let loaded = LoadedStudy::read(&study).value.unwrap();
+        let problem = loaded.problem();
+        let held = held_out(&loaded.study, &loaded.measurement);
+        let outcome = diagnose_watched(&problem, held, GainCheck::Quick, &Progress::default());
+        let diagnosis = outcome.unwrap().diagnosis;
+        let named: Vec<(&str, &str)> = diagnosis
+            .findings
+            .iter()
+            .map(|f| (f.cause.as_str(), f.address.as_str()))
+            .collect();
+        assert_eq!(named, [("dry-friction", "JOINT/3")], "{seed}");
+        assert_eq!(diagnosis.verdict, Verdict::Discrepancy);
+        let force = diagnosis.findings[0].parameters["force"];
+        assert!((force - 220.0).abs() < 10.0, "{force}");
+        // Far below what acts; along a link that never bends its rubber nothing would be seen.
+        let limit = diagnosis
+            .cause_limits
+            .iter()
+            .find(|limit| limit.address == "BUSHING/2.K.1" && limit.number == "force");
+        assert!(limit.unwrap().size.unwrap() < 50.0, "{limit:?}");
+    }
 }
