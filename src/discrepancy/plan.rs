@@ -9,8 +9,10 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use super::candidate::{BEYOND, Candidate, Candidates, Kind, in_the_file};
+use super::diagnosis::{CauseLimit, DetectionLimit};
 use super::fit::Fitted;
 use super::information::{Information, ln_det};
+use super::limits::{cause_limits, detection_limits};
 use super::progress::Progress;
 use super::prospect::{Prospect, Readings};
 use super::rivals::{Rivals, Separation, separated};
@@ -123,6 +125,10 @@ pub struct Plan {
     pub curves: Option<Curves>,
     /// What is undecided; `null` where nothing is, or nobody asked.
     pub causes: Option<Undecided>,
+    /// From what size on the readings show a hardpoint that is off; empty where nobody asked for causes.
+    pub detection_limits: Vec<DetectionLimit>,
+    /// The same for all other causes.
+    pub cause_limits: Vec<CauseLimit>,
     /// The factor beyond the largest magnitude of the study.
     pub beyond: f64,
     /// What could not be solved or read.
@@ -151,12 +157,13 @@ pub fn plan(problem: &Problem<'_>, aim: Aim, progress: &Progress) -> Result<Plan
     let held_out: Vec<bool> = problem.measurement.cases.iter().map(held).collect();
     let mut of_all = Subject::new(problem, held_out.clone());
     of_all.watched_by(progress);
-    let rivals = if aim.looks_at(Aim::Causes) {
+    let (mut rivals, mut of_points, mut of_causes) = (None, Vec::new(), Vec::new());
+    if aim.looks_at(Aim::Causes) {
         let sought = seek(&mut of_all, Data::All, progress).ok_or_else(no_cases)?;
-        Rivals::of(&sought.found, &sought.leading)
-    } else {
-        None
-    };
+        rivals = Rivals::of(&sought.found, &sought.leading);
+        of_points = detection_limits(&of_all, &sought.leading);
+        of_causes = cause_limits(&of_all, &sought.leading);
+    }
     let mut subject = Subject::new(problem, held_out);
     subject.watched_by(progress);
     progress.begin("fitting the model as it is");
@@ -205,6 +212,8 @@ pub fn plan(problem: &Problem<'_>, aim: Aim, progress: &Progress) -> Result<Plan
             between: rivals.names,
             probability: rivals.probability,
         }),
+        detection_limits: of_points,
+        cause_limits: of_causes,
         beyond: BEYOND,
         not_possible,
         left_out: candidates.left_out,

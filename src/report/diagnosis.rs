@@ -1,11 +1,11 @@
 use crate::discrepancy::{
-    Cause, CauseLimit, ChannelMiss, CrossValidation, Fitted, HoldOut, Outcome, Over, Remainder,
-    StructureTest, Verdict,
+    ChannelMiss, CrossValidation, Fitted, HoldOut, Outcome, Over, Remainder, StructureTest, Verdict,
 };
 use crate::identify::global::Row;
 
 use super::diagnosis_view::{curves, diagnosis_scene, headline};
 use super::interval::IntervalScale;
+use super::limits;
 use super::number::unbroken;
 use super::ranking::{ranking, words};
 use super::{
@@ -261,15 +261,16 @@ impl DiagnosisReport<'_> {
         );
         if !diagnosis.detection_limits.is_empty() {
             page.heading("What cannot be seen");
-            page.table(&self.limits(&scene));
+            page.table(&limits::of_points(diagnosis, &scene));
             page.note(
                 "How far off, in mm, a point of the car has to be along each axis of ground to be named with even odds among tolerances of \
                  the size above; empty where the readings do not see it.",
             );
-            page.table(&self.cause_limits(&scene));
+            page.table(&limits::of_causes(diagnosis, &scene));
             page.note(
                 "How large each other cause has to be for the same, to first order and in the units of the deck: of all its places the one that \
-                 is seen best and the one that is seen worst, and how many are not seen at all.",
+                 is seen best and the one that is seen worst, and how many are not seen at all. All places, couplings and higher terms of \
+                 laws are in diagnosis.json.",
             );
         }
         page.heading("Residuals");
@@ -315,66 +316,6 @@ impl DiagnosisReport<'_> {
     fn marks(&self) -> usize {
         let measurement = self.outcome.subject.problem.measurement;
         measurement.parts.iter().map(|part| part.marks.len()).sum()
-    }
-
-    fn limits(&self, scene: &Scene) -> Table {
-        let mut table = Table::new(&[
-            ("point", Align::Left),
-            ("x, mm", Align::Right),
-            ("y, mm", Align::Right),
-            ("z, mm", Align::Right),
-        ]);
-        for limit in &self.outcome.diagnosis.detection_limits {
-            let [x, y, z] = limit
-                .mm
-                .map(|mm| mm.map_or_else(String::new, |mm| format!("{mm:.2}")));
-            table.row([scene.named_all(&limit.members), x, y, z]);
-        }
-        table
-    }
-
-    /// A line for each number of a cause.
-    fn cause_limits(&self, scene: &Scene) -> Table {
-        let mut table = Table::new(&[
-            ("cause", Align::Left),
-            ("number", Align::Left),
-            ("seen best", Align::Right),
-            ("at", Align::Left),
-            ("seen worst", Align::Right),
-            ("at", Align::Left),
-            ("not seen", Align::Right),
-        ]);
-        let all = &self.outcome.diagnosis.cause_limits;
-        let mut known: Vec<(Cause, &str)> = Vec::new();
-        for CauseLimit { cause, number, .. } in all {
-            if !known.contains(&(*cause, number.as_str())) {
-                known.push((*cause, number));
-            }
-        }
-        for (cause, name) in known {
-            let places = || {
-                all.iter()
-                    .filter(|l| (l.cause, l.number.as_str()) == (cause, name))
-            };
-            let seen = places().filter_map(|l| Some((l.size?, l.address.as_str())));
-            let mut seen: Vec<(f64, &str)> = seen.collect();
-            seen.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let (Some(best), Some(worst)) = (seen.first(), seen.last()) else {
-                continue;
-            };
-            let size = |(size, _): &(f64, &str)| number(*size, Some(size.abs() * 0.1));
-            let at = |(_, address): &(f64, &str)| scene.named(address);
-            table.row([
-                cause.as_str().to_string(),
-                name.to_string(),
-                size(best),
-                at(best),
-                size(worst),
-                at(worst),
-                (places().count() - seen.len()).to_string(),
-            ]);
-        }
-        table
     }
 
     fn tolerances(&self) -> Table {

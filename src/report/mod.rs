@@ -16,6 +16,7 @@ mod heat_map;
 mod identification;
 mod interval;
 mod kc;
+mod limits;
 mod number;
 mod page;
 mod plausibility;

@@ -1,0 +1,79 @@
+//! What the readings cannot see, as tables.
+
+use super::{Align, Scene, Table, number};
+use crate::discrepancy::{Cause, CauseLimit, Diagnosis};
+
+/// Terms of laws that grow, whose limits say less than that of the first.
+const HIGHER: [&str; 4] = ["quadratic", "quintic", "hardening", "growth"];
+
+/// How far off each point has to be.
+pub fn of_points(diagnosis: &Diagnosis, scene: &Scene) -> Table {
+    let mut table = Table::new(&[
+        ("point", Align::Left),
+        ("x, mm", Align::Right),
+        ("y, mm", Align::Right),
+        ("z, mm", Align::Right),
+    ]);
+    for limit in &diagnosis.detection_limits {
+        let [x, y, z] = limit
+            .mm
+            .map(|mm| mm.map_or_else(String::new, |mm| format!("{mm:.2}")));
+        table.row([scene.named_all(&limit.members), x, y, z]);
+    }
+    table
+}
+
+/// How large all other causes have to be: a line for each kind of number.
+pub fn of_causes(diagnosis: &Diagnosis, scene: &Scene) -> Table {
+    let mut table = Table::new(&[
+        ("cause", Align::Left),
+        ("number", Align::Left),
+        ("seen best", Align::Right),
+        ("at", Align::Left),
+        ("seen worst", Align::Right),
+        ("at", Align::Left),
+        ("not seen", Align::Right),
+    ]);
+    let all = &diagnosis.cause_limits;
+    // One line holds one unit: moments of a bushing are no forces, a rate is no length.
+    let of = |limit: &CauseLimit| {
+        let own = limit.number.as_str();
+        let argument = limit.address.split('.').nth(1).unwrap_or_default();
+        let name = match limit.cause {
+            Cause::ElementParameter => format!("{own} of {argument}"),
+            _ if argument == "KT" => format!("{own}, rotation"),
+            _ => own.to_string(),
+        };
+        (limit.cause, name)
+    };
+    let mut known: Vec<(Cause, String)> = Vec::new();
+    for limit in all {
+        let is_shown =
+            limit.cause != Cause::BushingCoupling && !HIGHER.contains(&limit.number.as_str());
+        if is_shown && !known.contains(&of(limit)) {
+            known.push(of(limit));
+        }
+    }
+    for kind in known {
+        let places = || all.iter().filter(|limit| of(limit) == kind);
+        let seen = places().filter_map(|l| Some((l.size?, l.address.as_str())));
+        let mut seen: Vec<(f64, &str)> = seen.collect();
+        seen.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (cause, name) = kind.clone();
+        let (Some(best), Some(worst)) = (seen.first(), seen.last()) else {
+            continue;
+        };
+        let size = |(size, _): &(f64, &str)| number(*size, Some(size.abs() * 0.1));
+        let at = |(_, address): &(f64, &str)| scene.named(address);
+        table.row([
+            cause.as_str().to_string(),
+            name,
+            size(best),
+            at(best),
+            size(worst),
+            at(worst),
+            (places().count() - seen.len()).to_string(),
+        ]);
+    }
+    table
+}
