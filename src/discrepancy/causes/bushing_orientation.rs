@@ -8,25 +8,33 @@ use crate::tolerance::Group;
 /// Radians a bushing may well be turned.
 const SD: f64 = 0.17;
 
-/// Every axis of every bushing.
+/// Every bushing, about each of its axes alone and about all of them.
 pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for bushing in &survey.model.bushings {
         if !bushing.header.active || !survey.can_turn(bushing.i) || !survey.can_turn(bushing.j) {
             continue;
         }
         let address = format!("BUSHING/{}", bushing.header.id);
-        for (axis, (member, _)) in survey
-            .members(Group::Axes, &address)
-            .into_iter()
-            .enumerate()
-        {
+        let members = survey.members(Group::Axes, &address).into_iter();
+        let angles: Vec<(usize, String)> = members
+            .zip(SIX)
+            .map(|((member, _), axis)| (member, format!("angle_{axis}")))
+            .collect();
+        let mut form = |name, angles: Vec<(usize, String)>| {
+            let cause = Cause::BushingOrientation;
             out.push(Hypothesis::outstanding(
-                Cause::BushingOrientation,
+                cause,
                 address.clone(),
-                SIX[axis],
-                [(member, format!("angle_{}", SIX[axis]))],
+                name,
+                angles,
                 SD,
             ));
+        };
+        for (angle, axis) in angles.iter().zip(SIX) {
+            form(axis, vec![angle.clone()]);
+        }
+        if angles.len() > 1 {
+            form("", angles);
         }
     }
 }
