@@ -20,6 +20,9 @@ const STEPS: usize = 16;
 /// grow hide it.
 const MISSED: f64 = 1.3;
 
+/// A fit that ends where its linear model promises no more nats has come to its end.
+const SETTLED: f64 = 1.0;
+
 /// A model linearised where its fit ended, and what the readings say there.
 #[derive(Clone, Debug)]
 pub struct Fitted {
@@ -109,6 +112,11 @@ impl Fitted {
         self.posterior.ln_z - self.posterior.gain + self.ln_prior()
     }
 
+    /// False for a fit that was given up, or came to no end, far from where its linear model leads.
+    pub fn is_settled(&self) -> bool {
+        self.posterior.gain < SETTLED
+    }
+
     /// Numbers of a chosen hypothesis.
     pub fn estimates(&self, chosen: usize) -> Vec<Estimate> {
         let hypothesis = &self.chosen[chosen];
@@ -144,13 +152,17 @@ impl Fitted {
             .collect()
     }
 
-    /// Whether the data contradict the sign a chosen hypothesis must have, by two standard errors.
+    /// Whether the data contradict the sign a chosen hypothesis must have, by two standard errors; a further part of a law may not pull at all.
     pub fn has_wrong_sign(&self, chosen: usize) -> bool {
         let hypothesis = &self.chosen[chosen];
         let at = self.places[chosen][0];
         hypothesis.one_sided
             && !matches!(hypothesis.numbers[0].unknown, Unknown::Compliance(_))
-            && self.x[at] < -2.0 * self.posterior.covariance[(at, at)].max(0.0).sqrt()
+            && self.x[at]
+                < match hypothesis.part {
+                    0 => -2.0 * self.posterior.covariance[(at, at)].max(0.0).sqrt(),
+                    _ => 0.0,
+                }
     }
 
     /// Estimate and standard error of stiffness `k` of the study, in units of the deck.

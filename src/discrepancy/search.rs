@@ -215,13 +215,35 @@ impl<'a, 'b> Search<'a, 'b> {
         let mut start = base.clone();
         start.sizes = weighed.sizes.clone();
         let least = least - base.ln_prior() - h.ln_prior;
-        let from = |guesses: &[f64], x: &[f64]| {
+        let begun = |h: &Hypothesis, guesses: &[f64], x: &[f64]| {
             let mut all = unguessed(base);
             all.push((h.clone(), guesses.to_vec()));
             fit(self.subject, &all, Some((&start, x)), self.data, least)
         };
+        let from = |guesses: &[f64], x: &[f64]| begun(h, guesses, x);
         let guesses = &weighed.guesses;
-        let found = from(guesses, &weighed.x).or_else(|| from(guesses, &base.x))?;
+        // Where the step of the linear model leads astray, from where the fit without the cause ended.
+        let found = from(guesses, &weighed.x);
+        let found = match found {
+            Some(found) if found.is_settled() || found.ln_posterior() > base.ln_posterior() => {
+                Some(found)
+            }
+            astray => {
+                let again = from(guesses, &base.x);
+                let reached = |f: &Option<Fitted>| f.as_ref().map(Fitted::ln_posterior);
+                if reached(&again) > reached(&astray) {
+                    again
+                } else {
+                    astray
+                }
+            }
+        };
+        // A further slider takes over a part of what the first one does.
+        let halved = halved(base, h).and_then(|(h, guesses, x)| begun(&h, &guesses, &x));
+        let found = match (found, halved) {
+            (Some(a), Some(b)) if b.ln_posterior() > a.ln_posterior() => b,
+            (a, b) => a.or(b)?,
+        };
         let last = found.chosen.len() - 1;
         let first = found.places[last].first().map_or(0.0, |at| found.x[*at]);
         if h.one_sided && first < 0.0 && guesses.len() > 1 {
@@ -331,10 +353,10 @@ impl<'a, 'b> Search<'a, 'b> {
         current
     }
 
-    /// The best fit of a model that was fitted already.
+    /// The best fit of a model that was fitted to its end already.
     fn known(&self, causes: &[Hypothesis]) -> Option<Arc<Fitted>> {
         let same = self.visited.iter().filter(|v| same_set(&v.causes, causes));
-        let fitted = same.filter_map(|v| v.fitted.as_ref());
+        let fitted = same.filter_map(|v| v.fitted.as_ref().filter(|f| f.is_settled()));
         let better =
             |a: &&Arc<Fitted>, b: &&Arc<Fitted>| a.ln_posterior().total_cmp(&b.ln_posterior());
         fitted.max_by(better).cloned()
@@ -348,6 +370,21 @@ impl<'a, 'b> Search<'a, 'b> {
             return None;
         }
         self.of(fitted, causes)
+    }
+
+    /// The same, also from where the model with the cause ended: what stands against the cause should have come as far.
+    fn without_it(&mut self, fitted: &Fitted, at: usize) -> Option<Arc<Fitted>> {
+        let known = self.without(fitted, at)?;
+        let mut all = unguessed(fitted);
+        all.remove(at);
+        let from = Some((fitted, fitted.x.as_slice()));
+        let again = fit(self.subject, &all, from, self.data, ANY);
+        let better = |again: &Fitted| again.ln_posterior() > known.ln_posterior() + BETTER;
+        let Some(again) = again.filter(better).map(Arc::new) else {
+            return Some(known);
+        };
+        self.note(&again);
+        Some(again)
     }
 
     /// The model of some of the causes of a fit, fitted from where that ended where it is not known.
@@ -391,7 +428,7 @@ impl<'a, 'b> Search<'a, 'b> {
         while at < current.chosen.len() && current.chosen.len() > 1 && !self.subject.is_spent() {
             let is_refined = current.chosen[at].is_refined(&current.chosen);
             let base = Some(at).filter(|_| !is_refined);
-            let Some(base) = base.and_then(|at| self.without(&current, at)) else {
+            let Some(base) = base.and_then(|at| self.without_it(&current, at)) else {
                 at += 1;
                 continue;
             };
@@ -515,6 +552,31 @@ impl<'a, 'b> Search<'a, 'b> {
         out.sort_by(|a, b| b.1.total_cmp(&a.1));
         out
     }
+}
+
+/// A further slider of a friction with half of the force of the first, which keeps the other half: one slips sooner than the first did,
+/// one later. With guesses of its numbers and the unknowns of the fit.
+fn halved(base: &Fitted, h: &Hypothesis) -> Option<(Hypothesis, Vec<f64>, Vec<f64>)> {
+    let first = base
+        .chosen
+        .iter()
+        .position(|c| c.part == 0 && h.part > 0 && c.same_place(h))?;
+    let [force, length, anchor] = base.places[first][..] else {
+        return None;
+    };
+    let mut h = h.clone();
+    let [_, stiffness, at] = &mut h.numbers[..] else {
+        return None;
+    };
+    let Unknown::SlipLength { start, .. } = &mut stiffness.unknown else {
+        return None;
+    };
+    let mut x = base.x.clone();
+    *start = libm::exp(x[length]) * SLIPS[1];
+    x[length] += libm::log(SLIPS[0]);
+    x[force] *= 0.5;
+    let guesses = vec![x[force], 0.0, x[anchor] - at.mean / at.sd];
+    Some((h, guesses, x))
 }
 
 /// How many places these are, in whatever forms.
