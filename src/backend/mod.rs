@@ -6,7 +6,9 @@
 mod answer;
 mod bushing_check;
 mod case_check;
+mod case_sweeper;
 mod command;
+mod compiled;
 mod contract;
 mod deck_run;
 #[cfg(windows)]
@@ -23,12 +25,14 @@ mod run_folder;
 mod scratch_folder;
 
 pub use bushing_check::ForceFrame;
+pub use case_sweeper::{CaseSweeper, Loads};
 pub use command::CommandBackend;
+pub use compiled::{compile, slot, tight_settings};
 pub use contract::{
     Backend, BackendError, CaseFailure, CaseOutcome, RunError, Sweep, SweepRequest,
 };
 pub use deck_run::{DeckAnswer, DeckRun, ProgramRun};
-pub use native::{NativeBackend, compile, slot, tight_settings};
+pub use native::NativeBackend;
 pub use process::end_runs;
 pub use programme::{Load, LoadCase, LoadProgramme};
 pub use recording::Recording;

@@ -430,7 +430,7 @@ impl Answer<'_> {
             "parts": named(parts, &[("position", 0..3), ("psi_theta_phi_deg", 3..6)]),
             "bushings": named(bushings, &[("deflection_j", 0..3), ("force_on_i_j", 3..6), ("torque_on_i_j", 6..9)]),
             "left_out": self.left_out.iter().map(|d| &d.message).collect::<Vec<_>>(),
-            "redundant": self.report.redundant,
+            "redundant": self.report.redundant.iter().map(ToString::to_string).collect::<Vec<_>>(),
             "free_motions": self.report.free_motions.iter().map(ToString::to_string).collect::<Vec<_>>(),
             "continuation": self.help_needed(),
             "stability": self.verdict(),

@@ -34,7 +34,7 @@ pub use force::{
 };
 pub use frame::{InitialVelocity, Marker, MarkerIx, Orientation, Part, PartIx, PartKind};
 pub use friction::{Friction, FrictionInputs};
-pub use lower::lower;
+pub use lower::{Definitions, lower};
 pub use settings::{
     EquilibriumSettings, IntegratorSettings, KinematicsSettings, OutputSettings, ResultsSettings,
     StaticMethod,

@@ -1,7 +1,7 @@
 use super::{
     ArrayData, Bushing, Coupler, Diff, Friction, Gcon, Gear, Header, Joint, LinearStates, Marker,
-    Motion, Nforce, PairForce, Part, PartKind, PlantPort, Primitive, Request, Sensor, Sforce,
-    Spline, SpringDamper, StringData, Variable, VectorForce, VectorForceKind,
+    Model, Motion, Nforce, PairForce, Part, PartKind, PlantPort, Primitive, Request, Sensor,
+    Sforce, Spline, SpringDamper, StringData, Variable, VectorForce, VectorForceKind,
 };
 
 /// What every object of a model has.
@@ -10,7 +10,7 @@ pub(super) trait Object {
     fn header(&self) -> &Header;
     /// Its header, to change it.
     fn header_mut(&mut self) -> &mut Header;
-    /// True if the object comes from this kind of statement; lists of one kind only always say so.
+    /// True if the object comes from this kind of statement.
     fn is(&self, kind: &str) -> bool;
 }
 
@@ -45,23 +45,60 @@ objects! {
     PairForce: |force, kind| force.def.name == kind,
     LinearStates: |states, kind| states.kind == kind,
     PlantPort: |port, kind| port.kind == kind,
-    Marker: |_marker, _kind| true,
-    Joint: |_joint, _kind| true,
-    Primitive: |_primitive, _kind| true,
-    Coupler: |_coupler, _kind| true,
-    Gear: |_gear, _kind| true,
-    Friction: |_friction, _kind| true,
-    Gcon: |_gcon, _kind| true,
-    Motion: |_motion, _kind| true,
-    Bushing: |_bushing, _kind| true,
-    SpringDamper: |_springdamper, _kind| true,
-    Sforce: |_sforce, _kind| true,
-    Nforce: |_nforce, _kind| true,
-    Variable: |_variable, _kind| true,
-    Diff: |_diff, _kind| true,
-    ArrayData: |_array, _kind| true,
-    Spline: |_spline, _kind| true,
-    StringData: |_string, _kind| true,
-    Sensor: |_sensor, _kind| true,
-    Request: |_request, _kind| true,
+    Marker: |_marker, kind| kind == "MARKER",
+    Joint: |_joint, kind| kind == "JOINT",
+    Primitive: |_primitive, kind| kind == "JPRIM",
+    Coupler: |_coupler, kind| kind == "COUPLER",
+    Gear: |_gear, kind| kind == "GEAR",
+    Friction: |_friction, kind| kind == "FRICTION",
+    Gcon: |_gcon, kind| kind == "GCON",
+    Motion: |_motion, kind| kind == "MOTION",
+    Bushing: |_bushing, kind| kind == "BUSHING",
+    SpringDamper: |_springdamper, kind| kind == "SPRINGDAMPER",
+    Sforce: |_sforce, kind| kind == "SFORCE",
+    Nforce: |_nforce, kind| kind == "NFORCE",
+    Variable: |_variable, kind| kind == "VARIABLE",
+    Diff: |_diff, kind| kind == "DIFF",
+    ArrayData: |_array, kind| kind == "ARRAY",
+    Spline: |_spline, kind| kind == "SPLINE",
+    StringData: |_string, kind| kind == "STRING",
+    Sensor: |_sensor, kind| kind == "SENSOR",
+    Request: |_request, kind| kind == "REQUEST",
+}
+
+/// What is done to every list of a model, beside that of another one.
+pub(super) trait EachList {
+    /// Does it to the objects of one list.
+    fn list<T: Object>(&mut self, list: &mut Vec<T>, other: &mut Vec<T>);
+}
+
+impl Model {
+    /// Goes through all lists of objects.
+    pub(super) fn each_list(&mut self, other: &mut Self, each: &mut impl EachList) {
+        each.list(&mut self.parts, &mut other.parts);
+        each.list(&mut self.markers, &mut other.markers);
+        each.list(&mut self.joints, &mut other.joints);
+        each.list(&mut self.primitives, &mut other.primitives);
+        each.list(&mut self.couplers, &mut other.couplers);
+        each.list(&mut self.gears, &mut other.gears);
+        each.list(&mut self.frictions, &mut other.frictions);
+        each.list(&mut self.gcons, &mut other.gcons);
+        each.list(&mut self.motions, &mut other.motions);
+        each.list(&mut self.bushings, &mut other.bushings);
+        each.list(&mut self.pair_forces, &mut other.pair_forces);
+        each.list(&mut self.springdampers, &mut other.springdampers);
+        each.list(&mut self.sforces, &mut other.sforces);
+        each.list(&mut self.vector_forces, &mut other.vector_forces);
+        each.list(&mut self.nforces, &mut other.nforces);
+        each.list(&mut self.variables, &mut other.variables);
+        each.list(&mut self.diffs, &mut other.diffs);
+        each.list(&mut self.linear_states, &mut other.linear_states);
+        each.list(&mut self.arrays, &mut other.arrays);
+        each.list(&mut self.splines, &mut other.splines);
+        each.list(&mut self.strings, &mut other.strings);
+        each.list(&mut self.sensors, &mut other.sensors);
+        each.list(&mut self.plant_ports, &mut other.plant_ports);
+        each.list(&mut self.requests, &mut other.requests);
+        each.list(&mut self.unsolved, &mut other.unsolved);
+    }
 }

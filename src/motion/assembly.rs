@@ -153,7 +153,7 @@ fn velocities(
         .fold(system.length, f64::max);
     if violation > CONFLICT * scale {
         return Err(Reason::VelocityConflict {
-            equation: system.constraint_equation_name(equation),
+            equation: system.constraint_equation_name(equation).to_string(),
             violation,
         });
     }

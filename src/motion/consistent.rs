@@ -148,7 +148,7 @@ impl Consistent {
             return Ok(());
         }
         Err(Reason::NoPosition {
-            equation: system.constraint_equation_name(worst.0),
+            equation: system.constraint_equation_name(worst.0).to_string(),
             violation: worst.1,
         })
     }
@@ -380,7 +380,7 @@ impl Consistent {
             let violation = self.g[system.first_equation + k].abs();
             if violation > REMOVED * system.length.max(1.0) {
                 return Err(Reason::RedundantViolated {
-                    equation: system.constraint_equation_name(k),
+                    equation: system.constraint_equation_name(k).to_string(),
                     violation,
                 });
             }

@@ -24,6 +24,7 @@ mod rows;
 mod scatter;
 mod schema;
 mod section;
+mod sensors;
 /// Sections of `study.toml` with their defaults.
 pub mod settings;
 mod starter;
@@ -52,6 +53,7 @@ pub use rigidity::{ForeignMarks, foreign_marks};
 pub use scatter::Scatter;
 pub use schema::schema;
 pub use section::{Holds, Key, Spelled, meant};
+pub use sensors::{Channels, with_channels};
 
 pub use rig_options::RigOptions;
 pub use starter::{Kind, Starter};

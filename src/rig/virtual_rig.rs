@@ -3,23 +3,22 @@
 use std::path::{Path, PathBuf};
 
 use super::effect::{Marked, Memory, Reality, plant};
-use super::kc_curves::with_helpers;
 use super::load::programme;
 use super::measurement::Measurement;
 use super::readings::Readings;
 use super::resolve;
 use super::rest::{Rest, place};
 use super::rig_options::RigOptions;
+use super::sensors::with_channels;
 use super::study::Study;
 use super::study_folder;
 use super::table::Table;
-use crate::backend::{compile, slot, tight_settings};
+use crate::backend::{CaseSweeper, Loads, compile, slot, tight_settings};
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::mechanics::{Pose, RelativeMotion, Vec3};
-use crate::model::{Model, Request};
-use crate::statics::Solver;
+use crate::model::Model;
 use crate::syntax::{Address, Dataset};
-use crate::system::{Parameters, Scratch, State, System};
+use crate::system::Scratch;
 use crate::text::Source;
 
 /// What the rig hands over.
@@ -154,24 +153,20 @@ fn at_rest(
     measured: &Measurement,
     progress: &mut dyn FnMut(usize, usize),
 ) -> Result<Vec<Rest>, Vec<Diagnostic>> {
-    let model = with_requests(reality.model(), measured).map_err(|why| vec![why])?;
+    let (model, channels) =
+        with_channels(&reality.model(), measured, &[]).map_err(|why| vec![why])?;
     let refuse =
         |code, error: &dyn std::fmt::Display| vec![Diagnostic::error(code, error.to_string())];
     let system = compile(&model).map_err(|error| refuse(Code::BadEffect, &error))?;
-    let slot_of = |address: &Address| {
-        slot(&system, address).map_err(|error| refuse(Code::UnknownTarget, &error))
-    };
-    let mut loads = Vec::new();
-    for load in &reality.programme.loads {
-        loads.push(slot_of(&load.target)?);
-    }
-    let mut state = system.state();
+    let unknown = |error| refuse(Code::UnknownTarget, &error);
+    let loads = Loads::of(&system, &reality.programme).map_err(unknown)?;
+    let mut sweeper = CaseSweeper::new(&system, loads, tight_settings(&system));
     let mut parameters = system.parameters();
     let mut memories = Vec::new();
     for memory in &reality.memories {
         let held = memory
             .law
-            .before(displacement(&model, &state.poses, memory));
+            .before(displacement(&model, &system.state().poses, memory));
         let mut slots = Vec::new();
         for id in &memory.variables {
             let address = Address {
@@ -180,29 +175,21 @@ fn at_rest(
                 argument: None,
                 index: None,
             };
-            slots.push(slot_of(&address)?);
+            slots.push(slot(&system, &address).map_err(unknown)?);
         }
         memories.push((memory, slots, held));
     }
-    let settings = tight_settings(&system);
-    let mut solver = Solver::new(&system);
     let mut scratch = Scratch::new(&system);
     let mut out = Vec::new();
-    for case in &reality.programme.cases {
-        for (slot, value) in loads.iter().zip(&case.values) {
-            parameters.set(*slot, *value);
-        }
+    for (number, case) in reality.programme.cases.iter().enumerate() {
+        sweeper.load(number, &mut parameters);
         for (_, slots, held) in &memories {
             for (slot, value) in slots.iter().zip(held) {
                 parameters.set(*slot, *value);
             }
         }
-        let mut solved = solver.solve(&system, &parameters, &mut state, &settings);
-        if solved.is_err() {
-            state = system.state();
-            solved = solver.solve(&system, &parameters, &mut state, &settings);
-        }
-        solved.map_err(|error| {
+        let solved = sweeper.solve(&system, &parameters, number, None);
+        let state = solved.map_err(|error| {
             let message = format!(
                 "the rig finds no equilibrium in load case {}: {error}",
                 case.label
@@ -214,11 +201,12 @@ fn at_rest(
                 .law
                 .after(held, displacement(&model, &state.poses, memory));
         }
-        let channels = channel_values(&system, &model, &parameters, &state, &mut scratch, measured);
+        let values = channels.values(&system, &parameters, &state, &mut scratch);
         out.push(Rest {
             poses: state.poses.clone(),
-            channels: channels.map_err(|error| refuse(Code::UnreachableCase, &error))?,
+            channels: values.map_err(|error| refuse(Code::UnreachableCase, &error))?,
         });
+        sweeper.keep(number, state);
         progress(out.len(), reality.programme.cases.len());
     }
     Ok(out)
@@ -236,41 +224,6 @@ fn displacement(model: &Model, poses: &[Pose], memory: &Memory) -> f64 {
         k @ 0..3 => motion.p_ij_j[k],
         k => motion.angles[k - 3],
     }
-}
-
-/// One more REQUEST per channel, which evaluates its function.
-fn with_requests(mut model: Model, measured: &Measurement) -> Result<Model, Diagnostic> {
-    with_helpers(
-        &mut model,
-        measured.channels.iter().flat_map(|c| &c.helpers),
-    );
-    for channel in &measured.channels {
-        let request = Request::of_function(&channel.name, &channel.function)?;
-        model.requests.push(request);
-    }
-    Ok(model)
-}
-
-fn channel_values(
-    system: &System,
-    model: &Model,
-    parameters: &Parameters,
-    state: &State,
-    scratch: &mut Scratch,
-    measured: &Measurement,
-) -> Result<Vec<f64>, crate::system::NoValue> {
-    let count = measured.channels.len();
-    if count == 0 {
-        return Ok(Vec::new());
-    }
-    let mut here = system.look(parameters, state, scratch)?;
-    let first = model.requests.len() - count;
-    let mut values = Vec::with_capacity(count);
-    for k in 0..count {
-        let read = here.read_function((first + k, 1))?;
-        values.push(read.map_or(f64::NAN, |(value, _)| value));
-    }
-    Ok(values)
 }
 
 /// True if the study has a section of marks, readable or not.

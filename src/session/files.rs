@@ -11,6 +11,9 @@ use crate::text::Source;
 use super::file_policy::FilePolicy;
 use super::paths::find_file;
 
+/// The largest file that is read: a command file may name any.
+pub(super) const LARGEST: u64 = 1 << 30;
+
 /// Larger files are no property files.
 const MOST_BYTES: u64 = 64 << 20;
 

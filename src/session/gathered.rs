@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::diagnostic::{Code, Diagnostic, Severity};
 
 use super::object_names::object_of;
-use super::run::Session;
+use super::run_state::Session;
 
 /// So many objects get a message each; more share one.
 const APART: usize = 3;

@@ -7,7 +7,7 @@ use serde_json::json;
 use super::loaded::Compiled;
 use super::message::exponent;
 use super::paths::native_spelling;
-use super::run::{Flow, Locate, Place, Session};
+use super::run_state::{Flow, Locate, Place, Session};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::motion::{self, Mode, modes};
 use crate::syntax::Statement;

@@ -1,122 +1,74 @@
 //! What LIST, INFO and TIME print: values of the model as it is now.
 //!
-//! Knows the dataset as text and what commands have redefined since. How ADAMS lays these pages out is not published; the lines here
-//! are our own (guide/formats.md 6.5).
+//! How ADAMS lays these pages out is not published; the lines here are our own (guide/formats.md 6.5).
 
-use std::cell::OnceCell;
-use std::collections::BTreeMap;
+use std::borrow::Cow;
 use std::fmt::Write as _;
 
 use crate::diagnostic::{Code, Diagnostic};
-use crate::grammar::{Presence, StatementDef};
-use crate::model::{Header, MarkerIx, Request, RequestKind};
-use crate::syntax::{Argument, Dataset, Statement, Value};
+use crate::model::{Definitions, Header, MarkerIx, Request, RequestKind};
+use crate::syntax::{Argument, Stated, Statement, Value, excludes};
 use crate::text::Source;
 
 use super::loaded::Loaded;
 use super::message::exponent;
-use super::run::{Flow, Locate as _, Place, Session};
-
-/// A dataset and what commands have changed of it.
-pub(super) struct Listing {
-    source: Source,
-    read: OnceCell<Dataset>,
-    changed: BTreeMap<(&'static str, Option<u32>), Vec<Given>>,
-}
+use super::run_state::{Flow, Locate as _, Place, Session};
 
 /// The values of one argument, as text: SPLINE has several Y.
-#[derive(Clone)]
 struct Given {
     name: &'static str,
     values: Vec<String>,
 }
 
-impl Listing {
-    /// The listing of a dataset, which is read when something is asked for.
-    pub fn of(source: Source) -> Self {
-        Self {
-            source,
-            read: OnceCell::new(),
-            changed: BTreeMap::new(),
-        }
+/// The values of the statement a command names, one argument to a line; `None` if there is no such statement.
+fn listed(definitions: &Definitions, command: &Statement) -> Option<String> {
+    let def = command.def?;
+    let statement = definitions.statement(def, command.number());
+    if statement.is_none() && def.id.is_some() {
+        return None;
     }
-
-    /// Takes up what a command has redefined.
-    pub fn redefined(&mut self, command: &Statement, source: &Source) {
-        let Some(def) = command.def else { return };
-        let given = given(command, source);
-        if matches!(def.name, "ACTIVATE" | "DEACTIVATE") || given.is_empty() {
-            return;
-        }
-        let changed = self
-            .changed
-            .entry((def.name, command.number()))
-            .or_default();
-        put_over(changed, given, def);
-    }
-
-    /// The values of the statement a command names, one argument to a line; `None` if there is no such statement.
-    pub fn text(&self, command: &Statement) -> Option<String> {
-        let def = command.def?;
-        let dataset = self
-            .read
-            .get_or_init(|| Dataset::parse(self.source.clone()).value);
-        let mut here = dataset
-            .statements()
+    let mut all = statement
+        .as_ref()
+        .map_or_else(Vec::new, |s| given(&s.stated()));
+    // What nobody gave has its default, unless what was given stands in its place.
+    for argument in def.arguments {
+        let known = all.iter().any(|given| given.name == argument.name);
+        let replaced = all
             .iter()
-            .filter(|s| s.kind() == Some(def.name) && s.number() == command.number());
-        let statement = here.next();
-        if statement.is_none() && def.id.is_some() {
-            return None;
+            .any(|given| excludes(def, given.name, argument.name));
+        if !known && !replaced && !argument.default.is_empty() {
+            let values: Vec<String> = argument.default.iter().map(ToString::to_string).collect();
+            all.push(Given {
+                name: argument.name,
+                values: vec![values.join(", ")],
+            });
         }
-        let mut all = statement.map_or_else(Vec::new, |s| given(s, &self.source));
-        if let Some(changed) = self.changed.get(&(def.name, command.number())) {
-            put_over(&mut all, changed.clone(), def);
-        }
-        // What nobody gave has its default, unless what was given stands in its place.
-        for argument in def.arguments {
-            let known = all.iter().any(|given| given.name == argument.name);
-            let replaced = all
-                .iter()
-                .any(|given| excludes(def, given.name, argument.name));
-            if !known && !replaced && !argument.default.is_empty() {
-                let values: Vec<String> =
-                    argument.default.iter().map(ToString::to_string).collect();
-                all.push(Given {
-                    name: argument.name,
-                    values: vec![values.join(", ")],
-                });
-            }
-        }
-        let mut text = match command.number() {
-            Some(id) => {
-                let name = statement.and_then(|s| s.view_name);
-                let name = name.map_or_else(
-                    || format!("{}_{id}", def.name),
-                    |name| self.source.text(name).into_owned(),
-                );
-                format!("\n {}/{id}   model.{name}\n\n", def.name)
-            }
-            None => format!("\n {}/\n\n", def.name),
-        };
-        for given in &all {
-            for value in &given.values {
-                let line = match value.as_str() {
-                    "" => format!("   {}\n", given.name),
-                    value => format!("   {:<12} = {value}\n", given.name),
-                };
-                text += &line;
-            }
-        }
-        Some(text + "\n")
     }
+    let mut text = match (command.number(), &statement) {
+        (Some(id), Some(statement)) => {
+            let name = statement.stated().view_name();
+            let name = name.map_or_else(|| format!("{}_{id}", def.name), Cow::into_owned);
+            format!("\n {}/{id}   model.{name}\n\n", def.name)
+        }
+        _ => format!("\n {}/\n\n", def.name),
+    };
+    for given in &all {
+        for value in &given.values {
+            let line = match value.as_str() {
+                "" => format!("   {}\n", given.name),
+                value => format!("   {:<12} = {value}\n", given.name),
+            };
+            text += &line;
+        }
+    }
+    Some(text + "\n")
 }
 
 /// What a statement gives, argument by argument.
-fn given(statement: &Statement, source: &Source) -> Vec<Given> {
+fn given(statement: &Stated) -> Vec<Given> {
     let mut all: Vec<Given> = Vec::new();
-    for argument in &*statement.arguments {
-        let Some(name) = argument.kind().filter(|name| *name != "LIST") else {
+    for (argument, source) in statement.arguments() {
+        let Some(name) = argument.kind() else {
             continue;
         };
         let value = value(argument, source);
@@ -144,28 +96,6 @@ fn value(argument: &Argument, source: &Source) -> String {
     }
 }
 
-/// Newer values replace older ones, and those they cannot stand beside.
-fn put_over(old: &mut Vec<Given>, new: Vec<Given>, def: &StatementDef) {
-    for new in new {
-        old.retain(|old| !excludes(def, new.name, old.name));
-        match old.iter_mut().find(|old| old.name == new.name) {
-            Some(old) => *old = new,
-            None => old.push(new),
-        }
-    }
-}
-
-/// True if two arguments cannot stand together, or are two words of which a statement has one.
-fn excludes(def: &StatementDef, a: &str, b: &str) -> bool {
-    a != b
-        && def.presence.iter().any(|presence| match presence {
-            Presence::Exclusive(names) | Presence::OneOf(names) => {
-                names.contains(&a) && names.contains(&b)
-            }
-            _ => false,
-        })
-}
-
 /// The components of an answer and what they are called.
 type Components = [(&'static str, f64); 7];
 
@@ -173,9 +103,8 @@ impl Session<'_> {
     /// Prints what LIST asks for.
     #[allow(clippy::unnecessary_wraps)] // Every command ends in a Flow.
     pub(super) fn list(&mut self, command: &Statement) -> Flow {
-        let listing = self.loaded.as_ref().map(|loaded| &loaded.listing);
-        let asked = listing.filter(|_| command.has("LIST"));
-        if let Some(text) = asked.and_then(|listing| listing.text(command)) {
+        let asked = self.loaded.as_ref().filter(|_| command.has("LIST"));
+        if let Some(text) = asked.and_then(|loaded| listed(&loaded.definitions, command)) {
             self.messages.say(&text);
         }
         Ok(())

@@ -2,16 +2,15 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
 use crate::function::Measure;
-use crate::model::{Ignore, Model, Request, said_left_out};
+use crate::model::{Definitions, Ignore, Model, Request, said_left_out};
 use crate::statics::Solver;
 use crate::syntax::expression::Node;
 use crate::syntax::{Address, Argument, Dataset, Statement, Value};
-use crate::system::{Parameters, Slot, State, System};
+use crate::system::{EquationName, Parameters, Slot, State, System};
 use crate::text::Source;
 
 use super::file_policy::FilePolicy;
 use super::files::{folder_of, read_files};
-use super::listing::Listing;
 use super::measures::Measures;
 use super::output_options::not_written;
 use super::outputs::Outputs;
@@ -20,11 +19,13 @@ use super::saved::Saved;
 /// A model that was read, and where it stands.
 pub(super) struct Loaded {
     pub model: Model,
+    /// The statements it stands for.
+    pub definitions: Definitions,
     pub outputs: Outputs,
     /// What was told of its objects.
     pub told: BTreeSet<(Severity, String)>,
     /// The redundant constraints that were last told of.
-    pub said_redundant: Option<Vec<String>>,
+    pub said_redundant: Option<Vec<EquationName>>,
     /// The part that moves most in the instability that was last told of.
     pub said_unstable: Option<usize>,
     /// The limit of iterations was told of.
@@ -39,8 +40,6 @@ pub(super) struct Loaded {
     beginning: Beginning,
     /// A simulation over time has written where it began.
     pub begun: bool,
-    /// What LIST prints.
-    pub listing: Listing,
 }
 
 /// The equations of a model and their state.
@@ -113,7 +112,8 @@ impl Loaded {
     ) -> Checked<Self> {
         let folder = folder_of(parsed.value.source());
         let files = read_files(&parsed.value, &folder, policy);
-        let lowered = Model::lower_with(&parsed.value, &files.value);
+        let lowered = Definitions::lower(&parsed.value, &files.value);
+        let (model, definitions) = lowered.value;
         let mut diagnostics = parsed.diagnostics.clone();
         diagnostics.extend(files.diagnostics);
         diagnostics.extend(lowered.diagnostics);
@@ -121,7 +121,8 @@ impl Loaded {
         let diagnostics = diagnostics.into_iter().map(as_error).collect();
         Checked {
             value: Self {
-                model: lowered.value,
+                model,
+                definitions,
                 outputs,
                 told: BTreeSet::new(),
                 said_redundant: None,
@@ -133,7 +134,6 @@ impl Loaded {
                 before: None,
                 beginning: Beginning::default(),
                 begun: false,
-                listing: Listing::of(parsed.value.source().clone()),
             },
             diagnostics,
         }
@@ -163,17 +163,12 @@ impl Loaded {
 
     /// Redefines a statement by a command. Gives the complaints; nothing is changed if one is an error.
     pub fn redefine(&mut self, command: &Statement, source: &Source) -> Vec<Diagnostic> {
-        let complaints = self.change(command, source);
-        if complaints.is_empty() {
-            self.listing.redefined(command, source);
-        }
-        complaints
-    }
-
-    fn change(&mut self, command: &Statement, source: &Source) -> Vec<Diagnostic> {
         let constants = self.constants(command);
         let poses: Vec<_> = self.model.parts.iter().map(|part| part.pose).collect();
-        let complaints = self.model.redefine(command, source);
+        let complaints = self.definitions.redefine(&mut self.model, command, source);
+        if complaints.iter().any(|d| d.severity == Severity::Error) {
+            return complaints;
+        }
         if let (Some(constants), Some(compiled), true) =
             (constants, &mut self.compiled, complaints.is_empty())
         {
@@ -251,8 +246,9 @@ impl Loaded {
     /// When the state is that of another model.
     pub fn restore(&mut self, saved: Saved) -> Result<(), Diagnostic> {
         self.changed();
-        if let Some(model) = saved.model {
+        if let Some((model, definitions)) = saved.model {
             self.model = model;
+            self.definitions = definitions;
         }
         self.before = match saved.state {
             Some(placed) => {

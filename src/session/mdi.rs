@@ -8,7 +8,7 @@ use crate::text::{CodePage, Encoded, Source};
 
 use super::ending::{EXIT_CODES, Ending};
 use super::launcher::{Launch, LaunchInput};
-use super::run::Session;
+use super::run_state::Session;
 
 const HELP: &str = "\
 mdi: solves ADAMS datasets for static equilibrium, with ADAMS' own command line

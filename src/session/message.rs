@@ -8,13 +8,13 @@ use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::model::IntegratorSettings;
 use crate::model::lint::Apart;
 use crate::results::Timestamp;
+use crate::system::{EquationName, Name};
 use crate::text::printable;
 
 use super::located::{Sources, located};
 use super::outputs::emptied;
 use super::record::Sink;
-use super::simulate::Phases;
-use super::transient::{Progress, Row};
+use super::simulate::{OutputTimes, Phases};
 
 /// How long a run waits for another one that writes the same files.
 const PATIENCE: Duration = Duration::from_secs(10);
@@ -407,6 +407,58 @@ impl<'a> Messages<'a> {
             "\n\nFinished -----\nElapsed time = {elapsed:.2}s,  CPU time = {cpu:.2}s,  {load:.2}%\n"
         ));
         self.flush();
+    }
+}
+
+/// One row of the table of a simulation.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Row {
+    pub time: f64,
+    pub step: f64,
+    pub evaluations: usize,
+    pub steps: usize,
+}
+
+/// Which rows of the table are shown: the start, every tenth part of the outputs, the last.
+pub(super) struct Progress {
+    every: usize,
+    count: usize,
+    seen: usize,
+    start: Instant,
+}
+
+impl Progress {
+    pub fn new(times: &OutputTimes) -> Self {
+        Self {
+            every: (times.count / 10).max(1),
+            count: times.count,
+            seen: 0,
+            start: Instant::now(),
+        }
+    }
+
+    /// The time since the start if this row is shown.
+    pub fn shown(&mut self) -> Option<Duration> {
+        let at = self.seen;
+        self.seen += 1;
+        (at.is_multiple_of(self.every) || at == self.count).then(|| self.start.elapsed())
+    }
+}
+
+/// A constraint equation as ADAMS prints it: `Zi.Xj in model.crank_pin`.
+pub(super) fn equation_as_adams(equation: &EquationName) -> String {
+    let object = object_as_adams(&equation.object);
+    match equation.what {
+        Some(what) => format!("{what} in {object}"),
+        None => object,
+    }
+}
+
+/// An object as ADAMS prints it: `model.crank_pin`. What has no view name is called `JOINT_2`.
+pub(super) fn object_as_adams(object: &Name) -> String {
+    match object.view.as_str() {
+        "" => format!("model.{}_{}", object.kind, object.id),
+        view => format!("model.{view}"),
     }
 }
 

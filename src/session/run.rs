@@ -1,113 +1,23 @@
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
-use crate::model::{self, Ignore};
-use crate::statics::Balance;
+use crate::model;
 use crate::syntax::{CommandFile, Dataset, Statement};
 use crate::text::{Source, read_at_most};
 
 use super::ending::{Ending, Stop};
-use super::file_policy::FilePolicy;
+use super::files::LARGEST;
 use super::harmless::{asks_for_results, is_harmless, is_in, place_in_file};
 use super::loaded::{Loaded, as_error};
-use super::located::Sources;
-use super::message::Messages;
 use super::outputs::{Outputs, with_extension};
 use super::paths::{find_file, native_spelling};
-use super::progress::Watcher;
 use super::record::Record;
-use super::saving::Kept;
+use super::run_state::{Flow, Locate, Place, Session};
 
 /// Command files that read command files, one inside of the other.
 const DEEPEST: usize = 16;
 
-/// The largest file that is read: a command file may name any.
-pub(super) const LARGEST: u64 = 1 << 30;
-
-/// Executes commands against a model and writes what ADAMS would write.
-pub struct Session<'a> {
-    pub(super) messages: Messages<'a>,
-    sources: Sources,
-    pub(super) directory: PathBuf,
-    /// Folders to look files up in: the working directory, then those of the command files.
-    folders: Vec<PathBuf>,
-    pub(super) policy: FilePolicy,
-    pub(super) loaded: Option<Loaded>,
-    pub(super) kept: Kept,
-    stop_on_failure: bool,
-    /// What may be left out of the models.
-    ignored: Vec<Ignore>,
-    /// Why the first file could not be written, for the last line.
-    unwritten: Option<String>,
-    ending: Ending,
-    /// The stem of the message file of a run that reads no model.
-    stem: Option<String>,
-    pub(super) watcher: Option<Watcher<'a>>,
-    /// The dataset that stands in for any the commands name; its outputs stay in memory.
-    given: Option<&'a Checked<Dataset>>,
-    /// What is kept in memory of the last model.
-    record: Option<Record>,
-    /// What the equilibria so far left over at worst.
-    pub(super) worst_balance: Balance,
-}
-
-/// What executing a command leads to; `Err` ends the run.
-pub(super) type Flow = Result<(), Stop>;
-
 impl<'a> Session<'a> {
-    /// A session in a working directory (empty for that of the process), whose messages go to `console` too.
-    pub fn new(console: Box<dyn Write + 'a>, directory: &Path) -> Self {
-        Self {
-            messages: Messages::new(console, directory),
-            sources: Sources::default(),
-            directory: directory.to_path_buf(),
-            folders: vec![directory.to_path_buf()],
-            policy: FilePolicy::new(directory),
-            loaded: None,
-            kept: Kept::default(),
-            stop_on_failure: false,
-            ignored: Vec::new(),
-            unwritten: None,
-            ending: Ending {
-                stop: Stop::Finished,
-                misunderstood: 0,
-                refused: 0,
-                failed: 0,
-                results: None,
-            },
-            stem: None,
-            watcher: None,
-            given: None,
-            record: None,
-            worst_balance: Balance::default(),
-        }
-    }
-
-    /// Lets the run read nothing outside of the folders it may write; `more` folders are among them.
-    #[must_use]
-    pub fn confined(mut self, more: &[PathBuf]) -> Self {
-        for folder in more {
-            self.policy.allow(folder);
-        }
-        self.policy.confine();
-        self
-    }
-
-    /// Leaves statements out of the models that are not solved; each is said where it would have acted.
-    #[must_use]
-    pub fn ignoring(mut self, ignored: Vec<Ignore>) -> Self {
-        self.ignored = ignored;
-        self
-    }
-
-    /// Gives the message file a stem for runs that read no model: whoever waits for its last lines finds them.
-    #[must_use]
-    pub fn named(mut self, stem: &str) -> Self {
-        self.stem = Some(stem.to_string());
-        self
-    }
-
     /// Ends a launch that was refused: its message file has the last lines of any run.
     pub fn refuse(self, stem: &str) {
         let start = std::time::Instant::now();
@@ -124,11 +34,6 @@ impl<'a> Session<'a> {
             // Without it the console has it all.
             let _ = self.messages.open(&path);
         }
-    }
-
-    /// Says a complaint that came up before any command.
-    pub fn complain(&mut self, diagnostic: &Diagnostic) {
-        self.messages.diagnostic(diagnostic, &self.sources);
     }
 
     /// Executes a command file, named as on a command line.
@@ -501,87 +406,6 @@ impl<'a> Session<'a> {
         }
         self.ending.misunderstood += usize::from(errors);
         if errors { Ok(()) } else { self.list(command) }
-    }
-
-    pub(super) fn no_model(&mut self, command: &Statement, source: &Source) -> Flow {
-        let place = Some(Place {
-            source,
-            span: command.keyword,
-        });
-        self.misunderstood(
-            Diagnostic::error(Code::NoModel, "no model was read before this command")
-                .help("FILE/MODEL=name reads one"),
-            place,
-        )
-    }
-
-    /// Says why a command is not executed; the run goes on.
-    #[allow(clippy::unnecessary_wraps)] // Every command ends in a Flow.
-    pub(super) fn misunderstood(
-        &mut self,
-        diagnostic: Diagnostic,
-        place: Option<Place<'_>>,
-    ) -> Flow {
-        self.complain(&place.label(diagnostic));
-        self.ending.misunderstood += 1;
-        Ok(())
-    }
-
-    /// Says that a command is left out; the run goes on, and its results are not called successful.
-    #[allow(clippy::unnecessary_wraps)] // Every command ends in a Flow.
-    pub(super) fn refused(&mut self, diagnostic: Diagnostic, place: Option<Place<'_>>) -> Flow {
-        self.complain(&place.label(diagnostic));
-        self.ending.refused += 1;
-        if let Some(loaded) = &mut self.loaded {
-            loaded.outputs.failed = true;
-        }
-        Ok(())
-    }
-
-    /// Counts a simulation without an answer, and ends the run if PREFERENCES says so.
-    pub(super) fn simulation_failed(&mut self) -> Flow {
-        self.ending.failed += 1;
-        if let Some(loaded) = &mut self.loaded {
-            loaded.outputs.failed = true;
-        }
-        if self.stop_on_failure {
-            self.messages.frame(
-                "ERROR",
-                "The simulation failed and PREFERENCES/SIMFAIL=STOPCF stops the command file.",
-            );
-            return Err(Stop::Simulation);
-        }
-        Ok(())
-    }
-
-    /// Says that an output file cannot be written, and ends the run.
-    pub(super) fn unwritable(&mut self, diagnostic: &Diagnostic) -> Flow {
-        self.complain(diagnostic);
-        self.unwritten.get_or_insert(diagnostic.message.clone());
-        Err(Stop::File)
-    }
-}
-
-/// Where in a command file something was asked for.
-#[derive(Clone, Copy)]
-pub(super) struct Place<'s> {
-    pub source: &'s Source,
-    pub span: crate::text::Span,
-}
-
-/// Puts a place to a diagnostic that has none.
-pub(super) trait Locate {
-    fn label(&self, diagnostic: Diagnostic) -> Diagnostic;
-}
-
-impl Locate for Option<Place<'_>> {
-    fn label(&self, diagnostic: Diagnostic) -> Diagnostic {
-        match self {
-            Some(place) if diagnostic.labels.is_empty() => {
-                diagnostic.label(place.source.name(), place.span, "")
-            }
-            _ => diagnostic,
-        }
     }
 }
 

@@ -1,12 +1,13 @@
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::mechanics::{Mat3, Pose, Vec3};
-use crate::model::Model;
+use crate::model::{Definitions, Model};
 use crate::system::{Driven, Grip, Rates, State};
 
-use super::run::LARGEST;
+use super::files::LARGEST;
 
 /// The first line of a file that SAVE writes.
 const MAGIC: &str = "admire saved state 1";
@@ -14,10 +15,19 @@ const MAGIC: &str = "admire saved state 1";
 /// What SAVE keeps and RELOAD goes back to: where the model stands, and in the same run the model with its redefinitions too.
 #[derive(Clone, Debug)]
 pub(super) struct Saved {
-    /// The model; a file does not hold it.
-    pub model: Option<Model>,
+    /// The model and the statements it stands for; a file does not hold them.
+    pub model: Option<(Model, Definitions)>,
     /// Where it stands; absent before the first simulation.
     pub state: Option<Placed>,
+}
+
+/// What the SAVE commands of one run kept.
+#[derive(Default)]
+pub(super) struct Kept {
+    /// With the model, by file.
+    pub files: BTreeMap<PathBuf, Saved>,
+    /// States alone, by the name of their buffer; they end with the run (`com_reload`).
+    pub buffers: BTreeMap<String, Saved>,
 }
 
 /// A state without what only the solver needs.
@@ -41,9 +51,9 @@ pub(super) struct Placed {
 
 impl Saved {
     /// What there is to keep.
-    pub fn of(model: &Model, state: Option<&State>) -> Self {
+    pub fn of(model: &Model, definitions: &Definitions, state: Option<&State>) -> Self {
         Self {
-            model: Some(model.clone()),
+            model: Some((model.clone(), definitions.clone())),
             state: state.map(|state| Placed {
                 time: state.time,
                 poses: state.poses.clone(),

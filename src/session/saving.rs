@@ -1,24 +1,12 @@
 //! SAVE and RELOAD.
 
-use std::collections::BTreeMap;
-use std::path::PathBuf;
-
 use crate::diagnostic::{Code, Diagnostic};
 use crate::syntax::Statement;
 use crate::text::Source;
 
 use super::paths::native_spelling;
-use super::run::{Flow, Place, Session};
+use super::run_state::{Flow, Place, Session};
 use super::saved::Saved;
-
-/// What the SAVE commands of one run kept.
-#[derive(Default)]
-pub(super) struct Kept {
-    /// With the model, by file.
-    files: BTreeMap<PathBuf, Saved>,
-    /// States alone, by the name of their buffer; they end with the run (`com_reload`).
-    buffers: BTreeMap<String, Saved>,
-}
 
 impl Session<'_> {
     pub(super) fn save(
@@ -30,7 +18,7 @@ impl Session<'_> {
         let Some(loaded) = &self.loaded else {
             return self.no_model(command, source);
         };
-        let saved = Saved::of(&loaded.model, loaded.state());
+        let saved = Saved::of(&loaded.model, &loaded.definitions, loaded.state());
         if let Some(name) = command.text("BUFFER", source) {
             self.kept.buffers.insert(name.into_owned(), saved.states());
             return Ok(());

@@ -1,4 +1,4 @@
-use super::progress::Moment;
+use super::moment::Moment;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::syntax::Statement;
 use crate::text::{Source, Span};
@@ -32,6 +32,15 @@ pub(super) enum Phases {
     Velocity,
     /// And accelerations and forces.
     All,
+}
+
+/// Which simulation over time a command asks for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Asked {
+    Kinematic,
+    Dynamic,
+    /// Kinematic without degrees of freedom, otherwise dynamic.
+    Transient,
 }
 
 /// The times at which a simulation writes its output: the start, then `count` more up to the end.
@@ -135,6 +144,14 @@ impl Analysis {
         )
         .help("for example SIMULATE/STATICS"))
     }
+}
+
+/// A sensor asks for more outputs than are made.
+pub(super) fn too_many(dt: f64) -> Diagnostic {
+    Diagnostic::error(
+        Code::LimitExceeded,
+        format!("the DT of a sensor asks for an output every {dt}, more often than is done"),
+    )
 }
 
 fn at(source: &Source, span: Span, diagnostic: Diagnostic) -> Diagnostic {

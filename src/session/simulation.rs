@@ -10,12 +10,11 @@ use std::fmt::Write as _;
 use super::ending::Stop;
 use super::loaded::{Compiled, Loaded};
 use super::measures::Measures;
-use super::message::exponent;
+use super::message::{equation_as_adams, exponent, object_as_adams};
 use super::outputs::Outputs;
-use super::run::{Flow, Place, Session};
+use super::run_state::{Flow, Place, Session};
 use super::sensing::Sensed;
-use super::simulate::{Analysis, OutputTimes};
-use super::transient::Asked;
+use super::simulate::{Analysis, Asked, OutputTimes, too_many};
 
 /// How a lone SIMULATE/STATICS is written. Whether ADAMS writes `static` or `quasiStatic` is not known (guide/formats.md 12);
 /// readers in the wild look for `quasiStatic`.
@@ -182,7 +181,7 @@ impl Session<'_> {
     fn balance_line(&mut self, balance: &Balance) -> String {
         let units = self.model().model.units;
         let left = |left: &Left, dimension: Dimension| {
-            let part = as_adams_names(&left.part.to_string());
+            let part = object_as_adams(&left.part);
             let size = exponent(left.size, 2);
             format!("{size} {} on {part}", units.name(dimension))
         };
@@ -256,8 +255,7 @@ impl Session<'_> {
             .collect();
         let was_free = loaded.said_free.replace(free.clone());
         if redundant.unwrap_or_default() != report.redundant && !report.redundant.is_empty() {
-            let equations: Vec<String> =
-                report.redundant.iter().map(|e| as_adams_names(e)).collect();
+            let equations: Vec<String> = report.redundant.iter().map(equation_as_adams).collect();
             self.messages.say("\n");
             self.messages.redundant(time, &equations);
         }
@@ -418,22 +416,4 @@ impl Loaded {
         self.compiled();
         Some((&self.model, &mut self.outputs, self.compiled.as_mut()?))
     }
-}
-
-/// `Zi.Xj in JOINT/2 'crank_pin'` as ADAMS prints it: `Zi.Xj in model.crank_pin`. What has no view name is called `JOINT_2`.
-pub(super) fn as_adams_names(equation: &str) -> String {
-    let (what, object) = equation.split_once(" in ").unwrap_or(("", equation));
-    let name = match object.split_once(" '") {
-        Some((_, name)) => name.trim_end_matches('\'').to_string(),
-        None => object.replace('/', "_"),
-    };
-    let between = if what.is_empty() { "" } else { " in " };
-    format!("{what}{between}model.{name}")
-}
-
-pub(super) fn too_many(dt: f64) -> Diagnostic {
-    Diagnostic::error(
-        Code::LimitExceeded,
-        format!("the DT of a sensor asks for an output every {dt}, more often than is done"),
-    )
 }

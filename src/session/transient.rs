@@ -1,34 +1,23 @@
 //! Simulations over time: initial conditions, kinematics, dynamics.
 
-use std::time::Duration;
-
 use super::ending::Stop;
 use super::loaded::{Beginning, Compiled, Loaded};
 use super::measures::Measures;
-use super::run::{Flow, Locate, Place, Session};
-use super::simulate::{OutputTimes, Phases};
-use super::simulation::{as_adams_names, too_many};
+use super::message::{Progress, Row, equation_as_adams};
+use super::run_state::{Flow, Locate, Place, Session};
+use super::simulate::{Asked, OutputTimes, Phases, too_many};
 use super::watching::Watch;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::{Function, Header, Motion, MotionAxis, MotionOrder};
 use crate::motion::{self, Consistent, Integrator, Kept, MotionError, Settings};
 use crate::results::StepKind;
 use crate::syntax::Expression;
-use crate::system::{State, System};
+use crate::system::{EquationName, State, System};
 
 /// MODE in functions (guide/formats.md 3.1).
 const MODE_KINEMATIC: i32 = 1;
 const MODE_INITIAL: i32 = 3;
 const MODE_DYNAMIC: i32 = 4;
-
-/// What a command asks for.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Asked {
-    Kinematic,
-    Dynamic,
-    /// Kinematic without degrees of freedom, otherwise dynamic.
-    Transient,
-}
 
 /// More steps of the integrator than this to one end are refused: they would take hours, and a step far below the last digit of time
 /// does not end at all.
@@ -350,15 +339,15 @@ impl Session<'_> {
     }
 
     /// The time and the equations that are deactivated, if they were not told before.
-    fn new_redundant(&mut self, redundant: &[String]) -> Option<(f64, Vec<String>)> {
+    fn new_redundant(&mut self, redundant: &[EquationName]) -> Option<(f64, Vec<String>)> {
         let loaded = self.model();
         let time = loaded.time();
         let told = loaded.said_redundant.replace(redundant.to_vec());
         let new = told.unwrap_or_default() != redundant && !redundant.is_empty();
-        new.then(|| (time, redundant.iter().map(|e| as_adams_names(e)).collect()))
+        new.then(|| (time, redundant.iter().map(equation_as_adams).collect()))
     }
 
-    fn tell_redundant(&mut self, redundant: &[String]) {
+    fn tell_redundant(&mut self, redundant: &[EquationName]) {
         if let Some((time, equations)) = self.new_redundant(redundant) {
             self.messages.say("\n");
             self.messages.redundant(time, &equations);
@@ -483,7 +472,11 @@ impl Loaded {
     }
 
     /// Finds the initial conditions unless they are known; `anew` in any case. Gives the redundant equations.
-    pub(super) fn begin(&mut self, step: f64, anew: bool) -> Result<Vec<String>, MotionError> {
+    pub(super) fn begin(
+        &mut self,
+        step: f64,
+        anew: bool,
+    ) -> Result<Vec<EquationName>, MotionError> {
         let (fresh, start) = {
             let compiled = self.compiled().value;
             let fresh = compiled.beginning == Beginning::Dataset;
@@ -526,44 +519,9 @@ impl Loaded {
 }
 
 /// The names of the redundant equations of what is switched on.
-fn redundant(system: &crate::system::System, state: &State) -> Vec<String> {
+fn redundant(system: &crate::system::System, state: &State) -> Vec<EquationName> {
     let all = state.redundant.iter().enumerate();
     all.filter(|(k, out)| **out && system.equation_is_active(*k))
         .map(|(k, _)| system.constraint_equation_name(k))
         .collect()
-}
-
-/// One row of the table of a simulation.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Row {
-    pub time: f64,
-    pub step: f64,
-    pub evaluations: usize,
-    pub steps: usize,
-}
-
-/// Which rows of the table are shown: the start, every tenth part of the outputs, the last.
-pub(super) struct Progress {
-    every: usize,
-    count: usize,
-    seen: usize,
-    start: std::time::Instant,
-}
-
-impl Progress {
-    fn new(times: &OutputTimes) -> Self {
-        Self {
-            every: (times.count / 10).max(1),
-            count: times.count,
-            seen: 0,
-            start: std::time::Instant::now(),
-        }
-    }
-
-    /// The time since the start if this row is shown.
-    pub fn shown(&mut self) -> Option<Duration> {
-        let at = self.seen;
-        self.seen += 1;
-        (at.is_multiple_of(self.every) || at == self.count).then(|| self.start.elapsed())
-    }
 }

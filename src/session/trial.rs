@@ -12,7 +12,7 @@ use crate::text::Source;
 
 use super::ending::Ending;
 use super::files::folder_of;
-use super::run::Session;
+use super::run_state::Session;
 
 /// What a run in memory begins with.
 #[derive(Clone, Copy, Debug)]

@@ -45,7 +45,7 @@ impl Freedoms {
             equations: redundant.len(),
             redundant: (0..redundant.len())
                 .filter(|k| redundant[*k])
-                .map(|k| system.constraint_equation_name(k))
+                .map(|k| system.constraint_equation_name(k).to_string())
                 .collect(),
             without_value,
         }

@@ -288,7 +288,7 @@ impl Solver {
             let violation = self.g_trial[system.first_equation + k].abs();
             if violation > CONSISTENT * system.length.max(1.0) {
                 return Err(SolveError::Inconsistent {
-                    equation,
+                    equation: equation.to_string(),
                     violation,
                 });
             }

@@ -2,7 +2,7 @@ use std::fmt;
 
 use super::Balance;
 use crate::mechanics::Vec3;
-use crate::system::{Name, NoValue};
+use crate::system::{EquationName, Name, NoValue};
 
 /// One iteration as it went.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -82,7 +82,7 @@ pub struct Report {
     /// Motions nothing resists, harmless because nothing drives them and mass holds them.
     pub free_motions: Vec<FreeMotion>,
     /// Redundant constraint equations that were removed, as `Zi.Xj in JOINT/4`.
-    pub redundant: Vec<String>,
+    pub redundant: Vec<EquationName>,
     /// How the equilibrium was reached if not by plain iteration.
     pub continuation: Option<Continuation>,
     /// True if IMBALANCE is below what round-off allows in this model: the iteration went as far as it can.

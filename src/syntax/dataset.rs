@@ -1,6 +1,6 @@
 use std::borrow::Cow;
 use std::collections::HashMap;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use super::lexer::Lexer;
 use super::lines::{logical_lines, physical_line};
@@ -10,16 +10,16 @@ use crate::diagnostic::{Checked, Code, Diagnostic};
 use crate::grammar::Role;
 use crate::text::{Edit, EditConflict, Source, Span, apply_edits};
 
-/// An ADAMS/Solver dataset (.adm), losslessly: its bytes and where the statements stand in them.
+/// An ADAMS/Solver dataset (.adm), losslessly: its bytes and where the statements stand in them. Cheap to clone.
 #[derive(Clone, Debug)]
 pub struct Dataset {
     source: Source,
     /// The first line, without its line end.
     title: Span,
-    statements: Vec<Statement>,
+    statements: Arc<Vec<Statement>>,
     /// What stands after END.
     after_end: Span,
-    index: OnceLock<Index>,
+    index: Arc<OnceLock<Index>>,
 }
 
 /// Where statements are, by kind and id and by view name in lower case.
@@ -57,9 +57,9 @@ impl Dataset {
         Checked {
             value: Self {
                 title: title.span,
-                statements,
+                statements: Arc::new(statements),
                 after_end,
-                index: OnceLock::new(),
+                index: Arc::default(),
                 source,
             },
             diagnostics,
@@ -71,16 +71,16 @@ impl Dataset {
         Self {
             source: file.source().clone(),
             title: Span::at(0),
-            statements: file.commands().to_vec(),
+            statements: Arc::new(file.commands().to_vec()),
             after_end: Span::at(file.bytes().len()),
-            index: OnceLock::new(),
+            index: Arc::default(),
         }
     }
 
     /// One command of a file as if it were the only statement of a dataset: what reads and edits statements does it there, too.
     pub fn of_command(file: &CommandFile, at: usize) -> Self {
         Self {
-            statements: file.commands().get(at).cloned().into_iter().collect(),
+            statements: Arc::new(file.commands().get(at).cloned().into_iter().collect()),
             ..Self::of_commands(file)
         }
     }

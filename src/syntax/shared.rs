@@ -60,6 +60,15 @@ impl<'a, T> IntoIterator for &'a Shared<T> {
     }
 }
 
+impl<T> FromIterator<T> for Shared<T> {
+    fn from_iter<I: IntoIterator<Item = T>>(values: I) -> Self {
+        let mut pool = Pool::new();
+        let shared = pool.share(values);
+        pool.close();
+        shared
+    }
+}
+
 /// A list that grows while its parts are handed out. They are empty until it is closed.
 pub(super) struct Pool<T> {
     list: Arc<OnceLock<Box<[T]>>>,

@@ -93,15 +93,6 @@ impl Statement {
         self.kind() == Some("MARKER") && !OWNERS.iter().any(|owner| self.has(owner))
     }
 
-    /// True for a FRICTION whose stiction acts in statics too: nothing but INACTIVE=STATIC or EFFECT=SLIDING keeps it from that
-    /// (`state_friction`: INACTIVE has no default, EFFECT is ALL).
-    pub fn sticks_in_statics(&self, source: &Source) -> bool {
-        let slides_only = self
-            .argument("EFFECT")
-            .is_some_and(|effect| effect.choices(source) == ["SLIDING"]);
-        !slides_only && !self.has("INACTIVE") && !self.has("INACTIVE_DURING")
-    }
-
     /// The last argument with this whole keyword (in capitals): what is written later counts.
     pub fn argument(&self, name: &str) -> Option<&Argument> {
         self.arguments

@@ -5,32 +5,10 @@
 use super::chain::{add_block, add_wrench};
 use super::contribution::Of;
 use super::forces::Ask;
-use super::structure::{Drive, Name, Rate, System};
-use super::{Configuration, Parameters, Scratch, State};
-use crate::element::Degenerate;
+use super::structure::{Drive, Rate, System};
+use super::{Configuration, NoValue, Parameters, Scratch, State};
 use crate::linear::{NoMatrix, Sink};
 use crate::mechanics::{Mat6, Vec3, skew};
-
-/// An element that has no value in this configuration.
-#[derive(Clone, PartialEq, Debug, thiserror::Error)]
-#[error("{element}: {reason}")]
-pub struct NoValue {
-    /// Which element.
-    pub element: Name,
-    /// Why.
-    pub reason: Reason,
-}
-
-/// Why an element has no value.
-#[derive(Clone, PartialEq, Debug, thiserror::Error)]
-pub enum Reason {
-    /// The motion is one at which the law has no value.
-    #[error(transparent)]
-    Degenerate(#[from] Degenerate),
-    /// Its function has no value.
-    #[error(transparent)]
-    Function(#[from] crate::function::EvalError),
-}
 
 impl System {
     /// The imbalance of every equation: forces and torques about the part origins (ground axes), constraints, variables, rates.

@@ -1,8 +1,26 @@
 //! Small matrices of the chain rule, and where entries of the Jacobian go. What they mean is in `contribution`.
 
-use super::Twist;
 use crate::linear::Sink;
 use crate::mechanics::{Mat3, Mat6, Vec3, Vec6};
+
+/// A small motion of a frame, in ground axes.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Twist {
+    /// Displacement of the origin.
+    pub shift: Vec3,
+    /// Rotation vector.
+    pub turn: Vec3,
+}
+
+impl Twist {
+    /// No motion.
+    pub const fn zero() -> Self {
+        Self {
+            shift: Vec3::new(0.0, 0.0, 0.0),
+            turn: Vec3::new(0.0, 0.0, 0.0),
+        }
+    }
+}
 
 /// Place of a body among the unknowns.
 #[derive(Clone, Copy, Debug)]

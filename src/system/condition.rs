@@ -1,6 +1,6 @@
 //! GCONs: functions as constraints.
 
-use super::assemble::NoValue;
+use super::NoValue;
 use super::scratch::Beside;
 use super::structure::Condition;
 use super::{Configuration, Scratch, State};

@@ -1,8 +1,8 @@
-use super::assemble::NoValue;
 use super::chain::Place;
-use super::{Parameters, Scratch, State, System};
+use super::contribution::{Ends, halves};
+use super::{NoValue, Parameters, Scratch, State, System};
 use crate::function::MovingFrame;
-use crate::mechanics::{Pose, RelativeMotion, Vec3, Vec6};
+use crate::mechanics::{Mat3, Pose, RelativeMotion, Vec3, Vec6};
 
 /// A system with its numbers in one state, and the memory to work with: what everything is evaluated in.
 ///
@@ -160,5 +160,34 @@ impl Configuration<'_> {
             R_ji: R_jg * i.R,
             angles: Vec3::zeros(),
         }
+    }
+
+    /// Begins `scratch.contribution` with a wrench in the axes of the frame; no derivatives yet.
+    pub(super) fn begin(&mut self, ends: Ends, w: Vec6) {
+        let system = self.system;
+        let a = (
+            system.place(system.owners[ends.i]),
+            self.scratch.arms[ends.i],
+        );
+        let b = ends
+            .reaction
+            .map(|b| (system.place(b), self.arm_to(ends.i, b)));
+        let c = ends.frame.map(|frame| {
+            let c = system.owners[frame];
+            (system.place(c), self.arm_to(ends.i, c))
+        });
+        let R = ends
+            .frame
+            .map_or_else(Mat3::identity, |m| self.scratch.markers[m].R);
+        let out = &mut self.scratch.contribution;
+        (out.i, out.j, out.pair, out.frame) = (ends.i, ends.j, ends.pair, ends.frame);
+        (out.a, out.b, out.c) = (a, b, c);
+        out.R = R;
+        out.w = w;
+        (out.F, out.T) = halves(&R, &w);
+        out.D = None;
+        out.rate = None;
+        out.cross.clear();
+        out.scalars.clear();
     }
 }

@@ -22,20 +22,18 @@
 //! s are scalars that w is proportional to: functions and multipliers, u the wrench per unit. An NFORCE at one of its markers has
 //! further terms `D_k m_k` by the motions of its other markers in C.
 
-use super::Configuration;
-use super::chain::{Place, add_block, add_wrench, add33, moved_columns, moved_rows, seen_motion};
-use super::scratch::FunctionValue;
+use super::chain::{
+    Place, Twist, add_block, add_wrench, add33, moved_columns, moved_rows, seen_motion,
+};
 use crate::linear::Sink;
 use crate::mechanics::{Mat3, Mat6, Pose, Vec3, Vec6, skew};
 
-/// What exerts a wrench.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Exerted {
-    Element(usize),
-    /// A constraint by one of its terms.
-    Joint(usize, usize),
-    /// An NFORCE at one of its markers.
-    Multi(usize, usize),
+/// A function's value and its gradient by the unknowns, as a range of [`Scratch::gradient`].
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct FunctionValue {
+    pub value: f64,
+    pub first: usize,
+    pub last: usize,
 }
 
 /// What a wrench is proportional to.
@@ -196,56 +194,6 @@ pub(crate) struct Ends {
     pub frame: Option<usize>,
     /// Part that takes the opposite wrench.
     pub reaction: Option<usize>,
-}
-
-/// A small motion of a frame, in ground axes.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Twist {
-    /// Displacement of the origin.
-    pub shift: Vec3,
-    /// Rotation vector.
-    pub turn: Vec3,
-}
-
-impl Twist {
-    /// No motion.
-    pub const fn zero() -> Self {
-        Self {
-            shift: Vec3::new(0.0, 0.0, 0.0),
-            turn: Vec3::new(0.0, 0.0, 0.0),
-        }
-    }
-}
-
-impl Configuration<'_> {
-    /// Begins `scratch.contribution` with a wrench in the axes of the frame; no derivatives yet.
-    pub(super) fn begin(&mut self, ends: Ends, w: Vec6) {
-        let system = self.system;
-        let a = (
-            system.place(system.owners[ends.i]),
-            self.scratch.arms[ends.i],
-        );
-        let b = ends
-            .reaction
-            .map(|b| (system.place(b), self.arm_to(ends.i, b)));
-        let c = ends.frame.map(|frame| {
-            let c = system.owners[frame];
-            (system.place(c), self.arm_to(ends.i, c))
-        });
-        let R = ends
-            .frame
-            .map_or_else(Mat3::identity, |m| self.scratch.markers[m].R);
-        let out = &mut self.scratch.contribution;
-        (out.i, out.j, out.pair, out.frame) = (ends.i, ends.j, ends.pair, ends.frame);
-        (out.a, out.b, out.c) = (a, b, c);
-        out.R = R;
-        out.w = w;
-        (out.F, out.T) = halves(&R, &w);
-        out.D = None;
-        out.rate = None;
-        out.cross.clear();
-        out.scalars.clear();
-    }
 }
 
 impl Contribution {

@@ -4,7 +4,7 @@
 //! two equilibria the creep is the displacement; what lies beyond the limit is slid away, so that the force is that of an elastic slider
 //! and does not depend on the rate.
 
-use super::friction::Friction;
+use super::surface::Friction;
 use super::{Grip, Parameters, Scratch, State, System};
 use crate::element::FrictionLaw;
 use crate::mechanics::Vec3;

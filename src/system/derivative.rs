@@ -1,11 +1,13 @@
 //! Derivatives of the residual by theta and by wrenches that are not in the model.
 
-use super::assemble::NoValue;
+use super::NoValue;
 use super::catalogue::Role;
+use super::chain::Twist;
 use super::chain::add_wrench;
-use super::contribution::{Exerted, Of, Twist, halves};
+use super::compiled_function::Exerted;
+use super::compiled_function::Source;
+use super::contribution::{Of, halves};
 use super::forces::Ask;
-use super::function::Source;
 use super::parameters::PER_MARKER;
 use super::structure::{Action, Drive, Element, Rate};
 use super::{Configuration, Parameters, Scratch, Slot, State, System};

@@ -1,7 +1,7 @@
 //! MOTIONs that prescribe a velocity or an acceleration: their displacement, integrated from where they stand.
 
-use super::assemble::NoValue;
-use super::function::Source;
+use super::NoValue;
+use super::compiled_function::Source;
 use super::structure::{Drive, RateDrive};
 use super::{Configuration, Driven, Parameters, Scratch, State, System};
 use crate::constraint::{Measure, PairConstraint};

@@ -1,24 +1,12 @@
 //! Forces of elements as functions see them: components with gradients by the unknowns.
 
-use super::Configuration;
-use super::assemble::NoValue;
-use super::contribution::Exerted;
+use super::compiled_function::{Exerted, Force};
 use super::forces::Ask;
-use crate::function::ForceComponent;
+use super::{Configuration, NoValue};
 use crate::mechanics::{Mat3, Vec3, Vec6};
 
 /// Magnitudes below this beside their terms are round-off.
 const NO_DIRECTION: f64 = 1e-13;
-
-/// A component of the sum of some forces.
-#[derive(Clone, PartialEq, Debug)]
-pub(crate) struct Force {
-    /// Who, and whether the force on J (at the J origin) is meant.
-    pub by: Vec<(Exerted, bool)>,
-    pub component: ForceComponent,
-    /// Axes that resolve it; ground if absent.
-    pub axes: Option<usize>,
-}
 
 impl Configuration<'_> {
     /// The wrench of an element or constraint, into `scratch.contribution`. Constraints without terms exert nothing: false.

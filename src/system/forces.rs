@@ -1,10 +1,9 @@
 //! Wrenches of force elements: laws between two markers and vectors of functions.
 
-use super::Configuration;
-use super::assemble::NoValue;
 use super::chain::turn;
 use super::contribution::{ByRate, Ends, Of};
 use super::structure::{Action, Drive, Element};
+use super::{Configuration, NoValue};
 use crate::element::Wrench;
 use crate::mechanics::{Mat6, Vec6};
 

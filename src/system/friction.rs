@@ -9,98 +9,16 @@
 //! The creep is the integral of the surface velocity since sticking began. From the end of the last step it is the displacement itself, or the
 //! rotation vector: no unknown of its own, and no tolerance.
 
-use super::assemble::NoValue;
-use super::contribution::{Ends, Exerted, Of};
+use super::compiled_function::Exerted;
+use super::contribution::{Ends, FunctionValue, Of};
 use super::forces::Ask;
-use super::scratch::FunctionValue;
-use super::structure::Name;
-use super::{Configuration, Parameters, Scratch, State, System};
+use super::surface::{Friction, SLOTS, Slide};
+use super::{Configuration, Grip, NoValue, Parameters, Scratch, State, System};
 use crate::element::{Coefficient, FrictionLaw};
 use crate::function::{RateAxis, RateKind, RateMeasure};
 use crate::linear::Sink;
 use crate::mechanics::{Mat3, Vec3, Vec6, log, turning_rate};
 use crate::model::MarkerIx;
-
-/// A direction in which the surfaces of a joint slide.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Slide {
-    /// Along zj.
-    AlongZ,
-    /// About an axis of I.
-    AboutI(usize),
-    /// About an axis of J.
-    AboutJ(usize),
-}
-
-/// What of a joint's reaction presses the surfaces together.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub(crate) struct Pressing {
-    /// A force that is always there.
-    pub preload: f64,
-    /// Factors of the force across the axis, the force along it, the moment across it and the moment about it.
-    pub across: f64,
-    pub along: f64,
-    pub bending: f64,
-    pub torsion: f64,
-    /// The whole force counts, whatever its direction: a ball.
-    pub ball: bool,
-    /// The moment across is divided by an overlap: at the start, and its change by the displacement.
-    pub overlap: Option<(f64, f64)>,
-}
-
-/// FRICTION of one joint, or of one yoke of it.
-#[derive(Debug)]
-pub(crate) struct Friction {
-    pub name: Name,
-    /// Index into the joints of the system.
-    pub joint: usize,
-    pub i: usize,
-    pub j: usize,
-    pub pair: usize,
-    /// One to three directions; what they exert stands in the axes of one marker.
-    pub slides: Vec<Slide>,
-    /// Of rotations.
-    pub radius: f64,
-    pub law: FrictionLaw,
-    /// EFFECT has stiction: surfaces creep.
-    pub sticks: bool,
-    /// EFFECT has sliding.
-    pub slips: bool,
-    /// Its law at rest, where it counts in statics too.
-    pub at_rest: Option<FrictionLaw>,
-    pub pressing: Pressing,
-    /// FRICTION_TORQUE_PRELOAD.
-    pub torque_preload: f64,
-    pub active: bool,
-}
-
-/// Where a friction stands: what of its creep lies behind, and from where it goes on.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Grip {
-    /// It sticks: the creep counts.
-    pub sticking: bool,
-    /// The creep at the anchor, by directions.
-    pub creep: Vec3,
-    /// The displacement along zj there.
-    pub place: f64,
-    /// The rotation of I in J there.
-    pub turn: Mat3,
-    /// The displacement when the joint was first assembled.
-    pub first: Option<f64>,
-}
-
-impl Grip {
-    /// Nothing sticks, and nothing was assembled yet.
-    pub fn none() -> Self {
-        Self {
-            sticking: false,
-            creep: Vec3::zeros(),
-            place: 0.0,
-            turn: Mat3::identity(),
-            first: None,
-        }
-    }
-}
 
 /// What a friction does: vectors in the axes of I, but for the wrench.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
@@ -138,35 +56,6 @@ pub(super) struct Sliding {
     pub v_spans: [Span; 3],
     pub c_spans: [Span; 3],
     load_span: Span,
-}
-
-impl Friction {
-    fn lever(&self, slide: Slide) -> f64 {
-        if slide == Slide::AlongZ {
-            1.0
-        } else {
-            self.radius
-        }
-    }
-
-    /// The marker whose axes the wrench is given in.
-    fn frame(&self) -> usize {
-        match self.slides.first() {
-            Some(Slide::AboutI(_)) => self.i,
-            _ => self.j,
-        }
-    }
-
-    /// The wrench of a unit generalised force in a direction, axes of the frame.
-    fn unit(slide: Slide) -> Vec6 {
-        Vec6::ith(
-            match slide {
-                Slide::AlongZ => 2,
-                Slide::AboutI(axis) | Slide::AboutJ(axis) => 3 + axis,
-            },
-            1.0,
-        )
-    }
 }
 
 impl System {
@@ -557,8 +446,6 @@ impl Configuration<'_> {
     }
 }
 
-/// Places of a friction behind the values of the functions.
-pub(crate) const SLOTS: usize = 3;
 /// Less than this share of the initial overlap is not left.
 const LEAST_OVERLAP: f64 = 1e-3;
 

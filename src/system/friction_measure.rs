@@ -4,9 +4,10 @@
 //! I, coefficients of displacement and rotation, that of stiction, surface velocities, creeps, the share of the velocity.
 
 use super::Configuration;
-use super::assemble::NoValue;
+use super::NoValue;
 use super::forces::Ask;
-use super::friction::{Friction, Slide, Sliding, coefficients};
+use super::friction::{Sliding, coefficients};
+use super::surface::{Friction, Slide};
 use crate::mechanics::{Vec3, Vec6};
 
 /// One number of a friction.

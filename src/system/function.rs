@@ -4,52 +4,12 @@
 
 use std::collections::BTreeMap;
 
-use super::assemble::{NoValue, Reason};
-use super::force_measure::Force;
-use super::scratch::FunctionValue;
-use super::structure::{LinearRow, Name};
-use super::{Configuration, Scratch, State, System};
+use super::compiled_function::{CompiledFunction, Source};
+use super::contribution::FunctionValue;
+use super::{Configuration, NoValue, Reason, Scratch, State, System};
 use crate::function::{Measure, MeasureKind, Program, RateKind, RateMeasure, measure, rate};
 use crate::mechanics::{Pose, Vec3, Vec6};
 use crate::model::MarkerIx;
-
-/// An input of a program, with its indices resolved.
-#[derive(Clone, Debug)]
-pub(crate) enum Source {
-    Time,
-    Mode,
-    /// And where its angle of the last equilibrium is kept.
-    Measure(Measure, usize),
-    /// A velocity or acceleration: zero in statics.
-    Moved(RateMeasure),
-    Variable(usize),
-    State(usize),
-    /// Rate of a state: in statics the value of its function if it is held, else zero.
-    StateRate(usize, Option<usize>),
-    Output(LinearRow),
-    Constant(f64),
-    Sensor(usize),
-    Force(Box<Force>),
-    /// A number of the FRICTION with this id.
-    Friction(u32, usize),
-}
-
-/// A FUNCTION of the model, ready to evaluate.
-#[derive(Debug)]
-pub(crate) struct CompiledFunction {
-    /// The statement it belongs to.
-    pub owner: Name,
-    /// `None` for subroutines, which the built-in solver cannot run: zero.
-    pub program: Option<Program>,
-    /// One per input of the program.
-    pub sources: Vec<Source>,
-    /// Slots of its literals.
-    pub literals: std::ops::Range<usize>,
-    /// Slot of the constant that replaces it; NaN there means that the function itself is in force.
-    pub replacement: usize,
-    /// It is evaluated by those who need it, not with the equations.
-    pub apart: bool,
-}
 
 impl CompiledFunction {
     /// Zeros for the derivatives by inputs and literals.

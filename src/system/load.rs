@@ -1,6 +1,7 @@
-use super::contribution::Exerted;
+use super::Name;
+use super::compiled_function::Exerted;
 use super::forces::Ask;
-use super::structure::{Action, Name};
+use super::structure::Action;
 use super::{Configuration, NoValue, Reading};
 use crate::mechanics::Vec3;
 use crate::model::PartIx;

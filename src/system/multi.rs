@@ -1,34 +1,9 @@
 //! NFORCE: wrenches on several markers that depend on the motion of all of them.
 
-use super::Configuration;
-use super::assemble::NoValue;
 use super::chain::turn;
 use super::contribution::{Cross, Ends};
-use super::structure::Name;
-use crate::element::MultiPoint;
-use crate::mechanics::Mat6;
-
-/// A force between n markers and one.
-#[derive(Debug)]
-pub(crate) struct Multi {
-    pub name: Name,
-    pub i: Vec<usize>,
-    pub j: usize,
-    pub theta: std::ops::Range<usize>,
-    /// Angle references, one per I marker.
-    pub pairs: Vec<usize>,
-    /// Blocks of the damping matrix, row by row: wrench a by the velocity of marker b, J axes. Empty if there is none.
-    pub damping: Vec<Mat6>,
-    pub active: bool,
-}
-
-impl Multi {
-    pub(super) fn law(&self) -> MultiPoint {
-        MultiPoint {
-            markers: self.i.len(),
-        }
-    }
-}
+use super::structure::Multi;
+use super::{Configuration, NoValue};
 
 impl Configuration<'_> {
     /// All wrenches of an NFORCE, into `scratch.multi`.

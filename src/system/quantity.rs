@@ -1,8 +1,8 @@
 //! Numbers that an equilibrium shows, with their derivatives by the unknowns and by theta.
 
-use super::assemble::NoValue;
+use super::NoValue;
 use super::catalogue::Role;
-use super::contribution::Exerted;
+use super::compiled_function::Exerted;
 use super::structure::{Action, Drive};
 use super::{Configuration, ConstraintIx, ElementIx, Slot, System};
 use crate::mechanics::Vec6;

@@ -1,7 +1,7 @@
 //! What elements and constraints do in a configuration.
 
-use super::assemble::NoValue;
-use super::contribution::Exerted;
+use super::NoValue;
+use super::compiled_function::Exerted;
 use super::forces::Ask;
 use super::{Configuration, ConstraintIx, ElementIx};
 use crate::mechanics::{RelativeMotion, Vec3, Vec6};

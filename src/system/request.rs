@@ -1,7 +1,7 @@
 //! What REQUESTs and SENSORs show of a configuration.
 
 use super::Configuration;
-use super::assemble::NoValue;
+use super::NoValue;
 use crate::mechanics::{Pose, Vec3, Vec6, psi_theta_phi};
 use crate::model::{MarkerIx, Request, RequestKind};
 

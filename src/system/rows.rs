@@ -1,6 +1,6 @@
 //! The equations of the constraints along a motion: gradients, rates, and what of the second rates no acceleration enters.
 
-use super::assemble::NoValue;
+use super::NoValue;
 use super::structure::{Drive, Joint};
 use super::{Configuration, Parameters, Scratch, State, System};
 use crate::constraint::Constraint;

@@ -1,17 +1,9 @@
 use super::System;
-use super::contribution::Contribution;
-use super::friction::SLOTS;
+use super::contribution::{Contribution, FunctionValue};
+use super::surface::SLOTS;
 use crate::constraint::Equations;
 use crate::element::{MultiWrench, Wrench};
 use crate::mechanics::{Pose, RelativeMotion, Vec3};
-
-/// A function's value and its gradient by the unknowns, as a range of [`Scratch::gradient`].
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct FunctionValue {
-    pub value: f64,
-    pub first: usize,
-    pub last: usize,
-}
 
 /// What GCONs need for the differences of their gradients.
 #[derive(Clone, Debug)]

@@ -1,5 +1,4 @@
-use super::Grip;
-use crate::mechanics::{Pose, Vec3};
+use crate::mechanics::{Mat3, Pose, Vec3};
 
 /// Velocity of a part, or its acceleration: of the origin and of the rotation, ground axes.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -29,6 +28,34 @@ pub struct Driven {
     pub value: f64,
     /// Its rate; of a velocity motion not used.
     pub rate: f64,
+}
+
+/// Where a friction stands: what of its creep lies behind, and from where it goes on.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Grip {
+    /// It sticks: the creep counts.
+    pub sticking: bool,
+    /// The creep at the anchor, by directions.
+    pub creep: Vec3,
+    /// The displacement along zj there.
+    pub place: f64,
+    /// The rotation of I in J there.
+    pub turn: Mat3,
+    /// The displacement when the joint was first assembled.
+    pub first: Option<f64>,
+}
+
+impl Grip {
+    /// Nothing sticks, and nothing was assembled yet.
+    pub fn none() -> Self {
+        Self {
+            sticking: false,
+            creep: Vec3::zeros(),
+            place: 0.0,
+            turn: Mat3::identity(),
+            first: None,
+        }
+    }
 }
 
 /// What one solve changes: cloneable, so that the next solve starts from the last answer.

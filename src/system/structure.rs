@@ -1,51 +1,13 @@
-use std::fmt;
 use std::ops::Range;
 
-use super::contribution::Exerted;
-use super::friction::Friction;
-use super::function::CompiledFunction;
-use super::multi::Multi;
-use super::{Catalogue, Parameters, State};
+use super::compiled_function::{CompiledFunction, Exerted};
+use super::surface::Friction;
+use super::{Catalogue, EquationName, Name, Parameters, State};
 use crate::constraint::{Constraint, PairConstraint};
 use crate::diagnostic::Diagnostic;
-use crate::element::{Damping, Law};
-use crate::mechanics::Mat3;
+use crate::element::{Damping, Law, MultiPoint};
+use crate::mechanics::{Mat3, Mat6};
 use crate::model::{EquilibriumSettings, PartIx};
-use crate::syntax::Address;
-
-/// How a person knows an object: `BUSHING/12 'front_arm_bushing'`.
-#[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
-pub struct Name {
-    /// Keyword in capitals.
-    pub kind: &'static str,
-    /// Id.
-    pub id: u32,
-    /// View name.
-    pub view: String,
-}
-
-impl Name {
-    /// Its address in the dataset.
-    pub fn address(&self) -> Address {
-        Address {
-            kind: self.kind.to_string(),
-            id: Some(self.id),
-            argument: None,
-            index: None,
-        }
-    }
-}
-
-impl fmt::Display for Name {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}/{}", self.kind, self.id)?;
-        // A view name made up of kind and id says nothing new.
-        if !self.view.is_empty() && self.view != format!("{}_{}", self.kind, self.id) {
-            write!(f, " '{}'", self.view)?;
-        }
-        Ok(())
-    }
-}
 
 /// Index of a force element of a [`System`].
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
@@ -111,6 +73,28 @@ pub(crate) struct Element {
     /// Index into the angle references.
     pub pair: usize,
     pub active: bool,
+}
+
+/// NFORCE: a force between n markers and one.
+#[derive(Debug)]
+pub(crate) struct Multi {
+    pub name: Name,
+    pub i: Vec<usize>,
+    pub j: usize,
+    pub theta: Range<usize>,
+    /// Angle references, one per I marker.
+    pub pairs: Vec<usize>,
+    /// Blocks of the damping matrix, row by row: wrench a by the velocity of marker b, J axes. Empty if there is none.
+    pub damping: Vec<Mat6>,
+    pub active: bool,
+}
+
+impl Multi {
+    pub(super) fn law(&self) -> MultiPoint {
+        MultiPoint {
+            markers: self.i.len(),
+        }
+    }
 }
 
 /// One summand of a constraint: a set of scalar equations between two markers.
@@ -216,9 +200,6 @@ pub(crate) struct StateEquation {
     /// The function is zero with the rate inside of it.
     pub implicit: bool,
 }
-
-/// (state, coefficient), (variable, coefficient).
-pub(crate) type LinearRow = (Vec<(usize, f64)>, Vec<(usize, f64)>);
 
 /// The frozen structure of one model: what is connected to what, and where each unknown and each number stands.
 ///
@@ -393,7 +374,8 @@ impl System {
             return format!("{} {}", body.name, BALANCE[equation - body.first]);
         }
         if equation < self.first_variable {
-            return self.constraint_equation_name(equation - self.first_equation);
+            let name = self.constraint_equation_name(equation - self.first_equation);
+            return name.to_string();
         }
         let k = equation - self.first_variable;
         if let Some(variable) = self.variables.get(k) {
@@ -443,19 +425,24 @@ impl System {
     }
 
     /// `Zi.Xj in JOINT/4`, as ADAMS names an equation (guide/formats.md 6.5).
-    pub(crate) fn constraint_equation_name(&self, equation: usize) -> String {
+    pub(crate) fn constraint_equation_name(&self, equation: usize) -> EquationName {
         for joint in &self.joints {
             if (joint.first..joint.first + joint.count).contains(&equation) {
-                let row = equation - joint.first;
-                return match joint.terms.as_slice() {
-                    [term] => format!("{} in {}", term.law.equation_name(row), joint.name),
-                    _ => joint.name.to_string(),
+                let what = match joint.terms.as_slice() {
+                    [term] => Some(term.law.equation_name(equation - joint.first)),
+                    _ => None,
                 };
+                let object = joint.name.clone();
+                return EquationName { what, object };
             }
         }
-        self.conditions
-            .iter()
-            .find(|c| c.equation == equation)
-            .map_or_else(String::new, |c| c.name.to_string())
+        let condition = self.conditions.iter().find(|c| c.equation == equation);
+        EquationName {
+            what: None,
+            object: condition
+                .expect("every constraint equation is of a joint or a GCON")
+                .name
+                .clone(),
+        }
     }
 }

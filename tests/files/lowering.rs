@@ -1,7 +1,8 @@
 //! The typed model of real decks and of small ones.
 
 use admire::diagnostic::{Checked, Code, Severity};
-use admire::model::{Function, JointKind, Model, Orientation, RequestKind};
+use admire::model::{Definitions, Function, JointKind, Model, Orientation, RequestKind};
+use admire::syntax::files::Files;
 use admire::syntax::{CommandFile, Dataset};
 use admire::text::Source;
 
@@ -19,13 +20,13 @@ pub fn model(text: &str) -> Model {
     lowered.value
 }
 
-pub fn redefine(model: &mut Model, text: &str) -> Vec<Code> {
+pub fn redefine(model: &mut Model, definitions: &mut Definitions, text: &str) -> Vec<Code> {
     let source = Source::new("test.acf", format!("\n{text}\n").into_bytes());
     let parsed = CommandFile::parse(source.clone());
     assert!(parsed.diagnostics.is_empty(), "{:?}", parsed.diagnostics);
     let mut codes = Vec::new();
     for command in parsed.value.commands() {
-        let complaints = model.redefine(command, &source);
+        let complaints = definitions.redefine(model, command, &source);
         codes.extend(complaints.iter().map(|complaint| complaint.code));
     }
     codes
@@ -107,8 +108,10 @@ fn a_small_deck_is_read_with_its_units_names_and_frames() {
 
 #[test]
 fn commands_change_only_what_they_give() {
-    let mut model = model(SMALL);
+    let lowered = Definitions::lower(&dataset(SMALL).value, &Files::default());
+    let (mut model, mut definitions) = lowered.value;
     let before = model.clone();
+    let mut redefine = |model: &mut Model, text: &str| redefine(model, &mut definitions, text);
     let codes = redefine(
         &mut model,
         "BUSHING/7, K=10,20,30\nEQUIL/ERR=1E-8, PATTERN=T:F\nSFORCE/3, FUNC=-4000.0\nPART/2, MASS=3\nACCG/IGRAV=1\nDEACT/MOTION, ID=4",
@@ -142,6 +145,87 @@ fn commands_change_only_what_they_give() {
         ),
         [Code::UndefinedId; 3]
     );
+}
+
+const REDEFINED: &str = "redefined
+UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND
+PART/1, GROUND
+MARKER/11, PART=1
+MARKER/12, PART=1, QP=1,2,3, REULER=90D,0,0
+MARKER/13, PART=1, QP=1,0,0, RM=12
+PART/2, MASS=2, CM=21
+MARKER/21, PART=2
+GFORCE/1, I=21, JFLOAT=22, RM=11, FUNCTION=USER(1)
+MARKER/22, PART=1, FLOATING
+REQUEST/1, F2=1, F3=2
+REQUEST/2, DISPLACEMENT, I=21, J=11
+MOTION/1, I=21, J=11, Z, FUNCTION=0
+JOINT/1, I=21, J=11, TRANSLATIONAL
+SPLINE/1, X=1,2,3,4, Y=1,2,3,4
+INTEGRATOR/WSTIFF, ERROR=1E-5
+INTEGRATOR/HMAX=0.1
+END
+";
+
+#[test]
+fn a_command_is_put_over_its_statement_which_is_lowered_again() {
+    let lowered = Definitions::lower(&dataset(REDEFINED).value, &Files::default());
+    let (mut model, mut definitions) = lowered.value;
+    let names = |model: &Model| {
+        let unsolved = model.unsolved.iter().map(|u| u.kind).collect::<Vec<_>>();
+        (unsolved, model.vector_forces.len())
+    };
+    assert_eq!(names(&model), (vec!["GFORCE"], 0));
+    // Statements of one dataset, too.
+    assert_eq!(
+        (model.integrator.method, model.integrator.hmax),
+        ("WSTIFF", Some(0.1))
+    );
+    let mut redefine = |model: &mut Model, text: &str| redefine(model, &mut definitions, text);
+
+    // What excludes the old argument takes its place.
+    assert_eq!(
+        redefine(
+            &mut model,
+            "GFORCE/1, FX=1\nMOTION/1, JOINT=1\nREQUEST/2, F2=3\nREQUEST/1, F3=4\nINTEGRATOR/GSTIFF"
+        ),
+        []
+    );
+    assert_eq!(names(&model), (vec![], 1));
+    assert_eq!(model.motions[0].joint, Some(0));
+    let functions = |request: usize| match &model.requests[request].kind {
+        RequestKind::Functions(all) => all.iter().flatten().count(),
+        _ => 0,
+    };
+    assert_eq!((functions(0), functions(1)), (2, 1));
+    let integrator = &model.integrator;
+    assert_eq!(
+        (integrator.method, integrator.error, integrator.hmax),
+        ("GSTIFF", Some(1e-5), Some(0.1))
+    );
+
+    // Markers stay in the frame they were given in, and objects off that were switched off.
+    let before = model.markers[2].qp;
+    assert_eq!((before.x, before.y, before.z), (1.0, 3.0, 3.0));
+    assert_eq!(
+        redefine(
+            &mut model,
+            "MARKER/13, QP=2,0,0\nDEACTIVATE/JOINT, ID=1\nJOINT/1, REVOLUTE"
+        ),
+        []
+    );
+    let after = model.markers[2].qp;
+    assert!((after - before - admire::mechanics::Vec3::new(0.0, 1.0, 0.0)).norm() < 1e-14);
+    assert_eq!(model.joints[0].kind, JointKind::Revolute);
+    assert!(!model.joints[0].header.active);
+
+    // With an error nothing is changed.
+    let before = model.clone();
+    assert_eq!(
+        redefine(&mut model, "PART/2, GROUND\nSPLINE/1, X=1,2"),
+        [Code::NoGround, Code::MissingArgument]
+    );
+    assert_eq!(model, before);
 }
 
 #[test]

@@ -1,12 +1,12 @@
 //! Any backend as a predictor: sensitivities by central differences of whole runs.
 
-use super::channel::Channels;
 use super::predictor::{CaseChange, CasePrediction, Observed, Prediction, Predictor};
 use super::prepared::Prepared;
 use super::unknown::{Direction, Numbers};
 use crate::backend::{Backend, BackendError, Load, LoadProgramme, SweepRequest, slot};
 use crate::identify::Problem;
 use crate::mechanics::{Pose, log};
+use crate::rig::Channels;
 use crate::statics::Balance;
 use crate::syntax::Address;
 use crate::system::{Parameters, Scratch, System};

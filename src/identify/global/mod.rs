@@ -20,7 +20,6 @@ mod profile;
 mod study;
 mod unknown;
 
-pub use channel::{Channels, with_channels};
 pub use differences::DifferencePredictor;
 pub use fit::{
     Found, GlobalFit, POOR_NORMAL, StartValues, UNIDENTIFIABLE, effective_dof, fit_unknowns,
@@ -28,7 +27,7 @@ pub use fit::{
 };
 pub use marginal::{Joint, Marginal, MarginalProblem};
 pub use memory::{Carries, Memory};
-pub use native::{Loads, NativePredictor};
+pub use native::NativePredictor;
 pub use observation::{Evaluation, NuisanceLayout, Observations, Row};
 pub use predictor::{CaseChange, CasePrediction, Observed, Prediction, Predictor};
 pub use prepared::Prepared;

@@ -3,26 +3,17 @@
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
-use super::channel::Channels;
 use super::memory::{Carried, Memory};
 use super::predictor::{CaseChange, CasePrediction, Observed, Prediction, Predictor};
 use super::unknown::{Component, Direction, Numbers};
-use crate::statics::{Balance, Settings, Solver};
+use crate::backend::{CaseSweeper, Loads};
+use crate::rig::Channels;
+use crate::statics::{Balance, Settings};
 use crate::system::{Parameters, Scratch, Slot, State, System};
 
-/// Numbers that change from case to case: the loads.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Loads {
-    /// One slot per column.
-    pub slots: Vec<Slot>,
-    /// One row per case, in the order of application.
-    pub cases: Vec<Vec<f64>>,
-}
-
-/// The last answer of one case and how it moves with theta.
+/// What the last answer of one case was found at, and how it moves with theta.
 #[derive(Clone, Debug)]
 struct Answer {
-    state: State,
     theta: Parameters,
     /// The unknowns of the fit.
     x: Vec<f64>,
@@ -34,11 +25,9 @@ struct Answer {
 #[derive(Debug)]
 pub struct NativePredictor<'a> {
     system: &'a System,
-    loads: Loads,
+    sweeper: CaseSweeper,
     observed: Observed,
     channels: Channels,
-    settings: Settings,
-    solver: Solver,
     scratch: Scratch,
     answers: Vec<Option<Answer>>,
     memories: Vec<Memory>,
@@ -50,13 +39,11 @@ impl<'a> NativePredictor<'a> {
     /// For a compiled deck, its loads and what is observed.
     pub fn new(system: &'a System, loads: Loads, observed: Observed, channels: Channels) -> Self {
         Self {
-            solver: Solver::new(system),
             scratch: Scratch::new(system),
             answers: vec![None; loads.cases.len()],
-            settings: Settings::tight(),
             memories: Vec::new(),
+            sweeper: CaseSweeper::new(system, loads, Settings::tight()),
             system,
-            loads,
             observed,
             channels,
             sweeps: 0,
@@ -75,14 +62,14 @@ impl<'a> NativePredictor<'a> {
     #[must_use]
     pub fn with_cases(mut self, cases: Vec<Vec<f64>>) -> Self {
         self.answers = vec![None; cases.len()];
-        self.loads.cases = cases;
+        self.sweeper.set_cases(cases);
         self
     }
 
     /// Lets the first solve of a case start from this state of the same system.
     pub fn start_from(&mut self, case: usize, state: State, theta: Parameters) {
+        self.sweeper.keep(case, state);
         self.answers[case] = Some(Answer {
-            state,
             theta,
             x: Vec::new(),
             response: Vec::new(),
@@ -92,36 +79,19 @@ impl<'a> NativePredictor<'a> {
     /// The last answer of a case with the numbers it was solved at.
     pub fn answer(&self, case: usize) -> Option<(&State, &Parameters)> {
         let answer = self.answers[case].as_ref()?;
-        Some((&answer.state, &answer.theta))
+        Some((self.sweeper.answer(case)?, &answer.theta))
     }
 
-    /// Solves one case from its own last answer, from the neighbour's, or from the design position, whichever is there and works.
+    /// Solves one case from its own last answer, moved along its tangent.
     fn solve(&mut self, case: usize, theta: &Parameters, x: &[f64]) -> Option<State> {
         self.runs += 1;
-        if let Some(answer) = &self.answers[case] {
-            let mut state = answer.state.clone();
-            if let Some(correction) = predicted(answer, x) {
-                self.system.advance(&mut state, &correction);
-            }
-            if self
-                .solver
-                .solve(self.system, theta, &mut state, &self.settings)
-                .is_ok()
-            {
-                return Some(state);
-            }
+        let mut own = self.sweeper.answer(case).cloned();
+        if let (Some(state), Some(answer)) = (&mut own, &self.answers[case])
+            && let Some(correction) = predicted(answer, x)
+        {
+            self.system.advance(state, &correction);
         }
-        let neighbour = case.checked_sub(1).and_then(|k| self.answers[k].as_ref());
-        let starts = [
-            neighbour.map(|answer| answer.state.clone()),
-            Some(self.system.state()),
-        ];
-        starts.into_iter().flatten().find_map(|mut state| {
-            self.solver
-                .solve(self.system, theta, &mut state, &self.settings)
-                .ok()
-                .map(|_| state)
-        })
+        self.sweeper.solve(self.system, theta, case, own).ok()
     }
 
     /// Changes of the unknowns of the system along each direction.
@@ -132,7 +102,11 @@ impl<'a> NativePredictor<'a> {
         state: &State,
         directions: &[Direction],
     ) -> Option<Vec<Vec<f64>>> {
-        let mut tangent = self.solver.tangent(self.system, theta, state).ok()?;
+        let mut tangent = self
+            .sweeper
+            .solver()
+            .tangent(self.system, theta, state)
+            .ok()?;
         let n = self.system.unknowns();
         let mut column = vec![0.0; n];
         let mut here = self.system.look(theta, state, &mut self.scratch).ok()?;
@@ -196,14 +170,12 @@ impl Predictor for NativePredictor<'_> {
         let mut theta = numbers.theta.clone();
         let memories = std::mem::take(&mut self.memories);
         let mut carried = Carried::new(&memories, &theta, directions);
-        let mut out = Vec::with_capacity(self.loads.cases.len());
-        for case in 0..self.loads.cases.len() {
+        let mut out = Vec::with_capacity(self.sweeper.cases());
+        for case in 0..self.sweeper.cases() {
             for (slot, _) in &numbers.per_case {
                 theta.set(*slot, numbers.theta.get(*slot));
             }
-            for (slot, load) in self.loads.slots.iter().zip(&self.loads.cases[case]) {
-                theta.set(*slot, *load);
-            }
+            self.sweeper.load(case, &mut theta);
             for (slot, values) in &numbers.per_case {
                 theta.set(*slot, theta.get(*slot) + values[case]);
             }
@@ -253,8 +225,8 @@ impl Predictor for NativePredictor<'_> {
             } else {
                 carried.advance(&theta, &prediction.channels, (&[], &[]));
             }
+            self.sweeper.keep(case, state);
             self.answers[case] = Some(Answer {
-                state,
                 theta: theta.clone(),
                 x: numbers.x.clone(),
                 response,
@@ -268,9 +240,11 @@ impl Predictor for NativePredictor<'_> {
     /// A unit force within the spring deflects it by c = e^T T^-1 e, the tangent T holding the spring itself: its share is K c. Taken
     /// in the first case that has an answer; shares hardly depend on the load.
     fn shares(&mut self, springs: &[Component]) -> Option<Vec<f64>> {
-        let answer = self.answers.iter().flatten().next()?;
-        let (theta, state) = (&answer.theta, &answer.state);
-        let mut tangent = self.solver.tangent(self.system, theta, state).ok()?;
+        let case = self.answers.iter().position(Option::is_some)?;
+        let theta = &self.answers[case].as_ref()?.theta;
+        let state = self.sweeper.answer(case)?.clone();
+        let solver = self.sweeper.solver();
+        let mut tangent = solver.tangent(self.system, theta, &state).ok()?;
         let mut by_slot = vec![0.0; self.system.unknowns()];
         let mut out = Vec::with_capacity(springs.len());
         for spring in springs {
@@ -279,7 +253,7 @@ impl Predictor for NativePredictor<'_> {
                 continue;
             };
             self.system
-                .residual_by_slot(theta, state, &mut self.scratch, preload, &mut by_slot)
+                .residual_by_slot(theta, &state, &mut self.scratch, preload, &mut by_slot)
                 .ok()?;
             let mut response = by_slot.clone();
             tangent.respond(&mut response);
@@ -298,7 +272,7 @@ impl Predictor for NativePredictor<'_> {
     }
 
     fn balance(&self) -> Option<&Balance> {
-        self.solver.worst_balance()
+        self.sweeper.balance()
     }
 }
 

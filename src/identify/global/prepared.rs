@@ -1,12 +1,12 @@
 //! A study's deck compiled with what a fit needs of it.
 
-use super::channel::{Channels, with_channels};
-use super::native::{Loads, NativePredictor};
+use super::native::NativePredictor;
 use super::predictor::Observed;
-use crate::backend::{BackendError, compile, slot};
+use crate::backend::{BackendError, Loads, compile};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::identify::{IdentifyError, Problem};
 use crate::model::Model;
+use crate::rig::{Channels, with_channels};
 use crate::system::{Scratch, System};
 
 /// A study's deck with its channels, compiled.
@@ -82,27 +82,6 @@ impl Prepared {
         })
     }
 
-    /// The loads of a study as slots.
-    ///
-    /// # Errors
-    /// A load that drives nothing the solver can change.
-    pub fn loads(&self, problem: &Problem<'_>) -> Result<Loads, IdentifyError> {
-        let loads = &problem.programme.loads;
-        let slots = loads
-            .iter()
-            .map(|load| slot(&self.system, &load.target))
-            .collect::<Result<_, _>>()?;
-        Ok(Loads {
-            slots,
-            cases: problem
-                .programme
-                .cases
-                .iter()
-                .map(|case| case.values.clone())
-                .collect(),
-        })
-    }
-
     /// The built-in solver as the predictor of a study.
     ///
     /// # Errors
@@ -114,7 +93,7 @@ impl Prepared {
     ) -> Result<NativePredictor<'_>, IdentifyError> {
         Ok(NativePredictor::new(
             &self.system,
-            self.loads(problem)?,
+            Loads::of(&self.system, problem.programme)?,
             observed,
             self.channels,
         ))

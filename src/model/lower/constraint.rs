@@ -6,21 +6,7 @@ use crate::model::{
 };
 
 /// JOINT.
-pub(super) fn joint(reader: &mut Reader, old: Option<&Joint>) -> Option<Joint> {
-    let pitch = match old.map(|old| old.kind) {
-        Some(JointKind::Screw { pitch }) => Some(pitch),
-        _ => None,
-    };
-    let diameter = match old.map(|old| old.kind) {
-        Some(JointKind::RackPin { pitch_diameter }) => Some(pitch_diameter),
-        _ => None,
-    };
-    let screw = JointKind::Screw {
-        pitch: reader.real("PITCH", pitch),
-    };
-    let rack_pin = JointKind::RackPin {
-        pitch_diameter: reader.real("PD", diameter),
-    };
+pub(super) fn joint(reader: &mut Reader) -> Option<Joint> {
     let kinds = [
         JointKind::Spherical,
         JointKind::Revolute,
@@ -31,34 +17,28 @@ pub(super) fn joint(reader: &mut Reader, old: Option<&Joint>) -> Option<Joint> {
         JointKind::Hooke,
         JointKind::Universal,
         JointKind::Convel,
-        screw,
-        rack_pin,
+        JointKind::Screw {
+            pitch: reader.real("PITCH"),
+        },
+        JointKind::RackPin {
+            pitch_diameter: reader.real("PD"),
+        },
     ];
-    let kind = reader
-        .first_flag(&kinds.map(|kind| (kind.word(), kind)))
-        .or(match old.map(|old| old.kind) {
-            Some(JointKind::Screw { .. }) => Some(screw),
-            Some(JointKind::RackPin { .. }) => Some(rack_pin),
-            kind => kind,
-        });
+    let kind = reader.first_flag(&kinds.map(|kind| (kind.word(), kind)));
     let Some(kind) = kind else {
         return reader.missing("its type, such as REVOLUTE");
     };
     let initial = |name: &str| {
-        let numbers = reader.statement.numbers(name);
+        let numbers = reader.numbers(name);
         let value = |k: usize| numbers.get(k).map(|number| number.value);
         value(0).map(|displacement| (displacement, value(1)))
     };
     let ic = initial("IC");
     let slides = matches!(kind, JointKind::Translational);
-    let initial_translation = initial("ICTRAN")
-        .or(ic.filter(|_| slides))
-        .or(old.and_then(|old| old.initial_translation));
-    let initial_rotation = initial("ICROT")
-        .or(ic.filter(|_| !slides))
-        .or(old.and_then(|old| old.initial_rotation));
+    let initial_translation = initial("ICTRAN").or(ic.filter(|_| slides));
+    let initial_rotation = initial("ICROT").or(ic.filter(|_| !slides));
     for argument in ["IC", "ICTRAN", "ICROT"] {
-        if reader.statement.first(argument).is_some_and(|ic| ic != 0.0) {
+        if reader.first(argument).is_some_and(|ic| ic != 0.0) {
             let message = format!(
                 "the initial displacement of {} is not applied: statics looks for equilibrium from the positions of the parts; a motion begins there",
                 reader.called()
@@ -71,17 +51,17 @@ pub(super) fn joint(reader: &mut Reader, old: Option<&Joint>) -> Option<Joint> {
         }
     }
     Some(Joint {
-        header: reader.header(old.map(|old| &old.header)),
+        header: reader.header(),
         kind,
-        i: reader.marker("I", old.map(|old| old.i))?,
-        j: reader.marker("J", old.map(|old| old.j))?,
+        i: reader.marker("I")?,
+        j: reader.marker("J")?,
         initial_translation,
         initial_rotation,
     })
 }
 
 /// JPRIM.
-pub(super) fn primitive(reader: &mut Reader, old: Option<&Primitive>) -> Option<Primitive> {
+pub(super) fn primitive(reader: &mut Reader) -> Option<Primitive> {
     let kinds = [
         PrimitiveKind::AtPoint,
         PrimitiveKind::Inline,
@@ -90,22 +70,20 @@ pub(super) fn primitive(reader: &mut Reader, old: Option<&Primitive>) -> Option<
         PrimitiveKind::ParallelAxes,
         PrimitiveKind::Perpendicular,
     ];
-    let kind = reader
-        .first_flag(&kinds.map(|kind| (kind.word(), kind)))
-        .or(old.map(|old| old.kind));
+    let kind = reader.first_flag(&kinds.map(|kind| (kind.word(), kind)));
     let Some(kind) = kind else {
         return reader.missing("its type, such as INPLANE");
     };
     Some(Primitive {
-        header: reader.header(old.map(|old| &old.header)),
+        header: reader.header(),
         kind,
-        i: reader.marker("I", old.map(|old| old.i))?,
-        j: reader.marker("J", old.map(|old| old.j))?,
+        i: reader.marker("I")?,
+        j: reader.marker("J")?,
     })
 }
 
 /// COUPLER with SCALES.
-pub(super) fn coupler(reader: &mut Reader, old: Option<&Coupler>) -> Option<Coupler> {
+pub(super) fn coupler(reader: &mut Reader) -> Option<Coupler> {
     let joints = joints(reader, "JOINTS")?;
     let mut scales = reader.reals("SCALES").unwrap_or_default();
     // One factor fewer than joints: the first is one (guide/formats.md 2.6).
@@ -141,7 +119,7 @@ pub(super) fn coupler(reader: &mut Reader, old: Option<&Coupler>) -> Option<Coup
         })
         .collect();
     Some(Coupler {
-        header: reader.header(old.map(|old| &old.header)),
+        header: reader.header(),
         terms,
     })
 }
@@ -163,31 +141,31 @@ fn joints(reader: &Reader, name: &str) -> Option<Vec<(usize, CouplerKind)>> {
 }
 
 /// GEAR.
-pub(super) fn gear(reader: &mut Reader, old: Option<&Gear>) -> Option<Gear> {
+pub(super) fn gear(reader: &mut Reader) -> Option<Gear> {
     let joints = joints(reader, "JOINTS")?;
     let [(first, _), (second, _)] = joints[..] else {
         return None;
     };
     Some(Gear {
-        header: reader.header(old.map(|old| &old.header)),
+        header: reader.header(),
         joints: [first, second],
-        cv: reader.marker("CV", old.map(|old| old.cv))?,
+        cv: reader.marker("CV")?,
     })
 }
 
 /// GCON.
-pub(super) fn gcon(reader: &mut Reader, old: Option<&Gcon>) -> Option<Gcon> {
+pub(super) fn gcon(reader: &mut Reader) -> Option<Gcon> {
     Some(Gcon {
-        header: reader.header(old.map(|old| &old.header)),
-        i: reader.marker("I", old.and_then(|old| old.i)),
-        function: reader.function("FUNCTION", old.map(|old| &old.function))?,
+        header: reader.header(),
+        i: reader.marker("I"),
+        function: reader.function("FUNCTION")?,
     })
 }
 
 /// MOTION.
-pub(super) fn motion(reader: &mut Reader, old: Option<&Motion>) -> Option<Motion> {
-    let turn = reader.flag("ROTATIONAL", false);
-    let slide = reader.flag("TRANSLATIONAL", false);
+pub(super) fn motion(reader: &mut Reader) -> Option<Motion> {
+    let turn = reader.has("ROTATIONAL");
+    let slide = reader.has("TRANSLATIONAL");
     let along_joint = |kind: JointKind| match kind {
         _ if turn => Some(MotionAxis::RotationZ),
         _ if slide => Some(MotionAxis::Translation(2)),
@@ -196,7 +174,7 @@ pub(super) fn motion(reader: &mut Reader, old: Option<&Motion>) -> Option<Motion
         _ => None,
     };
     let driven: Option<(usize, MarkerIx, MarkerIx, Option<MotionAxis>)> = reader
-        .written_id("JOINT", None)
+        .written_id("JOINT")
         .and_then(|id| reader.joint(id))
         .map(|(index, joint)| (index, joint.i, joint.j, along_joint(joint.kind)));
     let axis = reader.first_flag(&[
@@ -211,13 +189,8 @@ pub(super) fn motion(reader: &mut Reader, old: Option<&Motion>) -> Option<Motion
     ]);
     let (joint, i, j, axis) = match driven {
         Some((index, i, j, axis)) => (Some(index), i, j, axis),
-        None if reader.given("JOINT").is_some() => return None,
-        None => (
-            old.and_then(|old| old.joint),
-            reader.marker("I", old.map(|old| old.i))?,
-            reader.marker("J", old.map(|old| old.j))?,
-            axis.or(old.map(|old| old.axis)),
-        ),
+        None if reader.argument("JOINT").is_some() => return None,
+        None => (None, reader.marker("I")?, reader.marker("J")?, axis),
     };
     let Some(axis) = axis else {
         return reader.missing(match joint {
@@ -226,7 +199,7 @@ pub(super) fn motion(reader: &mut Reader, old: Option<&Motion>) -> Option<Motion
         });
     };
     Some(Motion {
-        header: reader.header(old.map(|old| &old.header)),
+        header: reader.header(),
         joint,
         i,
         j,
@@ -237,16 +210,9 @@ pub(super) fn motion(reader: &mut Reader, old: Option<&Motion>) -> Option<Motion
                 ("VELOCITY", MotionOrder::Velocity),
                 ("ACCELERATION", MotionOrder::Acceleration),
             ])
-            .or(old.map(|old| old.order))
             .unwrap_or(MotionOrder::Displacement),
-        initial_displacement: reader
-            .statement
-            .first("ICDISP")
-            .or(old.and_then(|old| old.initial_displacement)),
-        initial_velocity: reader
-            .statement
-            .first("ICVEL")
-            .or(old.and_then(|old| old.initial_velocity)),
-        function: reader.function("FUNCTION", old.map(|old| &old.function))?,
+        initial_displacement: reader.first("ICDISP"),
+        initial_velocity: reader.first("ICVEL"),
+        function: reader.function("FUNCTION")?,
     })
 }

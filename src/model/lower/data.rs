@@ -1,38 +1,35 @@
 use super::reader::Reader;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::{
-    ArrayData, ArrayKind, Diff, Function, LinearStates, MarkerIx, PlantPort, Request, RequestKind,
-    Sensor, SensorCompare, Spline, StringData, Variable,
+    ArrayData, ArrayKind, Diff, LinearStates, MarkerIx, PlantPort, Request, RequestKind, Sensor,
+    SensorCompare, Spline, StringData, Variable,
 };
 use crate::syntax::files::Files;
 use crate::syntax::property::PropertyFile;
 use crate::units::Units;
 
 /// VARIABLE.
-pub(super) fn variable(reader: &mut Reader, old: Option<&Variable>) -> Option<Variable> {
+pub(super) fn variable(reader: &mut Reader) -> Option<Variable> {
     Some(Variable {
-        header: reader.header(old.map(|old| &old.header)),
-        ic: reader.real("IC", old.map(|old| old.ic)),
-        function: reader.function("FUNCTION", old.map(|old| &old.function))?,
+        header: reader.header(),
+        ic: reader.real("IC"),
+        function: reader.function("FUNCTION")?,
     })
 }
 
 /// DIFF.
-pub(super) fn diff(reader: &mut Reader, old: Option<&Diff>) -> Option<Diff> {
+pub(super) fn diff(reader: &mut Reader) -> Option<Diff> {
     Some(Diff {
-        header: reader.header(old.map(|old| &old.header)),
-        ic: reader.real("IC", old.map(|old| old.ic)),
-        implicit: reader.flag("IMPLICIT", old.is_some_and(|old| old.implicit)),
-        static_hold: reader.flag("STATIC_HOLD", old.is_some_and(|old| old.static_hold)),
-        function: reader.function("FUNCTION", old.map(|old| &old.function))?,
+        header: reader.header(),
+        ic: reader.real("IC"),
+        implicit: reader.has("IMPLICIT"),
+        static_hold: reader.has("STATIC_HOLD"),
+        function: reader.function("FUNCTION")?,
     })
 }
 
 /// LSE and TFSISO as linear state equations.
-pub(super) fn linear_states(
-    reader: &mut Reader,
-    old: Option<&LinearStates>,
-) -> Option<LinearStates> {
+pub(super) fn linear_states(reader: &mut Reader) -> Option<LinearStates> {
     let (a, b, c, d) = if reader.def.name == "TFSISO" {
         let numerator = reader.reals("NUMERATOR")?;
         let denominator = reader.reals("DENOMINATOR")?;
@@ -41,25 +38,25 @@ pub(super) fn linear_states(
         };
         form
     } else {
-        let mut matrix = |name: &str| match reader.written_id(name, None) {
+        let mut matrix = |name: &str| match reader.written_id(name) {
             Some(id) => reader.matrix(name, id),
             None => Some(Vec::new()),
         };
         (matrix("A")?, matrix("B")?, matrix("C")?, matrix("D")?)
     };
     Some(LinearStates {
-        header: reader.header(old.map(|old| &old.header)),
+        header: reader.header(),
         kind: reader.def.name,
-        x: reader.written_id("X", old.map(|old| old.x))?,
+        x: reader.written_id("X")?,
         // LSE may have no input; no array has the id zero.
-        u: reader.written_id("U", old.map(|old| old.u)).unwrap_or(0),
-        y: reader.written_id("Y", old.and_then(|old| old.y)),
-        ic: reader.written_id("IC", old.and_then(|old| old.ic)),
+        u: reader.written_id("U").unwrap_or(0),
+        y: reader.written_id("Y"),
+        ic: reader.written_id("IC"),
         a,
         b,
         c,
         d,
-        static_hold: reader.flag("STATIC_HOLD", old.is_some_and(|old| old.static_hold)),
+        static_hold: reader.has("STATIC_HOLD"),
     })
 }
 
@@ -97,28 +94,23 @@ fn controllable_form(
 
 /// ARRAY.
 #[allow(clippy::unnecessary_wraps)] // All readers have one signature.
-pub(super) fn array(reader: &mut Reader, old: Option<&ArrayData>) -> Option<ArrayData> {
-    let size = reader.real("SIZE", None) as usize;
-    let kind = if reader.flag("U", false) {
+pub(super) fn array(reader: &mut Reader) -> Option<ArrayData> {
+    let size = reader.real("SIZE") as usize;
+    let kind = if reader.has("U") {
         ArrayKind::Variables(reader.written_ids("VARIABLES").unwrap_or_default())
-    } else if reader.flag("X", false) {
+    } else if reader.has("X") {
         ArrayKind::States(size)
-    } else if reader.flag("Y", false) {
+    } else if reader.has("Y") {
         ArrayKind::Outputs(size)
     } else {
-        match (
-            reader.reals("NUMBERS"),
-            reader.written_ids("VARIABLES"),
-            old,
-        ) {
-            (Some(numbers), ..) => ArrayKind::Numbers(numbers),
-            (None, Some(ids), _) => ArrayKind::Variables(ids),
-            (None, None, Some(old)) => old.kind.clone(),
-            (None, None, None) => ArrayKind::Numbers(vec![0.0; size.min(MOST_IMPLIED)]),
+        match (reader.reals("NUMBERS"), reader.written_ids("VARIABLES")) {
+            (Some(numbers), _) => ArrayKind::Numbers(numbers),
+            (None, Some(ids)) => ArrayKind::Variables(ids),
+            (None, None) => ArrayKind::Numbers(vec![0.0; size.min(MOST_IMPLIED)]),
         }
     };
     Some(ArrayData {
-        header: reader.header(old.map(|old| &old.header)),
+        header: reader.header(),
         kind,
     })
 }
@@ -127,49 +119,41 @@ pub(super) fn array(reader: &mut Reader, old: Option<&ArrayData>) -> Option<Arra
 const MOST_IMPLIED: usize = 1_000_000;
 
 /// SPLINE from points.
-pub(super) fn spline(reader: &mut Reader, old: Option<&Spline>) -> Option<Spline> {
-    let x = reader
-        .reals("X")
-        .or_else(|| old.map(|old| old.x.clone()))
-        .unwrap_or_default();
+pub(super) fn spline(reader: &mut Reader) -> Option<Spline> {
+    let x = reader.reals("X").unwrap_or_default();
     let rows: Vec<Vec<f64>> = reader
-        .statement
         .all("Y")
         .map(|row| row.numbers().iter().map(|number| number.value).collect())
         .collect();
     let surface = rows.len() > 1 || rows.first().is_some_and(|row| row.len() == x.len() + 1);
-    let (z, y) = match (rows.is_empty(), old) {
-        (true, Some(old)) => (old.z.clone(), old.y.clone()),
+    let (z, y) = if surface {
         // Each row of a surface starts with its z (guide/formats.md 2.14).
-        (false, _) if surface => rows
-            .into_iter()
+        rows.into_iter()
             .map(|row| {
                 (
                     row.first().copied().unwrap_or(0.0),
                     row[row.len().min(1)..].to_vec(),
                 )
             })
-            .unzip(),
-        _ => (vec![0.0], rows),
+            .unzip()
+    } else {
+        (vec![0.0], rows)
     };
     if y.is_empty() || y.iter().any(|row| row.len() != x.len()) {
         return reader.missing("as many values in Y as in X");
     }
     Some(Spline {
-        header: reader.header(old.map(|old| &old.header)),
+        header: reader.header(),
         x,
         z,
         y,
-        linear_extrapolate: reader.flag(
-            "LINEAR_EXTRAPOLATE",
-            old.is_some_and(|old| old.linear_extrapolate),
-        ),
+        linear_extrapolate: reader.has("LINEAR_EXTRAPOLATE"),
     })
 }
 
 /// SPLINE from a property file: the curve of its BLOCK (of the first curve if none is named) in the units of the model.
 pub(super) fn spline_of_file(reader: &mut Reader, files: &Files, units: &Units) -> Option<Spline> {
-    let name = reader.text("FILE", None)?;
+    let name = reader.text("FILE")?;
     let source = files.get(&name)?;
     if !PropertyFile::is_one(source.bytes()) {
         let why = format!(
@@ -183,7 +167,7 @@ pub(super) fn spline_of_file(reader: &mut Reader, files: &Files, units: &Units) 
     let read = PropertyFile::parse(source.clone());
     reader.diagnostics.extend(read.diagnostics);
     let file = read.value;
-    let curve = match reader.text("BLOCK", None) {
+    let curve = match reader.text("BLOCK") {
         Some(block) => file.curve(&block),
         None => file.curves().into_iter().next(),
     };
@@ -200,133 +184,112 @@ pub(super) fn spline_of_file(reader: &mut Reader, files: &Files, units: &Units) 
     };
     let (x, y) = curve.in_units(file.units.as_ref(), units);
     Some(Spline {
-        header: reader.header(None),
+        header: reader.header(),
         x,
         z: vec![0.0],
         y: vec![y],
-        linear_extrapolate: reader.flag("LINEAR_EXTRAPOLATE", false),
+        linear_extrapolate: reader.has("LINEAR_EXTRAPOLATE"),
     })
 }
 
 /// STRING.
-pub(super) fn string(reader: &mut Reader, old: Option<&StringData>) -> Option<StringData> {
+pub(super) fn string(reader: &mut Reader) -> Option<StringData> {
     Some(StringData {
-        header: reader.header(old.map(|old| &old.header)),
-        text: reader.text("STRING", old.map(|old| old.text.clone()))?,
+        header: reader.header(),
+        text: reader.text("STRING")?,
     })
 }
 
 /// SENSOR.
-pub(super) fn sensor(reader: &mut Reader, old: Option<&Sensor>) -> Option<Sensor> {
-    let halts = reader.flag("HALT", old.is_some_and(|old| old.halts));
+pub(super) fn sensor(reader: &mut Reader) -> Option<Sensor> {
+    let halts = reader.has("HALT");
     Some(Sensor {
-        header: reader.header(old.map(|old| &old.header)),
+        header: reader.header(),
         compare: reader
             .first_flag(&[
                 ("EQ", SensorCompare::Eq),
                 ("GE", SensorCompare::Ge),
                 ("LE", SensorCompare::Le),
             ])
-            .or(old.map(|old| old.compare))
             .unwrap_or(SensorCompare::Eq),
-        value: reader.real("VALUE", old.map(|old| old.value)),
-        error: reader.real("ERROR", old.map(|old| old.error)),
-        function: reader.function("FUNCTION", old.map(|old| &old.function))?,
-        evaluate: reader.function("EVALUATE", old.and_then(|old| old.evaluate.as_ref())),
-        stops: halts || reader.flag("RETURN", old.is_some_and(|old| old.stops)),
+        value: reader.real("VALUE"),
+        error: reader.real("ERROR"),
+        function: reader.function("FUNCTION")?,
+        evaluate: reader.function("EVALUATE"),
+        stops: halts || reader.has("RETURN"),
         halts,
-        dt: reader
-            .given("DT")
-            .and_then(|argument| Some(argument.numbers().first()?.value))
-            .or_else(|| old.and_then(|old| old.dt)),
-        stepsize: reader
-            .statement
-            .first("STEPSIZE")
-            .or_else(|| old.and_then(|old| old.stepsize)),
+        dt: reader.first("DT"),
+        stepsize: reader.first("STEPSIZE"),
     })
 }
 
 /// PINPUT and POUTPUT.
 #[allow(clippy::unnecessary_wraps)] // All readers have one signature.
-pub(super) fn plant_port(reader: &mut Reader, old: Option<&PlantPort>) -> Option<PlantPort> {
+pub(super) fn plant_port(reader: &mut Reader) -> Option<PlantPort> {
     Some(PlantPort {
-        header: reader.header(old.map(|old| &old.header)),
+        header: reader.header(),
         kind: reader.def.name,
-        variables: reader
-            .written_ids("VARIABLES")
-            .or_else(|| old.map(|old| old.variables.clone()))
-            .unwrap_or_default(),
+        variables: reader.written_ids("VARIABLES").unwrap_or_default(),
     })
 }
 
 /// REQUEST.
-pub(super) fn request(reader: &mut Reader, old: Option<&Request>) -> Option<Request> {
+pub(super) fn request(reader: &mut Reader) -> Option<Request> {
     Some(Request {
-        header: reader.header(old.map(|old| &old.header)),
-        kind: request_kind(reader, old.map(|old| &old.kind))?,
-        comment: reader
-            .text("COMMENT", old.map(|old| old.comment.clone()))
-            .unwrap_or_default(),
+        header: reader.header(),
+        kind: request_kind(reader)?,
+        comment: reader.text("COMMENT").unwrap_or_default(),
         component_names: reader
-            .texts("CNAMES")
-            .or_else(|| reader.texts("TITLE"))
-            .or_else(|| old.and_then(|old| old.component_names.clone())),
-        component_units: reader
-            .texts("CUNITS")
-            .or_else(|| old.map(|old| old.component_units.clone()))
-            .unwrap_or_default(),
-        results_name: reader.text("RESULTS_NAME", old.and_then(|old| old.results_name.clone())),
+            .latest(&["CNAMES", "TITLE"])
+            .next()
+            .and_then(|names| reader.texts(names)),
+        component_units: reader.texts("CUNITS").unwrap_or_default(),
+        results_name: reader.text("RESULTS_NAME"),
     })
 }
 
-fn request_kind(reader: &mut Reader, old: Option<&RequestKind>) -> Option<RequestKind> {
-    const NAMES: [&str; 8] = ["F1", "F2", "F3", "F4", "F5", "F6", "F7", "F8"];
-    if let Some(Function::User(text)) = reader.function("FUNCTION", None) {
-        return Some(RequestKind::User(text));
-    }
-    if reader.any(&NAMES) {
-        let before = match old {
-            Some(RequestKind::Functions(functions)) => (**functions).clone(),
-            _ => std::array::from_fn(|_| None),
-        };
-        let functions = std::array::from_fn(|k| reader.function(NAMES[k], before[k].as_ref()));
-        return Some(RequestKind::Functions(Box::new(functions)));
-    }
-    let before: (Option<MarkerIx>, Option<MarkerIx>, Option<MarkerIx>) = match old {
-        Some(
-            RequestKind::Displacement { i, j, rm }
-            | RequestKind::Velocity { i, j, rm }
-            | RequestKind::Acceleration { i, j, rm }
-            | RequestKind::Force { i, j, rm },
-        ) => (Some(*i), *j, *rm),
-        _ => (None, None, None),
+fn request_kind(reader: &mut Reader) -> Option<RequestKind> {
+    const WORDS: [&str; 13] = [
+        "FUNCTION",
+        "F1",
+        "F2",
+        "F3",
+        "F4",
+        "F5",
+        "F6",
+        "F7",
+        "F8",
+        "DISPLACEMENT",
+        "VELOCITY",
+        "ACCELERATION",
+        "FORCE",
+    ];
+    let word = reader
+        .latest(&WORDS)
+        .find(|word| *word != "FUNCTION" || reader.is_user(word));
+    let kind: fn(MarkerIx, Option<MarkerIx>, Option<MarkerIx>) -> RequestKind = match word {
+        Some("FUNCTION") => {
+            let text = reader.text("FUNCTION").unwrap_or_default();
+            return Some(RequestKind::User(text));
+        }
+        Some("DISPLACEMENT") => |i, j, rm| RequestKind::Displacement { i, j, rm },
+        Some("VELOCITY") => |i, j, rm| RequestKind::Velocity { i, j, rm },
+        Some("ACCELERATION") => |i, j, rm| RequestKind::Acceleration { i, j, rm },
+        Some("FORCE") => |i, j, rm| RequestKind::Force { i, j, rm },
+        Some(_) => {
+            let functions = std::array::from_fn(|k| reader.function(WORDS[k + 1]));
+            return Some(RequestKind::Functions(Box::new(functions)));
+        }
+        None => {
+            return reader.missing(
+                "what it asks for: DISPLACEMENT, VELOCITY, ACCELERATION, FORCE or F2=...",
+            );
+        }
     };
-    let i = reader.marker("I", before.0);
-    let j = reader.marker("J", before.1);
-    let rm = reader.marker("RM", before.2);
-    let word = ["DISPLACEMENT", "VELOCITY", "ACCELERATION", "FORCE"]
-        .into_iter()
-        .find(|word| reader.flag(word, false));
-    match (word, old, i) {
-        (Some("DISPLACEMENT"), _, Some(i))
-        | (None, Some(RequestKind::Displacement { .. }), Some(i)) => {
-            Some(RequestKind::Displacement { i, j, rm })
-        }
-        (Some("VELOCITY"), _, Some(i)) | (None, Some(RequestKind::Velocity { .. }), Some(i)) => {
-            Some(RequestKind::Velocity { i, j, rm })
-        }
-        (Some("ACCELERATION"), _, Some(i))
-        | (None, Some(RequestKind::Acceleration { .. }), Some(i)) => {
-            Some(RequestKind::Acceleration { i, j, rm })
-        }
-        (Some("FORCE"), _, Some(i)) | (None, Some(RequestKind::Force { .. }), Some(i)) => {
-            Some(RequestKind::Force { i, j, rm })
-        }
-        (None, Some(kind), _) => Some(kind.clone()),
-        (Some(_), _, None) if reader.given("I").is_some() => None,
-        (Some(_), _, _) => reader.missing("I, the marker it is about"),
-        (None, None, _) => reader
-            .missing("what it asks for: DISPLACEMENT, VELOCITY, ACCELERATION, FORCE or F2=..."),
+    match reader.marker("I") {
+        Some(i) => Some(kind(i, reader.marker("J"), reader.marker("RM"))),
+        None if reader.has("I") => None,
+        None => reader.missing("I, the marker it is about"),
     }
 }
 

@@ -1,23 +1,20 @@
 //! Whether matrices and arrays have the sizes that those who use them need (state_array, fstate_lse).
 
-use super::ids::Ids;
+use super::reader::{Context, as_id};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::grammar::StatementDef;
-use crate::syntax::Statement;
-use crate::text::Source;
+use crate::syntax::Stated;
 
 /// What can be told of the sizes of one statement of a dataset.
 pub(super) fn check(
-    source: &Source,
-    statement: &Statement,
+    statement: Stated,
     def: &'static StatementDef,
-    ids: &Ids,
+    context: Context,
     diagnostics: &mut Vec<Diagnostic>,
 ) {
     let mut sizes = Sizes {
-        source,
         statement,
-        ids,
+        context,
         diagnostics,
         called: match statement.number() {
             Some(id) => format!("{}/{id}", def.name),
@@ -34,28 +31,20 @@ pub(super) fn check(
 }
 
 struct Sizes<'a> {
-    source: &'a Source,
-    statement: &'a Statement,
-    ids: &'a Ids<'a>,
+    statement: Stated<'a>,
+    context: Context<'a>,
     diagnostics: &'a mut Vec<Diagnostic>,
     called: String,
 }
 
-impl Sizes<'_> {
+impl<'a> Sizes<'a> {
     fn complain(&mut self, argument: &str, message: String) {
-        let place = self
-            .statement
-            .argument(argument)
-            .map_or(self.statement.keyword, crate::syntax::Argument::value_span);
+        let (source, place) = self.statement.place(argument);
         self.diagnostics
-            .push(Diagnostic::error(Code::WrongCount, message).label(
-                self.source.name(),
-                place,
-                "",
-            ));
+            .push(Diagnostic::error(Code::WrongCount, message).label(source.name(), place, ""));
     }
 
-    fn whole(statement: &Statement, name: &str) -> Option<usize> {
+    fn whole(statement: Stated, name: &str) -> Option<usize> {
         let value = statement.first(name)?;
         (value >= 1.0 && value.fract() == 0.0).then_some(value as usize)
     }
@@ -115,10 +104,7 @@ impl Sizes<'_> {
         for name in ["NUMBERS", "VARIABLES"] {
             let count = self.statement.numbers(name).len();
             if count > 0 && count != size {
-                let place = self
-                    .statement
-                    .argument("SIZE")
-                    .map_or(self.statement.keyword, crate::syntax::Argument::value_span);
+                let (source, place) = self.statement.place("SIZE");
                 self.diagnostics.push(
                     Diagnostic::warning(
                         Code::WrongCount,
@@ -127,7 +113,7 @@ impl Sizes<'_> {
                             self.called
                         ),
                     )
-                    .label(self.source.name(), place, "")
+                    .label(source.name(), place, "")
                     .help(format!("the {count} values count")),
                 );
             }
@@ -143,9 +129,9 @@ impl Sizes<'_> {
         ))
     }
 
-    fn named(&self, kind: &'static str, argument: &str) -> Option<&Statement> {
-        let id = super::reader::as_id(self.statement.first(argument)?)?;
-        self.ids.statement(kind, id)
+    fn named(&self, kind: &'static str, argument: &str) -> Option<Stated<'a>> {
+        let id = as_id(self.statement.first(argument)?)?;
+        self.context.stated(kind, id)
     }
 
     /// How many elements the ARRAY has that an argument names. `None` where that is left to those who use it.

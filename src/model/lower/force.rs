@@ -6,17 +6,17 @@ use crate::model::{
 };
 
 /// BUSHING.
-pub(super) fn bushing(reader: &mut Reader, old: Option<&Bushing>) -> Option<Bushing> {
+pub(super) fn bushing(reader: &mut Reader) -> Option<Bushing> {
     Some(Bushing {
-        header: reader.header(old.map(|old| &old.header)),
-        i: reader.marker("I", old.map(|old| old.i))?,
-        j: reader.marker("J", old.map(|old| old.j))?,
-        k: reader.array("K", old.map(|old| old.k)),
-        kt: reader.array("KT", old.map(|old| old.kt)),
-        c: reader.array("C", old.map(|old| old.c)),
-        ct: reader.array("CT", old.map(|old| old.ct)),
-        force: reader.array("FORCE", old.map(|old| old.force)),
-        torque: reader.array("TORQUE", old.map(|old| old.torque)),
+        header: reader.header(),
+        i: reader.marker("I")?,
+        j: reader.marker("J")?,
+        k: reader.array("K"),
+        kt: reader.array("KT"),
+        c: reader.array("C"),
+        ct: reader.array("CT"),
+        force: reader.array("FORCE"),
+        torque: reader.array("TORQUE"),
     })
 }
 
@@ -27,45 +27,36 @@ pub(super) fn is_pair_force(kind: &str) -> bool {
 }
 
 /// A force by a law of the grammar: its numbers are where the grammar says.
-pub(super) fn pair_force(reader: &mut Reader, old: Option<&PairForce>) -> Option<PairForce> {
+pub(super) fn pair_force(reader: &mut Reader) -> Option<PairForce> {
     let def = reader.def;
-    let chosen = |law: &&LawDef| law.flag.is_none_or(|flag| reader.statement.has(flag));
-    let Some(law) = def.laws.iter().find(chosen).or(old.map(|old| old.law)) else {
+    let chosen = |law: &&LawDef| law.flag.is_none_or(|flag| reader.has(flag));
+    let Some(law) = def.laws.iter().find(chosen) else {
         let flags: Vec<&str> = def.laws.iter().filter_map(|law| law.flag).collect();
         return reader.missing(&flags.join(" or "));
     };
     let mut values = Vec::new();
     for argument in law_arguments(def, law) {
         let count = argument.count.max.unwrap_or(1);
-        let before = old.and_then(|old| old.argument(argument.name));
-        values.extend(reader.numbers(argument.name, count, before));
+        values.extend((0..count).map(reader.row(argument.name)));
     }
     Some(PairForce {
-        header: reader.header(old.map(|old| &old.header)),
+        header: reader.header(),
         def,
         law,
-        i: reader.marker("I", old.map(|old| old.i))?,
-        j: reader.marker("J", old.map(|old| old.j))?,
+        i: reader.marker("I")?,
+        j: reader.marker("J")?,
         values,
-        damping: reader
-            .reals("CMATRIX")
-            .or_else(|| old.map(|old| old.damping.clone()))
-            .unwrap_or_default(),
-        damping_ratio: reader.real("CRATIO", old.map(|old| old.damping_ratio)),
+        damping: reader.reals("CMATRIX").unwrap_or_default(),
+        damping_ratio: reader.real("CRATIO"),
     })
 }
 
 /// SPRINGDAMPER.
-pub(super) fn springdamper(
-    reader: &mut Reader,
-    old: Option<&SpringDamper>,
-) -> Option<SpringDamper> {
-    let kind = reader
-        .first_flag(&[
-            ("TRANSLATIONAL", SpringKind::Translational),
-            ("ROTATIONAL", SpringKind::Rotational),
-        ])
-        .or(old.map(|old| old.kind));
+pub(super) fn springdamper(reader: &mut Reader) -> Option<SpringDamper> {
+    let kind = reader.first_flag(&[
+        ("TRANSLATIONAL", SpringKind::Translational),
+        ("ROTATIONAL", SpringKind::Rotational),
+    ]);
     let Some(kind) = kind else {
         return reader.missing("TRANSLATIONAL or ROTATIONAL");
     };
@@ -74,67 +65,60 @@ pub(super) fn springdamper(
         SpringKind::Rotational => ["KT", "ANGLE", "TORQUE", "CT"],
     };
     Some(SpringDamper {
-        header: reader.header(old.map(|old| &old.header)),
-        i: reader.marker("I", old.map(|old| old.i))?,
-        j: reader.marker("J", old.map(|old| old.j))?,
+        header: reader.header(),
+        i: reader.marker("I")?,
+        j: reader.marker("J")?,
         kind,
-        stiffness: reader.real(stiffness, old.map(|old| old.stiffness)),
-        reference: reader.real(reference, old.map(|old| old.reference)),
-        preload: reader.real(preload, old.map(|old| old.preload)),
-        damping: reader.real(damping, old.map(|old| old.damping)),
+        stiffness: reader.real(stiffness),
+        reference: reader.real(reference),
+        preload: reader.real(preload),
+        damping: reader.real(damping),
     })
 }
 
 /// SFORCE.
-pub(super) fn sforce(reader: &mut Reader, old: Option<&Sforce>) -> Option<Sforce> {
-    let kind = reader
-        .first_flag(&[
-            ("TRANSLATIONAL", SforceKind::Translational),
-            ("ROTATIONAL", SforceKind::Rotational),
-        ])
-        .or(old.map(|old| old.kind));
+pub(super) fn sforce(reader: &mut Reader) -> Option<Sforce> {
+    let kind = reader.first_flag(&[
+        ("TRANSLATIONAL", SforceKind::Translational),
+        ("ROTATIONAL", SforceKind::Rotational),
+    ]);
     let Some(kind) = kind else {
         return reader.missing("TRANSLATIONAL or ROTATIONAL");
     };
     Some(Sforce {
-        header: reader.header(old.map(|old| &old.header)),
-        i: reader.marker("I", old.map(|old| old.i))?,
-        j: reader.marker("J", old.map(|old| old.j))?,
+        header: reader.header(),
+        i: reader.marker("I")?,
+        j: reader.marker("J")?,
         kind,
-        action_only: reader.flag(
-            "ACTIONONLY",
-            old.is_some_and(|old| old.action_only) && !reader.flag("REACTION", false),
-        ),
-        function: reader.function("FUNCTION", old.map(|old| &old.function))?,
+        action_only: reader.has("ACTIONONLY"),
+        function: reader.function("FUNCTION")?,
     })
 }
 
 /// GFORCE, VFORCE, VTORQUE from component functions; what comes from USER subroutines or vector expressions is read by the
 /// caller as unsolved.
-pub(super) fn vector_force(reader: &mut Reader, old: Option<&VectorForce>) -> Option<VectorForce> {
+pub(super) fn vector_force(reader: &mut Reader) -> Option<VectorForce> {
     const NAMES: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
-    let components = std::array::from_fn(|k| {
-        reader.function(NAMES[k], old.and_then(|old| old.components[k].as_ref()))
-    });
+    let components = std::array::from_fn(|k| reader.function(NAMES[k]));
     Some(VectorForce {
-        header: reader.header(old.map(|old| &old.header)),
+        header: reader.header(),
         kind: match reader.def.name {
             "VFORCE" => VectorForceKind::Vforce,
             "VTORQUE" => VectorForceKind::Vtorque,
             _ => VectorForceKind::Gforce,
         },
-        i: reader.marker("I", old.map(|old| old.i))?,
-        jfloat: reader.marker("JFLOAT", old.map(|old| old.jfloat))?,
-        rm: reader.marker("RM", old.and_then(|old| old.rm)),
+        i: reader.marker("I")?,
+        jfloat: reader.marker("JFLOAT")?,
+        rm: reader.marker("RM"),
         components,
     })
 }
 
 /// NFORCE. Its matrix and arrays are taken from their statements.
-pub(super) fn nforce(reader: &mut Reader, old: Option<&Nforce>) -> Option<Nforce> {
+pub(super) fn nforce(reader: &mut Reader) -> Option<Nforce> {
     let i = reader.markers("IMARKERS")?;
     let n = 6 * i.len();
-    let matrix = match reader.written_id("KMATRIX", None) {
+    let matrix = match reader.written_id("KMATRIX") {
         Some(id) => reader.matrix("KMATRIX", id)?,
         None => vec![vec![0.0; n]; n],
     };
@@ -145,8 +129,8 @@ pub(super) fn nforce(reader: &mut Reader, old: Option<&Nforce>) -> Option<Nforce
     let by_columns =
         |matrix: &[Vec<f64>]| -> Vec<f64> { (0..n * n).map(|at| matrix[at % n][at / n]).collect() };
     let k = by_columns(&matrix);
-    let ratio = reader.real("CRATIO", None);
-    let damping = match reader.written_id("CMATRIX", None) {
+    let ratio = reader.real("CRATIO");
+    let damping = match reader.written_id("CMATRIX") {
         Some(id) => {
             let matrix = reader.matrix("CMATRIX", id)?;
             if matrix.len() != n || matrix.iter().any(|row| row.len() != n) {
@@ -157,7 +141,7 @@ pub(super) fn nforce(reader: &mut Reader, old: Option<&Nforce>) -> Option<Nforce
         None if ratio > 0.0 => k.iter().map(|k| ratio * k).collect(),
         None => Vec::new(),
     };
-    let mut column = |name: &str| match reader.written_id(name, None) {
+    let mut column = |name: &str| match reader.written_id(name) {
         Some(id) => {
             let values: Vec<f64> = reader.matrix(name, id)?.into_iter().flatten().collect();
             if values.len() == n {
@@ -170,9 +154,9 @@ pub(super) fn nforce(reader: &mut Reader, old: Option<&Nforce>) -> Option<Nforce
     };
     let (length, force) = (column("LENGTH")?, column("FORCE")?);
     Some(Nforce {
-        header: reader.header(old.map(|old| &old.header)),
+        header: reader.header(),
         i,
-        j: reader.marker("J", old.map(|old| old.j))?,
+        j: reader.marker("J")?,
         k,
         length,
         force,

@@ -1,41 +1,31 @@
-use super::ids::Ids;
 use super::reader::Reader;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::mechanics::{Mat3, Pose, Vec3, euler313};
 use crate::model::{InitialVelocity, Marker, MarkerIx, Model, Orientation, Part, PartIx, PartKind};
-use crate::syntax::Statement;
+use crate::syntax::Stated;
 
 /// PART, POINT_MASS, and the bodies only real ADAMS solves.
 #[allow(clippy::unnecessary_wraps)] // All readers have one signature.
-pub(super) fn part(reader: &mut Reader, old: Option<&Part>) -> Option<Part> {
+pub(super) fn part(reader: &mut Reader) -> Option<Part> {
     let kind = match reader.def.name {
         "POINT_MASS" => PartKind::PointMass,
-        "PART"
-            if reader.flag(
-                "GROUND",
-                old.is_some_and(|old| old.kind == PartKind::Ground),
-            ) =>
-        {
-            PartKind::Ground
-        }
+        "PART" if reader.has("GROUND") => PartKind::Ground,
         "PART" => PartKind::Rigid,
         _ => PartKind::External,
     };
-    let p = reader.vector("QG", old.map(|old| old.pose.p));
-    let R = orientation(reader, "REULER", "ZG", "XG", p, old.map(|old| old.pose.R)).0;
-    let mut exact = old.map_or([false; 6], |old| old.exact);
-    if let Some(words) = reader.choices("EXACT") {
-        exact = ["X", "Y", "Z", "PSI", "THETA", "PHI"].map(|word| words.contains(&word));
-    }
+    let p = reader.vector("QG");
+    let R = orientation(reader, "REULER", "ZG", "XG", p).0;
+    let words = reader.choices("EXACT").unwrap_or_default();
+    let exact = ["X", "Y", "Z", "PSI", "THETA", "PHI"].map(|word| words.contains(&word));
     let mut part = Part {
-        header: reader.header(old.map(|old| &old.header)),
+        header: reader.header(),
         kind,
-        mass: reader.real("MASS", old.map(|old| old.mass)),
-        cm: reader.marker("CM", old.and_then(|old| old.cm)),
-        ip: reader.array("IP", old.map(|old| old.ip)),
+        mass: reader.real("MASS"),
+        cm: reader.marker("CM"),
+        ip: reader.array("IP"),
         pose: Pose { p, R },
         exact,
-        start: start(reader, old.map(|old| old.start)),
+        start: start(reader),
     };
     if kind == PartKind::Ground {
         part.pose = Pose::identity();
@@ -43,50 +33,43 @@ pub(super) fn part(reader: &mut Reader, old: Option<&Part>) -> Option<Part> {
     Some(part)
 }
 
-fn start(reader: &Reader, old: Option<InitialVelocity>) -> InitialVelocity {
-    let old = old.unwrap_or_default();
-    let given = |names: [&str; 3], old: [Option<f64>; 3]| -> [Option<f64>; 3] {
-        std::array::from_fn(|k| reader.statement.first(names[k]).or(old[k]))
-    };
+fn start(reader: &Reader) -> InitialVelocity {
     InitialVelocity {
-        linear: given(["VX", "VY", "VZ"], old.linear),
-        linear_axes: reader.marker("VM", old.linear_axes),
-        angular: given(["WX", "WY", "WZ"], old.angular),
-        angular_axes: reader.marker("WM", old.angular_axes),
+        linear: ["VX", "VY", "VZ"].map(|name| reader.first(name)),
+        linear_axes: reader.marker("VM"),
+        angular: ["WX", "WY", "WZ"].map(|name| reader.first(name)),
+        angular_axes: reader.marker("WM"),
     }
 }
 
-/// MARKER. Its frame with RM is completed by [`resolve_rm`], when all markers are known.
-pub(super) fn marker(reader: &mut Reader, old: Option<&Marker>) -> Option<Marker> {
-    let part = match (named_body(reader), old) {
-        (Some(part), _) => part,
-        (None, Some(old)) => old.part,
-        (None, None) => PartIx(0),
-    };
-    placed_marker(reader, part, old)
-}
-
-/// MARKER of a dataset. One that names no body is on the PART, POINT_MASS or FLEX_BODY defined before it (`state_marker`); one
-/// that moves along a curve or on a surface is on none, and the model is not solved.
-pub(super) fn marker_after(
-    reader: &mut Reader,
-    body: Option<(&'static str, u32)>,
-) -> Option<Marker> {
-    let before = body.and_then(|(space, id)| reader.ids.index(space, id));
+/// MARKER. One that names no body is on `before`, the PART, POINT_MASS or FLEX_BODY defined before it (`state_marker`); one that moves
+/// along a curve or on a surface is on none, and the model is not solved. Its frame with RM is completed by [`resolve_rm`], when all
+/// markers are known.
+#[allow(clippy::unnecessary_wraps)] // All readers have one signature.
+pub(super) fn marker(reader: &mut Reader, before: Option<PartIx>) -> Option<Marker> {
     let part = match (named_body(reader), before) {
         (Some(part), _) => part,
-        (None, _) if moves(reader.statement) => PartIx(0),
-        (None, Some(before)) => PartIx(before),
+        (None, _) if moves(reader) => PartIx(0),
+        (None, Some(before)) => before,
         (None, None) => {
             reader.missing::<()>("the body it is on: PART=id, or a place behind the PART it is on");
             PartIx(0)
         }
     };
-    placed_marker(reader, part, None)
+    let qp = reader.vector("QP");
+    let (R, given) = orientation(reader, "REULER", "ZP", "XP", qp);
+    Some(Marker {
+        header: reader.header(),
+        part,
+        qp,
+        orientation: given.unwrap_or(Orientation::Reuler([0.0; 3])),
+        R,
+        floating: reader.has("FLOATING"),
+    })
 }
 
 /// True for a marker that moves along a CURVE or on a SURFACE.
-pub(super) fn moves(marker: &Statement) -> bool {
+pub(super) fn moves(marker: &Stated) -> bool {
     marker.has("CURVE") || marker.has("SURFACE")
 }
 
@@ -99,23 +82,8 @@ fn named_body(reader: &Reader) -> Option<PartIx> {
         ("FE_PART", "fe_part"),
     ]
     .into_iter()
-    .find(|(name, _)| reader.given(name).is_some())?;
+    .find(|(name, _)| reader.has(name))?;
     Some(reader.part(name, space).unwrap_or(PartIx(0)))
-}
-
-fn placed_marker(reader: &mut Reader, part: PartIx, old: Option<&Marker>) -> Option<Marker> {
-    let qp = reader.vector("QP", old.map(|old| old.qp));
-    let (R, given) = orientation(reader, "REULER", "ZP", "XP", qp, old.map(|old| old.R));
-    Some(Marker {
-        header: reader.header(old.map(|old| &old.header)),
-        part,
-        qp,
-        orientation: given
-            .or(old.map(|old| old.orientation))
-            .unwrap_or(Orientation::Reuler([0.0; 3])),
-        R,
-        floating: reader.flag("FLOATING", old.is_some_and(|old| old.floating)),
-    })
 }
 
 /// The rotation by Euler angles or by points on the z axis and in the x-z plane (guide/formats.md 2.1, 2.2), and how it was given.
@@ -125,19 +93,18 @@ fn orientation(
     z: &str,
     x: &str,
     origin: Vec3,
-    old: Option<Mat3>,
 ) -> (Mat3, Option<Orientation>) {
-    if reader.given(euler).is_some() {
-        let angles @ [psi, theta, phi] = reader.array(euler, None);
+    if reader.has(euler) {
+        let angles @ [psi, theta, phi] = reader.array(euler);
         return (euler313(psi, theta, phi), Some(Orientation::Reuler(angles)));
     }
     let (z_point, x_point) = (reader.point(z), reader.point(x));
     if z_point.is_none() && x_point.is_none() {
-        return (old.unwrap_or_else(Mat3::identity), None);
+        return (Mat3::identity(), None);
     }
     let z_axis = z_point.map(|point| point - origin);
     let x_axis = x_point.map(|point| point - origin);
-    let usexp = reader.flag("USEXP", false);
+    let usexp = reader.has("USEXP");
     let R = axes(z_axis, x_axis, usexp);
     if R.is_none() {
         let place = reader.place(if z_point.is_some() { z } else { x });
@@ -220,7 +187,12 @@ pub(super) fn place_in(model: &mut Model, marker: MarkerIx, parent: MarkerIx) {
 }
 
 /// Brings inertia that was given about the marker IM to the origin and axes of the marker CM, where the model keeps it.
-pub(super) fn inertia_at_cm(part: &mut Part, cm: &Marker, im: &Marker) {
+pub(super) fn inertia_about(model: &mut Model, part: PartIx, im: MarkerIx) {
+    let part = &mut model.parts[part.0];
+    let Some(cm) = part.cm.filter(|cm| *cm != im) else {
+        return;
+    };
+    let (cm, im) = (&model.markers[cm.0], &model.markers[im.0]);
     let [xx, yy, zz, xy, xz, yz] = part.ip;
     // IP holds products as positive integrals: the off-diagonal entries of the matrix are their negatives (guide/formats.md 2.1).
     let J_im = Mat3::new(xx, -xy, -xz, -xy, yy, -yz, -xz, -yz, zz);
@@ -236,11 +208,6 @@ pub(super) fn inertia_at_cm(part: &mut Part, cm: &Marker, im: &Marker) {
         -J_cm[(0, 2)],
         -J_cm[(1, 2)],
     ];
-}
-
-/// The marker RM of a statement, if it has one.
-pub(super) fn rm_of(statement: &crate::syntax::Statement, ids: &Ids) -> Option<MarkerIx> {
-    ids.marker(super::reader::as_id(statement.first("RM")?)?)
 }
 
 #[cfg(test)]

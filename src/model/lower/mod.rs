@@ -1,7 +1,9 @@
-//! From statements to the model, and from commands to changes of it: one code path for both.
+//! From statements to the model. A command is put over the statement it redefines, which is lowered again.
 
+mod activation;
 mod constraint;
 mod data;
+mod definitions;
 mod dimensions;
 mod force;
 mod frame;
@@ -10,54 +12,21 @@ mod ids;
 mod reader;
 mod rules;
 mod settings;
+mod statement;
 mod unsolved;
 
-use self::ids::{BODIES, Ids};
-use self::reader::Reader;
+pub use self::definitions::Definitions;
+use self::ids::{Ids, is_body};
+use self::reader::{Context, Overlays, Reader};
+use self::statement::statement as lower_statement;
 use self::unsolved::unsolved;
-use super::{Header, Joint, MarkerIx, Model, Part, PartIx, PartKind, Unsolved, object::Object};
+use super::{Header, Joint, MarkerIx, Model, Part, PartIx, PartKind, Unsolved};
 use crate::diagnostic::{Checked, Code, Diagnostic};
 use crate::grammar::{Solved, StatementDef};
 use crate::mechanics::Pose;
 use crate::syntax::files::Files;
 use crate::syntax::hash::QuickMap;
-use crate::syntax::{Dataset, Statement};
-use crate::text::Source;
-
-/// Calls `$do!(list, function that reads it, arguments...)` for the model's list that holds a kind of statement, or
-/// `$none` for the others. Bodies, markers and settings are not among them.
-macro_rules! in_list {
-    ($kind:expr, $none:expr, $do:ident, $($arguments:tt)*) => {
-        match $kind {
-            "JPRIM" => $do!(primitives, constraint::primitive, $($arguments)*),
-            "COUPLER" => $do!(couplers, constraint::coupler, $($arguments)*),
-            "GEAR" => $do!(gears, constraint::gear, $($arguments)*),
-            "FRICTION" => $do!(frictions, friction::friction, $($arguments)*),
-            "GCON" => $do!(gcons, constraint::gcon, $($arguments)*),
-            "MOTION" => $do!(motions, constraint::motion, $($arguments)*),
-            "BUSHING" => $do!(bushings, force::bushing, $($arguments)*),
-            "SPRINGDAMPER" => $do!(springdampers, force::springdamper, $($arguments)*),
-            "SFORCE" => $do!(sforces, force::sforce, $($arguments)*),
-            "GFORCE" | "VFORCE" | "VTORQUE" => {
-                $do!(vector_forces, force::vector_force, $($arguments)*)
-            }
-            "NFORCE" => $do!(nforces, force::nforce, $($arguments)*),
-            "VARIABLE" => $do!(variables, data::variable, $($arguments)*),
-            "DIFF" => $do!(diffs, data::diff, $($arguments)*),
-            "LSE" | "TFSISO" => $do!(linear_states, data::linear_states, $($arguments)*),
-            "ARRAY" => $do!(arrays, data::array, $($arguments)*),
-            "SPLINE" => $do!(splines, data::spline, $($arguments)*),
-            "STRING" => $do!(strings, data::string, $($arguments)*),
-            "SENSOR" => $do!(sensors, data::sensor, $($arguments)*),
-            "PINPUT" | "POUTPUT" => $do!(plant_ports, data::plant_port, $($arguments)*),
-            "REQUEST" => $do!(requests, data::request, $($arguments)*),
-            kind if force::is_pair_force(kind) => {
-                $do!(pair_forces, force::pair_force, $($arguments)*)
-            }
-            _ => $none,
-        }
-    };
-}
+use crate::syntax::{Dataset, Overlay, Stated, Statement};
 
 /// Resolves a dataset without looking at other files; see `lower_with`.
 pub fn lower(dataset: &Dataset) -> Checked<Model> {
@@ -68,10 +37,19 @@ pub fn lower(dataset: &Dataset) -> Checked<Model> {
 /// The model is as good as it could be made; with errors among the complaints it must not be solved. What `files` do not hold is
 /// not read.
 pub fn lower_with(dataset: &Dataset, files: &Files) -> Checked<Model> {
+    let lowering = lowered(dataset, files);
+    Checked {
+        value: lowering.model,
+        diagnostics: lowering.diagnostics,
+    }
+}
+
+fn lowered<'a>(dataset: &'a Dataset, files: &'a Files) -> Lowering<'a> {
     let mut lowering = Lowering {
         dataset,
         files,
         ids: Ids::of(dataset),
+        settings: Overlays::new(),
         model: Model {
             // A file without line ends is all title.
             title: dataset.title().chars().take(LONGEST_TITLE).collect(),
@@ -113,16 +91,15 @@ pub fn lower_with(dataset: &Dataset, files: &Files) -> Checked<Model> {
     }
     lowering.model.joints = joints;
     lowering.splines_of_files();
-    Checked {
-        value: lowering.model,
-        diagnostics: lowering.diagnostics,
-    }
+    lowering
 }
 
 struct Lowering<'a> {
     dataset: &'a Dataset,
     files: &'a Files,
-    ids: Ids<'a>,
+    ids: Ids,
+    /// Statements without an id: a later one is put over those before it.
+    settings: Overlays,
     model: Model,
     diagnostics: Vec<Diagnostic>,
     /// The statement that has an id first, by id space.
@@ -173,24 +150,24 @@ impl Lowering<'_> {
         if !(is_body || def.name == "MARKER" || def.name == "JOINT") || statement.id.is_none() {
             return;
         }
-        let (ids, diagnostics) = (&self.ids, &mut self.diagnostics);
-        let mut reader = Reader::of_dataset(self.dataset, at, def, ids, &[], diagnostics);
-        if is_body {
-            let part = frame::part(&mut reader, None);
-            if let Some(im) = reader.marker("IM", None) {
-                im_parts.push((PartIx(self.model.parts.len()), im));
-            }
-            self.model.parts.extend(part);
-        } else if def.name == "MARKER" {
-            let marker = frame::marker_after(&mut reader, body);
-            if let Some(rm) = frame::rm_of(statement, &self.ids) {
-                rm_markers.push((MarkerIx(self.model.markers.len()), rm));
-            }
-            self.model.markers.extend(marker);
-        } else {
-            let joint = constraint::joint(&mut reader, None);
-            self.model.joints.extend(joint);
+        let body = body.and_then(|(space, id)| self.ids.index(space, id));
+        let context = Context {
+            dataset: self.dataset,
+            over: &self.settings,
+            ids: &self.ids,
+            joints: &[],
+        };
+        let stated = Stated::plain(statement, self.dataset.source());
+        let mut reader = Reader::new(context, stated, def, at, &mut self.diagnostics);
+        if is_body && let Some(im) = reader.marker("IM") {
+            im_parts.push((PartIx(self.model.parts.len()), im));
         }
+        if def.name == "MARKER"
+            && let Some(rm) = reader.marker("RM")
+        {
+            rm_markers.push((MarkerIx(self.model.markers.len()), rm));
+        }
+        lower_statement(&mut reader, body.map(PartIx), &mut self.model);
     }
 
     /// What needs all bodies and markers: exactly one ground, frames given in other frames, inertia given about other markers.
@@ -238,26 +215,20 @@ impl Lowering<'_> {
             );
         }
         for (part, im) in im_parts {
-            let part = &mut self.model.parts[part.0];
-            if let Some(cm) = part.cm.filter(|cm| cm != im) {
-                let (cm, im) = (&self.model.markers[cm.0], &self.model.markers[im.0]);
-                frame::inertia_at_cm(part, cm, im);
-            }
+            frame::inertia_about(&mut self.model, *part, *im);
         }
-    }
-
-    /// True for a SPLINE whose file was read.
-    fn is_supplied(&self, statement: &Statement) -> bool {
-        statement.kind() == Some("SPLINE")
-            && statement
-                .text("FILE", self.dataset.source())
-                .is_some_and(|name| self.files.get(&name).is_some())
     }
 
     /// Splines from other files: they are turned into the units of the model, which may be stated behind them.
     fn splines_of_files(&mut self) {
         for (at, statement) in self.dataset.statements().iter().enumerate() {
-            let Some(def) = statement.def.filter(|_| self.is_supplied(statement)) else {
+            let stated = Stated::plain(statement, self.dataset.source());
+            let of_file = |_: &_| is_supplied(&stated, self.files);
+            let Some(def) = statement
+                .def
+                .filter(|def| def.name == "SPLINE")
+                .filter(of_file)
+            else {
                 continue;
             };
             let first = statement
@@ -266,8 +237,13 @@ impl Lowering<'_> {
             if !first {
                 continue;
             }
-            let (ids, diagnostics) = (&self.ids, &mut self.diagnostics);
-            let mut reader = Reader::of_dataset(self.dataset, at, def, ids, &[], diagnostics);
+            let context = Context {
+                dataset: self.dataset,
+                over: &self.settings,
+                ids: &self.ids,
+                joints: &[],
+            };
+            let mut reader = Reader::new(context, stated, def, at, &mut self.diagnostics);
             let spline = data::spline_of_file(&mut reader, self.files, &self.model.units);
             self.model.splines.extend(spline);
         }
@@ -282,61 +258,61 @@ impl Lowering<'_> {
         joints: &[Joint],
     ) {
         let source = self.dataset.source();
-        rules::check(
-            source,
-            statement,
-            def,
-            &self.ids,
-            true,
-            &mut self.diagnostics,
-        );
-        dimensions::check(source, statement, def, &self.ids, &mut self.diagnostics);
-        let done =
-            is_body(def) || def.name == "JOINT" || def.name == "MARKER" && !frame::moves(statement);
+        if def.id.is_none() {
+            self.settings
+                .entry((def.name, None))
+                .and_modify(|earlier| earlier.put(statement, source))
+                .or_insert_with(|| Overlay::of(statement, source));
+        }
+        let context = Context {
+            dataset: self.dataset,
+            over: &self.settings,
+            ids: &self.ids,
+            joints,
+        };
+        let settings = def
+            .id
+            .is_none()
+            .then(|| self.settings.get(&(def.name, None)));
+        let stated = match settings.flatten() {
+            Some(settings) => settings.stated(),
+            None => Stated::plain(statement, source),
+        };
+        let diagnostics = &mut self.diagnostics;
+        rules::check(source, statement, def, &self.ids, true, diagnostics);
+        dimensions::check(stated, def, context, diagnostics);
+        let moves = def.name == "MARKER" && frame::moves(&stated);
+        let done = is_body(def) || def.name == "JOINT" || def.name == "MARKER" && !moves;
         if done && !matches!(def.solved, Solved::External(_)) {
             return;
         }
         if def.id.is_some() && statement.id.is_none() {
             return;
         }
-        if self.is_supplied(statement) {
+        if def.name == "SPLINE" && is_supplied(&stated, self.files) {
             return;
         }
-        if let Some(why) = unsolved(statement, def, source) {
+        let known = diagnostics.len();
+        let mut reader = Reader::new(context, stated, def, at, diagnostics);
+        if let Some(why) = unsolved(&stated, def) {
             self.model.unsolved.push(Unsolved {
-                header: Header {
-                    id: statement.number().unwrap_or(0),
-                    name: self.dataset.name(statement).into_owned(),
-                    origin: at,
-                    active: true,
-                },
+                header: reader.header(),
                 kind: def.name,
                 why,
             });
             return;
         }
-        let known = self.diagnostics.len();
-        let (ids, diagnostics) = (&self.ids, &mut self.diagnostics);
-        let mut reader = Reader::of_dataset(self.dataset, at, def, ids, joints, diagnostics);
-        macro_rules! push {
-            ($list:ident, $read:path, ) => {
-                self.model.$list.extend($read(&mut reader, None))
-            };
-        }
-        in_list!(
-            def.name,
-            {
-                settings::settings(&mut reader, &mut self.model);
-            },
-            push,
-        );
+        lower_statement(&mut reader, None, &mut self.model);
         forget_repeated(&mut self.diagnostics, known);
     }
 }
 
-/// True for PART, POINT_MASS and the bodies only real ADAMS solves.
-fn is_body(def: &StatementDef) -> bool {
-    def.id.is_some_and(|space| BODIES.contains(&space))
+/// True for a SPLINE whose file was read, unless its points were given later.
+fn is_supplied(spline: &Stated, files: &Files) -> bool {
+    spline.latest(&["FILE", "X", "Y"]).next() == Some("FILE")
+        && spline
+            .text("FILE")
+            .is_some_and(|name| files.get(&name).is_some())
 }
 
 /// What a rule of the grammar has said already is not said again by the reader of the same statement.
@@ -392,186 +368,5 @@ impl Model {
     /// Resolves a dataset whose splines may stand in other files; see `lower_with`.
     pub fn lower_with(dataset: &Dataset, files: &Files) -> Checked<Self> {
         lower_with(dataset, files)
-    }
-
-    /// Applies a command that redefines an object (`SFORCE/3, FUNCTION=100`), changes settings (`EQUILIBRIUM/ERROR=1E-6`), or
-    /// turns objects on and off (`DEACTIVATE/MOTION, ID=4`): only what is given changes. `source` is the command file.
-    pub fn redefine(&mut self, command: &Statement, source: &Source) -> Vec<Diagnostic> {
-        let mut diagnostics = Vec::new();
-        let Some(def) = command.def else {
-            return diagnostics;
-        };
-        match def.name {
-            "ACTIVATE" => self.activate(command, source, true, &mut diagnostics),
-            "DEACTIVATE" => self.activate(command, source, false, &mut diagnostics),
-            _ => self.change(command, def, source, &mut diagnostics),
-        }
-        diagnostics
-    }
-
-    fn change(
-        &mut self,
-        command: &Statement,
-        def: &'static StatementDef,
-        source: &Source,
-        diagnostics: &mut Vec<Diagnostic>,
-    ) {
-        let ids = Ids::Model(self);
-        rules::check(source, command, def, &ids, false, diagnostics);
-        let mut reader = Reader {
-            source,
-            statement: command,
-            def,
-            ids: &ids,
-            joints: &self.joints,
-            diagnostics,
-            origin: 0,
-            dataset: None,
-        };
-        let Some(id) = command.number() else {
-            let mut settings = Settings::of(self);
-            if settings::settings(&mut reader, &mut settings.0) {
-                settings.put_back(self);
-            }
-            return;
-        };
-        if let Some(unsolved) = self
-            .unsolved
-            .iter()
-            .find(|unsolved| unsolved.kind == def.name && unsolved.header.id == id)
-        {
-            let diagnostic = Diagnostic::warning(
-                Code::NotSolvedNatively,
-                format!("{} is not solved: {}", reader.called(), unsolved.why),
-            );
-            reader.complain(diagnostic, command.keyword);
-            return;
-        }
-        macro_rules! replace {
-            ($list:ident, $read:path, ) => {{
-                let is_it =
-                    |object: &_| Object::header(object).id == id && Object::is(object, def.name);
-                match self.$list.iter().position(is_it) {
-                    Some(at) => {
-                        if let Some(new) = $read(&mut reader, Some(&self.$list[at])) {
-                            self.$list[at] = new;
-                        }
-                    }
-                    None => undefined(&mut reader),
-                }
-            }};
-        }
-        match def.name {
-            "PART" | "POINT_MASS" | "FLEX_BODY" => replace!(parts, frame::part,),
-            "MARKER" => {
-                let rm = frame::rm_of(command, &ids);
-                replace!(markers, frame::marker,);
-                if let (Some(rm), Some(marker)) = (rm, self.marker(id)) {
-                    frame::place_in(self, marker, rm);
-                }
-            }
-            "JOINT" => replace!(joints, constraint::joint,),
-            kind => in_list!(kind, {}, replace,),
-        }
-    }
-
-    fn activate(
-        &mut self,
-        command: &Statement,
-        source: &Source,
-        active: bool,
-        diagnostics: &mut Vec<Diagnostic>,
-    ) {
-        let numbers = |name: &str| -> Vec<u32> {
-            command
-                .numbers(name)
-                .iter()
-                .filter_map(|number| reader::as_id(number.value))
-                .collect()
-        };
-        let (ids, range) = (numbers("ID"), numbers("RANGE"));
-        let chosen = |id: u32| {
-            ids.contains(&id)
-                || matches!(range[..], [from, to] if (from..=to).contains(&id))
-                || command.has("ALL")
-        };
-        for kind in command
-            .arguments
-            .iter()
-            .filter_map(crate::syntax::Argument::kind)
-        {
-            let mut found = 0;
-            macro_rules! set {
-                ($list:ident, $read:path, ) => {
-                    for object in &mut self.$list {
-                        if Object::is(object, kind) && chosen(Object::header(object).id) {
-                            Object::header_mut(object).active = active;
-                            found += 1;
-                        }
-                    }
-                };
-            }
-            match kind {
-                "JOINT" => set!(joints, constraint::joint,),
-                kind => in_list!(kind, {}, set,),
-            }
-            for unsolved in &mut self.unsolved {
-                if unsolved.kind == kind && chosen(unsolved.header.id) {
-                    unsolved.header.active = active;
-                    found += 1;
-                }
-            }
-            let is_kind = !matches!(kind, "ID" | "RANGE" | "ALL");
-            if is_kind && found == 0 && !matches!(kind, "FRICTION" | "CLEARANCE" | "FEMDATA") {
-                diagnostics.push(
-                    Diagnostic::warning(Code::UndefinedId, format!("no {kind} has such an id"))
-                        .label(source.name(), command.span, ""),
-                );
-            }
-        }
-    }
-}
-
-fn undefined(reader: &mut Reader) {
-    // The words of ADAMS, which goes on all the same.
-    let diagnostic = Diagnostic::warning(
-        Code::UndefinedId,
-        format!(
-            "{} is not defined in the data set. Command ignored.",
-            reader.called()
-        ),
-    );
-    let span = reader
-        .statement
-        .id
-        .map_or(reader.statement.keyword, |(_, span)| span);
-    reader.complain(diagnostic, span);
-}
-
-/// The settings of a model apart from its objects, while the objects are read for ids.
-struct Settings(Model);
-
-impl Settings {
-    fn of(model: &Model) -> Self {
-        Self(Model {
-            gravity: model.gravity,
-            units: model.units,
-            equilibrium: model.equilibrium.clone(),
-            integrator: model.integrator.clone(),
-            kinematics: model.kinematics.clone(),
-            output: model.output.clone(),
-            results: model.results.clone(),
-            ..Model::default()
-        })
-    }
-
-    fn put_back(self, model: &mut Model) {
-        model.gravity = self.0.gravity;
-        model.units = self.0.units;
-        model.equilibrium = self.0.equilibrium;
-        model.integrator = self.0.integrator;
-        model.kinematics = self.0.kinematics;
-        model.output = self.0.output;
-        model.results = self.0.results;
     }
 }

@@ -1,3 +1,6 @@
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::ops::Deref;
 use std::sync::Arc;
 
 use super::ids::Ids;
@@ -5,74 +8,85 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::grammar::StatementDef;
 use crate::mechanics::Vec3;
 use crate::model::{Function, Header, Joint, MarkerIx, PartIx};
-use crate::syntax::{Argument, Dataset, Statement, Value};
+use crate::syntax::{Dataset, Overlay, Stated, Value};
 use crate::text::{Source, Span};
 
-/// One statement as typed values. Every method takes the object's old value, if there is one: a statement of a dataset starts
-/// from the grammar's defaults, a command of a command file from what the model holds.
-pub(super) struct Reader<'a> {
-    pub source: &'a Source,
-    pub statement: &'a Statement,
-    pub def: &'static StatementDef,
-    pub ids: &'a Ids<'a>,
+/// Statements that others were put over, by keyword and id.
+pub(super) type Overlays = BTreeMap<(&'static str, Option<u32>), Overlay>;
+
+/// The statements of a dataset as they stand, and where what they define is in the model.
+#[derive(Clone, Copy)]
+pub(super) struct Context<'a> {
+    pub dataset: &'a Dataset,
+    pub over: &'a Overlays,
+    pub ids: &'a Ids,
     /// The joints of the model, already lowered.
     pub joints: &'a [Joint],
-    pub diagnostics: &'a mut Vec<Diagnostic>,
-    /// Index of the statement in its dataset.
-    pub origin: usize,
-    /// The dataset, which gives new objects their names; a command makes none.
-    pub dataset: Option<&'a Dataset>,
 }
 
-impl<'a> Reader<'a> {
-    /// Reads the statement of a dataset that stands at `origin` among its statements.
-    pub fn of_dataset(
-        dataset: &'a Dataset,
-        origin: usize,
-        def: &'static StatementDef,
-        ids: &'a Ids<'a>,
-        joints: &'a [Joint],
-        diagnostics: &'a mut Vec<Diagnostic>,
-    ) -> Self {
-        Self {
-            source: dataset.source(),
-            statement: &dataset.statements()[origin],
-            def,
-            ids,
-            joints,
-            diagnostics,
-            origin,
-            dataset: Some(dataset),
+impl<'a> Context<'a> {
+    /// A statement as it stands.
+    pub fn stated(&self, kind: &'static str, id: u32) -> Option<Stated<'a>> {
+        match self.over.get(&(kind, Some(id))) {
+            Some(overlay) => Some(overlay.stated()),
+            None => Some(Stated::plain(
+                self.dataset.statement(kind, Some(id))?,
+                self.dataset.source(),
+            )),
         }
     }
 }
 
-impl Reader<'_> {
-    /// The header of a new object, or the old one.
-    pub fn header(&self, old: Option<&Header>) -> Header {
-        old.cloned().unwrap_or_else(|| Header {
-            id: self.statement.number().unwrap_or(0),
-            name: self
-                .dataset
-                .map(|dataset| dataset.name(self.statement).into_owned())
-                .unwrap_or_default(),
-            origin: self.origin,
-            active: true,
-        })
+/// One statement as typed values: those it states, and the defaults of the grammar.
+pub(super) struct Reader<'a> {
+    context: Context<'a>,
+    stated: Stated<'a>,
+    pub def: &'static StatementDef,
+    pub diagnostics: &'a mut Vec<Diagnostic>,
+    /// Index of the statement in its dataset.
+    origin: usize,
+}
+
+impl<'a> Deref for Reader<'a> {
+    type Target = Stated<'a>;
+
+    fn deref(&self) -> &Stated<'a> {
+        &self.stated
+    }
+}
+
+impl<'a> Reader<'a> {
+    /// Reads a statement that stands at `origin` in its dataset.
+    pub fn new(
+        context: Context<'a>,
+        stated: Stated<'a>,
+        def: &'static StatementDef,
+        origin: usize,
+        diagnostics: &'a mut Vec<Diagnostic>,
+    ) -> Self {
+        Self {
+            context,
+            stated,
+            def,
+            diagnostics,
+            origin,
+        }
     }
 
-    /// The argument as written, if it is there.
-    pub fn given(&self, name: &str) -> Option<&Argument> {
-        self.statement.argument(name)
+    /// The header of the object.
+    pub fn header(&self) -> Header {
+        let statement = &self.context.dataset.statements()[self.origin];
+        Header {
+            id: self.number().unwrap_or(0),
+            name: self.context.dataset.name(statement).into_owned(),
+            origin: self.origin,
+            active: true,
+        }
     }
 
     /// True if any of the arguments is there.
     pub fn any(&self, names: &[&str]) -> bool {
-        names.iter().any(|name| self.statement.has(name))
-    }
-
-    pub fn flag(&self, name: &str, old: bool) -> bool {
-        old || self.statement.has(name)
+        names.iter().any(|name| self.has(name))
     }
 
     /// Default values of an argument as the grammar states them.
@@ -84,106 +98,84 @@ impl Reader<'_> {
             .map_or(&[], |argument| argument.default)
     }
 
-    pub fn real(&self, name: &str, old: Option<f64>) -> f64 {
-        self.statement
-            .first(name)
-            .or(old)
+    pub fn real(&self, name: &str) -> f64 {
+        self.first(name)
             .or_else(|| self.default(name).first().copied())
             .unwrap_or(0.0)
     }
 
-    /// The first `N` numbers; those that are not written keep their old value.
-    pub fn array<const N: usize>(&self, name: &str, old: Option<[f64; N]>) -> [f64; N] {
-        let mut values = old.unwrap_or_else(|| {
-            let mut values = [0.0; N];
-            for (value, default) in values.iter_mut().zip(self.default(name)) {
-                *value = *default;
-            }
-            values
-        });
-        for (value, number) in values.iter_mut().zip(self.statement.numbers(name)) {
-            *value = number.value;
+    /// The first `N` numbers.
+    pub fn array<const N: usize>(&self, name: &str) -> [f64; N] {
+        std::array::from_fn(self.row(name))
+    }
+
+    /// The numbers of an argument by their places, and the defaults behind them.
+    pub fn row(&self, name: &str) -> impl Fn(usize) -> f64 + use<'a> {
+        let (stated, default) = (self.numbers(name), self.default(name));
+        move |k| {
+            let stated = stated.get(k).map(|number| number.value);
+            stated.or(default.get(k).copied()).unwrap_or(0.0)
         }
-        values
     }
 
-    /// So many numbers; those that are not written keep their old value.
-    pub fn numbers(&self, name: &str, count: usize, old: Option<&[f64]>) -> Vec<f64> {
-        let written = self.statement.numbers(name);
-        let before = old.unwrap_or_else(|| self.default(name));
-        (0..count)
-            .map(|k| {
-                let written = written.get(k).map(|number| number.value);
-                written.or(before.get(k).copied()).unwrap_or(0.0)
-            })
-            .collect()
-    }
-
-    pub fn vector(&self, name: &str, old: Option<Vec3>) -> Vec3 {
-        Vec3::from(self.array(name, old.map(Into::into)))
+    pub fn vector(&self, name: &str) -> Vec3 {
+        Vec3::from(self.array(name))
     }
 
     /// A point that has no default.
     pub fn point(&self, name: &str) -> Option<Vec3> {
-        self.statement.has(name).then(|| self.vector(name, None))
+        self.has(name).then(|| self.vector(name))
     }
 
     pub fn reals(&self, name: &str) -> Option<Vec<f64>> {
-        let numbers = self.given(name)?.numbers();
+        let numbers = self.argument(name)?.numbers();
         Some(numbers.iter().map(|number| number.value).collect())
     }
 
     /// Ids as written; numbers that are no ids are left out (the grammar rules complain about them).
     pub fn written_ids(&self, name: &str) -> Option<Vec<u32>> {
-        let numbers = self.given(name)?.numbers();
+        let numbers = self.argument(name)?.numbers();
         Some(numbers.iter().filter_map(|n| as_id(n.value)).collect())
     }
 
-    pub fn written_id(&self, name: &str, old: Option<u32>) -> Option<u32> {
-        self.statement.first(name).and_then(as_id).or(old)
+    pub fn written_id(&self, name: &str) -> Option<u32> {
+        self.first(name).and_then(as_id)
     }
 
     /// The marker an argument names.
-    pub fn marker(&self, name: &str, old: Option<MarkerIx>) -> Option<MarkerIx> {
-        match self.given(name) {
-            Some(argument) => {
-                let id = as_id(argument.numbers().first()?.value)?;
-                self.ids.marker(id)
-            }
-            None => old,
-        }
+    pub fn marker(&self, name: &str) -> Option<MarkerIx> {
+        self.context.ids.marker(self.written_id(name)?)
     }
 
     /// The markers an argument names.
     pub fn markers(&self, name: &str) -> Option<Vec<MarkerIx>> {
         self.written_ids(name)?
             .into_iter()
-            .map(|id| self.ids.marker(id))
+            .map(|id| self.context.ids.marker(id))
             .collect()
     }
 
     /// The body an argument names: `space` is the id space of the argument.
     pub fn part(&self, name: &str, space: &'static str) -> Option<PartIx> {
-        self.ids
-            .index(space, self.written_id(name, None)?)
-            .map(PartIx)
+        let id = self.written_id(name)?;
+        self.context.ids.index(space, id).map(PartIx)
     }
 
     /// The joint with this id, and where it stands in the model's list.
     pub fn joint(&self, id: u32) -> Option<(usize, &Joint)> {
-        let at = self.ids.joint(id)?;
-        Some((at, self.joints.get(at)?))
+        let at = self.context.ids.joint(id)?;
+        Some((at, self.context.joints.get(at)?))
     }
 
     /// The values of a MATRIX, row by row. Complains if they are not in the dataset.
     pub fn matrix(&mut self, name: &str, id: u32) -> Option<Vec<Vec<f64>>> {
-        let statement = self.ids.statement("MATRIX", id)?;
+        let statement = self.context.stated("MATRIX", id)?;
         let rows = statement.first("ROWS").unwrap_or(0.0) as usize;
         let columns = statement.first("COLUMNS").unwrap_or(0.0) as usize;
         let values = statement.numbers("VALUES");
         let by_columns = statement
-            .argument("FULL")
-            .is_some_and(|full| full.choices(self.source).contains(&"CORDER"));
+            .choices("FULL")
+            .is_some_and(|full| full.contains(&"CORDER"));
         let size = rows.max(1).checked_mul(columns.max(1));
         if statement.has("SPARSE") && size.is_some_and(|size| size <= MOST_VALUES) {
             let mut matrix = vec![vec![0.0; columns]; rows];
@@ -220,40 +212,21 @@ impl Reader<'_> {
         )
     }
 
-    pub fn function(&self, name: &str, old: Option<&Function>) -> Option<Function> {
-        let Some(argument) = self.given(name) else {
-            return old.cloned();
-        };
-        match &argument.value {
+    pub fn function(&self, name: &str) -> Option<Function> {
+        match &self.argument(name)?.value {
             Value::Function(expression) => Some(Function::Expression(Arc::clone(expression))),
-            Value::User(_) => Some(Function::User(
-                argument.text(self.source).unwrap_or_default().into_owned(),
-            )),
+            Value::User(_) => Some(Function::User(self.text(name).unwrap_or_default())),
             _ => None,
         }
     }
 
-    pub fn text(&self, name: &str, old: Option<String>) -> Option<String> {
-        self.statement
-            .text(name, self.source)
-            .map(std::borrow::Cow::into_owned)
-            .or(old)
+    pub fn text(&self, name: &str) -> Option<String> {
+        self.stated.text(name).map(Cow::into_owned)
     }
 
     pub fn texts(&self, name: &str) -> Option<Vec<String>> {
-        let texts = self.given(name)?.texts(self.source);
-        Some(
-            texts
-                .into_iter()
-                .map(std::borrow::Cow::into_owned)
-                .collect(),
-        )
-    }
-
-    /// The choice words of an argument, whole and in capitals.
-    pub fn choices(&self, name: &str) -> Option<Vec<&'static str>> {
-        self.given(name)
-            .map(|argument| argument.choices(self.source))
+        let texts = self.stated.texts(name)?;
+        Some(texts.into_iter().map(Cow::into_owned).collect())
     }
 
     pub fn choice(&self, name: &str) -> Option<&'static str> {
@@ -264,27 +237,21 @@ impl Reader<'_> {
     pub fn first_flag<T: Copy>(&self, flags: &[(&str, T)]) -> Option<T> {
         flags
             .iter()
-            .find(|(name, _)| self.statement.has(name))
+            .find(|(name, _)| self.has(name))
             .map(|(_, value)| *value)
     }
 
     /// How the statement is called in messages: `BUSHING/3`.
     pub fn called(&self) -> String {
-        match self.statement.number() {
+        match self.number() {
             Some(id) => format!("{}/{id}", self.def.name),
             None => self.def.name.to_string(),
         }
     }
 
-    pub fn complain(&mut self, diagnostic: Diagnostic, span: Span) {
+    pub fn complain(&mut self, diagnostic: Diagnostic, (source, span): (&Source, Span)) {
         self.diagnostics
-            .push(diagnostic.label(self.source.name(), span, ""));
-    }
-
-    /// Where an argument's value stands; the keyword of the statement if it is not written.
-    pub fn place(&self, name: &str) -> Span {
-        self.given(name)
-            .map_or(self.statement.keyword, Argument::value_span)
+            .push(diagnostic.label(source.name(), span, ""));
     }
 
     /// Complains that an argument is needed and gives `None`.
@@ -293,7 +260,7 @@ impl Reader<'_> {
             Code::MissingArgument,
             format!("{} needs {needed}", self.called()),
         );
-        self.complain(diagnostic, self.statement.keyword);
+        self.complain(diagnostic, self.keyword());
         None
     }
 }

@@ -7,26 +7,25 @@ use crate::model::{
 };
 use crate::units::{FORCE_UNITS, LENGTH_UNITS, MASS_UNITS, TIME_UNITS, Unit, Units};
 
-/// Statements without an id: what they change of the model. False if the statement is none of them.
-pub(super) fn settings(reader: &mut Reader, model: &mut Model) -> bool {
+/// Statements without an id, as they stand: what they set in the model.
+pub(super) fn settings(reader: &mut Reader, model: &mut Model) {
     match reader.def.name {
-        "ACCGRAV" => model.gravity = gravity(reader, model.gravity),
+        "ACCGRAV" => model.gravity = gravity(reader),
         "UNITS" => model.units = units(reader),
-        "EQUILIBRIUM" => model.equilibrium = equilibrium(reader, &model.equilibrium),
-        "INTEGRATOR" => model.integrator = integrator(reader, &model.integrator),
-        "KINEMATICS" => model.kinematics = kinematics(reader, &model.kinematics),
-        "OUTPUT" => model.output = output(reader, &model.output),
-        "RESULTS" => model.results = results(reader, &model.results),
-        _ => return false,
+        "EQUILIBRIUM" => model.equilibrium = equilibrium(reader),
+        "INTEGRATOR" => model.integrator = integrator(reader),
+        "KINEMATICS" => model.kinematics = kinematics(reader),
+        "OUTPUT" => model.output = output(reader),
+        "RESULTS" => model.results = results(reader),
+        _ => {}
     }
-    true
 }
 
-fn gravity(reader: &Reader, old: Vec3) -> Vec3 {
+fn gravity(reader: &Reader) -> Vec3 {
     Vec3::new(
-        reader.real("IGRAV", Some(old.x)),
-        reader.real("JGRAV", Some(old.y)),
-        reader.real("KGRAV", Some(old.z)),
+        reader.real("IGRAV"),
+        reader.real("JGRAV"),
+        reader.real("KGRAV"),
     )
 }
 
@@ -71,40 +70,34 @@ fn units(reader: &mut Reader) -> Units {
             Code::MissingArgument,
             "UNITS needs FORCE, MASS, LENGTH and TIME together",
         );
-        reader.complain(diagnostic, reader.statement.keyword);
+        reader.complain(diagnostic, reader.keyword());
     }
-    if let Some(ucf) = reader.statement.first("UCF") {
+    if let Some(ucf) = reader.first("UCF") {
         units.ucf = ucf;
     }
     units
 }
 
-fn equilibrium(reader: &Reader, old: &EquilibriumSettings) -> EquilibriumSettings {
+fn equilibrium(reader: &Reader) -> EquilibriumSettings {
     let default = EquilibriumSettings::default();
-    let old = if reader.flag("DEFAULT", false) {
-        &default
-    } else {
-        old
-    };
     let method = reader.choice("STATIC_METHOD").or(reader.choice("METHOD"));
     EquilibriumSettings {
-        alimit: reader.real("ALIMIT", Some(old.alimit)),
-        tlimit: reader.real("TLIMIT", Some(old.tlimit)),
-        error: reader.real("ERROR", Some(old.error)),
-        imbalance: reader.real("IMBALANCE", Some(old.imbalance)),
-        maxit: reader.real("MAXIT", Some(old.maxit as f64)) as usize,
-        maxit_stated: old.maxit_stated || reader.given("MAXIT").is_some(),
+        alimit: reader.real("ALIMIT"),
+        tlimit: reader.real("TLIMIT"),
+        error: reader.real("ERROR"),
+        imbalance: reader.real("IMBALANCE"),
+        maxit: reader.real("MAXIT") as usize,
+        maxit_stated: reader.has("MAXIT"),
         pattern: match reader.choices("PATTERN") {
             Some(words) if !words.is_empty() => words.iter().map(|word| *word == "TRUE").collect(),
-            _ => old.pattern.clone(),
+            _ => default.pattern,
         },
-        stability: reader.real("STABILITY", Some(old.stability)),
+        stability: reader.real("STABILITY"),
         method: match method {
             Some("ADVANCED") => StaticMethod::Advanced,
             Some("AGGRESSIVE") => StaticMethod::Aggressive,
             Some("ALL") => StaticMethod::All,
-            Some(_) => StaticMethod::Original,
-            None => old.method,
+            _ => StaticMethod::Original,
         },
     }
 }
@@ -114,108 +107,77 @@ const WITHOUT_EFFECT: [&str; 10] = [
     "KMAX", "PATTERN", "FIXIT", "HRATIO", "MAXERR", "SCALE", "CRATIO", "ALPHA", "BETA", "GAMMA",
 ];
 
-fn integrator(reader: &Reader, old: &IntegratorSettings) -> IntegratorSettings {
+fn integrator(reader: &Reader) -> IntegratorSettings {
+    const METHODS: [&str; 9] = [
+        "GSTIFF",
+        "WSTIFF",
+        "HASTIFF",
+        "HHT",
+        "NEWMARK",
+        "ABAM",
+        "CONSTANT_BDF",
+        "DSTIFF",
+        "RKF45",
+    ];
     let default = IntegratorSettings::default();
-    let old = if reader.flag("DEFAULT", false) {
-        &default
-    } else {
-        old
-    };
-    let named = |words: &[&'static str], old: &'static str| {
-        let found = words
-            .iter()
-            .copied()
-            .find(|word| reader.statement.has(word));
-        found.unwrap_or(old)
-    };
-    let number = |name: &str, old: Option<f64>| reader.statement.first(name).or(old);
-    let mut without_effect = old.without_effect.clone();
-    for word in WITHOUT_EFFECT {
-        if reader.statement.has(word) && !without_effect.contains(&word) {
-            without_effect.push(word);
-        }
-    }
+    let named = |words: &[&'static str]| reader.latest(words).next();
+    let stated = |word: &&str| reader.has(word);
     IntegratorSettings {
-        method: named(
-            &[
-                "GSTIFF",
-                "WSTIFF",
-                "HASTIFF",
-                "HHT",
-                "NEWMARK",
-                "ABAM",
-                "CONSTANT_BDF",
-                "DSTIFF",
-                "RKF45",
-            ],
-            old.method,
-        ),
-        formulation: named(&["I3", "SI2", "SI1"], old.formulation),
+        method: named(&METHODS).unwrap_or(default.method),
+        formulation: named(&["I3", "SI2", "SI1"]).unwrap_or(default.formulation),
         corrector: match reader.choice("CORRECTOR") {
             Some("MODIFIED") => "MODIFIED",
             Some("ORIGINAL") => "ORIGINAL",
             Some(_) => "ORIG_CONSTANT",
-            None => old.corrector,
+            None => default.corrector,
         },
-        error: number("ERROR", old.error),
-        hinit: number("HINIT", old.hinit),
-        hmax: number("HMAX", old.hmax),
-        hmin: number("HMIN", old.hmin),
-        maxit: number("MAXIT", old.maxit.map(|n| n as f64)).map(|n| n as usize),
-        adaptivity: reader.real("ADAPTIVITY", Some(old.adaptivity)),
-        interpolate: reader
-            .choice("INTERPOLATE")
-            .map_or(old.interpolate, |word| word == "ON"),
-        without_effect,
+        error: reader.first("ERROR"),
+        hinit: reader.first("HINIT"),
+        hmax: reader.first("HMAX"),
+        hmin: reader.first("HMIN"),
+        maxit: reader.first("MAXIT").map(|n| n as usize),
+        adaptivity: reader.real("ADAPTIVITY"),
+        interpolate: reader.choice("INTERPOLATE") == Some("ON"),
+        without_effect: WITHOUT_EFFECT.into_iter().filter(stated).collect(),
     }
 }
 
-fn kinematics(reader: &Reader, old: &KinematicsSettings) -> KinematicsSettings {
-    let default = KinematicsSettings::default();
-    let old = if reader.flag("DEFAULT", false) {
-        &default
-    } else {
-        old
-    };
-    let maxit = reader.statement.first("MAXIT").map(|n| n as usize);
+fn kinematics(reader: &Reader) -> KinematicsSettings {
     KinematicsSettings {
-        hmax: reader.statement.first("HMAX").or(old.hmax),
-        maxit: maxit.or(old.maxit),
+        hmax: reader.first("HMAX"),
+        maxit: reader.first("MAXIT").map(|n| n as usize),
     }
 }
 
-fn output(reader: &Reader, old: &OutputSettings) -> OutputSettings {
+fn output(reader: &Reader) -> OutputSettings {
     OutputSettings {
-        reqsave: reader.flag("REQSAVE", old.reqsave) && !reader.flag("NOREQSAVE", false),
-        grsave: reader.flag("GRSAVE", old.grsave) && !reader.flag("NOGRSAVE", false),
-        noprint: reader.flag("NOPRINT", old.noprint),
-        noseparator: reader.flag("NOSEPARATOR", old.noseparator)
-            && !reader.flag("SEPARATOR", false),
-        ypr: reader.flag("YPR", old.ypr),
-        fixed: reader.flag("FIXED", old.fixed),
-        teletype: reader.flag("TELETYPE", old.teletype),
-        zero: std::array::from_fn(|k| {
-            reader.real(["DZERO", "VZERO", "AZERO", "FZERO"][k], Some(old.zero[k]))
-        }),
+        reqsave: reader.has("REQSAVE") && !reader.has("NOREQSAVE"),
+        grsave: reader.has("GRSAVE") && !reader.has("NOGRSAVE"),
+        noprint: reader.has("NOPRINT"),
+        noseparator: reader.has("NOSEPARATOR") && !reader.has("SEPARATOR"),
+        ypr: reader.has("YPR"),
+        fixed: reader.has("FIXED"),
+        teletype: reader.has("TELETYPE"),
+        zero: ["DZERO", "VZERO", "AZERO", "FZERO"].map(|name| reader.first(name).unwrap_or(0.0)),
     }
 }
 
-fn results(reader: &Reader, old: &ResultsSettings) -> ResultsSettings {
+fn results(reader: &Reader) -> ResultsSettings {
+    let default = ResultsSettings::default();
+    let places = reader.first("DECIMALPLACES").map(|n| n as usize);
     ResultsSettings {
         present: true,
-        xrf: reader.flag("XRF", old.xrf),
-        formatted: reader.flag("FORMATTED", old.formatted),
-        comment: reader
-            .text("COMMENT", Some(old.comment.clone()))
-            .unwrap_or_default(),
-        decimal_places: reader.real("DECIMALPLACES", Some(old.decimal_places as f64)) as usize,
-        no_displacements: reader.flag("NODISPLACEMENTS", old.no_displacements),
-        no_velocities: reader.flag("NOVELOCITIES", old.no_velocities),
-        no_accelerations: reader.flag("NOACCELERATIONS", old.no_accelerations),
-        no_reaction_forces: reader.flag("NOREACTIONFORCES", old.no_reaction_forces),
-        no_applied_forces: reader.flag("NOAPPLIEDFORCES", old.no_applied_forces),
-        no_system_elements: reader.flag("NOSYSTEMELEMENTS", old.no_system_elements),
-        no_requests: reader.flag("NOREQUESTS", old.no_requests),
-        no_floating_markers: reader.flag("NOFLOATINGMARKERS", old.no_floating_markers),
+        xrf: reader.has("XRF"),
+        formatted: reader.has("FORMATTED"),
+        comment: reader.text("COMMENT").unwrap_or_default(),
+        decimal_places: places.unwrap_or(default.decimal_places),
+        no_displacements: reader.has("NODISPLACEMENTS"),
+        no_velocities: reader.has("NOVELOCITIES"),
+        no_accelerations: reader.has("NOACCELERATIONS"),
+        no_reaction_forces: reader.has("NOREACTIONFORCES"),
+        no_applied_forces: reader.has("NOAPPLIEDFORCES"),
+        no_system_elements: reader.has("NOSYSTEMELEMENTS"),
+        no_requests: reader.has("NOREQUESTS"),
+        no_floating_markers: reader.has("NOFLOATINGMARKERS"),
     }
 }

@@ -1,22 +1,16 @@
+use super::frame;
 use crate::grammar::{Solved, StatementDef};
-use crate::syntax::{Statement, Value};
-use crate::text::Source;
+use crate::syntax::Stated;
 
 /// Why only real ADAMS can solve a statement; `None` if the built-in solver does, or if statics does not need it.
-pub(super) fn unsolved(
-    statement: &Statement,
-    def: &'static StatementDef,
-    source: &Source,
-) -> Option<String> {
+pub(super) fn unsolved(statement: &Stated, def: &'static StatementDef) -> Option<String> {
     if let Solved::External(why) = def.solved {
         return Some(why.to_string());
     }
-    let user = statement
-        .argument("FUNCTION")
-        .is_some_and(|argument| matches!(argument.value, Value::User(_)));
+    let user = statement.is_user("FUNCTION");
     let formulation = statement
-        .argument("FORMULATION")
-        .and_then(|argument| argument.choices(source).first().copied());
+        .choices("FORMULATION")
+        .and_then(|words| words.first().copied());
     let reason = match def.name {
         "COUPLER" | "FIELD" | "SPLINE" | "GFORCE" | "VFORCE" | "VTORQUE" if user => {
             "its values come from a user subroutine"
@@ -36,7 +30,7 @@ pub(super) fn unsolved(
         "BEAM" if formulation == Some("NONLINEAR") => {
             "FORMULATION=NONLINEAR: the discretisation of its Euler-Bernoulli law is not published"
         }
-        "MARKER" if statement.has("CURVE") || statement.has("SURFACE") => {
+        "MARKER" if frame::moves(statement) => {
             "it moves along a curve or on a surface, which the built-in solver does not follow"
         }
         "SPLINE" if statement.has("FILE") => "its points are in a file that was not read",

@@ -4,7 +4,7 @@ use super::context::Context;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::grammar::{FunctionDef, Solved};
 use crate::syntax::expression::Node;
-use crate::syntax::{Statement, Value};
+use crate::syntax::{Stated, Statement, Value};
 use crate::text::Span;
 
 /// What ADAMS solves and the built-in solver does not, once for each kind of statement and each function.
@@ -21,7 +21,8 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
                 external.entry(def.name).or_insert((0, statement, why)).0 += 1;
             }
             Solved::Native(_) if def.name == "FRICTION" => {
-                let list = if statement.sticks_in_statics(context.dataset.source()) {
+                let stated = Stated::plain(statement, context.dataset.source());
+                let list = if stated.sticks_in_statics() {
                     &mut sticking
                 } else {
                     &mut inactive

@@ -7,8 +7,7 @@ use crate::grammar::{self, Components, LawDef, StatementDef};
 use crate::mechanics::{Mat6, Vec6};
 use crate::model::{SforceKind, SpringKind, VectorForceKind, law_arguments};
 use crate::system::catalogue::{Quantity, Role};
-use crate::system::multi::Multi;
-use crate::system::structure::{Action, Drive, Element};
+use crate::system::structure::{Action, Drive, Element, Multi};
 use crate::units::Dimension;
 
 const ANY: f64 = f64::NEG_INFINITY;

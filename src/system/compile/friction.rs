@@ -4,7 +4,7 @@ use super::{Compiler, name};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::element::FrictionLaw;
 use crate::model::JointKind;
-use crate::system::friction::{Friction, Pressing, Slide};
+use crate::system::surface::{Friction, Pressing, Slide};
 
 impl Compiler<'_> {
     /// After the joints, which come first among the constraints.

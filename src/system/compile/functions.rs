@@ -5,10 +5,8 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::function::{ElementIx, ForceMeasure, Input, MeasureKind, time_breaks};
 use crate::model::{ArrayKind, MarkerIx, RequestKind, effect_of};
 use crate::system::catalogue::{Quantity, Role};
-use crate::system::contribution::Exerted;
-use crate::system::force_measure::Force;
-use crate::system::function::{CompiledFunction, Source};
-use crate::system::structure::{Action, Drive, Element, LinearRow, Rate};
+use crate::system::compiled_function::{CompiledFunction, Exerted, Force, LinearRow, Source};
+use crate::system::structure::{Action, Drive, Element, Rate};
 use crate::units::Dimension;
 
 impl Compiler<'_> {

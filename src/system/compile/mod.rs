@@ -13,14 +13,12 @@ use std::collections::BTreeMap;
 use self::motion::{not_in_motion, reference_mass};
 
 use super::catalogue::{Catalogue, Group, Quantity, Role};
-use super::contribution::Exerted;
-use super::friction::{Friction, Grip};
-use super::function::CompiledFunction;
-use super::multi::Multi;
+use super::compiled_function::{CompiledFunction, Exerted};
 use super::structure::{
-    Algebraic, Body, Condition, Element, Joint, Name, Rate, Start, StateEquation, System,
+    Algebraic, Body, Condition, Element, Joint, Multi, Rate, Start, StateEquation, System,
 };
-use super::{Driven, Parameters, Scratch, State};
+use super::surface::Friction;
+use super::{Driven, Grip, Name, Parameters, Scratch, State};
 use crate::diagnostic::{Checked, Code, Diagnostic};
 use crate::grammar::{self, ArgumentDef};
 use crate::mechanics::{Mat3, Pose, Vec3};

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::{Model, PartKind};
 use crate::system::System;
-use crate::system::function::Source;
+use crate::system::compiled_function::Source;
 use crate::system::structure::Drive;
 
 /// The median mass of the bodies that have one; one if none has.

@@ -1,0 +1,55 @@
+use std::fmt;
+
+use crate::syntax::Address;
+
+/// How a person knows an object: `BUSHING/12 'front_arm_bushing'`.
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub struct Name {
+    /// Keyword in capitals.
+    pub kind: &'static str,
+    /// Id.
+    pub id: u32,
+    /// View name.
+    pub view: String,
+}
+
+impl Name {
+    /// Its address in the dataset.
+    pub fn address(&self) -> Address {
+        Address {
+            kind: self.kind.to_string(),
+            id: Some(self.id),
+            argument: None,
+            index: None,
+        }
+    }
+}
+
+impl fmt::Display for Name {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.kind, self.id)?;
+        // A view name made up of kind and id says nothing new.
+        if !self.view.is_empty() && self.view != format!("{}_{}", self.kind, self.id) {
+            write!(f, " '{}'", self.view)?;
+        }
+        Ok(())
+    }
+}
+
+/// A constraint equation as a person knows it: `Zi.Xj in JOINT/2 'crank_pin'`.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct EquationName {
+    /// What is zero, of those that have several or a form of their own.
+    pub what: Option<&'static str>,
+    /// The statement it belongs to.
+    pub object: Name,
+}
+
+impl fmt::Display for EquationName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.what {
+            Some(what) => write!(f, "{what} in {}", self.object),
+            None => self.object.fmt(f),
+        }
+    }
+}
