@@ -201,7 +201,9 @@ names() {
 }
 
 corpus() {
-    local name command deck side file
+    local name command deck side file method
+    # The tests leave folders of runs that failed, on purpose.
+    rm -rf "$WINEPREFIX"/drive_c/users/*/Temp/admire-run-*
     for command in identify diagnose; do
         (cd "$work/linux" && "$linux/admire" "$command" "$root/corpus/pseudo-mcpherson" --out "$command" >"$command.txt" 2>"$command.err") ||
             failed "$command on Linux"
