@@ -138,5 +138,14 @@ mod tests {
     fn paths_are_one_word_of_a_shell() {
         let path = Path::new("/a b/it's $HOME");
         assert_eq!(quoted(path), "'/a b/it'\\''s $HOME'");
+        let path = Path::new("/a\n`b`$(c); 'd' \"&|\\");
+        let words = Command::new("sh")
+            .args(["-c", &format!("printf '%s|' x {} y", quoted(path))])
+            .output();
+        // Only where there is such a shell.
+        if let Ok(words) = words {
+            let words = String::from_utf8_lossy(&words.stdout).into_owned();
+            assert_eq!(words, format!("x|{}|y|", path.display()));
+        }
     }
 }

@@ -27,9 +27,7 @@ pub(crate) fn remove(folder: &Path) {
             .split_once('-')
             .and_then(|(id, _)| id.parse::<u32>().ok());
         let gone = match process {
-            Some(id) if Path::new("/proc/self").exists() => {
-                !Path::new("/proc").join(id.to_string()).exists()
-            }
+            Some(id) if can_look_up() => !Path::new("/proc").join(id.to_string()).exists(),
             _ => entry
                 .metadata()
                 .and_then(|found| found.modified())
@@ -41,6 +39,11 @@ pub(crate) fn remove(folder: &Path) {
             let _ = std::fs::remove_file(entry.path());
         }
     }
+}
+
+/// True where living processes are listed. A disk of Windows may have a folder of this name, too.
+fn can_look_up() -> bool {
+    cfg!(unix) && Path::new("/proc/self").exists()
 }
 
 #[cfg(test)]
@@ -58,7 +61,7 @@ mod tests {
         }
         remove(folder.path());
         let left = |name: &str| folder.path().join(name).exists();
-        assert_eq!(left(&dead), !Path::new("/proc/self").exists());
+        assert_eq!(left(&dead), !can_look_up());
         assert!(left(&own) && left(".admire-young") && left("deck.adm"));
     }
 }

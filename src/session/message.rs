@@ -512,6 +512,8 @@ mod tests {
             messages.flush();
         }
         let file = std::fs::read_to_string(&path).unwrap();
+        assert_eq!(file.contains("\r\n"), cfg!(windows));
+        let file = file.replace("\r\n", "\n");
         assert_eq!(file, String::from_utf8(console).unwrap());
         assert!(file.contains("\n command: FILE/MODEL=run\n\n-----"));
         assert!(file.contains(&format!("|{:35}A title{:35}|\n", "", "")));

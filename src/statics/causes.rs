@@ -6,7 +6,7 @@ use super::Settings;
 use super::rank::{free_motion, free_motions, motion_of};
 use super::report::FreeMotion;
 use crate::function::Program;
-use crate::linear::Lu;
+use crate::linear::{Lu, Matrix};
 use crate::system::{Load, Parameters, Scratch, State, System};
 
 /// A joint whose markers are further apart than this part of the model's length is open.
@@ -26,6 +26,8 @@ pub(super) struct Ended<'a> {
     pub end: &'a State,
     /// Residual at the end.
     pub g: &'a [f64],
+    /// The last equations that were assembled, and factors of them or of earlier ones.
+    pub matrix: &'a Matrix,
     pub factors: &'a Lu,
     /// As many iterations were done as MAXIT allows.
     pub spent: bool,
@@ -64,10 +66,11 @@ impl Ended<'_> {
             .iter()
             .all(|gap| gap.abs() < CLOSED * self.system.length);
         let (system, parameters) = (self.system, self.parameters);
-        free_motions(system, parameters, self.end, self.factors).map_err(|massless| *massless)?;
+        let equations_here = (self.matrix, self.factors);
+        free_motions(system, parameters, self.end, equations_here).map_err(|massless| *massless)?;
         for m in 0..self.factors.deficiency() {
             let z = self.factors.null_vector(m);
-            let Some(motion) = free_motion(self.system, self.parameters, self.end, &z) else {
+            let Some(motion) = free_motion(system, parameters, self.end, (self.matrix, &z)) else {
                 continue;
             };
             // The tangent is all but symmetric: what a free motion does not move on its own must be balanced along it. A joint that is

@@ -98,6 +98,7 @@ impl Solver {
             start: &self.start,
             end: state,
             g: &self.g,
+            matrix: &self.next,
             factors: &self.matrix,
             spent: self.remaining == 0,
             limited: self.limited,

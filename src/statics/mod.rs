@@ -23,7 +23,7 @@ mod tangent;
 pub use balance::{Balance, Left};
 pub use freedoms::Freedoms;
 pub use newton::{Solver, solve};
-pub use report::{Continuation, FreeMotion, Iteration, Report, SolveError, history_table};
+pub use report::{Continuation, FreeMotion, Iteration, Report, SolveError, Weak, history_table};
 pub use sensitivity::Sensitivity;
 pub use settings::{MOST_ITERATIONS, Settings};
 pub use settle::{Settled, Unsettled};

@@ -192,7 +192,7 @@ impl Solver {
             self.assemble(system, parameters, state)?;
             self.matrix.factor(&self.next);
         }
-        match free_motions(system, parameters, state, &self.matrix) {
+        match free_motions(system, parameters, state, (&self.next, &self.matrix)) {
             Ok(motions) => report.free_motions = motions,
             Err(massless) => return Err(SolveError::FreeMotion(massless)),
         }

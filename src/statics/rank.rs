@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::report::FreeMotion;
+use super::report::{FreeMotion, Weak};
 use crate::linear::{Lu, Matrix};
 use crate::mechanics::Vec3;
 use crate::mechanics::eigen::symmetric_eigen;
@@ -11,6 +11,8 @@ use crate::system::{Parameters, State, System};
 
 /// Squares of motions below this share of the largest are round-off.
 const ROUND_OFF: f64 = 1e-20;
+/// A stiffness below this share of the products that make it up is round-off.
+const LOST: f64 = 1e-14;
 /// A spin with less than this of the inertia that its part could have has none.
 const NO_INERTIA: f64 = 1e-14;
 
@@ -41,6 +43,13 @@ const FREE: Words = Words {
     share: 1e-6,
 };
 
+const WEAK: Words = Words {
+    along: "is held but weakly along",
+    about: "is held but weakly about",
+    screw: "is held but weakly in a screw about",
+    share: 1e-6,
+};
+
 const SOFT: Words = Words {
     along: "moves along",
     about: "turns about",
@@ -48,14 +57,45 @@ const SOFT: Words = Words {
     share: 0.1,
 };
 
-/// Says a free motion in words. `None` if no part moves in it (then multipliers or variables are undetermined).
+/// Says a free motion of the assembled equations in words. `None` if no part moves in it (then multipliers or variables are undetermined).
 pub(super) fn free_motion(
     system: &System,
     parameters: &Parameters,
     state: &State,
-    z: &[f64],
+    (J, z): (&Matrix, &[f64]),
 ) -> Option<FreeMotion> {
-    moving(system, parameters, state, z, &FREE)
+    let stiffness = stiffness_along(system, J, z);
+    let words = if stiffness.is_some() { &WEAK } else { &FREE };
+    let (mut motion, part, turns) = moving(system, parameters, state, z, words)?;
+    let (v, w) = motion_of(system, part, z);
+    motion.weak = stiffness.map(|stiffness| {
+        let (size, first) = if turns { (w.norm(), 3) } else { (v.norm(), 0) };
+        let stiffness = stiffness / (size * size);
+        // Of the same part and the same unit.
+        let own = system.bodies[part].first + first;
+        let own = own..own + 3;
+        let squares = J
+            .entries()
+            .filter(|(row, column, _)| own.contains(row) && own.contains(column))
+            .map(|(_, _, value)| value * value);
+        Weak {
+            stiffness,
+            share: stiffness / squares.sum::<f64>().sqrt(),
+        }
+    });
+    Some(motion)
+}
+
+/// Twice the energy of a motion by the assembled equations. `None` where it is round-off.
+fn stiffness_along(system: &System, J: &Matrix, z: &[f64]) -> Option<f64> {
+    let (mut work, mut size) = (0.0, 0.0);
+    for (row, column, value) in J.entries() {
+        if row < system.first_equation {
+            work -= z[row] * value * z[column];
+            size += (z[row] * value * z[column]).abs();
+        }
+    }
+    (work > LOST * size).then_some(work)
 }
 
 /// Says a motion against which there is little stiffness or less than none.
@@ -65,16 +105,17 @@ pub(super) fn soft_motion(
     state: &State,
     z: &[f64],
 ) -> Option<FreeMotion> {
-    moving(system, parameters, state, z, &SOFT)
+    moving(system, parameters, state, z, &SOFT).map(|(motion, ..)| motion)
 }
 
+/// A motion in words, the part that moves most, and whether it turns.
 fn moving(
     system: &System,
     parameters: &Parameters,
     state: &State,
     z: &[f64],
     words: &Words,
-) -> Option<FreeMotion> {
+) -> Option<(FreeMotion, usize, bool)> {
     let mut largest: Option<(usize, f64)> = None;
     let mut sizes = Vec::new();
     for (part, body) in system.bodies.iter().enumerate() {
@@ -105,12 +146,14 @@ fn moving(
         .filter(|&other| other != part && sizes[other] > words.share * size)
         .map(|other| system.part_name(PartIx(other)).clone())
         .collect();
-    Some(FreeMotion {
+    let motion = FreeMotion {
         part: system.part_name(PartIx(part)).clone(),
         others,
         motion,
         axis,
-    })
+        weak: None,
+    };
+    Some((motion, part, turns))
 }
 
 /// All motions nothing resists, or one among them that has no mass either, which then leaves the parts undetermined.
@@ -121,12 +164,12 @@ pub(super) fn free_motions(
     system: &System,
     parameters: &Parameters,
     state: &State,
-    factors: &Lu,
+    (J, factors): (&Matrix, &Lu),
 ) -> Result<Vec<FreeMotion>, Box<FreeMotion>> {
     let (mut vectors, mut motions) = (Vec::new(), Vec::new());
     for m in 0..factors.deficiency() {
         let mut z = factors.null_vector(m);
-        if let Some(motion) = free_motion(system, parameters, state, &z) {
+        if let Some(motion) = free_motion(system, parameters, state, (J, &z)) {
             let (_, size) = energies(system, parameters, state, (&z, &z));
             let scale = 1.0 / size.sqrt().max(f64::MIN_POSITIVE);
             for x in &mut z {
@@ -153,7 +196,7 @@ pub(super) fn free_motions(
             z.iter_mut().zip(vector).for_each(|(z, x)| *z += weight * x);
         }
         if is_massless(system, parameters, state, &z)
-            && let Some(motion) = free_motion(system, parameters, state, &z)
+            && let Some(motion) = free_motion(system, parameters, state, (J, &z))
         {
             return Err(Box::new(motion));
         }

@@ -50,6 +50,26 @@ pub struct FreeMotion {
     pub motion: String,
     /// Direction of the translation or of the rotation axis, ground axes.
     pub axis: Vec3,
+    /// What little holds it; `None` if nothing does.
+    pub weak: Option<Weak>,
+}
+
+/// A stiffness that is lost in the round-off of others.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Weak {
+    /// Force per length, or torque per angle.
+    pub stiffness: f64,
+    /// Its share of the largest that the part has.
+    pub share: f64,
+}
+
+impl FreeMotion {
+    fn lacks(&self) -> &'static str {
+        match self.weak {
+            Some(_) => "no mass holds it either",
+            None => "it has neither stiffness nor mass there",
+        }
+    }
 }
 
 impl fmt::Display for FreeMotion {
@@ -60,6 +80,13 @@ impl fmt::Display for FreeMotion {
                 f,
                 "{} {other}",
                 if k == 0 { ", together with" } else { "," }
+            )?;
+        }
+        if let Some(Weak { stiffness, share }) = self.weak {
+            write!(
+                f,
+                " (the stiffness of {stiffness:.1e} there is {share:.0e} of its largest and drowns in the round-off; a joint in place \
+                 of the largest would let it count)"
             )?;
         }
         Ok(())
@@ -124,7 +151,7 @@ pub enum SolveError {
         causes: Vec<String>,
     },
     /// A massless part moves without any resistance.
-    #[error("{0}: it has neither stiffness nor mass there")]
+    #[error("{0}: {lacks}", lacks = .0.lacks())]
     FreeMotion(Box<FreeMotion>),
     /// A removed constraint equation is violated where the others hold.
     #[error("{equation} contradicts the other constraints: it is violated by {violation:.3e}")]

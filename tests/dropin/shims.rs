@@ -51,3 +51,35 @@ fn installed_shims_run_under_every_name() {
     assert_eq!(refused.status.code(), Some(2));
     assert_eq!(std::fs::read(bin.join(name)).unwrap(), b"mine");
 }
+
+/// The folder of the programs is one word for the shell, whatever stands in its name.
+#[cfg(unix)]
+#[test]
+fn no_name_becomes_a_command_of_the_shell() {
+    let place = folder(&[]);
+    let tools = place
+        .path()
+        .join("it's\n`touch pwned`$(touch pwned); touch pwned\n\"&");
+    std::fs::create_dir(&tools).unwrap();
+    for program in [env!("CARGO_BIN_EXE_admire"), env!("CARGO_BIN_EXE_mdi")] {
+        let name = std::path::Path::new(program).file_name().unwrap();
+        std::fs::copy(program, tools.join(name)).unwrap();
+    }
+    let installed = Command::new(tools.join("admire"))
+        .args(["install-shims", "bin", "--names", "mdi"])
+        .current_dir(place.path())
+        .output()
+        .unwrap();
+    assert!(installed.status.success(), "{installed:?}");
+    std::fs::write(place.path().join("slider.adm"), SLIDER).unwrap();
+    let acf = "\nfile/model=slider\nSIM/STAT\nSTOP\n";
+    std::fs::write(place.path().join("run.acf"), acf).unwrap();
+    let ran = Command::new(place.path().join("bin/mdi"))
+        .args(["ru-standard", "run"])
+        .current_dir(place.path())
+        .output()
+        .unwrap();
+    assert!(ran.status.success(), "{ran:?}");
+    assert_eq!(Results::read(place.path(), "slider.res").steps.len(), 1);
+    assert!(!place.path().join("pwned").exists());
+}
