@@ -140,8 +140,9 @@ function start(root) {
   if (scene.parts.some((part) => part.lines.length)) boxes.push(check("graphics", true, (on) => { state.shapes = on; }));
   bar.append(group(...boxes));
   if (culprits.size) bar.append(button("Show what was found", "Turn to the highlighted object", () => { state.zoom = 2.2; aim([...culprits.keys()][0]); draw(); }));
-  const list = element("details", { class: "scene-list" }, element("summary", {}, `${scene.parts.length} parts, ${scene.objects.length} joints and forces`),
-    element("div", {}, ...scene.parts.filter((part) => !part.ground).map((part) => {
+  const moving = scene.parts.filter((part) => !part.ground);
+  const list = element("details", { class: "scene-list" }, element("summary", {}, `${moving.length} parts, ${scene.objects.length} joints and forces`),
+    element("div", {}, ...moving.map((part) => {
       const label = check(`${part.name} (${part.address})`, true, (on) => { if (on) state.hidden.delete(part); else state.hidden.add(part); });
       pointed(label, part);
       return label;
