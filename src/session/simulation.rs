@@ -261,7 +261,7 @@ impl Session<'_> {
         }
         if was_free.unwrap_or_default() != free && !free.is_empty() {
             let text = format!(
-                "Nothing resists these motions; they stay where they are:\n  {}",
+                "Nothing, or next to nothing, resists these motions; they stay where they are:\n  {}",
                 free.join("\n  ")
             );
             self.messages.frame("WARNING", &text);
