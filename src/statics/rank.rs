@@ -13,6 +13,8 @@ use crate::system::{Parameters, State, System};
 const ROUND_OFF: f64 = 1e-20;
 /// A stiffness below this share of the products that make it up is round-off.
 const LOST: f64 = 1e-14;
+/// What sums of many forces leave of stiffnesses that cancel: a thousand roundings.
+const ASSEMBLED: f64 = 1e3 * f64::EPSILON;
 /// A spin with less than this of the inertia that its part could have has none.
 const NO_INERTIA: f64 = 1e-14;
 
@@ -64,25 +66,28 @@ pub(super) fn free_motion(
     state: &State,
     (J, z): (&Matrix, &[f64]),
 ) -> Option<FreeMotion> {
-    let stiffness = stiffness_along(system, J, z);
-    let words = if stiffness.is_some() { &WEAK } else { &FREE };
-    let (mut motion, part, turns) = moving(system, parameters, state, z, words)?;
+    let (mut motion, part, turns) = moving(system, parameters, state, z, &FREE)?;
     let (v, w) = motion_of(system, part, z);
-    motion.weak = stiffness.map(|stiffness| {
-        let (size, first) = if turns { (w.norm(), 3) } else { (v.norm(), 0) };
-        let stiffness = stiffness / (size * size);
-        // Of the same part and the same unit.
-        let own = system.bodies[part].first + first;
-        let own = own..own + 3;
-        let squares = J
-            .entries()
-            .filter(|(row, column, _)| own.contains(row) && own.contains(column))
-            .map(|(_, _, value)| value * value);
+    let (size, first) = if turns { (w.norm(), 3) } else { (v.norm(), 0) };
+    // Of the same part and the same unit.
+    let own = system.bodies[part].first + first;
+    let own = own..own + 3;
+    let squares = J
+        .entries()
+        .filter(|(row, column, _)| own.contains(row) && own.contains(column))
+        .map(|(_, _, value)| value * value);
+    let largest = squares.sum::<f64>().sqrt();
+    let weak = stiffness_along(system, J, z).map(|work| {
+        let stiffness = work / (size * size);
         Weak {
             stiffness,
-            share: stiffness / squares.sum::<f64>().sqrt(),
+            share: stiffness / largest,
         }
     });
+    if let Some(weak) = weak.filter(|weak| weak.share > ASSEMBLED) {
+        (motion, ..) = moving(system, parameters, state, z, &WEAK)?;
+        motion.weak = Some(weak);
+    }
     Some(motion)
 }
 
