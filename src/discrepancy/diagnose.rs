@@ -36,8 +36,6 @@ const MATTERS_WHEEL_DEG: f64 = 0.01;
 const STRUCTURED: f64 = 0.005;
 /// Held-out readings less probable than this under the extended model speak against its causes.
 const SURPRISED: f64 = 0.002;
-/// A cause with which other cases are predicted worse by so many nats is none.
-const WORSE: f64 = 0.5;
 /// Rivals are no further behind than so many units of twice the logarithm of probability.
 const RIVAL: f64 = 6.0;
 
@@ -107,7 +105,7 @@ pub fn diagnose_watched<'a>(
     let mut sought = seek(&mut subject, Data::All, progress).ok_or_else(no_cases)?;
     progress.begin("testing what was found");
     let mut tested = structure(&subject, &sought.leading);
-    // A search that does not see all cases says what is gained, and where this one should go on.
+    // The search without the held-out cases says what is gained, and gives this one a second start.
     let is_explained = !unexplained(&tested).structured;
     let is_searched =
         !is_explained || (check != GainCheck::Quick && !sought.leading.chosen.is_empty());
@@ -115,7 +113,7 @@ pub fn diagnose_watched<'a>(
         .then(|| Unseen::new(&unfitted, progress))
         .flatten();
     if let Some(unseen) = &unseen
-        && sought.go_on(&subject, unseen.models(), Data::All)
+        && sought.resume(&subject, unseen.models(), Data::All)
     {
         tested = structure(&subject, &sought.leading);
     }
@@ -377,7 +375,7 @@ fn findings(
             && finding
                 .gain
                 .cross_validated_nats
-                .is_none_or(|nats| nats > -WORSE)
+                .is_none_or(|nats| nats > 0.0)
     });
     out.sort_by(|(a, ..), (b, ..)| {
         a.minor

@@ -16,11 +16,11 @@ use crate::tolerance::{self, Linear, Posterior, Sizes, Whitening};
 
 /// Steps of a fit at most.
 const STEPS: usize = 16;
-/// Stiffnesses alone that miss the readings by more than so many times their noise may have run off after something else: tolerances that
-/// grow hide it.
+/// Stiffnesses alone that miss the readings by more than so many times their noise may be in a wrong minimum, which tolerances that grow
+/// would hide.
 const MISSED: f64 = 1.3;
 
-/// A fit that ends where its linear model promises no more nats has come to its end.
+/// A fit has converged if its linear model promises less than so many nats.
 const SETTLED: f64 = 1.0;
 
 /// A model linearised where its fit ended, and what the readings say there.
@@ -112,7 +112,7 @@ impl Fitted {
         self.posterior.ln_z - self.posterior.gain + self.ln_prior()
     }
 
-    /// False for a fit that was given up, or came to no end, far from where its linear model leads.
+    /// False for a fit that stopped early, far from the optimum of its linear model.
     pub fn is_settled(&self) -> bool {
         self.posterior.gain < SETTLED
     }

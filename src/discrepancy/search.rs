@@ -15,7 +15,7 @@ const WEIGHED: usize = 7;
 const REFITTED: usize = 3;
 /// where they are within so many nats of the best; friction, whose first guess is rough, within so many more.
 const WITHIN: (f64, f64) = (30.0, 600.0);
-/// Beyond so many nats the linear model is far from where fits end: every place that promises this part of the best is refitted.
+/// A promise of more than so many nats is far outside of the linear model: every place that promises this part of the best is refitted.
 const FAR: (f64, f64) = (1000.0, 0.9);
 /// A model that would lose so many nats is not refitted.
 const HOPELESS: f64 = -6.0;
@@ -71,9 +71,9 @@ pub fn search(subject: &Subject<'_>, none: Fitted, data: Data) -> Found {
     search.ended(none, best)
 }
 
-/// Goes on with a search from the models with and without causes that a search of some of the cases came to: where a fit ran off after
-/// something, or a first cause hides the true one, the other search as a rule did not. `None` where they are no better.
-pub fn search_on(
+/// Resumes a search from the models, without and with causes, that a search of some of the cases ended with. That one may have
+/// avoided a fit that went astray here, or a first cause that hides the true one. `None` where its models are no better.
+pub fn resume(
     subject: &Subject<'_>,
     found: &Found,
     [none, best]: [&Arc<Fitted>; 2],
@@ -222,7 +222,7 @@ impl<'a, 'b> Search<'a, 'b> {
         };
         let from = |guesses: &[f64], x: &[f64]| begun(h, guesses, x);
         let guesses = &weighed.guesses;
-        // Where the step of the linear model leads astray, from where the fit without the cause ended.
+        // If the step of the linear model leads astray, begin where the fit without the cause ended.
         let found = from(guesses, &weighed.x);
         let found = match found {
             Some(found) if found.is_settled() || found.ln_posterior() > base.ln_posterior() => {
@@ -247,7 +247,7 @@ impl<'a, 'b> Search<'a, 'b> {
         let last = found.chosen.len() - 1;
         let first = found.places[last].first().map_or(0.0, |at| found.x[*at]);
         if h.one_sided && first < 0.0 && guesses.len() > 1 {
-            // A law whose first term pulls where it can only push: a higher one took its place. Again from the first term alone.
+            // A force that can only push came out pulling: a higher term took the place of the first. Begin with the first term alone.
             let mut alone = vec![0.0; guesses.len()];
             alone[0] = guesses.iter().map(|g| g.abs()).sum();
             let again = from(&alone, &weighed.x).filter(|again| {
@@ -372,8 +372,9 @@ impl<'a, 'b> Search<'a, 'b> {
         self.of(fitted, causes)
     }
 
-    /// The same, also from where the model with the cause ended: what stands against the cause should have come as far.
-    fn without_it(&mut self, fitted: &Fitted, at: usize) -> Option<Arc<Fitted>> {
+    /// The same, refitted from where the model with the cause ended if that is better. What replaces the cause is compared with a fit
+    /// that has come as far.
+    fn without_refitted(&mut self, fitted: &Fitted, at: usize) -> Option<Arc<Fitted>> {
         let known = self.without(fitted, at)?;
         let mut all = unguessed(fitted);
         all.remove(at);
@@ -428,7 +429,7 @@ impl<'a, 'b> Search<'a, 'b> {
         while at < current.chosen.len() && current.chosen.len() > 1 && !self.subject.is_spent() {
             let is_refined = current.chosen[at].is_refined(&current.chosen);
             let base = Some(at).filter(|_| !is_refined);
-            let Some(base) = base.and_then(|at| self.without_it(&current, at)) else {
+            let Some(base) = base.and_then(|at| self.without_refitted(&current, at)) else {
                 at += 1;
                 continue;
             };
@@ -554,8 +555,8 @@ impl<'a, 'b> Search<'a, 'b> {
     }
 }
 
-/// A further slider of a friction with half of the force of the first, which keeps the other half: one slips sooner than the first did,
-/// one later. With guesses of its numbers and the unknowns of the fit.
+/// Starts a further slider with half of the first one's force. The first keeps the other half and slips sooner, the further one later.
+/// Returns the hypothesis, guesses of its numbers and the unknowns of the fit.
 fn halved(base: &Fitted, h: &Hypothesis) -> Option<(Hypothesis, Vec<f64>, Vec<f64>)> {
     let first = base
         .chosen

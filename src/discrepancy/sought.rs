@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::fit::{ANY, Fitted, fit, refit};
 use super::hypothesis::Hypothesis;
 use super::progress::Progress;
-use super::search::{Found, search, search_on};
+use super::search::{Found, resume, search};
 use super::subject::{Data, Subject};
 
 /// A place is named from this probability on.
@@ -49,9 +49,9 @@ pub fn seek(subject: &mut Subject<'_>, data: Data, progress: &Progress) -> Optio
 }
 
 impl Sought {
-    /// Goes on from what a search of some of the cases chose; false where that is no better.
-    pub fn go_on(&mut self, subject: &Subject<'_>, models: [&Arc<Fitted>; 2], data: Data) -> bool {
-        let Some(found) = search_on(subject, &self.found, models, data) else {
+    /// Resumes the search from what a search of some of the cases chose; false where that is no better.
+    pub fn resume(&mut self, subject: &Subject<'_>, models: [&Arc<Fitted>; 2], data: Data) -> bool {
+        let Some(found) = resume(subject, &self.found, models, data) else {
             return false;
         };
         self.leading = leading(&found);

@@ -268,9 +268,8 @@ impl DiagnosisReport<'_> {
             );
             page.table(&limits::of_causes(diagnosis, &scene));
             page.note(
-                "How large each other cause has to be for the same, to first order and in the units of the deck: of all its places the one that \
-                 is seen best and the one that is seen worst, and how many are not seen at all. All places, couplings and higher terms of \
-                 laws are in diagnosis.json.",
+                "How large each other cause has to be, to first order and in units of the deck, at the places where it is seen best and \
+                 worst; and at how many places it is not seen. diagnosis.json lists all places, couplings and higher terms.",
             );
         }
         page.heading("Residuals");

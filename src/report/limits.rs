@@ -3,7 +3,7 @@
 use super::{Align, Scene, Table, number};
 use crate::discrepancy::{Cause, CauseLimit, Diagnosis};
 
-/// Terms of laws that grow, whose limits say less than that of the first.
+/// Higher terms of laws; the limit of the first term says more.
 const HIGHER: [&str; 4] = ["quadratic", "quintic", "hardening", "growth"];
 
 /// How far off each point has to be.

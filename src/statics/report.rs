@@ -85,8 +85,8 @@ impl fmt::Display for FreeMotion {
         if let Some(Weak { stiffness, share }) = self.weak {
             write!(
                 f,
-                " (the stiffness of {stiffness:.1e} there is {share:.0e} of its largest and drowns in the round-off; a joint in place \
-                 of the largest would let it count)"
+                " (the stiffness of {stiffness:.1e} there is {share:.0e} of its largest and is lost in round-off; replace the stiffest \
+                 element by a joint)"
             )?;
         }
         Ok(())

@@ -6,7 +6,7 @@
 Each seed draws for every cause its place and size, and the stiffnesses of the rubber beside it. Two virtual rigs measure the same axle in the same
 three loops: one reads toe, camber, caster, travel, base and track of the wheel, the other four marks on each part. A cause is named if a
 finding of this cause at this place, or at one that nothing tells from it, has a probability above one half. It can be seen if it is larger than
-the limit that the diagnosis itself states for it; a friction that never slips is not, whatever its force.
+the limit that the diagnosis states for it. For friction that limit assumes that it slips.
 """
 
 import argparse

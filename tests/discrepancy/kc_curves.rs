@@ -43,8 +43,8 @@ fn a_wrong_hardpoint_and_friction_are_found_from_curves_of_the_wheel() {
     );
 }
 
-/// By marks in the loops of the rig, with tolerances everywhere and rubber that is not the deck's: the fit without a cause puts the strut's
-/// friction into the arms, and what undoes that at an arm promises more than friction in the strut.
+/// Marks in the loops of the rig, tolerances everywhere, other stiffnesses than the deck's. The fit without a cause puts the strut's friction
+/// into the arms, where another cause then promises more.
 #[test]
 fn friction_of_a_strut_is_not_taken_for_that_of_an_arm() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus");
@@ -98,7 +98,6 @@ fn friction_of_a_strut_is_not_taken_for_that_of_an_arm() {
         assert_eq!(diagnosis.verdict, Verdict::Discrepancy);
         let force = diagnosis.findings[0].parameters["force"];
         assert!((force - 220.0).abs() < 10.0, "{force}");
-        // Far below what acts; along a link that never bends its rubber nothing would be seen.
         let limit = diagnosis
             .cause_limits
             .iter()
