@@ -3,8 +3,8 @@
 use nalgebra::DVector;
 
 use super::diagnosis::Parameter;
-use super::search::Visited;
 use super::subject::Subject;
+use super::visited::Visited;
 use crate::identify::Status;
 
 /// Two-sided 95 percent of a Gaussian.

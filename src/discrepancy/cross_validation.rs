@@ -16,9 +16,9 @@ use super::fit::Fitted;
 use super::hypothesis::Hypothesis;
 use super::jackknife::{Squares, fall};
 use super::progress::Progress;
-use super::search::Visited;
 use super::subject::Subject;
 use super::unseen::Unseen;
+use super::visited::Visited;
 use crate::backend::LoadCase;
 use crate::identify::global::Row;
 

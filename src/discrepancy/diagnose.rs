@@ -5,8 +5,8 @@ use super::averaged::averaged;
 use super::cause::Cause;
 use super::cross_validation::Folds;
 use super::diagnosis::{
-    BaselineFit, Diagnosis, Evidence, Finding, Gain, Indistinguishable, NoiseFound, ToleranceFound,
-    Unexplained, Verdict,
+    BaselineFit, Diagnosis, Evidence, Finding, Gain, Indistinguishable, LAW_MISFIT, NoiseFound,
+    ToleranceFound, Unexplained, Verdict,
 };
 use super::fit::{ANY, Estimate, Fitted, Plain, fit, unguessed};
 use super::folds::{Blind, HeldOutTest, moved};
@@ -15,15 +15,14 @@ use super::hypothesis::Hypothesis;
 use super::limits::{cause_limits, detection_limits};
 use super::next_measurement::next_measurement;
 use super::progress::Progress;
-use super::remainder::{predicted, remainder};
-use super::search::{Found, Visited};
+use super::remainder::{is_at_element_of, predicted, remainder};
 use super::sought::{NAMED, Sought, of_place, probability, seek};
 use super::stiffness::{CorrectedStiffness, corrected};
 use super::structure::{ALL, StructureTest, structure};
 use super::subject::{Data, Subject};
 use super::unseen::Unseen;
+use super::visited::{Found, Visited};
 use crate::identify::{IdentifyError, Problem};
-use crate::model::{Header, MarkerIx, Model};
 use crate::rig::orientation::chi_square_p_value;
 use crate::rig::{Measurement, Study};
 use crate::tolerance::{Group, Scale};
@@ -308,8 +307,13 @@ fn findings(
             .and_then(|folds| folds.advantage(leading, &without));
         let mut numbers = leading.estimates(k);
         let further = leading.chosen.iter().enumerate();
+        let mut left = None;
         for (at, other) in further.filter(|(_, other)| other.part > 0 && other.same_place(h)) {
             let own = leading.estimates(at).into_iter();
+            if other.is_left_by_law() {
+                left = Some(own.map(|n| n.value * n.value).sum::<f64>().sqrt());
+                continue;
+            }
             numbers.extend(own.map(|n| Estimate {
                 name: format!("{}_{}", n.name, other.part + 1),
                 ..n
@@ -322,7 +326,11 @@ fn findings(
             form: (!h.side.is_empty()).then(|| h.side.to_string()),
             members: h.members.clone(),
             probability,
-            parameters: numbers.iter().map(|n| (n.name.clone(), n.value)).collect(),
+            parameters: numbers
+                .iter()
+                .map(|n| (n.name.clone(), n.value))
+                .chain(left.map(|force| (LAW_MISFIT.to_string(), force)))
+                .collect(),
             std_error: numbers
                 .iter()
                 .map(|n| (n.name.clone(), n.std_error))
@@ -383,23 +391,6 @@ fn findings(
             .then(b.evidence.value.total_cmp(&a.evidence.value))
     });
     out.into_iter().map(|(finding, _, k)| (finding, k)).unzip()
-}
-
-/// True if a cause is at the bushing or joint at which a force acts, or at a marker of it.
-fn is_at_element_of(model: &Model, h: &Hypothesis, force: &Hypothesis) -> bool {
-    let element = |address: &str| {
-        let end = address.find(['.', '<']).unwrap_or(address.len());
-        address[..end].to_string()
-    };
-    let own = element(&force.address);
-    let named = |kind: &str, header: &Header| own == format!("{kind}/{}", header.id);
-    let bushing = model.bushings.iter().find(|b| named("BUSHING", &b.header));
-    let joint = model.joints.iter().find(|j| named("JOINT", &j.header));
-    let ends = bushing.map(|b| (b.i, b.j)).or(joint.map(|j| (j.i, j.j)));
-    let marker = |at: MarkerIx| format!("MARKER/{}", model.markers[at.0].header.id);
-    let ends: Vec<String> = ends.map_or_else(Vec::new, |(i, j)| vec![marker(i), marker(j)]);
-    let mut places = h.members.iter().chain([&h.address]);
-    places.any(|place| element(place) == own || ends.contains(&element(place)))
 }
 
 fn of_rival(found: &Found, rival: &Indistinguishable) -> f64 {

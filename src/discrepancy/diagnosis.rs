@@ -72,6 +72,9 @@ pub struct Gain {
     pub cross_validated_nats: Option<f64>,
 }
 
+/// Among the `parameters` of a finding: the force by which its law differs from the one that was fitted, root mean square over the cases.
+pub const LAW_MISFIT: &str = "law_misfit";
+
 /// One thing that is wrong.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Finding {

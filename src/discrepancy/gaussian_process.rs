@@ -8,6 +8,8 @@ use crate::mechanics::eigen::symmetric_eigen;
 
 /// Lengths of the covariance as parts of the range of the coordinate.
 const LENGTHS: [f64; 4] = [0.06, 0.15, 0.4, 1.0];
+/// The same of what a law leaves, which jumps where the motion turns; the first is no length at all: each value by itself.
+const SHORT_LENGTHS: [f64; 4] = [1e-3, 0.02, 0.06, 0.15];
 /// Sizes of the force as parts of the place's usual force: the largest of the bushing component, for a joint that of all bushings.
 const SIZES: [f64; 6] = [0.003, 0.01, 0.03, 0.1, 0.3, 1.0];
 /// How many lengths and sizes are tried.
@@ -16,6 +18,15 @@ pub const LAWS: usize = LENGTHS.len() * SIZES.len();
 const LEAST: f64 = 1e-6;
 /// What a covariance may be off by, of a diagonal of ones.
 const NONE_LEFT: f64 = 1e-9;
+
+/// How far a force that a Gaussian process describes reaches along its coordinate.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Reach {
+    /// A smooth force.
+    Smooth,
+    /// One that may change from one case to the next.
+    Short,
+}
 
 /// The force in all cases at the length and size that do best.
 pub struct Law {
@@ -39,7 +50,7 @@ impl Law {
     /// law has no part that is constant or a straight line if it is to be `beyond_a_line`. `None` where the coordinate does not change.
     pub fn best(
         coordinate: &[f64],
-        beyond_a_line: bool,
+        (reach, beyond_a_line): (Reach, bool),
         (information, gradient): (&DMatrix<f64>, &DVector<f64>),
         force: f64,
     ) -> Option<Self> {
@@ -51,7 +62,11 @@ impl Law {
             return None;
         }
         let mut out: Option<Self> = None;
-        for length in LENGTHS {
+        let lengths = match reach {
+            Reach::Smooth => LENGTHS,
+            Reach::Short => SHORT_LENGTHS,
+        };
+        for length in lengths {
             let alike = |a: usize, b: usize| {
                 let apart = (coordinate[a] - coordinate[b]) / (length * range);
                 libm::exp(-0.5 * apart * apart)
@@ -154,7 +169,7 @@ mod tests {
         let wave = DVector::from_fn(usize::from(n), |k, _| 20.0 * (2.5 * u[k]).sin());
         let information = DMatrix::identity(usize::from(n), usize::from(n));
         // Reading equals force here: the gradient is the reading itself.
-        let found = Law::best(&u, true, (&information, &wave), 100.0);
+        let found = Law::best(&u, (Reach::Smooth, true), (&information, &wave), 100.0);
         let Law {
             nats,
             taken,
@@ -184,7 +199,7 @@ mod tests {
             - DMatrix::from_fn(usize::from(n), usize::from(n), covariance);
         assert!(off.amax() < 1e-8, "{:e}", off.amax());
         let line = DVector::from_fn(usize::from(n), |k, _| 7.0 + 20.0 * u[k]);
-        let found = Law::best(&u, true, (&information, &line), 100.0);
+        let found = Law::best(&u, (Reach::Smooth, true), (&information, &line), 100.0);
         assert!(found.unwrap().nats < 1.0);
     }
 }

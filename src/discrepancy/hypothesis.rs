@@ -101,8 +101,12 @@ pub struct Hypothesis {
     /// What it carries from case to case.
     pub memory: Option<MemoryPlan>,
     /// Zero for a cause of its own; else the number of a further part of the law of one that is there already, told with that.
+    /// [`LEFT_BY_LAW`] for what the law leaves.
     pub part: usize,
 }
+
+/// The part of a cause that is not its law but what that leaves at its place: a force that differs from case to case.
+pub const LEFT_BY_LAW: usize = usize::MAX;
 
 /// What a contact or rubber carries from case to case, and the function that measures its displacement.
 #[derive(Clone, PartialEq, Debug)]
@@ -169,6 +173,11 @@ impl Hypothesis {
     /// True if another one of these is a further part of its law.
     pub fn is_refined(&self, all: &[Self]) -> bool {
         all.iter().any(|h| h.part > self.part && h.same_place(self))
+    }
+
+    /// True for what the law of a cause leaves at its place.
+    pub fn is_left_by_law(&self) -> bool {
+        self.part == LEFT_BY_LAW
     }
 
     /// True if both say the same of the same place, in whatever form.

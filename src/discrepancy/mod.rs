@@ -48,6 +48,7 @@ mod tolerant;
 mod trend;
 mod unknowns;
 mod unseen;
+mod visited;
 mod wheel_place;
 mod wheel_run;
 mod words;

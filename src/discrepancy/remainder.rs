@@ -15,12 +15,12 @@ use super::cause::Cause;
 use super::causes::PRESENT;
 use super::fit::Fitted;
 use super::folds::{compared, unseen};
-use super::gaussian_process::{LAWS, Law};
-use super::hypothesis::{Column, Hypothesis, Number, component};
+use super::gaussian_process::{LAWS, Law, Reach};
+use super::hypothesis::{Column, Hypothesis, LEFT_BY_LAW, Number, component};
 use super::subject::{Data, Subject};
 use super::survey::Survey;
 use crate::mechanics::Vec6;
-use crate::model::{JointKind, MarkerIx};
+use crate::model::{Header, JointKind, MarkerIx, Model};
 use crate::rig::orientation::chi_square_p_value;
 use crate::tolerance::{Posterior, Sizes};
 
@@ -28,6 +28,10 @@ use crate::tolerance::{Posterior, Sizes};
 const FAR: f64 = 0.8;
 /// A place stands out from so many nats on, the number of places tried taken off.
 const STANDS_OUT: f64 = 5.0;
+/// The law of a cause leaves something with this probability: rubber and friction follow no formula exactly,
+const LEAVES: f64 = 0.5;
+/// and that is at most this part of a usual force there.
+const LEFT: f64 = 0.3;
 
 /// What the force is a function of.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
@@ -138,7 +142,7 @@ pub fn remainder(subject: &Subject<'_>, fitted: &Fitted, sizes: &Sizes) -> Optio
         next,
         posterior,
         ..
-    } = most_spoken_for(subject, fitted, sizes)?;
+    } = most_spoken_for(subject, fitted, sizes, None)?;
     let cases = &subject.problem.programme.cases;
     let mut points: Vec<RemainderPoint> = (0..cases.len())
         .map(|k| RemainderPoint {
@@ -166,7 +170,7 @@ pub fn remainder(subject: &Subject<'_>, fitted: &Fitted, sizes: &Sizes) -> Optio
 /// mean and covariance of the force, `R` the response of the rows and `C` the covariance of the unknowns, the rows are off by
 /// `R f` with `J C J' + R V R'` and their noise. `None` where nothing is held out, or no place stands out.
 pub fn predicted(subject: &Subject<'_>, fitted: &Fitted, sizes: &Sizes) -> Option<Predicted> {
-    let found = most_spoken_for(subject, fitted, sizes)?;
+    let found = most_spoken_for(subject, fitted, sizes, None)?;
     let before = &fitted.misfit + &fitted.jacobian * &found.posterior.step;
     let after = &before + &found.response * &found.process.law.mean;
     let rows = compared(subject);
@@ -228,7 +232,7 @@ impl Unnamed {
     pub fn at(&self, subject: &Subject<'_>, fitted: &Fitted) -> Hypothesis {
         let survey = Survey::new(subject, fitted);
         Hypothesis {
-            numbers: numbers(&(effect(&survey, &self.place) * &self.root)),
+            numbers: numbers(&effect(&survey, &self.place), &self.root),
             ..self.hypothesis.clone()
         }
     }
@@ -240,7 +244,7 @@ impl Unnamed {
 pub fn unnamed(subject: &Subject<'_>, fitted: &Fitted) -> Vec<Unnamed> {
     let usual = fitted.sizes.at(fitted.sizes.modest(0.0));
     let each = [&usual, &fitted.sizes].into_iter();
-    let found = each.filter_map(|sizes| most_spoken_for(subject, fitted, sizes));
+    let found = each.filter_map(|sizes| most_spoken_for(subject, fitted, sizes, None));
     let mut out: Vec<Unnamed> = Vec::new();
     for unnamed in found.map(|best| as_hypothesis(fitted, best)) {
         if !out
@@ -253,11 +257,55 @@ pub fn unnamed(subject: &Subject<'_>, fitted: &Fitted) -> Vec<Unnamed> {
     out
 }
 
-fn numbers(columns: &DMatrix<f64>) -> Vec<Number> {
+/// What the laws of causes in a fit leave at their own places, each as a further part of its cause. Only laws that are known in kind
+/// only leave anything: friction that is not a slider, rubber that is not a polynomial.
+pub fn left_by_laws(subject: &Subject<'_>, fitted: &Fitted) -> Vec<Unnamed> {
+    let chosen = &fitted.chosen;
+    let is_closed = |h: &Hypothesis| {
+        let mut parts = chosen.iter().filter(|other| other.same_place(h));
+        parts.any(Hypothesis::is_left_by_law)
+    };
+    let usual = fitted.sizes.at(fitted.sizes.modest(0.0));
+    let left = |h: &Hypothesis| {
+        let best = most_spoken_for(subject, fitted, &usual, Some(&h.address))?;
+        let mut left = as_hypothesis(fitted, best);
+        left.hypothesis.cause = h.cause;
+        left.hypothesis.side = h.side;
+        left.hypothesis.part = LEFT_BY_LAW;
+        left.hypothesis.ln_prior += libm::log(LEAVES / PRESENT);
+        Some(left)
+    };
+    let open = Hypothesis::causes(chosen).filter(|h| h.cause.has_rough_law() && !is_closed(h));
+    open.filter_map(left).collect()
+}
+
+/// True if a cause is at the bushing or joint at which a force acts, or at a marker of it.
+pub fn is_at_element_of(model: &Model, h: &Hypothesis, force: &Hypothesis) -> bool {
+    let element = |address: &str| {
+        let end = address.find(['.', '<']).unwrap_or(address.len());
+        address[..end].to_string()
+    };
+    let own = element(&force.address);
+    let named = |kind: &str, header: &Header| own == format!("{kind}/{}", header.id);
+    let bushing = model.bushings.iter().find(|b| named("BUSHING", &b.header));
+    let joint = model.joints.iter().find(|j| named("JOINT", &j.header));
+    let ends = bushing.map(|b| (b.i, b.j)).or(joint.map(|j| (j.i, j.j)));
+    let marker = |at: MarkerIx| format!("MARKER/{}", model.markers[at.0].header.id);
+    let ends: Vec<String> = ends.map_or_else(Vec::new, |(i, j)| vec![marker(i), marker(j)]);
+    let mut places = h.members.iter().chain([&h.address]);
+    places.any(|place| element(place) == own || ends.contains(&element(place)))
+}
+
+/// One for each column of what a force does, per unit of its weight; told as a force whose mean square is that over all cases.
+fn numbers(effect: &DMatrix<f64>, root: &DMatrix<f64>) -> Vec<Number> {
+    let columns = effect * root;
     let number = |(k, column): (usize, nalgebra::DVectorView<'_, f64>)| {
         let rows = column.iter().copied().enumerate();
         let moved = rows.filter(|(_, value)| *value != 0.0).collect();
-        Number::linear(format!("f{}", k + 1), 1.0, Column::Rows(moved))
+        Number {
+            unit: root.column(k).norm() / (root.nrows() as f64).sqrt(),
+            ..Number::linear(format!("f{}", k + 1), 1.0, Column::Rows(moved))
+        }
     };
     columns.column_iter().enumerate().map(number).collect()
 }
@@ -278,7 +326,7 @@ fn as_hypothesis(fitted: &Fitted, found: Best) -> Unnamed {
         Cause::UnnamedForce,
         found.address,
         form,
-        numbers(&(&found.effect * &root)),
+        numbers(&found.effect, &root),
     );
     let laws = found.tried * LAWS;
     hypothesis.ln_prior = libm::log(PRESENT / laws as f64);
@@ -297,9 +345,24 @@ fn as_hypothesis(fitted: &Fitted, found: Best) -> Unnamed {
     }
 }
 
-fn most_spoken_for(subject: &Subject<'_>, fitted: &Fitted, sizes: &Sizes) -> Option<Best> {
+/// At all places, or at one where the law of a cause leaves it.
+fn most_spoken_for(
+    subject: &Subject<'_>,
+    fitted: &Fitted,
+    sizes: &Sizes,
+    only: Option<&str>,
+) -> Option<Best> {
     let survey = Survey::new(subject, fitted);
     let mut places = places(&survey);
+    let reach = if let Some(address) = only {
+        places.retain(|place| place.address == address);
+        for place in &mut places {
+            place.force *= LEFT;
+        }
+        Reach::Short
+    } else {
+        Reach::Smooth
+    };
     let weights = fitted.whitening.weights(&sizes.ln);
     let posterior = fitted.linear.posterior(sizes)?;
     let (residual, jacobian) = fitted.whitened_at(sizes, &posterior);
@@ -317,10 +380,14 @@ fn most_spoken_for(subject: &Subject<'_>, fitted: &Fitted, sizes: &Sizes) -> Opt
         let gradient = effect.tr_mul(&residual);
         responses.push((plain, taken_up));
         for (over, load, coordinate) in coordinates(subject, place) {
+            if only.is_some() && over == Over::Load {
+                continue;
+            }
             tried += 1;
             let is_stiffness_apart = over == Over::Deflection;
             let read = (&information, &gradient);
-            let Some(law) = Law::best(&coordinate, is_stiffness_apart, read, place.force) else {
+            let kind = (reach, is_stiffness_apart);
+            let Some(law) = Law::best(&coordinate, kind, read, place.force) else {
                 continue;
             };
             found.push((

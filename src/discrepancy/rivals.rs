@@ -9,7 +9,7 @@ use super::fit::Fitted;
 use super::hypothesis::Hypothesis;
 use super::information::Information;
 use super::prospect::Readings;
-use super::search::Found;
+use super::visited::{Found, Visited};
 
 /// A rival that is less probable than this beside the leading model is none.
 const UNDECIDED: f64 = 0.01;
@@ -39,9 +39,7 @@ pub struct Separation {
 impl Rivals {
     /// Of a search; `None` if it is decided.
     pub fn of(found: &Found, leading: &Arc<Fitted>) -> Option<Self> {
-        let fitted = |(model, p): &(super::search::Visited, f64)| {
-            Some((Arc::clone(model.fitted.as_ref()?), *p))
-        };
+        let fitted = |(model, p): &(Visited, f64)| Some((Arc::clone(model.fitted.as_ref()?), *p));
         let mut fits: Vec<(Arc<Fitted>, f64)> = found.models.iter().filter_map(fitted).collect();
         let at = fits.iter().position(|(fit, _)| Arc::ptr_eq(fit, leading))?;
         let (own, p) = fits.remove(at);

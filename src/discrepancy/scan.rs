@@ -37,7 +37,10 @@ impl Catalogue {
         hypotheses.retain_mut(|h| {
             let there = || fitted.chosen.iter().filter(|chosen| chosen.same_place(h));
             let count = there().count();
-            if (1..causes::dry_friction::SLIDERS).contains(&count) && h.cause == Cause::DryFriction
+            let is_closed = there().any(Hypothesis::is_left_by_law);
+            if (1..causes::dry_friction::SLIDERS).contains(&count)
+                && h.cause == Cause::DryFriction
+                && !is_closed
             {
                 causes::dry_friction::further_slider(h, count);
                 return true;

@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use super::fit::{ANY, Fitted, fit, unguessed};
 use super::hypothesis::{Hypothesis, Number, Unknown};
-use super::remainder::{Unnamed, unnamed};
+use super::remainder::{Unnamed, left_by_laws, unnamed};
 use super::scan::{Catalogue, Weighed};
 use super::subject::{Data, Subject};
+use super::visited::{Found, Visited, probabilities, same_set};
 use crate::tolerance::Sizes;
 
 /// From each scan so many places are weighed with sizes of their own,
@@ -19,8 +20,6 @@ const WITHIN: (f64, f64) = (30.0, 600.0);
 const FAR: (f64, f64) = (1000.0, 0.9);
 /// A model that would lose so many nats is not refitted.
 const HOPELESS: f64 = -6.0;
-/// A model known only by its linear approximation counts when it is so close to the best one.
-const LINEAR: f64 = 8.0;
 /// Causes at most: a search that goes on further explains noise.
 const MOST: usize = 12;
 /// Forms of one cause at one place that are looked at; laws of different shape are all fitted.
@@ -35,32 +34,6 @@ const SLIPS: [f64; 2] = [0.4, 2.0];
 const BETTER: f64 = 0.05;
 /// and by so many to be another place than the one a fit of the same causes came to.
 const ELSEWHERE: f64 = 2.0;
-
-/// A model that was looked at.
-#[derive(Clone, Debug)]
-pub struct Visited {
-    /// What is in it.
-    pub causes: Vec<Hypothesis>,
-    /// Logarithm of evidence and prior.
-    pub ln_posterior: f64,
-    /// The model, if it was fitted and not only weighed in the linear model of another.
-    pub fitted: Option<Arc<Fitted>>,
-}
-
-/// The end of a search.
-#[derive(Debug)]
-pub struct Found {
-    /// The model without any cause.
-    pub none: Arc<Fitted>,
-    /// The model of greatest posterior probability.
-    pub best: Arc<Fitted>,
-    /// All that were looked at and count, with probabilities that add up to one.
-    pub models: Vec<(Visited, f64)>,
-    /// How many hypotheses there were.
-    pub places: usize,
-    /// True if the search had spent its budget.
-    pub cut_short: bool,
-}
 
 /// Searches from the model without any cause.
 pub fn search(subject: &Subject<'_>, none: Fitted, data: Data) -> Found {
@@ -139,6 +112,10 @@ impl<'a, 'b> Search<'a, 'b> {
                 best = self.unnamed(&best).unwrap_or(best);
             }
             best = self.exchanged(best);
+            if let Some(next) = self.loosened(&best) {
+                best = self.pruned(next);
+                continue;
+            }
             let Some(next) = self.unnamed(&best) else {
                 return best;
             };
@@ -150,7 +127,7 @@ impl<'a, 'b> Search<'a, 'b> {
         Found {
             none,
             best,
-            models: self.probabilities(),
+            models: probabilities(&self.visited),
             places: self.places,
             cut_short: self.subject.is_spent(),
         }
@@ -495,6 +472,42 @@ impl<'a, 'b> Search<'a, 'b> {
         best
     }
 
+    /// The best model in which a law leaves something at its own element, beside all other causes or in place of some. `None` where
+    /// none is better.
+    fn loosened(&mut self, current: &Arc<Fitted>) -> Option<Arc<Fitted>> {
+        let rough = |h: &Hypothesis| h.cause.has_rough_law();
+        if self.subject.is_spent() || !current.chosen.iter().any(rough) {
+            return None;
+        }
+        let mut bases = vec![Arc::clone(current)];
+        let alone: Vec<Hypothesis> = current
+            .chosen
+            .iter()
+            .filter(|h| rough(h))
+            .cloned()
+            .collect();
+        let others: Vec<usize> = (0..current.chosen.len())
+            .filter(|at| !rough(&current.chosen[*at]))
+            .collect();
+        if others.len() > 1 {
+            bases.extend(self.of(current, alone));
+        }
+        for at in others {
+            bases.extend(self.without(current, at));
+        }
+        let mut best: Option<Arc<Fitted>> = None;
+        for base in bases {
+            for force in left_by_laws(self.subject, &base) {
+                let leads = best.as_deref().unwrap_or(current).ln_posterior();
+                let found = self.standing_in(&base, &force);
+                best = found
+                    .filter(|found| found.ln_posterior() > leads + BETTER)
+                    .or(best);
+            }
+        }
+        best
+    }
+
     /// Fits a model with such a force, then once more with what the force does linearised where that ended.
     fn standing_in(&mut self, base: &Fitted, force: &Unnamed) -> Option<Arc<Fitted>> {
         let subject = self.subject;
@@ -511,47 +524,6 @@ impl<'a, 'b> Search<'a, 'b> {
         let found = Arc::new(better.unwrap_or(first));
         self.note(&found);
         Some(found)
-    }
-
-    /// Models that count and their probabilities. Of a set that was looked at several times the best counts; one that was only weighed
-    /// counts where it is close, and not beside its own fit.
-    fn probabilities(&self) -> Vec<(Visited, f64)> {
-        let mut fitted: Vec<&Visited> = Vec::new();
-        for visited in self.visited.iter().filter(|v| v.fitted.is_some()) {
-            match fitted
-                .iter_mut()
-                .find(|other| same_set(&other.causes, &visited.causes))
-            {
-                Some(other) if other.ln_posterior < visited.ln_posterior => *other = visited,
-                Some(_) => {}
-                None => fitted.push(visited),
-            }
-        }
-        let best = fitted
-            .iter()
-            .map(|v| v.ln_posterior)
-            .fold(f64::NEG_INFINITY, f64::max);
-        let mut models = fitted;
-        for visited in self.visited.iter().filter(|v| v.fitted.is_none()) {
-            if visited.ln_posterior > best - LINEAR
-                && visited.ln_posterior < best
-                && !models
-                    .iter()
-                    .any(|other| same_set(&other.causes, &visited.causes))
-            {
-                models.push(visited);
-            }
-        }
-        let sum: f64 = models
-            .iter()
-            .map(|v| libm::exp(v.ln_posterior - best))
-            .sum();
-        let mut out: Vec<(Visited, f64)> = models
-            .into_iter()
-            .map(|v| (v.clone(), libm::exp(v.ln_posterior - best) / sum))
-            .collect();
-        out.sort_by(|a, b| b.1.total_cmp(&a.1));
-        out
     }
 }
 
@@ -584,10 +556,4 @@ fn halved(base: &Fitted, h: &Hypothesis) -> Option<(Hypothesis, Vec<f64>, Vec<f6
 fn distinct(hypotheses: &[&Hypothesis]) -> usize {
     let first = |(k, h): &(usize, &&Hypothesis)| !hypotheses[..*k].iter().any(|o| o.same_place(h));
     hypotheses.iter().enumerate().filter(first).count()
-}
-
-/// True if both hold the same causes in the same forms.
-fn same_set(a: &[Hypothesis], b: &[Hypothesis]) -> bool {
-    let within = |a: &[Hypothesis], b: &[Hypothesis]| a.iter().all(|h| b.iter().any(|o| o.same(h)));
-    a.len() == b.len() && within(a, b) && within(b, a)
 }

@@ -5,8 +5,9 @@ use std::sync::Arc;
 use super::fit::{ANY, Fitted, fit, refit};
 use super::hypothesis::Hypothesis;
 use super::progress::Progress;
-use super::search::{Found, resume, search};
+use super::search::{resume, search};
 use super::subject::{Data, Subject};
+use super::visited::Found;
 
 /// A place is named from this probability on.
 pub const NAMED: f64 = 0.5;

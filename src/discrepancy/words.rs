@@ -2,7 +2,7 @@
 
 use super::cause::Cause;
 use super::diagnose::Outcome;
-use super::diagnosis::ToleranceFound;
+use super::diagnosis::{LAW_MISFIT, ToleranceFound};
 use super::fit::Fitted;
 use super::folds::Blind;
 use super::hypothesis::Hypothesis;
@@ -65,6 +65,7 @@ impl Outcome<'_> {
         out.extend(self.turned_part());
         out.extend(self.exactness());
         out.extend(self.probabilities());
+        out.extend(self.left_by_laws());
         out.extend(self.gained());
         out.extend(self.cross_validated());
         out.extend(self.biases());
@@ -109,6 +110,19 @@ impl Outcome<'_> {
     fn findings_matter(&self) -> bool {
         let diagnosis = &self.diagnosis;
         diagnosis.unexplained.structured || diagnosis.findings.iter().any(|f| !f.minor)
+    }
+
+    /// Laws that follow no formula of the catalogue, and by how much.
+    fn left_by_laws(&self) -> Vec<String> {
+        let findings = self.diagnosis.findings.iter();
+        let left = findings.filter_map(|finding| {
+            let force = finding.parameters.get(LAW_MISFIT)?;
+            Some(format!(
+                "The law of {} {} is another one in detail: its force differs by {force:.3} rms from the one that was fitted.",
+                finding.cause, finding.address
+            ))
+        });
+        left.collect()
     }
 
     /// Rms of what is left of the marks, and the worst of them.

@@ -190,8 +190,7 @@ fn a_bushing_that_sticks_and_slips() {
     );
 }
 
-/// By the law of Dahl, which no hypothesis has: friction at its place is named first, at a bushing nothing at another element. At a strut
-/// it may be an unknown force there instead.
+/// By the law of Dahl, which no hypothesis has: friction at its place is named first, and nothing at another element with more than even odds.
 #[test]
 fn friction_that_gives_way_by_degrees() {
     let strut = (150.0, 300.0, (11, 12), 4, 2, "JOINT/3");
@@ -221,15 +220,11 @@ fn friction_that_gives_way_by_degrees() {
                 .map(|f| (f.cause, f.address.as_str(), f.probability))
                 .collect();
             println!("{place} {seed}: {:?} {named:?}", diagnosis.verdict);
-            let elsewhere = named.iter().any(|(_, at, _)| *at != place);
-            assert!(!elsewhere || place == "JOINT/3", "{named:?}");
-            if let Some((cause, at, _)) = named.first() {
-                assert_eq!((*cause, *at), (Cause::DryFriction, place));
-                continue;
-            }
-            assert_eq!(place, "JOINT/3");
-            assert_eq!(diagnosis.verdict, Verdict::Unexplained);
-            assert_eq!(diagnosis.unexplained.remainder.unwrap().address, place);
+            let (cause, at, _) = named[0];
+            assert_eq!((cause, at), (Cause::DryFriction, place));
+            let elsewhere = named.iter().any(|(_, at, p)| *at != place && *p > 0.5);
+            assert!(!elsewhere, "{named:?}");
+            assert_eq!(diagnosis.verdict, Verdict::Discrepancy);
         }
     }
 }
