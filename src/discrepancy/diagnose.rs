@@ -35,6 +35,8 @@ const MATTERS_WHEEL_DEG: f64 = 0.01;
 const STRUCTURED: f64 = 0.005;
 /// Held-out readings less probable than this under the extended model speak against its causes.
 const SURPRISED: f64 = 0.002;
+/// A cause with which other cases are predicted worse by so many nats is not listed: less is within the error of the comparison.
+const WORSE: f64 = 0.5;
 /// Rivals are no further behind than so many units of twice the logarithm of probability.
 const RIVAL: f64 = 6.0;
 
@@ -383,7 +385,7 @@ fn findings(
             && finding
                 .gain
                 .cross_validated_nats
-                .is_none_or(|nats| nats > 0.0)
+                .is_none_or(|nats| nats > -WORSE)
     });
     out.sort_by(|(a, ..), (b, ..)| {
         a.minor
