@@ -1,6 +1,6 @@
 //! Newton's method on the three stages together, each with its own derivatives.
 //!
-//! The simplified iteration of [`super::newton`] takes the derivatives at the start of the step for all stages. Near a singular position of
+//! The simplified iteration of [`super::newton`] takes the derivatives of one stage for all three. Near a singular position of
 //! the mechanism the gradients of the constraints change by their own size within a step, and no step is short enough for it. This
 //! iteration is; a factorisation has three times the unknowns.
 //!

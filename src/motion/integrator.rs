@@ -8,7 +8,7 @@ use super::tableau::{A, C, E, lagrange};
 use crate::system::{Parameters, State, System};
 
 /// The iteration ends when what is left is this share of the tolerance.
-const KAPPA: f64 = 3e-3;
+const KAPPA: f64 = 1e-2;
 /// Factors stay while the iteration falls by this.
 const FAST: f64 = 0.1;
 /// Derivatives of all stages stay while the iteration falls by this.
@@ -63,7 +63,7 @@ pub struct Integrator<'a> {
     before: Option<(f64, f64)>,
     /// The step that the factors are of.
     factored: Option<f64>,
-    /// The derivatives are those of the start of this step.
+    /// The derivatives are those within this step.
     fresh: bool,
     statistics: Statistics,
     /// What was worst in the last step that was given up.
@@ -237,13 +237,13 @@ impl<'a> Integrator<'a> {
                 .max(1.0);
             let h = left / count;
             let to = if count == 1.0 { end } else { time + h };
+            self.predict(h);
             if let Err(reason) = self.prepare(h) {
                 return Err(reason.at(time));
             }
-            self.predict(h);
             let mut solved = self.solve(h, false);
             if solved.is_err() && self.fresh {
-                // Derivatives of the start will not do for all stages.
+                // Derivatives of one stage will not do for all.
                 self.predict(h);
                 solved = self.solve(h, true);
             }
@@ -254,7 +254,7 @@ impl<'a> Integrator<'a> {
                     self.h = 0.4 * h;
                     rejected = true;
                 } else {
-                    // The same step with derivatives of here.
+                    // The same step with derivatives of its own.
                     self.h = h;
                 }
                 self.factored = None;
@@ -305,8 +305,12 @@ impl<'a> Integrator<'a> {
             return Ok(());
         }
         if !self.fresh {
-            self.equations
-                .linearise(self.system, self.parameters, &self.state)?;
+            self.equations.linearise_within(
+                self.system,
+                self.parameters,
+                (&self.state, h),
+                &self.unknowns,
+            )?;
             self.fresh = true;
         }
         self.equations.factor(self.system, h);

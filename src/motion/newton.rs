@@ -135,6 +135,21 @@ impl Equations {
         Ok(())
     }
 
+    /// The same at the second stage of a step as it is predicted: nearer to all stages than the start is.
+    pub fn linearise_within(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        (start, h): (&State, f64),
+        unknowns: &Unknowns,
+    ) -> Result<(), NoValue> {
+        self.place_stage(system, start, h, 1, unknowns);
+        let stage = std::mem::replace(&mut self.stage, State::empty());
+        let done = self.linearise(system, parameters, &stage);
+        self.stage = stage;
+        done
+    }
+
     /// Factors both systems for a step.
     pub fn factor(&mut self, system: &System, h: f64) {
         let real = combined(system, &self.levels, &mut self.values, GAMMA / h);
