@@ -7,7 +7,7 @@ use super::hypothesis::{Hypothesis, Number, Unknown};
 use super::remainder::{Unnamed, left_by_laws, unnamed};
 use super::scan::{Catalogue, Weighed};
 use super::subject::{Data, Subject};
-use super::visited::{Found, Visited, probabilities, same_set};
+use super::visited::{Found, Visited, distinct, probabilities, same_set};
 use crate::tolerance::Sizes;
 
 /// From each scan so many places are weighed with sizes of their own,
@@ -299,7 +299,54 @@ impl<'a, 'b> Search<'a, 'b> {
         let candidates = self.candidates(&catalogue, base);
         let least = base.ln_posterior();
         let winner = self.refitted(base, &catalogue, &candidates, least)?;
+        let winner = self.beside_winner(base, &catalogue, &candidates, winner);
         (winner.ln_posterior() > least + BETTER).then_some(winner)
+    }
+
+    /// Fits a law without memory at the next places that promise it, from what the winner found, unless a fit there has come to its end:
+    /// the guesses of the linear model may lead astray, and the winner's place would look certain.
+    fn beside_winner(
+        &mut self,
+        base: &Fitted,
+        catalogue: &Catalogue,
+        candidates: &[(usize, Weighed)],
+        winner: Arc<Fitted>,
+    ) -> Arc<Fitted> {
+        let (Some(own), Some(places)) = (winner.chosen.last(), winner.places.last()) else {
+            return winner;
+        };
+        if !own.cause.has_rough_law() || own.memory.is_some() {
+            return winner;
+        }
+        let guesses: Vec<f64> = places.iter().map(|at| winner.x[*at]).collect();
+        let mut tried: Vec<&Hypothesis> = Vec::new();
+        let mut best = Arc::clone(&winner);
+        for (at, _) in candidates {
+            let h = &catalogue.hypotheses[*at];
+            let is_alike = h.cause == own.cause && h.numbers.len() == own.numbers.len();
+            let is_tried = tried.iter().chain([&own]).any(|other| other.same_place(h));
+            if !is_alike || tried.len() == REFITTED || is_tried {
+                continue;
+            }
+            tried.push(h);
+            let mut all = unguessed(base);
+            all.push((h.clone(), guesses.clone()));
+            let causes: Vec<Hypothesis> = all.iter().map(|(h, _)| h.clone()).collect();
+            if self.known(&causes).is_some() {
+                continue;
+            }
+            let from = Some((&*winner, winner.x.as_slice()));
+            let least = winner.ln_posterior() - BEHIND - base.ln_prior() - h.ln_prior;
+            let found = fit(self.subject, &all, from, self.data, least);
+            if let Some(found) = found.filter(|found| !found.has_wrong_sign(all.len() - 1)) {
+                let found = Arc::new(found);
+                self.note(&found);
+                if found.ln_posterior() > best.ln_posterior() {
+                    best = found;
+                }
+            }
+        }
+        best
     }
 
     /// Fits models with friction anew from slip lengths on both sides of where they ended: sliders that stick or slip in another case
@@ -550,10 +597,4 @@ fn halved(base: &Fitted, h: &Hypothesis) -> Option<(Hypothesis, Vec<f64>, Vec<f6
     x[force] *= 0.5;
     let guesses = vec![x[force], 0.0, x[anchor] - at.mean / at.sd];
     Some((h, guesses, x))
-}
-
-/// How many places these are, in whatever forms.
-fn distinct(hypotheses: &[&Hypothesis]) -> usize {
-    let first = |(k, h): &(usize, &&Hypothesis)| !hypotheses[..*k].iter().any(|o| o.same_place(h));
-    hypotheses.iter().enumerate().filter(first).count()
 }

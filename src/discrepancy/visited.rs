@@ -80,3 +80,9 @@ pub fn same_set(a: &[Hypothesis], b: &[Hypothesis]) -> bool {
     let within = |a: &[Hypothesis], b: &[Hypothesis]| a.iter().all(|h| b.iter().any(|o| o.same(h)));
     a.len() == b.len() && within(a, b) && within(b, a)
 }
+
+/// How many places these are, in whatever forms.
+pub fn distinct(hypotheses: &[&Hypothesis]) -> usize {
+    let first = |(k, h): &(usize, &&Hypothesis)| !hypotheses[..*k].iter().any(|o| o.same_place(h));
+    hypotheses.iter().enumerate().filter(first).count()
+}
