@@ -37,7 +37,7 @@ pub(super) struct Taken {
 
 impl Taken {
     /// True if anything is to be written.
-    pub fn is_asked(&self) -> bool {
+    pub(crate) fn is_asked(&self) -> bool {
         self.csv.is_some() || self.plot.is_some()
     }
 }

@@ -14,7 +14,7 @@ use super::{
 const LARGEST_WHOLE: u64 = 512 << 20;
 
 /// A results file of any kind that can be read, as a stream of steps.
-pub type AnyResults = XrfReader<Box<dyn Read>>;
+pub(crate) type AnyResults = XrfReader<Box<dyn Read>>;
 
 /// Opens a results file by what is in it: XRF is read from the disk step by step; request, graphics and formatted results files,
 /// which are small, are read whole and shown as if they were XRF. The complaints are those of the whole files; the reader
@@ -55,7 +55,7 @@ pub fn open_any(path: &Path) -> Result<Checked<AnyResults>, ResultsError> {
 
 impl<R: Read> XrfReader<R> {
     /// The complaints so far, taken out.
-    pub fn take_diagnostics(&mut self) -> Vec<Diagnostic> {
+    pub(crate) fn take_diagnostics(&mut self) -> Vec<Diagnostic> {
         std::mem::take(&mut self.diagnostics)
     }
 }

@@ -4,7 +4,7 @@ use super::{Catalogue, Header, NumberStyle, StepKind, Style, XrfWriter};
 
 /// The results of a run in memory: what an XRF file holds, a row of values for each step.
 #[derive(Clone, PartialEq, Debug, Default, serde::Serialize, serde::Deserialize)]
-pub struct ResultsTable {
+pub(crate) struct ResultsTable {
     /// What the file would say of itself.
     pub header: Header,
     /// Names of the columns; the component with id k is value k - 1 of each row.
@@ -22,7 +22,7 @@ pub struct ResultsTable {
 
 impl ResultsTable {
     /// A table without steps.
-    pub fn new(header: Header, catalogue: Catalogue, numbers: NumberStyle) -> Self {
+    pub(crate) fn new(header: Header, catalogue: Catalogue, numbers: NumberStyle) -> Self {
         Self {
             header,
             catalogue,
@@ -37,7 +37,7 @@ impl ResultsTable {
     ///
     /// # Errors
     /// `InvalidInput` when a value is not finite, as [`XrfWriter::step`] has it: a table is what a file can hold.
-    pub fn push(&mut self, kind: StepKind, values: &[f64]) -> io::Result<()> {
+    pub(crate) fn push(&mut self, kind: StepKind, values: &[f64]) -> io::Result<()> {
         if let Some(at) = values.iter().position(|value| !value.is_finite()) {
             let message = format!("the value of column {} is not finite", at + 1);
             return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
@@ -47,19 +47,11 @@ impl ResultsTable {
         Ok(())
     }
 
-    /// Writes the table as an XRF file: the bytes that a run with files would have written.
-    ///
-    /// # Errors
-    /// When the output cannot be written.
-    pub fn write(&self, output: impl Write) -> io::Result<()> {
-        self.write_as(&self.header, output)
-    }
-
     /// The same under another header.
     ///
     /// # Errors
     /// When the output cannot be written.
-    pub fn write_as(&self, header: &Header, output: impl Write) -> io::Result<()> {
+    pub(crate) fn write_as(&self, header: &Header, output: impl Write) -> io::Result<()> {
         let style = Style {
             numbers: self.numbers,
             ..Style::default()

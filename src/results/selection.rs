@@ -22,7 +22,7 @@ pub struct SelectedColumn {
 
 impl Selection {
     /// Every named column.
-    pub fn all(catalogue: &Catalogue) -> Self {
+    pub(crate) fn all(catalogue: &Catalogue) -> Self {
         Self::new(catalogue, |_| true)
     }
 
@@ -70,7 +70,7 @@ impl Selection {
     }
 
     /// The ids, increasing.
-    pub fn ids(&self) -> Vec<usize> {
+    pub(crate) fn ids(&self) -> Vec<usize> {
         self.columns.iter().map(|column| column.id).collect()
     }
 
@@ -78,7 +78,7 @@ impl Selection {
     ///
     /// # Errors
     /// When reading fails, or `row` does.
-    pub fn rows<R: Read>(
+    pub(crate) fn rows<R: Read>(
         &self,
         reader: &mut XrfReader<R>,
         filter: &StepFilter,
@@ -120,7 +120,7 @@ impl Selection {
     ///
     /// # Errors
     /// When reading fails.
-    pub fn values_of<R: Read>(
+    pub(crate) fn values_of<R: Read>(
         &self,
         reader: &mut XrfReader<R>,
         filter: &StepFilter,
@@ -151,7 +151,7 @@ impl Selection {
     ///
     /// # Errors
     /// When reading or writing fails; the steps before are written.
-    pub fn write_csv_of<R: Read>(
+    pub(crate) fn write_csv_of<R: Read>(
         &self,
         reader: &mut XrfReader<R>,
         output: impl Write,
@@ -201,7 +201,7 @@ impl Selection {
     ///
     /// # Errors
     /// When reading or writing fails; the output is incomplete then.
-    pub fn write_json_of<R: Read>(
+    pub(crate) fn write_json_of<R: Read>(
         &self,
         reader: &mut XrfReader<R>,
         mut output: impl Write,

@@ -52,16 +52,6 @@ impl Step<'_> {
         Ok(())
     }
 
-    /// The first value: by the format's own order the time.
-    ///
-    /// # Errors
-    /// When it is not a number.
-    pub fn time(&self) -> Result<f64, ResultsError> {
-        let mut values = Vec::with_capacity(1);
-        self.pick(&[1], &mut values)?;
-        Ok(values[0])
-    }
-
     fn number(&self, token: Range<usize>) -> Result<f64, ResultsError> {
         parse_number(&self.text[token.clone()]).ok_or_else(|| {
             let shown = &self.text[token.start..token.end.min(token.start + 40)];

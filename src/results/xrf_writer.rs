@@ -15,7 +15,7 @@ pub enum LineEnd {
 
 impl LineEnd {
     /// The bytes.
-    pub const fn bytes(self) -> &'static [u8] {
+    pub(crate) const fn bytes(self) -> &'static [u8] {
         match self {
             Self::Lf => b"\n",
             Self::CrLf => b"\r\n",

@@ -77,7 +77,7 @@ impl Outputs {
     ///
     /// # Errors
     /// When a file lies outside of the allowed folders or cannot be written.
-    pub fn prepare(prefix: PathBuf, policy: &FilePolicy) -> Result<Self, Diagnostic> {
+    pub(crate) fn prepare(prefix: PathBuf, policy: &FilePolicy) -> Result<Self, Diagnostic> {
         let mut unused = Vec::new();
         for extension in EXTENSIONS {
             let path = with_extension(&prefix, extension);
@@ -92,7 +92,7 @@ impl Outputs {
     }
 
     /// Outputs that are kept in memory under the names that files would have.
-    pub fn in_memory(prefix: PathBuf) -> Self {
+    pub(crate) fn in_memory(prefix: PathBuf) -> Self {
         Self::to(prefix, Vec::new(), Some(Record::default()))
     }
 
@@ -113,12 +113,12 @@ impl Outputs {
     }
 
     /// What was kept in memory, taken out; nothing if files are written.
-    pub fn take_record(&mut self) -> Option<Record> {
+    pub(crate) fn take_record(&mut self) -> Option<Record> {
         self.record.take()
     }
 
     /// The path of the message file.
-    pub fn message_file(&self) -> PathBuf {
+    pub(crate) fn message_file(&self) -> PathBuf {
         with_extension(&self.prefix, "msg")
     }
 
@@ -126,7 +126,7 @@ impl Outputs {
     ///
     /// # Errors
     /// When a file cannot be written.
-    pub fn begin(&mut self, model: &Model, initial: &State) -> Result<(), Diagnostic> {
+    pub(crate) fn begin(&mut self, model: &Model, initial: &State) -> Result<(), Diagnostic> {
         if self.begun {
             return Ok(());
         }
@@ -248,7 +248,7 @@ impl Outputs {
     ///
     /// # Errors
     /// When a file cannot be written.
-    pub fn step(
+    pub(crate) fn step(
         &mut self,
         kind: StepKind,
         model: &Model,
@@ -307,7 +307,7 @@ impl Outputs {
     }
 
     /// A file next to the others of the run.
-    pub fn beside(&self, extension: &str) -> std::path::PathBuf {
+    pub(crate) fn beside(&self, extension: &str) -> std::path::PathBuf {
         with_extension(&self.prefix, extension)
     }
 
@@ -315,7 +315,7 @@ impl Outputs {
     ///
     /// # Errors
     /// When it cannot be written.
-    pub fn write_beside(&mut self, extension: &str, text: &str) -> Result<(), Diagnostic> {
+    pub(crate) fn write_beside(&mut self, extension: &str, text: &str) -> Result<(), Diagnostic> {
         self.write_file(&self.beside(extension), text)
     }
 
@@ -323,7 +323,7 @@ impl Outputs {
     ///
     /// # Errors
     /// When it cannot be written.
-    pub fn write_file(&mut self, path: &Path, text: &str) -> Result<(), Diagnostic> {
+    pub(crate) fn write_file(&mut self, path: &Path, text: &str) -> Result<(), Diagnostic> {
         if let Some(record) = &mut self.record {
             record.add(path, text);
             return Ok(());
@@ -332,14 +332,14 @@ impl Outputs {
     }
 
     /// Keeps modes beside results in memory; nothing where files are written.
-    pub fn keep_modes(&mut self, modes: impl Iterator<Item = Mode>) {
+    pub(crate) fn keep_modes(&mut self, modes: impl Iterator<Item = Mode>) {
         if let Some(record) = &mut self.record {
             record.modes = modes.collect();
         }
     }
 
     /// True if nothing is written to a disk.
-    pub fn is_in_memory(&self) -> bool {
+    pub(crate) fn is_in_memory(&self) -> bool {
         self.record.is_some()
     }
 
@@ -347,7 +347,7 @@ impl Outputs {
     ///
     /// # Errors
     /// When a file cannot be written.
-    pub fn simulation_ended(&mut self) -> Result<(), Diagnostic> {
+    pub(crate) fn simulation_ended(&mut self) -> Result<(), Diagnostic> {
         let path = with_extension(&self.prefix, "out");
         match &mut self.tables {
             Some(tables) if tables.separate => {
@@ -361,7 +361,7 @@ impl Outputs {
     ///
     /// # Errors
     /// When a file cannot be written.
-    pub fn finish(&mut self) -> Result<(), Diagnostic> {
+    pub(crate) fn finish(&mut self) -> Result<(), Diagnostic> {
         // How ADAMS calls the end of a run that failed is not known; readers look for `Successful`.
         let status = if self.failed { "Failed" } else { "Successful" };
         match self.results.take() {

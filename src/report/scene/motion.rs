@@ -19,7 +19,7 @@ pub struct Motion {
 }
 
 /// Most steps shown: more make a page that no browser likes.
-pub const MOST: usize = 400;
+pub(crate) const MOST: usize = 400;
 
 const COLUMNS: [&str; 6] = ["X", "Y", "Z", "PSI", "THETA", "PHI"];
 
