@@ -8,7 +8,7 @@ use crate::model::{Model, Orientation, PartKind, Request};
 use crate::motion::Mode;
 use crate::results::{
     GraphicsMarker, GraphicsWriter, Header, NumberStyle, RequestEntry, RequestWriter, ResultsTable,
-    StepKind, Style, Tabular, TabularRequest, Timestamp, XrfWriter, write_tabular,
+    ResultsWriter, StepKind, Style, Tabular, TabularRequest, Timestamp, XrfWriter, write_tabular,
 };
 use crate::system::State;
 use crate::text::{LineEnds, patiently};
@@ -35,7 +35,7 @@ pub(super) struct Outputs {
     begun: bool,
     /// What is kept in memory, in place of files.
     record: Option<Record>,
-    results: Option<(Results, Columns)>,
+    results: Option<(Box<dyn ResultsWriter>, Columns)>,
     requests: Option<RequestWriter<Sink>>,
     graphics: Option<(GraphicsWriter<Sink>, Vec<usize>)>,
     tables: Option<Tables>,
@@ -44,21 +44,6 @@ pub(super) struct Outputs {
     pub last: Option<f64>,
     /// A simulation had no answer: the results are not called successful.
     pub failed: bool,
-}
-
-/// Where steps of results go.
-enum Results {
-    File(XrfWriter<Sink>),
-    Memory(Box<ResultsTable>),
-}
-
-impl Results {
-    fn step(&mut self, kind: StepKind, values: &[f64]) -> io::Result<()> {
-        match self {
-            Self::File(writer) => writer.step(kind, values),
-            Self::Memory(table) => table.push(kind, values),
-        }
-    }
 }
 
 /// The tables of `.out`, written request by request, so that their rows have to be kept.
@@ -196,17 +181,13 @@ impl Outputs {
         };
         columns.input(initial, &mut self.values);
         let values = std::mem::take(&mut self.values);
-        let mut results = if self.record.is_some() {
-            let catalogue = columns.catalogue.clone();
-            Results::Memory(Box::new(ResultsTable::new(
-                header,
-                catalogue,
-                style.numbers,
-            )))
+        let catalogue = columns.catalogue.clone();
+        let mut results: Box<dyn ResultsWriter> = if self.record.is_some() {
+            Box::new(ResultsTable::new(header, catalogue, style.numbers))
         } else {
-            self.create("res", |file| {
-                XrfWriter::create(file, &header, &columns.catalogue, style).map(Results::File)
-            })?
+            Box::new(self.create("res", |file| {
+                XrfWriter::create(file, &header, &catalogue, style)
+            })?)
         };
         results
             .step(StepKind::Input, &values)
@@ -364,20 +345,14 @@ impl Outputs {
     pub(crate) fn finish(&mut self) -> Result<(), Diagnostic> {
         // How ADAMS calls the end of a run that failed is not known; readers look for `Successful`.
         let status = if self.failed { "Failed" } else { "Successful" };
-        match self.results.take() {
-            Some((Results::File(writer), _)) => {
-                let path = with_extension(&self.prefix, "res");
-                writer
-                    .finish(status)
-                    .map_err(|error| cannot_write(&path, &error))?;
+        if let Some((results, _)) = self.results.take() {
+            let path = with_extension(&self.prefix, "res");
+            let table = results
+                .finish(status)
+                .map_err(|error| cannot_write(&path, &error))?;
+            if let Some(record) = &mut self.record {
+                record.results = table;
             }
-            Some((Results::Memory(mut table), _)) => {
-                table.status = status.to_string();
-                if let Some(record) = &mut self.record {
-                    record.results = Some(*table);
-                }
-            }
-            None => {}
         }
         if let Some(mut tables) = self.tables.take() {
             let path = with_extension(&self.prefix, "out");
