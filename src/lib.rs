@@ -87,39 +87,105 @@
 //! | 19 | uncertainty | identifications by the thousand: bootstrap, sampled posterior |
 //! | 20 | cli | subcommands |
 //! | 20 | python | the Python package |
+#![warn(unreachable_pub)]
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 
+#[doc(hidden)]
 pub mod backend;
+#[doc(hidden)]
 pub mod check;
+#[doc(hidden)]
 pub mod cli;
-pub mod constraint;
+mod constraint;
+#[doc(hidden)]
 pub mod diagnostic;
+#[allow(unreachable_pub, reason = "its files are pub to each other")]
+#[doc(hidden)]
 pub mod discrepancy;
-pub mod element;
-pub mod front;
+mod element;
+mod front;
+#[doc(hidden)]
 pub mod function;
+#[doc(hidden)]
 pub mod grammar;
 pub mod guide;
+#[doc(hidden)]
 pub mod identify;
+#[doc(hidden)]
 pub mod kc;
 mod linear;
+#[doc(hidden)]
 pub mod lsp;
+#[doc(hidden)]
 pub mod mechanics;
+#[doc(hidden)]
 pub mod model;
+#[doc(hidden)]
 pub mod motion;
 #[cfg(feature = "python")]
 mod python;
+#[doc(hidden)]
 pub mod report;
+#[doc(hidden)]
 pub mod results;
+#[doc(hidden)]
 pub mod rig;
+#[doc(hidden)]
 pub mod session;
+#[doc(hidden)]
 pub mod statics;
+#[doc(hidden)]
 pub mod sweep;
+#[doc(hidden)]
 pub mod syntax;
+#[doc(hidden)]
 pub mod system;
+#[doc(hidden)]
 pub mod text;
-pub mod tolerance;
-pub mod uncertainty;
+mod tolerance;
+mod uncertainty;
+#[doc(hidden)]
 pub mod units;
 
-pub use front::{Complaint, Deck, Error, ErrorKind, Results, Run, Setting, Study, Watch, Watched};
+pub use diagnostic::{Code, Severity};
+pub use discrepancy::{Aim, GainCheck};
+pub use front::{
+    AxleTests, Beside, Complaint, Deck, DiagnosisAnswer, Error, ErrorKind, Identification, Place,
+    PlanAnswer, Results, Rows, Run, SensitivityRow, SensitivityTable, Setting, Stand, Study, Watch,
+    Watched,
+};
+pub use kc::Convention;
+pub use results::{Header, ResultUnits, SelectedColumn, StepFilter, StepKind};
+pub use rig::settings::Method;
+pub use session::{Ending, Stop};
+pub use syntax::diff::{Change, Difference, Tolerance};
+
+/// What an [`Identification`] holds: the types of `identification.json`.
+pub mod fit {
+    pub use crate::identify::structure::StructureTest;
+    pub use crate::identify::{
+        BootstrapMade, CurveHeldOut, Fit, FitTest, HeldOut, Marks, NoiseFound, OffsetFit,
+        ParameterFit, PosteriorMade, ReadingsLeft, Repeated, Status, ToleranceFound,
+        UnidentifiableDirection, Verdict, WheelFit,
+    };
+    pub use crate::statics::{Balance, Left};
+    pub use crate::system::Name;
+}
+
+/// What a [`DiagnosisAnswer`] holds: the types of `diagnosis.json`.
+pub mod diagnosis {
+    pub use crate::discrepancy::{
+        BaselineFit, Cause, CauseLimit, CrossValidation, DetectionLimit, Diagnosis, Evidence,
+        Finding, Gain, GroupGain, HoldOut, Indistinguishable, NextMeasurement, Over, Parameter,
+        Predicted, Remainder, RemainderPoint, SolverDifference, Unexplained, Verdict,
+    };
+    pub use crate::identify::{NoiseFound, Status, ToleranceFound};
+}
+
+/// What a [`PlanAnswer`] holds: the types of `plan.json`.
+pub mod plan {
+    pub use crate::discrepancy::{
+        CauseLimit, Combination, Curves, DetectionLimit, Kind, Plan, Ranked, Separation, Undecided,
+        WheelSd,
+    };
+}

@@ -17,22 +17,22 @@ pub struct Dimension {
 
 impl Dimension {
     /// A pure number.
-    pub const NONE: Self = Self::new(0, 0, 0, 0, 0);
+    pub(crate) const NONE: Self = Self::new(0, 0, 0, 0, 0);
     /// Length.
-    pub const LENGTH: Self = Self::new(0, 0, 1, 0, 0);
+    pub(crate) const LENGTH: Self = Self::new(0, 0, 1, 0, 0);
     /// Plane angle.
-    pub const ANGLE: Self = Self::new(0, 0, 0, 0, 1);
+    pub(crate) const ANGLE: Self = Self::new(0, 0, 0, 0, 1);
     /// Force.
-    pub const FORCE: Self = Self::new(1, 0, 0, 0, 0);
+    pub(crate) const FORCE: Self = Self::new(1, 0, 0, 0, 0);
     /// Torque.
-    pub const TORQUE: Self = Self::new(1, 0, 1, 0, 0);
+    pub(crate) const TORQUE: Self = Self::new(1, 0, 1, 0, 0);
     /// Mass.
-    pub const MASS: Self = Self::new(0, 1, 0, 0, 0);
+    pub(crate) const MASS: Self = Self::new(0, 1, 0, 0, 0);
     /// Time.
-    pub const TIME: Self = Self::new(0, 0, 0, 1, 0);
+    pub(crate) const TIME: Self = Self::new(0, 0, 0, 1, 0);
 
     /// A dimension from its exponents.
-    pub const fn new(force: i8, mass: i8, length: i8, time: i8, angle: i8) -> Self {
+    pub(crate) const fn new(force: i8, mass: i8, length: i8, time: i8, angle: i8) -> Self {
         Self {
             force,
             mass,
@@ -153,7 +153,7 @@ impl Units {
 
     /// The name of a dimension in these units as result files spell it, for example `newton-mm`, `mm/sec**2`; empty for a
     /// pure number.
-    pub fn name(&self, dimension: Dimension) -> String {
+    pub(crate) fn name(&self, dimension: Dimension) -> String {
         let parts = [
             (self.force.word, dimension.force),
             (self.mass.word, dimension.mass),

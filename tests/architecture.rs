@@ -133,6 +133,20 @@ fn the_floor_table_lists_what_there_is() {
     assert_eq!(there, listed);
 }
 
+/// Programs see the front, the types it answers with, and the guide; rooms are for this crate, its tests and benches.
+#[test]
+fn rooms_are_not_documented() {
+    let text = fs::read_to_string(root().join("src/lib.rs")).expect("src/lib.rs");
+    let lines: Vec<&str> = text.lines().collect();
+    let documented: Vec<_> = lines
+        .windows(2)
+        .filter(|pair| pair[0] != "#[doc(hidden)]")
+        .filter_map(|pair| pair[1].strip_prefix("pub mod ")?.strip_suffix(';'))
+        .collect();
+    assert_eq!(documented, ["guide"]);
+    assert!(lines.contains(&"#![warn(unreachable_pub)]"));
+}
+
 /// Files in such circles at most.
 const MOST_IN_CIRCLES: usize = 10;
 

@@ -62,7 +62,7 @@ struct Reported {
 
 impl BushingCheck {
     /// For the bushings of a request that the file reports. `angle`: radians per unit of the file's angles.
-    pub fn new(request: &SweepRequest<'_>, catalogue: &Catalogue, angle: f64) -> Self {
+    pub(crate) fn new(request: &SweepRequest<'_>, catalogue: &Catalogue, angle: f64) -> Self {
         // What the built-in solver cannot solve does not matter here.
         let system = System::compile(request.model).value;
         let mut parameters = system.parameters();
@@ -136,7 +136,12 @@ impl BushingCheck {
     ///
     /// # Errors
     /// Says which bushing does not do what its law says.
-    pub fn step(&mut self, case: usize, values: &[f64], poses: &[Pose]) -> Result<(), String> {
+    pub(crate) fn step(
+        &mut self,
+        case: usize,
+        values: &[f64],
+        poses: &[Pose],
+    ) -> Result<(), String> {
         if self.bushings.is_empty() {
             return Ok(());
         }

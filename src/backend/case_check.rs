@@ -29,7 +29,7 @@ struct Stated {
 
 impl<'a> CaseCheck<'a> {
     /// For the loads of a request that the file reports: single forces and torques.
-    pub fn new(request: &SweepRequest<'a>, catalogue: &Catalogue) -> Self {
+    pub(crate) fn new(request: &SweepRequest<'a>, catalogue: &Catalogue) -> Self {
         let programme = request.programme;
         let stated = |(column, load): (usize, &super::Load)| {
             let names = vector(request.model, &load.target)?;
@@ -61,7 +61,7 @@ impl<'a> CaseCheck<'a> {
     ///
     /// # Errors
     /// Says whose load case the step is, or which one it repeats.
-    pub fn step(&mut self, case: usize, values: &[f64]) -> Result<(), String> {
+    pub(crate) fn step(&mut self, case: usize, values: &[f64]) -> Result<(), String> {
         let cases = &self.programme.cases;
         let label = |case: usize| &cases[case].label;
         for load in &mut self.loads {

@@ -17,7 +17,7 @@ impl Loads {
     ///
     /// # Errors
     /// A load that drives nothing the solver can change.
-    pub fn of(system: &System, programme: &LoadProgramme) -> Result<Self, BackendError> {
+    pub(crate) fn of(system: &System, programme: &LoadProgramme) -> Result<Self, BackendError> {
         let slots = programme.loads.iter();
         let cases = programme.cases.iter();
         Ok(Self {
@@ -32,7 +32,7 @@ impl Loads {
 /// Solves load cases with the built-in solver: sets their loads, and starts each from the first of several states that leads to an
 /// equilibrium.
 #[derive(Debug)]
-pub struct CaseSweeper {
+pub(crate) struct CaseSweeper {
     loads: Loads,
     settings: Settings,
     solver: Solver,
@@ -42,7 +42,7 @@ pub struct CaseSweeper {
 
 impl CaseSweeper {
     /// For the loads of a compiled deck.
-    pub fn new(system: &System, loads: Loads, settings: Settings) -> Self {
+    pub(crate) fn new(system: &System, loads: Loads, settings: Settings) -> Self {
         Self {
             settings,
             solver: Solver::new(system),
@@ -52,7 +52,7 @@ impl CaseSweeper {
     }
 
     /// Takes other loads. The answers stay if there are as many cases.
-    pub fn set_loads(&mut self, loads: Loads) {
+    pub(crate) fn set_loads(&mut self, loads: Loads) {
         if self.answers.len() != loads.cases.len() {
             self.forget(loads.cases.len());
         }
@@ -60,7 +60,7 @@ impl CaseSweeper {
     }
 
     /// Takes other values of the loads, and forgets the answers.
-    pub fn set_cases(&mut self, cases: Vec<Vec<f64>>) {
+    pub(crate) fn set_cases(&mut self, cases: Vec<Vec<f64>>) {
         self.forget(cases.len());
         self.loads.cases = cases;
     }
@@ -70,24 +70,24 @@ impl CaseSweeper {
     }
 
     /// How many cases there are.
-    pub fn cases(&self) -> usize {
+    pub(crate) fn cases(&self) -> usize {
         self.loads.cases.len()
     }
 
     /// Sets the loads of a case.
-    pub fn load(&self, case: usize, parameters: &mut Parameters) {
+    pub(crate) fn load(&self, case: usize, parameters: &mut Parameters) {
         for (slot, value) in self.loads.slots.iter().zip(&self.loads.cases[case]) {
             parameters.set(*slot, *value);
         }
     }
 
     /// The last answer of a case.
-    pub fn answer(&self, case: usize) -> Option<&State> {
+    pub(crate) fn answer(&self, case: usize) -> Option<&State> {
         self.answers[case].as_ref()
     }
 
     /// Keeps an answer of a case: the next solution starts there.
-    pub fn keep(&mut self, case: usize, state: State) {
+    pub(crate) fn keep(&mut self, case: usize, state: State) {
         self.answers[case] = Some(state);
     }
 
@@ -96,7 +96,7 @@ impl CaseSweeper {
     ///
     /// # Errors
     /// Why the first of these led nowhere.
-    pub fn solve(
+    pub(crate) fn solve(
         &mut self,
         system: &System,
         parameters: &Parameters,
@@ -125,12 +125,12 @@ impl CaseSweeper {
     }
 
     /// The solver, for what is asked about an answer.
-    pub fn solver(&mut self) -> &mut Solver {
+    pub(crate) fn solver(&mut self) -> &mut Solver {
         &mut self.solver
     }
 
     /// What the equilibria so far left over at worst.
-    pub fn balance(&self) -> Option<&crate::statics::Balance> {
+    pub(crate) fn balance(&self) -> Option<&crate::statics::Balance> {
         self.solver.worst_balance()
     }
 }

@@ -25,7 +25,7 @@ pub fn compile(model: &Model) -> Result<System, BackendError> {
 }
 
 /// The deck's EQUILIBRIUM, its tolerances tightened: estimates need more digits than a drawing does.
-pub fn tight_settings(system: &System) -> Settings {
+pub(crate) fn tight_settings(system: &System) -> Settings {
     let deck = Settings::from(system.settings());
     let tight = Settings::tight();
     Settings {

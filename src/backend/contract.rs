@@ -34,7 +34,7 @@ pub enum CaseFailure {
 }
 
 /// One case: where the parts are, or why that is not known.
-pub type CaseOutcome = Result<Equilibrium, CaseFailure>;
+pub(crate) type CaseOutcome = Result<Equilibrium, CaseFailure>;
 
 /// The answer to a request: one outcome per case of the programme.
 #[derive(Clone, PartialEq, Debug)]

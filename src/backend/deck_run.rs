@@ -15,7 +15,7 @@ use crate::text::Source;
 
 /// The program.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct ProgramRun {
+pub(crate) struct ProgramRun {
     command: Option<Vec<String>>,
     recording: Option<Recording>,
     timeout: Duration,
@@ -24,7 +24,7 @@ pub struct ProgramRun {
 
 /// What is run.
 #[derive(Clone, Copy, Debug)]
-pub struct DeckRun<'r> {
+pub(crate) struct DeckRun<'r> {
     /// The deck; RESULTS/XRF is added where it does not ask for it.
     pub deck: &'r Source,
     /// Its command file; whatever model it names is this deck.
@@ -37,7 +37,7 @@ pub struct DeckRun<'r> {
 
 /// What came of a run.
 #[derive(Clone, PartialEq, Debug)]
-pub struct DeckAnswer {
+pub(crate) struct DeckAnswer {
     /// All columns of the results.
     pub catalogue: Catalogue,
     /// Time and the values of the columns of every step, without that of the dataset itself.
@@ -52,7 +52,7 @@ impl ProgramRun {
     /// Program and arguments, `{acf}` standing for the command file, and seconds after which it is killed. Runs that stand in the
     /// recording are taken from there, others are recorded; without a program nothing else is answered. A licence that is refused is
     /// asked for again for `licence_wait_s` seconds.
-    pub fn new(
+    pub(crate) fn new(
         command: Option<Vec<String>>,
         recording: Option<Recording>,
         timeout_s: f64,
@@ -71,7 +71,7 @@ impl ProgramRun {
     ///
     /// # Errors
     /// [`RunError`].
-    pub fn run(&self, run: &DeckRun<'_>) -> Result<DeckAnswer, RunError> {
+    pub(crate) fn run(&self, run: &DeckRun<'_>) -> Result<DeckAnswer, RunError> {
         let own = RunFiles::of_deck(run.deck, run.commands, run.original);
         if let Some(folder) = self.recording.as_ref().and_then(|all| all.find(&own)) {
             return read(&results_in(&folder)?, run.columns, &folder);

@@ -25,15 +25,16 @@ mod run_folder;
 mod scratch_folder;
 
 pub use bushing_check::ForceFrame;
-pub use case_sweeper::{CaseSweeper, Loads};
+pub(crate) use case_sweeper::CaseSweeper;
+pub use case_sweeper::Loads;
 pub use command::CommandBackend;
-pub use compiled::{compile, slot, tight_settings};
-pub use contract::{
-    Backend, BackendError, CaseFailure, CaseOutcome, RunError, Sweep, SweepRequest,
-};
-pub use deck_run::{DeckAnswer, DeckRun, ProgramRun};
+pub(crate) use compiled::tight_settings;
+pub use compiled::{compile, slot};
+pub use contract::{Backend, BackendError, Sweep, SweepRequest};
+pub(crate) use contract::{CaseFailure, CaseOutcome, RunError};
+pub(crate) use deck_run::{DeckRun, ProgramRun};
 pub use native::NativeBackend;
-pub use process::end_runs;
+pub(crate) use process::end_runs;
 pub use programme::{Load, LoadCase, LoadProgramme};
 pub use recording::Recording;
 pub use replay::ReplayBackend;

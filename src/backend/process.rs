@@ -83,7 +83,7 @@ pub(super) fn execute(
 }
 
 /// Ends all runs that go on, and removes their folders: before this process ends itself.
-pub fn end_runs() {
+pub(crate) fn end_runs() {
     process_tree::end_runs();
     scratch_folder::remove_all();
 }

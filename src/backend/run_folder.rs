@@ -34,7 +34,7 @@ impl RunFiles {
     ///
     /// # Errors
     /// An address that the deck cannot be edited at.
-    pub fn of(request: &SweepRequest<'_>) -> Result<Self, Box<Diagnostic>> {
+    pub(crate) fn of(request: &SweepRequest<'_>) -> Result<Self, Box<Diagnostic>> {
         let deck = deck(request)?;
         let commands = commands(request, &deck).into_bytes();
         Ok(Self {
@@ -45,7 +45,7 @@ impl RunFiles {
     }
 
     /// The files of a deck with a command file of its own. Files the deck names stand beside `original`.
-    pub fn of_deck(deck: &Source, commands: &Source, original: &Dataset) -> Self {
+    pub(crate) fn of_deck(deck: &Source, commands: &Source, original: &Dataset) -> Self {
         Self {
             deck: with_xrf(Dataset::parse(deck.clone()).value)
                 .bytes()
@@ -59,7 +59,7 @@ impl RunFiles {
     ///
     /// # Errors
     /// When they cannot be written.
-    pub fn write(&self, folder: &Path) -> std::io::Result<()> {
+    pub(crate) fn write(&self, folder: &Path) -> std::io::Result<()> {
         for (name, bytes) in &self.beside {
             let path = folder.join(name);
             if let Some(parent) = path.parent() {
@@ -72,7 +72,7 @@ impl RunFiles {
     }
 
     /// True if a folder holds a run of these files.
-    pub fn are_in(&self, folder: &Path) -> bool {
+    pub(crate) fn are_in(&self, folder: &Path) -> bool {
         let same =
             |name: &Path, bytes: &[u8]| std::fs::read(folder.join(name)).is_ok_and(|b| b == bytes);
         let own = |extension: &str| PathBuf::from(format!("{STEM}.{extension}"));
@@ -82,7 +82,7 @@ impl RunFiles {
     }
 
     /// SHA-256 of all of them, in hexadecimal: what a recorded run is found by.
-    pub fn key(&self) -> String {
+    pub(crate) fn key(&self) -> String {
         let mut hash = sha2::Sha256::new();
         let files = self.beside.iter().map(|(_, bytes)| bytes);
         for bytes in [&self.deck, &self.commands].into_iter().chain(files) {

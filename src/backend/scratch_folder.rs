@@ -26,7 +26,7 @@ impl ScratchFolder {
     ///
     /// # Errors
     /// When there cannot be one.
-    pub fn temporary() -> std::io::Result<Self> {
+    pub(crate) fn temporary() -> std::io::Result<Self> {
         static FIRST: Once = Once::new();
         let all = std::env::temp_dir();
         FIRST.call_once(|| sweep(&all));
@@ -40,7 +40,7 @@ impl ScratchFolder {
     ///
     /// # Errors
     /// When there cannot be one.
-    pub fn lasting(folder: &Path, prefix: &str) -> std::io::Result<Self> {
+    pub(crate) fn lasting(folder: &Path, prefix: &str) -> std::io::Result<Self> {
         std::fs::create_dir_all(folder)?;
         let mut new = tempfile::Builder::new();
         let path = new.prefix(prefix).tempdir_in(folder)?.keep();
@@ -48,12 +48,12 @@ impl ScratchFolder {
     }
 
     /// Where it is.
-    pub fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
     /// Lets it stay.
-    pub fn keep(mut self) -> PathBuf {
+    pub(crate) fn keep(mut self) -> PathBuf {
         self.kept = true;
         self.path.clone()
     }

@@ -8,7 +8,7 @@ use crate::text::{Source, Span};
 
 /// Everything there is to say of a command file: by itself, and against the decks it names, in the order of the file. `deck_of` reads
 /// a deck; `None` where it cannot be read, then less is said.
-pub fn command_file(
+pub(crate) fn command_file(
     commands: Checked<CommandFile>,
     mut deck_of: impl FnMut(&Path) -> Option<Dataset>,
 ) -> Vec<Diagnostic> {

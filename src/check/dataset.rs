@@ -30,7 +30,7 @@ pub struct Found {
 
 impl Found {
     /// A complaint that no comment silences.
-    pub fn new(told: Told, diagnostic: Diagnostic) -> Self {
+    pub(crate) fn new(told: Told, diagnostic: Diagnostic) -> Self {
         Self {
             told,
             diagnostic,

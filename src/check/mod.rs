@@ -7,23 +7,24 @@ mod command_file;
 mod dataset;
 mod settings;
 
-pub use command_file::command_file;
+pub(crate) use command_file::command_file;
 pub use dataset::{Found, Told, dataset};
-pub use settings::{Settings, Solver, code_named, table_above};
+pub use settings::{Settings, Solver};
+pub(crate) use settings::{code_named, table_above};
 
 use std::path::Path;
 
 use crate::session::FilePolicy;
 
 /// True for `.acf` files, in any case of letters.
-pub fn is_command_file(path: &Path) -> bool {
+pub(crate) fn is_command_file(path: &Path) -> bool {
     path.extension()
         .is_some_and(|extension| extension.eq_ignore_ascii_case("acf"))
 }
 
 /// What a file in a folder may make this program read: files below the folder and the working directory, and where ADMIRE_ALLOW_PATH
 /// says.
-pub fn policy(folder: &Path) -> FilePolicy {
+pub(crate) fn policy(folder: &Path) -> FilePolicy {
     let mut policy = FilePolicy::new(Path::new(""));
     policy.allow(folder);
     policy.confine();

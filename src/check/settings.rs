@@ -124,7 +124,7 @@ impl Settings {
     }
 
     /// True if a complaint is to be told.
-    pub fn shows(&self, diagnostic: &Diagnostic) -> bool {
+    pub(crate) fn shows(&self, diagnostic: &Diagnostic) -> bool {
         let code = diagnostic.code;
         let selected = self.select.is_empty() || self.select.contains(&code);
         let loud = !self.quiet || diagnostic.severity == Severity::Error;
@@ -132,7 +132,7 @@ impl Settings {
     }
 
     /// True if a file is to be looked at.
-    pub fn includes(&self, file: &Path) -> bool {
+    pub(crate) fn includes(&self, file: &Path) -> bool {
         let inside = std::path::absolute(file).unwrap_or_else(|_| file.to_path_buf());
         let inside = inside.strip_prefix(&self.folder).unwrap_or(&inside);
         !self
@@ -161,7 +161,7 @@ impl Settings {
 }
 
 /// The nearest table above a file.
-pub fn table_above(file: &Path) -> Option<PathBuf> {
+pub(crate) fn table_above(file: &Path) -> Option<PathBuf> {
     let file = std::path::absolute(file).ok()?;
     file.ancestors()
         .skip(1)
@@ -173,7 +173,7 @@ pub fn table_above(file: &Path) -> Option<PathBuf> {
 ///
 /// # Errors
 /// `unknown-key` with the nearest name where there is none.
-pub fn code_named(word: &str) -> Result<Code, Diagnostic> {
+pub(crate) fn code_named(word: &str) -> Result<Code, Diagnostic> {
     Code::parse(word.trim()).ok_or_else(|| {
         let capitals: Vec<String> = Code::ALL
             .iter()

@@ -26,7 +26,7 @@ pub(super) struct Assignment<'a> {
 
 impl<'a> Assignment<'a> {
     /// Takes an assignment apart.
-    pub fn of(text: &'a str, shell: &Shell) -> Result<Self, Exit> {
+    pub(crate) fn of(text: &'a str, shell: &Shell) -> Result<Self, Exit> {
         let Some((left, value)) = text.split_once('=') else {
             return Err(shell.usage(
                 Diagnostic::error(Code::BadNumber, format!("`{text}` has no `=`"))

@@ -39,7 +39,8 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         absolute: arguments.abs,
         relative: arguments.rel,
     };
-    let comparison = compare(&mut a, &mut b, tolerance).map_err(|error| refused(error, shell))?;
+    let comparison =
+        compare(a.as_mut(), b.as_mut(), tolerance).map_err(|error| refused(error, shell))?;
     shell.complain(a.diagnostics());
     shell.complain(b.diagnostics());
     let text = match shell.format {

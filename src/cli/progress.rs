@@ -51,7 +51,7 @@ pub(super) struct Progress {
 
 impl Progress {
     /// Begins to show; `look` is asked for stage and count at every tick, if the command does not tell it.
-    pub fn new(
+    pub(crate) fn new(
         stage: &str,
         shell: &Shell,
         look: impl Fn() -> Option<(&'static str, Count)> + Send + 'static,

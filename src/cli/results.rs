@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap_complete::ArgValueCompleter;
 
 use crate::diagnostic::{Code, Diagnostic};
-use crate::results::{AnyResults, MessageFile, ResultsError, Selection, StepFilter, StepKind};
+use crate::results::{MessageFile, ResultsError, ResultsReader, Selection, StepFilter, StepKind};
 use crate::text::Source;
 
 use super::Outcome;
@@ -89,14 +89,14 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     }
     let mut reader = open(&arguments.file, shell)?;
     if arguments.get.is_empty() || arguments.list {
-        shell.print(&list(&mut reader, shell).map_err(|error| refused(error, shell))?);
+        shell.print(&list(reader.as_mut(), shell).map_err(|error| refused(error, shell))?);
     } else {
-        let selection = selection(&reader, &arguments.get, shell)?;
+        let selection = selection(reader.as_ref(), &arguments.get, shell)?;
         let mut output = BufWriter::new(std::io::stdout().lock());
         let written = if arguments.json || shell.format == Format::Json {
-            selection.write_json_of(&mut reader, &mut output, &filter)
+            selection.write_json_of(reader.as_mut(), &mut output, &filter)
         } else {
-            selection.write_csv_of(&mut reader, &mut output, &filter, arguments.plain)
+            selection.write_csv_of(reader.as_mut(), &mut output, &filter, arguments.plain)
         };
         shell.printed(output.flush());
         match written {
@@ -222,7 +222,7 @@ fn told(file: &MessageFile, shell: &Shell) -> Exit {
     exit
 }
 
-fn list(reader: &mut AnyResults, shell: &Shell) -> Result<String, ResultsError> {
+fn list(reader: &mut dyn ResultsReader, shell: &Shell) -> Result<String, ResultsError> {
     let selection = Selection::all(reader.catalogue());
     if shell.format == Format::Json {
         let text = serde_json::to_string_pretty(&selection).expect("JSON values print");

@@ -38,7 +38,7 @@ pub(super) fn run(
     let mut reader = open(file, shell)?;
     let mut all = Vec::new();
     for text in assignments {
-        all.push(read(text, &reader, shell)?);
+        all.push(read(text, reader.as_ref(), shell)?);
     }
     let time = reader
         .catalogue()
@@ -107,7 +107,7 @@ pub(super) fn run(
 
 fn read(
     text: &str,
-    reader: &crate::results::AnyResults,
+    reader: &dyn crate::results::ResultsReader,
     shell: &Shell,
 ) -> Result<Assignment, Exit> {
     let wrong = |message: String| {

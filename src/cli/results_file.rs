@@ -5,7 +5,7 @@ use std::path::Path;
 use super::shell::{Exit, Shell};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::grammar::nearest;
-use crate::results::{AnyResults, ResultsError, Selection, open_any};
+use crate::results::{AnyResults, ResultsError, ResultsReader, Selection, open_any};
 
 /// Opens a results file of any kind that can be read, and prints the complaints about it.
 pub(super) fn open(path: &Path, shell: &Shell) -> Result<AnyResults, Exit> {
@@ -27,7 +27,7 @@ pub(super) fn refused(error: ResultsError, shell: &Shell) -> Exit {
 
 /// The columns that patterns name; every pattern must name one.
 pub(super) fn selection(
-    reader: &AnyResults,
+    reader: &dyn ResultsReader,
     patterns: &[String],
     shell: &Shell,
 ) -> Result<Selection, Exit> {

@@ -12,7 +12,7 @@ use crate::kc::{
     BodyPoint, Convention, Frame, Given, Reading, Replay, ReplayError, ReplayOptions, Road, Tyre,
 };
 use crate::mechanics::Vec3;
-use crate::results::{AnyResults, ResultsError, Selection, StepFilter, StepKind};
+use crate::results::{ResultsError, ResultsReader, Selection, StepFilter, StepKind};
 use crate::units::{LENGTH_UNITS, Units};
 
 use super::Outcome;
@@ -178,10 +178,10 @@ pub(super) fn run(
             "the file has no columns left_tire_forces.normal and right_tire_forces.normal: the radius stays as it is",
         )]);
     }
-    let rows = rows(&mut reader, arguments, filter, shell)?;
+    let rows = rows(reader.as_mut(), arguments, filter, shell)?;
     shell.complain(reader.diagnostics());
     let convention = Convention::from(arguments.convention);
-    let units = units(&reader);
+    let units = units(reader.as_ref());
     let mut out = BufWriter::new(std::io::stdout().lock());
     let json = json || shell.format == Format::Json;
     let written = if arguments.against_file {
@@ -196,7 +196,7 @@ pub(super) fn run(
 }
 
 /// The units of the columns: a file tells its length, and the places of wheels show no forces.
-fn units(reader: &AnyResults) -> Units {
+fn units(reader: &dyn ResultsReader) -> Units {
     let word = &reader.header().units.length;
     let length = LENGTH_UNITS.iter().find(|unit| unit.word == word);
     let default = Units::default();
@@ -207,7 +207,7 @@ fn units(reader: &AnyResults) -> Units {
 }
 
 fn rows(
-    reader: &mut AnyResults,
+    reader: &mut dyn ResultsReader,
     arguments: &KcArguments,
     filter: &StepFilter,
     shell: &Shell,

@@ -37,7 +37,7 @@ pub(super) struct Taken {
 
 impl Taken {
     /// True if anything is to be written.
-    pub fn is_asked(&self) -> bool {
+    pub(crate) fn is_asked(&self) -> bool {
         self.csv.is_some() || self.plot.is_some()
     }
 }
@@ -125,7 +125,7 @@ fn take(results: &Path, taken: &Taken, shell: &Shell) -> Result<(), Exit> {
         } else {
             let mut patterns = vec!["TIME".to_string()];
             patterns.extend(taken.columns.iter().cloned());
-            selection(&reader, &patterns, shell)?
+            selection(reader.as_ref(), &patterns, shell)?
         };
         Ok((reader, selection))
     };
@@ -140,7 +140,7 @@ fn take(results: &Path, taken: &Taken, shell: &Shell) -> Result<(), Exit> {
     if let Some(path) = &taken.csv {
         let (mut reader, selection) = read()?;
         let mut bytes = Vec::new();
-        let written = selection.write_csv_of(&mut reader, &mut bytes, &filter, false);
+        let written = selection.write_csv_of(reader.as_mut(), &mut bytes, &filter, false);
         written.map_err(wrong)?;
         shell.write(path, &bytes)?;
     }
@@ -154,7 +154,9 @@ fn take(results: &Path, taken: &Taken, shell: &Shell) -> Result<(), Exit> {
                 .collect(),
             ..filter
         };
-        let rows = selection.values_of(&mut reader, &filter).map_err(wrong)?;
+        let rows = selection
+            .values_of(reader.as_mut(), &filter)
+            .map_err(wrong)?;
         let page = page(results, &selection, &rows)
             .map_err(|error| shell.fail(Diagnostic::error(Code::CannotWrite, error.to_string())))?;
         shell.write(path, page.as_bytes())?;

@@ -18,12 +18,12 @@ pub(super) struct Target {
 
 impl Target {
     /// Reads the deck that is to be changed.
-    pub fn read(&self, deck: &Path, shell: &mut Shell) -> Result<Source, Exit> {
+    pub(crate) fn read(&self, deck: &Path, shell: &mut Shell) -> Result<Source, Exit> {
         shell.read_for(deck, self.in_place)
     }
 
     /// Writes the changed deck; `deck` is where it was read from.
-    pub fn deliver(&self, deck: &Path, bytes: &[u8], shell: &mut Shell) -> Result<(), Exit> {
+    pub(crate) fn deliver(&self, deck: &Path, bytes: &[u8], shell: &mut Shell) -> Result<(), Exit> {
         if self.in_place && deck == Path::new("-") {
             return Err(shell.usage(
                 Diagnostic::error(Code::CannotWrite, "standard input cannot be replaced")
@@ -34,7 +34,7 @@ impl Target {
     }
 
     /// The file to write: the one named, or for --in-place the one that was read; `None` is standard output.
-    pub fn file<'a>(&'a self, read: &'a Path) -> Option<&'a Path> {
+    pub(crate) fn file<'a>(&'a self, read: &'a Path) -> Option<&'a Path> {
         if self.in_place {
             Some(read)
         } else {

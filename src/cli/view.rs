@@ -5,7 +5,7 @@ use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::model::Model;
 use crate::report::scene::{bodies, motion};
 use crate::report::{Page, Scene};
-use crate::results::{AnyResults, Timestamp};
+use crate::results::{ResultsReader, Timestamp};
 use crate::syntax::Dataset;
 
 use super::Outcome;
@@ -49,8 +49,8 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             ));
         }
         let mut reader = open(&arguments.deck, shell)?;
-        let mut scene = bodies(&name(&arguments.deck), &reader);
-        moved(&mut scene, &mut reader, shell)?;
+        let mut scene = bodies(&name(&arguments.deck), reader.as_ref());
+        moved(&mut scene, reader.as_mut(), shell)?;
         scene.notes.push(
             "Without its deck a results file tells only where the frames of its bodies are."
                 .to_string(),
@@ -69,7 +69,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         let mut scene = Scene::of(&lowered.value, Some(&parsed.value));
         if let Some(run) = &arguments.run {
             let mut reader = open(run, shell)?;
-            moved(&mut scene, &mut reader, shell)?;
+            moved(&mut scene, reader.as_mut(), shell)?;
         }
         scene
     };
@@ -124,9 +124,9 @@ fn name(path: &Path) -> String {
 }
 
 /// Gives the scene the steps of a results file.
-fn moved(scene: &mut Scene, reader: &mut AnyResults, shell: &Shell) -> Result<(), Exit> {
+fn moved(scene: &mut Scene, reader: &mut dyn ResultsReader, shell: &Shell) -> Result<(), Exit> {
     let found = motion(scene, reader).map_err(|error| refused(error, shell))?;
-    shell.complain(&reader.take_diagnostics());
+    shell.complain(reader.diagnostics());
     let bodies = scene.parts.iter().filter(|part| !part.ground).count();
     if bodies > 0 && found.missing.len() == bodies {
         let message = "the results hold no position of any part of the deck";

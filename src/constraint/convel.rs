@@ -10,7 +10,7 @@ use crate::mechanics::{Mat3, RelativeMotion, Vec6};
 /// `xi.yj + yi.xj = 0`. With the wrong sign the last equation holds for every twist and constrains nothing, so the sense is
 /// fixed once from the design by [`Convel::for_design`]. Undefined when the shafts fold to 90 degrees. Source: Adams Solver help, `state_joint`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Convel {
+pub(crate) enum Convel {
     /// zi.zj > 0 in the design.
     CoDirected,
     /// zi.zj < 0 in the design.
@@ -19,7 +19,7 @@ pub enum Convel {
 
 impl Convel {
     /// The sense that fits this motion.
-    pub fn for_design(motion: &RelativeMotion) -> Self {
+    pub(crate) fn for_design(motion: &RelativeMotion) -> Self {
         if motion.R_ji[(2, 2)] >= 0.0 {
             Self::CoDirected
         } else {

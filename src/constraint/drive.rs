@@ -8,7 +8,7 @@ use crate::mechanics::{RelativeMotion, Vec6};
 /// The reaction `-multiplier * row` is the force or torque that drives I, along or about an axis of J. Valid wherever the measure is.
 /// Source: Adams Solver help, `state_motion`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Drive {
+pub(crate) struct Drive {
     /// What is prescribed.
     pub measure: Measure,
 }

@@ -4,7 +4,7 @@ use crate::mechanics::{Mat3, RelativeMotion, Vec6};
 
 /// Residuals of up to six scalar equations between two markers, with derivatives in J axes.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Equations {
+pub(crate) struct Equations {
     /// How many equations.
     pub count: usize,
     /// Residuals; the first `count` are used.
@@ -36,7 +36,7 @@ impl Default for Equations {
 }
 
 /// A holonomic constraint between two markers. The wrench on I at the I origin in J axes is `-sum_k multipliers[k] * jacobian[k]`.
-pub trait Constraint: std::fmt::Debug + Send + Sync {
+pub(crate) trait Constraint: std::fmt::Debug + Send + Sync {
     /// How many scalar equations.
     fn count(&self) -> usize;
 

@@ -5,7 +5,7 @@ use crate::mechanics::{Pose, Vec3};
 
 /// One joint displacement in a COUPLER or GEAR, with its factor.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Term {
+pub(crate) struct Term {
     /// Displacement of the joint's I relative to its J: `Measure::Translation(2)` or `Measure::Angle(2)`.
     pub measure: Measure,
     /// Length or radians times this.
@@ -15,7 +15,7 @@ pub struct Term {
 /// Which freedoms a geared joint has.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[allow(missing_docs)] // The names are the manual's.
-pub enum GearedJoint {
+pub(crate) enum GearedJoint {
     Revolute,
     Translational,
     Cylindrical,
@@ -28,7 +28,7 @@ pub enum GearedJoint {
 /// equality of the two parts' speeds integrates to `sum a q (first) - sum a q (second) = const`, the constant being its value
 /// in the design. Returned are the terms of one joint with `factor` (+1 for the first joint, -1 for the second); a CYLINDRICAL
 /// joint gives two. Source: derived from the common-velocity wording of Adams Solver help, `state_gear`.
-pub fn gear_terms(kind: GearedJoint, j: &Pose, cv: &Pose, factor: f64) -> [Option<Term>; 2] {
+pub(crate) fn gear_terms(kind: GearedJoint, j: &Pose, cv: &Pose, factor: f64) -> [Option<Term>; 2] {
     let zj: Vec3 = j.R.column(2).into_owned();
     let along: Vec3 = cv.R.column(2).into_owned();
     let rotation = Term {

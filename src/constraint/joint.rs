@@ -8,42 +8,42 @@ const Z_PARALLEL: &[(usize, usize)] = &[(2, 0), (2, 1)];
 const AXES_PARALLEL: &[(usize, usize)] = &[(2, 0), (2, 1), (0, 1)];
 
 /// SPHERICAL: d = 0.
-pub const SPHERICAL: Locks = Locks {
+pub(crate) const SPHERICAL: Locks = Locks {
     distances: &[0, 1, 2],
     products: &[],
 };
 /// REVOLUTE: d = 0, zi.xj = zi.yj = 0.
-pub const REVOLUTE: Locks = Locks {
+pub(crate) const REVOLUTE: Locks = Locks {
     distances: &[0, 1, 2],
     products: Z_PARALLEL,
 };
 /// TRANSLATIONAL: d.xj = d.yj = 0, zi.xj = zi.yj = xi.yj = 0.
-pub const TRANSLATIONAL: Locks = Locks {
+pub(crate) const TRANSLATIONAL: Locks = Locks {
     distances: &[0, 1],
     products: AXES_PARALLEL,
 };
 /// CYLINDRICAL: d.xj = d.yj = 0, zi.xj = zi.yj = 0.
-pub const CYLINDRICAL: Locks = Locks {
+pub(crate) const CYLINDRICAL: Locks = Locks {
     distances: &[0, 1],
     products: Z_PARALLEL,
 };
 /// PLANAR: d.zj = 0, zi.xj = zi.yj = 0.
-pub const PLANAR: Locks = Locks {
+pub(crate) const PLANAR: Locks = Locks {
     distances: &[2],
     products: Z_PARALLEL,
 };
 /// FIXED: d = 0, zi.xj = zi.yj = xi.yj = 0.
-pub const FIXED: Locks = Locks {
+pub(crate) const FIXED: Locks = Locks {
     distances: &[0, 1, 2],
     products: AXES_PARALLEL,
 };
 /// HOOKE: d = 0, xi.yj = 0: shafts along zi and zj, cross pins along xi and yj.
-pub const HOOKE: Locks = Locks {
+pub(crate) const HOOKE: Locks = Locks {
     distances: &[0, 1, 2],
     products: &[(0, 1)],
 };
 /// UNIVERSAL: d = 0, zi.zj = 0: cross pins along zi and zj.
-pub const UNIVERSAL: Locks = Locks {
+pub(crate) const UNIVERSAL: Locks = Locks {
     distances: &[0, 1, 2],
     products: &[(2, 2)],
 };

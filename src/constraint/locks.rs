@@ -11,7 +11,7 @@ use crate::mechanics::{Mat3, RelativeMotion, Vec6};
 /// axis has turned over. Source: Adams Solver help, `state_joint`,
 /// `state_jprim`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Locks {
+pub(crate) struct Locks {
     /// Axes of J along which the origins may not part.
     pub(super) distances: &'static [usize],
     /// (axis of I, axis of J) that stay perpendicular.

@@ -8,7 +8,7 @@ use crate::mechanics::{Mat3, RelativeMotion, Vec3, Vec6, unwrap_near};
 /// Frames: I relative to J, right-handed, radians. Sources: Adams Solver help, `state_joint`
 /// (displacement of a joint), `state_motion`, `cfunc_az`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Measure {
+pub(crate) enum Measure {
     /// Component of `p_ij_j` along an axis of J: 0, 1, 2.
     Translation(usize),
     /// AX, AY, AZ (0, 1, 2), counting turns. 2 is the rotation of a joint about zj.
@@ -22,7 +22,7 @@ pub enum Measure {
 
 /// A measure with its derivatives by the motion.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Measured {
+pub(crate) struct Measured {
     /// The displacement: length or radians.
     pub value: f64,
     /// Derivative by (change of `p_ij_j`, `dtheta` in J axes).
@@ -33,12 +33,12 @@ pub struct Measured {
 
 impl Measure {
     /// Whether `RelativeMotion::angles` is read.
-    pub fn uses_angles(self) -> bool {
+    pub(crate) fn uses_angles(self) -> bool {
         matches!(self, Self::Angle(_) | Self::Body123(0))
     }
 
     /// At this motion; `near` picks the turn of the measures that keep no count.
-    pub fn evaluate(self, motion: &RelativeMotion, near: f64) -> Measured {
+    pub(crate) fn evaluate(self, motion: &RelativeMotion, near: f64) -> Measured {
         let R = &motion.R_ji;
         let turning = |value: f64, (g, curvature): (Vec3, Mat3)| Measured {
             value,

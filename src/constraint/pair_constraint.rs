@@ -6,7 +6,7 @@ use crate::mechanics::RelativeMotion;
 /// Any constraint between one pair of markers, without a pointer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[allow(missing_docs)] // Each variant is the constraint of its name.
-pub enum PairConstraint {
+pub(crate) enum PairConstraint {
     Locks(Locks),
     Convel(Convel),
     Screw(Screw),

@@ -15,7 +15,7 @@ const SENSE: f64 = 1.0;
 /// signed. Valid as long as xi does not lie along the pinion axis. Source: Adams Solver help, `state_joint`,
 /// `constraint_mod_joi_rac`; the sign as `SENSE` says.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct RackPinion;
+pub(crate) struct RackPinion;
 
 impl Constraint for RackPinion {
     fn count(&self) -> usize {

@@ -8,7 +8,7 @@ use super::{
 
 /// What is known of a constraint besides its equations.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct ConstraintEntry {
+pub(crate) struct ConstraintEntry {
     /// The statement it comes from.
     pub statement: &'static str,
     /// The type word of that statement.
@@ -60,7 +60,7 @@ const fn drive(kind: &'static str, measure: Measure) -> ConstraintEntry {
 }
 
 /// The constraint of a statement by its type word. CONVEL stands twice: the design position decides which it is.
-pub fn constraint(statement: &str, kind: &str) -> Option<&'static ConstraintEntry> {
+pub(crate) fn constraint(statement: &str, kind: &str) -> Option<&'static ConstraintEntry> {
     CONSTRAINTS
         .iter()
         .find(|entry| entry.statement == statement && entry.kind == kind)
@@ -68,7 +68,7 @@ pub fn constraint(statement: &str, kind: &str) -> Option<&'static ConstraintEntr
 
 /// Every constraint between one marker pair: one line each. The tests below run over all of them.
 #[rustfmt::skip]
-pub const CONSTRAINTS: &[ConstraintEntry] = &[
+pub(crate) const CONSTRAINTS: &[ConstraintEntry] = &[
     locks("SPHERICAL", SPHERICAL),
     locks("REVOLUTE", REVOLUTE),
     locks("TRANSLATIONAL", TRANSLATIONAL),

@@ -8,7 +8,7 @@ use crate::mechanics::{RelativeMotion, Vec6};
 /// One equation: ADAMS decks use it together with a CYLINDRICAL joint. Parameter: PITCH, translation per turn.
 /// Valid for any number of turns, undefined where xi lies along zj. Source: Adams Solver help, `state_joint`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Screw;
+pub(crate) struct Screw;
 
 impl Constraint for Screw {
     fn count(&self) -> usize {

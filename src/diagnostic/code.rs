@@ -7,7 +7,7 @@ macro_rules! codes {
 
         impl Code {
             /// Every code there is.
-            pub const ALL: &'static [Code] = &[$(Code::$variant,)+];
+            pub(crate) const ALL: &'static [Code] = &[$(Code::$variant,)+];
 
             /// The code as shown, for example `undefined-id`.
             pub const fn as_str(self) -> &'static str {
@@ -15,12 +15,12 @@ macro_rules! codes {
             }
 
             /// The code of this name.
-            pub fn parse(name: &str) -> Option<Self> {
+            pub(crate) fn parse(name: &str) -> Option<Self> {
                 Self::ALL.iter().copied().find(|code| code.as_str() == name)
             }
 
             /// What the code means: the documentation of its variant.
-            pub const fn explain(self) -> &'static str {
+            pub(crate) const fn explain(self) -> &'static str {
                 match self { $(Code::$variant => concat!($($doc, "\n",)+),)+ }
             }
         }

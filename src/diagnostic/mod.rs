@@ -37,7 +37,7 @@ pub struct Label {
 
 impl Label {
     /// True if it is about the file as a whole: an empty place in front of it.
-    pub fn is_about_all(&self) -> bool {
+    pub(crate) fn is_about_all(&self) -> bool {
         self.span == Span::at(0)
     }
 }
@@ -81,17 +81,17 @@ pub struct Diagnostic {
 
 impl Diagnostic {
     /// An error without a place yet.
-    pub fn error(code: Code, message: impl Into<String>) -> Self {
+    pub(crate) fn error(code: Code, message: impl Into<String>) -> Self {
         Self::new(code, Severity::Error, message)
     }
 
     /// A warning without a place yet.
-    pub fn warning(code: Code, message: impl Into<String>) -> Self {
+    pub(crate) fn warning(code: Code, message: impl Into<String>) -> Self {
         Self::new(code, Severity::Warning, message)
     }
 
     /// A note without a place yet.
-    pub fn note(code: Code, message: impl Into<String>) -> Self {
+    pub(crate) fn note(code: Code, message: impl Into<String>) -> Self {
         Self::new(code, Severity::Note, message)
     }
 
@@ -108,7 +108,7 @@ impl Diagnostic {
 
     /// Adds a place.
     #[must_use]
-    pub fn label(
+    pub(crate) fn label(
         mut self,
         file: impl Into<Arc<str>>,
         span: Span,
@@ -124,14 +124,14 @@ impl Diagnostic {
 
     /// Says what to do.
     #[must_use]
-    pub fn help(mut self, help: impl Into<String>) -> Self {
+    pub(crate) fn help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());
         self
     }
 
     /// Proposes a change.
     #[must_use]
-    pub fn fix(
+    pub(crate) fn fix(
         mut self,
         title: impl Into<String>,
         edits: Vec<Edit>,
@@ -169,13 +169,5 @@ impl<T> Checked<T> {
         self.diagnostics
             .iter()
             .any(|diagnostic| diagnostic.severity == Severity::Error)
-    }
-
-    /// Makes something of the value and keeps the complaints.
-    pub fn map<U>(self, f: impl FnOnce(T) -> U) -> Checked<U> {
-        Checked {
-            value: f(self.value),
-            diagnostics: self.diagnostics,
-        }
     }
 }

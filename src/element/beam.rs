@@ -20,7 +20,7 @@ pub(super) const LAWS: &[LawEntry] = &[LawEntry {
 /// Parameters, in the order of the model: LENGTH, AREA, IXX, IYY, IZZ, EMODULUS, GMODULUS, ASY, ASZ.
 /// Validity: small relative deflections. Source: Adams Solver help, `state_beam`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Beam;
+pub(crate) struct Beam;
 
 /// The eight stiffness entries with their places in K.
 const PLACES: [(usize, usize); 8] = [
@@ -77,7 +77,7 @@ fn stiffness<N>(entries: &[N; 8], pick: impl Fn(&N) -> f64) -> Mat6 {
 
 impl Beam {
     /// K of the nine parameters.
-    pub fn stiffness_matrix(theta: &[f64]) -> Mat6 {
+    pub(crate) fn stiffness_matrix(theta: &[f64]) -> Mat6 {
         let values: [f64; 9] = std::array::from_fn(|n| theta[n]);
         stiffness(&entries(values), |&entry| entry)
     }

@@ -18,7 +18,7 @@ pub(super) const LAWS: &[LawEntry] = &[LawEntry {
 /// Validity: ADAMS asks two of the three angles to stay under 10 degrees, only c may be large. The torque has no potential for
 /// finite angles. Source: Adams Solver help, `state_bushing`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Bushing;
+pub(crate) struct Bushing;
 
 impl Law for Bushing {
     fn parameter_count(&self) -> usize {
@@ -54,6 +54,7 @@ impl Law for Bushing {
     }
 
     /// Only without rotational stiffness and torque: those have no potential for finite angles.
+    #[cfg(test)]
     fn energy(&self, motion: &RelativeMotion, theta: &[f64]) -> Option<f64> {
         if theta[3..6].iter().chain(&theta[9..12]).any(|&x| x != 0.0) {
             return None;

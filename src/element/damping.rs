@@ -6,7 +6,7 @@ use crate::mechanics::{Mat3, Mat6, RelativeMotion, Vec3, Vec6};
 
 /// The damping of an element, in J axes, with u the rates of `p_ij_j` and of the rotation of I in J.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Damping {
+pub(crate) enum Damping {
     /// `(F, T) = -C u`: BUSHING, FIELD, BEAM.
     Matrix(Box<Mat6>),
     /// `F = -c (n . u) n` along the line of the origins: SPRINGDAMPER, TRANSLATIONAL.
@@ -20,7 +20,7 @@ impl Damping {
     ///
     /// `Line`: with r = |d| and s = n . u, `dF/dd = -c [ n u' + s 1 ] (1 - n n') / r`. `Turn`: the rate of AZ is `g . u_t`, g its row.
     /// Where the law has no value neither has the damping: nothing is added.
-    pub fn add(&self, motion: &RelativeMotion, u: &Vec6, out: &mut Wrench) {
+    pub(crate) fn add(&self, motion: &RelativeMotion, u: &Vec6, out: &mut Wrench) {
         out.by_rate = Mat6::zeros();
         match self {
             Self::Matrix(C) => {

@@ -16,7 +16,7 @@ pub(super) const LAWS: &[LawEntry] = &[LawEntry {
 /// Parameters: KMATRIX.1..36 column by column (as written in the dataset), LENGTH.1..6, FORCE.1..6.
 /// Validity: angles as for BUSHING. Source: Adams Solver help, `state_field`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Field;
+pub(crate) struct Field;
 
 impl Law for Field {
     fn parameter_count(&self) -> usize {
@@ -50,6 +50,7 @@ impl Law for Field {
     }
 
     /// Only where K is symmetric and leaves the angles alone: torques of projected angles have no potential when finite.
+    #[cfg(test)]
     fn energy(&self, motion: &RelativeMotion, theta: &[f64]) -> Option<f64> {
         let K = Mat6::from_column_slice(&theta[..36]);
         let rotational = |a: usize| {

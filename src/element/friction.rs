@@ -16,7 +16,7 @@ use crate::mechanics::{Mat3, Vec3};
 ///
 /// Source: grammar/NOTES.md, FRICTION; found from files of real ADAMS.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct FrictionLaw {
+pub(crate) struct FrictionLaw {
     /// MU_STATIC.
     pub mu_static: f64,
     /// MU_DYNAMIC.
@@ -31,7 +31,7 @@ pub struct FrictionLaw {
 
 /// A coefficient, with its derivatives.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Coefficient {
+pub(crate) struct Coefficient {
     /// mu: against the velocity or the creep.
     pub value: Vec3,
     /// By the surface velocity.
@@ -65,7 +65,7 @@ fn radial(x: &Vec3, size: f64, g: f64, slope: f64) -> Mat3 {
 impl FrictionLaw {
     /// The same transitions with both coefficients one: the direction of a preload that no coefficient multiplies.
     #[must_use]
-    pub fn direction(&self) -> Self {
+    pub(crate) fn direction(&self) -> Self {
         Self {
             mu_static: 1.0,
             mu_dynamic: 1.0,
@@ -74,12 +74,12 @@ impl FrictionLaw {
     }
 
     /// True if a surface velocity of this size is one of stiction.
-    pub fn sticks(&self, speed: f64) -> bool {
+    pub(crate) fn sticks(&self, speed: f64) -> bool {
         speed < self.stiction_velocity
     }
 
     /// The coefficient. At rest its slope by the velocity is the mean of those of both directions.
-    pub fn coefficient(&self, v: &Vec3, c: &Vec3) -> Coefficient {
+    pub(crate) fn coefficient(&self, v: &Vec3, c: &Vec3) -> Coefficient {
         let speed = v.norm();
         if !self.sticks(speed) {
             let (vs, vd) = (self.stiction_velocity, self.sliding_velocity);

@@ -7,7 +7,7 @@ use crate::mechanics::{Mat6, RelativeMotion, Vec6};
 ///
 /// J feels the opposite force at the I origin, that is `-F` and `-T - d x F` at the J origin (`state_bushing`).
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Wrench {
+pub(crate) struct Wrench {
     /// (force, torque).
     pub value: Vec6,
     /// Derivative by (change of `p_ij_j`, rotation `dtheta` in J axes with `R_ji <- exp(dtheta) R_ji`).
@@ -20,7 +20,7 @@ pub struct Wrench {
 
 impl Wrench {
     /// No wrench: zero, with a column for one parameter.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.value = Vec6::zeros();
         self.by_motion = Mat6::zeros();
         self.parameter_columns(1);
@@ -35,7 +35,7 @@ impl Wrench {
 }
 
 /// A force law between two markers.
-pub trait Law: std::fmt::Debug + Send + Sync {
+pub(crate) trait Law: std::fmt::Debug + Send + Sync {
     /// How many numbers of `theta` are this law's.
     fn parameter_count(&self) -> usize;
 
@@ -58,6 +58,7 @@ pub trait Law: std::fmt::Debug + Send + Sync {
     ) -> Result<(), Degenerate>;
 
     /// Elastic energy, where the law has a potential; preloads count as dead loads of the deflection.
+    #[cfg(test)]
     fn energy(&self, _motion: &RelativeMotion, _theta: &[f64]) -> Option<f64> {
         None
     }

@@ -21,18 +21,18 @@ mod scalar_force;
 mod slip;
 mod springdamper;
 
-pub use beam::Beam;
-pub use bushing::Bushing;
-pub use damping::Damping;
-pub use degenerate::Degenerate;
-pub use field::Field;
-pub use friction::{Coefficient, FrictionLaw};
-pub use law::{Law, Wrench};
-pub use nforce::{MultiPoint, MultiWrench};
-pub use registry::{LawEntry, law, laws};
-pub use scalar_force::ScalarForce;
-pub use slip::Slip;
-pub use springdamper::{RotationalSpring, TranslationalSpring};
+pub(crate) use beam::Beam;
+pub(crate) use damping::Damping;
+pub(crate) use degenerate::Degenerate;
+pub(crate) use friction::Coefficient;
+pub(crate) use friction::FrictionLaw;
+pub(crate) use law::Law;
+pub(crate) use law::Wrench;
+pub(crate) use nforce::{MultiPoint, MultiWrench};
+pub(crate) use registry::LawEntry;
+pub(crate) use registry::law;
+pub(crate) use scalar_force::ScalarForce;
+pub(crate) use slip::Slip;
 
 /// The laws of every file.
 const FILES: &[&[LawEntry]] = &[

@@ -11,14 +11,14 @@ use crate::mechanics::{Mat6, RelativeMotion, Vec6};
 /// Parameters: KMATRIX.1..(6n)^2 column by column, LENGTH.1..6n, FORCE.1..6n.
 /// Validity: angles as for BUSHING. Source: the law of FIELD for several markers, as Adams Solver help, `state_nforce` describes it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct MultiPoint {
+pub(crate) struct MultiPoint {
     /// How many I markers.
     pub markers: usize,
 }
 
 /// The wrenches of a multi-point force and their derivatives.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct MultiWrench {
+pub(crate) struct MultiWrench {
     /// (force, torque) on each I marker at its origin, in J axes.
     pub value: Vec<Vec6>,
     /// Block `a * markers + b`: derivative of wrench a by the motion of marker b relative to J (as in [`super::Wrench`]).
@@ -28,17 +28,11 @@ pub struct MultiWrench {
 }
 
 impl MultiPoint {
-    /// How many numbers of `theta` are this law's.
-    pub fn parameter_count(self) -> usize {
-        let n = 6 * self.markers;
-        n * n + 2 * n
-    }
-
     /// Wrenches and derivatives at these motions, one per I marker. Allocates only the first time `out` is used.
     ///
     /// # Errors
     /// [`Degenerate`] where an angle is undefined.
-    pub fn evaluate(
+    pub(crate) fn evaluate(
         self,
         motions: &[RelativeMotion],
         theta: &[f64],
@@ -76,7 +70,13 @@ impl MultiPoint {
     }
 
     /// The derivative of all wrenches by parameter `p`, into `columns` (one per marker), after [`Self::evaluate`].
-    pub fn by_parameter(self, theta: &[f64], p: usize, out: &MultiWrench, columns: &mut [Vec6]) {
+    pub(crate) fn by_parameter(
+        self,
+        theta: &[f64],
+        p: usize,
+        out: &MultiWrench,
+        columns: &mut [Vec6],
+    ) {
         let n = 6 * self.markers;
         columns.fill(Vec6::zeros());
         if p < n * n {
@@ -96,7 +96,8 @@ impl MultiPoint {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::element::{Field, Law, Wrench};
+    use crate::element::field::Field;
+    use crate::element::{Law, Wrench};
     use crate::mechanics::Vec3;
     use crate::mechanics::testing::{advanced, general_pair, number};
 
@@ -138,7 +139,8 @@ mod tests {
     #[test]
     fn derivatives_agree_with_central_differences() {
         let law = MultiPoint { markers: 2 };
-        let theta: Vec<f64> = (0..law.parameter_count()).map(number).collect();
+        let n = 6 * law.markers;
+        let theta: Vec<f64> = (0..n * n + 2 * n).map(number).collect();
         let exact = at(&motions(), &theta);
         let h = 1e-5;
         for b in 0..2 {
@@ -156,7 +158,7 @@ mod tests {
             }
         }
         let mut columns = [Vec6::zeros(); 2];
-        for p in (0..law.parameter_count()).step_by(7) {
+        for p in (0..theta.len()).step_by(7) {
             law.by_parameter(&theta, p, &exact, &mut columns);
             let moved = |h: f64| {
                 let mut theta = theta.clone();

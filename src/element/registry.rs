@@ -4,7 +4,7 @@ use super::{FILES, Law};
 
 /// A force law by name.
 #[derive(Clone, Copy, Debug)]
-pub struct LawEntry {
+pub(crate) struct LawEntry {
     /// The name in the grammar's `law` lines. Laws whose one number is a FUNCTION have no such line.
     pub name: &'static str,
     /// The law itself.
@@ -12,12 +12,12 @@ pub struct LawEntry {
 }
 
 /// Every force law.
-pub fn laws() -> impl Iterator<Item = &'static LawEntry> {
+pub(crate) fn laws() -> impl Iterator<Item = &'static LawEntry> {
     FILES.iter().copied().flatten()
 }
 
 /// A law by its name in the grammar.
-pub fn law(name: &str) -> Option<&'static dyn Law> {
+pub(crate) fn law(name: &str) -> Option<&'static dyn Law> {
     laws()
         .find(|entry| entry.name == name)
         .map(|entry| entry.law)
@@ -26,8 +26,9 @@ pub fn law(name: &str) -> Option<&'static dyn Law> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::element::{Bushing, Degenerate, RotationalSpring, ScalarForce};
-    use crate::element::{TranslationalSpring, Wrench};
+    use crate::element::bushing::Bushing;
+    use crate::element::springdamper::{RotationalSpring, TranslationalSpring};
+    use crate::element::{Degenerate, ScalarForce, Wrench};
     use crate::grammar::STATEMENTS;
     use crate::mechanics::testing::{
         advanced, direction, displaced, general_pair, in_ground, moment, number,

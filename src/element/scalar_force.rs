@@ -30,7 +30,7 @@ pub(super) const LAWS: &[LawEntry] = &[
 ///
 /// Source: Adams Solver help, `state_sforce`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum ScalarForce {
+pub(crate) enum ScalarForce {
     /// Along the line of the origins.
     Line,
     /// Along the z axis of J.

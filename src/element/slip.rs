@@ -8,7 +8,7 @@
 /// K > 0, LIMIT >= 0. Not an ADAMS element: ADAMS decks express it with a user routine or not at all.
 /// Source: L. Prandtl, 1928, spring-slider element; return mapping as in one-dimensional perfect plasticity.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Slip {
+pub(crate) struct Slip {
     /// `f`, the force of the spring.
     pub force: f64,
     /// df/du.
@@ -25,7 +25,7 @@ pub struct Slip {
 
 impl Slip {
     /// At displacement `u` from the parameters K, LIMIT, ANCHOR.
-    pub fn at(u: f64, theta: &[f64]) -> Self {
+    pub(crate) fn at(u: f64, theta: &[f64]) -> Self {
         let (k, limit, anchor) = (theta[0], theta[1], theta[2]);
         let trial = k * (u - anchor);
         if trial.abs() <= limit {
@@ -51,7 +51,7 @@ impl Slip {
     }
 
     /// True if the slider moved.
-    pub fn slides(&self, anchor: f64) -> bool {
+    pub(crate) fn slides(&self, anchor: f64) -> bool {
         self.anchor_after != anchor
     }
 }

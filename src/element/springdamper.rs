@@ -21,7 +21,7 @@ pub(super) const LAWS: &[LawEntry] = &[
 /// derivative holds the turning of the line, `dF/dd = -K n n' + f / r (1 - n n')`. No torque on either marker.
 /// Parameters: K, LENGTH, FORCE. Validity: r > 0; at r = 0 ADAMS stops and so does this. Source: Adams Solver help, `state_springdamper`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct TranslationalSpring;
+pub(crate) struct TranslationalSpring;
 
 impl Law for TranslationalSpring {
     fn parameter_count(&self) -> usize {
@@ -53,6 +53,7 @@ impl Law for TranslationalSpring {
         Ok(())
     }
 
+    #[cfg(test)]
     fn energy(&self, motion: &RelativeMotion, theta: &[f64]) -> Option<f64> {
         let stretch = motion.p_ij_j.norm() - theta[1];
         Some(0.5 * theta[0] * stretch * stretch - theta[2] * stretch)
@@ -65,7 +66,7 @@ impl Law for TranslationalSpring {
 /// Parameters: KT (per radian), ANGLE, TORQUE. Validity: zi parallel to zj, which ADAMS demands and does not enforce; the angle
 /// is undefined where xi lies along zj. Source: Adams Solver help, `state_springdamper`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct RotationalSpring;
+pub(crate) struct RotationalSpring;
 
 impl Law for RotationalSpring {
     fn parameter_count(&self) -> usize {

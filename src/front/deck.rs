@@ -129,7 +129,7 @@ impl Deck {
     }
 
     /// The parsed text.
-    pub fn dataset(&self) -> &Dataset {
+    pub(crate) fn dataset(&self) -> &Dataset {
         &self.read.value
     }
 

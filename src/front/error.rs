@@ -63,7 +63,7 @@ pub struct Place {
 
 impl Complaint {
     /// A complaint with places in these files.
-    pub fn new(diagnostic: &Diagnostic, sources: &Sources) -> Self {
+    pub(crate) fn new(diagnostic: &Diagnostic, sources: &Sources) -> Self {
         let place = |label: &crate::diagnostic::Label| {
             let source = sources.get(&label.file);
             let at = source.map(|source| source.line_column(label.span.start()));

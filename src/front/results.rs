@@ -99,7 +99,7 @@ impl Results {
     ) -> Result<Rows, Error> {
         let mut reader = open(&self.path)?;
         let (mut kinds, mut values) = (Vec::new(), Vec::new());
-        let read = selection.rows(&mut reader, filter, |kind, _, row| {
+        let read = selection.rows(reader.as_mut(), filter, |kind, _, row| {
             kinds.push(kind);
             values.extend_from_slice(row);
             if watch.goes_on() {

@@ -125,12 +125,13 @@ impl Run {
     }
 
     /// The results as a table; `None` if no simulation began.
-    pub fn table(&self) -> Option<&ResultsTable> {
+    pub(crate) fn table(&self) -> Option<&ResultsTable> {
         self.table.as_ref()
     }
 
     /// Puts the values back that serialisation leaves out.
-    pub fn set_values(&mut self, values: Vec<f64>) {
+    #[cfg(feature = "python")]
+    pub(crate) fn set_values(&mut self, values: Vec<f64>) {
         if let Some(table) = &mut self.table {
             table.values = values;
         }

@@ -119,11 +119,6 @@ impl Study {
         &self.complaints
     }
 
-    /// The study with everything resolved.
-    pub fn loaded(&self) -> &LoadedStudy {
-        &self.loaded
-    }
-
     /// Another method than the study's own.
     pub fn set_method(&mut self, method: Method) {
         self.loaded.study.identify.method = method;
@@ -254,8 +249,7 @@ impl Study {
     /// With `force` also of a study that cannot be meant.
     ///
     /// ```
-    /// use admire::discrepancy::Aim;
-    /// use admire::{Study, Watched};
+    /// use admire::{Aim, Study, Watched};
     ///
     /// # fn main() -> Result<(), admire::Error> {
     /// let study = Study::open("corpus/pseudo-mcpherson")?;

@@ -12,6 +12,7 @@ pub trait Watch {
     /// False to end the computation after its present step.
     fn goes_on(&self) -> bool;
     /// A diagnosis begins, which counts by itself.
+    #[doc(hidden)]
     fn diagnoses(&self, _progress: &crate::discrepancy::Progress) {}
 }
 

@@ -14,7 +14,7 @@ const ENDS: [(&str, &[usize]); 5] = [
 
 /// Breaks of an expression by the time alone, in no order: where an argument that is linear in TIME meets the constants it is compared
 /// with. Splines have none: their pieces meet smoothly.
-pub fn time_breaks(expression: &Expression) -> Vec<f64> {
+pub(crate) fn time_breaks(expression: &Expression) -> Vec<f64> {
     let mut found = Vec::new();
     let mut open = vec![&expression.root];
     while let Some(node) = open.pop() {

@@ -136,7 +136,8 @@ impl<'m> Compiler<'m> {
     /// Compiles one expression.
     ///
     /// # Errors
-    /// As [`Program::compile`].
+    /// A diagnostic without a place: an id that the model does not define, an argument that has to be an id or a code and is none, or
+    /// a function that only real ADAMS evaluates, by name.
     pub fn compile(&self, expression: &Expression) -> Result<Program, Diagnostic> {
         Build::new(self, expression).whole()
     }

@@ -7,9 +7,9 @@ const PARALLEL: f64 = 1e-12;
 
 impl Sequence {
     /// Body-fixed 3-1-3: PSI, THETA, PHI.
-    pub const BODY_313: Self = Self::body([2, 0, 2]);
+    pub(crate) const BODY_313: Self = Self::body([2, 0, 2]);
     /// Body-fixed 3-2-1: YAW, minus PITCH, ROLL.
-    pub const BODY_321: Self = Self::body([2, 1, 0]);
+    pub(crate) const BODY_321: Self = Self::body([2, 1, 0]);
 
     const fn body(axes: [usize; 3]) -> Self {
         Self {
@@ -19,7 +19,7 @@ impl Sequence {
     }
 
     /// The sequence of an ORIENT type: 1 to 12 body-fixed, 13 to 24 the same sequences fixed in space.
-    pub fn of_orient(kind: u32) -> Option<Self> {
+    pub(crate) fn of_orient(kind: u32) -> Option<Self> {
         const AXES: [[usize; 3]; 12] = [
             [0, 1, 2],
             [1, 2, 0],
@@ -46,7 +46,7 @@ impl Sequence {
     /// Where the sequence is singular the derivative is returned as zero.
     ///
     /// Body-fixed: `R = R_a(t1) R_b(t2) R_c(t3)`. About axes fixed in space the order of the product is reversed.
-    pub fn angle(self, R: &Mat3, which: usize) -> (f64, Vec3) {
+    pub(crate) fn angle(self, R: &Mat3, which: usize) -> (f64, Vec3) {
         let ([a, b, c], which) = if self.space_fixed {
             let [a, b, c] = self.axes;
             ([c, b, a], 2 - which)

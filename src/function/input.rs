@@ -137,7 +137,7 @@ pub enum ForceComponent {
 
 impl ForceComponent {
     /// All, component number 1 first.
-    pub const ALL: [Self; 8] = [
+    pub(crate) const ALL: [Self; 8] = [
         Self::Fm,
         Self::Fx,
         Self::Fy,

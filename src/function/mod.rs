@@ -24,12 +24,13 @@ mod step;
 #[cfg(test)]
 mod tests;
 
-pub use breaks::time_breaks;
+pub(crate) use breaks::time_breaks;
 pub use compiler::Compiler;
-pub use error::{EvalError, Fault};
-pub use input::{
-    ElementIx, ForceComponent, ForceMeasure, Input, Measure, MeasureKind, RateAxis, RateKind,
-    RateMeasure, Sequence,
+pub(crate) use error::{EvalError, Fault};
+pub(crate) use input::{
+    ElementIx, ForceComponent, ForceMeasure, MeasureKind, RateAxis, RateKind, RateMeasure, Sequence,
 };
-pub use program::{Program, Scratch};
-pub use rate::MovingFrame;
+pub use input::{Input, Measure};
+pub(crate) use program::Program;
+pub use program::Scratch;
+pub(crate) use rate::MovingFrame;

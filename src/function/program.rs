@@ -3,10 +3,7 @@ use std::sync::Arc;
 use super::interpolant::Interpolant;
 use super::intrinsic::{self, Binary, Unary};
 use super::step::{Shape, step};
-use super::{Compiler, EvalError, Fault, Input, impact, series};
-use crate::diagnostic::Diagnostic;
-use crate::model::Model;
-use crate::syntax::Expression;
+use super::{EvalError, Fault, Input, impact, series};
 
 /// A FUNCTION expression compiled to a flat list of steps over numbered slots.
 ///
@@ -124,26 +121,9 @@ impl Scratch {
 }
 
 impl Program {
-    /// Compiles an expression against the objects of a model. To compile many, keep one [`Compiler`].
-    ///
-    /// # Errors
-    /// A diagnostic without a place: an id that the model does not define, an argument that has to be an id or a code and is none, or
-    /// a function that only real ADAMS evaluates, by name.
-    pub fn compile(expression: &Expression, model: &Model) -> Result<Self, Diagnostic> {
-        Compiler::new(model).compile(expression)
-    }
-
     /// True if an IF chooses between its parts.
-    pub fn has_branches(&self) -> bool {
+    pub(crate) fn has_branches(&self) -> bool {
         self.branches
-    }
-
-    /// The value, if no state quantity enters and it exists. `literals` are all literals of the expression.
-    pub fn as_constant(&self, literals: &[f64]) -> Option<f64> {
-        if !self.inputs.is_empty() {
-            return None;
-        }
-        self.eval(&[], literals, &mut Scratch::default()).ok()
     }
 
     /// The value at the given inputs (in the order of `inputs`) and literals (all of the expression, angles in radians).

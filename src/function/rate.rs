@@ -22,7 +22,7 @@ pub struct MovingFrame {
 
 impl MovingFrame {
     /// The ground frame, at rest.
-    pub fn ground() -> Self {
+    pub(crate) fn ground() -> Self {
         Self {
             pose: Pose::identity(),
             v: Vec3::zeros(),

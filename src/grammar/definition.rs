@@ -29,7 +29,7 @@ pub struct StatementDef {
 
 impl StatementDef {
     /// An argument by its whole keyword.
-    pub fn argument(&self, name: &str) -> Option<&'static ArgumentDef> {
+    pub(crate) fn argument(&self, name: &str) -> Option<&'static ArgumentDef> {
         self.arguments.iter().find(|argument| argument.name == name)
     }
 }
@@ -87,12 +87,12 @@ pub struct ArgumentDef {
 
 impl ArgumentDef {
     /// Physical dimension of value `k`, from 0.
-    pub fn dimension_of(&self, k: usize) -> Dimension {
+    pub(crate) fn dimension_of(&self, k: usize) -> Dimension {
         self.components.of(k).unwrap_or(self.dimension)
     }
 
     /// The least value it may have; minus infinity if it has no lower bound.
-    pub fn minimum(&self) -> f64 {
+    pub(crate) fn minimum(&self) -> f64 {
         match self.lower {
             Bound::Open => f64::NEG_INFINITY,
             Bound::Inclusive(bound) | Bound::Exclusive(bound) => bound,
@@ -117,7 +117,7 @@ pub enum Components {
 
 impl Components {
     /// The dimension of value `k`, from 0; `None` if all are alike.
-    pub fn of(self, k: usize) -> Option<Dimension> {
+    pub(crate) fn of(self, k: usize) -> Option<Dimension> {
         let wrench = |row: usize| {
             if row < 3 {
                 Dimension::FORCE

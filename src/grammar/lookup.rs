@@ -4,7 +4,7 @@ use super::{ArgumentDef, Choice, FUNCTIONS, FunctionDef, Role, STATEMENTS, State
 
 /// What a typed keyword stands for.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Lookup<T> {
+pub(crate) enum Lookup<T> {
     /// Exactly one keyword.
     Found(T),
     /// Several keywords begin like this and none has it as its documented minimum.
@@ -15,7 +15,7 @@ pub enum Lookup<T> {
 
 impl<T> Lookup<T> {
     /// The keyword found, if it is one.
-    pub fn found(self) -> Option<T> {
+    pub(crate) fn found(self) -> Option<T> {
         match self {
             Self::Found(value) => Some(value),
             Self::Ambiguous(_) | Self::Unknown => None,
@@ -78,7 +78,7 @@ fn resolve<T: Copy>(
 }
 
 /// The statement (of a dataset) or command (of a command file) that a typed keyword stands for.
-pub fn find_statement(typed: &[u8], file: Role) -> Lookup<&'static StatementDef> {
+pub(crate) fn find_statement(typed: &[u8], file: Role) -> Lookup<&'static StatementDef> {
     let here = move |def: &&'static StatementDef| {
         file == Role::Both || def.role == Role::Both || def.role == file
     };
@@ -97,7 +97,7 @@ pub fn statement(name: &str) -> Option<&'static StatementDef> {
 }
 
 /// The argument of a statement that a typed keyword stands for.
-pub fn find_argument(
+pub(crate) fn find_argument(
     statement: &'static StatementDef,
     typed: &[u8],
 ) -> Lookup<&'static ArgumentDef> {
@@ -111,7 +111,7 @@ pub fn find_argument(
 }
 
 /// The choice word that a typed word stands for.
-pub fn find_choice(choices: &'static [Choice], typed: &[u8]) -> Lookup<&'static Choice> {
+pub(crate) fn find_choice(choices: &'static [Choice], typed: &[u8]) -> Lookup<&'static Choice> {
     resolve(
         typed,
         choices
@@ -121,7 +121,7 @@ pub fn find_choice(choices: &'static [Choice], typed: &[u8]) -> Lookup<&'static 
 }
 
 /// A function by its whole name.
-pub fn find_function(typed: &[u8]) -> Option<&'static FunctionDef> {
+pub(crate) fn find_function(typed: &[u8]) -> Option<&'static FunctionDef> {
     static BY_NAME: OnceLock<Vec<&'static FunctionDef>> = OnceLock::new();
     let by_name = BY_NAME.get_or_init(|| {
         let mut all: Vec<&'static FunctionDef> = FUNCTIONS.iter().collect();
@@ -139,7 +139,7 @@ pub fn nearest<'a>(typed: &str, names: impl Iterator<Item = &'a str>) -> Option<
 }
 
 /// The names nearest to what was typed, all at one edit distance and in the order of the alphabet; empty if none is near enough.
-pub fn all_nearest<'a>(typed: &str, names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+pub(crate) fn all_nearest<'a>(typed: &str, names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     let typed = typed.to_ascii_uppercase();
     if typed.is_empty() {
         return Vec::new();

@@ -7,12 +7,9 @@ mod definition;
 mod generated;
 mod lookup;
 
-pub use definition::{
-    ArgumentDef, Bound, Choice, Components, Count, FunctionDef, LawDef, Presence, Role, Solved,
-    StatementDef, ValueKind,
-};
+pub(crate) use definition::{ArgumentDef, Bound, Choice, Components, Count, LawDef, Presence};
+pub use definition::{FunctionDef, Role, Solved, StatementDef, ValueKind};
 pub use generated::{FUNCTIONS, STATEMENTS};
-pub use lookup::{
-    Lookup, all_nearest, find_argument, find_choice, find_function, find_statement, nearest,
-    statement,
-};
+pub(crate) use lookup::Lookup;
+pub(crate) use lookup::{all_nearest, find_argument, find_choice, find_function, find_statement};
+pub use lookup::{nearest, statement};

@@ -6,7 +6,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use crate::rig::Measurement;
 
 /// A verdict against the fit is wrong in so many of its cases: one in a thousand.
-pub const LEVEL: f64 = 1e-3;
+pub(crate) const LEVEL: f64 = 1e-3;
 
 /// What the test says.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
@@ -52,7 +52,7 @@ pub struct FitTest {
 
 impl FitTest {
     /// Tests a statistic. `None` without a degree of freedom.
-    pub fn new(chi2: f64, dof: f64, readings: Vec<ReadingsLeft>) -> Option<Self> {
+    pub(crate) fn new(chi2: f64, dof: f64, readings: Vec<ReadingsLeft>) -> Option<Self> {
         let distribution = ChiSquared::new(dof).ok().filter(|_| chi2.is_finite())?;
         let (above, below) = (distribution.sf(chi2), distribution.cdf(chi2));
         Some(Self {
@@ -71,7 +71,7 @@ impl FitTest {
     }
 
     /// By which factor the noise would have to be larger for the statistic to be what it should be.
-    pub fn noise_factor(&self) -> f64 {
+    pub(crate) fn noise_factor(&self) -> f64 {
         (self.chi2 / self.dof).sqrt()
     }
 }

@@ -44,7 +44,7 @@ impl LoadedStudy {
     }
 
     /// The same study with another deck in place of its own.
-    pub fn with_deck(&self, deck: Source) -> Checked<Option<Self>> {
+    pub(crate) fn with_deck(&self, deck: Source) -> Checked<Option<Self>> {
         let mut study = self.study.clone();
         study.deck = deck;
         Self::of(study, Vec::new())

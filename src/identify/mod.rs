@@ -27,7 +27,8 @@ pub use fit::{
 pub use goodness::{FitTest, ReadingsLeft, Verdict};
 pub use loaded::LoadedStudy;
 pub use noise::estimate_noise;
-pub use problem::{IdentifyError, Problem, Progress};
+pub(crate) use problem::IdentifyError;
+pub use problem::{Problem, Progress};
 pub use repeated::{BootstrapMade, PosteriorMade, Repeated};
 pub use structure::StructureTest;
 pub use unknowns::{Place, Unknown, unknowns};

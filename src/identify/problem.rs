@@ -30,7 +30,7 @@ pub struct Problem<'a> {
 
 impl Problem<'_> {
     /// Every address to set for these values of the unknowns.
-    pub fn theta(&self, values: &[f64]) -> Vec<(Address, f64)> {
+    pub(crate) fn theta(&self, values: &[f64]) -> Vec<(Address, f64)> {
         self.unknowns
             .iter()
             .zip(values)
@@ -60,7 +60,7 @@ impl Problem<'_> {
     }
 
     /// The six stiffnesses of a bushing, unknowns replaced by their values.
-    pub fn stiffnesses(&self, bushing: usize, values: &[f64]) -> [f64; 6] {
+    pub(crate) fn stiffnesses(&self, bushing: usize, values: &[f64]) -> [f64; 6] {
         let law = &self.model.bushings[bushing];
         let mut k = [0.0; 6];
         k[..3].copy_from_slice(&law.k);

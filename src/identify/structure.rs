@@ -55,7 +55,7 @@ pub struct Residuals<'a> {
 
 impl<'a> Residuals<'a> {
     /// Of a minimum with its posterior covariance.
-    pub fn new(rows: &'a [Row], minimum: &'a Minimum, covariance: &DMatrix<f64>) -> Self {
+    pub(crate) fn new(rows: &'a [Row], minimum: &'a Minimum, covariance: &DMatrix<f64>) -> Self {
         Self {
             rows,
             r: &minimum.evaluation.residual,

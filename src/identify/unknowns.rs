@@ -38,7 +38,7 @@ pub struct Unknown {
 
 impl Unknown {
     /// The numbers to set for a value of this unknown.
-    pub fn assign(&self, value: f64) -> impl Iterator<Item = (Address, f64)> + '_ {
+    pub(crate) fn assign(&self, value: f64) -> impl Iterator<Item = (Address, f64)> + '_ {
         std::iter::once(&self.address)
             .chain(&self.tied)
             .map(move |address| (address.clone(), value))
@@ -56,7 +56,7 @@ impl Unknown {
 }
 
 /// The address of one number of a bushing: axes 0 to 2 are the first word's, 3 to 5 the second's.
-pub fn bushing_number(id: u32, words: [&str; 2], axis: usize) -> Address {
+pub(crate) fn bushing_number(id: u32, words: [&str; 2], axis: usize) -> Address {
     Address {
         kind: "BUSHING".to_string(),
         id: Some(id),
@@ -66,7 +66,7 @@ pub fn bushing_number(id: u32, words: [&str; 2], axis: usize) -> Address {
 }
 
 /// The address of one stiffness of a bushing; axes 0 to 2 are K, 3 to 5 KT.
-pub fn stiffness(id: u32, axis: usize) -> Address {
+pub(crate) fn stiffness(id: u32, axis: usize) -> Address {
     bushing_number(id, ["K", "KT"], axis)
 }
 

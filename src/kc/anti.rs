@@ -37,7 +37,7 @@ pub enum Anti {
 
 impl Anti {
     /// All of them. Adams/Car writes all for any axle: those of the other axle are formulas only.
-    pub const ALL: [Self; 4] = [
+    pub(crate) const ALL: [Self; 4] = [
         Self::DiveBraking,
         Self::LiftAcceleration,
         Self::LiftBraking,
@@ -45,7 +45,7 @@ impl Anti {
     ];
 
     /// Longitudinal force per wheel (+X is rearward) and vertical load transfer per wheel, per unit of the total force.
-    pub fn force_and_transfer(self, v: &Vehicle) -> (f64, f64) {
+    pub(crate) fn force_and_transfer(self, v: &Vehicle) -> (f64, f64) {
         let w = v.cg_height / (2.0 * v.wheelbase);
         match self {
             Self::DiveBraking => (v.front_brake / 2.0, w),
@@ -57,7 +57,7 @@ impl Anti {
 
     /// True if the force acts at the patch. Driving forces of an independent suspension act at the wheel centre, those of a live axle,
     /// which bears the torque of its wheels, at the patch.
-    pub const fn at_patch(self, v: &Vehicle) -> bool {
+    pub(crate) const fn at_patch(self, v: &Vehicle) -> bool {
         self.brakes() || v.axle_ratio.is_some()
     }
 
@@ -68,7 +68,7 @@ impl Anti {
     /// `-100 Zf / Zw`, in percent: `Zf = F [(C31 - R0 C35) + (C37 - R0 C3,11)]` (no R0 term when an independent suspension drives),
     /// `Zw = V C33 + V' C39` with V and V' the load transfers of this wheel and the other: W, and for a live axle that drives `-t` on
     /// the left and `+t` on the right besides, `t = R0 |2 F| / axle_ratio / track` by the torque of the drive shaft.
-    pub fn percent(
+    pub(crate) fn percent(
         self,
         c: &Compliance,
         side: Side,
@@ -91,7 +91,7 @@ impl Anti {
 
     /// Height change at the axle per g: `m g h / (2 L) [(1 - anti/100) / wheel rate + 1/Kt]`, the weight `m g` in force units; positive
     /// in the sense of the name, so lift is upward and negative where the formula says so.
-    pub fn height_per_g(
+    pub(crate) fn height_per_g(
         self,
         c: &Compliance,
         side: Side,
@@ -105,7 +105,7 @@ impl Anti {
     }
 
     /// (percent, per g): the names of Adams/Car's requests.
-    pub const fn names(self) -> (&'static str, &'static str) {
+    pub(crate) const fn names(self) -> (&'static str, &'static str) {
         match self {
             Self::DiveBraking => ("anti_dive_braking", "dive_braking"),
             Self::LiftBraking => ("anti_lift_braking", "lift_braking"),

@@ -59,7 +59,7 @@ pub struct AxleState {
 impl WheelState {
     /// The other wheel of an axle that is symmetric about Y = 0.
     #[must_use]
-    pub fn mirrored(&self) -> Self {
+    pub(crate) fn mirrored(&self) -> Self {
         Self {
             wheel: self.wheel.mirrored(),
             design: self.design.mirrored(),
@@ -108,7 +108,7 @@ impl AxleState {
     }
 
     /// Roll angle of the line through the contact points.
-    pub fn patch_roll(&self) -> Option<f64> {
+    pub(crate) fn patch_roll(&self) -> Option<f64> {
         let ([l, r], [left, right]) = (self.contacts()?, &self.wheels);
         let track = design_track(left.as_ref()?, right.as_ref()?);
         Some(contact::roll_angle(&l, &r, track))

@@ -83,7 +83,7 @@ pub(super) struct Fitted {
 
 /// One variant, compiled.
 #[derive(Debug)]
-pub struct Compiled {
+pub(crate) struct Compiled {
     /// The deck with the rig.
     pub rigged: Rigged,
     pub(super) model: Model,
@@ -136,7 +136,7 @@ impl<'a> Bench<'a> {
     }
 
     /// What was left of the forces on a part at worst, in all equilibria so far.
-    pub fn balance(&self) -> Balance {
+    pub(crate) fn balance(&self) -> Balance {
         let mut worst = Balance::default();
         for compiled in self.variants.values() {
             if let Some(found) = compiled.solver.worst_balance() {
@@ -147,7 +147,7 @@ impl<'a> Bench<'a> {
     }
 
     /// The deck as it came.
-    pub fn dataset(&self) -> &'a Dataset {
+    pub(crate) fn dataset(&self) -> &'a Dataset {
         self.dataset
     }
 
@@ -155,7 +155,7 @@ impl<'a> Bench<'a> {
     ///
     /// # Errors
     /// [`BenchError::Deck`] if the deck cannot be solved.
-    pub fn variant(&mut self, variant: Variant) -> Result<&mut Compiled, BenchError> {
+    pub(crate) fn variant(&mut self, variant: Variant) -> Result<&mut Compiled, BenchError> {
         if !self.variants.contains_key(&variant) {
             let deck = (self.dataset, self.model);
             let rigged = rigged(self.config, deck, &self.wheels, variant)
@@ -185,7 +185,11 @@ impl<'a> Bench<'a> {
     ///
     /// # Errors
     /// As [`Bench::variant`].
-    pub fn let_rub(&mut self, variant: Variant, chain: &mut Chain) -> Result<(), BenchError> {
+    pub(crate) fn let_rub(
+        &mut self,
+        variant: Variant,
+        chain: &mut Chain,
+    ) -> Result<(), BenchError> {
         let compiled = self.variant(variant)?;
         let parameters = compiled.system.parameters();
         for state in &mut chain.states {
@@ -200,7 +204,7 @@ impl<'a> Bench<'a> {
     ///
     /// # Errors
     /// As [`Bench::observe`].
-    pub fn settle(
+    pub(crate) fn settle(
         &mut self,
         variant: Variant,
         chain: &mut Chain,

@@ -2,7 +2,7 @@ use super::Side;
 use crate::mechanics::{Vec3, skew};
 
 /// A 12 by 12 matrix.
-pub type Mat12 = nalgebra::SMatrix<f64, 12, 12>;
+pub(crate) type Mat12 = nalgebra::SMatrix<f64, 12, 12>;
 
 /// The compliance of both wheel centres: displacement i per unit load j, X rearward, Y right, Z up.
 ///
@@ -28,18 +28,18 @@ impl Compliance {
     }
 
     /// Row `i` of a wheel for loads `j` on both wheels in phase.
-    pub fn in_phase(&self, side: Side, i: usize, j: usize) -> f64 {
+    pub(crate) fn in_phase(&self, side: Side, i: usize, j: usize) -> f64 {
         self.of((side, i), (side, j)) + self.of((side, i), (side.other(), j))
     }
 
     /// Row `i` of a wheel for a load `j` on it and the opposite load on the other wheel.
-    pub fn antiphase(&self, side: Side, i: usize, j: usize) -> f64 {
+    pub(crate) fn antiphase(&self, side: Side, i: usize, j: usize) -> f64 {
         self.of((side, i), (side, j)) - self.of((side, i), (side.other(), j))
     }
 
     /// The same for points `p = wheel centre + d` of the carriers: `J C J^T`, `J = [[I, -[d]x], [0, I]]` for each wheel.
     #[must_use]
-    pub fn at(&self, d: [Vec3; 2]) -> Self {
+    pub(crate) fn at(&self, d: [Vec3; 2]) -> Self {
         let mut j = Mat12::identity();
         for (k, d) in d.iter().enumerate() {
             j.fixed_view_mut::<3, 3>(6 * k, 6 * k + 3)
@@ -66,7 +66,7 @@ impl Compliance {
 
     /// The motion of a wheel that nothing resists, in words: a compliance beyond what any axle has, 1 m/N or as much turning on a lever of
     /// 100 mm. `length` and `force` are the sizes of the units in m and N.
-    pub fn free_motion(&self, (length, force): (f64, f64)) -> Option<String> {
+    pub(crate) fn free_motion(&self, (length, force): (f64, f64)) -> Option<String> {
         const LEVER: f64 = 0.1;
         const MOST: f64 = 1.0;
         let si = |i: usize, j: usize| {
@@ -110,7 +110,7 @@ impl Compliance {
 
     /// One wheel on its own becomes an axle that is its mirror image about Y = 0, without a coupling.
     #[must_use]
-    pub fn mirrored(&self, from: Side) -> Self {
+    pub(crate) fn mirrored(&self, from: Side) -> Self {
         // Polar y and axial x, z change sign.
         const SIGN: [f64; 6] = [1.0, -1.0, 1.0, -1.0, 1.0, -1.0];
         let (a, b) = (6 * from.index(), 6 * from.other().index());

@@ -425,13 +425,13 @@ impl Config {
     }
 
     /// The sides that are in the deck.
-    pub fn sides(&self) -> Vec<Side> {
+    pub(crate) fn sides(&self) -> Vec<Side> {
         let there = |side: &Side| self.wheels[side.index()].is_some();
         Side::BOTH.into_iter().filter(there).collect()
     }
 
     /// A complaint about a text of the file.
-    pub fn complain(&self, at: &Spelled, code: Code, message: String) -> Diagnostic {
+    pub(crate) fn complain(&self, at: &Spelled, code: Code, message: String) -> Diagnostic {
         Diagnostic::error(code, message).label(self.source.name(), at.span, "")
     }
 }

@@ -4,13 +4,13 @@ use crate::mechanics::Vec3;
 
 /// The point of the wheel plane below the centre: `C = P + r w`, w the unit projection of `-n` into the wheel plane. `r` is the loaded
 /// radius. Source: guide page `kc`; verified on real results to 1e-12 mm, on a tilted road too.
-pub fn contact_point(centre: &Vec3, o: &Vec3, normal: &Vec3, r: f64) -> Vec3 {
+pub(crate) fn contact_point(centre: &Vec3, o: &Vec3, normal: &Vec3, r: f64) -> Vec3 {
     let down = o * normal.dot(o) - normal;
     centre + down.normalize() * r
 }
 
 /// The loaded radius: `R0 - Fn / Kt`, exact near zero camber. Without a tyre stiffness the tyre does not give.
-pub fn loaded_radius(unloaded: f64, normal_force: f64, stiffness: Option<f64>) -> f64 {
+pub(crate) fn loaded_radius(unloaded: f64, normal_force: f64, stiffness: Option<f64>) -> f64 {
     unloaded - stiffness.map_or(0.0, |k| normal_force / k)
 }
 

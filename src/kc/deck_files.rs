@@ -16,7 +16,7 @@ use crate::syntax::Address;
 ///
 /// # Errors
 /// As [`Bench::variant`].
-pub fn deck_files(
+pub(crate) fn deck_files(
     bench: &mut Bench<'_>,
     run: &KcRun,
 ) -> Result<Vec<(String, Vec<u8>)>, BenchError> {

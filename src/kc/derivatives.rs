@@ -32,7 +32,7 @@ pub(super) struct Derivatives {
 impl Derivatives {
     /// Columns of the tangent for unit loads at the wheel centres. Where motions hold the heights, they are let go by their own columns:
     /// with u_f, u_h the responses to a load and to a held height, and r the reactions, `u = u_f - u_h (r_h)^-1 r_f`.
-    pub fn of(
+    pub(crate) fn of(
         compiled: &mut Compiled,
         config: &Config,
         (parameters, state): (&Parameters, &State),

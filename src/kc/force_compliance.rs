@@ -8,7 +8,7 @@ use super::{Compliance, Side};
 /// How the two wheels are loaded.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Pairing {
+pub(crate) enum Pairing {
     /// The same load on both wheels.
     #[default]
     Parallel,
@@ -31,37 +31,37 @@ fn lateral(c: &Compliance, side: Side, i: usize, r0: f64, pairing: Pairing) -> f
 }
 
 /// Lateral displacement of the wheel centre per lateral force.
-pub fn lateral_deflection(c: &Compliance, side: Side, r0: f64, pairing: Pairing) -> f64 {
+pub(crate) fn lateral_deflection(c: &Compliance, side: Side, r0: f64, pairing: Pairing) -> f64 {
     lateral(c, side, 2, r0, pairing)
 }
 
 /// Steer per lateral force, positive to the left.
-pub fn lateral_steer(c: &Compliance, side: Side, r0: f64, pairing: Pairing) -> f64 {
+pub(crate) fn lateral_steer(c: &Compliance, side: Side, r0: f64, pairing: Pairing) -> f64 {
     lateral(c, side, 6, r0, pairing)
 }
 
 /// Camber per lateral force, positive with the top outboard.
-pub fn lateral_camber(c: &Compliance, side: Side, r0: f64, pairing: Pairing) -> f64 {
+pub(crate) fn lateral_camber(c: &Compliance, side: Side, r0: f64, pairing: Pairing) -> f64 {
     -side.outboard() * lateral(c, side, 4, r0, pairing)
 }
 
 /// Steer per aligning torque, both positive to the left: `C66 + C6,12`.
-pub fn aligning_steer(c: &Compliance, side: Side, pairing: Pairing) -> f64 {
+pub(crate) fn aligning_steer(c: &Compliance, side: Side, pairing: Pairing) -> f64 {
     pairing.c(c, side, 6, 6)
 }
 
 /// Camber per aligning torque: `C46 + C4,12`, right `-(C10,6 + C10,12)`. The documentation prints the right one as
 /// `-C(10,6) + C(10,12)`, taken for a misprint.
-pub fn aligning_camber(c: &Compliance, side: Side, pairing: Pairing) -> f64 {
+pub(crate) fn aligning_camber(c: &Compliance, side: Side, pairing: Pairing) -> f64 {
     -side.outboard() * pairing.c(c, side, 4, 6)
 }
 
 /// Longitudinal force per recession of the wheel centre: `1 / (C11 + C17)`.
-pub fn fore_aft_stiffness(c: &Compliance, side: Side, pairing: Pairing) -> f64 {
+pub(crate) fn fore_aft_stiffness(c: &Compliance, side: Side, pairing: Pairing) -> f64 {
     1.0 / pairing.c(c, side, 1, 1)
 }
 
 /// Row `i` (6: steer to the left, 5: caster) per longitudinal force +X at the wheel centre (`r0` zero) or at the patch: `Ci1 - R0 Ci5`.
-pub fn longitudinal(c: &Compliance, side: Side, i: usize, r0: f64, pairing: Pairing) -> f64 {
+pub(crate) fn longitudinal(c: &Compliance, side: Side, i: usize, r0: f64, pairing: Pairing) -> f64 {
     pairing.c(c, side, i, 1) - r0 * pairing.c(c, side, i, 5)
 }

@@ -5,7 +5,7 @@ use crate::mechanics::{Mat3, Vec3};
 /// A direction of the vehicle.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Direction {
+pub(crate) enum Direction {
     /// Where it drives to.
     Forward,
     /// The opposite.
@@ -49,7 +49,7 @@ pub enum Convention {
 
 impl Convention {
     /// The axes.
-    pub const fn axes(self) -> [Direction; 3] {
+    pub(crate) const fn axes(self) -> [Direction; 3] {
         use Direction::{Down, Forward, Left, Rearward, Right, Up};
         match self {
             Self::AdamsCar => [Rearward, Right, Up],
@@ -60,7 +60,7 @@ impl Convention {
 
     /// What a number of this sense in the axes of this room is multiplied by: how a component of a vector, or a rotation about an axis,
     /// changes with the axes.
-    pub fn factor(self, sense: Sense) -> f64 {
+    pub(crate) fn factor(self, sense: Sense) -> f64 {
         let along = |k: usize| self.axes()[k].vector()[k];
         match sense {
             Sense::Own => 1.0,
@@ -75,7 +75,7 @@ impl Convention {
     }
 
     /// `adams-car`, `iso`, `sae`.
-    pub const fn word(self) -> &'static str {
+    pub(crate) const fn word(self) -> &'static str {
         match self {
             Self::AdamsCar => "adams-car",
             Self::Iso => "iso",
@@ -120,23 +120,23 @@ impl Default for Frame {
 
 impl Frame {
     /// From what the deck's X, Y and Z point to. `None` unless they are right-handed axes of a vehicle.
-    pub fn new(axes: [Direction; 3]) -> Option<Self> {
+    pub(crate) fn new(axes: [Direction; 3]) -> Option<Self> {
         let from_deck = Mat3::from_columns(&axes.map(Direction::vector));
         (from_deck.determinant() > 0.5).then_some(Self { from_deck })
     }
 
     /// A vector of the deck in the axes of this room.
-    pub fn vector(&self, v: &Vec3) -> Vec3 {
+    pub(crate) fn vector(&self, v: &Vec3) -> Vec3 {
         self.from_deck * v
     }
 
     /// A rotation of the deck in the axes of this room.
-    pub fn rotation(&self, R: &Mat3) -> Mat3 {
+    pub(crate) fn rotation(&self, R: &Mat3) -> Mat3 {
         self.from_deck * R * self.from_deck.transpose()
     }
 
     /// A vector of this room in the axes of the deck.
-    pub fn to_deck(&self, v: &Vec3) -> Vec3 {
+    pub(crate) fn to_deck(self, v: &Vec3) -> Vec3 {
         self.from_deck.transpose() * v
     }
 }

@@ -33,7 +33,7 @@ pub struct Gradient {
 impl Gradient {
     /// By how much this wheel's slope is larger than the other's, of their mean: zero for a symmetric axle in a symmetric or antisymmetric
     /// test. NaN for one wheel.
-    pub fn asymmetry(&self, all: &[Self]) -> f64 {
+    pub(crate) fn asymmetry(&self, all: &[Self]) -> f64 {
         let mut others = all.iter();
         let other = others.find(|g| g.entity == self.entity && g.side != self.side);
         other.map_or(f64::NAN, |other| {
@@ -48,7 +48,7 @@ impl Gradient {
 }
 
 /// Half the width of a measured loop where its variable is zero, from points in the order driven; NaN if it passes there less than twice.
-pub fn loop_half_width(points: &[(f64, f64)]) -> f64 {
+pub(crate) fn loop_half_width(points: &[(f64, f64)]) -> f64 {
     let mut low = f64::INFINITY;
     let mut high = f64::NEG_INFINITY;
     let mut count = 0;
@@ -151,7 +151,7 @@ const CHANNELS: [Channel; 8] = [
 ];
 
 /// The gradients of a test from its tangent at ride height and its samples.
-pub fn gradients(centre: &Observation, samples: &[Sample], window: f64) -> Vec<Gradient> {
+pub(crate) fn gradients(centre: &Observation, samples: &[Sample], window: f64) -> Vec<Gradient> {
     let mut out = Vec::new();
     for channel in &CHANNELS {
         for side in Side::BOTH {
@@ -220,7 +220,7 @@ fn side_view_rate(A: &crate::mechanics::Mat3, w: &Vec3) -> f64 {
 }
 
 /// Slope of the least-squares line through the points within the window; NaN with fewer than two.
-pub fn fitted_slope(points: &[(f64, f64)], window: f64) -> f64 {
+pub(crate) fn fitted_slope(points: &[(f64, f64)], window: f64) -> f64 {
     let inside: Vec<_> = points
         .iter()
         .filter(|p| p.0.abs() <= window * (1.0 + 1e-9))

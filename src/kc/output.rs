@@ -14,7 +14,7 @@ use crate::results::{Catalogue, Component, Entity, Header, StepKind, Style, Time
 use crate::units::Units;
 
 /// Version of the definitions in the guide, page `kc`.
-pub const DEFINITIONS: u32 = 1;
+pub(crate) const DEFINITIONS: u32 = 1;
 
 /// What every row of an output says of itself.
 #[derive(Clone, Debug)]
@@ -24,7 +24,11 @@ pub struct Statement {
 
 impl Statement {
     /// Of a test, or of ride height.
-    pub fn new(config: &Config, test: Option<&TestSettings>, convention: Convention) -> Self {
+    pub(crate) fn new(
+        config: &Config,
+        test: Option<&TestSettings>,
+        convention: Convention,
+    ) -> Self {
         let tyre = config.tyre.map_or_else(
             || "none".to_string(),
             |tyre| match tyre.stiffness {
@@ -151,7 +155,12 @@ fn friction(sample: &Sample) -> &'static str {
 }
 
 /// All samples of all tests, a line each; ride height first.
-pub fn curves_csv(run: &KcRun, config: &Config, units: &Units, convention: Convention) -> Vec<u8> {
+pub(crate) fn curves_csv(
+    run: &KcRun,
+    config: &Config,
+    units: &Units,
+    convention: Convention,
+) -> Vec<u8> {
     let mut csv = csv::Writer::from_writer(Vec::new());
     let mut write = |record: Vec<String>| {
         csv.write_record(record)
@@ -190,7 +199,7 @@ pub fn curves_csv(run: &KcRun, config: &Config, units: &Units, convention: Conve
 }
 
 /// All gradients, a line each.
-pub fn gradients_csv(
+pub(crate) fn gradients_csv(
     run: &KcRun,
     config: &Config,
     units: &Units,

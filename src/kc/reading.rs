@@ -36,7 +36,7 @@ pub enum Unit {
 
 impl Unit {
     /// The unit as results files spell it.
-    pub fn word(self, units: &Units) -> String {
+    pub(crate) fn word(self, units: &Units) -> String {
         let (f, l) = (units.force.word, units.length.word);
         match self {
             Self::One => String::new(),
@@ -57,7 +57,7 @@ impl Unit {
     }
 
     /// True for radians and what is per something in radians: shown in degrees to people.
-    pub const fn is_angle(self) -> bool {
+    pub(crate) const fn is_angle(self) -> bool {
         matches!(
             self,
             Self::Angle | Self::AnglePerLength | Self::AnglePerForce | Self::AnglePerTorque
@@ -87,7 +87,7 @@ impl Reading {
     }
 
     /// The value in the axes of a convention.
-    pub fn value_in(&self, convention: Convention) -> f64 {
+    pub(crate) fn value_in(&self, convention: Convention) -> f64 {
         // A zero has no sign.
         convention.factor(self.sense) * self.value + 0.0
     }
@@ -100,7 +100,7 @@ pub(super) struct Readings {
 }
 
 impl Readings {
-    pub fn push(
+    pub(crate) fn push(
         &mut self,
         (entity, component): (&'static str, &'static str),
         unit: Unit,

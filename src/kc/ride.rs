@@ -22,17 +22,17 @@ pub fn ride_steer(c: &Compliance, side: Side) -> f64 {
 }
 
 /// Camber per travel, positive with the top outboard: `(C43 + C49) / (C33 + C39)`, the other sign on the right.
-pub fn ride_camber(c: &Compliance, side: Side) -> f64 {
+pub(crate) fn ride_camber(c: &Compliance, side: Side) -> f64 {
     -side.outboard() * c.in_phase(side, 4, 3) / c.in_phase(side, 3, 3)
 }
 
 /// Caster per travel: `(C53 + C59) / (C33 + C39)`.
-pub fn ride_caster(c: &Compliance, side: Side) -> f64 {
+pub(crate) fn ride_caster(c: &Compliance, side: Side) -> f64 {
     c.in_phase(side, 5, 3) / c.in_phase(side, 3, 3)
 }
 
 /// Natural frequency of a corner in Hz: `sqrt(k / m) / 2 pi`, `mass` the sprung mass on that corner, the rate in force per length and
 /// `consistency` the UCF of the units.
-pub fn ride_frequency(ride_rate: f64, mass: f64, consistency: f64) -> f64 {
+pub(crate) fn ride_frequency(ride_rate: f64, mass: f64, consistency: f64) -> f64 {
     (ride_rate * consistency / mass).sqrt() / std::f64::consts::TAU
 }

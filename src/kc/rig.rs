@@ -43,14 +43,14 @@ pub struct Variant {
 
 impl Variant {
     /// Name of its files.
-    pub fn name(self) -> String {
+    pub(crate) fn name(self) -> String {
         let height = if self.height_held { "height" } else { "load" };
         let steering = if self.steering_locked { "" } else { "_free" };
         format!("kc_{height}{steering}")
     }
 
     /// For ride height and tests that hold this.
-    pub fn of(hold: Hold, steering_locked: bool) -> Self {
+    pub(crate) fn of(hold: Hold, steering_locked: bool) -> Self {
         Self {
             height_held: hold == Hold::Height,
             steering_locked,
@@ -58,7 +58,7 @@ impl Variant {
     }
 
     /// For a test: what drives heights holds them, whatever else it holds.
-    pub fn of_test(kind: TestKind, settings: &TestSettings) -> Self {
+    pub(crate) fn of_test(kind: TestKind, settings: &TestSettings) -> Self {
         let drives_heights = matches!(kind.driven(), Driven::Height(_));
         Self {
             height_held: drives_heights || settings.hold == Hold::Height,
@@ -69,7 +69,7 @@ impl Variant {
 
 /// Ids of what was added for one wheel.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct WheelIds {
+pub(crate) struct WheelIds {
     /// Which.
     pub side: Side,
     /// Marker at the wheel centre.
@@ -86,7 +86,7 @@ pub struct WheelIds {
 
 /// A deck on the rig.
 #[derive(Clone, Debug)]
-pub struct Rigged {
+pub(crate) struct Rigged {
     /// The deck with the statements of the rig.
     pub dataset: Dataset,
     /// What was added.
@@ -113,7 +113,7 @@ fn marker_of(
 }
 
 /// The pose of a marker at design, in ground.
-pub fn at_design(model: &Model, marker: MarkerIx) -> Pose {
+pub(crate) fn at_design(model: &Model, marker: MarkerIx) -> Pose {
     let frame = &model.markers[marker.0];
     model.parts[frame.part.0].pose.compose(&Pose {
         p: frame.qp,
@@ -125,7 +125,7 @@ pub fn at_design(model: &Model, marker: MarkerIx) -> Pose {
 ///
 /// # Errors
 /// Whatever is not there or cannot be a wheel, each with its place in the file.
-pub fn wheels(
+pub(crate) fn wheels(
     config: &Config,
     dataset: &Dataset,
     model: &Model,
@@ -307,7 +307,7 @@ fn number(value: f64) -> String {
 ///
 /// # Errors
 /// A statement that is to be left out and is not there.
-pub fn rigged(
+pub(crate) fn rigged(
     config: &Config,
     (dataset, model): (&Dataset, &Model),
     wheels: &[FoundWheel],

@@ -6,12 +6,12 @@
 use super::{Compliance, Side};
 
 /// `D = C33 - C39 - C93 + C99`.
-pub fn opposed_travel(c: &Compliance) -> f64 {
+pub(crate) fn opposed_travel(c: &Compliance) -> f64 {
     c.c(3, 3) - c.c(3, 9) - c.c(9, 3) + c.c(9, 9)
 }
 
 /// `Dt = D + 2 / Kt`; without a tyre D.
-pub fn opposed_travel_on_tyres(c: &Compliance, tyre: Option<f64>) -> f64 {
+pub(crate) fn opposed_travel_on_tyres(c: &Compliance, tyre: Option<f64>) -> f64 {
     opposed_travel(c) + tyre.map_or(0.0, |k| 2.0 / k)
 }
 
@@ -26,7 +26,7 @@ pub fn total_roll_rate(c: &Compliance, track: f64, tyre: Option<f64>) -> f64 {
 }
 
 /// Roll rate of the axle over the tyres, body held: `T^2 / sum of c t / (c + t)`, c = C33 - C39, t = 1 / Kt.
-pub fn tramp_rate(c: &Compliance, track: f64, tyre: f64) -> f64 {
+pub(crate) fn tramp_rate(c: &Compliance, track: f64, tyre: f64) -> f64 {
     let t = 1.0 / tyre;
     let sum: f64 = Side::BOTH
         .into_iter()
@@ -51,7 +51,7 @@ pub fn roll_steer(
 }
 
 /// Inclination to the road per roll angle: left `1 + (C43 - C49) T / Dt`, right `1 - (C10,9 - C10,3) T / Dt`.
-pub fn roll_camber(c: &Compliance, side: Side, track: f64, tyre: Option<f64>) -> f64 {
+pub(crate) fn roll_camber(c: &Compliance, side: Side, track: f64, tyre: Option<f64>) -> f64 {
     1.0 - side.outboard() * c.antiphase(side, 4, 3) * track / opposed_travel_on_tyres(c, tyre)
 }
 

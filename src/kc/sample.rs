@@ -13,7 +13,7 @@ pub enum Branch {
 
 impl Branch {
     /// `up` or `down`.
-    pub const fn word(self) -> &'static str {
+    pub(crate) const fn word(self) -> &'static str {
         match self {
             Self::Up => "up",
             Self::Down => "down",

@@ -18,14 +18,14 @@ pub struct SteerAxis {
 
 impl SteerAxis {
     /// The line through two points. `None` if they are one, or level.
-    pub fn through(a: &Vec3, b: &Vec3) -> Option<Self> {
+    pub(crate) fn through(a: &Vec3, b: &Vec3) -> Option<Self> {
         Self::upward(*a, (b - a).try_normalize(0.0)?, 0.0)
     }
 
     /// The screw axis of a motion of the carrier: velocity `v` of the point `centre`, rotation `w`. `None` without rotation.
     ///
     /// `K = P + (w x v) / (w . w)`, pitch `(w . v) / (w . w)`.
-    pub fn of_motion(centre: &Vec3, motion: &Vec6) -> Option<Self> {
+    pub(crate) fn of_motion(centre: &Vec3, motion: &Vec6) -> Option<Self> {
         let v: Vec3 = motion.fixed_rows::<3>(0).into();
         let w: Vec3 = motion.fixed_rows::<3>(3).into();
         let square = w.norm_squared();
@@ -38,7 +38,7 @@ impl SteerAxis {
 
     /// Its image in the plane Y = 0. A screw changes its hand.
     #[must_use]
-    pub fn mirrored(&self) -> Self {
+    pub(crate) fn mirrored(&self) -> Self {
         let image = |v: &Vec3| Vec3::new(v.x, -v.y, v.z);
         Self {
             point: image(&self.point),
@@ -114,7 +114,7 @@ impl SteerAxis {
     }
 
     /// The lever of a vertical load at the contact point about the axis in the two views: `scrub tan(caster) + trail tan(kingpin)`.
-    pub fn load_lever(&self, side: Side, (scrub, trail): (f64, f64)) -> f64 {
+    pub(crate) fn load_lever(&self, side: Side, (scrub, trail): (f64, f64)) -> f64 {
         scrub * libm::tan(self.caster()) + trail * libm::tan(self.kingpin_inclination(side))
     }
 

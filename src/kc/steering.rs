@@ -4,9 +4,9 @@
 use super::Side;
 
 /// Inside steer angles below this are not evaluated, 0.1 degrees: Adams/Car does not either.
-pub const LEAST_STEER: f64 = 0.1 * std::f64::consts::PI / 180.0;
+pub(crate) const LEAST_STEER: f64 = 0.1 * std::f64::consts::PI / 180.0;
 /// The turn radius of a straight wheel, in length units, as Adams/Car writes it.
-pub const STRAIGHT: f64 = 1e5;
+pub(crate) const STRAIGHT: f64 = 1e5;
 
 /// What two steered wheels show.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -21,7 +21,7 @@ pub struct Steering {
 
 impl Steering {
     /// The inside wheel: right for a right turn. `None` straight ahead.
-    pub fn inside(&self) -> Option<Side> {
+    pub(crate) fn inside(&self) -> Option<Side> {
         let mean = self.steer[0] + self.steer[1];
         let side = if mean > 0.0 { Side::Right } else { Side::Left };
         (self.steer[side.index()].abs() >= LEAST_STEER).then_some(side)
@@ -70,7 +70,7 @@ impl Steering {
 
     /// `100 (inside - outside) / (inside - ideal outside)`; 100 straight ahead. The formula is not confirmed by real results, which
     /// show only clipped values.
-    pub fn percent(&self) -> f64 {
+    pub(crate) fn percent(&self) -> f64 {
         let Some(inside) = self.inside() else {
             return 100.0;
         };

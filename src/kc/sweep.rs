@@ -72,7 +72,7 @@ pub fn run(bench: &mut Bench<'_>, units: &Units) -> Result<KcRun, BenchError> {
 ///
 /// # Errors
 /// As [`run`].
-pub fn run_watched(
+pub(crate) fn run_watched(
     bench: &mut Bench<'_>,
     units: &Units,
     progress: &mut dyn FnMut(usize, usize),

@@ -29,7 +29,7 @@ impl VerticalLoad {
     }
 
     /// Change of row `i` per travel of the wheel.
-    pub fn per_travel(self, c: &Compliance, side: Side, i: usize) -> f64 {
+    pub(crate) fn per_travel(self, c: &Compliance, side: Side, i: usize) -> f64 {
         self.row(c, side, i) / self.row(c, side, 3)
     }
 }
@@ -40,7 +40,7 @@ pub fn front_view_angle(c: &Compliance, side: Side, load: VerticalLoad) -> f64 {
 }
 
 /// Slant length of the front view swing arm, positive with the instant centre inboard: left `-1 / (C43/C33 cos angle)`.
-pub fn front_view_length(c: &Compliance, side: Side, load: VerticalLoad) -> f64 {
+pub(crate) fn front_view_length(c: &Compliance, side: Side, load: VerticalLoad) -> f64 {
     let angle = front_view_angle(c, side, load);
     side.outboard() / (load.per_travel(c, side, 4) * libm::cos(angle))
 }
@@ -51,7 +51,7 @@ pub fn side_view_angle(c: &Compliance, side: Side, load: VerticalLoad) -> f64 {
 }
 
 /// Slant length of the side view swing arm, positive with the instant centre ahead of the wheel: `-1 / (C53/C33 cos angle)`.
-pub fn side_view_length(c: &Compliance, side: Side, load: VerticalLoad) -> f64 {
+pub(crate) fn side_view_length(c: &Compliance, side: Side, load: VerticalLoad) -> f64 {
     let angle = side_view_angle(c, side, load);
     -1.0 / (load.per_travel(c, side, 5) * libm::cos(angle))
 }
@@ -70,7 +70,11 @@ pub struct RollCentre {
 /// Where the lines from the contact points to the instant centres meet. `at_patch` is the compliance at the contact points, no tyre in it.
 ///
 /// Slopes `m_L = -C(2,3) / C(3,3)`, `m_R = C(8,9) / C(9,9)`. Not finite if the lines are parallel.
-pub fn roll_centre(at_patch: &Compliance, contact: &[Vec3; 2], load: VerticalLoad) -> RollCentre {
+pub(crate) fn roll_centre(
+    at_patch: &Compliance,
+    contact: &[Vec3; 2],
+    load: VerticalLoad,
+) -> RollCentre {
     let [l, r] = contact;
     let slope = |side: Side| side.outboard() * load.per_travel(at_patch, side, 2);
     let (ml, mr) = (slope(Side::Left), slope(Side::Right));

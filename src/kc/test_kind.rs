@@ -27,7 +27,7 @@ pub enum TestKind {
 
 /// What a test drives, and how much of it each wheel takes (left, right).
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub enum Driven {
+pub(crate) enum Driven {
     /// Heights of the wheel centres.
     Height([f64; 2]),
     /// The steering input.
@@ -42,7 +42,7 @@ pub enum Driven {
 
 impl TestKind {
     /// All, in the order they are run.
-    pub const ALL: [Self; 10] = [
+    pub(crate) const ALL: [Self; 10] = [
         Self::Bounce,
         Self::Roll,
         Self::Steering,
@@ -72,12 +72,12 @@ impl TestKind {
     }
 
     /// True if it is run unasked.
-    pub const fn is_standard(self) -> bool {
+    pub(crate) const fn is_standard(self) -> bool {
         !matches!(self, Self::LateralSingle)
     }
 
     /// True if one wheel alone cannot show it.
-    pub const fn needs_two_wheels(self) -> bool {
+    pub(crate) const fn needs_two_wheels(self) -> bool {
         matches!(
             self,
             Self::Roll | Self::LateralOpposed | Self::AligningOpposed
@@ -85,7 +85,7 @@ impl TestKind {
     }
 
     /// What it cannot do without.
-    pub const fn needs(self) -> &'static str {
+    pub(crate) const fn needs(self) -> &'static str {
         match self {
             Self::Steering => "`steering.drive`",
             _ => "two wheels, or `wheels.mirror = true`",
@@ -93,7 +93,7 @@ impl TestKind {
     }
 
     /// What is driven, per unit of the test's own variable. That of roll is half the difference of the travels, left less right.
-    pub const fn driven(self) -> Driven {
+    pub(crate) const fn driven(self) -> Driven {
         match self {
             Self::Bounce => Driven::Height([1.0, 1.0]),
             Self::Roll => Driven::Height([1.0, -1.0]),
@@ -109,7 +109,7 @@ impl TestKind {
     }
 
     /// What its variable is called.
-    pub const fn variable(self) -> &'static str {
+    pub(crate) const fn variable(self) -> &'static str {
         match self {
             Self::Bounce => "wheel travel",
             Self::Roll => "antiphase travel",
@@ -123,7 +123,7 @@ impl TestKind {
 
     /// The usual levels; `length` is a millimetre and `force` a newton in units of the deck. Travel of 50 mm is usual on rigs; the other
     /// levels are custom of the field without a source.
-    pub fn settings(self, (length, force): (f64, f64), tyre: bool) -> TestSettings {
+    pub(crate) fn settings(self, (length, force): (f64, f64), tyre: bool) -> TestSettings {
         let (reach, window) = match self {
             Self::Bounce => (50.0 * length, 15.0 * length),
             Self::Roll => (40.0 * length, 15.0 * length),

@@ -12,7 +12,7 @@ pub enum Hold {
 
 impl Hold {
     /// `height` or `load`.
-    pub const fn word(self) -> &'static str {
+    pub(crate) const fn word(self) -> &'static str {
         match self {
             Self::Height => "height",
             Self::Load => "load",
@@ -32,7 +32,7 @@ pub enum LoadPoint {
 
 impl LoadPoint {
     /// `centre` or `patch`.
-    pub const fn word(self) -> &'static str {
+    pub(crate) const fn word(self) -> &'static str {
         match self {
             Self::Centre => "centre",
             Self::Patch => "patch",

@@ -22,7 +22,7 @@ pub struct Wheel {
 impl Wheel {
     /// Its image in the plane Y = 0.
     #[must_use]
-    pub fn mirrored(&self) -> Self {
+    pub(crate) fn mirrored(&self) -> Self {
         let image = Mat3::from_diagonal(&Vec3::new(1.0, -1.0, 1.0));
         Self {
             side: self.side.other(),
@@ -60,7 +60,7 @@ pub fn side_view_angle(turn: &Mat3) -> f64 {
 }
 
 /// A point of the spin axis 1000 length units outboard of the centre: what Adams/Car calls `wheel_axis`.
-pub fn axis_point(wheel: &Wheel) -> Vec3 {
+pub(crate) fn axis_point(wheel: &Wheel) -> Vec3 {
     wheel.centre + wheel.spin * 1000.0
 }
 

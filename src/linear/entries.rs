@@ -11,7 +11,7 @@ pub(crate) struct Entries<'a, T> {
 
 impl<T: Scalar> Entries<'_, T> {
     /// (row, column, value) of every entry, by columns.
-    pub fn iter(&self) -> impl Iterator<Item = (usize, usize, T)> + '_ {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (usize, usize, T)> + '_ {
         self.places
             .iter()
             .zip(self.values)

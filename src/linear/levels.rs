@@ -42,7 +42,7 @@ impl Sink for Levels {
 
 impl Levels {
     /// Of n rows and columns.
-    pub fn new(n: usize) -> Self {
+    pub(crate) fn new(n: usize) -> Self {
         Self {
             n,
             time: vec![0.0; n],
@@ -51,7 +51,7 @@ impl Levels {
     }
 
     /// Makes ready for an assembly.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         for values in &mut self.values {
             values.fill(0.0);
         }
@@ -63,7 +63,7 @@ impl Levels {
     }
 
     /// Ends an assembly.
-    pub fn finish(&mut self) {
+    pub(crate) fn finish(&mut self) {
         if self.known {
             debug_assert_eq!(self.next, self.slots.len(), "same order every time");
             return;
@@ -89,7 +89,7 @@ impl Levels {
     }
 
     /// At which levels each entry stands, whatever its value, in the order of [`Self::entries`].
-    pub fn standing(&self) -> Vec<[bool; 3]> {
+    pub(crate) fn standing(&self) -> Vec<[bool; 3]> {
         let mut out = vec![[false; 3]; self.places.len()];
         for &(at, level) in &self.slots {
             out[at as usize][level as usize] = true;
@@ -98,7 +98,7 @@ impl Levels {
     }
 
     /// Fills `values` with the sum of the levels, weighted by row and column, and gives it as a matrix.
-    pub fn combined<'a, T: Scalar>(
+    pub(crate) fn combined<'a, T: Scalar>(
         &'a self,
         values: &'a mut Vec<T>,
         weights: impl Fn(usize, usize) -> [T; 3],
@@ -120,7 +120,7 @@ impl Levels {
     }
 
     /// (row, column, [by the unknown, by its rate, by its second rate]) of every entry, by columns.
-    pub fn entries(&self) -> impl Iterator<Item = (usize, usize, [f64; 3])> + '_ {
+    pub(crate) fn entries(&self) -> impl Iterator<Item = (usize, usize, [f64; 3])> + '_ {
         let [k, c, m] = &self.values;
         self.places
             .iter()

@@ -65,13 +65,13 @@ pub(crate) struct Lu<T = f64> {
 
 impl Lu {
     /// Factors a matrix. All matrices given to one object must have the same pattern.
-    pub fn factor(&mut self, matrix: &Matrix) {
+    pub(crate) fn factor(&mut self, matrix: &Matrix) {
         self.factor_entries(&matrix.view());
     }
 }
 
 impl<T: Scalar> Lu<T> {
-    pub fn new(n: usize) -> Self {
+    pub(crate) fn new(n: usize) -> Self {
         Self {
             n,
             row_scale: vec![1.0; n],
@@ -82,7 +82,7 @@ impl<T: Scalar> Lu<T> {
     }
 
     /// Its solutions are steps of an iteration alone: an order stays for longer.
-    pub fn for_steps(n: usize) -> Self {
+    pub(crate) fn for_steps(n: usize) -> Self {
         Self {
             for_steps: true,
             ..Self::new(n)
@@ -90,12 +90,12 @@ impl<T: Scalar> Lu<T> {
     }
 
     /// Factors a matrix. All matrices given to one object must have the same pattern.
-    pub fn factor_entries(&mut self, matrix: &Entries<'_, T>) {
+    pub(crate) fn factor_entries(&mut self, matrix: &Entries<'_, T>) {
         self.factor_in_order(matrix, columns_of);
     }
 
     /// The same, with the columns in this order where one has to be chosen; none if pivots are to be searched for.
-    pub fn factor_in_order(
+    pub(crate) fn factor_in_order(
         &mut self,
         matrix: &Entries<'_, T>,
         order: impl FnOnce(&Entries<'_, T>) -> Vec<u32>,
@@ -161,7 +161,7 @@ impl<T: Scalar> Lu<T> {
     }
 
     /// Solves for the right side given; unknowns without a pivot are zero.
-    pub fn solve(&mut self, b: &mut [T]) {
+    pub(crate) fn solve(&mut self, b: &mut [T]) {
         for step in &self.steps {
             let value = b[step.row as usize];
             if value == T::default() {
@@ -190,7 +190,7 @@ impl<T: Scalar> Lu<T> {
     }
 
     /// Solves with the transposed matrix.
-    pub fn solve_transposed(&mut self, b: &mut [T]) {
+    pub(crate) fn solve_transposed(&mut self, b: &mut [T]) {
         // U' first: the columns of the matrix are its rows now.
         let y = &mut self.work;
         for &row in &self.idle {
@@ -221,12 +221,12 @@ impl<T: Scalar> Lu<T> {
     }
 
     /// How many motions nothing resists.
-    pub fn deficiency(&self) -> usize {
+    pub(crate) fn deficiency(&self) -> usize {
         self.free.len()
     }
 
     /// The m-th motion of the unknowns that nothing resists.
-    pub fn null_vector(&self, m: usize) -> Vec<T> {
+    pub(crate) fn null_vector(&self, m: usize) -> Vec<T> {
         let mut x = vec![T::default(); self.n];
         x[self.free[m] as usize] = T::ONE;
         for step in self.steps.iter().rev() {
@@ -242,7 +242,7 @@ impl<T: Scalar> Lu<T> {
     }
 
     /// Length of a residual in the scale of its rows.
-    pub fn scaled_norm(&self, g: &[f64]) -> f64 {
+    pub(crate) fn scaled_norm(&self, g: &[f64]) -> f64 {
         let sum: f64 = g
             .iter()
             .zip(&self.row_scale)

@@ -30,7 +30,7 @@ impl Sink for Matrix {
 
 impl Matrix {
     /// Of n rows and columns.
-    pub fn new(n: usize) -> Self {
+    pub(crate) fn new(n: usize) -> Self {
         Self {
             n,
             ..Self::default()
@@ -38,18 +38,18 @@ impl Matrix {
     }
 
     #[cfg(test)]
-    pub fn size(&self) -> usize {
+    pub(crate) fn size(&self) -> usize {
         self.n
     }
 
     /// Makes ready for an assembly.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.values.fill(0.0);
         self.next = 0;
     }
 
     /// Ends an assembly.
-    pub fn finish(&mut self) {
+    pub(crate) fn finish(&mut self) {
         if self.known {
             debug_assert_eq!(self.next, self.slots.len(), "same order every time");
             return;
@@ -95,14 +95,14 @@ impl Matrix {
     }
 
     /// Adds to an entry that is in the pattern, after the assembly.
-    pub fn add_later(&mut self, row: usize, column: usize, value: f64) {
+    pub(crate) fn add_later(&mut self, row: usize, column: usize, value: f64) {
         if let Ok(at) = self.places.binary_search(&(column as u32, row as u32)) {
             self.values[at] += value;
         }
     }
 
     /// (row, column, value) of every entry, by columns.
-    pub fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
+    pub(crate) fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
         self.places
             .iter()
             .zip(&self.values)
@@ -110,12 +110,12 @@ impl Matrix {
     }
 
     #[cfg(test)]
-    pub fn values(&self) -> &[f64] {
+    pub(crate) fn values(&self) -> &[f64] {
         &self.values
     }
 
     /// Its pattern and values.
-    pub fn view(&self) -> Entries<'_, f64> {
+    pub(crate) fn view(&self) -> Entries<'_, f64> {
         Entries {
             n: self.n,
             places: &self.places,

@@ -39,7 +39,7 @@ pub(crate) struct Elimination<'a, T> {
 
 impl<T: Scalar> Elimination<'_, T> {
     /// Factors the matrix into `lu`, its columns in the order given; where none is, they are searched for.
-    pub fn run(matrix: &Entries<'_, T>, lu: &mut Lu<T>, mut given: Vec<u32>) {
+    pub(crate) fn run(matrix: &Entries<'_, T>, lu: &mut Lu<T>, mut given: Vec<u32>) {
         let n = matrix.n;
         given.reverse();
         scale(matrix, &mut lu.row_scale, &mut lu.column_scale);

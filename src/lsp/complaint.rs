@@ -34,7 +34,7 @@ pub(super) struct Candidate<'a> {
 
 impl<'a> Candidate<'a> {
     /// A complaint of the reader about a piece that begins at `base`.
-    pub fn read(diagnostic: &'a Diagnostic, base: usize) -> Self {
+    pub(crate) fn read(diagnostic: &'a Diagnostic, base: usize) -> Self {
         let label = diagnostic.labels.first();
         let span = label.map(|label| Span::new(base + label.span.start(), base + label.span.end()));
         Self {
@@ -47,7 +47,7 @@ impl<'a> Candidate<'a> {
     }
 
     /// What is said and where that begins.
-    pub fn place(&self) -> (Code, Option<usize>) {
+    pub(crate) fn place(&self) -> (Code, Option<usize>) {
         (self.diagnostic.code, self.span.map(Span::start))
     }
 }

@@ -16,7 +16,7 @@ pub(super) struct Definitions {
 
 impl Definitions {
     /// What pieces behind a body define.
-    pub fn of<'p>(
+    pub(crate) fn of<'p>(
         entering: Option<Object>,
         pieces: impl IntoIterator<Item = &'p Arc<Piece>>,
     ) -> Self {
@@ -43,7 +43,7 @@ impl Definitions {
     }
 
     /// Objects that are not the same in both.
-    pub fn differing(&self, other: &Self) -> Vec<Object> {
+    pub(crate) fn differing(&self, other: &Self) -> Vec<Object> {
         let objects: BTreeSet<&Object> = self.of.keys().chain(other.of.keys()).collect();
         let differs = |object: &&Object| self.of.get(*object) != other.of.get(*object);
         objects.into_iter().filter(differs).copied().collect()

@@ -76,7 +76,7 @@ impl Document {
     }
 
     /// True for a command file.
-    pub fn is_command_file(&self) -> bool {
+    pub(crate) fn is_command_file(&self) -> bool {
         self.pieces.is_command_file()
     }
 
@@ -171,7 +171,7 @@ impl Document {
     }
 
     /// The worst complaints of those that are wanted, in the order of the file, and how many others there are.
-    pub fn complaints_where(
+    pub(crate) fn complaints_where(
         &self,
         wanted: impl Fn(&Diagnostic) -> bool,
         most: usize,
@@ -258,13 +258,8 @@ impl Document {
         self.in_order(self.catalogue.definitions(object))
     }
 
-    /// The statements with a view name, in the order of the file.
-    pub fn named(&self, name: &str) -> Vec<(usize, usize)> {
-        self.in_order(self.catalogue.named(name))
-    }
-
     /// The pieces that refer to an object, in their order.
-    pub fn referring(&self, object: Object) -> Vec<usize> {
+    pub(crate) fn referring(&self, object: Object) -> Vec<usize> {
         let mut pieces: Vec<usize> = self
             .catalogue
             .referring(object)
@@ -275,13 +270,13 @@ impl Document {
     }
 
     /// Every object with the place that defines it first.
-    pub fn objects(&self) -> impl Iterator<Item = (Object, (usize, usize))> {
+    pub(crate) fn objects(&self) -> impl Iterator<Item = (Object, (usize, usize))> {
         let all = self.catalogue.objects();
         all.filter_map(|(object, places)| Some((object, *self.in_order(places).first()?)))
     }
 
     /// The body that a marker at a place follows.
-    pub fn body_before(&self, (piece, at): (usize, usize)) -> Option<(usize, usize)> {
+    pub(crate) fn body_before(&self, (piece, at): (usize, usize)) -> Option<(usize, usize)> {
         let pieces = self.pieces.pieces();
         let last = |piece: usize, statements: &[Statement]| {
             let body = statements.iter().rposition(is_known_body);

@@ -39,7 +39,7 @@ pub(super) enum Depth {
 
 impl Excerpt {
     /// The excerpt of some statements, as place of the piece and place in it.
-    pub fn of(
+    pub(crate) fn of(
         document: &Document,
         asked: impl IntoIterator<Item = (usize, usize)>,
         depth: Depth,
@@ -142,7 +142,7 @@ impl Excerpt {
     }
 
     /// Where a span of the excerpt stands in the document, and whether in a statement that was asked for.
-    pub fn place(&self, span: Span) -> Option<(Span, bool)> {
+    pub(crate) fn place(&self, span: Span) -> Option<(Span, bool)> {
         let after = self
             .pieces
             .partition_point(|piece| piece.start <= span.start());

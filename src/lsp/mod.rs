@@ -32,13 +32,13 @@ mod workspace;
 use lsp_server::{Connection, ProtocolError};
 
 pub use document::Document;
-pub use server::Ended;
+pub(crate) use server::Ended;
 
 /// Answers one editor on standard input and output until it goes away.
 ///
 /// # Errors
 /// When the first messages are not those of the protocol, or cannot be read or written.
-pub fn serve_stdio() -> std::io::Result<Ended> {
+pub(crate) fn serve_stdio() -> std::io::Result<Ended> {
     let (connection, threads) = Connection::stdio();
     let ended = serve(&connection).map_err(std::io::Error::other);
     drop(connection);

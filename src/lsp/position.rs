@@ -64,7 +64,7 @@ pub(super) struct PieceLines<'p> {
 
 impl<'p> PieceLines<'p> {
     /// The lines of piece `at`.
-    pub fn of(pieces: &'p Pieces, at: usize) -> Self {
+    pub(crate) fn of(pieces: &'p Pieces, at: usize) -> Self {
         let bytes = pieces.pieces()[at].source().bytes();
         Self {
             bytes,
@@ -74,7 +74,7 @@ impl<'p> PieceLines<'p> {
     }
 
     /// The range of a span of the piece.
-    pub fn range(&self, span: Span) -> Range {
+    pub(crate) fn range(&self, span: Span) -> Range {
         Range::new(self.position(span.start()), self.position(span.end()))
     }
 
@@ -85,7 +85,7 @@ impl<'p> PieceLines<'p> {
     }
 
     /// Every line with its number in the file, line ends included.
-    pub fn texts(&self) -> impl Iterator<Item = (u32, &'p [u8])> + '_ {
+    pub(crate) fn texts(&self) -> impl Iterator<Item = (u32, &'p [u8])> + '_ {
         let ends = self.starts[1..].iter().copied().chain([self.bytes.len()]);
         let lines = self.starts.iter().zip(ends).enumerate();
         lines.map(|(line, (start, end))| ((self.first + line) as u32, &self.bytes[*start..end]))

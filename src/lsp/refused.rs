@@ -1,6 +1,6 @@
 /// Why a request has no answer.
 #[derive(Debug)]
-pub enum Refused {
+pub(crate) enum Refused {
     /// Nobody answers such a request.
     Unknown,
     /// Its parameters cannot be read.

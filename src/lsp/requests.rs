@@ -20,7 +20,7 @@ pub(super) struct Routes(BTreeMap<&'static str, Answer>);
 
 impl Routes {
     /// All there are.
-    pub fn all() -> Self {
+    pub(crate) fn all() -> Self {
         let mut routes = Self::default();
         routes.add::<request::HoverRequest>(|w, p| Ok(hover::hover(w, &p)));
         routes.add::<request::GotoDefinition>(|w, p| Ok(definition::definition(w, &p)));
@@ -40,7 +40,7 @@ impl Routes {
     }
 
     /// Adds what answers a request.
-    pub fn add<R: Request>(
+    pub(crate) fn add<R: Request>(
         &mut self,
         answer: impl Fn(&mut Workspace, R::Params) -> Result<R::Result, Refused> + Send + 'static,
     ) where
@@ -56,7 +56,7 @@ impl Routes {
     }
 
     /// Answers a request.
-    pub fn answer(
+    pub(crate) fn answer(
         &self,
         workspace: &mut Workspace,
         method: &str,

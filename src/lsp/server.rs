@@ -46,7 +46,7 @@ pub enum Ended {
 
 impl Server {
     /// Answers an initialized connection until it ends.
-    pub fn run(connection: &Connection, folders: Vec<PathBuf>, routes: Routes) -> Ended {
+    pub(crate) fn run(connection: &Connection, folders: Vec<PathBuf>, routes: Routes) -> Ended {
         let (jobs, jobs_out) = crossbeam_channel::unbounded();
         let (answers_in, answers) = crossbeam_channel::unbounded();
         let worker = std::thread::spawn(move || work(&jobs_out, &answers_in));

@@ -49,7 +49,7 @@ const MOST_FILES: usize = 1000;
 
 impl Workspace {
     /// A workspace of some folders, without files yet.
-    pub fn of(folders: Vec<PathBuf>) -> Self {
+    pub(crate) fn of(folders: Vec<PathBuf>) -> Self {
         Self {
             folders,
             ..Self::default()
@@ -57,7 +57,13 @@ impl Workspace {
     }
 
     /// Takes up a file the editor opened, and says what is wrong with its settings.
-    pub fn open(&mut self, uri: Uri, version: i32, text: &str, commands: bool) -> Vec<Diagnostic> {
+    pub(crate) fn open(
+        &mut self,
+        uri: Uri,
+        version: i32,
+        text: &str,
+        commands: bool,
+    ) -> Vec<Diagnostic> {
         let path = path_of(&uri);
         let commands = commands || is_command_file(&path);
         let source = Source::new(path.display().to_string(), text.as_bytes());
@@ -76,12 +82,12 @@ impl Workspace {
     }
 
     /// Forgets what the editor had of a file.
-    pub fn close(&mut self, uri: &Uri) {
+    pub(crate) fn close(&mut self, uri: &Uri) {
         self.files.remove(&path_of(uri));
     }
 
     /// Reads the settings of all open files again, and says what is wrong with them.
-    pub fn renew_settings(&mut self) -> Vec<Diagnostic> {
+    pub(crate) fn renew_settings(&mut self) -> Vec<Diagnostic> {
         let mut all = Vec::new();
         for (path, file) in &mut self.files {
             let (settings, wrong) = settings_of(path);
@@ -92,27 +98,27 @@ impl Workspace {
     }
 
     /// An open file or one that was read.
-    pub fn file(&self, path: &Path) -> Option<&File> {
+    pub(crate) fn file(&self, path: &Path) -> Option<&File> {
         self.files.get(path)
     }
 
     /// An open file or one that was read, to change it.
-    pub fn file_mut(&mut self, path: &Path) -> Option<&mut File> {
+    pub(crate) fn file_mut(&mut self, path: &Path) -> Option<&mut File> {
         self.files.get_mut(path)
     }
 
     /// All open files.
-    pub fn open_files(&self) -> impl Iterator<Item = (&PathBuf, &File)> {
+    pub(crate) fn open_files(&self) -> impl Iterator<Item = (&PathBuf, &File)> {
         self.files.iter().filter(|(_, file)| file.version.is_some())
     }
 
     /// All files, those too that were only read.
-    pub fn all_files(&self) -> impl Iterator<Item = &File> {
+    pub(crate) fn all_files(&self) -> impl Iterator<Item = &File> {
         self.files.values()
     }
 
     /// Reads a file from disk, unless it is open or was read since it was written. False if it cannot be read.
-    pub fn read(&mut self, path: &Path) -> bool {
+    pub(crate) fn read(&mut self, path: &Path) -> bool {
         if self.file(path).is_some_and(|file| file.version.is_some()) {
             return true;
         }
@@ -140,7 +146,7 @@ impl Workspace {
     }
 
     /// The deck a command of a file is run on: the one the last FILE command before it names, or the one the file begins with.
-    pub fn deck_of(&self, commands: &Path, before: usize) -> Option<PathBuf> {
+    pub(crate) fn deck_of(&self, commands: &Path, before: usize) -> Option<PathBuf> {
         let document = &self.file(commands)?.document;
         let names = decks_named(document);
         let last = names.into_iter().rev().find(|(at, _)| *at <= before);
@@ -162,7 +168,7 @@ impl Workspace {
     }
 
     /// All decks a command file names.
-    pub fn decks_of(&self, commands: &Path) -> Vec<PathBuf> {
+    pub(crate) fn decks_of(&self, commands: &Path) -> Vec<PathBuf> {
         let Some(file) = self.file(commands) else {
             return Vec::new();
         };
@@ -177,7 +183,7 @@ impl Workspace {
     }
 
     /// The command files beside a deck and among the open ones that name it.
-    pub fn commands_of(&mut self, deck: &Path) -> Vec<PathBuf> {
+    pub(crate) fn commands_of(&mut self, deck: &Path) -> Vec<PathBuf> {
         let beside = deck.parent().map(std::fs::read_dir);
         let mut candidates: Vec<PathBuf> = beside
             .and_then(Result::ok)
@@ -199,7 +205,7 @@ impl Workspace {
     }
 
     /// A deck with its command files, or a command file with its decks and their other command files; the file itself is first.
-    pub fn together(&mut self, path: &Path) -> Vec<PathBuf> {
+    pub(crate) fn together(&mut self, path: &Path) -> Vec<PathBuf> {
         let is_commands = |file: &File| file.document.is_command_file();
         let mut found = vec![path.to_path_buf()];
         let decks = if self.file(path).is_some_and(is_commands) {

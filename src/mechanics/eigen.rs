@@ -42,7 +42,7 @@ pub fn symmetric_eigen(matrix: DMatrix<f64>) -> SymmetricEigen<f64, Dyn> {
 
 /// The pseudo-inverse of a matrix; singular values up to `least` count as zero. `None` if an entry is not finite or the iteration
 /// does not converge.
-pub fn pseudo_inverse(matrix: DMatrix<f64>, least: f64) -> Option<DMatrix<f64>> {
+pub(crate) fn pseudo_inverse(matrix: DMatrix<f64>, least: f64) -> Option<DMatrix<f64>> {
     let (matrix, largest) = scaled(matrix)?;
     if matrix.is_empty() || largest == 0.0 {
         return Some(DMatrix::zeros(matrix.ncols(), matrix.nrows()));

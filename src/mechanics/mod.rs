@@ -15,9 +15,8 @@ pub(crate) mod testing;
 
 pub use pose::Pose;
 pub use relative_motion::RelativeMotion;
-pub use rotation::{
-    euler313, exp, log, projected_angles, psi_theta_phi, skew, turning_rate, unwrap_near,
-};
+pub use rotation::{euler313, exp, log, psi_theta_phi};
+pub(crate) use rotation::{projected_angles, skew, turning_rate, unwrap_near};
 
 /// A vector in three dimensions.
 pub type Vec3 = nalgebra::Vector3<f64>;

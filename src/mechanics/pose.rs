@@ -34,7 +34,7 @@ impl Pose {
 
     #[must_use]
     /// The base seen from this frame.
-    pub fn inverse(&self) -> Self {
+    pub(crate) fn inverse(&self) -> Self {
         Self {
             p: -(self.R.transpose() * self.p),
             R: self.R.transpose(),

@@ -26,7 +26,7 @@ impl RelativeMotion {
     /// Rows: derivative of AX, AY, AZ by a rotation `dtheta` of I relative to J, in J axes (`R_ji <- exp(dtheta) R_ji`).
     ///
     /// For z = zi in J axes: dz = dtheta x z, hence d atan2(-z.y, z.z) = (-z.z dz.y + z.y dz.z) / (z.y^2 + z.z^2), and so on.
-    pub fn angle_rows(&self) -> Mat3 {
+    pub(crate) fn angle_rows(&self) -> Mat3 {
         let (x, z) = (self.R_ji.column(0), self.R_ji.column(2));
         let yz = z[1] * z[1] + z[2] * z[2];
         let xz = z[0] * z[0] + z[2] * z[2];

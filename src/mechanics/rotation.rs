@@ -1,7 +1,7 @@
 use super::{Mat3, Vec3};
 
 /// The cross-product matrix: `skew(a) * b = a x b`.
-pub fn skew(a: &Vec3) -> Mat3 {
+pub(crate) fn skew(a: &Vec3) -> Mat3 {
     Mat3::new(0.0, -a.z, a.y, a.z, 0.0, -a.x, -a.y, a.x, 0.0)
 }
 
@@ -21,7 +21,7 @@ pub fn exp(a: &Vec3) -> Mat3 {
 
 /// The rate of a rotation vector `a` per angular velocity in the outer axes: with `R = exp(a) R_0` and R' = w~ R,
 /// `a' = (1 - a~/2 + (1 - (t/2) cot(t/2)) / t^2 a~^2) w`, t = |a|.
-pub fn turning_rate(a: &Vec3) -> Mat3 {
+pub(crate) fn turning_rate(a: &Vec3) -> Mat3 {
     let angle2 = a.norm_squared();
     let s = skew(a);
     let g = if angle2 < 1e-4 {
@@ -87,7 +87,7 @@ pub fn psi_theta_phi(R: &Mat3) -> [f64; 3] {
 
 /// AX, AY, AZ of I with respect to J from `R_ji`: `atan2(-zi.yj, zi.zj)`, `atan2(zi.xj, zi.zj)`, `atan2(xi.yj, xi.xj)`
 /// (guide/formats.md 2.7, 4.3). Radians, each in (-pi, pi].
-pub fn projected_angles(R_ji: &Mat3) -> Vec3 {
+pub(crate) fn projected_angles(R_ji: &Mat3) -> Vec3 {
     Vec3::new(
         atan2(-R_ji[(1, 2)], R_ji[(2, 2)]),
         atan2(R_ji[(0, 2)], R_ji[(2, 2)]),
@@ -109,7 +109,7 @@ fn atan2(y: f64, x: f64) -> f64 {
 }
 
 /// The angle that differs from `angle` by whole turns and is nearest to `reference`.
-pub fn unwrap_near(angle: f64, reference: f64) -> f64 {
+pub(crate) fn unwrap_near(angle: f64, reference: f64) -> f64 {
     let gap = reference - angle;
     if gap.abs() < std::f64::consts::PI {
         return angle;

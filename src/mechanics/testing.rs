@@ -3,7 +3,7 @@
 use super::{Pose, RelativeMotion, Vec3, Vec6, exp, unwrap_near};
 
 /// Two marker poses in general position, the relative rotation about `tilt` radians.
-pub fn general_pair(tilt: f64) -> (Pose, Pose) {
+pub(crate) fn general_pair(tilt: f64) -> (Pose, Pose) {
     let j = Pose {
         p: Vec3::new(12.0, -7.0, 3.0),
         R: exp(&Vec3::new(0.7, -0.4, 1.1)),
@@ -16,7 +16,7 @@ pub fn general_pair(tilt: f64) -> (Pose, Pose) {
 }
 
 /// A motion changed by (change of `p_ij_j`, rotation `dtheta` in J axes); angles stay on their turn.
-pub fn advanced(motion: &RelativeMotion, by: &Vec6) -> RelativeMotion {
+pub(crate) fn advanced(motion: &RelativeMotion, by: &Vec6) -> RelativeMotion {
     let R_ji = exp(&Vec3::new(by[3], by[4], by[5])) * motion.R_ji;
     RelativeMotion {
         p_ij_j: motion.p_ij_j + Vec3::new(by[0], by[1], by[2]),
@@ -26,7 +26,7 @@ pub fn advanced(motion: &RelativeMotion, by: &Vec6) -> RelativeMotion {
 }
 
 /// A pose moved by (translation, rotation vector), both in ground axes.
-pub fn displaced(pose: &Pose, by: &Vec6) -> Pose {
+pub(crate) fn displaced(pose: &Pose, by: &Vec6) -> Pose {
     Pose {
         p: pose.p + Vec3::new(by[0], by[1], by[2]),
         R: exp(&Vec3::new(by[3], by[4], by[5])) * pose.R,
@@ -34,7 +34,7 @@ pub fn displaced(pose: &Pose, by: &Vec6) -> Pose {
 }
 
 /// (on I at its origin, on J at its origin) in ground axes, of a wrench on I in J axes (guide/formats.md 2.7).
-pub fn in_ground(wrench: &Vec6, i: &Pose, j: &Pose) -> (Vec6, Vec6) {
+pub(crate) fn in_ground(wrench: &Vec6, i: &Pose, j: &Pose) -> (Vec6, Vec6) {
     let F = j.R * Vec3::new(wrench[0], wrench[1], wrench[2]);
     let T = j.R * Vec3::new(wrench[3], wrench[4], wrench[5]);
     let T_j = -T - (i.p - j.p).cross(&F);
@@ -45,17 +45,17 @@ pub fn in_ground(wrench: &Vec6, i: &Pose, j: &Pose) -> (Vec6, Vec6) {
 }
 
 /// The moment of a ground-frame wrench at `p` about `about`.
-pub fn moment(wrench: &Vec6, p: &Vec3, about: &Vec3) -> Vec3 {
+pub(crate) fn moment(wrench: &Vec6, p: &Vec3, about: &Vec3) -> Vec3 {
     Vec3::new(wrench[3], wrench[4], wrench[5])
         + (p - about).cross(&Vec3::new(wrench[0], wrench[1], wrench[2]))
 }
 
 /// Six unit increments' worth of a reproducible general direction.
-pub fn direction(seed: usize) -> Vec6 {
+pub(crate) fn direction(seed: usize) -> Vec6 {
     Vec6::from_fn(|k, _| number(6 * seed + k) - 1.0)
 }
 
 /// Reproducible numbers in [0.6, 1.4] without a pattern.
-pub fn number(n: usize) -> f64 {
+pub(crate) fn number(n: usize) -> f64 {
     0.6 + 0.8 * ((n as f64 + 1.0) * 0.618_033_988_749_894_8).fract()
 }

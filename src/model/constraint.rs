@@ -25,7 +25,7 @@ pub enum JointKind {
 
 impl JointKind {
     /// Its flag in the statement.
-    pub const fn word(self) -> &'static str {
+    pub(crate) const fn word(self) -> &'static str {
         match self {
             Self::Spherical => "SPHERICAL",
             Self::Revolute => "REVOLUTE",
@@ -42,7 +42,7 @@ impl JointKind {
     }
 
     /// PITCH or PD.
-    pub const fn number(self) -> Option<f64> {
+    pub(crate) const fn number(self) -> Option<f64> {
         match self {
             Self::Screw { pitch } => Some(pitch),
             Self::RackPin { pitch_diameter } => Some(pitch_diameter),
@@ -82,7 +82,7 @@ pub enum PrimitiveKind {
 
 impl PrimitiveKind {
     /// Its flag in the statement.
-    pub const fn word(self) -> &'static str {
+    pub(crate) const fn word(self) -> &'static str {
         match self {
             Self::AtPoint => "ATPOINT",
             Self::Inline => "INLINE",
@@ -160,7 +160,7 @@ pub enum MotionAxis {
 
 impl MotionAxis {
     /// Its flag in the statement.
-    pub const fn word(self) -> &'static str {
+    pub(crate) const fn word(self) -> &'static str {
         match self {
             Self::Translation(axis) => ["X", "Y", "Z"][axis],
             Self::RotationZ => "ROTATIONAL",

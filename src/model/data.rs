@@ -137,7 +137,7 @@ pub struct Sensor {
 
 impl Sensor {
     /// True if the event is there: the function equals VALUE within ERROR, or is beyond it (GE, LE).
-    pub fn fires(&self, value: f64) -> bool {
+    pub(crate) fn fires(&self, value: f64) -> bool {
         let beyond = value - self.value;
         match self.compare {
             SensorCompare::Eq => beyond.abs() <= self.error,
@@ -214,7 +214,7 @@ impl Request {
     ///
     /// # Errors
     /// When the text is no expression.
-    pub fn of_function(name: &str, function: &str) -> Result<Self, Diagnostic> {
+    pub(crate) fn of_function(name: &str, function: &str) -> Result<Self, Diagnostic> {
         let mut functions: [Option<Function>; 8] = Default::default();
         let expression = Expression::parse_str(function)?;
         functions[1] = Some(Function::Expression(expression.into()));

@@ -61,7 +61,7 @@ impl PairForce {
 }
 
 /// The arguments of a statement that hold the numbers of a law, in its order.
-pub fn law_arguments(
+pub(crate) fn law_arguments(
     def: &'static StatementDef,
     law: &'static LawDef,
 ) -> impl Iterator<Item = &'static ArgumentDef> {

@@ -18,29 +18,32 @@ pub mod summary;
 mod unsolved;
 mod user_force;
 
-pub use constraint::{
-    Coupler, CouplerKind, Gcon, Gear, Joint, JointKind, Motion, MotionAxis, MotionOrder, Primitive,
-    PrimitiveKind,
+pub use constraint::{Coupler, Joint, JointKind, Motion};
+pub(crate) use constraint::{
+    CouplerKind, Gcon, Gear, MotionAxis, MotionOrder, Primitive, PrimitiveKind,
 };
 pub use convert_units::convert_units;
-pub use data::{
-    ArrayData, ArrayKind, Diff, LinearStates, PlantPort, Request, RequestKind, Sensor,
-    SensorCompare, Spline, StringData, Variable,
+pub(crate) use data::{
+    ArrayData, ArrayKind, Diff, LinearStates, PlantPort, SensorCompare, Spline, StringData,
 };
+pub use data::{Request, RequestKind, Sensor, Variable};
 pub use extract::extract;
-pub use force::{
-    Bushing, Nforce, PairForce, Sforce, SforceKind, SpringDamper, SpringKind, VectorForce,
-    VectorForceKind, law_arguments,
-};
-pub use frame::{InitialVelocity, Marker, MarkerIx, Orientation, Part, PartIx, PartKind};
-pub use friction::{Friction, FrictionInputs};
+pub(crate) use force::law_arguments;
+pub use force::{Bushing, PairForce, SpringKind};
+pub(crate) use force::{Nforce, Sforce, SforceKind, SpringDamper, VectorForce, VectorForceKind};
+pub(crate) use frame::{InitialVelocity, Marker};
+pub use frame::{MarkerIx, Orientation, Part, PartIx, PartKind};
+pub use friction::Friction;
+pub(crate) use friction::FrictionInputs;
 pub use lower::{Definitions, lower};
-pub use settings::{
+pub(crate) use settings::{
     EquilibriumSettings, IntegratorSettings, KinematicsSettings, OutputSettings, ResultsSettings,
     StaticMethod,
 };
-pub use unsolved::{Ignore, Unsolved, effect_of, may_be_ignored, said_left_out};
-pub use user_force::{Replacement, replace_user_forces};
+pub use unsolved::Ignore;
+pub(crate) use unsolved::Unsolved;
+pub(crate) use unsolved::{effect_of, may_be_ignored, said_left_out};
+pub use user_force::replace_user_forces;
 
 use crate::mechanics::{Pose, Vec3};
 use crate::units::Units;
@@ -148,7 +151,7 @@ impl Model {
     }
 
     /// Where a marker is in ground at the design position; `None` for floating ones and for bodies only real ADAMS places.
-    pub fn marker_pose(&self, marker: MarkerIx) -> Option<Pose> {
+    pub(crate) fn marker_pose(&self, marker: MarkerIx) -> Option<Pose> {
         let marker = &self.markers[marker.0];
         let part = &self.parts[marker.part.0];
         if marker.floating || part.kind == PartKind::External {

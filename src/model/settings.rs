@@ -85,7 +85,7 @@ pub struct IntegratorSettings {
 
 impl IntegratorSettings {
     /// ERROR: 1e-3 unless given, of HHT and NEWMARK 1e-5.
-    pub fn error(&self) -> f64 {
+    pub(crate) fn error(&self) -> f64 {
         self.error.unwrap_or(match self.method {
             "HHT" | "NEWMARK" => 1e-5,
             _ => 1e-3,

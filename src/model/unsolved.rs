@@ -32,7 +32,7 @@ impl Object for Unsolved {
 
 /// What a statement that is not solved would do to an equilibrium. `None` for statements that only measure, draw or write, or that
 /// act through others, which are refused themselves.
-pub fn effect_of(kind: &str) -> Option<&'static str> {
+pub(crate) fn effect_of(kind: &str) -> Option<&'static str> {
     Some(match kind {
         "CLEARANCE" | "CONTROL" | "CURVE" | "FEMDATA" | "FE_NODE" | "LINEAR" | "MREQUEST"
         | "SECTION" | "SURFACE" => return None,
@@ -53,7 +53,7 @@ pub fn effect_of(kind: &str) -> Option<&'static str> {
 }
 
 /// Says that a statement is left out as asked, and what it would do.
-pub fn said_left_out(kind: &str, header: &Header) -> Diagnostic {
+pub(crate) fn said_left_out(kind: &str, header: &Header) -> Diagnostic {
     let effect = effect_of(kind).unwrap_or_default();
     let name = &header.name;
     Diagnostic::warning(
@@ -72,7 +72,7 @@ const LEFT_OUT: [&str; 19] = [
 ];
 
 /// True for kinds of statements that may be left out knowingly.
-pub fn may_be_ignored(kind: &str) -> bool {
+pub(crate) fn may_be_ignored(kind: &str) -> bool {
     LEFT_OUT.contains(&kind)
 }
 
@@ -150,7 +150,7 @@ impl Model {
     }
 
     /// True if an object with a function is switched off.
-    pub fn is_off(&self, kind: &str, id: u32) -> bool {
+    pub(crate) fn is_off(&self, kind: &str, id: u32) -> bool {
         fn off<T: Object>(list: &[T], kind: &str, id: u32) -> bool {
             list.iter()
                 .any(|o| !o.header().active && o.header().id == id && o.is(kind))

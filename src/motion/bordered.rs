@@ -13,7 +13,7 @@ pub(super) struct Bordered {
 }
 
 impl Bordered {
-    pub fn new(system: &System) -> Self {
+    pub(crate) fn new(system: &System) -> Self {
         let n = system.first_equation + system.equations;
         Self {
             matrix: Matrix::new(n),
@@ -23,7 +23,7 @@ impl Bordered {
     }
 
     /// Factors the system; removed equations keep their multiplier at zero.
-    pub fn factor(
+    pub(crate) fn factor(
         &mut self,
         system: &System,
         state: &State,
@@ -54,7 +54,7 @@ impl Bordered {
     }
 
     /// Solves in place: motions, then multipliers.
-    pub fn solve(&mut self, b: &mut [f64]) {
+    pub(crate) fn solve(&mut self, b: &mut [f64]) {
         self.factors.solve(b);
     }
 }

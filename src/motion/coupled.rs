@@ -32,7 +32,7 @@ pub(super) struct Coupled {
 }
 
 impl Coupled {
-    pub fn new(system: &System) -> Self {
+    pub(crate) fn new(system: &System) -> Self {
         let (n, all) = (system.first_equation, system.moving_unknowns);
         let of_a_stage = (0..all).chain(0..n).chain(n..n + system.equations);
         let groups: Vec<u32> = (0..3)
@@ -50,7 +50,7 @@ impl Coupled {
     }
 
     /// Factors with derivatives of every stage.
-    pub fn factor(
+    pub(crate) fn factor(
         &mut self,
         equations: &mut Equations,
         (system, parameters): (&System, &Parameters),
@@ -165,7 +165,7 @@ impl Coupled {
     }
 
     /// One iteration with the factors there are; gives the correction for its size.
-    pub fn iterate(
+    pub(crate) fn iterate(
         &mut self,
         equations: &mut Equations,
         (system, parameters): (&System, &Parameters),

@@ -8,7 +8,7 @@ use crate::system::State;
 
 impl Integrator<'_> {
     /// Where the last step began.
-    pub fn last_time(&self) -> f64 {
+    pub(crate) fn last_time(&self) -> f64 {
         match self.last {
             Some(_) => self.origin.time,
             None => self.state.time,
@@ -16,7 +16,7 @@ impl Integrator<'_> {
     }
 
     /// The state at a time of the last step by its polynomial, of third order; not reconciled.
-    pub fn between(&self, time: f64) -> State {
+    pub(crate) fn between(&self, time: f64) -> State {
         let Some(h) = self.last.filter(|_| time != self.state.time) else {
             return self.state.clone();
         };
@@ -53,7 +53,7 @@ impl Integrator<'_> {
     ///
     /// # Errors
     /// [`MotionError`] as of [`Self::output`].
-    pub fn output_at(&mut self, time: f64) -> Result<State, MotionError> {
+    pub(crate) fn output_at(&mut self, time: f64) -> Result<State, MotionError> {
         let mut state = self.between(time);
         let step = self.settings.hmax * 1e-2;
         self.consistent
@@ -66,7 +66,7 @@ impl Integrator<'_> {
     ///
     /// # Errors
     /// [`MotionError`] as of [`Self::advance_to`].
-    pub fn end_step_at(&mut self, time: f64) -> Result<(), MotionError> {
+    pub(crate) fn end_step_at(&mut self, time: f64) -> Result<(), MotionError> {
         if self.last.is_none() || time >= self.state.time {
             return Ok(());
         }

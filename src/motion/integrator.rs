@@ -117,12 +117,12 @@ impl<'a> Integrator<'a> {
     }
 
     /// Where it stands, at the end of a step.
-    pub fn state(&self) -> &State {
+    pub(crate) fn state(&self) -> &State {
         &self.state
     }
 
     /// The step that would be taken next.
-    pub fn step(&self) -> f64 {
+    pub(crate) fn step(&self) -> f64 {
         self.h
     }
 
@@ -137,7 +137,7 @@ impl<'a> Integrator<'a> {
     }
 
     /// What SENVAL gives from here on.
-    pub fn set_sensors(&mut self, sensors: &[f64]) {
+    pub(crate) fn set_sensors(&mut self, sensors: &[f64]) {
         self.state.sensors.copy_from_slice(sensors);
     }
 
@@ -188,7 +188,7 @@ impl<'a> Integrator<'a> {
     ///
     /// # Errors
     /// [`MotionError`] as of [`Self::advance_to`].
-    pub fn step_towards(&mut self, end: f64) -> Result<bool, MotionError> {
+    pub(crate) fn step_towards(&mut self, end: f64) -> Result<bool, MotionError> {
         if self.left(end).is_none() {
             return Ok(false);
         }
@@ -205,14 +205,14 @@ impl<'a> Integrator<'a> {
     }
 
     /// Begins anew from where it stands: nothing of the steps before is used.
-    pub fn restart(&mut self) {
+    pub(crate) fn restart(&mut self) {
         self.last = None;
         self.before = None;
         self.factored = None;
     }
 
     /// The step to try next.
-    pub fn set_step(&mut self, h: f64) {
+    pub(crate) fn set_step(&mut self, h: f64) {
         self.h = h.min(self.settings.hmax);
     }
 

@@ -80,7 +80,7 @@ fn place(
 ///
 /// # Errors
 /// [`Reason::NotKinematic`].
-pub fn check_determined(system: &System, state: &State) -> Result<(), MotionError> {
+pub(crate) fn check_determined(system: &System, state: &State) -> Result<(), MotionError> {
     let freedoms = system.freedoms_left(&state.redundant);
     if freedoms > 0 {
         return Err(Reason::NotKinematic { freedoms }.at(state.time));

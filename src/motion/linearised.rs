@@ -49,7 +49,7 @@ impl Linearised {
     ///
     /// # Errors
     /// [`Reason`] where an element has no value.
-    pub fn new(
+    pub(crate) fn new(
         system: &System,
         parameters: &Parameters,
         state: &State,

@@ -24,9 +24,11 @@ mod tests;
 
 pub use assembly::{Kept, assemble};
 pub use consistent::Consistent;
-pub use error::{MotionError, Reason};
-pub use integrator::{Integrator, Statistics};
-pub use kinematic::{advance, check_determined};
-pub use modes::{Mode, modes};
+pub(crate) use error::{MotionError, Reason};
+pub use integrator::Integrator;
+pub use kinematic::advance;
+pub(crate) use kinematic::check_determined;
+pub(crate) use modes::Mode;
+pub use modes::modes;
 pub use settings::Settings;
-pub use state_matrices::{StateMatrices, state_matrices};
+pub(crate) use state_matrices::state_matrices;

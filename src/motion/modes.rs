@@ -24,12 +24,12 @@ pub struct Mode {
 
 impl Mode {
     /// Cycles per time of the undamped motion.
-    pub fn frequency(&self) -> f64 {
+    pub(crate) fn frequency(&self) -> f64 {
         self.value.norm() / std::f64::consts::TAU
     }
 
     /// Damping ratio; one for motions that do not oscillate and die out, minus one for those that grow.
-    pub fn damping_ratio(&self) -> f64 {
+    pub(crate) fn damping_ratio(&self) -> f64 {
         let size = self.value.norm();
         if size > 0.0 {
             -self.value.re / size

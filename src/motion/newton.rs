@@ -36,7 +36,7 @@ pub(super) struct Unknowns {
 }
 
 impl Unknowns {
-    pub fn new(system: &System) -> Self {
+    pub(crate) fn new(system: &System) -> Self {
         Self {
             z: stages(system.moving_unknowns),
             w: stages(system.first_equation),
@@ -55,7 +55,7 @@ pub(super) struct Residuals {
 
 impl Residuals {
     /// Of one stage: balances, constraints and states, then rates of displacements, then rates of constraints.
-    pub fn of(&self, stage: usize) -> impl Iterator<Item = f64> + '_ {
+    pub(crate) fn of(&self, stage: usize) -> impl Iterator<Item = f64> + '_ {
         let parts = [&self.g[stage], &self.r1[stage], &self.r4[stage]];
         parts.into_iter().flatten().copied()
     }
@@ -90,7 +90,7 @@ pub(super) struct Equations {
 }
 
 impl Equations {
-    pub fn new(system: &System) -> Self {
+    pub(crate) fn new(system: &System) -> Self {
         let n = system.moving_unknowns;
         Self {
             tableau: Tableau::new(),
@@ -117,7 +117,7 @@ impl Equations {
     }
 
     /// Assembles the derivatives at a state and factors the projection.
-    pub fn linearise(
+    pub(crate) fn linearise(
         &mut self,
         system: &System,
         parameters: &Parameters,
@@ -136,7 +136,7 @@ impl Equations {
     }
 
     /// The same at the second stage of a step as it is predicted: nearer to all stages than the start is.
-    pub fn linearise_within(
+    pub(crate) fn linearise_within(
         &mut self,
         system: &System,
         parameters: &Parameters,
@@ -151,7 +151,7 @@ impl Equations {
     }
 
     /// Factors both systems for a step.
-    pub fn factor(&mut self, system: &System, h: f64) {
+    pub(crate) fn factor(&mut self, system: &System, h: f64) {
         let real = combined(system, &self.levels, &mut self.values, GAMMA / h);
         self.real.factor_entries(&real);
         let pair = combined(system, &self.levels, &mut self.pair_values, ALPHA_BETA / h);
@@ -160,7 +160,7 @@ impl Equations {
     }
 
     /// One iteration: residuals of the stages, corrections of the unknowns; gives the correction for its size.
-    pub fn iterate(
+    pub(crate) fn iterate(
         &mut self,
         system: &System,
         parameters: &Parameters,
@@ -216,7 +216,7 @@ impl Equations {
     }
 
     /// The state of a stage, with its rates.
-    pub fn stage_state(
+    pub(crate) fn stage_state(
         &self,
         system: &System,
         start: &State,
@@ -328,7 +328,7 @@ impl Equations {
     }
 
     /// The correction of the real system.
-    pub fn solve_real(
+    pub(crate) fn solve_real(
         &mut self,
         system: &System,
         start: &State,
@@ -397,7 +397,7 @@ impl Equations {
 
     /// The error of a step, as positions, velocities and states: `(gamma_0 E - Jac)^-1 (f + E sum e_i Z_i / h)`. `rest` is (r1, g): the
     /// residuals with the opposite of the weighted sum in place of the rates.
-    pub fn filtered(
+    pub(crate) fn filtered(
         &mut self,
         system: &System,
         start: &State,
@@ -411,7 +411,7 @@ impl Equations {
     }
 
     /// `g` of the error estimate at the start of the step: minus the inertia of accelerations and of rates of states.
-    pub fn inertia_of(&self, system: &System, a: &[f64], state_rates: &[f64]) -> Vec<f64> {
+    pub(crate) fn inertia_of(&self, system: &System, a: &[f64], state_rates: &[f64]) -> Vec<f64> {
         let mut g = vec![0.0; system.moving_unknowns];
         let n = system.first_equation;
         let first_state = system.first_variable + system.variables.len();

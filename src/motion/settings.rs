@@ -24,7 +24,7 @@ pub(super) const INSIDE: f64 = 0.1;
 
 impl Settings {
     /// INTEGRATOR for output steps of this length: HMAX is the output step, HINIT HMAX/20, HMIN 1e-6 HMAX where nothing is given.
-    pub fn of(given: &IntegratorSettings, output: f64) -> Self {
+    pub(crate) fn of(given: &IntegratorSettings, output: f64) -> Self {
         let hmax = given.hmax.filter(|h| *h > 0.0).unwrap_or(output);
         Self {
             error: given.error(),

@@ -14,7 +14,7 @@ pub(super) struct Sizes {
 
 impl Sizes {
     /// One of each unit, where nothing has moved yet.
-    pub fn new(system: &System) -> Self {
+    pub(crate) fn new(system: &System) -> Self {
         Self {
             position: 1.0,
             velocity: 1.0,
@@ -26,7 +26,7 @@ impl Sizes {
     }
 
     /// With what a state holds.
-    pub fn grow(&mut self, reached: &State) {
+    pub(crate) fn grow(&mut self, reached: &State) {
         let largest = |v: &Vec3| v.amax();
         for pose in &reached.poses {
             self.position = self.position.max(largest(&pose.p));
@@ -48,7 +48,7 @@ impl Sizes {
 
     /// The largest component of a change of displacements `z` and velocities `w` in tolerances, its place, and whether it is one of the
     /// velocities.
-    pub fn measured(
+    pub(crate) fn measured(
         &self,
         system: &System,
         tolerance: f64,

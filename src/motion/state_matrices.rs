@@ -8,7 +8,7 @@ use crate::system::{Parameters, State, System};
 
 /// `u' = A u + B w, z = C u + D w` about a state.
 #[derive(Clone, PartialEq, Debug)]
-pub struct StateMatrices {
+pub(crate) struct StateMatrices {
     /// States by states.
     pub A: DMatrix<f64>,
     /// States by inputs.
@@ -27,7 +27,7 @@ pub struct StateMatrices {
 ///
 /// # Errors
 /// [`Reason`] where an element has no value, or a motion has no mass.
-pub fn state_matrices(
+pub(crate) fn state_matrices(
     system: &System,
     parameters: &Parameters,
     state: &State,

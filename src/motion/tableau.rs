@@ -46,7 +46,7 @@ pub(super) struct Tableau {
 }
 
 impl Tableau {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let B = Matrix3::from_fn(|i, j| A[i][j])
             .try_inverse()
             .expect("the matrix of Radau IIA is regular");

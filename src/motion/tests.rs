@@ -389,7 +389,12 @@ fn begun(deck: &Deck, error: f64, hmax: f64) -> Integrator<'_> {
     Integrator::new(&deck.system, &deck.parameters, state, settings)
 }
 
-fn integrated(deck: &Deck, error: f64, hmax: f64, end: f64) -> (State, super::Statistics) {
+fn integrated(
+    deck: &Deck,
+    error: f64,
+    hmax: f64,
+    end: f64,
+) -> (State, super::integrator::Statistics) {
     let mut integrator = begun(deck, error, hmax);
     integrator.advance_to(end).unwrap();
     let state = integrator.output().unwrap();

@@ -11,7 +11,7 @@ pub(super) struct Axis {
 impl Axis {
     /// An axis that shows all these values, with about `wanted` ticks. Values that are not finite, or not positive on a logarithmic
     /// axis, count for nothing.
-    pub fn over(values: impl Iterator<Item = f64>, log: bool, wanted: usize) -> Self {
+    pub(crate) fn over(values: impl Iterator<Item = f64>, log: bool, wanted: usize) -> Self {
         let (low, high) = values
             .filter(|v| v.is_finite() && (!log || *v > 0.0))
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
@@ -79,7 +79,7 @@ impl Axis {
     }
 
     /// Where a value is between the ends of the axis, 0 to 1; `None` if it cannot be shown.
-    pub fn share(&self, value: f64) -> Option<f64> {
+    pub(crate) fn share(&self, value: f64) -> Option<f64> {
         let share = if self.log {
             libm::log(value / self.low) / libm::log(self.high / self.low)
         } else {

@@ -5,13 +5,13 @@ use super::escape;
 
 /// Bars from a lower to an upper value, one below the other: a tornado.
 #[derive(Clone, Debug)]
-pub struct Bars {
+pub(crate) struct Bars {
     /// Title.
     pub title: String,
     /// Label of the axis, with its unit.
     pub x: String,
     /// Name of each bar and the values it goes to from the level: the first is drawn in another colour.
-    pub bars: Vec<(String, [f64; 2])>,
+    pub rows: Vec<(String, [f64; 2])>,
     /// Where the bars begin.
     pub level: f64,
 }
@@ -25,15 +25,15 @@ const LETTERS: usize = 24;
 
 impl Bars {
     /// The picture as an `<svg>` element that takes its colours from the page.
-    pub fn svg(&self) -> String {
-        let ends = self.bars.iter().flat_map(|(_, ends)| ends.iter().copied());
+    pub(crate) fn svg(&self) -> String {
+        let ends = self.rows.iter().flat_map(|(_, ends)| ends.iter().copied());
         let axis = Axis::over(ends.chain([self.level]), false, 6);
         let [left, right, top, bottom] = ROOM;
         let wide = SIZE.0 - left - right;
-        let tall = SIZE.1 * self.bars.len() as f64;
+        let tall = SIZE.1 * self.rows.len() as f64;
         let height = top + tall + bottom;
         let at = |value: f64| axis.share(value).map(|share| left + share * wide);
-        let names: Vec<&str> = self.bars.iter().map(|(name, _)| name.as_str()).collect();
+        let names: Vec<&str> = self.rows.iter().map(|(name, _)| name.as_str()).collect();
         let mut out = format!(
             "<svg class=\"chart\" role=\"img\" aria-label=\"{}\" viewBox=\"0 0 {} {height}\" width=\"{}\" height=\"{height}\">\n",
             escape(&format!("{}: {}; {}", self.title, self.x, names.join(", "))),
@@ -50,7 +50,7 @@ impl Bars {
                 short(*tick)
             );
         }
-        for (k, (name, ends)) in self.bars.iter().enumerate() {
+        for (k, (name, ends)) in self.rows.iter().enumerate() {
             let y = top + SIZE.1 * k as f64;
             let shown: String = if name.chars().count() > LETTERS {
                 let kept: String = name.chars().take(LETTERS - 1).collect();
@@ -91,9 +91,9 @@ impl Bars {
     }
 
     /// The data behind the picture: one line per bar.
-    pub fn csv(&self) -> String {
+    pub(crate) fn csv(&self) -> String {
         let mut out = String::from("name,low,high\n");
-        for (name, [low, high]) in &self.bars {
+        for (name, [low, high]) in &self.rows {
             _ = writeln!(out, "\"{}\",{low},{high}", name.replace('"', "\"\""));
         }
         out
@@ -109,7 +109,7 @@ mod tests {
         let bars = Bars {
             title: "toe".to_string(),
             x: "change [mm]".to_string(),
-            bars: vec![
+            rows: vec![
                 ("K <1>".to_string(), [-2.0, 2.0]),
                 ("b".to_string(), [1.0, f64::NAN]),
             ],

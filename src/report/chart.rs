@@ -19,7 +19,7 @@ pub enum Mark {
 
 /// One curve or cloud.
 #[derive(Clone, Debug)]
-pub struct Series {
+pub(crate) struct Series {
     /// Name in the legend.
     pub name: String,
     /// (x, y); points that are not finite are left out.
@@ -30,7 +30,7 @@ pub struct Series {
 
 /// A picture with two axes.
 #[derive(Clone, Debug)]
-pub struct Chart {
+pub(crate) struct Chart {
     /// Title.
     pub title: String,
     /// Label of the x axis, with its unit.
@@ -59,7 +59,7 @@ impl Chart {
     ///
     /// # Errors
     /// None at present; pictures of other kinds may have some.
-    pub fn svg(&self) -> Result<String, DrawingError> {
+    pub(crate) fn svg(&self) -> Result<String, DrawingError> {
         let points = || self.series.iter().flat_map(|series| series.points.iter());
         let usable =
             |(x, y): &&(f64, f64)| x.is_finite() && y.is_finite() && (!self.log_y || *y > 0.0);
@@ -195,7 +195,7 @@ impl Chart {
     }
 
     /// The data behind the picture: one line per point.
-    pub fn csv(&self) -> String {
+    pub(crate) fn csv(&self) -> String {
         let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
         let mut out = format!("series,{},{}\n", quoted(&self.x), quoted(&self.y));
         for series in &self.series {

@@ -20,7 +20,7 @@ use crate::results::Timestamp;
 const MAPPED: usize = 60;
 
 /// What a diagnosis shows a person.
-pub struct DiagnosisReport<'a> {
+pub(crate) struct DiagnosisReport<'a> {
     /// The study.
     pub loaded: &'a LoadedStudy,
     /// The diagnosis and the fits behind it.
@@ -160,7 +160,7 @@ impl DiagnosisReport<'_> {
     ///
     /// # Errors
     /// When a picture cannot be drawn.
-    pub fn html(&self) -> Result<String, DrawingError> {
+    pub(crate) fn html(&self) -> Result<String, DrawingError> {
         let diagnosis = &self.outcome.diagnosis;
         let lead = match diagnosis.verdict {
             Verdict::Consistent => {

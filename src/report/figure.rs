@@ -14,7 +14,7 @@ impl Figure {
     ///
     /// # Errors
     /// When it cannot be drawn.
-    pub fn chart(chart: &Chart, caption: &str) -> Result<Self, DrawingError> {
+    pub(crate) fn chart(chart: &Chart, caption: &str) -> Result<Self, DrawingError> {
         Ok(Self {
             svg: chart.svg()?,
             caption: caption.to_string(),
@@ -24,7 +24,7 @@ impl Figure {
     }
 
     /// Bars with a caption.
-    pub fn bars(bars: &Bars, caption: &str) -> Self {
+    pub(crate) fn bars(bars: &Bars, caption: &str) -> Self {
         Self {
             svg: bars.svg(),
             caption: caption.to_string(),
@@ -34,7 +34,7 @@ impl Figure {
     }
 
     /// A map with a caption.
-    pub fn map(map: &HeatMap, caption: &str) -> Self {
+    pub(crate) fn map(map: &HeatMap, caption: &str) -> Self {
         Self {
             svg: map.svg(),
             caption: caption.to_string(),

@@ -4,7 +4,7 @@ use super::escape;
 
 /// Values over two lists of names, as coloured cells: blue below zero, red above.
 #[derive(Clone, Debug)]
-pub struct HeatMap {
+pub(crate) struct HeatMap {
     /// Title.
     pub title: String,
     /// Names of the rows.
@@ -25,7 +25,7 @@ const TOP: usize = 120;
 
 impl HeatMap {
     /// The picture as an `<svg>` element. Each cell tells its value when pointed at.
-    pub fn svg(&self) -> String {
+    pub(crate) fn svg(&self) -> String {
         let width = LEFT + self.columns.len() * CELL.0 + 30;
         let height = TOP + self.rows.len() * CELL.1 + 40;
         let mut out = format!(
@@ -75,7 +75,7 @@ impl HeatMap {
     }
 
     /// The data behind the picture: a line per row.
-    pub fn csv(&self) -> String {
+    pub(crate) fn csv(&self) -> String {
         let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
         let mut out = quoted(&self.what);
         for column in &self.columns {

@@ -12,7 +12,7 @@ use crate::results::Timestamp;
 
 /// What the page shows beside the fit.
 #[derive(Clone, Debug)]
-pub struct IdentificationReport<'a> {
+pub(crate) struct IdentificationReport<'a> {
     /// The study.
     pub loaded: &'a LoadedStudy,
     /// The answer.
@@ -28,7 +28,7 @@ impl IdentificationReport<'_> {
     ///
     /// # Errors
     /// When a picture cannot be drawn.
-    pub fn html(&self) -> Result<String, DrawingError> {
+    pub(crate) fn html(&self) -> Result<String, DrawingError> {
         let title = self.loaded.dataset.title();
         let figures = StudyFigures {
             loaded: self.loaded,

@@ -12,7 +12,7 @@ pub(super) struct IntervalScale {
 
 impl IntervalScale {
     /// A scale for these 95 percent intervals over their estimates; wider ones than a factor of ten end in arrows.
-    pub fn over(ratios: impl Iterator<Item = f64>) -> Self {
+    pub(crate) fn over(ratios: impl Iterator<Item = f64>) -> Self {
         let widest = ratios
             .filter(|ratio| *ratio > 0.0 && ratio.is_finite())
             .map(|ratio| ratio.max(1.0 / ratio))
@@ -24,14 +24,14 @@ impl IntervalScale {
     }
 
     /// The ends of the scale, for the head of its column.
-    pub fn ends(&self) -> String {
+    pub(crate) fn ends(&self) -> String {
         let reach = shown(self.reach);
         format!("÷{reach} … ×{reach}")
     }
 
     /// The interval as a bar with the estimate as a dot in the middle, and the reference value as a diamond. A side without a bound, or one
     /// beyond the scale, ends in an arrow.
-    pub fn svg(
+    pub(crate) fn svg(
         &self,
         low: Option<f64>,
         high: Option<f64>,

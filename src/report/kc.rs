@@ -8,7 +8,7 @@ use crate::units::Units;
 
 /// A curve that was measured, in the units of the deck and radians.
 #[derive(Clone, PartialEq, Debug)]
-pub struct MeasuredCurve {
+pub(crate) struct MeasuredCurve {
     /// Name of the test.
     pub test: String,
     /// Name of the characteristic: `toe_angle.left`.
@@ -19,7 +19,7 @@ pub struct MeasuredCurve {
 
 /// What the page of K&C tests shows.
 #[derive(Debug)]
-pub struct KcReport<'a> {
+pub(crate) struct KcReport<'a> {
     /// The deck.
     pub deck: &'a str,
     /// Its run.
@@ -232,7 +232,7 @@ impl KcReport<'_> {
     ///
     /// # Errors
     /// When a picture cannot be drawn.
-    pub fn page(&self, footer: &str) -> Result<String, DrawingError> {
+    pub(crate) fn page(&self, footer: &str) -> Result<String, DrawingError> {
         let mut page = Page::new(
             &format!("Kinematics and compliance of {}", self.deck),
             &self.lead(),

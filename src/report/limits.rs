@@ -7,7 +7,7 @@ use crate::discrepancy::{Cause, CauseLimit, Diagnosis};
 const HIGHER: [&str; 4] = ["quadratic", "quintic", "hardening", "growth"];
 
 /// How far off each point has to be.
-pub fn of_points(diagnosis: &Diagnosis, scene: &Scene) -> Table {
+pub(crate) fn of_points(diagnosis: &Diagnosis, scene: &Scene) -> Table {
     let mut table = Table::new(&[
         ("point", Align::Left),
         ("x, mm", Align::Right),
@@ -24,7 +24,7 @@ pub fn of_points(diagnosis: &Diagnosis, scene: &Scene) -> Table {
 }
 
 /// How large all other causes have to be: a line for each kind of number.
-pub fn of_causes(diagnosis: &Diagnosis, scene: &Scene) -> Table {
+pub(crate) fn of_causes(diagnosis: &Diagnosis, scene: &Scene) -> Table {
     let mut table = Table::new(&[
         ("cause", Align::Left),
         ("number", Align::Left),

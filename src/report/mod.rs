@@ -29,25 +29,33 @@ mod study_view;
 mod table;
 mod topology_graph;
 
-pub use bars::Bars;
-pub use chart::{Chart, Mark, Series};
-pub use diagnosis::DiagnosisReport;
+pub(crate) use bars::Bars;
+pub use chart::Mark;
+pub(crate) use chart::{Chart, Series};
+pub(crate) use diagnosis::DiagnosisReport;
 pub use escape::escape;
 pub use figure::Figure;
-pub use heat_map::HeatMap;
-pub use identification::{IdentificationReport, lead, status};
-pub use kc::{KcReport, MeasuredCurve};
-pub use number::{number, short_unit};
-pub use page::Page;
-pub use plausibility::{Check, Plausibility, Verdict};
+pub(crate) use heat_map::HeatMap;
+pub(crate) use identification::IdentificationReport;
+pub use identification::{lead, status};
+pub(crate) use kc::{KcReport, MeasuredCurve};
+pub use number::number;
+pub(crate) use number::short_unit;
+pub(crate) use page::Page;
+pub(crate) use plausibility::Plausibility;
+pub use plausibility::Verdict;
 pub use reproduction::ReproductionReport;
-pub use scene::Scene;
-pub use study_view::{Positions, study_scene};
-pub use table::{Align, Table};
-pub use topology_graph::{Body, Link, TopologyGraph};
+pub(crate) use scene::Scene;
+pub use study_view::Positions;
+pub(crate) use study_view::study_scene;
+pub(crate) use table::Align;
+pub use table::Table;
+pub use topology_graph::Body;
+pub(crate) use topology_graph::TopologyGraph;
 
 /// The version of this program with the commit it was built from.
-pub const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("ADMIRE_COMMIT"), ")");
+pub(crate) const VERSION: &str =
+    concat!(env!("CARGO_PKG_VERSION"), " (", env!("ADMIRE_COMMIT"), ")");
 
 /// Why a picture could not be drawn.
 #[derive(Debug, thiserror::Error)]

@@ -1,5 +1,5 @@
 /// A unit as people write it: `N/mm` for `newton/mm`, `N mm/rad` for `newton-mm/rad`.
-pub fn short_unit(unit: &str) -> String {
+pub(crate) fn short_unit(unit: &str) -> String {
     let starts = |word: &str| unit.starts_with(word) || unit.contains(&format!("/{word}"));
     if starts("newton") || starts("knewton") {
         unit.replace("newton-", "N ").replace("newton", "N")

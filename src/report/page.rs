@@ -6,7 +6,7 @@ use super::{Figure, Scene, Table};
 
 /// One page, built from top to bottom. It refers to nothing outside of itself.
 #[derive(Debug)]
-pub struct Page {
+pub(crate) struct Page {
     title: String,
     body: String,
     /// Whether the client of the three-dimensional view is needed.
@@ -17,7 +17,7 @@ const STYLE: &str = include_str!("page.css");
 
 impl Page {
     /// A page with a title and, under it, the answer in a sentence or two.
-    pub fn new(title: &str, lead: &str) -> Self {
+    pub(crate) fn new(title: &str, lead: &str) -> Self {
         let mut page = Self {
             title: title.to_string(),
             body: String::new(),
@@ -38,25 +38,25 @@ impl Page {
     }
 
     /// A heading.
-    pub fn heading(&mut self, text: &str) -> &mut Self {
+    pub(crate) fn heading(&mut self, text: &str) -> &mut Self {
         self.push(format_args!("<h2>{}</h2>\n", escape(text)));
         self
     }
 
     /// A paragraph.
-    pub fn paragraph(&mut self, text: &str) -> &mut Self {
+    pub(crate) fn paragraph(&mut self, text: &str) -> &mut Self {
         self.push(format_args!("<p>{}</p>\n", prose(text)));
         self
     }
 
     /// A paragraph of small print.
-    pub fn note(&mut self, text: &str) -> &mut Self {
+    pub(crate) fn note(&mut self, text: &str) -> &mut Self {
         self.push(format_args!("<p class=\"note\">{}</p>\n", prose(text)));
         self
     }
 
     /// A list of sentences.
-    pub fn list(&mut self, items: &[String]) -> &mut Self {
+    pub(crate) fn list(&mut self, items: &[String]) -> &mut Self {
         self.body.push_str("<ul>\n");
         for item in items {
             self.push(format_args!("<li>{}</li>\n", prose(item)));
@@ -66,19 +66,19 @@ impl Page {
     }
 
     /// Text as it is, for example a diff.
-    pub fn verbatim(&mut self, text: &str) -> &mut Self {
+    pub(crate) fn verbatim(&mut self, text: &str) -> &mut Self {
         self.push(format_args!("<pre>{}</pre>\n", escape(text)));
         self
     }
 
     /// A table.
-    pub fn table(&mut self, table: &Table) -> &mut Self {
+    pub(crate) fn table(&mut self, table: &Table) -> &mut Self {
         self.push(format_args!("<div class=\"wide\">{}</div>\n", table.html()));
         self
     }
 
     /// Names and values, for example where a page comes from.
-    pub fn facts(&mut self, facts: &[(&str, String)]) -> &mut Self {
+    pub(crate) fn facts(&mut self, facts: &[(&str, String)]) -> &mut Self {
         self.body.push_str("<dl class=\"facts\">\n");
         for (name, value) in facts {
             self.push(format_args!(
@@ -92,20 +92,20 @@ impl Page {
     }
 
     /// A heading inside of a section.
-    pub fn subheading(&mut self, text: &str) -> &mut Self {
+    pub(crate) fn subheading(&mut self, text: &str) -> &mut Self {
         self.push(format_args!("<h3>{}</h3>\n", escape(text)));
         self
     }
 
     /// One picture over the whole width.
-    pub fn add(&mut self, figure: &Figure) -> &mut Self {
+    pub(crate) fn add(&mut self, figure: &Figure) -> &mut Self {
         self.body
             .push_str(&format!("<div class=\"wide\">{}</div>\n", figure.html()));
         self
     }
 
     /// Pictures side by side where there is room.
-    pub fn figures(&mut self, figures: &[Figure]) -> &mut Self {
+    pub(crate) fn figures(&mut self, figures: &[Figure]) -> &mut Self {
         self.body.push_str("<div class=\"figures\">\n");
         for figure in figures {
             self.body.push_str(&figure.html());
@@ -115,19 +115,19 @@ impl Page {
     }
 
     /// A picture in three dimensions.
-    pub fn scene(&mut self, scene: &Scene) -> &mut Self {
+    pub(crate) fn scene(&mut self, scene: &Scene) -> &mut Self {
         self.scenes = true;
         self.body.push_str(&scene.html(false));
         self
     }
 
     /// The whole page as one file. `footer` says what made it and from what.
-    pub fn finish(self, footer: &str) -> String {
+    pub(crate) fn finish(self, footer: &str) -> String {
         self.written("", footer)
     }
 
     /// A page that is one picture in three dimensions and fills the window.
-    pub fn of_scene(scene: &Scene, lead: &str, footer: &str) -> String {
+    pub(crate) fn of_scene(scene: &Scene, lead: &str, footer: &str) -> String {
         let mut page = Self::new(&scene.title, lead);
         page.scenes = true;
         page.body.push_str(&scene.html(true));

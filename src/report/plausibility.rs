@@ -27,7 +27,7 @@ pub enum Verdict {
 
 /// One line of the table.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Check {
+pub(crate) struct Check {
     /// What was looked at.
     pub what: &'static str,
     /// What it is, with its unit.
@@ -40,7 +40,7 @@ pub struct Check {
 
 /// The table.
 #[derive(Clone, Default, PartialEq, Debug)]
-pub struct Plausibility {
+pub(crate) struct Plausibility {
     /// Line by line.
     pub checks: Vec<Check>,
 }
@@ -60,7 +60,7 @@ const MOVED: f64 = 3.0;
 
 impl Plausibility {
     /// Looks at a study; the forecast solves all load cases once with the start values.
-    pub fn of(loaded: &LoadedStudy) -> Self {
+    pub(crate) fn of(loaded: &LoadedStudy) -> Self {
         let mut table = Self::default();
         table.loads(loaded);
         table.readings(loaded);
@@ -74,7 +74,7 @@ impl Plausibility {
     }
 
     /// Why this study is not fitted unless that is forced.
-    pub fn refusal(&self) -> Option<String> {
+    pub(crate) fn refusal(&self) -> Option<String> {
         let wrong = self.checks.iter();
         let wrong = wrong.filter(|check| check.verdict == Verdict::Impossible);
         let why: Vec<&str> = wrong.map(|check| check.why.as_str()).collect();
@@ -82,7 +82,7 @@ impl Plausibility {
     }
 
     /// True if nothing speaks against a fit.
-    pub fn allows_a_fit(&self) -> bool {
+    pub(crate) fn allows_a_fit(&self) -> bool {
         self.checks
             .iter()
             .all(|check| check.verdict != Verdict::Impossible)

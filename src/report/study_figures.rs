@@ -50,7 +50,7 @@ impl StudyFigures<'_> {
     }
 
     /// Rms residual of each case, and which of them no fit saw.
-    pub fn by_case(&self) -> Result<Option<Figure>, DrawingError> {
+    pub(crate) fn by_case(&self) -> Result<Option<Figure>, DrawingError> {
         let measurement = &self.loaded.measurement;
         if measurement.cases.iter().all(|case| case.marks.is_empty()) || self.positions.is_empty() {
             return Ok(None);
@@ -104,7 +104,7 @@ impl StudyFigures<'_> {
     }
 
     /// Rms of one mark coordinate over all cases that were fitted.
-    pub fn rms(&self, set: usize) -> Option<f64> {
+    pub(crate) fn rms(&self, set: usize) -> Option<f64> {
         self.positions.get(set)?;
         let (mut sum, mut count) = (0.0, 0.0);
         for case in self.loaded.measurement.fitted_cases() {
@@ -138,7 +138,7 @@ impl StudyFigures<'_> {
     }
 
     /// Maps of the residuals, case by mark, one for each model.
-    pub fn maps(&self) -> Vec<Figure> {
+    pub(crate) fn maps(&self) -> Vec<Figure> {
         let measurement = &self.loaded.measurement;
         let mut first = Vec::new();
         let mut columns = Vec::new();
@@ -199,7 +199,7 @@ impl StudyFigures<'_> {
     }
 
     /// Force against deflection of one bushing, in each of its directions that moves: the laws as lines, what was measured as points.
-    pub fn bushing(
+    pub(crate) fn bushing(
         &self,
         bushing: usize,
         stiffness: [[f64; 6]; 2],
@@ -317,7 +317,7 @@ impl StudyFigures<'_> {
     }
 
     /// The curves of a K&C rig against each load that changes alone, in the order of application.
-    pub fn curves(&self) -> Result<Vec<Figure>, DrawingError> {
+    pub(crate) fn curves(&self) -> Result<Vec<Figure>, DrawingError> {
         let (measurement, programme) = (&self.loaded.measurement, &self.loaded.programme);
         // What follows from the places of the parts alone.
         let is_curve = |channel: &crate::rig::Channel| {
@@ -387,7 +387,7 @@ impl StudyFigures<'_> {
     }
 
     /// Camber, steer and the place of the wheel against each load that changes alone, in the order of application.
-    pub fn wheel(&self) -> Result<Vec<Figure>, DrawingError> {
+    pub(crate) fn wheel(&self) -> Result<Vec<Figure>, DrawingError> {
         let (measurement, programme) = (&self.loaded.measurement, &self.loaded.programme);
         let Some(wheel) = &measurement.wheel else {
             return Ok(Vec::new());

@@ -17,7 +17,7 @@ pub struct Positions {
 
 impl Positions {
     /// Those of a sweep over the cases of a study.
-    pub fn of(name: &str, role: Role, sweep: &Sweep) -> Self {
+    pub(crate) fn of(name: &str, role: Role, sweep: &Sweep) -> Self {
         let cases = 0..sweep.cases.len();
         Self {
             name: name.to_string(),
@@ -30,7 +30,7 @@ impl Positions {
 }
 
 /// The mechanism of a study: as measured, and where these models put it, case by case. Loads are arrows.
-pub fn study_scene(loaded: &LoadedStudy, positions: &[Positions]) -> Scene {
+pub(crate) fn study_scene(loaded: &LoadedStudy, positions: &[Positions]) -> Scene {
     let model = &loaded.model;
     let measurement = &loaded.measurement;
     let mut scene = Scene::of(model, Some(&loaded.dataset));

@@ -4,7 +4,7 @@ use super::escape;
 
 /// How a column is aligned.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Align {
+pub(crate) enum Align {
     /// Words.
     Left,
     /// Numbers.
@@ -33,7 +33,7 @@ pub struct Table {
 
 impl Table {
     /// A table with these column heads.
-    pub fn new(columns: &[(&str, Align)]) -> Self {
+    pub(crate) fn new(columns: &[(&str, Align)]) -> Self {
         let columns = columns
             .iter()
             .map(|(name, align)| ((*name).to_string(), *align))
@@ -45,7 +45,7 @@ impl Table {
     }
 
     /// Adds a row of plain cells; missing cells stay empty.
-    pub fn row<S: Into<String>>(&mut self, cells: impl IntoIterator<Item = S>) -> &mut Self {
+    pub(crate) fn row<S: Into<String>>(&mut self, cells: impl IntoIterator<Item = S>) -> &mut Self {
         self.rows.push(
             cells
                 .into_iter()
@@ -60,7 +60,7 @@ impl Table {
     }
 
     /// Marks a cell of the last row with a class of the page's style: `good`, `bad` or `soft`.
-    pub fn mark(&mut self, column: usize, class: &'static str) -> &mut Self {
+    pub(crate) fn mark(&mut self, column: usize, class: &'static str) -> &mut Self {
         if let Some(cell) = self.rows.last_mut().and_then(|row| row.get_mut(column)) {
             cell.class = Some(class);
         }
@@ -73,11 +73,6 @@ impl Table {
             cell.picture = Some(svg);
         }
         self
-    }
-
-    /// True if it has no rows.
-    pub fn is_empty(&self) -> bool {
-        self.rows.is_empty()
     }
 
     pub(super) fn html(&self) -> String {

@@ -7,7 +7,7 @@ use super::escape;
 
 /// Bodies and what joins them, as a picture or as text for Graphviz.
 #[derive(Clone, PartialEq, Debug)]
-pub struct TopologyGraph {
+pub(crate) struct TopologyGraph {
     /// The title of the dataset.
     pub title: String,
     /// The bodies in the order of the dataset.
@@ -29,7 +29,7 @@ pub struct Body {
 
 /// An element between two bodies.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Link {
+pub(crate) struct Link {
     /// Positions of the bodies.
     pub ends: [usize; 2],
     /// Kind and id.
@@ -42,7 +42,7 @@ pub struct Link {
 
 impl TopologyGraph {
     /// Bodies and elements of a dataset. What hangs on one body only, or measures and draws, is left out.
-    pub fn of(dataset: &Dataset) -> Self {
+    pub(crate) fn of(dataset: &Dataset) -> Self {
         let topology = Topology::of(dataset);
         let address = |statement: &Statement| {
             let kind = statement.kind().unwrap_or("statement");
@@ -107,7 +107,7 @@ impl TopologyGraph {
     }
 
     /// The graph in the language of Graphviz: bodies by address, so that names may repeat.
-    pub fn dot(&self) -> String {
+    pub(crate) fn dot(&self) -> String {
         let quoted =
             |text: &str| format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""));
         let mut out = format!(
@@ -138,7 +138,7 @@ impl TopologyGraph {
     }
 
     /// The graph as an SVG picture: the ground at the bottom, every other body as many rows above it as links lead to it.
-    pub fn svg(&self) -> String {
+    pub(crate) fn svg(&self) -> String {
         let places = self.places();
         let wide = |text: &str| 7.2 * text.chars().count() as f64;
         let width = places.iter().map(|p| p.0).fold(0.0, f64::max) + COLUMN;

@@ -1,7 +1,6 @@
 use std::collections::BTreeMap;
-use std::io::Read;
 
-use super::{ResultsError, SelectedColumn, Selection, StepKind, XrfReader};
+use super::{ResultsError, ResultsReader, SelectedColumn, Selection, StepKind};
 
 /// When two values are the same: |a - b| <= absolute + relative max(|a|, |b|).
 #[derive(Clone, Copy, PartialEq, Debug, serde::Serialize)]
@@ -99,9 +98,9 @@ impl Comparison {
 ///
 /// # Errors
 /// When a file cannot be read further.
-pub fn compare<A: Read, B: Read>(
-    a: &mut XrfReader<A>,
-    b: &mut XrfReader<B>,
+pub fn compare(
+    a: &mut dyn ResultsReader,
+    b: &mut dyn ResultsReader,
     tolerance: Tolerance,
 ) -> Result<Comparison, ResultsError> {
     let in_a = Selection::all(a.catalogue()).columns;
@@ -219,8 +218,8 @@ impl ColumnDifference {
     }
 }
 
-fn next_answer<R: Read>(
-    reader: &mut XrfReader<R>,
+fn next_answer(
+    reader: &mut dyn ResultsReader,
     values: &mut Vec<f64>,
 ) -> Result<Option<StepKind>, ResultsError> {
     while let Some(step) = reader.next_step()? {

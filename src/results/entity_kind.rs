@@ -70,7 +70,7 @@ pub(super) enum Shape {
 
 impl EntityKind {
     /// The kind of a force by a law, from the name of its type.
-    pub fn of_law(entity: &'static str) -> Self {
+    pub(crate) fn of_law(entity: &'static str) -> Self {
         [
             Self::TranslationalSpringDamper,
             Self::RotationalSpringDamper,
@@ -84,7 +84,7 @@ impl EntityKind {
     }
 
     /// True if its objects have the angles ANGX, ANGY, ANGZ.
-    pub const fn has_angles(self) -> bool {
+    pub(crate) const fn has_angles(self) -> bool {
         matches!(self.shape(), Shape::ForceAndAngles)
     }
 
@@ -128,7 +128,7 @@ impl EntityKind {
     }
 
     /// The keyword of the statement behind a class, as the attribute `entType` has it.
-    pub fn keyword(ent_type: &str) -> String {
+    pub(crate) fn keyword(ent_type: &str) -> String {
         let keyword = match ent_type {
             "Single_Component_Force" => "SFORCE",
             "Primitive_Joint" => "JPRIM",
@@ -150,7 +150,7 @@ impl EntityKind {
     }
 
     /// The name of an object that has none in the dataset, for example `PART_2`.
-    pub fn default_name(self, id: i64) -> String {
+    pub(crate) fn default_name(self, id: i64) -> String {
         let stem = match self {
             Self::SingleComponentForce => "SFORCE",
             Self::PrimitiveJoint => "JPRIM",
@@ -188,7 +188,7 @@ impl EntityKind {
     }
 
     /// True for the bodies: their displacements, velocities and accelerations come first in a step.
-    pub const fn is_body(self) -> bool {
+    pub(crate) const fn is_body(self) -> bool {
         matches!(self, Self::Part | Self::PointMass | Self::FlexibleBody)
     }
 }

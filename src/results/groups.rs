@@ -17,7 +17,7 @@ pub struct Groups {
 
 impl Groups {
     /// The groups of a catalogue.
-    pub fn new(catalogue: &Catalogue) -> Self {
+    pub(crate) fn new(catalogue: &Catalogue) -> Self {
         let mut breaks = Vec::with_capacity(catalogue.len());
         let mut bodies_end = 1;
         let mut previous: Option<&super::Entity> = None;
@@ -43,17 +43,12 @@ impl Groups {
     }
 
     /// Number of values in a step.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.breaks.len()
     }
 
-    /// True if steps hold nothing.
-    pub fn is_empty(&self) -> bool {
-        self.breaks.is_empty()
-    }
-
     /// Appends the lines of one step, each with `line_end`. `values` are as many as there are columns.
-    pub fn write(
+    pub(crate) fn write(
         &self,
         out: &mut Vec<u8>,
         kind: StepKind,

@@ -20,7 +20,7 @@ impl Default for NumberStyle {
 ///
 /// Digits are those of the exact decimal expansion of the double, rounded half to even, as C's printf prints them
 /// (guide/formats.md 12: checked on 154,582 real values).
-pub fn write_number(out: &mut Vec<u8>, value: f64, style: NumberStyle) {
+pub(crate) fn write_number(out: &mut Vec<u8>, value: f64, style: NumberStyle) {
     if value == 0.0 {
         out.push(b'0');
         return;

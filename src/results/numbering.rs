@@ -78,7 +78,7 @@ impl Numbering {
     }
 
     /// Adds a request, or another object whose columns the statement names, with a unit for each column where it has one.
-    pub fn named(
+    pub(crate) fn named(
         &mut self,
         kind: EntityKind,
         view_name: Option<&str>,

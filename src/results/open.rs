@@ -2,22 +2,23 @@ use std::fs::File;
 use std::io::{Cursor, Read};
 use std::path::Path;
 
-use crate::diagnostic::{Checked, Diagnostic};
+use crate::diagnostic::Checked;
 use crate::text::{Source, check_size};
 
+use super::table_reader::TableReader;
 use super::{
-    Catalogue, Component, Entity, EntityKind, FormattedResults, GraphicsFile, Header, RequestFile,
-    ResultsError, StepKind, Style, XrfReader, XrfWriter,
+    Catalogue, Component, Entity, EntityKind, FormattedResults, GraphicsFile, Header, NumberStyle,
+    RequestFile, ResultsError, ResultsReader, ResultsTable, StepKind, XrfReader,
 };
 
 /// Files with more bytes are not read whole: their values take several times as much.
 const LARGEST_WHOLE: u64 = 512 << 20;
 
-/// A results file of any kind that can be read, as a stream of steps.
-pub type AnyResults = XrfReader<Box<dyn Read>>;
+/// A results file of any kind that can be read.
+pub(crate) type AnyResults = Box<dyn ResultsReader>;
 
 /// Opens a results file by what is in it: XRF is read from the disk step by step; request, graphics and formatted results files,
-/// which are small, are read whole and shown as if they were XRF. The complaints are those of the whole files; the reader
+/// which are small, are read whole into a table. The complaints are those of the whole files; the reader
 /// has its own.
 ///
 /// # Errors
@@ -32,32 +33,27 @@ pub fn open_any(path: &Path) -> Result<Checked<AnyResults>, ResultsError> {
     let graphics = begins.starts_with(b"A.G8");
     if !request && !graphics && !begins.starts_with(b"FILE TYPE AND SOURCE") {
         let whole: Box<dyn Read> = Box::new(Cursor::new(head).chain(file));
-        return Ok(Checked::clean(XrfReader::open(name, whole)?));
+        return Ok(Checked::clean(Box::new(XrfReader::open(name, whole)?)));
     }
     check_size(file.metadata()?.len(), LARGEST_WHOLE)?;
     let room = LARGEST_WHOLE + 1 - head.len() as u64;
     file.take(room).read_to_end(&mut head)?;
     check_size(head.len() as u64, LARGEST_WHOLE)?;
     let source = Source::new(name.as_str(), head);
-    let (bytes, diagnostics) = if request {
+    let (table, diagnostics) = if request {
         let read = RequestFile::parse(&source);
-        (requests_as_xrf(&read.value)?, read.diagnostics)
+        (request_table(&read.value)?, read.diagnostics)
     } else if graphics {
         let read = GraphicsFile::parse(&source);
-        (graphics_as_xrf(&read.value)?, read.diagnostics)
+        (graphics_table(&read.value)?, read.diagnostics)
     } else {
         let read = FormattedResults::parse(&source);
-        (formatted_as_xrf(&read.value)?, read.diagnostics)
+        (formatted_table(&read.value)?, read.diagnostics)
     };
-    let value = XrfReader::open(name, Box::new(Cursor::new(bytes)) as Box<dyn Read>)?;
-    Ok(Checked { value, diagnostics })
-}
-
-impl<R: Read> XrfReader<R> {
-    /// The complaints so far, taken out.
-    pub fn take_diagnostics(&mut self) -> Vec<Diagnostic> {
-        std::mem::take(&mut self.diagnostics)
-    }
+    Ok(Checked {
+        value: Box::new(TableReader::new(name, table)),
+        diagnostics,
+    })
 }
 
 /// Adds an entity behind the others, its columns numbered on. Units of these files are not known by name.
@@ -77,13 +73,18 @@ fn add(
         id: before + at + 1,
     });
     catalogue.entities.push(Entity {
-        name,
-        entity: Some(object),
+        name: plain(&name),
+        entity: Some(plain(&object)),
         ent_type: Some(kind.ent_type().to_string()),
         object_id: Some(id),
         comment: None,
         components: components.collect(),
     });
+}
+
+/// Text without control characters, as results files hold it.
+fn plain(text: &str) -> String {
+    text.replace(char::is_control, " ")
 }
 
 fn only_time() -> Catalogue {
@@ -100,7 +101,7 @@ fn only_time() -> Catalogue {
     }])
 }
 
-fn requests_as_xrf(file: &RequestFile) -> std::io::Result<Vec<u8>> {
+fn request_table(file: &RequestFile) -> std::io::Result<ResultsTable> {
     let mut catalogue = only_time();
     for request in &file.requests {
         let name = if request.name.is_empty() {
@@ -120,18 +121,18 @@ fn requests_as_xrf(file: &RequestFile) -> std::io::Result<Vec<u8>> {
         );
     }
     let header = Header {
-        title: file.title.clone(),
-        execution_date: file.date.clone(),
+        title: plain(&file.title),
+        execution_date: plain(&file.date),
         ..Header::default()
     };
     let steps = file.times.iter().zip(&file.values).map(|(&time, sixes)| {
         let values = std::iter::once(time).chain(sixes.iter().flatten().copied());
         (StepKind::Unlisted, values.collect::<Vec<f64>>())
     });
-    as_xrf(&header, &catalogue, steps)
+    table(header, catalogue, steps)
 }
 
-fn graphics_as_xrf(file: &GraphicsFile) -> std::io::Result<Vec<u8>> {
+fn graphics_table(file: &GraphicsFile) -> std::io::Result<ResultsTable> {
     let mut catalogue = only_time();
     for part in &file.parts {
         let object = EntityKind::Part.default_name(*part);
@@ -147,18 +148,18 @@ fn graphics_as_xrf(file: &GraphicsFile) -> std::io::Result<Vec<u8>> {
         );
     }
     let header = Header {
-        title: file.title.clone(),
-        execution_date: file.date.clone(),
+        title: plain(&file.title),
+        execution_date: plain(&file.date),
         ..Header::default()
     };
     let steps = file.times.iter().zip(&file.poses).map(|(&time, poses)| {
         let values = std::iter::once(time).chain(poses.iter().flatten().copied());
         (StepKind::Unlisted, values.collect::<Vec<f64>>())
     });
-    as_xrf(&header, &catalogue, steps)
+    table(header, catalogue, steps)
 }
 
-fn formatted_as_xrf(file: &FormattedResults) -> std::io::Result<Vec<u8>> {
+fn formatted_table(file: &FormattedResults) -> std::io::Result<ResultsTable> {
     let mut catalogue = only_time();
     for part in &file.parts {
         let object = match &part.name {
@@ -178,7 +179,7 @@ fn formatted_as_xrf(file: &FormattedResults) -> std::io::Result<Vec<u8>> {
         );
     }
     let header = Header {
-        title: file.title.clone(),
+        title: plain(&file.title),
         ..Header::default()
     };
     let steps = file.steps.iter().map(|step| {
@@ -192,19 +193,19 @@ fn formatted_as_xrf(file: &FormattedResults) -> std::io::Result<Vec<u8>> {
         let values = std::iter::once(step.time).chain(step.displacements.iter().flatten().copied());
         (kind, values.collect::<Vec<f64>>())
     });
-    as_xrf(&header, &catalogue, steps)
+    table(header, catalogue, steps)
 }
 
-fn as_xrf(
-    header: &Header,
-    catalogue: &Catalogue,
+fn table(
+    header: Header,
+    catalogue: Catalogue,
     steps: impl Iterator<Item = (StepKind, Vec<f64>)>,
-) -> std::io::Result<Vec<u8>> {
-    let mut writer = XrfWriter::create(Vec::new(), header, catalogue, Style::default())?;
+) -> std::io::Result<ResultsTable> {
+    let mut table = ResultsTable::new(header, catalogue, NumberStyle::default());
     for (kind, values) in steps {
-        writer.step(kind, &values)?;
+        table.push(kind, &values)?;
     }
-    writer.finish("")
+    Ok(table)
 }
 
 #[cfg(test)]
@@ -225,7 +226,9 @@ mod tests {
             Selection::matching(opened.value.catalogue(), &["toe*.r1", "time"]);
         assert!(unused.is_empty());
         let mut csv = Vec::new();
-        selection.write_csv(&mut opened.value, &mut csv).unwrap();
+        selection
+            .write_csv(opened.value.as_mut(), &mut csv)
+            .unwrap();
         assert_eq!(
             String::from_utf8(csv).unwrap(),
             "step,time.TIME,toe angle.R1\nunlisted,0.5,4\n"

@@ -1,10 +1,10 @@
-use std::io::{self, Write};
+use std::io;
 
-use super::{Catalogue, Header, NumberStyle, StepKind, Style, XrfWriter};
+use super::{Catalogue, Header, NumberStyle, StepKind};
 
 /// The results of a run in memory: what an XRF file holds, a row of values for each step.
 #[derive(Clone, PartialEq, Debug, Default, serde::Serialize, serde::Deserialize)]
-pub struct ResultsTable {
+pub(crate) struct ResultsTable {
     /// What the file would say of itself.
     pub header: Header,
     /// Names of the columns; the component with id k is value k - 1 of each row.
@@ -22,7 +22,7 @@ pub struct ResultsTable {
 
 impl ResultsTable {
     /// A table without steps.
-    pub fn new(header: Header, catalogue: Catalogue, numbers: NumberStyle) -> Self {
+    pub(crate) fn new(header: Header, catalogue: Catalogue, numbers: NumberStyle) -> Self {
         Self {
             header,
             catalogue,
@@ -36,40 +36,19 @@ impl ResultsTable {
     /// Adds a step.
     ///
     /// # Errors
-    /// `InvalidInput` when a value is not finite, as [`XrfWriter::step`] has it: a table is what a file can hold.
-    pub fn push(&mut self, kind: StepKind, values: &[f64]) -> io::Result<()> {
+    /// `InvalidInput` when there is not a value for each column or one is not finite: a table holds what a file can.
+    pub(crate) fn push(&mut self, kind: StepKind, values: &[f64]) -> io::Result<()> {
+        let columns = self.catalogue.len();
+        if values.len() != columns {
+            let message = format!("{} values for {columns} columns", values.len());
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
+        }
         if let Some(at) = values.iter().position(|value| !value.is_finite()) {
             let message = format!("the value of column {} is not finite", at + 1);
             return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
         }
         self.kinds.push(kind);
         self.values.extend_from_slice(values);
-        Ok(())
-    }
-
-    /// Writes the table as an XRF file: the bytes that a run with files would have written.
-    ///
-    /// # Errors
-    /// When the output cannot be written.
-    pub fn write(&self, output: impl Write) -> io::Result<()> {
-        self.write_as(&self.header, output)
-    }
-
-    /// The same under another header.
-    ///
-    /// # Errors
-    /// When the output cannot be written.
-    pub fn write_as(&self, header: &Header, output: impl Write) -> io::Result<()> {
-        let style = Style {
-            numbers: self.numbers,
-            ..Style::default()
-        };
-        let mut writer = XrfWriter::create(output, header, &self.catalogue, style)?;
-        let width = self.catalogue.len().max(1);
-        for (kind, values) in self.kinds.iter().zip(self.values.chunks(width)) {
-            writer.step(*kind, values)?;
-        }
-        writer.finish(&self.status)?;
         Ok(())
     }
 }

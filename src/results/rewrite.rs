@@ -57,7 +57,7 @@ pub fn rewrite<R: Read, V: Read, W: Write>(
     let mut report = Rewritten::default();
     let (mut copied, mut values, mut text) = (0_u64, Vec::new(), Vec::new());
     while let Some(step) = reader.next_step()? {
-        copy(&mut verbatim, &mut output, step.offset - copied)?;
+        copy(&mut verbatim, &mut output, step.offset() - copied)?;
         step.values(&mut values)?;
         let style = reprint(&step, &groups, &values, &mut styles, line_end, &mut text);
         if style.is_some() {
@@ -65,7 +65,7 @@ pub fn rewrite<R: Read, V: Read, W: Write>(
         } else {
             report.kept += 1;
             text.clear();
-            text.extend_from_slice(step.text);
+            text.extend_from_slice(step.text());
         }
         let here = changes.partition_point(|change| change.step == step.index);
         for change in changes.drain(..here).rev() {
@@ -73,8 +73,8 @@ pub fn rewrite<R: Read, V: Read, W: Write>(
             report.changed += 1;
         }
         output.write_all(&text)?;
-        skip(&mut verbatim, step.text.len() as u64)?;
-        copied = step.offset + step.text.len() as u64;
+        skip(&mut verbatim, step.text().len() as u64)?;
+        copied = step.offset() + step.text().len() as u64;
     }
     if let Some(change) = changes.first() {
         let message = format!("there is no step {}", change.step + 1);
@@ -123,12 +123,12 @@ fn reprint(
     for at in 0..=styles.len() {
         let style = match styles.get(at) {
             Some(&style) => style,
-            None => NumberStyle::Decimals(most_decimals(step.text)),
+            None => NumberStyle::Decimals(most_decimals(step.text())),
         };
         text.clear();
         text.extend_from_slice(line_end);
         groups.write(text, step.kind, values, style, line_end);
-        if text == step.text {
+        if text == step.text() {
             styles.retain(|&other| other != style);
             styles.insert(0, style);
             return Some(style);

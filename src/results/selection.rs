@@ -1,6 +1,6 @@
-use std::io::{Read, Write};
+use std::io::Write;
 
-use super::{Catalogue, Column, EntityKind, ResultsError, StepFilter, StepKind, XrfReader};
+use super::{Catalogue, Column, EntityKind, ResultsError, ResultsReader, StepFilter, StepKind};
 
 /// Columns picked by name, in the order of their ids.
 #[derive(Clone, PartialEq, Eq, Debug, serde::Serialize)]
@@ -22,7 +22,7 @@ pub struct SelectedColumn {
 
 impl Selection {
     /// Every named column.
-    pub fn all(catalogue: &Catalogue) -> Self {
+    pub(crate) fn all(catalogue: &Catalogue) -> Self {
         Self::new(catalogue, |_| true)
     }
 
@@ -70,7 +70,7 @@ impl Selection {
     }
 
     /// The ids, increasing.
-    pub fn ids(&self) -> Vec<usize> {
+    pub(crate) fn ids(&self) -> Vec<usize> {
         self.columns.iter().map(|column| column.id).collect()
     }
 
@@ -78,9 +78,9 @@ impl Selection {
     ///
     /// # Errors
     /// When reading fails, or `row` does.
-    pub fn rows<R: Read>(
+    pub(crate) fn rows(
         &self,
-        reader: &mut XrfReader<R>,
+        reader: &mut dyn ResultsReader,
         filter: &StepFilter,
         mut row: impl FnMut(StepKind, &str, &[f64]) -> std::io::Result<()>,
     ) -> Result<usize, ResultsError> {
@@ -120,9 +120,9 @@ impl Selection {
     ///
     /// # Errors
     /// When reading fails.
-    pub fn values_of<R: Read>(
+    pub(crate) fn values_of(
         &self,
-        reader: &mut XrfReader<R>,
+        reader: &mut dyn ResultsReader,
         filter: &StepFilter,
     ) -> Result<Vec<Vec<f64>>, ResultsError> {
         let mut rows = Vec::new();
@@ -138,9 +138,9 @@ impl Selection {
     ///
     /// # Errors
     /// When reading or writing fails; the steps before are written.
-    pub fn write_csv<R: Read>(
+    pub fn write_csv(
         &self,
-        reader: &mut XrfReader<R>,
+        reader: &mut dyn ResultsReader,
         output: impl Write,
     ) -> Result<usize, ResultsError> {
         self.write_csv_of(reader, output, &StepFilter::default(), false)
@@ -151,9 +151,9 @@ impl Selection {
     ///
     /// # Errors
     /// When reading or writing fails; the steps before are written.
-    pub fn write_csv_of<R: Read>(
+    pub(crate) fn write_csv_of(
         &self,
-        reader: &mut XrfReader<R>,
+        reader: &mut dyn ResultsReader,
         output: impl Write,
         filter: &StepFilter,
         plain: bool,
@@ -189,9 +189,9 @@ impl Selection {
     ///
     /// # Errors
     /// When reading or writing fails; the output is incomplete then.
-    pub fn write_json<R: Read>(
+    pub fn write_json(
         &self,
-        reader: &mut XrfReader<R>,
+        reader: &mut dyn ResultsReader,
         output: impl Write,
     ) -> Result<usize, ResultsError> {
         self.write_json_of(reader, output, &StepFilter::default())
@@ -201,9 +201,9 @@ impl Selection {
     ///
     /// # Errors
     /// When reading or writing fails; the output is incomplete then.
-    pub fn write_json_of<R: Read>(
+    pub(crate) fn write_json_of(
         &self,
-        reader: &mut XrfReader<R>,
+        reader: &mut dyn ResultsReader,
         mut output: impl Write,
         filter: &StepFilter,
     ) -> Result<usize, ResultsError> {

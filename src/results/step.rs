@@ -4,7 +4,7 @@ use crate::diagnostic::Code;
 
 use super::{ResultsError, StepKind};
 
-/// One whole step of an XRF file: its values as they stand in the file, as many as the file has columns.
+/// One whole step of a results file: as many values as the file has columns.
 #[derive(Clone, Copy, Debug)]
 pub struct Step<'a> {
     pub(super) file: &'a str,
@@ -14,21 +14,37 @@ pub struct Step<'a> {
     pub kind: StepKind,
     /// Name of the Data block it stands in, for example `quasiStatic_001`.
     pub block: &'a str,
-    /// Offset in the file of the text of the values.
-    pub offset: u64,
-    /// The text between the tags.
-    pub text: &'a [u8],
+    pub(super) values: Values<'a>,
 }
 
-impl Step<'_> {
+/// The values of a step.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Values<'a> {
+    /// As an XRF file spells them.
+    Text {
+        /// Offset in the file.
+        offset: u64,
+        /// What stands between the tags.
+        text: &'a [u8],
+    },
+    /// In memory: element i belongs to id i + 1.
+    Numbers(&'a [f64]),
+}
+
+impl<'a> Step<'a> {
     /// All values, replacing those in `values`: element i belongs to id i + 1.
     ///
     /// # Errors
     /// When something is not a number; the error tells where.
     pub fn values(&self, values: &mut Vec<f64>) -> Result<(), ResultsError> {
         values.clear();
-        for token in tokens(self.text) {
-            values.push(self.number(token)?);
+        match self.values {
+            Values::Numbers(numbers) => values.extend_from_slice(numbers),
+            Values::Text { text, .. } => {
+                for token in tokens(text) {
+                    values.push(self.number(text, token)?);
+                }
+            }
         }
         Ok(())
     }
@@ -38,33 +54,49 @@ impl Step<'_> {
     /// # Errors
     /// When something is not a number or an id is none of the file; the error tells where.
     pub fn pick(&self, ids: &[usize], values: &mut Vec<f64>) -> Result<(), ResultsError> {
-        let mut all = tokens(self.text);
+        let missing = |id: usize| {
+            let message = format!("there is no column {id}");
+            self.refused(Code::OutOfRange, 0..0, message)
+        };
+        let text = match self.values {
+            Values::Text { text, .. } => text,
+            Values::Numbers(numbers) => {
+                for &id in ids {
+                    let value = id.checked_sub(1).and_then(|at| numbers.get(at));
+                    values.push(*value.ok_or_else(|| missing(id))?);
+                }
+                return Ok(());
+            }
+        };
+        let mut all = tokens(text);
         let mut next = 1;
         for &id in ids {
             let token = id.checked_sub(next).and_then(|skip| all.nth(skip));
-            let Some(token) = token else {
-                let message = format!("there is no column {id}");
-                return Err(self.refused(Code::OutOfRange, 0..0, message));
-            };
-            values.push(self.number(token)?);
+            values.push(self.number(text, token.ok_or_else(|| missing(id))?)?);
             next = id + 1;
         }
         Ok(())
     }
 
-    /// The first value: by the format's own order the time.
-    ///
-    /// # Errors
-    /// When it is not a number.
-    pub fn time(&self) -> Result<f64, ResultsError> {
-        let mut values = Vec::with_capacity(1);
-        self.pick(&[1], &mut values)?;
-        Ok(values[0])
+    /// The text between the tags; empty where the values are in memory.
+    pub(super) fn text(&self) -> &'a [u8] {
+        match self.values {
+            Values::Text { text, .. } => text,
+            Values::Numbers(_) => &[],
+        }
     }
 
-    fn number(&self, token: Range<usize>) -> Result<f64, ResultsError> {
-        parse_number(&self.text[token.clone()]).ok_or_else(|| {
-            let shown = &self.text[token.start..token.end.min(token.start + 40)];
+    /// Offset of the text in the file.
+    pub(super) fn offset(&self) -> u64 {
+        match self.values {
+            Values::Text { offset, .. } => offset,
+            Values::Numbers(_) => 0,
+        }
+    }
+
+    fn number(&self, text: &[u8], token: Range<usize>) -> Result<f64, ResultsError> {
+        parse_number(&text[token.clone()]).ok_or_else(|| {
+            let shown = &text[token.start..token.end.min(token.start + 40)];
             let message = format!("`{}` is not a number", shown.escape_ascii());
             self.refused(Code::BadNumber, token.clone(), message)
         })
@@ -75,8 +107,8 @@ impl Step<'_> {
         ResultsError::refused(
             code,
             self.file,
-            self.offset + from,
-            self.offset + to,
+            self.offset() + from,
+            self.offset() + to,
             message,
         )
     }

@@ -24,7 +24,7 @@ pub enum StepKind {
 
 impl StepKind {
     /// Kinds with a name of their own.
-    pub const NAMED: [Self; 7] = [
+    pub(crate) const NAMED: [Self; 7] = [
         Self::Input,
         Self::InitialConditions,
         Self::Static,
@@ -49,7 +49,7 @@ impl StepKind {
     }
 
     /// The name of a Data block without its number.
-    pub const fn block_name(self) -> &'static str {
+    pub(crate) const fn block_name(self) -> &'static str {
         match self {
             Self::Input => "modelInput",
             other => other.step_type(),
@@ -57,7 +57,7 @@ impl StepKind {
     }
 
     /// The kind of a step from its `type`, upper and lower case alike.
-    pub fn from_step_type(text: &str) -> Self {
+    pub(crate) fn from_step_type(text: &str) -> Self {
         Self::NAMED
             .into_iter()
             .find(|kind| kind.step_type().eq_ignore_ascii_case(text))
@@ -65,7 +65,7 @@ impl StepKind {
     }
 
     /// True for the kinds that hold a static equilibrium; all of them are read alike (guide/formats.md 12).
-    pub const fn is_equilibrium(self) -> bool {
+    pub(crate) const fn is_equilibrium(self) -> bool {
         matches!(self, Self::Static | Self::QuasiStatic | Self::Equilibrium)
     }
 }

@@ -6,7 +6,10 @@ use crate::text::Span;
 
 use super::step::count_tokens;
 use super::xml::{Found, LIMIT, Refusal, Scanner, Tag, attributes, decode};
-use super::{Catalogue, Component, Entity, Header, LineEnd, ResultsError, Step, StepKind};
+use super::{
+    Catalogue, Component, Entity, Header, LineEnd, ResultsError, ResultsReader, Step, StepKind,
+    Values,
+};
 
 /// Deepest nesting of elements; real files have five levels.
 const DEEPEST: usize = 16;
@@ -33,7 +36,7 @@ pub struct XrfReader<R> {
     depth: usize,
     status: Option<String>,
     done: bool,
-    pub(super) diagnostics: Vec<Diagnostic>,
+    diagnostics: Vec<Diagnostic>,
     /// The Data tag that ended the header.
     pending: Option<Event>,
 }
@@ -143,8 +146,10 @@ impl<R: Read> XrfReader<R> {
                             index: self.steps - 1,
                             kind,
                             block: &self.block,
-                            offset,
-                            text: self.scanner.bytes(text),
+                            values: Values::Text {
+                                offset,
+                                text: self.scanner.bytes(text),
+                            },
                         }));
                     }
                     "Data" => self.block = take(&attributes, "name").unwrap_or_default(),
@@ -499,6 +504,24 @@ impl<R: Read> XrfReader<R> {
                 ));
         }
         Ok(())
+    }
+}
+
+impl<R: Read> ResultsReader for XrfReader<R> {
+    fn header(&self) -> &Header {
+        self.header()
+    }
+
+    fn catalogue(&self) -> &Catalogue {
+        self.catalogue()
+    }
+
+    fn next_step(&mut self) -> Result<Option<Step<'_>>, ResultsError> {
+        self.next_step()
+    }
+
+    fn diagnostics(&self) -> &[Diagnostic] {
+        self.diagnostics()
     }
 }
 

@@ -1,7 +1,7 @@
-use std::collections::BTreeMap;
 use std::io::{self, Write};
 
-use super::{Catalogue, Groups, Header, NumberStyle, StepKind};
+use super::blocks::Blocks;
+use super::{Catalogue, Groups, Header, NumberStyle, ResultsTable, ResultsWriter, StepKind};
 
 /// How lines end.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -15,7 +15,7 @@ pub enum LineEnd {
 
 impl LineEnd {
     /// The bytes.
-    pub const fn bytes(self) -> &'static [u8] {
+    pub(crate) const fn bytes(self) -> &'static [u8] {
         match self {
             Self::Lf => b"\n",
             Self::CrLf => b"\r\n",
@@ -43,9 +43,7 @@ pub struct XrfWriter<W: Write> {
     output: W,
     style: Style,
     groups: Groups,
-    block: Option<StepKind>,
-    blocks: u32,
-    numbers: BTreeMap<StepKind, u32>,
+    blocks: Blocks,
     text: Vec<u8>,
 }
 
@@ -64,9 +62,7 @@ impl<W: Write> XrfWriter<W> {
             output,
             style,
             groups: Groups::new(catalogue),
-            block: None,
-            blocks: 0,
-            numbers: BTreeMap::new(),
+            blocks: Blocks::default(),
             text: Vec::new(),
         };
         writer.header(header);
@@ -90,18 +86,14 @@ impl<W: Write> XrfWriter<W> {
             let message = format!("the value of column {} is not finite", at + 1);
             return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
         }
-        if self.block != Some(kind) {
-            self.close_block();
-            self.blocks += 1;
-            let number = self.numbers.entry(kind).or_insert(0);
-            *number += 1;
-            let line = format!(
-                "<Data name=\"{}_{number:03}\" id=\"{}\">",
-                kind.block_name(),
-                self.blocks
-            );
+        let before = self.blocks.count();
+        if self.blocks.take(kind) {
+            if before > 0 {
+                self.line("</Data>");
+            }
+            let (name, id) = (self.blocks.name(), self.blocks.count());
+            let line = format!("<Data name=\"{name}\" id=\"{id}\">");
             self.line(&line);
-            self.block = Some(kind);
         }
         self.line(&format!("<Step type=\"{}\">", kind.step_type()));
         let (numbers, line_end) = (self.style.numbers, self.style.line_end.bytes());
@@ -116,7 +108,9 @@ impl<W: Write> XrfWriter<W> {
     /// # Errors
     /// When the output cannot be written.
     pub fn finish(mut self, run_status: &str) -> io::Result<W> {
-        self.close_block();
+        if self.blocks.count() > 0 {
+            self.line("</Data>");
+        }
         let status = escape(run_status);
         self.line(&format!(
             "<TerminationStatus runTermObject=\"\" runStatus=\"{status}\" />"
@@ -129,12 +123,6 @@ impl<W: Write> XrfWriter<W> {
         }
         self.flush()?;
         Ok(self.output)
-    }
-
-    fn close_block(&mut self) {
-        if self.block.take().is_some() {
-            self.line("</Data>");
-        }
     }
 
     fn line(&mut self, text: &str) {
@@ -275,6 +263,36 @@ fn attributes(all: &[(&str, &str)]) -> String {
 }
 
 /// Text as XML: the characters with a meaning as references, control characters (which XML cannot hold) as blanks.
+impl<W: Write> ResultsWriter for XrfWriter<W> {
+    fn step(&mut self, kind: StepKind, values: &[f64]) -> io::Result<()> {
+        self.step(kind, values)
+    }
+
+    fn finish(self: Box<Self>, status: &str) -> io::Result<Option<ResultsTable>> {
+        (*self).finish(status).map(|_| None)
+    }
+}
+
+impl ResultsTable {
+    /// Writes the table as an XRF file under a header: but for that, the bytes that a run with files would have written.
+    ///
+    /// # Errors
+    /// When the output cannot be written.
+    pub(crate) fn write_as(&self, header: &Header, output: impl Write) -> io::Result<()> {
+        let style = Style {
+            numbers: self.numbers,
+            ..Style::default()
+        };
+        let mut writer = XrfWriter::create(output, header, &self.catalogue, style)?;
+        let width = self.catalogue.len().max(1);
+        for (kind, values) in self.kinds.iter().zip(self.values.chunks(width)) {
+            writer.step(*kind, values)?;
+        }
+        writer.finish(&self.status)?;
+        Ok(())
+    }
+}
+
 fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

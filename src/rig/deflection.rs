@@ -35,7 +35,7 @@ pub fn deflection(
 }
 
 /// The relative motion of a marker pair whose parts are at these poses, angles in (-pi, pi].
-pub fn relative_motion(
+pub(crate) fn relative_motion(
     part_i: &Pose,
     marker_i: &Pose,
     part_j: &Pose,

@@ -44,12 +44,6 @@ impl Curve {
         ("track", Self::Track),
     ];
 
-    /// Its word.
-    pub fn word(self) -> &'static str {
-        let own = Self::ALL.iter().find(|(_, curve)| *curve == self);
-        own.map_or("", |(word, _)| word)
-    }
-
     /// Words by which laboratories call its column: English, German, French.
     const fn called(self) -> &'static [&'static str] {
         match self {
@@ -97,7 +91,7 @@ impl Curve {
     }
 
     /// What its sign says.
-    pub const fn told(self) -> &'static str {
+    pub(crate) const fn told(self) -> &'static str {
         match self {
             Self::Toe => "positive for toe-in",
             Self::Camber => "positive with the top outboard",
@@ -110,7 +104,7 @@ impl Curve {
     }
 
     /// True for an angle, false for a displacement.
-    pub const fn is_angle(self) -> bool {
+    pub(crate) const fn is_angle(self) -> bool {
         matches!(self, Self::Toe | Self::Camber | Self::Steer | Self::Caster)
     }
 }
@@ -231,7 +225,7 @@ pub struct Helper {
 }
 
 /// Adds markers to a model.
-pub fn with_helpers<'a>(model: &mut Model, helpers: impl IntoIterator<Item = &'a Helper>) {
+pub(crate) fn with_helpers<'a>(model: &mut Model, helpers: impl IntoIterator<Item = &'a Helper>) {
     for helper in helpers {
         let (None, Some(beside)) = (model.marker(helper.id), model.marker(helper.beside)) else {
             continue;
@@ -266,7 +260,12 @@ pub(super) struct Gauge {
 
 impl Gauge {
     /// At a wheel marker; `None` where the deck does not place it.
-    pub fn new(model: &Model, marker: MarkerIx, axis: SpinAxis, forward: Forward) -> Option<Self> {
+    pub(crate) fn new(
+        model: &Model,
+        marker: MarkerIx,
+        axis: SpinAxis,
+        forward: Forward,
+    ) -> Option<Self> {
         let pose = model.marker_pose(marker)?;
         let wheel = &model.markers[marker.0];
         let part = &model.parts[wheel.part.0];
@@ -292,12 +291,12 @@ impl Gauge {
         })
     }
 
-    pub fn helpers(&self) -> &[Helper] {
+    pub(crate) fn helpers(&self) -> &[Helper] {
         &self.helpers
     }
 
     /// The curve as a function: degrees, or the deck's length unit.
-    pub fn function(&self, curve: Curve) -> String {
+    pub(crate) fn function(&self, curve: Curve) -> String {
         let [centre, spin, rear] = self.helpers.each_ref().map(|helper| helper.id);
         let signed = |sign: f64, text: String| {
             if sign < 0.0 {

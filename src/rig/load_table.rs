@@ -71,7 +71,7 @@ const UP_AND_DOWN: &[[f64; 3]] = &[
 
 impl LoadTable {
     /// Vertical, lateral and longitudinal load of each case, newtons, in the order of application.
-    pub const fn loads(self) -> &'static [[f64; 3]] {
+    pub(crate) const fn loads(self) -> &'static [[f64; 3]] {
         match self {
             Self::Table1 => TABLE_1,
             Self::Table2 => TABLE_2,

@@ -104,12 +104,12 @@ pub struct Channel {
 
 impl Channel {
     /// True if it is read in each case.
-    pub fn is_read_by_case(&self) -> bool {
+    pub(crate) fn is_read_by_case(&self) -> bool {
         self.summary.is_none() && !self.column.0.is_empty()
     }
 
     /// Its unit as it stands behind a number: a blank before it, nothing where the study states none.
-    pub fn behind(&self) -> String {
+    pub(crate) fn behind(&self) -> String {
         self.unit
             .as_ref()
             .map_or_else(String::new, |unit| format!(" {unit}"))
@@ -127,7 +127,7 @@ pub enum Reference {
 
 impl Channel {
     /// Index of the case whose value is subtracted in a case.
-    pub fn reference(&self, case: usize) -> Option<usize> {
+    pub(crate) fn reference(&self, case: usize) -> Option<usize> {
         match self.relative_to? {
             Reference::Case(zero) => Some(zero),
             Reference::Previous => case.checked_sub(1),
@@ -159,7 +159,11 @@ impl Measurement {
     ///
     /// # Errors
     /// Too few or collinear marks.
-    pub fn orientation(&self, case: usize, part: usize) -> Result<Orientation, OrientationError> {
+    pub(crate) fn orientation(
+        &self,
+        case: usize,
+        part: usize,
+    ) -> Result<Orientation, OrientationError> {
         let (on_part, measured) = self.pairs(case, part);
         absolute_orientation(&on_part, &measured, self.sigma)
     }
@@ -175,7 +179,7 @@ impl Measurement {
     }
 
     /// The measured pose of every part of the model in a case: ground is where it is, a part without a pose is `None`.
-    pub fn poses(&self, case: usize, model: &Model) -> Vec<Option<Orientation>> {
+    pub(crate) fn poses(&self, case: usize, model: &Model) -> Vec<Option<Orientation>> {
         let mut poses: Vec<Option<Orientation>> = vec![None; model.parts.len()];
         if let Some(ground) = model.ground() {
             poses[ground.0] = Some(Orientation {
@@ -201,7 +205,7 @@ impl Measurement {
     }
 
     /// Whether a fit that does not see these cases sees the reading of a channel that stands in `case`.
-    pub fn sees_channel(
+    pub(crate) fn sees_channel(
         &self,
         channel: usize,
         case: usize,
@@ -216,7 +220,7 @@ impl Measurement {
     }
 
     /// Index of the case with this label.
-    pub fn case(&self, label: &str) -> Option<usize> {
+    pub(crate) fn case(&self, label: &str) -> Option<usize> {
         self.cases.iter().position(|case| case.label == label)
     }
 }
@@ -243,13 +247,13 @@ pub(super) struct Grouped(BTreeMap<String, (Diagnostic, usize)>);
 
 impl Grouped {
     /// Adds one occurrence; the first one is shown, the others counted.
-    pub fn add(&mut self, key: String, diagnostic: impl FnOnce() -> Diagnostic) {
+    pub(crate) fn add(&mut self, key: String, diagnostic: impl FnOnce() -> Diagnostic) {
         let entry = self.0.entry(key).or_insert_with(|| (diagnostic(), 0));
         entry.1 += 1;
     }
 
     /// Hands over what was found.
-    pub fn finish(self, out: &mut Vec<Diagnostic>) {
+    pub(crate) fn finish(self, out: &mut Vec<Diagnostic>) {
         for (mut diagnostic, count) in self.0.into_values() {
             if count > 1 {
                 diagnostic.message += &format!(" (and {} more)", count - 1);

@@ -41,25 +41,31 @@ mod virtual_rig;
 pub mod wheel;
 mod wheel_readings;
 
-pub use kc_curves::{Curve, CurveSettings, Helper, KcSettings, with_helpers};
+pub use kc_curves::Curve;
+
 pub use load::programme;
 pub use load_table::LoadTable;
-pub use measurement::{
-    Case, Channel, MarkReading, MarkedPart, Measurement, PartMark, Reference, Wheel,
-};
+pub(crate) use measurement::MarkReading;
+pub use measurement::{Case, Channel, Measurement, Reference, Wheel};
 pub use missing::missing;
 pub use resolve::part;
-pub use rigidity::{ForeignMarks, foreign_marks};
+pub(crate) use rigidity::ForeignMarks;
+pub(crate) use rigidity::foreign_marks;
 pub use scatter::Scatter;
-pub use schema::schema;
-pub use section::{Holds, Key, Spelled, meant};
-pub use sensors::{Channels, with_channels};
+pub(crate) use schema::schema;
+pub use section::meant;
+
+pub(crate) use sensors::Channels;
+pub(crate) use sensors::with_channels;
 
 pub use rig_options::RigOptions;
-pub use starter::{Kind, Starter};
-pub use stated::{Stated, ToleranceSettings};
-pub use study::{MarkFiles, Study, study_keys};
-pub use summary::{Over, Summary, SummaryKind, Taken};
+pub use starter::Kind;
+pub(crate) use starter::Starter;
+pub(crate) use stated::{Stated, ToleranceSettings};
+pub use study::Study;
+pub use summary::Over;
+pub(crate) use summary::Summary;
 pub use table::{Cell, Table};
 pub use tolerances::Tolerances;
-pub use virtual_rig::{RigRun, virtual_rig, virtual_rig_watched};
+pub(crate) use virtual_rig::virtual_rig_watched;
+pub use virtual_rig::{RigRun, virtual_rig};

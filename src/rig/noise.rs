@@ -28,12 +28,12 @@ impl Noise {
     }
 
     /// A whole number from zero to below `count`.
-    pub fn below(&mut self, count: usize) -> usize {
+    pub(crate) fn below(&mut self, count: usize) -> usize {
         self.0.random_range(0..count)
     }
 
     /// Three independent numbers: a Student t of the given degrees of freedom, scaled; normal if these are infinite.
-    pub fn heavy(&mut self, tails: f64, scale: f64) -> Vec3 {
+    pub(crate) fn heavy(&mut self, tails: f64, scale: f64) -> Vec3 {
         match StudentT::new(tails) {
             Ok(law) if tails.is_finite() => Vec3::from_fn(|_, _| self.0.sample(law)) * scale,
             _ => self.vector(scale),

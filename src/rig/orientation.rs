@@ -8,7 +8,7 @@ use crate::mechanics::{Mat3, Mat6, Pose, Vec3, skew};
 
 /// A layout of marks is refused when its lateral spread is below this fraction of its length: the rotation about the line of the
 /// marks would be noise.
-pub const LEAST_SPREAD: f64 = 5e-3;
+pub(crate) const LEAST_SPREAD: f64 = 5e-3;
 
 /// The pose of a part and how well it is known.
 #[derive(Clone, PartialEq, Debug)]
@@ -52,7 +52,7 @@ pub enum OrientationError {
 const SVD_STEPS: usize = 1_000;
 
 /// Rms extents of points about their mean along their principal axes, the largest first.
-pub fn extents(points: &[Vec3]) -> [f64; 3] {
+pub(crate) fn extents(points: &[Vec3]) -> [f64; 3] {
     let n = points.len().max(1) as f64;
     let mean = points.iter().sum::<Vec3>() / n;
     let scatter = points
@@ -77,7 +77,7 @@ pub fn extents(points: &[Vec3]) -> [f64; 3] {
 ///
 /// # Errors
 /// Fewer than three marks, marks on a line, coordinates that are not finite.
-pub fn absolute_orientation(
+pub(crate) fn absolute_orientation(
     on_part: &[Vec3],
     measured: &[Vec3],
     sigma: f64,
@@ -157,7 +157,7 @@ pub fn information(pose: &Pose, on_part: &[Vec3]) -> Mat6 {
 }
 
 /// Probability that a chi-square variable with `dof` degrees of freedom exceeds `value`; 1 without degrees of freedom.
-pub fn chi_square_p_value(value: f64, dof: usize) -> f64 {
+pub(crate) fn chi_square_p_value(value: f64, dof: usize) -> f64 {
     if dof == 0 || !value.is_finite() {
         return if value.is_finite() { 1.0 } else { 0.0 };
     }

@@ -23,7 +23,7 @@ pub(super) struct Readings {
 
 impl Readings {
     /// Reads every case once. Each kind of noise has its own stream, so that no effect changes the noise.
-    pub fn new(
+    pub(crate) fn new(
         measured: &Measurement,
         reality: &Reality,
         rest: &[Rest],

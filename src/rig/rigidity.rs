@@ -9,7 +9,7 @@ const NOISE: f64 = 10.0;
 
 /// A part whose marks cannot all be on it: they fit no rigid part, by far more than any part bends.
 #[derive(Clone, PartialEq, Debug)]
-pub struct ForeignMarks {
+pub(crate) struct ForeignMarks {
     /// Index of the marked part.
     pub part: usize,
     /// Indices of the load cases, more than one; a single case may hold a single wrong reading.
@@ -19,7 +19,7 @@ pub struct ForeignMarks {
 }
 
 /// Every part whose marks belong elsewhere in several cases. No model of any kind of axle explains such readings.
-pub fn foreign_marks(measurement: &Measurement) -> Vec<ForeignMarks> {
+pub(crate) fn foreign_marks(measurement: &Measurement) -> Vec<ForeignMarks> {
     let of = |part: usize| {
         let mut cases = Vec::new();
         let mut worst: f64 = 0.0;

@@ -7,7 +7,7 @@ use super::study::study_keys;
 use crate::guide::glossary;
 
 /// The JSON Schema (draft 7) of `study.toml`, for editors.
-pub fn schema() -> Value {
+pub(crate) fn schema() -> Value {
     let mut root = table();
     for key in study_keys() {
         insert(&mut root, &key);

@@ -17,7 +17,7 @@ pub struct Spelled {
 
 /// What a key of `study.toml` may hold.
 #[derive(Clone, PartialEq, Debug)]
-pub enum Holds {
+pub(crate) enum Holds {
     /// A table of further keys.
     Table,
     /// A text.
@@ -36,7 +36,7 @@ pub enum Holds {
 
 /// A key the reader of `study.toml` asks for.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Key {
+pub(crate) struct Key {
     /// Its whole name; a piece `NAME` stands for names of one's own.
     pub path: String,
     /// What it may hold.
@@ -64,7 +64,7 @@ pub(super) struct Section<'a> {
 
 impl<'a> Section<'a> {
     /// No file at all: every question is written down.
-    pub fn inquiring(source: &'a Source, inquiry: &'a Inquiry) -> Self {
+    pub(crate) fn inquiring(source: &'a Source, inquiry: &'a Inquiry) -> Self {
         Self {
             source,
             path: String::new(),
@@ -89,7 +89,7 @@ impl<'a> Section<'a> {
     }
 
     /// The whole file.
-    pub fn root(source: &'a Source, table: &'a DeTable<'a>) -> Self {
+    pub(crate) fn root(source: &'a Source, table: &'a DeTable<'a>) -> Self {
         Self {
             source,
             path: String::new(),
@@ -101,22 +101,22 @@ impl<'a> Section<'a> {
     }
 
     /// True if the file has this table.
-    pub fn is_present(&self) -> bool {
+    pub(crate) fn is_present(&self) -> bool {
         self.table.is_some() || self.inquiry.is_some()
     }
 
     /// Where it stands.
-    pub fn span(&self) -> Span {
+    pub(crate) fn span(&self) -> Span {
         self.span
     }
 
     /// The file's name.
-    pub fn file(&self) -> &'a str {
+    pub(crate) fn file(&self) -> &'a str {
         self.source.name()
     }
 
     /// The whole name of a key.
-    pub fn name(&self, key: &str) -> String {
+    pub(crate) fn name(&self, key: &str) -> String {
         if self.path.is_empty() {
             key.to_string()
         } else {
@@ -131,7 +131,13 @@ impl<'a> Section<'a> {
     }
 
     /// A complaint about a value of this section.
-    pub fn wrong(&self, key: &str, span: Span, expected: &str, diagnostics: &mut Vec<Diagnostic>) {
+    pub(crate) fn wrong(
+        &self,
+        key: &str,
+        span: Span,
+        expected: &str,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) {
         diagnostics.push(
             Diagnostic::error(
                 Code::BadSetting,
@@ -142,7 +148,11 @@ impl<'a> Section<'a> {
     }
 
     /// A table inside this one; an absent one answers every question with nothing.
-    pub fn section(&mut self, key: &'static str, diagnostics: &mut Vec<Diagnostic>) -> Section<'a> {
+    pub(crate) fn section(
+        &mut self,
+        key: &'static str,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> Section<'a> {
         self.note(key, Holds::Table);
         let path = self.name(key);
         let found = self.get(key);
@@ -166,7 +176,7 @@ impl<'a> Section<'a> {
     }
 
     /// A text.
-    pub fn text(
+    pub(crate) fn text(
         &mut self,
         key: &'static str,
         diagnostics: &mut Vec<Diagnostic>,
@@ -184,7 +194,7 @@ impl<'a> Section<'a> {
     }
 
     /// A finite number in `[least, most]`, or the default.
-    pub fn number(
+    pub(crate) fn number(
         &mut self,
         key: &'static str,
         default: f64,
@@ -196,7 +206,7 @@ impl<'a> Section<'a> {
     }
 
     /// A finite number in `[least, most]`, if given.
-    pub fn optional_number(
+    pub(crate) fn optional_number(
         &mut self,
         key: &'static str,
         (least, most): (f64, f64),
@@ -215,7 +225,7 @@ impl<'a> Section<'a> {
     }
 
     /// A standard deviation above zero, if given: readings without any scatter would have infinite weight.
-    pub fn deviation(
+    pub(crate) fn deviation(
         &mut self,
         key: &'static str,
         diagnostics: &mut Vec<Diagnostic>,
@@ -238,7 +248,7 @@ impl<'a> Section<'a> {
     }
 
     /// A whole number in `[least, most]`, or the default.
-    pub fn count(
+    pub(crate) fn count(
         &mut self,
         key: &'static str,
         default: usize,
@@ -260,7 +270,7 @@ impl<'a> Section<'a> {
     }
 
     /// One of the given words, or the default.
-    pub fn choice<T: Copy>(
+    pub(crate) fn choice<T: Copy>(
         &mut self,
         key: &'static str,
         default: T,
@@ -289,7 +299,7 @@ impl<'a> Section<'a> {
     }
 
     /// A list of texts, if given.
-    pub fn texts(
+    pub(crate) fn texts(
         &mut self,
         key: &'static str,
         diagnostics: &mut Vec<Diagnostic>,
@@ -315,7 +325,10 @@ impl<'a> Section<'a> {
     }
 
     /// Every key with a text as its value, in the order they are written. Marks all keys as known.
-    pub fn all_texts(&mut self, diagnostics: &mut Vec<Diagnostic>) -> Vec<(Spelled, Spelled)> {
+    pub(crate) fn all_texts(
+        &mut self,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> Vec<(Spelled, Spelled)> {
         self.note("NAME", Holds::OwnTexts);
         let mut found = Vec::new();
         for (key, value) in self.entries() {
@@ -334,7 +347,7 @@ impl<'a> Section<'a> {
     }
 
     /// Every key with a table as its value, in the order they are written.
-    pub fn all_sections(
+    pub(crate) fn all_sections(
         &mut self,
         diagnostics: &mut Vec<Diagnostic>,
     ) -> Vec<(Spelled, Section<'a>)> {
@@ -364,7 +377,7 @@ impl<'a> Section<'a> {
     }
 
     /// True if the value of this key is a text and not a table.
-    pub fn is_text(&mut self, key: &'static str) -> bool {
+    pub(crate) fn is_text(&mut self, key: &'static str) -> bool {
         if let Some(inquiry) = self.inquiry {
             return inquiry.texts;
         }
@@ -389,7 +402,7 @@ impl<'a> Section<'a> {
     }
 
     /// Names the keys nobody asked for.
-    pub fn finish(self, diagnostics: &mut Vec<Diagnostic>) {
+    pub(crate) fn finish(self, diagnostics: &mut Vec<Diagnostic>) {
         for (key, _) in self.entries() {
             if self.asked.contains(key.text.as_str()) {
                 continue;

@@ -12,7 +12,7 @@ use crate::system::{NoValue, Parameters, Scratch, State, System};
 ///
 /// # Errors
 /// A channel's function that does not follow the grammar of expressions.
-pub fn with_channels(
+pub(crate) fn with_channels(
     model: &Model,
     measurement: &Measurement,
     further: &[String],
@@ -49,7 +49,7 @@ impl Channels {
     ///
     /// # Errors
     /// [`NoValue`] if a function is undefined there.
-    pub fn values(
+    pub(crate) fn values(
         self,
         system: &System,
         theta: &Parameters,
@@ -70,7 +70,7 @@ impl Channels {
 
     /// Values where another solver puts all parts. `None` of a channel that does not follow from places and numbers alone, such as
     /// a reaction or a VARIABLE, and of one without a value there.
-    pub fn at(
+    pub(crate) fn at(
         self,
         system: &System,
         theta: &Parameters,

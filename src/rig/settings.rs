@@ -92,7 +92,7 @@ pub enum Method {
 
 impl Method {
     /// The word of guide/study.md.
-    pub const fn as_str(self) -> &'static str {
+    pub(crate) const fn as_str(self) -> &'static str {
         match self {
             Self::GaussNewton => "gauss-newton",
             Self::Regression => "regression",

@@ -36,7 +36,7 @@ struct Driven {
 
 /// The beginning of a study of one deck.
 #[derive(Clone, Debug)]
-pub struct Starter<'a> {
+pub(crate) struct Starter<'a> {
     model: &'a Model,
     loads: Vec<Driven>,
     /// The marker that looks most like the centre of a wheel.
@@ -45,7 +45,7 @@ pub struct Starter<'a> {
 
 impl<'a> Starter<'a> {
     /// Looks for loads and a wheel.
-    pub fn of(model: &'a Model) -> Self {
+    pub(crate) fn of(model: &'a Model) -> Self {
         let loads = loads(model);
         Self {
             wheel: wheel(model),
@@ -55,13 +55,13 @@ impl<'a> Starter<'a> {
     }
 
     /// Addresses of the bushings that can be identified.
-    pub fn bushings(&self) -> Vec<String> {
+    pub(crate) fn bushings(&self) -> Vec<String> {
         let address = |found: &crate::model::Bushing| format!("BUSHING/{}", found.header.id);
         self.model.bushings.iter().map(address).collect()
     }
 
     /// What was found, one line each.
-    pub fn found(&self) -> Vec<String> {
+    pub(crate) fn found(&self) -> Vec<String> {
         /// More are counted, not listed.
         const LISTED: usize = 12;
         let many = |list: Vec<String>, none: &str| match list.len() {
@@ -103,7 +103,7 @@ impl<'a> Starter<'a> {
     }
 
     /// The files of a study: names and texts. `bushings`: those to identify, all if empty.
-    pub fn files(
+    pub(crate) fn files(
         &self,
         deck: &str,
         kinds: &BTreeSet<Kind>,

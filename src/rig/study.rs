@@ -79,7 +79,7 @@ impl Study {
     }
 
     /// Where a key stands in `study.toml`, or the section that should have it, or the beginning of the file.
-    pub fn place(&self, keys: &[&str]) -> Span {
+    pub(crate) fn place(&self, keys: &[&str]) -> Span {
         let text = String::from_utf8_lossy(self.source.bytes());
         let (document, _) = DeTable::parse_recoverable(&text);
         let (mut table, mut span) = (Some(document.get_ref()), Span::at(0));
@@ -99,7 +99,7 @@ impl Study {
     }
 
     /// Every input file.
-    pub fn sources(&self) -> Vec<&Source> {
+    pub(crate) fn sources(&self) -> Vec<&Source> {
         let tables = [
             Some(&self.loads),
             self.marks.as_ref().map(|marks| &marks.on_parts),
@@ -127,7 +127,7 @@ impl Study {
 }
 
 /// Every key of `study.toml`, as the reader asks for them.
-pub fn study_keys() -> Vec<Key> {
+pub(crate) fn study_keys() -> Vec<Key> {
     let source = Source::new("study.toml".to_string(), Vec::new());
     let files = Files {
         folder: Path::new(""),

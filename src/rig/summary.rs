@@ -38,7 +38,7 @@ pub struct Summary {
 
 /// The value of a summary, and its derivatives by each value of the curve and of what it is over.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Taken {
+pub(crate) struct Taken {
     /// The value.
     pub value: f64,
     /// By the curve in each case.
@@ -49,7 +49,7 @@ pub struct Taken {
 
 impl Summary {
     /// From the curve in each of its cases, `channel` telling another channel there. Zero where nothing can be taken.
-    pub fn take(&self, curve: &[f64], channel: &dyn Fn(usize) -> Vec<f64>) -> Taken {
+    pub(crate) fn take(&self, curve: &[f64], channel: &dyn Fn(usize) -> Vec<f64>) -> Taken {
         let x = match &self.over {
             Over::Load(values) => values.clone(),
             Over::Channel(other) => channel(*other),

@@ -121,7 +121,7 @@ impl Table {
     }
 
     /// The position of a column.
-    pub fn column(&self, name: &str) -> Option<usize> {
+    pub(crate) fn column(&self, name: &str) -> Option<usize> {
         self.columns.get(&name.to_lowercase()).copied()
     }
 
@@ -159,7 +159,7 @@ impl Table {
     }
 
     /// The names of the header line as they are written.
-    pub fn header(&self) -> Vec<String> {
+    pub(crate) fn header(&self) -> Vec<String> {
         self.header.iter().map(|cell| cell.text.clone()).collect()
     }
 
@@ -184,18 +184,18 @@ impl Table {
     }
 
     /// The cell of a row, unless the row is too short or the cell empty.
-    pub fn cell<'a>(&self, row: &'a [Cell], column: usize) -> Option<&'a Cell> {
+    pub(crate) fn cell<'a>(&self, row: &'a [Cell], column: usize) -> Option<&'a Cell> {
         row.get(column).filter(|cell| !cell.text.is_empty())
     }
 
     /// The header line.
-    pub fn header_row(&self) -> String {
+    pub(crate) fn header_row(&self) -> String {
         let cells: Vec<String> = self.header();
         cells.join(std::str::from_utf8(&[self.delimiter]).unwrap_or(",")) + "\n"
     }
 
     /// A row for the end of the file, written as its own are: the cells of these columns, all others empty.
-    pub fn further_row(&self, cells: &[(usize, String)]) -> String {
+    pub(crate) fn further_row(&self, cells: &[(usize, String)]) -> String {
         let of = |column: usize| {
             let own = cells.iter().find(|(at, _)| *at == column);
             let text = own.map_or("", |(_, text)| text.as_str());
@@ -218,12 +218,12 @@ impl Table {
     }
 
     /// True if a column's name is this one but for few letters.
-    pub fn has_slip(&self, name: &str) -> bool {
+    pub(crate) fn has_slip(&self, name: &str) -> bool {
         self.slip(name).is_some()
     }
 
     /// The finite number of a cell.
-    pub fn value(&self, cell: &Cell) -> Option<f64> {
+    pub(crate) fn value(&self, cell: &Cell) -> Option<f64> {
         let number = match cell.text.parse().ok() {
             None if self.decimal_commas => decimal(&cell.text),
             number => number,

@@ -42,7 +42,7 @@ pub fn virtual_rig(folder: &Path, options: &RigOptions) -> Result<RigRun, Vec<Di
 ///
 /// # Errors
 /// As [`virtual_rig`].
-pub fn virtual_rig_watched(
+pub(crate) fn virtual_rig_watched(
     folder: &Path,
     options: &RigOptions,
     progress: &mut dyn FnMut(usize, usize),

@@ -45,7 +45,7 @@ impl SpinDirection {
     }
 
     /// The spin axis of the wheel marker now.
-    pub fn now(&self, marker: &Pose) -> Vec3 {
+    pub(crate) fn now(&self, marker: &Pose) -> Vec3 {
         marker.R.column(self.axis) * self.sense
     }
 

@@ -54,7 +54,7 @@ pub(super) struct Columns {
 
 impl Columns {
     /// The columns that RESULTS asks for.
-    pub fn of(model: &Model) -> Self {
+    pub(crate) fn of(model: &Model) -> Self {
         let settings = &model.results;
         let stored = Stored {
             displacements: !settings.no_displacements,

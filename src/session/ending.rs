@@ -31,7 +31,7 @@ pub struct Ending {
 }
 
 /// What `mdi` ends with, for `mdi --help`; the page `drop_in` of the guide has the same table.
-pub const EXIT_CODES: &str = "\
+pub(crate) const EXIT_CODES: &str = "\
   what happened                                                            code  MDI_STRICT=1  runStatus in .res
   all commands executed, equilibrium found                                   0        0        Successful
   harmless and ignored (SHOW, EXIT, an id that is not in the dataset)        0        0        Successful

@@ -8,7 +8,7 @@ use super::windows_names::check_name;
 /// Which files a command file may name. Datasets and command files are not trusted: what they name is held to the folders of the
 /// run.
 #[derive(Clone, Debug)]
-pub struct FilePolicy {
+pub(crate) struct FilePolicy {
     /// Real paths of folders; what is below them may be written.
     folders: Vec<PathBuf>,
     /// Real paths of folders; what is in them may be written, not what is in folders of theirs.
@@ -20,7 +20,7 @@ pub struct FilePolicy {
 impl FilePolicy {
     /// The working directory, and the folders that the environment variable `ADMIRE_ALLOW_PATH` lists, may be written. Anything may
     /// be read.
-    pub fn new(directory: &Path) -> Self {
+    pub(crate) fn new(directory: &Path) -> Self {
         let mut policy = Self {
             folders: Vec::new(),
             beside: Vec::new(),
@@ -38,12 +38,12 @@ impl FilePolicy {
     }
 
     /// Lets nothing be read either that may not be written.
-    pub const fn confine(&mut self) {
+    pub(crate) const fn confine(&mut self) {
         self.confined = true;
     }
 
     /// Allows a folder and all below: where the command file of the command line is.
-    pub fn allow(&mut self, folder: &Path) {
+    pub(crate) fn allow(&mut self, folder: &Path) {
         if let Ok(real) = real_path(or_here(folder))
             && !self.folders.contains(&real)
         {
@@ -53,7 +53,7 @@ impl FilePolicy {
 
     /// Allows to write beside a model. Its name comes out of a command file: only a dataset by name opens its folder, and nothing
     /// below.
-    pub fn allow_beside(&mut self, model: &Path) {
+    pub(crate) fn allow_beside(&mut self, model: &Path) {
         let is_adm = model
             .extension()
             .is_some_and(|extension| extension.eq_ignore_ascii_case("adm"));
@@ -69,7 +69,7 @@ impl FilePolicy {
     ///
     /// # Errors
     /// `read-outside`, or `cannot-read` of a name that is no file on Windows.
-    pub fn check_read(&self, path: &Path) -> Result<(), Diagnostic> {
+    pub(crate) fn check_read(&self, path: &Path) -> Result<(), Diagnostic> {
         check_name(&path.to_string_lossy())
             .map_err(|why| Diagnostic::error(Code::CannotRead, why))?;
         let inside = |real: PathBuf| self.folders.iter().any(|folder| real.starts_with(folder));
@@ -88,7 +88,7 @@ impl FilePolicy {
     ///
     /// # Errors
     /// `write-outside` or `cannot-write`.
-    pub fn check(&self, path: &Path) -> Result<(), Diagnostic> {
+    pub(crate) fn check(&self, path: &Path) -> Result<(), Diagnostic> {
         let cannot = |why: String| {
             Diagnostic::error(
                 Code::CannotWrite,

@@ -20,7 +20,7 @@ const MOST_BYTES: u64 = 64 << 20;
 /// Reads the property files a dataset names, from the folder of the dataset or where their path leads as far as the policy lets it.
 /// Complains of files that are not there, of each once: a warning where the answer needs it, a note where only graphics or a
 /// subroutine would read it.
-pub fn read_files(dataset: &Dataset, folder: &Path, policy: &FilePolicy) -> Checked<Files> {
+pub(crate) fn read_files(dataset: &Dataset, folder: &Path, policy: &FilePolicy) -> Checked<Files> {
     let mut files = Files::default();
     let mut diagnostics: Vec<Diagnostic> = Vec::new();
     let mut missing: BTreeMap<String, usize> = BTreeMap::new();

@@ -4,7 +4,7 @@ use crate::diagnostic::{Code, Diagnostic};
 
 /// What a command line in ADAMS' style asks for.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Launch {
+pub(crate) struct Launch {
     /// Where the commands come from.
     pub input: LaunchInput,
     /// Words that were skipped.
@@ -13,7 +13,7 @@ pub struct Launch {
 
 /// Where the commands of a run come from.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub enum LaunchInput {
+pub(crate) enum LaunchInput {
     /// A command file, as written on the command line, quotes removed; `.acf` may be missing.
     CommandFile(String),
     /// Commands on standard input.
@@ -35,7 +35,7 @@ impl Launch {
     /// # Errors
     /// A form only a full ADAMS installation can run: `ru-user` (a user-written solver library), products such as `acar` without the
     /// solver, and command files of ADAMS/View (`.cmd`).
-    pub fn parse(words: &[String]) -> Result<Self, Diagnostic> {
+    pub(crate) fn parse(words: &[String]) -> Result<Self, Diagnostic> {
         let mut warnings = Vec::new();
         let mut file: Option<String> = None;
         let mut runs = false;
@@ -111,7 +111,7 @@ impl Launch {
     /// What lines of standard input ask for that answer the menus of the launcher: `ru-standard`, `i`, the command file, `exit`, one to
     /// a line, or the last of them where the command line gave the first. `None` if they do not begin like that: then they are commands
     /// of the solver.
-    pub fn of_menu(text: &str) -> Option<Result<Self, Diagnostic>> {
+    pub(crate) fn of_menu(text: &str) -> Option<Result<Self, Diagnostic>> {
         let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
         let first = lines.next()?;
         let known = |word: &str| {
@@ -142,7 +142,7 @@ impl Launch {
     }
 
     /// The stem that messages of a launch get until a model names another: that of the command file among the words.
-    pub fn stem(words: &[String]) -> String {
+    pub(crate) fn stem(words: &[String]) -> String {
         let is_file = |word: &&str| {
             let lower = word.to_ascii_lowercase();
             [".acf", ".cmd"].iter().any(|end| lower.ends_with(end))

@@ -86,7 +86,7 @@ pub(super) enum Beginning {
 
 impl Beginning {
     /// After a static solution: at the start the velocities of the dataset count again.
-    pub fn after_statics(self, time: f64) -> Self {
+    pub(crate) fn after_statics(self, time: f64) -> Self {
         if time == 0.0 {
             Self::Dataset
         } else {
@@ -104,7 +104,7 @@ impl Beginning {
 
 impl Loaded {
     /// Reads a dataset. The model can be used if no complaint is an error.
-    pub fn read(
+    pub(crate) fn read(
         parsed: &Checked<Dataset>,
         outputs: Outputs,
         policy: &FilePolicy,
@@ -140,12 +140,12 @@ impl Loaded {
     }
 
     /// The current time.
-    pub fn time(&self) -> f64 {
+    pub(crate) fn time(&self) -> f64 {
         self.state().map_or(0.0, |state| state.time)
     }
 
     /// The current state, if any simulation was asked for yet.
-    pub fn state(&self) -> Option<&State> {
+    pub(crate) fn state(&self) -> Option<&State> {
         match &self.compiled {
             Some(compiled) => Some(&compiled.state),
             None => self.before.as_ref().map(|before| &before.state),
@@ -153,7 +153,7 @@ impl Loaded {
     }
 
     /// The model was changed: its equations are compiled anew before the next simulation, which starts from where it stands.
-    pub fn changed(&mut self) {
+    pub(crate) fn changed(&mut self) {
         if let Some(compiled) = self.compiled.take() {
             self.before = Some(Before::of(&compiled.system, compiled.state));
             self.beginning = compiled.beginning.after_change();
@@ -162,7 +162,7 @@ impl Loaded {
     }
 
     /// Redefines a statement by a command. Gives the complaints; nothing is changed if one is an error.
-    pub fn redefine(&mut self, command: &Statement, source: &Source) -> Vec<Diagnostic> {
+    pub(crate) fn redefine(&mut self, command: &Statement, source: &Source) -> Vec<Diagnostic> {
         let constants = self.constants(command);
         let poses: Vec<_> = self.model.parts.iter().map(|part| part.pose).collect();
         let complaints = self.definitions.redefine(&mut self.model, command, source);
@@ -227,7 +227,7 @@ impl Loaded {
     }
 
     /// The components of a request that the dataset does not have, where the model stands. `None` if they have no value here.
-    pub fn answer(&mut self, request: Request) -> Option<[f64; 8]> {
+    pub(crate) fn answer(&mut self, request: Request) -> Option<[f64; 8]> {
         let compiled = self.compiled().value;
         let before = Before::of(&compiled.system, compiled.state.clone());
         let mut model = self.model.clone();
@@ -244,7 +244,7 @@ impl Loaded {
     ///
     /// # Errors
     /// When the state is that of another model.
-    pub fn restore(&mut self, saved: Saved) -> Result<(), Diagnostic> {
+    pub(crate) fn restore(&mut self, saved: Saved) -> Result<(), Diagnostic> {
         self.changed();
         if let Some((model, definitions)) = saved.model {
             self.model = model;
@@ -269,7 +269,7 @@ impl Loaded {
     }
 
     /// The equations of the model as it is now, at the state where it stands, and what a new compilation warns of.
-    pub fn compiled(&mut self) -> Checked<&mut Compiled> {
+    pub(crate) fn compiled(&mut self) -> Checked<&mut Compiled> {
         let mut diagnostics = Vec::new();
         let compiled = self.compiled.get_or_insert_with(|| {
             let left_out = self.model.leave_out(&self.ignored);

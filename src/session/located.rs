@@ -15,18 +15,18 @@ pub struct Sources {
 
 impl Sources {
     /// Adds a file; one of the same name is replaced.
-    pub fn add(&mut self, source: Source) {
+    pub(crate) fn add(&mut self, source: Source) {
         self.files.retain(|known| known.name() != source.name());
         self.files.push(source);
     }
 
     /// The file of this name.
-    pub fn get(&self, name: &str) -> Option<&Source> {
+    pub(crate) fn get(&self, name: &str) -> Option<&Source> {
         self.files.iter().find(|source| source.name() == name)
     }
 
     /// From here on objects of a dataset are named beside what is said of their statements; those of one before no longer.
-    pub fn name_objects(&mut self, dataset: &Dataset) {
+    pub(crate) fn name_objects(&mut self, dataset: &Dataset) {
         self.names = Some(ObjectNames::of(dataset));
     }
 
@@ -39,7 +39,7 @@ impl Sources {
     }
 
     /// `file:line:column` of a label, or the file alone when its text is not at hand or the label is about all of it.
-    pub fn place(&self, label: &Label) -> String {
+    pub(crate) fn place(&self, label: &Label) -> String {
         match self.get(&label.file) {
             Some(source) if !label.is_about_all() => {
                 let at = source.line_column(label.span.start());
@@ -52,7 +52,7 @@ impl Sources {
 
 /// A diagnostic as plain text of several lines: place and message, the line of the file with the place marked, what else is
 /// said of it, the object as ADAMS names it, what to do. Ends with a line end.
-pub fn located(diagnostic: &Diagnostic, sources: &Sources) -> String {
+pub(crate) fn located(diagnostic: &Diagnostic, sources: &Sources) -> String {
     let mut out = String::new();
     let mut put = |text: std::fmt::Arguments<'_>| {
         out.write_fmt(text)

@@ -23,7 +23,7 @@ pub(super) struct Measures<'s> {
 
 impl<'s> Measures<'s> {
     /// Looks at a state.
-    pub fn new(system: &'s System, parameters: &'s Parameters, state: &'s State) -> Self {
+    pub(crate) fn new(system: &'s System, parameters: &'s Parameters, state: &'s State) -> Self {
         let mut scratch = Scratch::new(system);
         // Functions without a value make the elements they drive zero.
         let _ = system.at(parameters, state, &mut scratch).look();
@@ -102,7 +102,7 @@ impl<'s> Measures<'s> {
     }
 
     /// The eight components of a request as OUTPUT wants them; zero if it is switched off or has no value here.
-    pub fn request(&mut self, model: &Model, index: usize) -> [f64; 8] {
+    pub(crate) fn request(&mut self, model: &Model, index: usize) -> [f64; 8] {
         let request = &model.requests[index];
         if !request.header.active {
             return [0.0; 8];
@@ -141,7 +141,7 @@ fn yaw_pitch_roll(R: &Mat3) -> [f64; 3] {
 
 impl Columns {
     /// The values of the step `input`: the parts where the dataset puts them, everything else zero.
-    pub fn input(&self, initial: &State, values: &mut Vec<f64>) {
+    pub(crate) fn input(&self, initial: &State, values: &mut Vec<f64>) {
         values.clear();
         values.push(initial.time);
         self.bodies(initial, values);
@@ -149,7 +149,7 @@ impl Columns {
     }
 
     /// The values of a step.
-    pub fn step(&self, model: &Model, measures: &mut Measures<'_>, values: &mut Vec<f64>) {
+    pub(crate) fn step(&self, model: &Model, measures: &mut Measures<'_>, values: &mut Vec<f64>) {
         let state = measures.state;
         values.clear();
         values.push(state.time);

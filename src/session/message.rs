@@ -23,7 +23,7 @@ const PATIENCE: Duration = Duration::from_secs(10);
 ///
 /// The `.msg` file gets its name from the first FILE/MODEL command; what was said before is kept for it. The lines that
 /// scripts look for are those of guide/formats.md 6.5. A message file that cannot be written does not stop a run.
-pub struct Messages<'a> {
+pub(crate) struct Messages<'a> {
     console: Box<dyn Write + 'a>,
     file: Option<Sink>,
     path: Option<PathBuf>,
@@ -41,7 +41,7 @@ const MOST_TOLD: usize = 1000;
 
 impl<'a> Messages<'a> {
     /// Messages that go to `console`, and to a file once it is opened. Says the banner.
-    pub fn new(console: Box<dyn Write + 'a>, directory: &Path) -> Self {
+    pub(crate) fn new(console: Box<dyn Write + 'a>, directory: &Path) -> Self {
         let mut messages = Self {
             console,
             file: None,
@@ -71,7 +71,7 @@ impl<'a> Messages<'a> {
     ///
     /// # Errors
     /// `cannot-write` when the other run goes on for longer than ten seconds.
-    pub fn own(&mut self, path: &Path) -> Result<(), Diagnostic> {
+    pub(crate) fn own(&mut self, path: &Path) -> Result<(), Diagnostic> {
         if cfg!(windows) || self.owned.iter().any(|(own, _)| own == path) {
             return Ok(());
         }
@@ -97,7 +97,7 @@ impl<'a> Messages<'a> {
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn open(&mut self, path: &Path) -> io::Result<()> {
+    pub(crate) fn open(&mut self, path: &Path) -> io::Result<()> {
         if self.path.as_deref() == Some(path) {
             return Ok(());
         }
@@ -112,12 +112,12 @@ impl<'a> Messages<'a> {
     }
 
     /// True once a file has been opened.
-    pub fn is_open(&self) -> bool {
+    pub(crate) fn is_open(&self) -> bool {
         self.file.is_some()
     }
 
     /// Says text as it is.
-    pub fn say(&mut self, text: &str) {
+    pub(crate) fn say(&mut self, text: &str) {
         // Nobody may be listening: a closed pipe is not a failure of the run.
         let _ = self.console.write_all(printable(text).as_bytes());
         match &mut self.file {
@@ -130,7 +130,7 @@ impl<'a> Messages<'a> {
     }
 
     /// Puts what was said where others can read it.
-    pub fn flush(&mut self) {
+    pub(crate) fn flush(&mut self) {
         let _ = self.console.flush();
         if let Some(file) = &mut self.file {
             let flushed = file.flush();
@@ -146,12 +146,12 @@ impl<'a> Messages<'a> {
     }
 
     /// Why the file could not be written to its end, if that is so.
-    pub fn unwritten(&self) -> Option<String> {
+    pub(crate) fn unwritten(&self) -> Option<String> {
         self.error.clone()
     }
 
     /// The very last line.
-    pub fn last(&mut self, text: &str) {
+    pub(crate) fn last(&mut self, text: &str) {
         self.say(&format!("{text}\n"));
         self.flush();
     }
@@ -187,12 +187,12 @@ impl<'a> Messages<'a> {
     }
 
     /// A line of the command file, before what it does.
-    pub fn command(&mut self, line: &str) {
+    pub(crate) fn command(&mut self, line: &str) {
         self.say(&format!(" command: {line}\n"));
     }
 
     /// The title of a model that was read.
-    pub fn title(&mut self, title: &str) {
+    pub(crate) fn title(&mut self, title: &str) {
         let rule = "-".repeat(79);
         let empty = format!("|{:77}|", "");
         self.say(&format!(
@@ -204,7 +204,7 @@ impl<'a> Messages<'a> {
     }
 
     /// A constraint whose markers are apart, in the words of ADAMS as far as they are known: those of points and planes are.
-    pub fn apart(&mut self, apart: &Apart) {
+    pub(crate) fn apart(&mut self, apart: &Apart) {
         let (name, d) = (&apart.name, apart.distance);
         let text = match apart.counts {
             [false, false, true] => format!(
@@ -230,7 +230,7 @@ impl<'a> Messages<'a> {
     }
 
     /// Constraint equations that say nothing new, named as ADAMS names them.
-    pub fn redundant(&mut self, time: f64, equations: &[String]) {
+    pub(crate) fn redundant(&mut self, time: f64, equations: &[String]) {
         let mut text = format!(
             "  Time T={}.\n  Degree-of-freedom analysis identified redundant constraints in the model:\n  {}\n",
             exponent(time, 9),
@@ -243,7 +243,7 @@ impl<'a> Messages<'a> {
     }
 
     /// A diagnostic in its frame; a note without one.
-    pub fn diagnostic(&mut self, diagnostic: &Diagnostic, sources: &Sources) {
+    pub(crate) fn diagnostic(&mut self, diagnostic: &Diagnostic, sources: &Sources) {
         let text = located(diagnostic, sources);
         if let Some(told) = &mut self.told
             && told.len() < MOST_TOLD
@@ -258,7 +258,7 @@ impl<'a> Messages<'a> {
     }
 
     /// Text in a frame of its own: `WARNING` or `ERROR`.
-    pub fn frame(&mut self, kind: &str, text: &str) {
+    pub(crate) fn frame(&mut self, kind: &str, text: &str) {
         self.say(&format!(
             "\n---- START: {kind} ----\n{}\n---- END: {kind} ----\n\n",
             text.trim_end()
@@ -266,14 +266,14 @@ impl<'a> Messages<'a> {
     }
 
     /// The head of a lone static solution.
-    pub fn begin_static(&mut self) {
+    pub(crate) fn begin_static(&mut self) {
         self.say(
             "\n\n  Begin Static Solution\n\n\n STATICS: Original static solver will be used with the built-in linear solver.\n\n",
         );
     }
 
     /// A converged static solution, and its balance evaluated anew.
-    pub fn converged(&mut self, iterations: usize, imbalance: f64, balance: &str) {
+    pub(crate) fn converged(&mut self, iterations: usize, imbalance: f64, balance: &str) {
         self.say(&format!(
             "  Static Solution converged in {iterations} iterations\n  Residual imbalance is less than {}\n{balance}\n  End Static \
              Solution\n",
@@ -282,7 +282,7 @@ impl<'a> Messages<'a> {
     }
 
     /// The head of a quasi-static (or kinematic) simulation, named by `what`.
-    pub fn begin_simulation(&mut self, what: &str) {
+    pub(crate) fn begin_simulation(&mut self, what: &str) {
         self.say(&format!(
             "\n\n  Begin Simulation\n\n  ****** Performing {what} Simulation ******\n\n   Simulation   Iterations   Residual\n   \
              Time                      Imbalance\n   ___________  ___________  ___________\n"
@@ -290,7 +290,7 @@ impl<'a> Messages<'a> {
     }
 
     /// One output step of such a simulation.
-    pub fn simulation_step(&mut self, time: f64, iterations: usize, imbalance: f64) {
+    pub(crate) fn simulation_step(&mut self, time: f64, iterations: usize, imbalance: f64) {
         self.say(&format!(
             "   {}  {iterations:>11}  {}\n",
             exponent(time, 5),
@@ -299,7 +299,7 @@ impl<'a> Messages<'a> {
     }
 
     /// The head of a simulation over time.
-    pub fn begin_motion(&mut self) {
+    pub(crate) fn begin_motion(&mut self) {
         self.say("\n\n  Begin Simulation\n");
     }
 
@@ -358,7 +358,7 @@ impl<'a> Messages<'a> {
     }
 
     /// What a kinematic simulation says of itself, and the head of its table.
-    pub fn kinematic_head(&mut self, redundant: Option<&(f64, Vec<String>)>) {
+    pub(crate) fn kinematic_head(&mut self, redundant: Option<&(f64, Vec<String>)>) {
         self.say("\n  ****** Performing Kinematic Simulation ******\n");
         if let Some((time, equations)) = redundant {
             self.redundant(*time, equations);
@@ -389,12 +389,12 @@ impl<'a> Messages<'a> {
     }
 
     /// The end of such a simulation.
-    pub fn end_simulation(&mut self) {
+    pub(crate) fn end_simulation(&mut self) {
         self.say("\n  End Simulation\n");
     }
 
     /// The last lines of a run, as ADAMS prints them.
-    pub fn finished(&mut self, elapsed: std::time::Duration) {
+    pub(crate) fn finished(&mut self, elapsed: std::time::Duration) {
         let cpu = cpu_time::ProcessTime::try_now().map_or(elapsed, |now| now.as_duration());
         let (elapsed, cpu) = (elapsed.as_secs_f64(), cpu.as_secs_f64());
         // A run of no time has no load.
@@ -428,7 +428,7 @@ pub(super) struct Progress {
 }
 
 impl Progress {
-    pub fn new(times: &OutputTimes) -> Self {
+    pub(crate) fn new(times: &OutputTimes) -> Self {
         Self {
             every: (times.count / 10).max(1),
             count: times.count,
@@ -438,7 +438,7 @@ impl Progress {
     }
 
     /// The time since the start if this row is shown.
-    pub fn shown(&mut self) -> Option<Duration> {
+    pub(crate) fn shown(&mut self) -> Option<Duration> {
         let at = self.seen;
         self.seen += 1;
         (at.is_multiple_of(self.every) || at == self.count).then(|| self.start.elapsed())

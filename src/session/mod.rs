@@ -38,18 +38,20 @@ mod watching;
 mod windows_names;
 
 pub use ending::{Ending, Stop};
-pub use file_policy::FilePolicy;
-pub use files::{folder_of, read_files};
-pub use launcher::{Launch, LaunchInput};
-pub use located::{Sources, located};
-pub use mdi::mdi;
-pub use message::{Messages, exponent};
-pub use moment::Moment;
-pub use on_deck::on_deck;
-pub use paths::{find_file, ignoring_case, native_spelling, told_of_case};
+pub(crate) use file_policy::FilePolicy;
+pub use files::folder_of;
+pub(crate) use files::read_files;
 
-pub use record::Record;
-pub use recorded_commands::recorded_commands;
+pub use located::Sources;
+pub(crate) use located::located;
+pub use mdi::mdi;
+pub use message::exponent;
+pub use moment::Moment;
+pub(crate) use on_deck::on_deck;
+pub(crate) use paths::{find_file, ignoring_case, native_spelling, told_of_case};
+
+pub(crate) use recorded_commands::recorded_commands;
 pub use run_state::Session;
-pub use trial::{Trial, TrialInput};
-pub use windows_names::check_name;
+pub use trial::Trial;
+pub(crate) use trial::TrialInput;
+pub(crate) use windows_names::check_name;

@@ -15,7 +15,7 @@ pub(super) struct ObjectNames {
 
 impl ObjectNames {
     /// The names of a dataset.
-    pub fn of(dataset: &Dataset) -> Self {
+    pub(crate) fn of(dataset: &Dataset) -> Self {
         let source = dataset.source();
         let name = |statement: &Statement| statement.view_name.map(|span| source.text(span));
         let mut parts = BTreeMap::new();
@@ -45,7 +45,7 @@ impl ObjectNames {
     }
 
     /// The object whose statement a label is in.
-    pub fn at(&self, label: &Label) -> Option<&str> {
+    pub(crate) fn at(&self, label: &Label) -> Option<&str> {
         if *label.file != *self.file || label.is_about_all() {
             return None;
         }

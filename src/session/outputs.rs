@@ -8,7 +8,7 @@ use crate::model::{Model, Orientation, PartKind, Request};
 use crate::motion::Mode;
 use crate::results::{
     GraphicsMarker, GraphicsWriter, Header, NumberStyle, RequestEntry, RequestWriter, ResultsTable,
-    StepKind, Style, Tabular, TabularRequest, Timestamp, XrfWriter, write_tabular,
+    ResultsWriter, StepKind, Style, Tabular, TabularRequest, Timestamp, XrfWriter, write_tabular,
 };
 use crate::system::State;
 use crate::text::{LineEnds, patiently};
@@ -35,7 +35,7 @@ pub(super) struct Outputs {
     begun: bool,
     /// What is kept in memory, in place of files.
     record: Option<Record>,
-    results: Option<(Results, Columns)>,
+    results: Option<(Box<dyn ResultsWriter>, Columns)>,
     requests: Option<RequestWriter<Sink>>,
     graphics: Option<(GraphicsWriter<Sink>, Vec<usize>)>,
     tables: Option<Tables>,
@@ -44,21 +44,6 @@ pub(super) struct Outputs {
     pub last: Option<f64>,
     /// A simulation had no answer: the results are not called successful.
     pub failed: bool,
-}
-
-/// Where steps of results go.
-enum Results {
-    File(XrfWriter<Sink>),
-    Memory(Box<ResultsTable>),
-}
-
-impl Results {
-    fn step(&mut self, kind: StepKind, values: &[f64]) -> io::Result<()> {
-        match self {
-            Self::File(writer) => writer.step(kind, values),
-            Self::Memory(table) => table.push(kind, values),
-        }
-    }
 }
 
 /// The tables of `.out`, written request by request, so that their rows have to be kept.
@@ -77,7 +62,7 @@ impl Outputs {
     ///
     /// # Errors
     /// When a file lies outside of the allowed folders or cannot be written.
-    pub fn prepare(prefix: PathBuf, policy: &FilePolicy) -> Result<Self, Diagnostic> {
+    pub(crate) fn prepare(prefix: PathBuf, policy: &FilePolicy) -> Result<Self, Diagnostic> {
         let mut unused = Vec::new();
         for extension in EXTENSIONS {
             let path = with_extension(&prefix, extension);
@@ -92,7 +77,7 @@ impl Outputs {
     }
 
     /// Outputs that are kept in memory under the names that files would have.
-    pub fn in_memory(prefix: PathBuf) -> Self {
+    pub(crate) fn in_memory(prefix: PathBuf) -> Self {
         Self::to(prefix, Vec::new(), Some(Record::default()))
     }
 
@@ -113,12 +98,12 @@ impl Outputs {
     }
 
     /// What was kept in memory, taken out; nothing if files are written.
-    pub fn take_record(&mut self) -> Option<Record> {
+    pub(crate) fn take_record(&mut self) -> Option<Record> {
         self.record.take()
     }
 
     /// The path of the message file.
-    pub fn message_file(&self) -> PathBuf {
+    pub(crate) fn message_file(&self) -> PathBuf {
         with_extension(&self.prefix, "msg")
     }
 
@@ -126,7 +111,7 @@ impl Outputs {
     ///
     /// # Errors
     /// When a file cannot be written.
-    pub fn begin(&mut self, model: &Model, initial: &State) -> Result<(), Diagnostic> {
+    pub(crate) fn begin(&mut self, model: &Model, initial: &State) -> Result<(), Diagnostic> {
         if self.begun {
             return Ok(());
         }
@@ -196,17 +181,13 @@ impl Outputs {
         };
         columns.input(initial, &mut self.values);
         let values = std::mem::take(&mut self.values);
-        let mut results = if self.record.is_some() {
-            let catalogue = columns.catalogue.clone();
-            Results::Memory(Box::new(ResultsTable::new(
-                header,
-                catalogue,
-                style.numbers,
-            )))
+        let catalogue = columns.catalogue.clone();
+        let mut results: Box<dyn ResultsWriter> = if self.record.is_some() {
+            Box::new(ResultsTable::new(header, catalogue, style.numbers))
         } else {
-            self.create("res", |file| {
-                XrfWriter::create(file, &header, &columns.catalogue, style).map(Results::File)
-            })?
+            Box::new(self.create("res", |file| {
+                XrfWriter::create(file, &header, &catalogue, style)
+            })?)
         };
         results
             .step(StepKind::Input, &values)
@@ -248,7 +229,7 @@ impl Outputs {
     ///
     /// # Errors
     /// When a file cannot be written.
-    pub fn step(
+    pub(crate) fn step(
         &mut self,
         kind: StepKind,
         model: &Model,
@@ -307,7 +288,7 @@ impl Outputs {
     }
 
     /// A file next to the others of the run.
-    pub fn beside(&self, extension: &str) -> std::path::PathBuf {
+    pub(crate) fn beside(&self, extension: &str) -> std::path::PathBuf {
         with_extension(&self.prefix, extension)
     }
 
@@ -315,7 +296,7 @@ impl Outputs {
     ///
     /// # Errors
     /// When it cannot be written.
-    pub fn write_beside(&mut self, extension: &str, text: &str) -> Result<(), Diagnostic> {
+    pub(crate) fn write_beside(&mut self, extension: &str, text: &str) -> Result<(), Diagnostic> {
         self.write_file(&self.beside(extension), text)
     }
 
@@ -323,7 +304,7 @@ impl Outputs {
     ///
     /// # Errors
     /// When it cannot be written.
-    pub fn write_file(&mut self, path: &Path, text: &str) -> Result<(), Diagnostic> {
+    pub(crate) fn write_file(&mut self, path: &Path, text: &str) -> Result<(), Diagnostic> {
         if let Some(record) = &mut self.record {
             record.add(path, text);
             return Ok(());
@@ -332,14 +313,14 @@ impl Outputs {
     }
 
     /// Keeps modes beside results in memory; nothing where files are written.
-    pub fn keep_modes(&mut self, modes: impl Iterator<Item = Mode>) {
+    pub(crate) fn keep_modes(&mut self, modes: impl Iterator<Item = Mode>) {
         if let Some(record) = &mut self.record {
             record.modes = modes.collect();
         }
     }
 
     /// True if nothing is written to a disk.
-    pub fn is_in_memory(&self) -> bool {
+    pub(crate) fn is_in_memory(&self) -> bool {
         self.record.is_some()
     }
 
@@ -347,7 +328,7 @@ impl Outputs {
     ///
     /// # Errors
     /// When a file cannot be written.
-    pub fn simulation_ended(&mut self) -> Result<(), Diagnostic> {
+    pub(crate) fn simulation_ended(&mut self) -> Result<(), Diagnostic> {
         let path = with_extension(&self.prefix, "out");
         match &mut self.tables {
             Some(tables) if tables.separate => {
@@ -361,23 +342,17 @@ impl Outputs {
     ///
     /// # Errors
     /// When a file cannot be written.
-    pub fn finish(&mut self) -> Result<(), Diagnostic> {
+    pub(crate) fn finish(&mut self) -> Result<(), Diagnostic> {
         // How ADAMS calls the end of a run that failed is not known; readers look for `Successful`.
         let status = if self.failed { "Failed" } else { "Successful" };
-        match self.results.take() {
-            Some((Results::File(writer), _)) => {
-                let path = with_extension(&self.prefix, "res");
-                writer
-                    .finish(status)
-                    .map_err(|error| cannot_write(&path, &error))?;
+        if let Some((results, _)) = self.results.take() {
+            let path = with_extension(&self.prefix, "res");
+            let table = results
+                .finish(status)
+                .map_err(|error| cannot_write(&path, &error))?;
+            if let Some(record) = &mut self.record {
+                record.results = table;
             }
-            Some((Results::Memory(mut table), _)) => {
-                table.status = status.to_string();
-                if let Some(record) = &mut self.record {
-                    record.results = Some(*table);
-                }
-            }
-            None => {}
         }
         if let Some(mut tables) = self.tables.take() {
             let path = with_extension(&self.prefix, "out");

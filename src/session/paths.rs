@@ -9,7 +9,7 @@ use super::windows_names;
 /// Quotes and blanks around the name are dropped, backslashes separate folders, `.{extension}` is added where it is missing
 /// (guide/formats.md 5.1). Devices of Windows are refused there. What only differs in upper and lower case is found with a warning, and so is the base name of a path
 /// of another computer (a drive letter, or a folder that is not here).
-pub fn find_file(
+pub(crate) fn find_file(
     written: &str,
     extension: &str,
     folders: &[impl AsRef<Path>],
@@ -61,7 +61,7 @@ pub fn find_file(
 }
 
 /// What to say of a file that is found although upper and lower case differ.
-pub fn told_of_case(written: &str, found: &Path) -> Diagnostic {
+pub(crate) fn told_of_case(written: &str, found: &Path) -> Diagnostic {
     Diagnostic::warning(
         Code::FileNameCase,
         format!("`{written}` is found as `{}`", found.display()),
@@ -113,7 +113,7 @@ fn in_place_of(written: &str, here: &[&PathBuf]) -> Checked<Option<PathBuf>> {
 
 /// A file name as this computer spells it: no quotes around it; on Windows backslashes and no dots at the end of a name, elsewhere
 /// `/` for `\` and no drive letter.
-pub fn native_spelling(written: &str) -> PathBuf {
+pub(crate) fn native_spelling(written: &str) -> PathBuf {
     PathBuf::from(if cfg!(windows) {
         windows_names::of_windows(written)
     } else {
@@ -135,7 +135,7 @@ fn with_extension(name: &Path, extension: &str) -> Vec<PathBuf> {
 }
 
 /// The file with this path but for upper and lower case, if there is one.
-pub fn ignoring_case(path: &Path) -> Option<PathBuf> {
+pub(crate) fn ignoring_case(path: &Path) -> Option<PathBuf> {
     let mut found = PathBuf::new();
     for component in path.components() {
         let Component::Normal(name) = component else {

@@ -8,7 +8,7 @@ use crate::diagnostic::{Code, Diagnostic};
 impl<'a> Session<'a> {
     /// Tells of every output of a simulation over time. When the answer is false the run ends there, its files whole up to that output.
     #[must_use]
-    pub fn watched(mut self, watcher: impl FnMut(Moment) -> bool + 'a) -> Self {
+    pub(crate) fn watched(mut self, watcher: impl FnMut(Moment) -> bool + 'a) -> Self {
         self.watcher = Some(Box::new(watcher));
         self
     }

@@ -19,7 +19,7 @@ type Text = Arc<Mutex<Vec<u8>>>;
 
 /// The outputs of a run that wrote no files.
 #[derive(Debug, Default)]
-pub struct Record {
+pub(crate) struct Record {
     /// The results of the last model that has any, whether or not it asks for a file of them.
     pub results: Option<ResultsTable>,
     /// The modes of the last LINEAR/EIGENSOL, one of each pair, in the order of `.modes.json`.
@@ -51,7 +51,7 @@ impl Record {
     }
 
     /// The other files by extension (`req`, `gra`, `out`), those of LINEAR by name.
-    pub fn files(&self) -> BTreeMap<String, Vec<u8>> {
+    pub(crate) fn files(&self) -> BTreeMap<String, Vec<u8>> {
         let bytes = |text: &Text| text.lock().unwrap_or_else(PoisonError::into_inner).clone();
         self.texts
             .iter()
@@ -68,7 +68,7 @@ pub(super) enum Sink {
 }
 
 impl Sink {
-    pub fn file(file: LineEnds<File>) -> Self {
+    pub(crate) fn file(file: LineEnds<File>) -> Self {
         Self::File(BufWriter::new(file))
     }
 }

@@ -6,7 +6,7 @@
 /// A line ` command: ...` is one line of commands; lines that are continued with `&` stay so. `FILE/COMMAND=...`, whose lines follow, is left
 /// out. Where no FILE/MODEL is recorded, as in co-simulations, `model` is read first. Simulations are repeated with what was set before
 /// each of them: where an input was set several times (predictor, corrector) the last one acts.
-pub fn recorded_commands(messages: &str, model: &str) -> Option<String> {
+pub(crate) fn recorded_commands(messages: &str, model: &str) -> Option<String> {
     let lines: Vec<&str> = messages
         .lines()
         .filter_map(|line| line.trim_start().strip_prefix("command:"))

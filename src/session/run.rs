@@ -19,7 +19,7 @@ const DEEPEST: usize = 16;
 
 impl<'a> Session<'a> {
     /// Ends a launch that was refused: its message file has the last lines of any run.
-    pub fn refuse(self, stem: &str) {
+    pub(crate) fn refuse(self, stem: &str) {
         let start = std::time::Instant::now();
         self.named(stem).finish(Err(Stop::File), start);
     }
@@ -45,7 +45,7 @@ impl<'a> Session<'a> {
     }
 
     /// Executes commands that are not in a file: those of standard input.
-    pub fn run_commands(mut self, commands: &Source) -> Ending {
+    pub(crate) fn run_commands(mut self, commands: &Source) -> Ending {
         let start = std::time::Instant::now();
         let flow = self.execute(commands, 0);
         self.finish(flow, start)
@@ -53,7 +53,7 @@ impl<'a> Session<'a> {
 
     /// Executes commands on a dataset that was read before, whatever model they name, and keeps in memory what else would be files. The
     /// dataset is read by its name: files it names are looked up beside that.
-    pub fn run_on(
+    pub(crate) fn run_on(
         mut self,
         deck: &'a Checked<Dataset>,
         commands: &Checked<CommandFile>,

@@ -77,7 +77,7 @@ impl<'a> Session<'a> {
 
     /// Lets the run read nothing outside of the folders it may write; `more` folders are among them.
     #[must_use]
-    pub fn confined(mut self, more: &[PathBuf]) -> Self {
+    pub(crate) fn confined(mut self, more: &[PathBuf]) -> Self {
         for folder in more {
             self.policy.allow(folder);
         }
@@ -87,20 +87,20 @@ impl<'a> Session<'a> {
 
     /// Leaves statements out of the models that are not solved; each is said where it would have acted.
     #[must_use]
-    pub fn ignoring(mut self, ignored: Vec<Ignore>) -> Self {
+    pub(crate) fn ignoring(mut self, ignored: Vec<Ignore>) -> Self {
         self.ignored = ignored;
         self
     }
 
     /// Gives the message file a stem for runs that read no model: whoever waits for its last lines finds them.
     #[must_use]
-    pub fn named(mut self, stem: &str) -> Self {
+    pub(crate) fn named(mut self, stem: &str) -> Self {
         self.stem = Some(stem.to_string());
         self
     }
 
     /// Says a complaint that came up before any command.
-    pub fn complain(&mut self, diagnostic: &Diagnostic) {
+    pub(crate) fn complain(&mut self, diagnostic: &Diagnostic) {
         self.messages.diagnostic(diagnostic, &self.sources);
     }
 

@@ -51,7 +51,7 @@ pub(super) struct Placed {
 
 impl Saved {
     /// What there is to keep.
-    pub fn of(model: &Model, definitions: &Definitions, state: Option<&State>) -> Self {
+    pub(crate) fn of(model: &Model, definitions: &Definitions, state: Option<&State>) -> Self {
         Self {
             model: Some((model.clone(), definitions.clone())),
             state: state.map(|state| Placed {
@@ -69,7 +69,7 @@ impl Saved {
     }
 
     /// Where the model stands, without the model.
-    pub fn states(self) -> Self {
+    pub(crate) fn states(self) -> Self {
         Self {
             model: None,
             ..self
@@ -80,7 +80,7 @@ impl Saved {
     ///
     /// # Errors
     /// When it is another file or cannot be written.
-    pub fn write(&self, path: &Path) -> Result<(), Diagnostic> {
+    pub(crate) fn write(&self, path: &Path) -> Result<(), Diagnostic> {
         let cannot = |why: &str| {
             Diagnostic::error(
                 Code::CannotWrite,
@@ -131,7 +131,7 @@ impl Saved {
     ///
     /// # Errors
     /// When the file cannot be read or is the state of another model.
-    pub fn read(path: &Path, model: &Model) -> Result<Self, Diagnostic> {
+    pub(crate) fn read(path: &Path, model: &Model) -> Result<Self, Diagnostic> {
         let cannot = |why: &str| {
             Diagnostic::error(
                 Code::CannotRead,
@@ -212,7 +212,7 @@ impl Placed {
     ///
     /// # Errors
     /// When it is the state of another model.
-    pub fn put_into(self, state: &mut State) -> Result<(), Diagnostic> {
+    pub(crate) fn put_into(self, state: &mut State) -> Result<(), Diagnostic> {
         if self.poses.len() != state.poses.len() {
             return Err(Diagnostic::error(
                 Code::CannotRead,

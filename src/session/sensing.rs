@@ -27,7 +27,7 @@ impl Loaded {
     ///
     /// CODGEN, RESTART, STEPSIZE and YYDUMP concern integrators and other solvers; what PRINT asks for is written at every output
     /// step anyway.
-    pub fn sense(&mut self) -> Sensed {
+    pub(crate) fn sense(&mut self) -> Sensed {
         self.compiled();
         let Self {
             model,
@@ -49,7 +49,7 @@ impl Loaded {
 
 impl Sensed {
     /// A sensor that becomes active in a motion, in the words of ADAMS.
-    pub fn activate(&mut self, sensor: &Sensor, time: f64, value: f64, evaluated: bool) {
+    pub(crate) fn activate(&mut self, sensor: &Sensor, time: f64, value: f64, evaluated: bool) {
         let digits = |value: f64| exponent(value, 6).to_lowercase();
         _ = writeln!(
             self.said,
@@ -84,7 +84,12 @@ impl Sensed {
     }
 
     /// What the sensors of a model say of a state; those that fire keep their value in it.
-    pub fn at(model: &Model, system: &System, parameters: &Parameters, state: &mut State) -> Self {
+    pub(crate) fn at(
+        model: &Model,
+        system: &System,
+        parameters: &Parameters,
+        state: &mut State,
+    ) -> Self {
         let mut sensed = Self::default();
         let mut sensors = model.sensors.iter();
         if sensors.all(|sensor| !sensor.header.active) {

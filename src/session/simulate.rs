@@ -58,7 +58,7 @@ pub(super) struct OutputTimes {
 
 impl OutputTimes {
     /// The time of output k, from 1 to `count`: `t0 + k (end - t0) / count`, or `t0 + k DTOUT` (guide/formats.md 5.3).
-    pub fn at(&self, k: usize) -> f64 {
+    pub(crate) fn at(&self, k: usize) -> f64 {
         if k >= self.count {
             return self.end;
         }
@@ -71,7 +71,7 @@ impl OutputTimes {
 
 impl OutputTimes {
     /// Where a simulation stands at an output.
-    pub fn moment(&self, time: f64, step: f64) -> Moment {
+    pub(crate) fn moment(&self, time: f64, step: f64) -> Moment {
         Moment {
             time,
             start: self.start,
@@ -81,7 +81,7 @@ impl OutputTimes {
     }
 
     /// Outputs every `dt` from `now` to the same end; `None` if they are too many.
-    pub fn every(&self, dt: f64, now: f64) -> Option<Self> {
+    pub(crate) fn every(&self, dt: f64, now: f64) -> Option<Self> {
         // An interval that divides the span but for round-off divides it.
         let count = ((self.end - now) / dt - 1e-9).ceil().max(1.0);
         (count <= MOST_STEPS).then_some(Self {
@@ -98,7 +98,7 @@ impl Analysis {
     ///
     /// # Errors
     /// A diagnostic at the argument that cannot be followed.
-    pub fn of(command: &Statement, source: &Source, now: f64) -> Result<Self, Diagnostic> {
+    pub(crate) fn of(command: &Statement, source: &Source, now: f64) -> Result<Self, Diagnostic> {
         let times = || output_times(command, source, now);
         let timed = ["END", "DURATION", "STEPS", "DTOUT"]
             .iter()

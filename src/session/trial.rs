@@ -16,7 +16,7 @@ use super::run_state::Session;
 
 /// What a run in memory begins with.
 #[derive(Clone, Copy, Debug)]
-pub struct TrialInput<'t> {
+pub(crate) struct TrialInput<'t> {
     /// Takes the place of every dataset that the commands name. Files it names are looked up from the folder of its name.
     pub deck: &'t Source,
     /// The command file.
@@ -45,7 +45,7 @@ pub struct Trial {
 
 impl Trial {
     /// Runs the commands. Nothing is written: SAVE keeps its state for RELOAD of the same run.
-    pub fn run(input: TrialInput<'_>) -> Self {
+    pub(crate) fn run(input: TrialInput<'_>) -> Self {
         let folder = Path::new(input.commands.name())
             .parent()
             .map_or_else(PathBuf::new, Path::to_path_buf);

@@ -25,7 +25,7 @@ pub(super) struct Watch<'a> {
 }
 
 impl<'a> Watch<'a> {
-    pub fn new(model: &'a Model, system: &'a System, parameters: &'a Parameters) -> Self {
+    pub(crate) fn new(model: &'a Model, system: &'a System, parameters: &'a Parameters) -> Self {
         Self {
             model,
             system,
@@ -37,7 +37,7 @@ impl<'a> Watch<'a> {
     }
 
     /// True if there is nothing to watch.
-    pub fn is_idle(&self) -> bool {
+    pub(crate) fn is_idle(&self) -> bool {
         self.model.sensors.iter().all(|s| !s.header.active)
     }
 
@@ -63,7 +63,7 @@ impl<'a> Watch<'a> {
     ///
     /// # Errors
     /// [`MotionError`] where the shorter step is not found.
-    pub fn look(&mut self, integrator: &mut Integrator<'_>) -> Result<bool, MotionError> {
+    pub(crate) fn look(&mut self, integrator: &mut Integrator<'_>) -> Result<bool, MotionError> {
         if self.is_idle() {
             return Ok(false);
         }
@@ -142,7 +142,7 @@ impl<'a> Watch<'a> {
     }
 
     /// What the sensors ask for at a state: those that became active fire.
-    pub fn fire(&mut self, state: &mut State) -> Sensed {
+    pub(crate) fn fire(&mut self, state: &mut State) -> Sensed {
         let mut sensed = Sensed::default();
         if self.is_idle() {
             return sensed;

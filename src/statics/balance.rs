@@ -120,7 +120,7 @@ impl Balance {
     }
 
     /// True if no more is left than the tolerance IMBALANCE and round-off explain.
-    pub fn holds(&self, imbalance: f64) -> bool {
+    pub(crate) fn holds(&self, imbalance: f64) -> bool {
         let within = |left: &Option<Left>, sizes: f64| {
             let most = COMPONENTS * imbalance + ROUND_OFF * sizes;
             left.as_ref().is_none_or(|left| left.size <= most)
@@ -129,7 +129,7 @@ impl Balance {
     }
 
     /// Keeps the worse of the two, in each of the two kinds.
-    pub fn or_worse(&mut self, other: &Self) {
+    pub(crate) fn or_worse(&mut self, other: &Self) {
         let larger = |own: &mut Option<Left>, other: &Option<Left>| {
             let most = own.as_ref().map_or(-1.0, |own| own.size);
             if other.as_ref().is_some_and(|other| !(other.size <= most)) {
@@ -143,7 +143,7 @@ impl Balance {
     }
 
     /// What is left, in words: `1.2e-10 N on PART/2, 3.0e-09 N mm on PART/3`; empty if no part moves.
-    pub fn told(&self, units: &Units) -> String {
+    pub(crate) fn told(&self, units: &Units) -> String {
         let kinds = [
             (&self.force, Dimension::FORCE),
             (&self.torque, Dimension::TORQUE),

@@ -38,7 +38,7 @@ pub(super) struct Ended<'a> {
 
 impl Ended<'_> {
     /// A massless free motion, which by itself explains the failure; else all causes that are seen.
-    pub fn causes(&self, scratch: &mut Scratch) -> Result<Vec<String>, FreeMotion> {
+    pub(crate) fn causes(&self, scratch: &mut Scratch) -> Result<Vec<String>, FreeMotion> {
         let mut out = Vec::new();
         self.free_motions(scratch, &mut out)?;
         if let Some(most) = self.settings.budget.filter(|_| self.spent) {

@@ -29,7 +29,7 @@ pub(super) struct ShiftInvert<'a> {
 }
 
 impl<'a> ShiftInvert<'a> {
-    pub fn new(
+    pub(crate) fn new(
         system: &'a System,
         parameters: &'a Parameters,
         state: &'a State,
@@ -52,7 +52,7 @@ impl<'a> ShiftInvert<'a> {
     ///
     /// Shifts go from the bound towards zero below everything that is not negative. A negative eigenvalue that one has passed is told
     /// by a negative inverse.
-    pub fn smallest(mut self, bound: f64) -> Result<Option<(f64, Vec<f64>)>, NoValue> {
+    pub(crate) fn smallest(mut self, bound: f64) -> Result<Option<(f64, Vec<f64>)>, NoValue> {
         let bound = if bound > 0.0 { bound } else { 1.0 };
         let mut estimate = f64::INFINITY;
         for k in 0..SHIFTS {

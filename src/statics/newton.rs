@@ -125,7 +125,7 @@ impl Solver {
     }
 
     /// Lets go of all factors: the next solve works out its own.
-    pub fn forget(&mut self, system: &System) {
+    pub(crate) fn forget(&mut self, system: &System) {
         *self = Self {
             worst: self.worst.take(),
             ..Self::new(system)
@@ -229,7 +229,7 @@ impl Solver {
     }
 
     /// The worst balance of all equilibria that were found so far; `None` before the first.
-    pub fn worst_balance(&self) -> Option<&Balance> {
+    pub(crate) fn worst_balance(&self) -> Option<&Balance> {
         self.worst.as_ref()
     }
 

@@ -2,7 +2,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::model::EquilibriumSettings;
 
 /// MAXIT beyond this is as good as never: a typing error may not hang the machine.
-pub const MOST_ITERATIONS: usize = 20_000;
+pub(crate) const MOST_ITERATIONS: usize = 20_000;
 
 /// EQUILIBRIUM's own words, and what the built-in solver may do beyond ADAMS' plain iteration.
 #[derive(Clone, PartialEq, Debug)]
@@ -62,7 +62,7 @@ impl Settings {
     }
 
     /// Says that MAXIT is beyond what is done.
-    pub fn limited(e: &EquilibriumSettings) -> Option<Diagnostic> {
+    pub(crate) fn limited(e: &EquilibriumSettings) -> Option<Diagnostic> {
         (e.maxit > MOST_ITERATIONS).then(|| {
             let message = format!("MAXIT = {} is taken as {MOST_ITERATIONS}", e.maxit);
             Diagnostic::warning(Code::LimitExceeded, message)

@@ -16,8 +16,6 @@ const FAR: f64 = 1e4;
 /// How a stable equilibrium was reached from an unstable one.
 #[derive(Clone, Debug)]
 pub struct Settled {
-    /// 1 along the unstable motion, -1 against it.
-    pub way: f64,
     /// Largest motion of a part from the unstable equilibrium: length units, rotations times the model's length.
     pub moved: f64,
     /// The same of the stable equilibrium that the other way leads to, if it leads to one.
@@ -70,18 +68,17 @@ impl Solver {
             match self.descend(system, parameters, &mut trial, settings, (softest, way)) {
                 Ok((report, softest)) => {
                     let moved = distance(system, state, &trial);
-                    found.push((way, moved, trial, report, softest));
+                    found.push((moved, trial, report, softest));
                 }
                 Err(Descent(reason)) => failures.push(reason),
             }
         }
-        found.sort_by(|a, b| a.1.total_cmp(&b.1));
-        let other = found.get(1).map(|second| second.1);
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let other = found.get(1).map(|second| second.0);
         match found.into_iter().next() {
-            Some((way, moved, settled, report, softest)) => {
+            Some((moved, settled, report, softest)) => {
                 *state = settled;
                 Ok(Settled {
-                    way,
                     moved,
                     other,
                     report,

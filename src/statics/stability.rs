@@ -109,17 +109,17 @@ impl Softest {
     }
 
     /// True where looking at the stability costs no more than the solution: large systems are factored several times for it.
-    pub fn is_cheap(system: &System) -> bool {
+    pub(crate) fn is_cheap(system: &System) -> bool {
         system.first_equation <= DENSE
     }
 
     /// True where the equilibrium is unstable.
-    pub fn is_unstable(&self) -> bool {
+    pub(crate) fn is_unstable(&self) -> bool {
         self.stiffness < 0.0
     }
 
     /// The part that moves most.
-    pub fn part(&self, system: &System) -> usize {
+    pub(crate) fn part(&self, system: &System) -> usize {
         let size = |part: usize| {
             let (v, w) = motion_of(system, part, &self.motion);
             v.norm().max(w.norm() * system.length)

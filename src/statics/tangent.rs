@@ -57,7 +57,7 @@ impl Tangent {
     }
 
     /// Replaces the weights w of the unknowns by `a = -J^-T w`: then `d(w . x) = a . dg` for every change of the residual.
-    pub fn adjoint(&mut self, weights: &mut [f64]) {
+    pub(crate) fn adjoint(&mut self, weights: &mut [f64]) {
         for value in weights.iter_mut() {
             *value = -*value;
         }
@@ -82,7 +82,7 @@ impl Tangent {
     }
 
     /// The change of the unknowns under a wrench on marker I in J axes, with its opposite at the same point of the part of J.
-    pub fn by_wrench(
+    pub(crate) fn by_wrench(
         &mut self,
         system: &System,
         parameters: &Parameters,
@@ -98,7 +98,7 @@ impl Tangent {
 }
 
 /// The change of a point of a part under a change of the unknowns, ground axes. `local` in part axes.
-pub fn point_change(
+pub(crate) fn point_change(
     system: &System,
     state: &State,
     part: PartIx,

@@ -29,7 +29,7 @@ enum Step {
 
 impl AnswerPath {
     /// Reads a path. `None` if it is none.
-    pub fn parse(answer: Answer, text: &str) -> Option<Self> {
+    pub(crate) fn parse(answer: Answer, text: &str) -> Option<Self> {
         let mut steps = Vec::new();
         let mut rest = text;
         loop {
@@ -52,7 +52,7 @@ impl AnswerPath {
     }
 
     /// Every path without a `*` that this one matches in an answer, with the names that stand for its stars. A path without any is itself.
-    pub fn matching(&self, answer: &Value) -> Vec<(Self, String)> {
+    pub(crate) fn matching(&self, answer: &Value) -> Vec<(Self, String)> {
         let mut found = vec![(Vec::new(), String::new(), answer)];
         let any = |step: &Step| matches!(step, Step::Element(word) if word.contains('*'));
         if !self.steps.iter().any(any) {
@@ -101,7 +101,7 @@ impl AnswerPath {
 
     /// Why no answer like this one has a number there. A place that is empty here may be filled in another, and so may a finding be
     /// there that is not here: its name is `cause@address`.
-    pub fn refused(&self, answer: &Value) -> Option<String> {
+    pub(crate) fn refused(&self, answer: &Value) -> Option<String> {
         let mut at = answer;
         for step in &self.steps {
             let next = match step {
@@ -128,7 +128,7 @@ impl AnswerPath {
     }
 
     /// The number there; true is 1 and false 0. NaN where there is none.
-    pub fn number(&self, answer: &Value) -> f64 {
+    pub(crate) fn number(&self, answer: &Value) -> f64 {
         let mut at = answer;
         for step in &self.steps {
             let next = match step {

@@ -14,7 +14,7 @@ use crate::text::{Source, Span};
 
 /// The answers to a study, as far as something of them is kept.
 #[derive(Debug, Default)]
-pub struct Answers {
+pub(crate) struct Answers {
     identification: Value,
     diagnosis: Value,
 }
@@ -24,7 +24,7 @@ impl Answers {
     ///
     /// # Errors
     /// Status and reason.
-    pub fn of(
+    pub(crate) fn of(
         (study, check): (&LoadedStudy, GainCheck),
         deck: &Source,
         keeps: &[(Keep, Option<String>, Span)],
@@ -82,7 +82,7 @@ impl Answers {
     ///
     /// # Errors
     /// Why there is no number at one of them.
-    pub fn matching(&self, path: &AnswerPath) -> Result<Vec<(AnswerPath, String)>, String> {
+    pub(crate) fn matching(&self, path: &AnswerPath) -> Result<Vec<(AnswerPath, String)>, String> {
         let answer = self.answer(path);
         let found = path.matching(answer);
         let wrong = found.iter().find_map(|(path, _)| path.refused(answer));
@@ -94,7 +94,7 @@ impl Answers {
     }
 
     /// The numbers of all columns.
-    pub fn numbers(&self, outputs: &[Output]) -> Vec<f64> {
+    pub(crate) fn numbers(&self, outputs: &[Output]) -> Vec<f64> {
         let number = |output: &Output| match &output.origin {
             Origin::Answer(path) => path.number(self.answer(path)),
             _ => f64::NAN,

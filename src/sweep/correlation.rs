@@ -13,13 +13,13 @@ pub struct Correlation {
 impl Correlation {
     /// A group by the places of its members among the variations; `None` if no numbers have such correlations: the matrix is not
     /// positive definite.
-    pub fn new(members: Vec<usize>, matrix: &DMatrix<f64>) -> Option<Self> {
+    pub(crate) fn new(members: Vec<usize>, matrix: &DMatrix<f64>) -> Option<Self> {
         let lower = Cholesky::new(matrix.clone())?.unpack();
         Some(Self { members, lower })
     }
 
     /// Makes probabilities of independent numbers into those of a group.
-    pub fn apply(&self, unit: &mut [f64]) {
+    pub(crate) fn apply(&self, unit: &mut [f64]) {
         let scores: Vec<f64> = self
             .members
             .iter()

@@ -6,7 +6,7 @@ use sobol::params::JoeKuoD6;
 use super::random::{Stream, to_unit};
 
 /// Directions of the Sobol sequence are known for so many numbers (Joe and Kuo 2008).
-pub const MOST_SOBOL: usize = 1000;
+pub(crate) const MOST_SOBOL: usize = 1000;
 
 /// The kind of plan.
 #[derive(Clone, PartialEq, Debug)]
@@ -32,7 +32,7 @@ pub enum Plan {
 
 impl Plan {
     /// Its name in SWEEP.toml.
-    pub const fn word(&self) -> &'static str {
+    pub(crate) const fn word(&self) -> &'static str {
         match self {
             Self::Random => "random",
             Self::LatinHypercube => "latin-hypercube",
@@ -47,7 +47,7 @@ impl Plan {
 
 /// Where a case is.
 #[derive(Clone, PartialEq, Debug)]
-pub enum Point {
+pub(crate) enum Point {
     /// A probability for every number, 0 < u < 1.
     Unit(Vec<f64>),
     /// A level of every number, and of how many.
@@ -75,7 +75,7 @@ pub struct Design {
 
 impl Design {
     /// A plan of `size` for numbers of these names.
-    pub fn new(plan: Plan, size: u64, seed: u64, names: &[&str]) -> Self {
+    pub(crate) fn new(plan: Plan, size: u64, seed: u64, names: &[&str]) -> Self {
         let dimensions = names.len();
         let streams: Vec<Stream> = names.iter().map(|name| Stream::named(seed, name)).collect();
         let needed = match plan {
@@ -107,7 +107,7 @@ impl Design {
     }
 
     /// Cases in one block of the plan: those that belong together.
-    pub fn block(&self) -> u64 {
+    pub(crate) fn block(&self) -> u64 {
         match self.plan {
             Plan::SobolIndices => self.dimensions as u64 + 2,
             Plan::Morris { .. } => self.dimensions as u64 + 1,
@@ -116,7 +116,7 @@ impl Design {
     }
 
     /// The number of cases.
-    pub fn cases(&self) -> u64 {
+    pub(crate) fn cases(&self) -> u64 {
         match &self.plan {
             Plan::FullFactorial(levels) => levels.iter().product(),
             Plan::Table(rows) => rows.len() as u64,
@@ -125,7 +125,7 @@ impl Design {
     }
 
     /// Where a case is.
-    pub fn point(&self, case: u64) -> Point {
+    pub(crate) fn point(&self, case: u64) -> Point {
         let numbers = 0..self.dimensions;
         match &self.plan {
             Plan::Random => Point::Unit(self.streams.iter().map(|s| s.uniform(case)).collect()),
@@ -184,7 +184,7 @@ impl Design {
     }
 
     /// Which step of a trajectory changes a number: each changes one.
-    pub fn morris_turn(&self, trajectory: u64, number: usize) -> u64 {
+    pub(crate) fn morris_turn(&self, trajectory: u64, number: usize) -> u64 {
         let own = Stream::named(self.order.bits(trajectory), "order of a trajectory");
         own.shuffled(number as u64, self.dimensions as u64)
     }

@@ -32,7 +32,7 @@ pub enum Distribution {
 
 impl Distribution {
     /// The value below which a share `u` of all values lies, 0 < u < 1. NaN where values are given.
-    pub fn quantile(&self, u: f64) -> f64 {
+    pub(crate) fn quantile(&self, u: f64) -> f64 {
         match self {
             Self::Uniform([low, high]) => low + (high - low) * u,
             Self::Normal { mean, sd } => mean + sd * normal::quantile(u),
@@ -47,7 +47,7 @@ impl Distribution {
 
     /// Level `k` of `count` of a factorial plan: the values themselves where there are several; from end to end where there are ends;
     /// else the middles of parts of the same probability.
-    pub fn level(&self, k: u64, count: u64) -> f64 {
+    pub(crate) fn level(&self, k: u64, count: u64) -> f64 {
         match self {
             Self::Discrete { values, .. } => values[k as usize],
             Self::Uniform([low, high]) if count > 1 => {
@@ -58,7 +58,7 @@ impl Distribution {
     }
 
     /// How many values there are, where that is a number.
-    pub fn count(&self) -> Option<u64> {
+    pub(crate) fn count(&self) -> Option<u64> {
         match self {
             Self::Discrete { values, .. } => Some(values.len() as u64),
             _ => None,

@@ -19,7 +19,7 @@ use super::table_writer::{Layout, TableWriter};
 
 /// Why a shard was not run to its end.
 #[derive(Debug, thiserror::Error)]
-pub enum SweepError {
+pub(crate) enum SweepError {
     /// Its journal cannot be used.
     #[error(transparent)]
     Journal(#[from] JournalError),
@@ -43,7 +43,7 @@ pub struct Progress {
 
 impl Progress {
     /// True if nothing is left.
-    pub const fn is_complete(&self) -> bool {
+    pub(crate) const fn is_complete(&self) -> bool {
         self.before + self.done == self.all
     }
 
@@ -108,7 +108,7 @@ impl Cases for OfShard<'_> {
 ///
 /// # Errors
 /// When the journal or the part file cannot be written.
-pub fn run_shard(
+pub(crate) fn run_shard(
     runner: &Runner<'_>,
     plan: &SweepPlan,
     (folder, shard): (&SweepFolder, Shard),
@@ -133,7 +133,7 @@ pub fn run_shard(
 ///
 /// # Errors
 /// When the journal or the table cannot be written.
-pub fn run_cases(
+pub(crate) fn run_cases(
     work: &dyn Cases,
     cases: Range<u64>,
     places: &Places,
@@ -181,7 +181,7 @@ pub fn run_cases(
 ///
 /// # Errors
 /// None of its own.
-pub fn run_in_memory(
+pub(crate) fn run_in_memory(
     work: &dyn Cases,
     cases: Range<u64>,
     threads: usize,
@@ -279,7 +279,12 @@ fn last_of_chains(
 }
 
 /// The columns of a part or of the whole.
-pub fn layout(runner: &Runner<'_>, plan: &SweepPlan, folder: &SweepFolder, shard: Shard) -> Layout {
+pub(crate) fn layout(
+    runner: &Runner<'_>,
+    plan: &SweepPlan,
+    folder: &SweepFolder,
+    shard: Shard,
+) -> Layout {
     let units: serde_json::Map<String, serde_json::Value> = runner
         .outputs
         .iter()

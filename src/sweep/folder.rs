@@ -39,11 +39,11 @@ const MANIFEST: &str = "sweep.json";
 const SHARDS: &str = "shards";
 
 /// Files of the folder that a sweep writes, besides those of its shards.
-pub const ANSWERS: [&str; 4] = ["results.parquet", "summary.json", "report.html", "slurm"];
+pub(crate) const ANSWERS: [&str; 4] = ["results.parquet", "summary.json", "report.html", "slurm"];
 
 impl Manifest {
     /// What a folder for a plan is about.
-    pub fn of(plan: &SweepPlan, shards: u64, version: &str) -> Self {
+    pub(crate) fn of(plan: &SweepPlan, shards: u64, version: &str) -> Self {
         let name = |source: &Source| {
             let path = Path::new(source.name());
             path.file_name().map_or_else(
@@ -76,7 +76,7 @@ impl Manifest {
     }
 
     /// What marks the journals of a shard.
-    pub fn key(&self, shard: Shard) -> Vec<u8> {
+    pub(crate) fn key(&self, shard: Shard) -> Vec<u8> {
         format!(
             "{}\n{}\n{}\n{shard}",
             self.version, self.inputs_sha256, self.cases
@@ -107,7 +107,7 @@ impl SweepFolder {
     ///
     /// # Errors
     /// A folder that is about something else, holds files of somebody else, or cannot be written.
-    pub fn look(path: &Path, manifest: Manifest) -> Result<Self, Diagnostic> {
+    pub(crate) fn look(path: &Path, manifest: Manifest) -> Result<Self, Diagnostic> {
         let folder = Self {
             path: path.to_path_buf(),
             manifest,
@@ -138,7 +138,7 @@ impl SweepFolder {
     ///
     /// # Errors
     /// A folder that is about something else, holds files of somebody else, or cannot be written.
-    pub fn begin(path: &Path, manifest: Manifest) -> Result<Self, Diagnostic> {
+    pub(crate) fn begin(path: &Path, manifest: Manifest) -> Result<Self, Diagnostic> {
         let io = |error: std::io::Error| {
             Diagnostic::error(Code::CannotWrite, format!("`{}`: {error}", path.display()))
         };
@@ -171,7 +171,7 @@ impl SweepFolder {
     ///
     /// # Errors
     /// A folder that is not one, or that holds files of somebody else.
-    pub fn open(path: &Path) -> Result<Self, Diagnostic> {
+    pub(crate) fn open(path: &Path) -> Result<Self, Diagnostic> {
         let Some(manifest) = read_manifest(path)? else {
             let message = format!(
                 "`{}` is no folder of a sweep: it has no {MANIFEST}",
@@ -277,26 +277,26 @@ impl SweepFolder {
     }
 
     /// The journal of a shard.
-    pub fn journal(&self, shard: Shard) -> PathBuf {
+    pub(crate) fn journal(&self, shard: Shard) -> PathBuf {
         self.path
             .join(SHARDS)
             .join(format!("{}.journal", shard.stem()))
     }
 
     /// The finished part of a shard.
-    pub fn part(&self, shard: Shard) -> PathBuf {
+    pub(crate) fn part(&self, shard: Shard) -> PathBuf {
         self.path
             .join(SHARDS)
             .join(format!("{}.parquet", shard.stem()))
     }
 
     /// The whole answer.
-    pub fn results(&self) -> PathBuf {
+    pub(crate) fn results(&self) -> PathBuf {
         self.path.join(ANSWERS[0])
     }
 
     /// Every shard of the sweep.
-    pub fn shards(&self) -> impl Iterator<Item = Shard> + use<> {
+    pub(crate) fn shards(&self) -> impl Iterator<Item = Shard> + use<> {
         let of = self.manifest.shards;
         (1..=of).map(move |number| Shard { number, of })
     }

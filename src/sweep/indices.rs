@@ -7,7 +7,7 @@ const RESAMPLES: u64 = 200;
 
 /// How much of the variance of an answer one number causes.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Index {
+pub(crate) struct Index {
     /// By itself: the variance of the mean given the number, over the whole variance.
     pub first: f64,
     /// Its standard error, from resampling the base points.
@@ -21,7 +21,7 @@ pub struct Index {
 /// The indices of `numbers` numbers from the answers of the cases of the plan `sobol-indices`, in their order: A, B, then A with one
 /// number of B each. First order by Saltelli et al. 2010 (table 2, b), total by Jansen 1999. Blocks with a case that has no answer are
 /// left out. Gives the number of blocks used too; `None` with fewer than two, or where the answer does not vary.
-pub fn indices(answers: &[f64], numbers: usize) -> Option<(Vec<Index>, usize)> {
+pub(crate) fn indices(answers: &[f64], numbers: usize) -> Option<(Vec<Index>, usize)> {
     let blocks: Vec<&[f64]> = answers
         .chunks_exact(numbers + 2)
         .filter(|block| block.iter().all(|value| value.is_finite()))

@@ -18,7 +18,7 @@ const LONGEST: u32 = 1 << 24;
 
 /// Why a journal cannot be used.
 #[derive(Debug, thiserror::Error)]
-pub enum JournalError {
+pub(crate) enum JournalError {
     /// It cannot be read or written.
     #[error("`{}`: {error}", path.display())]
     Io {
@@ -37,7 +37,7 @@ pub enum JournalError {
 
 /// A journal that is open for more.
 #[derive(Debug)]
-pub struct Journal {
+pub(crate) struct Journal {
     path: PathBuf,
     file: BufWriter<File>,
     /// Case and place of every record, as they came.
@@ -52,7 +52,7 @@ impl Journal {
     ///
     /// # Errors
     /// [`JournalError`].
-    pub fn open(path: &Path, key: &[u8]) -> Result<Self, JournalError> {
+    pub(crate) fn open(path: &Path, key: &[u8]) -> Result<Self, JournalError> {
         let io = |error| JournalError::Io {
             path: path.to_path_buf(),
             error,
@@ -112,7 +112,7 @@ impl Journal {
     }
 
     /// The cases that are finished, as they came.
-    pub fn cases(&self) -> impl Iterator<Item = u64> + '_ {
+    pub(crate) fn cases(&self) -> impl Iterator<Item = u64> + '_ {
         self.index.iter().map(|(case, _)| *case)
     }
 
@@ -120,7 +120,7 @@ impl Journal {
     ///
     /// # Errors
     /// When it cannot be written.
-    pub fn add(&mut self, row: &Row) -> Result<(), JournalError> {
+    pub(crate) fn add(&mut self, row: &Row) -> Result<(), JournalError> {
         let mut payload = Vec::with_capacity(32 + 8 * row.outputs.len() + row.reason.len());
         payload.extend(row.case.to_le_bytes());
         payload.push(row.status as u8);
@@ -146,7 +146,7 @@ impl Journal {
     ///
     /// # Errors
     /// When that fails.
-    pub fn flush(&mut self) -> Result<(), JournalError> {
+    pub(crate) fn flush(&mut self) -> Result<(), JournalError> {
         self.file.flush().map_err(|error| self.failed(error))?;
         if self.synced.elapsed() >= SYNC {
             self.sync()?;
@@ -158,7 +158,7 @@ impl Journal {
     ///
     /// # Errors
     /// When that fails.
-    pub fn sync(&mut self) -> Result<(), JournalError> {
+    pub(crate) fn sync(&mut self) -> Result<(), JournalError> {
         self.file.flush().map_err(|error| self.failed(error))?;
         self.file
             .get_ref()
@@ -172,7 +172,7 @@ impl Journal {
     ///
     /// # Errors
     /// When the file cannot be read, or what `take` says.
-    pub fn in_order<E: From<JournalError>>(
+    pub(crate) fn in_order<E: From<JournalError>>(
         &mut self,
         mut take: impl FnMut(Row) -> Result<(), E>,
     ) -> Result<(), E> {

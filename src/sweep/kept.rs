@@ -25,7 +25,7 @@ pub enum At {
 
 impl At {
     /// The word of SWEEP.toml.
-    pub fn of_word(word: &str) -> Option<Self> {
+    pub(crate) fn of_word(word: &str) -> Option<Self> {
         Some(match word {
             "last" => Self::Last,
             "first" => Self::First,
@@ -39,7 +39,7 @@ impl At {
     }
 
     /// What stands behind the name of the column; nothing for the last step.
-    pub fn suffix(self) -> String {
+    pub(crate) fn suffix(self) -> String {
         match self {
             Self::Last => String::new(),
             Self::First => ":first".to_string(),
@@ -54,7 +54,7 @@ impl At {
     }
 
     /// The value of a column of steps; `None` where there is no such step.
-    pub fn of(self, steps: &[(f64, Vec<f64>)], column: usize) -> Option<f64> {
+    pub(crate) fn of(self, steps: &[(f64, Vec<f64>)], column: usize) -> Option<f64> {
         let values = || steps.iter().map(|(_, row)| row[column]);
         let count = steps.len();
         if count == 0 {

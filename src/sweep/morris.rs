@@ -1,7 +1,7 @@
 /// Elementary effects of one number on an answer (Morris 1991): the change of the answer over the whole range of probability of the
 /// number, from steps of half of it.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Effect {
+pub(crate) struct Effect {
     /// Mean.
     pub mean: f64,
     /// Mean of the sizes (Campolongo et al. 2007): how much the number matters.
@@ -16,7 +16,7 @@ pub struct Effect {
 
 /// The effects of every number from the cases of the plan `morris` in their order. `numbers` holds the values of each number, case by
 /// case: which one changed in a step is read there.
-pub fn effects(answers: &[f64], numbers: &[Vec<f64>]) -> Vec<Effect> {
+pub(crate) fn effects(answers: &[f64], numbers: &[Vec<f64>]) -> Vec<Effect> {
     let block = numbers.len() + 1;
     let mut all: Vec<Vec<f64>> = vec![Vec::new(); numbers.len()];
     for start in (0..answers.len()).step_by(block) {

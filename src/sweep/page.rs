@@ -9,7 +9,7 @@ use super::summary::{OutputSummary, Spread, Summary};
 const MOST_BARS: usize = 15;
 
 /// A number with six digits, for a person; nothing where there is none.
-pub fn six_digits(value: f64) -> String {
+pub(crate) fn six_digits(value: f64) -> String {
     if value.is_finite() {
         number(value, None)
     } else {
@@ -160,7 +160,7 @@ fn tornado(output: &OutputSummary) -> Option<Figure> {
             Some(unit) => format!("change [{unit}]"),
             None => "change".to_string(),
         },
-        bars: bars.map(|s| (s.name.clone(), [s.low, s.high])).collect(),
+        rows: bars.map(|s| (s.name.clone(), [s.low, s.high])).collect(),
         level: 0.0,
     };
     let caption = format!(

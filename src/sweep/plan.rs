@@ -4,7 +4,6 @@ use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
 use crate::identify::LoadedStudy;
 use crate::kc::Config;
 use crate::model::{Ignore, Model};
-use crate::rig::settings::BackendChoice;
 use crate::session::{FilePolicy, find_file, folder_of, on_deck, read_files};
 use crate::syntax::files::Files;
 use crate::syntax::{CommandFile, Dataset};
@@ -62,10 +61,13 @@ pub struct SweepPlan {
 
 impl SweepPlan {
     /// The program that is started for every case, if the plan or its study names one.
-    pub fn starts_program(&self) -> Option<&[String]> {
+    #[cfg(feature = "python")]
+    pub(crate) fn starts_program(&self) -> Option<&[String]> {
         let own = self.program.as_ref().and_then(|p| p.command.as_deref());
         let of_study = match &self.task {
-            Task::Study(loaded, _) if loaded.study.solver.backend == BackendChoice::Command => {
+            Task::Study(loaded, _)
+                if loaded.study.solver.backend == crate::rig::settings::BackendChoice::Command =>
+            {
                 Some(loaded.study.solver.command.as_slice())
             }
             _ => None,
@@ -184,7 +186,7 @@ impl SweepPlan {
     }
 
     /// The number of cases.
-    pub fn cases(&self) -> u64 {
+    pub(crate) fn cases(&self) -> u64 {
         self.design.cases()
     }
 

@@ -29,7 +29,7 @@ impl Stream {
     }
 
     /// 64 random bits.
-    pub fn bits(&self, index: u64) -> u64 {
+    pub(crate) fn bits(&self, index: u64) -> u64 {
         let mut generator = ChaCha8Rng::from_seed(self.key);
         generator.set_stream(self.stream);
         // Two words of 32 bits each.
@@ -43,14 +43,14 @@ impl Stream {
     }
 
     /// A whole number below `bound`.
-    pub fn below(&self, index: u64, bound: u64) -> u64 {
+    pub(crate) fn below(&self, index: u64, bound: u64) -> u64 {
         // The share of 2^64 that is not divided evenly is below bound / 2^64: nobody can see it.
         ((u128::from(self.bits(index)) * u128::from(bound)) >> 64) as u64
     }
 
     /// Where `index` goes in a random order of the numbers below `count`: four rounds of a Feistel cipher with numbers out of range
     /// sent round again (Black and Rogaway 2002). Takes no memory.
-    pub fn shuffled(&self, index: u64, count: u64) -> u64 {
+    pub(crate) fn shuffled(&self, index: u64, count: u64) -> u64 {
         let half = (64 - count.saturating_sub(1).leading_zeros())
             .div_ceil(2)
             .max(1);
@@ -71,7 +71,7 @@ impl Stream {
 }
 
 /// 53 of the bits as a number between 0 and 1.
-pub fn to_unit(bits: u64) -> f64 {
+pub(crate) fn to_unit(bits: u64) -> f64 {
     ((bits >> 11) as f64 + 0.5) * (0.5_f64).powi(53)
 }
 

@@ -2,7 +2,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// How much an answer follows each number, by least squares over all cases at once.
 #[derive(Clone, Debug)]
-pub struct Regression {
+pub(crate) struct Regression {
     /// Sums of products of the standardised numbers, 1 in front.
     products: DMatrix<f64>,
     /// Of them with the answer.
@@ -14,7 +14,7 @@ pub struct Regression {
 
 /// What a regression finds of one number.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Slope {
+pub(crate) struct Slope {
     /// Change of the answer for one standard deviation of the number.
     pub slope: f64,
     /// Its standard error.
@@ -23,7 +23,7 @@ pub struct Slope {
 
 impl Regression {
     /// Nothing is known yet of so many numbers.
-    pub fn new(numbers: usize) -> Self {
+    pub(crate) fn new(numbers: usize) -> Self {
         Self {
             products: DMatrix::zeros(numbers + 1, numbers + 1),
             with_answer: DVector::zeros(numbers + 1),
@@ -33,7 +33,7 @@ impl Regression {
     }
 
     /// Adds a case: standardised numbers, and the answer less its mean.
-    pub fn add(&mut self, numbers: &[f64], answer: f64) {
+    pub(crate) fn add(&mut self, numbers: &[f64], answer: f64) {
         let at = |k: usize| if k == 0 { 1.0 } else { numbers[k - 1] };
         for i in 0..=numbers.len() {
             for j in 0..=i {
@@ -47,7 +47,7 @@ impl Regression {
 
     /// The slopes, and the share of the variance of the answer that straight lines explain. `None` with too few cases, or where numbers
     /// cannot be told apart.
-    pub fn slopes(&self) -> Option<(Vec<Slope>, f64)> {
+    pub(crate) fn slopes(&self) -> Option<(Vec<Slope>, f64)> {
         let n = self.with_answer.len();
         let free = self.count.checked_sub(n as u64).filter(|free| *free > 0)?;
         let mut full = self.products.clone();

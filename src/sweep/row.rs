@@ -15,7 +15,7 @@ pub enum Status {
 
 impl Status {
     /// All of them.
-    pub const ALL: [Self; 5] = [
+    pub(crate) const ALL: [Self; 5] = [
         Self::Ok,
         Self::NoAnswer,
         Self::Refused,
@@ -35,7 +35,7 @@ impl Status {
     }
 
     /// The status of a word.
-    pub fn of_word(word: &str) -> Option<Self> {
+    pub(crate) fn of_word(word: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|status| status.word() == word)
     }
 }
@@ -57,7 +57,7 @@ pub struct Row {
 
 impl Row {
     /// Of a case that began at `start` and ends now, with its numbers or why it has none.
-    pub fn ended(
+    pub(crate) fn ended(
         case: u64,
         start: std::time::Instant,
         outcome: Result<Vec<f64>, (Status, String)>,

@@ -20,7 +20,7 @@ use super::task::Task;
 
 /// A plan that is ready to run: the columns of its answer are known.
 #[derive(Debug)]
-pub struct Runner<'p> {
+pub(crate) struct Runner<'p> {
     plan: &'p SweepPlan,
     /// The columns of the answer.
     pub outputs: Vec<Output>,
@@ -45,7 +45,7 @@ impl<'p> Runner<'p> {
     ///
     /// # Errors
     /// When the deck cannot be run, or something that is to be kept is not there.
-    pub fn prepare(plan: &'p SweepPlan) -> Result<Self, Vec<Diagnostic>> {
+    pub(crate) fn prepare(plan: &'p SweepPlan) -> Result<Self, Vec<Diagnostic>> {
         let mut runner = Self {
             plan,
             outputs: Vec::new(),
@@ -273,7 +273,7 @@ impl<'p> Runner<'p> {
     }
 
     /// Runs a case.
-    pub fn run(&self, case: u64) -> Row {
+    pub(crate) fn run(&self, case: u64) -> Row {
         match self.plan.deck_with(&self.plan.numbers(case)) {
             Ok(deck) => self.row(case, &deck),
             Err(why) => Row {

@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 /// A part of a sweep: number and of how many.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Shard {
+pub(crate) struct Shard {
     /// From 1.
     pub number: u64,
     /// How many there are.
@@ -13,21 +13,21 @@ pub struct Shard {
 
 impl Shard {
     /// The whole.
-    pub const WHOLE: Self = Self { number: 1, of: 1 };
+    pub(crate) const WHOLE: Self = Self { number: 1, of: 1 };
 
     /// Its cases: a run of neighbours, so that joining is putting one behind the other.
-    pub fn cases(self, all: u64) -> Range<u64> {
+    pub(crate) fn cases(self, all: u64) -> Range<u64> {
         let before = |n: u64| (u128::from(all) * u128::from(n) / u128::from(self.of)) as u64;
         before(self.number - 1)..before(self.number)
     }
 
     /// How its files begin: `0003-of-0008`.
-    pub fn stem(self) -> String {
+    pub(crate) fn stem(self) -> String {
         format!("{:04}-of-{:04}", self.number, self.of)
     }
 
     /// The shard whose files begin so.
-    pub fn of_stem(stem: &str) -> Option<Self> {
+    pub(crate) fn of_stem(stem: &str) -> Option<Self> {
         let (number, of) = stem.split_once("-of-")?;
         let shard: Self = format!(
             "{}/{}",
@@ -47,7 +47,7 @@ impl fmt::Display for Shard {
 }
 
 /// The largest number of shards: beyond it files and jobs cost more than cases.
-pub const MOST_SHARDS: u64 = 9999;
+pub(crate) const MOST_SHARDS: u64 = 9999;
 
 impl FromStr for Shard {
     type Err = ShardError;
@@ -67,7 +67,7 @@ impl FromStr for Shard {
 /// A text that is no shard.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("a shard is I/N, such as 3/8: I from 1 to N, and N at most {MOST_SHARDS}")]
-pub struct ShardError;
+pub(crate) struct ShardError;
 
 #[cfg(test)]
 mod tests {

@@ -15,7 +15,7 @@ use super::row::Status;
 use super::table_reader::TableReader;
 
 /// The shares of which quantiles are told.
-pub const SHARES: [f64; 9] = [0.001, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 0.999];
+pub(crate) const SHARES: [f64; 9] = [0.001, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 0.999];
 
 /// Bars of a histogram.
 const BARS: usize = 40;
@@ -166,7 +166,7 @@ impl Spread {
     }
 
     /// The quantile of one of [`SHARES`].
-    pub fn quantile(&self, share: f64) -> f64 {
+    pub(crate) fn quantile(&self, share: f64) -> f64 {
         let at = SHARES.iter().position(|s| *s == share);
         at.map_or(f64::NAN, |at| self.quantiles[at])
     }
@@ -188,7 +188,7 @@ impl Summary {
     ///
     /// # Errors
     /// When the answer cannot be read.
-    pub fn of(folder: &SweepFolder) -> Result<Self, SweepError> {
+    pub(crate) fn of(folder: &SweepFolder) -> Result<Self, SweepError> {
         let table = TableReader::open(&folder.results())?;
         let columns = Columns::of(&table, folder.manifest.vary.len());
         let object = |key: &str| -> serde_json::Map<String, serde_json::Value> {

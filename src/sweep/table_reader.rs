@@ -27,7 +27,7 @@ impl TableReader {
     }
 
     /// The names of its columns.
-    pub fn columns(&self) -> Vec<String> {
+    pub(crate) fn columns(&self) -> Vec<String> {
         let schema = self.reader.metadata().file_metadata().schema_descr();
         schema
             .columns()
@@ -37,7 +37,7 @@ impl TableReader {
     }
 
     /// The number of rows.
-    pub fn rows(&self) -> u64 {
+    pub(crate) fn rows(&self) -> u64 {
         self.reader.metadata().file_metadata().num_rows() as u64
     }
 
@@ -55,7 +55,7 @@ impl TableReader {
     ///
     /// # Errors
     /// When the file cannot be read or the column holds no numbers.
-    pub fn numbers(&self, column: usize) -> Result<Vec<f64>, ParquetError> {
+    pub(crate) fn numbers(&self, column: usize) -> Result<Vec<f64>, ParquetError> {
         let mut all = Vec::with_capacity(self.rows() as usize);
         for group in 0..self.reader.num_row_groups() {
             self.group_numbers(group, column, &mut all)?;
@@ -67,7 +67,11 @@ impl TableReader {
     ///
     /// # Errors
     /// When the file cannot be read or the column holds no texts.
-    pub fn texts(&self, column: usize, mut take: impl FnMut(&str)) -> Result<(), ParquetError> {
+    pub(crate) fn texts(
+        &self,
+        column: usize,
+        mut take: impl FnMut(&str),
+    ) -> Result<(), ParquetError> {
         for group in 0..self.reader.num_row_groups() {
             let mut texts = Vec::new();
             self.group_texts(group, column, &mut texts)?;

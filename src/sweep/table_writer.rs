@@ -33,7 +33,7 @@ pub struct Layout {
 }
 
 /// Columns before the numbers that vary and behind what is kept.
-pub const OTHER_COLUMNS: [&str; 6] = [
+pub(crate) const OTHER_COLUMNS: [&str; 6] = [
     "case",
     "status",
     "reason",
@@ -43,7 +43,7 @@ pub const OTHER_COLUMNS: [&str; 6] = [
 ];
 
 /// Writes rows in their order. The file is there when [`finish`](Self::finish) comes back, or not at all.
-pub struct TableWriter {
+pub(crate) struct TableWriter {
     path: PathBuf,
     temporary: PathBuf,
     writer: SerializedFileWriter<File>,
@@ -56,7 +56,7 @@ impl TableWriter {
     ///
     /// # Errors
     /// When it cannot be written.
-    pub fn create(path: &Path, layout: Layout) -> Result<Self, ParquetError> {
+    pub(crate) fn create(path: &Path, layout: Layout) -> Result<Self, ParquetError> {
         let mut temporary = path.as_os_str().to_owned();
         temporary.push(".tmp");
         let temporary = PathBuf::from(temporary);
@@ -85,7 +85,7 @@ impl TableWriter {
     ///
     /// # Errors
     /// When it cannot be written.
-    pub fn add(&mut self, row: Row, inputs: Vec<f64>) -> Result<(), ParquetError> {
+    pub(crate) fn add(&mut self, row: Row, inputs: Vec<f64>) -> Result<(), ParquetError> {
         self.rows.push((row, inputs));
         if self.rows.len() == GROUP {
             self.write_group()?;
@@ -143,7 +143,7 @@ impl TableWriter {
     ///
     /// # Errors
     /// When it cannot be written.
-    pub fn finish(mut self) -> Result<(), ParquetError> {
+    pub(crate) fn finish(mut self) -> Result<(), ParquetError> {
         if !self.rows.is_empty() {
             self.write_group()?;
         }

@@ -35,7 +35,7 @@ pub struct Variation {
 
 impl Variation {
     /// The values of the deck for a number of this variation.
-    pub fn values(&self, number: f64) -> impl Iterator<Item = (&Address, f64)> {
+    pub(crate) fn values(&self, number: f64) -> impl Iterator<Item = (&Address, f64)> {
         let plain = if self.degrees {
             number.to_radians()
         } else {
@@ -56,7 +56,7 @@ impl Variation {
 ///
 /// # Errors
 /// A value that cannot be written at its address.
-pub fn varied(
+pub(crate) fn varied(
     deck: &Dataset,
     variations: &[Variation],
     numbers: &[f64],

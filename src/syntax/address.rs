@@ -52,7 +52,7 @@ impl Address {
     ///
     /// # Errors
     /// `unknown-argument`, `ambiguous-keyword` or `bad-number`, placed in a file named `address`.
-    pub fn of_kind(
+    pub(crate) fn of_kind(
         def: &'static StatementDef,
         id: Option<u32>,
         rest: &str,

@@ -15,25 +15,21 @@ pub struct Place {
     pub at: usize,
 }
 
-/// Objects and names by the pieces that hold them. Knows no order of pieces.
+/// Objects by the pieces that hold them. Knows no order of pieces.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Catalogue {
     defined: QuickMap<Object, Vec<Place>>,
-    named: QuickMap<String, Vec<Place>>,
     referring: QuickMap<Object, BTreeSet<u32>>,
 }
 
 impl Catalogue {
     /// Takes up a piece.
-    pub fn add(&mut self, piece: &Piece) {
+    pub(crate) fn add(&mut self, piece: &Piece) {
         let key = piece.key();
         for (at, statement) in piece.statements().iter().enumerate() {
             let place = Place { piece: key, at };
             if let Some(object) = statement.object() {
                 self.defined.entry(object).or_default().push(place);
-            }
-            if let Some(name) = name_of(piece, statement) {
-                self.named.entry(name).or_default().push(place);
             }
             for reference in references(statement) {
                 let object = (reference.space, reference.id);
@@ -43,14 +39,11 @@ impl Catalogue {
     }
 
     /// Forgets a piece that was taken up.
-    pub fn remove(&mut self, piece: &Piece) {
+    pub(crate) fn remove(&mut self, piece: &Piece) {
         let key = piece.key();
         for statement in piece.statements() {
             if let Some(object) = statement.object() {
                 forget(&mut self.defined, &object, key);
-            }
-            if let Some(name) = name_of(piece, statement) {
-                forget(&mut self.named, &name, key);
             }
             for reference in references(statement) {
                 let object = (reference.space, reference.id);
@@ -65,24 +58,17 @@ impl Catalogue {
     }
 
     /// The statements that define an object, in no order.
-    pub fn definitions(&self, object: Object) -> &[Place] {
+    pub(crate) fn definitions(&self, object: Object) -> &[Place] {
         self.defined.get(&object).map_or(&[], Vec::as_slice)
     }
 
-    /// The statements with a view name, in no order, whatever the case of its letters.
-    pub fn named(&self, name: &str) -> &[Place] {
-        self.named
-            .get(&name.to_lowercase())
-            .map_or(&[], Vec::as_slice)
-    }
-
     /// The keys of the pieces that refer to an object.
-    pub fn referring(&self, object: Object) -> impl Iterator<Item = u32> + '_ {
+    pub(crate) fn referring(&self, object: Object) -> impl Iterator<Item = u32> + '_ {
         self.referring.get(&object).into_iter().flatten().copied()
     }
 
     /// Every object that is defined, in no order.
-    pub fn objects(&self) -> impl Iterator<Item = (Object, &[Place])> {
+    pub(crate) fn objects(&self) -> impl Iterator<Item = (Object, &[Place])> {
         self.defined
             .iter()
             .map(|(object, places)| (*object, places.as_slice()))
@@ -92,11 +78,6 @@ impl Catalogue {
 /// Every reference of a statement, those in functions included.
 pub fn references(statement: &Statement) -> impl Iterator<Item = Reference> + '_ {
     statement.arguments.iter().flat_map(Argument::references)
-}
-
-fn name_of(piece: &Piece, statement: &Statement) -> Option<String> {
-    let name = piece.source().text(statement.view_name?);
-    Some(name.to_lowercase())
 }
 
 fn forget<K: std::hash::Hash + Eq>(map: &mut QuickMap<K, Vec<Place>>, key: &K, piece: u32) {

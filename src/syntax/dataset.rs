@@ -78,7 +78,7 @@ impl Dataset {
     }
 
     /// One command of a file as if it were the only statement of a dataset: what reads and edits statements does it there, too.
-    pub fn of_command(file: &CommandFile, at: usize) -> Self {
+    pub(crate) fn of_command(file: &CommandFile, at: usize) -> Self {
         Self {
             statements: Arc::new(file.commands().get(at).cloned().into_iter().collect()),
             ..Self::of_commands(file)
@@ -109,7 +109,7 @@ impl Dataset {
     }
 
     /// The first line, without its line end.
-    pub fn title_span(&self) -> Span {
+    pub(crate) fn title_span(&self) -> Span {
         self.title
     }
 
@@ -157,7 +157,7 @@ impl Dataset {
     }
 
     /// Statements with this view name, whatever the case of its letters.
-    pub fn named(&self, name: &str) -> &[usize] {
+    pub(crate) fn named(&self, name: &str) -> &[usize] {
         self.index()
             .by_name
             .get(&name.to_lowercase())
@@ -165,14 +165,14 @@ impl Dataset {
     }
 
     /// Every view name with the statement it names, in order of appearance.
-    pub fn view_names(&self) -> impl Iterator<Item = (Cow<'_, str>, &Statement)> {
+    pub(crate) fn view_names(&self) -> impl Iterator<Item = (Cow<'_, str>, &Statement)> {
         self.statements
             .iter()
             .filter_map(|statement| Some((self.source.text(statement.view_name?), statement)))
     }
 
     /// The name of a statement: its view name, or kind and id (`PART_2`) where the file gives none.
-    pub fn name<'s>(&'s self, statement: &Statement) -> Cow<'s, str> {
+    pub(crate) fn name<'s>(&'s self, statement: &Statement) -> Cow<'s, str> {
         if let Some(span) = statement.view_name {
             return self.source.text(span);
         }
@@ -213,7 +213,7 @@ impl Dataset {
 }
 
 /// What to say of a dataset of so many bytes without END.
-pub fn missing_end(file: &str, size: usize) -> Diagnostic {
+pub(crate) fn missing_end(file: &str, size: usize) -> Diagnostic {
     Diagnostic::warning(Code::MissingEnd, "the dataset has no END statement")
         .label(file, Span::at(size), "END belongs here")
         .help("the FORTRAN solver refuses a dataset without END")

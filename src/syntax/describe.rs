@@ -14,7 +14,7 @@ fn line(out: &mut String, text: &str) {
 }
 
 /// The letters that must be typed as capitals, the others small: `BUshing`.
-pub fn minimal(name: &str, minimum: usize) -> String {
+pub(crate) fn minimal(name: &str, minimum: usize) -> String {
     let cut = minimum.min(name.len());
     format!("{}{}", &name[..cut], name[cut..].to_ascii_lowercase())
 }
@@ -132,7 +132,7 @@ pub fn value(argument: &ArgumentDef) -> String {
 }
 
 /// What else there is to know of an argument: whether it is required, its default, its dimension, its bounds.
-pub fn details(argument: &ArgumentDef) -> Vec<String> {
+pub(crate) fn details(argument: &ArgumentDef) -> Vec<String> {
     let mut all = Vec::new();
     if argument.required {
         all.push("required".to_string());
@@ -167,7 +167,7 @@ pub fn details(argument: &ArgumentDef) -> Vec<String> {
 }
 
 /// `force/length`, `mass length^2`; empty for a pure number.
-pub fn dimension_words(dimension: Dimension) -> String {
+pub(crate) fn dimension_words(dimension: Dimension) -> String {
     let all = [
         ("force", dimension.force),
         ("mass", dimension.mass),

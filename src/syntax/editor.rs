@@ -12,7 +12,7 @@ use crate::text::{Edit, Span};
 
 impl Dataset {
     /// The statement an address stands for.
-    pub fn find(&self, address: &Address) -> Option<&Statement> {
+    pub(crate) fn find(&self, address: &Address) -> Option<&Statement> {
         self.statement(&address.kind, address.id)
     }
 
@@ -70,7 +70,7 @@ impl Dataset {
     ///
     /// # Errors
     /// Those of [`Dataset::set`].
-    pub fn set_typed(
+    pub(crate) fn set_typed(
         &self,
         address: &Address,
         typed: &str,
@@ -214,7 +214,7 @@ impl Dataset {
     ///
     /// # Errors
     /// `undefined-id` if the object is not there, `wrong-type` if the address is none of a flag.
-    pub fn set_flag(&self, address: &Address, on: bool) -> Result<Vec<Edit>, Diagnostic> {
+    pub(crate) fn set_flag(&self, address: &Address, on: bool) -> Result<Vec<Edit>, Diagnostic> {
         let statement = self.find(address).ok_or_else(|| self.absent(address))?;
         let def = argument_def(statement, address)
             .filter(|def| def.kind == ValueKind::Flag && address.index.is_none());
@@ -267,13 +267,13 @@ impl Dataset {
     }
 
     /// A statement as this dataset would write it, without the line end behind it.
-    pub fn written(&self, statement: &NewStatement) -> Vec<u8> {
+    pub(crate) fn written(&self, statement: &NewStatement) -> Vec<u8> {
         let text = Style::of(self).statement(statement);
         self.encoded(text.trim_end())
     }
 
     /// The END statement, if the dataset has one.
-    pub fn end(&self) -> Option<&Statement> {
+    pub(crate) fn end(&self) -> Option<&Statement> {
         self.statements().last().filter(|last| {
             self.source()
                 .slice(last.keyword)

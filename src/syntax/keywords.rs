@@ -15,7 +15,7 @@ pub(super) enum Missed {
 
 impl Missed {
     /// How bad it is at most: a keyword nothing comes near to may be one that this program lacks.
-    pub fn severity(&self) -> Severity {
+    pub(crate) fn severity(&self) -> Severity {
         match self {
             Self::Unknown(near) if near.is_empty() => Severity::Warning,
             Self::Ambiguous(_) | Self::Unknown(_) => Severity::Error,
@@ -61,7 +61,7 @@ const LONGEST: usize = 32;
 const MOST: usize = 4096;
 
 impl Keywords {
-    pub fn new(role: Role) -> Self {
+    pub(crate) fn new(role: Role) -> Self {
         Self {
             role,
             recent: vec![None; PLACES],
@@ -70,7 +70,7 @@ impl Keywords {
         }
     }
 
-    pub fn statement(&mut self, typed: &[u8]) -> Found<StatementDef> {
+    pub(crate) fn statement(&mut self, typed: &[u8]) -> Found<StatementDef> {
         if let Some(found) = self.statements.get(typed) {
             return found.clone();
         }
@@ -85,7 +85,7 @@ impl Keywords {
         found
     }
 
-    pub fn argument(
+    pub(crate) fn argument(
         &mut self,
         statement: &'static StatementDef,
         typed: &[u8],

@@ -20,7 +20,7 @@ pub(super) struct Lexer<'a> {
 
 impl<'a> Lexer<'a> {
     /// Reads `span` of `bytes`. `line_start` says that nothing but blanks stands before it on its line.
-    pub fn new(bytes: &'a [u8], span: Span, line_start: bool) -> Self {
+    pub(crate) fn new(bytes: &'a [u8], span: Span, line_start: bool) -> Self {
         Self {
             bytes,
             at: span.start(),
@@ -33,7 +33,7 @@ impl<'a> Lexer<'a> {
 impl Lexer<'_> {
     /// Reads all tokens but blanks to the end of a list.
     #[inline]
-    pub fn read_into(mut self, tokens: &mut Vec<Token>) {
+    pub(crate) fn read_into(mut self, tokens: &mut Vec<Token>) {
         loop {
             // Half of the pieces of a deck are single blanks.
             while self.at < self.end && is_blank(self.bytes[self.at]) {

@@ -4,7 +4,7 @@
 ///
 /// Accepts an optional sign, digits with an optional point, an optional exponent `E` with an optional sign, an optional `D`. `D` is
 /// never an exponent. Returns `None` for anything else, and for numbers too large for a double.
-pub fn parse_number(text: &[u8]) -> Option<(f64, bool)> {
+pub(crate) fn parse_number(text: &[u8]) -> Option<(f64, bool)> {
     let (digits, degrees) = match text.split_last() {
         Some((b'D' | b'd', front)) => (front, true),
         _ => (text, false),
@@ -85,7 +85,7 @@ fn exponent(text: &[u8]) -> Option<i32> {
 
 /// Length of the unsigned number at the start of `text`, degree suffix included; 0 if none stands there.
 #[inline]
-pub fn number_length(text: &[u8]) -> usize {
+pub(crate) fn number_length(text: &[u8]) -> usize {
     let after_digits = |mut at: usize| {
         while text.get(at).is_some_and(u8::is_ascii_digit) {
             at += 1;

@@ -18,7 +18,7 @@ struct Layer {
 
 /// A statement with what was put over it. Each argument stands in one layer only.
 #[derive(Clone, Debug)]
-pub struct Overlay {
+pub(crate) struct Overlay {
     first: Layer,
     /// The earliest first.
     above: Vec<Layer>,
@@ -26,7 +26,7 @@ pub struct Overlay {
 
 impl Overlay {
     /// A statement as it was read.
-    pub fn of(statement: &Statement, source: &Source) -> Self {
+    pub(crate) fn of(statement: &Statement, source: &Source) -> Self {
         Self {
             first: Layer {
                 statement: without(statement, is_command_word),
@@ -38,7 +38,7 @@ impl Overlay {
 
     /// Puts the arguments of a later statement or command over it. They replace those of the same name, and those they exclude; with one
     /// of these go all that stand together with it. DEFAULT drops everything before it.
-    pub fn put(&mut self, later: &Statement, source: &Source) {
+    pub(crate) fn put(&mut self, later: &Statement, source: &Source) {
         let all = later.has("DEFAULT");
         let gone = |old: &Argument| {
             all || later
@@ -62,7 +62,7 @@ impl Overlay {
     }
 
     /// The statement as it stands now.
-    pub fn stated(&self) -> Stated<'_> {
+    pub(crate) fn stated(&self) -> Stated<'_> {
         Stated {
             statement: &self.first.statement,
             source: &self.first.source,
@@ -118,7 +118,7 @@ pub fn excludes(def: &StatementDef, a: &str, b: &str) -> bool {
 
 /// A statement as it stands: as it was read, or with what was put over it.
 #[derive(Clone, Copy)]
-pub struct Stated<'a> {
+pub(crate) struct Stated<'a> {
     statement: &'a Statement,
     source: &'a Source,
     above: &'a [Layer],
@@ -126,7 +126,7 @@ pub struct Stated<'a> {
 
 impl<'a> Stated<'a> {
     /// A statement that nothing was put over.
-    pub fn plain(statement: &'a Statement, source: &'a Source) -> Self {
+    pub(crate) fn plain(statement: &'a Statement, source: &'a Source) -> Self {
         Self {
             statement,
             source,
@@ -135,22 +135,22 @@ impl<'a> Stated<'a> {
     }
 
     /// The id, if it has one.
-    pub fn number(&self) -> Option<u32> {
+    pub(crate) fn number(&self) -> Option<u32> {
         self.statement.number()
     }
 
     /// Its name, if the file gives one.
-    pub fn view_name(&self) -> Option<Cow<'a, str>> {
+    pub(crate) fn view_name(&self) -> Option<Cow<'a, str>> {
         Some(self.source.text(self.statement.view_name?))
     }
 
     /// Where its keyword stands.
-    pub fn keyword(&self) -> (&'a Source, Span) {
+    pub(crate) fn keyword(&self) -> (&'a Source, Span) {
         (self.source, self.statement.keyword)
     }
 
     /// Where the keyword of what was put over it last stands.
-    pub fn latest_keyword(&self) -> (&'a Source, Span) {
+    pub(crate) fn latest_keyword(&self) -> (&'a Source, Span) {
         self.above.last().map_or(self.keyword(), |layer| {
             (&layer.source, layer.statement.keyword)
         })
@@ -165,7 +165,7 @@ impl<'a> Stated<'a> {
     }
 
     /// Every argument, those of the earliest layer first, with the text it was read from.
-    pub fn arguments(&self) -> impl Iterator<Item = (&'a Argument, &'a Source)> + use<'a> {
+    pub(crate) fn arguments(&self) -> impl Iterator<Item = (&'a Argument, &'a Source)> + use<'a> {
         let above = self.above.iter();
         let above = above.map(|layer| (&layer.statement, &layer.source));
         std::iter::once((self.statement, self.source))
@@ -179,23 +179,26 @@ impl<'a> Stated<'a> {
     }
 
     /// The argument with this whole keyword (in capitals), if it is there.
-    pub fn argument(&self, name: &str) -> Option<&'a Argument> {
+    pub(crate) fn argument(&self, name: &str) -> Option<&'a Argument> {
         self.found(name).map(|(argument, _)| argument)
     }
 
     /// Every argument with this keyword, in order: SPLINE has several Y.
-    pub fn all<'n>(&self, name: &'n str) -> impl Iterator<Item = &'a Argument> + use<'a, 'n> {
+    pub(crate) fn all<'n>(
+        &self,
+        name: &'n str,
+    ) -> impl Iterator<Item = &'a Argument> + use<'a, 'n> {
         let arguments = self.arguments().map(|(argument, _)| argument);
         arguments.filter(move |argument| argument.kind() == Some(name))
     }
 
     /// True if the word stands among the arguments.
-    pub fn has(&self, name: &str) -> bool {
+    pub(crate) fn has(&self, name: &str) -> bool {
         self.found(name).is_some()
     }
 
     /// Of these words those that stand in one layer, the latest that has any.
-    pub fn latest<'n>(
+    pub(crate) fn latest<'n>(
         &self,
         words: &'n [&'static str],
     ) -> impl Iterator<Item = &'static str> + use<'a, 'n> {
@@ -208,41 +211,41 @@ impl<'a> Stated<'a> {
     }
 
     /// The numbers of an argument; empty if it is absent or holds none.
-    pub fn numbers(&self, name: &str) -> &'a [Number] {
+    pub(crate) fn numbers(&self, name: &str) -> &'a [Number] {
         self.argument(name).map_or(&[], Argument::numbers)
     }
 
     /// The first number of an argument.
-    pub fn first(&self, name: &str) -> Option<f64> {
+    pub(crate) fn first(&self, name: &str) -> Option<f64> {
         self.numbers(name).first().map(|number| number.value)
     }
 
     /// The text of an argument; of a function what is written.
-    pub fn text(&self, name: &str) -> Option<Cow<'a, str>> {
+    pub(crate) fn text(&self, name: &str) -> Option<Cow<'a, str>> {
         let (argument, source) = self.found(name)?;
         argument.text(source)
     }
 
     /// The texts or words of an argument.
-    pub fn texts(&self, name: &str) -> Option<Vec<Cow<'a, str>>> {
+    pub(crate) fn texts(&self, name: &str) -> Option<Vec<Cow<'a, str>>> {
         let (argument, source) = self.found(name)?;
         Some(argument.texts(source))
     }
 
     /// The choice words of an argument, whole and in capitals.
-    pub fn choices(&self, name: &str) -> Option<Vec<&'static str>> {
+    pub(crate) fn choices(&self, name: &str) -> Option<Vec<&'static str>> {
         let (argument, source) = self.found(name)?;
         Some(argument.choices(source))
     }
 
     /// True for an argument whose value is `USER(...)`.
-    pub fn is_user(&self, name: &str) -> bool {
+    pub(crate) fn is_user(&self, name: &str) -> bool {
         self.argument(name)
             .is_some_and(|argument| matches!(argument.value, Value::User(_)))
     }
 
     /// Where the value of an argument stands; the keyword of the statement if it is not written.
-    pub fn place(&self, name: &str) -> (&'a Source, Span) {
+    pub(crate) fn place(&self, name: &str) -> (&'a Source, Span) {
         self.found(name)
             .map_or(self.keyword(), |(argument, source)| {
                 (source, argument.value_span())
@@ -251,7 +254,7 @@ impl<'a> Stated<'a> {
 
     /// True for a FRICTION whose stiction acts in statics too: nothing but INACTIVE=STATIC or EFFECT=SLIDING keeps it from that
     /// (`state_friction`: INACTIVE has no default, EFFECT is ALL).
-    pub fn sticks_in_statics(&self) -> bool {
+    pub(crate) fn sticks_in_statics(&self) -> bool {
         let slides_only = self
             .choices("EFFECT")
             .is_some_and(|effect| effect == ["SLIDING"]);

@@ -39,7 +39,7 @@ pub(super) struct StatementParser<'a> {
 }
 
 impl<'a> StatementParser<'a> {
-    pub fn new(source: &'a Source, role: Role) -> Self {
+    pub(crate) fn new(source: &'a Source, role: Role) -> Self {
         Self {
             source,
             keywords: Keywords::new(role),
@@ -58,13 +58,13 @@ impl<'a> StatementParser<'a> {
     }
 
     /// Ends a group of lines: statements read before this have no arguments until then.
-    pub fn close(&mut self) {
+    pub(crate) fn close(&mut self) {
         self.all_numbers.close();
         self.all_arguments.close();
     }
 
     /// The statements of a logical line: one, or several between semicolons. A semicolon belongs to the statement before it.
-    pub fn line(&mut self, line: LogicalLine, statements: &mut Vec<Statement>) {
+    pub(crate) fn line(&mut self, line: LogicalLine, statements: &mut Vec<Statement>) {
         let mut tokens = std::mem::take(&mut self.tokens);
         tokens.clear();
         // What blanks separate is told by the places of the tokens.
@@ -414,7 +414,7 @@ impl<'t> Cursor<'t> {
     }
 
     /// The next token that means something, without passing it.
-    pub fn peek(&mut self) -> Option<Token> {
+    pub(crate) fn peek(&mut self) -> Option<Token> {
         while self
             .tokens
             .get(self.at)
@@ -426,12 +426,12 @@ impl<'t> Cursor<'t> {
     }
 
     /// Passes the token that [`peek`](Self::peek) showed.
-    pub fn advance(&mut self) {
+    pub(crate) fn advance(&mut self) {
         self.at += 1;
     }
 
     /// Passes the mark if it comes next.
-    pub fn take_mark(&mut self, mark: u8) -> bool {
+    pub(crate) fn take_mark(&mut self, mark: u8) -> bool {
         let there = self
             .peek()
             .is_some_and(|token| token.kind == TokenKind::Punctuation(mark));
@@ -440,7 +440,7 @@ impl<'t> Cursor<'t> {
     }
 
     /// Passes continuation marks.
-    pub fn skip_continuation(&mut self) {
+    pub(crate) fn skip_continuation(&mut self) {
         while self
             .peek()
             .is_some_and(|token| token.kind == TokenKind::Continuation)
@@ -450,7 +450,7 @@ impl<'t> Cursor<'t> {
     }
 
     /// Passes commas and continuation marks; true if there was one.
-    pub fn skip_commas(&mut self) -> bool {
+    pub(crate) fn skip_commas(&mut self) -> bool {
         let from = self.at;
         while self.peek().is_some_and(|token| {
             matches!(
@@ -476,7 +476,7 @@ impl<'t> Cursor<'t> {
     }
 
     /// Passes a value nobody can read: to a separator outside of parentheses. Its place, which may be empty.
-    pub fn skip_value(&mut self) -> Span {
+    pub(crate) fn skip_value(&mut self) -> Span {
         let mut span: Option<Span> = None;
         let mut depth = 0usize;
         while let Some(token) = self.peek() {
@@ -495,7 +495,7 @@ impl<'t> Cursor<'t> {
     }
 
     /// Offset where the last meaningful token before a position ends.
-    pub fn place(&self, position: usize) -> usize {
+    pub(crate) fn place(&self, position: usize) -> usize {
         self.tokens[..position.min(self.tokens.len())]
             .iter()
             .rfind(|token| !token.kind.is_trivia())
@@ -503,22 +503,22 @@ impl<'t> Cursor<'t> {
     }
 
     /// Where the cursor stands, to come back.
-    pub const fn position(&self) -> usize {
+    pub(crate) const fn position(&self) -> usize {
         self.at
     }
 
     /// Goes back to a position.
-    pub const fn go_back(&mut self, position: usize) {
+    pub(crate) const fn go_back(&mut self, position: usize) {
         self.at = position;
     }
 
     /// The tokens from a position to here.
-    pub fn since(&self, position: usize) -> &'t [Token] {
+    pub(crate) fn since(&self, position: usize) -> &'t [Token] {
         &self.tokens[position..self.at]
     }
 
     /// The tokens still to come, trivia included.
-    pub fn rest(&self) -> &'t [Token] {
+    pub(crate) fn rest(&self) -> &'t [Token] {
         &self.tokens[self.at.min(self.tokens.len())..]
     }
 }

@@ -37,33 +37,28 @@ pub struct Piece {
 
 impl Piece {
     /// Names the piece: no other one of the file has had this number.
-    pub fn key(&self) -> u32 {
+    pub(crate) fn key(&self) -> u32 {
         self.key
     }
 
     /// Its bytes, under the name of the file.
-    pub fn source(&self) -> &Source {
+    pub(crate) fn source(&self) -> &Source {
         &self.source
     }
 
     /// Its statements or commands.
-    pub fn statements(&self) -> &[Statement] {
+    pub(crate) fn statements(&self) -> &[Statement] {
         &self.statements
     }
 
     /// What the reader complains of in it.
-    pub fn diagnostics(&self) -> &[Diagnostic] {
+    pub(crate) fn diagnostics(&self) -> &[Diagnostic] {
         &self.diagnostics
     }
 
     /// How many bytes it has.
-    pub fn size(&self) -> usize {
+    pub(crate) fn size(&self) -> usize {
         self.source.bytes().len()
-    }
-
-    /// How many line ends it has.
-    pub fn line_ends(&self) -> usize {
-        self.line_ends
     }
 
     fn of(name: &Arc<str>, bytes: Vec<u8>) -> Self {
@@ -142,7 +137,7 @@ pub struct Change {
 
 impl Pieces {
     /// Reads a dataset, or with `Role::Command` a command file.
-    pub fn parse(source: &Source, role: Role) -> Self {
+    pub(crate) fn parse(source: &Source, role: Role) -> Self {
         let mut pieces = Self {
             name: source.name().into(),
             role,
@@ -156,12 +151,12 @@ impl Pieces {
     }
 
     /// The name of the file.
-    pub fn name(&self) -> Arc<str> {
+    pub(crate) fn name(&self) -> Arc<str> {
         Arc::clone(&self.name)
     }
 
     /// True for a command file.
-    pub fn is_command_file(&self) -> bool {
+    pub(crate) fn is_command_file(&self) -> bool {
         self.role == Role::Command
     }
 
@@ -171,7 +166,7 @@ impl Pieces {
     }
 
     /// The pieces that belong to the dataset: up to the one with END.
-    pub fn live(&self) -> &[Arc<Piece>] {
+    pub(crate) fn live(&self) -> &[Arc<Piece>] {
         &self.all[..self.live]
     }
 
@@ -181,17 +176,17 @@ impl Pieces {
     }
 
     /// The line, from 0, that piece `at` begins with.
-    pub fn first_line(&self, at: usize) -> usize {
+    pub(crate) fn first_line(&self, at: usize) -> usize {
         self.starts[at].1
     }
 
     /// How many bytes the file has.
-    pub fn size(&self) -> usize {
+    pub(crate) fn size(&self) -> usize {
         self.start(self.all.len())
     }
 
     /// The first lines of a command file that name its dataset.
-    pub fn head(&self) -> Option<Head> {
+    pub(crate) fn head(&self) -> Option<Head> {
         self.all.first()?.head
     }
 
@@ -205,29 +200,29 @@ impl Pieces {
     }
 
     /// All bytes under the name of the file.
-    pub fn source(&self) -> Source {
+    pub(crate) fn source(&self) -> Source {
         Source::new(Arc::clone(&self.name), self.bytes())
     }
 
     /// The piece that holds an offset; the last one for the end of the file. `None` for an empty file.
-    pub fn at(&self, offset: usize) -> Option<usize> {
+    pub(crate) fn at(&self, offset: usize) -> Option<usize> {
         let after = self.starts.partition_point(|(start, _)| *start <= offset);
         Some(after.checked_sub(1)?.min(self.all.len().checked_sub(1)?))
     }
 
     /// The piece that holds a line, from 0; the last one for lines beyond the end. `None` for an empty file.
-    pub fn at_line(&self, line: usize) -> Option<usize> {
+    pub(crate) fn at_line(&self, line: usize) -> Option<usize> {
         let after = self.starts.partition_point(|(_, first)| *first <= line);
         Some(after.checked_sub(1)?.min(self.all.len().checked_sub(1)?))
     }
 
     /// True if the dataset has its END.
-    pub fn has_end(&self) -> bool {
+    pub(crate) fn has_end(&self) -> bool {
         self.live().last().is_some_and(|piece| piece.ends)
     }
 
     /// Replaces bytes and reads again what that touches. The span must lie in the file.
-    pub fn edit(&mut self, span: Span, replacement: &[u8]) -> Change {
+    pub(crate) fn edit(&mut self, span: Span, replacement: &[u8]) -> Change {
         let count = self.all.len();
         // The piece before goes with it: its last line may be continued now.
         let touched = self.starts[..count]

@@ -76,7 +76,7 @@ pub(super) struct Pool<T> {
 }
 
 impl<T> Pool<T> {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self {
             list: Arc::default(),
             open: Vec::new(),
@@ -84,7 +84,7 @@ impl<T> Pool<T> {
     }
 
     /// Adds values and hands out the part that holds them.
-    pub fn share(&mut self, values: impl IntoIterator<Item = T>) -> Shared<T> {
+    pub(crate) fn share(&mut self, values: impl IntoIterator<Item = T>) -> Shared<T> {
         let start = self.open.len();
         self.open.extend(values);
         if self.open.len() == start {
@@ -100,7 +100,7 @@ impl<T> Pool<T> {
     }
 
     /// Lets the parts handed out so far see their values.
-    pub fn close(&mut self) {
+    pub(crate) fn close(&mut self) {
         let list = std::mem::take(&mut self.list);
         // Just created or taken: nobody else can have set it.
         let _ = list.set(self.open.drain(..).collect());

@@ -74,7 +74,7 @@ impl Statement {
     }
 
     /// True for END, behind which nothing belongs to a dataset.
-    pub fn is_end(&self, source: &Source) -> bool {
+    pub(crate) fn is_end(&self, source: &Source) -> bool {
         source.slice(self.keyword).eq_ignore_ascii_case(b"END")
     }
 
@@ -84,12 +84,12 @@ impl Statement {
     }
 
     /// True for a body whose markers need not name it: those behind it, up to the next body, are on it (`state_marker`).
-    pub fn carries_markers(&self) -> bool {
+    pub(crate) fn carries_markers(&self) -> bool {
         matches!(self.kind(), Some("PART" | "POINT_MASS" | "FLEX_BODY"))
     }
 
     /// True for a MARKER that names nothing it is on: it is on the body defined before it.
-    pub fn follows_body(&self) -> bool {
+    pub(crate) fn follows_body(&self) -> bool {
         self.kind() == Some("MARKER") && !OWNERS.iter().any(|owner| self.has(owner))
     }
 
@@ -102,29 +102,29 @@ impl Statement {
     }
 
     /// Every argument with this keyword, in order: SPLINE has several Y.
-    pub fn all<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a Argument> {
+    pub(crate) fn all<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a Argument> {
         self.arguments
             .iter()
             .filter(move |argument| argument.def.is_some_and(|def| def.name == name))
     }
 
     /// True if the word stands among the arguments.
-    pub fn has(&self, name: &str) -> bool {
+    pub(crate) fn has(&self, name: &str) -> bool {
         self.argument(name).is_some()
     }
 
     /// The numbers of an argument; empty if it is absent or holds none.
-    pub fn numbers(&self, name: &str) -> &[Number] {
+    pub(crate) fn numbers(&self, name: &str) -> &[Number] {
         self.argument(name).map_or(&[], Argument::numbers)
     }
 
     /// The first number of an argument.
-    pub fn first(&self, name: &str) -> Option<f64> {
+    pub(crate) fn first(&self, name: &str) -> Option<f64> {
         self.numbers(name).first().map(|number| number.value)
     }
 
     /// The text of an argument, if it is there.
-    pub fn text<'s>(&self, name: &str, source: &'s Source) -> Option<Cow<'s, str>> {
+    pub(crate) fn text<'s>(&self, name: &str, source: &'s Source) -> Option<Cow<'s, str>> {
         self.argument(name)?.text(source)
     }
 }
@@ -172,7 +172,7 @@ impl Argument {
     }
 
     /// The first text or word; the text of a function.
-    pub fn text<'s>(&self, source: &'s Source) -> Option<Cow<'s, str>> {
+    pub(crate) fn text<'s>(&self, source: &'s Source) -> Option<Cow<'s, str>> {
         match &self.value {
             Value::Words(spans) | Value::Texts(spans) => {
                 spans.first().map(|span| source.text(*span))

@@ -28,7 +28,7 @@ enum Layout {
 
 impl Style {
     /// The style of most statements of a dataset.
-    pub fn of(dataset: &Dataset) -> Self {
+    pub(crate) fn of(dataset: &Dataset) -> Self {
         let sample = dataset
             .statements()
             .iter()
@@ -52,7 +52,7 @@ impl Style {
     }
 
     /// The style of one statement.
-    pub fn of_statement(dataset: &Dataset, statement: &Statement) -> Self {
+    pub(crate) fn of_statement(dataset: &Dataset, statement: &Statement) -> Self {
         let text = dataset.source().slice(statement.span);
         let layout = match memchr::memchr2(b'\n', b'\r', text) {
             None => Layout::OneLine,
@@ -76,7 +76,7 @@ impl Style {
     }
 
     /// `, NAME = value` with what separates it from the argument before.
-    pub fn argument(&self, name: &str, value: Option<&str>) -> String {
+    pub(crate) fn argument(&self, name: &str, value: Option<&str>) -> String {
         let lead = match self.layout {
             Layout::Comma => format!("{}, ", self.line_end),
             Layout::Ampersand => format!(" &{}, ", self.line_end),
@@ -90,7 +90,7 @@ impl Style {
     }
 
     /// The comment line that names the statement below it.
-    pub fn name_comment(&self, name: &str) -> String {
+    pub(crate) fn name_comment(&self, name: &str) -> String {
         // ADAMS/View centres it on column 41.
         let comment = format!("adams_view_name='{name}'");
         let pad = " ".repeat(40usize.saturating_sub(comment.len().div_ceil(2)).max(1));
@@ -98,7 +98,7 @@ impl Style {
     }
 
     /// A whole statement with its name comment and line ends.
-    pub fn statement(&self, new: &NewStatement) -> String {
+    pub(crate) fn statement(&self, new: &NewStatement) -> String {
         let mut text = String::new();
         let end = self.line_end;
         if let Some(name) = &new.view_name {

@@ -43,7 +43,7 @@ pub(crate) enum Quantity {
 
 impl Quantity {
     /// Of an argument of the grammar.
-    pub fn of_argument(argument: &ArgumentDef) -> Self {
+    pub(crate) fn of_argument(argument: &ArgumentDef) -> Self {
         match argument.components {
             Components::Alike => Self::Same(argument.dimension),
             components => Self::Of(components),

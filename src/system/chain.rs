@@ -14,7 +14,7 @@ pub struct Twist {
 
 impl Twist {
     /// No motion.
-    pub const fn zero() -> Self {
+    pub(crate) const fn zero() -> Self {
         Self {
             shift: Vec3::new(0.0, 0.0, 0.0),
             turn: Vec3::new(0.0, 0.0, 0.0),

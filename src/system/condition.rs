@@ -14,7 +14,7 @@ const STEP: f64 = 1e-6;
 impl Configuration<'_> {
     /// The reaction of a GCON on the part of a marker: force, and torque about the marker's origin, ground axes; after
     /// [`Configuration::look`]. Zero if it is switched off or redundant.
-    pub fn read_condition(&self, id: u32, marker: MarkerIx) -> (Vec3, Vec3) {
+    pub(crate) fn read_condition(&self, id: u32, marker: MarkerIx) -> (Vec3, Vec3) {
         let (system, state, scratch) = (self.system, self.state, &*self.scratch);
         let place = system.place(system.owners[marker.0]);
         let is_it = |c: &&Condition| {

@@ -17,7 +17,7 @@ pub struct Configuration<'a> {
 
 impl System {
     /// A configuration, with nothing evaluated: `scratch` holds what the last [`Configuration::look`] put there.
-    pub fn at<'a>(
+    pub(crate) fn at<'a>(
         &'a self,
         parameters: &'a Parameters,
         state: &'a State,
@@ -64,14 +64,14 @@ impl Configuration<'_> {
     ///
     /// # Errors
     /// [`NoValue`] if a function, or an element that a function measures, is undefined in this configuration.
-    pub fn look(&mut self) -> Result<(), NoValue> {
+    pub(crate) fn look(&mut self) -> Result<(), NoValue> {
         self.place_markers();
         self.drive()?;
         self.evaluate_functions()
     }
 
     /// Pose of a marker in ground.
-    pub fn marker(&self, marker: crate::model::MarkerIx) -> &Pose {
+    pub(crate) fn marker(&self, marker: crate::model::MarkerIx) -> &Pose {
         &self.scratch.markers[marker.0]
     }
 

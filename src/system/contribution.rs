@@ -204,17 +204,17 @@ impl Contribution {
     }
 
     /// The size of the wrench as a force.
-    pub fn size(&self, length: f64) -> f64 {
+    pub(crate) fn size(&self, length: f64) -> f64 {
         self.F.amax().max(self.T.amax() / length)
     }
 
     /// Adds the wrench to the balances of its parts.
-    pub fn balance(&self, g: &mut [f64]) {
+    pub(crate) fn balance(&self, g: &mut [f64]) {
         self.spread(&self.F, &self.T, g);
     }
 
     /// Adds another wrench at the same place to the balances of its parts.
-    pub fn spread(&self, F: &Vec3, T: &Vec3, g: &mut [f64]) {
+    pub(crate) fn spread(&self, F: &Vec3, T: &Vec3, g: &mut [f64]) {
         add_wrench(g, self.a.0, 1.0, F, T, &self.a.1);
         if let Some((b, s)) = &self.b {
             add_wrench(g, *b, -1.0, F, T, s);
@@ -222,13 +222,13 @@ impl Contribution {
     }
 
     /// Adds a wrench given in the axes of the frame.
-    pub fn spread_local(&self, w: &Vec6, g: &mut [f64]) {
+    pub(crate) fn spread_local(&self, w: &Vec6, g: &mut [f64]) {
         let (F, T) = halves(&self.R, w);
         self.spread(&F, &T, g);
     }
 
     /// The balances that a scalar acts on, per unit: places and their six numbers.
-    pub fn column(&self, scalar: &Scalar) -> impl Iterator<Item = (Place, [f64; 6])> {
+    pub(crate) fn column(&self, scalar: &Scalar) -> impl Iterator<Item = (Place, [f64; 6])> {
         let on = |(place, arm): (Place, Vec3), sign: f64| {
             let mut column = [0.0; 6];
             let local = Place { first: 0, ..place };
@@ -241,7 +241,7 @@ impl Contribution {
     }
 
     /// Adds the derivative of the balances by the motions of the parts.
-    pub fn tangent_by_motion<S: Sink>(&self, sink: &mut S) {
+    pub(crate) fn tangent_by_motion<S: Sink>(&self, sink: &mut S) {
         let ((on_a, r), F) = (self.a, &self.F);
         let (r, Fx) = (skew(&r), skew(F));
         let b = self.b.filter(|(place, _)| place.freedoms > 0);
@@ -319,7 +319,7 @@ impl Contribution {
     }
 
     /// Adds the derivative of the balances by the unknowns that functions depend on.
-    pub fn tangent_by_functions<S: Sink>(
+    pub(crate) fn tangent_by_functions<S: Sink>(
         &self,
         functions: &[FunctionValue],
         gradient: &[(usize, f64)],
@@ -341,7 +341,7 @@ impl Contribution {
     }
 
     /// Appends the gradient of `weight . w` by the unknowns, w in ground axes; with the tangent only.
-    pub fn pullback(
+    pub(crate) fn pullback(
         &self,
         weight: &Vec6,
         functions: &[FunctionValue],
@@ -394,13 +394,18 @@ impl Contribution {
     }
 
     /// The motion of I as C sees it when markers move on their parts, ground axes.
-    pub fn seen(&self, moved: impl Fn(usize) -> Twist, markers: &[Pose]) -> Vec6 {
+    pub(crate) fn seen(&self, moved: impl Fn(usize) -> Twist, markers: &[Pose]) -> Vec6 {
         let frame = self.frame.map(|m| (moved(m), &markers[m].p));
         seen_motion((&moved(self.i), &markers[self.i].p), frame)
     }
 
     /// Adds the change of the balances when markers move on their parts: `d(r x F) = r x dF + dp_i x F`; with the tangent only.
-    pub fn by_marker(&self, moved: impl Fn(usize) -> Twist, markers: &[Pose], dg: &mut [f64]) {
+    pub(crate) fn by_marker(
+        &self,
+        moved: impl Fn(usize) -> Twist,
+        markers: &[Pose],
+        dg: &mut [f64],
+    ) {
         let (i, c) = (moved(self.i), self.frame.map_or_else(Twist::zero, &moved));
         let mut dF = c.turn.cross(&self.F);
         let mut dT = c.turn.cross(&self.T);

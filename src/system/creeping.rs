@@ -21,7 +21,7 @@ pub enum SlidingWith {
 
 impl SlidingWith {
     /// `dynamic` or `static`.
-    pub const fn word(self) -> &'static str {
+    pub(crate) const fn word(self) -> &'static str {
         match self {
             Self::Dynamic => "dynamic",
             Self::Static => "static",
@@ -44,7 +44,7 @@ pub enum Grasp {
 
 impl Grasp {
     /// `sliding`, `mixed` or `sticking`.
-    pub const fn word(self) -> &'static str {
+    pub(crate) const fn word(self) -> &'static str {
         match self {
             Self::Sliding => "sliding",
             Self::Mixed => "mixed",
@@ -63,7 +63,7 @@ impl Friction {
 impl System {
     /// Lets the joints of these FRICTIONs creep in statics, too. Then [`System::creep_on`] moves the surfaces on from one equilibrium to
     /// the next.
-    pub fn let_creep(&mut self, ids: &[u32], with: SlidingWith) {
+    pub(crate) fn let_creep(&mut self, ids: &[u32], with: SlidingWith) {
         for friction in &mut self.frictions {
             if ids.contains(&friction.name.id) {
                 let law = friction.law;
@@ -79,13 +79,13 @@ impl System {
     }
 
     /// True if any friction acts in statics.
-    pub fn creeps(&self) -> bool {
+    pub(crate) fn creeps(&self) -> bool {
         self.frictions.iter().any(Friction::counts_at_rest)
     }
 
     /// Moves the surfaces on to an equilibrium: the creep starts from here at the first call, and ends at the limit of sliding. Tells
     /// what the surfaces do; `None` without any.
-    pub fn creep_on(
+    pub(crate) fn creep_on(
         &self,
         parameters: &Parameters,
         state: &mut State,

@@ -19,7 +19,7 @@ impl System {
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
-    pub fn residual_by_slot(
+    pub(crate) fn residual_by_slot(
         &self,
         parameters: &Parameters,
         state: &State,
@@ -32,7 +32,7 @@ impl System {
     }
 
     /// The residual of a wrench on marker I, given in J axes, with its opposite at the same point of the part of J.
-    pub fn unit_wrench_column(
+    pub(crate) fn unit_wrench_column(
         &self,
         parameters: &Parameters,
         state: &State,
@@ -68,7 +68,7 @@ impl Configuration<'_> {
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
-    pub fn residual_by_turn(
+    pub(crate) fn residual_by_turn(
         &mut self,
         (marker, axis): (MarkerIx, &Vec3),
         dg: &mut [f64],
@@ -97,7 +97,7 @@ impl Configuration<'_> {
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
-    pub fn residual_by_slot(&mut self, slot: Slot, dg: &mut [f64]) -> Result<(), NoValue> {
+    pub(crate) fn residual_by_slot(&mut self, slot: Slot, dg: &mut [f64]) -> Result<(), NoValue> {
         dg.fill(0.0);
         let system = self.system;
         let group = system.catalogue().group(slot);

@@ -62,7 +62,7 @@ impl System {
     ///
     /// # Errors
     /// [`NoValue`] if a function has no value on the way.
-    pub fn drive_on(
+    pub(crate) fn drive_on(
         &self,
         parameters: &Parameters,
         state: &mut State,

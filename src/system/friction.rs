@@ -22,7 +22,7 @@ use crate::model::MarkerIx;
 
 /// What a friction does: vectors in the axes of I, but for the wrench.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
-pub struct FrictionReading {
+pub(crate) struct FrictionReading {
     /// Force on I at its origin, ground axes.
     pub force: Vec3,
     /// Torque on I, ground axes.
@@ -403,7 +403,7 @@ impl Configuration<'_> {
     ///
     /// # Errors
     /// [`NoValue`] if it is undefined in this configuration.
-    pub fn read_friction(&mut self, id: u32) -> Result<FrictionReading, NoValue> {
+    pub(crate) fn read_friction(&mut self, id: u32) -> Result<FrictionReading, NoValue> {
         let system = self.system;
         let mut out = FrictionReading::default();
         if !self.moving() || self.state.grips.len() != system.frictions.len() {

@@ -45,7 +45,7 @@ impl<'s> Configuration<'s> {
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
-    pub fn each_load(&mut self, mut show: impl FnMut(Load<'s>)) -> Result<(), NoValue> {
+    pub(crate) fn each_load(&mut self, mut show: impl FnMut(Load<'s>)) -> Result<(), NoValue> {
         let system = self.system;
         self.weights(&mut show);
         for (number, element) in system.elements.iter().enumerate() {

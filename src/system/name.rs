@@ -1,7 +1,5 @@
 use std::fmt;
 
-use crate::syntax::Address;
-
 /// How a person knows an object: `BUSHING/12 'front_arm_bushing'`.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct Name {
@@ -13,17 +11,7 @@ pub struct Name {
     pub view: String,
 }
 
-impl Name {
-    /// Its address in the dataset.
-    pub fn address(&self) -> Address {
-        Address {
-            kind: self.kind.to_string(),
-            id: Some(self.id),
-            argument: None,
-            index: None,
-        }
-    }
-}
+impl Name {}
 
 impl fmt::Display for Name {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

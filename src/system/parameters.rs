@@ -44,12 +44,12 @@ impl Parameters {
     }
 
     /// All numbers.
-    pub fn theta(&self) -> &[f64] {
+    pub(crate) fn theta(&self) -> &[f64] {
         &self.theta
     }
 
     /// Turns a marker on its part by `angle` radians about an axis of its own.
-    pub fn turn(&mut self, marker: crate::model::MarkerIx, axis: &Vec3, angle: f64) {
+    pub(crate) fn turn(&mut self, marker: crate::model::MarkerIx, axis: &Vec3, angle: f64) {
         let R = self.markers[marker.0].R * exp(&(axis * angle));
         if let Some(by_points) = &mut self.by_points[marker.0] {
             *by_points = R;
@@ -61,7 +61,7 @@ impl Parameters {
     }
 
     /// Where a marker is on its part.
-    pub fn marker(&self, marker: crate::model::MarkerIx) -> &Pose {
+    pub(crate) fn marker(&self, marker: crate::model::MarkerIx) -> &Pose {
         &self.markers[marker.0]
     }
 

@@ -53,7 +53,7 @@ impl Configuration<'_> {
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
-    pub fn quantity_by_unknowns(
+    pub(crate) fn quantity_by_unknowns(
         &mut self,
         quantity: Quantity,
         out: &mut [f64],
@@ -94,7 +94,11 @@ impl Configuration<'_> {
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
-    pub fn quantity_by_slot(&mut self, quantity: Quantity, slot: Slot) -> Result<f64, NoValue> {
+    pub(crate) fn quantity_by_slot(
+        &mut self,
+        quantity: Quantity,
+        slot: Slot,
+    ) -> Result<f64, NoValue> {
         let (system, state) = (self.system, self.state);
         let role = system.catalogue().group(slot).role;
         if !system.may_touch(quantity, role) {

@@ -59,7 +59,7 @@ impl Configuration<'_> {
     ///
     /// # Errors
     /// [`NoValue`] if it is undefined in this configuration.
-    pub fn read_nforce(&mut self, id: u32) -> Result<Vec<Reading>, NoValue> {
+    pub(crate) fn read_nforce(&mut self, id: u32) -> Result<Vec<Reading>, NoValue> {
         let mut multis = self.system.multis.iter();
         let Some(number) = multis.position(|multi| multi.name.id == id) else {
             return Ok(Vec::new());

@@ -79,7 +79,7 @@ impl Configuration<'_> {
     ///
     /// # Errors
     /// [`NoValue`] if it is undefined in this configuration.
-    pub fn read_function(
+    pub(crate) fn read_function(
         &mut self,
         (index, component): (usize, usize),
     ) -> Result<Option<(f64, &[(usize, f64)])>, NoValue> {
@@ -99,7 +99,7 @@ impl Configuration<'_> {
     ///
     /// # Errors
     /// [`NoValue`] if it is undefined in this configuration.
-    pub fn read_sensor(&mut self, index: usize) -> Result<f64, NoValue> {
+    pub(crate) fn read_sensor(&mut self, index: usize) -> Result<f64, NoValue> {
         self.value_of(self.system.sensors[index].0)
     }
 
@@ -107,7 +107,7 @@ impl Configuration<'_> {
     ///
     /// # Errors
     /// [`NoValue`] if it is undefined in this configuration.
-    pub fn read_sensor_evaluate(&mut self, index: usize) -> Result<Option<f64>, NoValue> {
+    pub(crate) fn read_sensor_evaluate(&mut self, index: usize) -> Result<Option<f64>, NoValue> {
         let Some(function) = self.system.sensors[index].1 else {
             return Ok(None);
         };

@@ -23,7 +23,7 @@ pub(crate) struct Rows {
 
 impl Rows {
     /// Of a system.
-    pub fn new(system: &System) -> Self {
+    pub(crate) fn new(system: &System) -> Self {
         Self {
             first_equation: system.first_equation,
             first_variable: system.first_variable,
@@ -34,21 +34,21 @@ impl Rows {
     }
 
     /// Makes ready for an assembly.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.entries.clear();
         self.others.clear();
         self.time.fill(0.0);
     }
 
     /// Adds `G V` to one number per equation.
-    pub fn times(&self, v: &[f64], out: &mut [f64]) {
+    pub(crate) fn times(&self, v: &[f64], out: &mut [f64]) {
         for &(row, column, value) in &self.entries {
             out[row as usize] += value * v[column as usize];
         }
     }
 
     /// Adds `G' mu` to one number per freedom of the parts.
-    pub fn transposed_times(&self, mu: &[f64], out: &mut [f64]) {
+    pub(crate) fn transposed_times(&self, mu: &[f64], out: &mut [f64]) {
         for &(row, column, value) in &self.entries {
             out[column as usize] += value * mu[row as usize];
         }

@@ -11,7 +11,7 @@ pub struct Rates {
 
 impl Rates {
     /// At rest.
-    pub const fn zero() -> Self {
+    pub(crate) const fn zero() -> Self {
         Self {
             linear: Vec3::new(0.0, 0.0, 0.0),
             angular: Vec3::new(0.0, 0.0, 0.0),
@@ -47,7 +47,7 @@ pub struct Grip {
 
 impl Grip {
     /// Nothing sticks, and nothing was assembled yet.
-    pub fn none() -> Self {
+    pub(crate) fn none() -> Self {
         Self {
             sticking: false,
             creep: Vec3::zeros(),
@@ -116,19 +116,19 @@ impl State {
     }
 
     /// True if its rates count; in statics nothing moves.
-    pub fn moves(&self) -> bool {
+    pub(crate) fn moves(&self) -> bool {
         !self.velocities.is_empty()
     }
 
     /// Gives everything a rate, zero where it has none yet.
-    pub fn set_moving(&mut self) {
+    pub(crate) fn set_moving(&mut self) {
         self.velocities.resize(self.poses.len(), Rates::zero());
         self.accelerations.resize(self.poses.len(), Rates::zero());
         self.state_rates.resize(self.states.len(), 0.0);
     }
 
     /// Brings everything to rest.
-    pub fn set_at_rest(&mut self) {
+    pub(crate) fn set_at_rest(&mut self) {
         self.velocities.clear();
         self.accelerations.clear();
         self.state_rates.clear();
@@ -138,13 +138,13 @@ impl State {
     }
 
     /// The angles that turns are counted from, one after the other.
-    pub fn turns(&self) -> Vec<f64> {
+    pub(crate) fn turns(&self) -> Vec<f64> {
         let pairs = self.pair_angles.iter().flat_map(|angles| angles.iter());
         pairs.chain(&self.measure_angles).copied().collect()
     }
 
     /// Counts turns from these angles; those of another model are left.
-    pub fn set_turns(&mut self, turns: &[f64]) {
+    pub(crate) fn set_turns(&mut self, turns: &[f64]) {
         let pairs = 3 * self.pair_angles.len();
         if turns.len() == pairs + self.measure_angles.len() {
             for (angles, from) in self.pair_angles.iter_mut().zip(turns.chunks_exact(3)) {
@@ -155,7 +155,7 @@ impl State {
     }
 
     /// The answer of this state, without what only the solver needs.
-    pub fn equilibrium(&self) -> Equilibrium {
+    pub(crate) fn equilibrium(&self) -> Equilibrium {
         Equilibrium {
             time: self.time,
             poses: self.poses.clone(),

@@ -148,7 +148,7 @@ pub(crate) struct Joint {
 impl Joint {
     /// How many terms, from the first on, act between the same two markers: what a COUPLER or GEAR does at its first joint. A cylindrical
     /// joint in a GEAR has two terms, what it turns and what it shifts.
-    pub fn at_first(&self) -> usize {
+    pub(crate) fn at_first(&self) -> usize {
         let ends = |term: &Term| (term.i, term.j);
         let first = self.terms.first().map(ends);
         let same = |term: &&Term| Some(ends(term)) == first;
@@ -268,13 +268,8 @@ impl System {
         self.first_equation
     }
 
-    /// How many unknowns a motion has: those of statics and the states that statics holds.
-    pub fn moving_unknowns(&self) -> usize {
-        self.moving_unknowns
-    }
-
     /// What the equations of motion leave out; a motion without it would not be the model's.
-    pub fn not_in_motion(&self) -> &[Diagnostic] {
+    pub(crate) fn not_in_motion(&self) -> &[Diagnostic] {
         &self.not_in_motion
     }
 
@@ -289,7 +284,7 @@ impl System {
     }
 
     /// True if VARIABLEs or dynamic states are unknowns besides poses and multipliers.
-    pub fn has_data_unknowns(&self) -> bool {
+    pub(crate) fn has_data_unknowns(&self) -> bool {
         self.first_variable < self.unknowns
     }
 
@@ -320,7 +315,7 @@ impl System {
     }
 
     /// The name of a part.
-    pub fn part_name(&self, part: PartIx) -> &Name {
+    pub(crate) fn part_name(&self, part: PartIx) -> &Name {
         &self.bodies[part.0].name
     }
 
@@ -333,7 +328,7 @@ impl System {
     }
 
     /// A constraint by keyword and id.
-    pub fn constraint(&self, kind: &str, id: u32) -> Option<ConstraintIx> {
+    pub(crate) fn constraint(&self, kind: &str, id: u32) -> Option<ConstraintIx> {
         self.joints
             .iter()
             .position(|c| c.name.kind == kind && c.name.id == id)

@@ -60,7 +60,7 @@ pub(crate) struct Friction {
 }
 
 impl Friction {
-    pub fn lever(&self, slide: Slide) -> f64 {
+    pub(crate) fn lever(&self, slide: Slide) -> f64 {
         if slide == Slide::AlongZ {
             1.0
         } else {
@@ -69,7 +69,7 @@ impl Friction {
     }
 
     /// The marker whose axes the wrench is given in.
-    pub fn frame(&self) -> usize {
+    pub(crate) fn frame(&self) -> usize {
         match self.slides.first() {
             Some(Slide::AboutI(_)) => self.i,
             _ => self.j,
@@ -77,7 +77,7 @@ impl Friction {
     }
 
     /// The wrench of a unit generalised force in a direction, axes of the frame.
-    pub fn unit(slide: Slide) -> Vec6 {
+    pub(crate) fn unit(slide: Slide) -> Vec6 {
         Vec6::ith(
             match slide {
                 Slide::AlongZ => 2,

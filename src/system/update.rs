@@ -29,7 +29,7 @@ impl System {
     }
 
     /// Takes the configuration as an equilibrium: turns are counted from here on.
-    pub fn accept(
+    pub(crate) fn accept(
         &self,
         parameters: &super::Parameters,
         state: &mut State,

@@ -9,7 +9,7 @@ const VARIABLE: &str = "ADMIRE_CODE_PAGE";
 
 /// How characters are printed where no console takes them as they are.
 #[derive(Clone, Copy, Debug)]
-pub enum CodePage {
+pub(crate) enum CodePage {
     /// As they are here.
     Utf8,
     /// A code page of the consoles of Windows: 437, 850, 852 and so on.
@@ -23,7 +23,7 @@ impl CodePage {
     ///
     /// # Errors
     /// When it is not known; the text says so.
-    pub fn of_environment() -> std::result::Result<Self, String> {
+    pub(crate) fn of_environment() -> std::result::Result<Self, String> {
         let named = std::env::var(VARIABLE).unwrap_or_default();
         Self::named(&named).ok_or_else(|| {
             format!("{VARIABLE}: `{named}` is no code page; 1252, 850 and utf-8 are some")
@@ -46,7 +46,7 @@ impl CodePage {
     }
 
     /// A text in this code page; a character that it lacks becomes one that looks like it, or `?`.
-    pub fn encode(self, text: &str) -> Cow<'_, [u8]> {
+    pub(crate) fn encode(self, text: &str) -> Cow<'_, [u8]> {
         if text.is_ascii() || matches!(self, Self::Utf8) {
             return Cow::Borrowed(text.as_bytes());
         }
@@ -108,14 +108,14 @@ const fn like(c: char) -> &'static str {
 
 /// A writer of texts that encodes each of them.
 #[derive(Debug)]
-pub struct Encoded<W> {
+pub(crate) struct Encoded<W> {
     inner: W,
     page: CodePage,
 }
 
 impl<W: Write> Encoded<W> {
     /// Texts go to `inner`.
-    pub const fn new(inner: W, page: CodePage) -> Self {
+    pub(crate) const fn new(inner: W, page: CodePage) -> Self {
         Self { inner, page }
     }
 }

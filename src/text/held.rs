@@ -16,7 +16,7 @@ const PAUSES: [u64; 9] = [5, 10, 25, 60, 100, 200, 400, 600, 600];
 ///
 /// # Errors
 /// That of the last attempt, or of the first that has another reason.
-pub fn patiently<T>(attempt: impl FnMut() -> Result<T>) -> Result<T> {
+pub(crate) fn patiently<T>(attempt: impl FnMut() -> Result<T>) -> Result<T> {
     let wait = |pause| std::thread::sleep(Duration::from_millis(pause));
     repeated(attempt, is_held, wait).map_err(|error| {
         if is_held(&error) {
@@ -51,7 +51,7 @@ fn repeated<T>(
 ///
 /// # Errors
 /// When it cannot take the place; the old file is as it was.
-pub fn persist(new: NamedTempFile, path: &Path) -> Result<()> {
+pub(crate) fn persist(new: NamedTempFile, path: &Path) -> Result<()> {
     let before = std::fs::metadata(path)
         .ok()
         .filter(|_| cfg!(windows))

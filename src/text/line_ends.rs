@@ -9,7 +9,7 @@ pub struct LineEnds<W> {
 
 impl<W: Write> LineEnds<W> {
     /// Text goes to `inner`.
-    pub const fn of_system(inner: W) -> Self {
+    pub(crate) const fn of_system(inner: W) -> Self {
         Self {
             inner,
             carriage_return: cfg!(windows),

@@ -31,7 +31,7 @@ fn is_harmless(text: &str) -> bool {
 }
 
 /// A text for a terminal. Controls are spelled `\u001b`, as JSON does: JSON keeps its meaning.
-pub fn printable(text: &str) -> Cow<'_, str> {
+pub(crate) fn printable(text: &str) -> Cow<'_, str> {
     if is_harmless(text) {
         return Cow::Borrowed(text);
     }
@@ -47,7 +47,7 @@ pub fn printable(text: &str) -> Cow<'_, str> {
 }
 
 /// A text for a terminal in which every character stays at its byte: controls are shown as `?` and the like.
-pub fn masked(text: &str) -> Cow<'_, str> {
+pub(crate) fn masked(text: &str) -> Cow<'_, str> {
     if is_harmless(text) {
         return Cow::Borrowed(text);
     }

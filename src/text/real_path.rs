@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 /// When there is nothing.
-pub fn real_path(path: &Path) -> Result<PathBuf> {
+pub(crate) fn real_path(path: &Path) -> Result<PathBuf> {
     path.canonicalize().or_else(|error| {
         // Wine 8 has no room for the longer ones (ERROR_MORE_DATA), which Windows never says here.
         if !cfg!(windows) || error.raw_os_error() != Some(234) {

@@ -26,7 +26,7 @@ pub struct LineColumn {
 
 impl Source {
     /// More bytes are not read as a whole: their places would not fit a [`Span`].
-    pub const LARGEST: u64 = u32::MAX as u64;
+    pub(crate) const LARGEST: u64 = u32::MAX as u64;
 
     /// A source from a name to show and its bytes.
     pub fn new(name: impl Into<Arc<str>>, bytes: impl Into<Vec<u8>>) -> Self {
@@ -57,7 +57,7 @@ impl Source {
     }
 
     /// The bytes of a span.
-    pub fn slice(&self, span: Span) -> &[u8] {
+    pub(crate) fn slice(&self, span: Span) -> &[u8] {
         &self.bytes[span.range()]
     }
 
@@ -74,7 +74,7 @@ impl Source {
     ///
     /// # Errors
     /// The place of the first byte that is not.
-    pub fn utf8(&self) -> Result<&str, Span> {
+    pub(crate) fn utf8(&self) -> Result<&str, Span> {
         std::str::from_utf8(&self.bytes).map_err(|error| {
             let at = error.valid_up_to();
             Span::new(at, at + 1)
@@ -100,7 +100,7 @@ impl Source {
 ///
 /// # Errors
 /// When the file cannot be read, or is larger.
-pub fn read_at_most(path: &Path, most: u64) -> std::io::Result<Vec<u8>> {
+pub(crate) fn read_at_most(path: &Path, most: u64) -> std::io::Result<Vec<u8>> {
     let size = std::fs::metadata(path)?.len();
     check_size(size, most)?;
     let mut bytes = Vec::new();
@@ -122,7 +122,7 @@ pub fn read_at_most(path: &Path, most: u64) -> std::io::Result<Vec<u8>> {
 ///
 /// # Errors
 /// In that case.
-pub fn check_size(size: u64, most: u64) -> std::io::Result<()> {
+pub(crate) fn check_size(size: u64, most: u64) -> std::io::Result<()> {
     if size <= most {
         return Ok(());
     }

@@ -29,7 +29,7 @@ impl Span {
     }
 
     /// An empty span: a place between two bytes.
-    pub const fn at(offset: usize) -> Self {
+    pub(crate) const fn at(offset: usize) -> Self {
         Self::new(offset, offset)
     }
 
@@ -55,7 +55,7 @@ impl Span {
 
     #[must_use]
     /// The smallest span that holds both.
-    pub fn join(self, other: Self) -> Self {
+    pub(crate) fn join(self, other: Self) -> Self {
         Self {
             start: self.start.min(other.start),
             end: self.end.max(other.end),
@@ -64,7 +64,7 @@ impl Span {
 
     #[must_use]
     /// The same start with another end.
-    pub const fn to(self, end: usize) -> Self {
+    pub(crate) const fn to(self, end: usize) -> Self {
         Self {
             start: self.start,
             end: cut(end),
@@ -77,7 +77,7 @@ impl Span {
     }
 
     /// As a range, for slicing.
-    pub const fn range(self) -> Range<usize> {
+    pub(crate) const fn range(self) -> Range<usize> {
         self.start()..self.end()
     }
 }

@@ -74,7 +74,7 @@ impl Size {
     }
 
     /// Logarithm of the prior's density, constants left out.
-    pub fn ln_prior(&self, ln: f64) -> f64 {
+    pub(crate) fn ln_prior(&self, ln: f64) -> f64 {
         let z = (ln - libm::log(self.usual)) / self.ln_sd;
         -0.5 * z * z - libm::log(self.ln_sd)
     }
@@ -93,7 +93,7 @@ pub struct Sizes {
 
 impl Sizes {
     /// All groups and scales a study may need; `None` where the user has switched one off. `millimetre` is one in the deck's unit.
-    pub fn new(settings: &ToleranceSettings, sigma_on_parts: f64, millimetre: f64) -> Self {
+    pub(crate) fn new(settings: &ToleranceSettings, sigma_on_parts: f64, millimetre: f64) -> Self {
         let degree = 1f64.to_radians();
         let mm = millimetre;
         let of = |stated: Stated, unit: f64, usual: Size| match stated {
@@ -158,53 +158,48 @@ impl Sizes {
     }
 
     /// With one more noise, over what is declared or, where nothing is, over a guess.
-    pub fn add_scale(&mut self, scale: Scale, declared: bool) {
+    pub(crate) fn add_scale(&mut self, scale: Scale, declared: bool) {
         let size = Size::new(1.0, if declared { 0.5 } else { 3.0 });
         self.scales.push((scale, size));
         self.ln.push(libm::log(size.usual));
     }
 
     /// Logarithms of the usual sizes.
-    pub fn usual(&self) -> Vec<f64> {
+    pub(crate) fn usual(&self) -> Vec<f64> {
         self.each().map(|size| libm::log(size.usual)).collect()
     }
 
     /// Prior and bounds of each, in the order of `ln`.
-    pub fn each(&self) -> impl Iterator<Item = &Size> {
+    pub(crate) fn each(&self) -> impl Iterator<Item = &Size> {
         let groups = self.groups.iter().map(|(_, size)| size);
         groups.chain(self.scales.iter().map(|(_, size)| size))
     }
 
     /// Where a group is in `ln`.
-    pub fn group(&self, group: Group) -> Option<usize> {
+    pub(crate) fn group(&self, group: Group) -> Option<usize> {
         self.groups.iter().position(|(of, _)| *of == group)
     }
 
     /// Where a scale is in `ln`.
-    pub fn scale(&self, scale: Scale) -> Option<usize> {
+    pub(crate) fn scale(&self, scale: Scale) -> Option<usize> {
         let at = self.scales.iter().position(|(of, _)| *of == scale)?;
         Some(self.groups.len() + at)
     }
 
     /// The size of a group.
-    pub fn of(&self, group: Group) -> Option<f64> {
+    pub(crate) fn of(&self, group: Group) -> Option<f64> {
         self.group(group).map(|at| libm::exp(self.ln[at]))
-    }
-
-    /// The size of a scale.
-    pub fn of_scale(&self, scale: Scale) -> Option<f64> {
-        self.scale(scale).map(|at| libm::exp(self.ln[at]))
     }
 
     /// The same with other values.
     #[must_use]
-    pub fn at(&self, ln: Vec<f64>) -> Self {
+    pub(crate) fn at(&self, ln: Vec<f64>) -> Self {
         Self { ln, ..self.clone() }
     }
 
     /// Where a candidate's sizes start: not above what is usual by more than a factor e, so that sizes that have swallowed a cause
     /// let it go.
-    pub fn modest(&self, over: f64) -> Vec<f64> {
+    pub(crate) fn modest(&self, over: f64) -> Vec<f64> {
         let each = self.ln.iter().zip(self.each());
         each.map(|(ln, size)| ln.min(libm::log(size.usual) + over))
             .collect()
@@ -213,7 +208,7 @@ impl Sizes {
 
 impl Group {
     /// Its name in `diagnosis.json`.
-    pub const fn as_str(self) -> &'static str {
+    pub(crate) const fn as_str(self) -> &'static str {
         match self {
             Self::Hardpoints => "hardpoints",
             Self::LoadPoints => "load-points",

@@ -39,7 +39,7 @@ pub struct Member {
 }
 
 /// What a layer is made for.
-pub struct LayerOf<'a> {
+pub(crate) struct LayerOf<'a> {
     /// The deck.
     pub model: &'a Model,
     /// Its loads and cases.
@@ -59,7 +59,7 @@ pub struct Layer {
 
 impl Layer {
     /// The layer of a deck and its loads.
-    pub fn of(study: &LayerOf<'_>) -> Self {
+    pub(crate) fn of(study: &LayerOf<'_>) -> Self {
         let mut layer = Self {
             members: Vec::new(),
             points: points(study.model),
@@ -90,7 +90,11 @@ impl Layer {
     }
 
     /// Members of a group at an address.
-    pub fn at<'a>(&'a self, group: Group, address: &'a str) -> impl Iterator<Item = usize> + 'a {
+    pub(crate) fn at<'a>(
+        &'a self,
+        group: Group,
+        address: &'a str,
+    ) -> impl Iterator<Item = usize> + 'a {
         let of = move |(_, m): &(usize, &Member)| m.group == group && m.address == address;
         self.members.iter().enumerate().filter(of).map(|(k, _)| k)
     }
@@ -285,7 +289,7 @@ pub(super) fn shift(model: &Model, markers: &[MarkerIx], direction: &Vec3) -> Ef
 }
 
 /// The marker at which a driven force acts.
-pub fn acts_at(model: &Model, target: &Address) -> Option<MarkerIx> {
+pub(crate) fn acts_at(model: &Model, target: &Address) -> Option<MarkerIx> {
     let id = target.id?;
     match target.kind.as_str() {
         "SFORCE" => model

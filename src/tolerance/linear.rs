@@ -24,7 +24,7 @@ pub struct Unknown {
 
 impl Unknown {
     /// A member of a group.
-    pub const fn member(group: Group) -> Self {
+    pub(crate) const fn member(group: Group) -> Self {
         Self {
             mean: 0.0,
             sd: 0.0,
@@ -33,7 +33,7 @@ impl Unknown {
     }
 
     /// Prior standard deviation at these sizes.
-    pub fn prior_sd(&self, sizes: &Sizes) -> f64 {
+    pub(crate) fn prior_sd(&self, sizes: &Sizes) -> f64 {
         let tau = self.group.and_then(|group| sizes.of(group)).unwrap_or(0.0);
         libm::hypot(tau, self.sd)
     }
@@ -83,12 +83,12 @@ pub struct Posterior {
 
 impl Posterior {
     /// Chi-square per degree of freedom.
-    pub fn chi_square_per_dof(&self) -> f64 {
+    pub(crate) fn chi_square_per_dof(&self) -> f64 {
         self.chi_square / (self.count - self.effective).max(1.0)
     }
 
     /// The step to the maximum with some unknowns moving by given amounts instead.
-    pub fn step_with(&self, given: &[(usize, f64)]) -> DVector<f64> {
+    pub(crate) fn step_with(&self, given: &[(usize, f64)]) -> DVector<f64> {
         let places: Vec<usize> = given.iter().map(|(place, _)| *place).collect();
         let off = DVector::from_iterator(
             given.len(),
@@ -104,7 +104,7 @@ impl Posterior {
 
     /// Variances of the unknowns in `kept` as they would be if all others were known exactly; the share of tolerances in a variance is
     /// what this falls short of it.
-    pub fn without(&self, kept: &[usize]) -> Vec<f64> {
+    pub(crate) fn without(&self, kept: &[usize]) -> Vec<f64> {
         // With the others at their values the precision is the block of the inverse covariance.
         let Some(all) = Cholesky::new(self.covariance.clone()) else {
             return kept.iter().map(|k| self.covariance[(*k, *k)]).collect();
@@ -120,7 +120,7 @@ impl Posterior {
 
 impl Linear {
     /// `jacobian` and `residual` (reading minus prediction) are those of turned rows, see [`Whitening::apply`].
-    pub fn new(
+    pub(crate) fn new(
         whitening: &Whitening,
         jacobian: &DMatrix<f64>,
         residual: &DVector<f64>,
@@ -151,7 +151,7 @@ impl Linear {
 
     /// With further columns of turned rows, and their unknowns, at zero.
     #[must_use]
-    pub fn with(
+    pub(crate) fn with(
         &self,
         whitening: &Whitening,
         (jacobian, residual): (&DMatrix<f64>, &DVector<f64>),
@@ -186,7 +186,7 @@ impl Linear {
 
     /// The same where residual and some columns have changed.
     #[must_use]
-    pub fn moved(
+    pub(crate) fn moved(
         &self,
         whitening: &Whitening,
         (jacobian, residual): (&DMatrix<f64>, &DVector<f64>),
@@ -286,13 +286,14 @@ impl Linear {
     }
 
     /// Logarithm of the evidence at these sizes.
-    pub fn ln_z(&self, sizes: &Sizes) -> f64 {
+    #[cfg(test)]
+    fn ln_z(&self, sizes: &Sizes) -> f64 {
         self.solved(sizes, 0.0)
             .map_or(f64::NEG_INFINITY, |solved| solved.ln_z)
     }
 
     /// The evidence, its gradient by the logarithms of the sizes, and Fisher's information of each alone.
-    pub fn evidence(&self, sizes: &Sizes) -> Option<(f64, Vec<f64>, Vec<f64>)> {
+    pub(crate) fn evidence(&self, sizes: &Sizes) -> Option<(f64, Vec<f64>, Vec<f64>)> {
         let solved = self.solved(sizes, 0.0)?;
         let inverse = inverse(&solved.factor);
         let (S, mu) = (&solved.S, &solved.mu);
@@ -345,13 +346,13 @@ impl Linear {
     }
 
     /// The posterior at these sizes; `None` if the model has no finite answer.
-    pub fn posterior(&self, sizes: &Sizes) -> Option<Posterior> {
+    pub(crate) fn posterior(&self, sizes: &Sizes) -> Option<Posterior> {
         self.damped(sizes, 0.0)
     }
 
     /// The posterior if the unknowns were also known to be near where the model was linearised: a prior `1 / sqrt(damping)` times as wide
     /// as their own holds them there. Its step is that of Levenberg and Marquardt in units of the priors.
-    pub fn damped(&self, sizes: &Sizes, damping: f64) -> Option<Posterior> {
+    pub(crate) fn damped(&self, sizes: &Sizes, damping: f64) -> Option<Posterior> {
         let solved = self.solved(sizes, damping)?;
         let inverse = inverse(&solved.factor);
         let S = &solved.S;
@@ -384,7 +385,7 @@ impl Linear {
     }
 
     /// What the objective `z'W z + |x/S|^2` is where the model was linearised.
-    pub fn objective(&self, sizes: &Sizes) -> f64 {
+    pub(crate) fn objective(&self, sizes: &Sizes) -> f64 {
         let S = self.prior_sds(sizes);
         let data: f64 = self
             .shares
@@ -399,7 +400,7 @@ impl Linear {
     }
 
     /// The sizes of greatest evidence, from where `sizes` are.
-    pub fn sized(&self, sizes: &Sizes) -> Sizes {
+    pub(crate) fn sized(&self, sizes: &Sizes) -> Sizes {
         super::sizes::climb(sizes, |sizes| self.evidence(sizes))
     }
 }

@@ -66,7 +66,7 @@ struct Block {
 
 impl Noise {
     /// From the marks of a measurement.
-    pub fn of(measurement: &Measurement) -> Self {
+    pub(crate) fn of(measurement: &Measurement) -> Self {
         let declared = (!measurement.sigma_estimated).then_some(measurement.sigma);
         let mut blocks = blocks(measurement);
         let (mut outliers, mut suspects) = (Vec::new(), Vec::new());
@@ -137,7 +137,7 @@ impl Noise {
     }
 
     /// Marks under suspicion judged by a model: `misfit` is reading minus prediction of a reading in a case.
-    pub fn judge(
+    pub(crate) fn judge(
         &mut self,
         measurement: &Measurement,
         misfit: &dyn Fn(usize, usize) -> Option<Vec3>,
@@ -164,12 +164,12 @@ impl Noise {
     }
 
     /// The standard deviation a fit should use: the estimate where there is one.
-    pub fn sigma(&self) -> Option<f64> {
+    pub(crate) fn sigma(&self) -> Option<f64> {
         self.estimated.or(self.declared)
     }
 
     /// True if the declared noise is not the noise of the readings.
-    pub fn contradicts(&self) -> bool {
+    pub(crate) fn contradicts(&self) -> bool {
         match (self.declared, self.estimated) {
             (Some(declared), Some(estimated)) if declared > 0.0 => {
                 // With heavy tails a standard deviation says little.
@@ -181,7 +181,7 @@ impl Noise {
     }
 
     /// True if the residuals are further out than those of a Gaussian, by four standard deviations of the kurtosis.
-    pub fn has_tails(&self) -> bool {
+    pub(crate) fn has_tails(&self) -> bool {
         self.count > 50 && self.kurtosis > 3.0 + 4.0 * (24.0 / self.count as f64).sqrt()
     }
 }

@@ -16,7 +16,7 @@ pub struct Point {
 }
 
 /// Every place where a joint, primitive, bushing or spring of a deck has an end.
-pub fn points(model: &Model) -> Vec<Point> {
+pub(crate) fn points(model: &Model) -> Vec<Point> {
     let joints = model
         .joints
         .iter()

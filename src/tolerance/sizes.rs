@@ -13,7 +13,7 @@ const LONGEST: f64 = 1.5;
 
 /// Climbs from where the sizes are; `evidence` gives value, gradient and information. (Broyden, Fletcher, Goldfarb and Shanno's update of the
 /// inverse curvature; sizes at a bound that the gradient pushes against stay there.)
-pub fn climb(
+pub(crate) fn climb(
     start: &Sizes,
     mut evidence: impl FnMut(&Sizes) -> Option<(f64, Vec<f64>, Vec<f64>)>,
 ) -> Sizes {

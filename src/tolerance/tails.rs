@@ -20,7 +20,7 @@ pub struct Tails {
 
 impl Tails {
     /// The distribution of greatest likelihood, if it beats the Gaussian.
-    pub fn of(residuals: &[f64]) -> Option<Self> {
+    pub(crate) fn of(residuals: &[f64]) -> Option<Self> {
         let n = residuals.len() as f64;
         let variance = residuals.iter().map(|r| r * r).sum::<f64>() / n;
         if n < 30.0 || variance <= 0.0 {
@@ -56,7 +56,7 @@ impl Tails {
     /// Precision of a coordinate with this residual: `kappa w / s^2` with `w = (nu + 1)/(nu + (r/s)^2)` and Fisher's information
     /// `kappa = (nu + 1)/(nu + 3)`. Without kappa intervals were too short by `sqrt((nu + 3)/(nu + 1))`. Source: Lange, Little and
     /// Taylor, JASA 84 (1989) 881.
-    pub fn precision(self, residual: f64) -> f64 {
+    pub(crate) fn precision(self, residual: f64) -> f64 {
         let (nu, s) = (self.nu, self.scale);
         let weight = (nu + 1.0) / (nu + (residual / s).powi(2));
         (nu + 1.0) / (nu + 3.0) * weight / (s * s)

@@ -20,7 +20,7 @@ const ALIKE: f64 = 1.05;
 
 /// The mark coordinates of one part in one case.
 #[derive(Clone, PartialEq, Debug)]
-pub struct MarkBlock {
+pub(crate) struct MarkBlock {
     /// The first row of each mark; its other two follow.
     pub rows: Vec<usize>,
     /// From a common point to each mark, ground axes.
@@ -40,7 +40,7 @@ pub struct Class {
 
 impl Class {
     /// Variance at these sizes.
-    pub fn variance(&self, ln: &[f64]) -> f64 {
+    pub(crate) fn variance(&self, ln: &[f64]) -> f64 {
         let own = self.scale.map_or(1.0, |at| libm::exp(2.0 * ln[at]));
         own + self
             .rigid
@@ -48,7 +48,7 @@ impl Class {
     }
 
     /// Its derivatives by the logarithms of the sizes.
-    pub fn by_size(&self, ln: &[f64]) -> [Option<(usize, f64)>; 2] {
+    pub(crate) fn by_size(&self, ln: &[f64]) -> [Option<(usize, f64)>; 2] {
         [
             self.scale.map(|at| (at, 2.0 * libm::exp(2.0 * ln[at]))),
             self.rigid
@@ -74,7 +74,7 @@ pub struct Whitening {
 
 impl Whitening {
     /// Of `marks` and of single rows with their scales; `precision` belongs to all rows, zero where a row is not used.
-    pub fn new(
+    pub(crate) fn new(
         marks: &[MarkBlock],
         single: &[(usize, Option<Scale>)],
         precision: &[f64],
@@ -125,7 +125,7 @@ impl Whitening {
     }
 
     /// Turns and scales the rows of a matrix; rows that are not used become zero.
-    pub fn apply(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+    pub(crate) fn apply(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
         let rows = columns.nrows();
         let mut out = DMatrix::zeros(rows, columns.ncols());
         if rows == 0 {
@@ -163,7 +163,7 @@ impl Whitening {
     }
 
     /// The same of one column.
-    pub fn apply_vector(&self, column: &DVector<f64>) -> DVector<f64> {
+    pub(crate) fn apply_vector(&self, column: &DVector<f64>) -> DVector<f64> {
         let out = self.apply(&DMatrix::from_column_slice(
             column.len(),
             1,
@@ -173,7 +173,7 @@ impl Whitening {
     }
 
     /// The same of a column that is zero but for a few rows.
-    pub fn apply_sparse(&self, column: &[(usize, f64)]) -> BTreeMap<usize, f64> {
+    pub(crate) fn apply_sparse(&self, column: &[(usize, f64)]) -> BTreeMap<usize, f64> {
         let mut out = BTreeMap::new();
         for (row, value) in column {
             match self.place_of[*row] {
@@ -193,7 +193,7 @@ impl Whitening {
     }
 
     /// One over the standard deviation of each new row at these sizes; zero where it is not used.
-    pub fn weights(&self, ln: &[f64]) -> DVector<f64> {
+    pub(crate) fn weights(&self, ln: &[f64]) -> DVector<f64> {
         let of: Vec<f64> = self
             .classes
             .iter()
@@ -205,11 +205,6 @@ impl Whitening {
                 .iter()
                 .map(|class| class.map_or(0.0, |class| of[class])),
         )
-    }
-
-    /// How many rows are used.
-    pub fn count(&self) -> usize {
-        self.class_of.iter().flatten().count()
     }
 }
 

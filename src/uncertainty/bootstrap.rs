@@ -13,7 +13,7 @@ const FEW: usize = 20;
 const LEVERAGE: f64 = 0.99;
 
 /// What every replicate draws from.
-pub struct Bootstrap<'a> {
+pub(crate) struct Bootstrap<'a> {
     estimate: &'a Estimate<'a>,
     stream: Stream,
     /// Errors that are drawn, kind by kind.
@@ -26,7 +26,7 @@ pub struct Bootstrap<'a> {
 
 impl<'a> Bootstrap<'a> {
     /// Of a fit.
-    pub fn new(estimate: &'a Estimate<'a>, seed: u64) -> Self {
+    pub(crate) fn new(estimate: &'a Estimate<'a>, seed: u64) -> Self {
         let kinds = kinds(estimate);
         let (pools, pool_of) = pools(
             &kinds,
@@ -46,7 +46,7 @@ impl<'a> Bootstrap<'a> {
     }
 
     /// A replicate: the numbers, and half of the chi-square that is left.
-    pub fn run(&self, case: u64) -> Row {
+    pub(crate) fn run(&self, case: u64) -> Row {
         let start = std::time::Instant::now();
         let fitted = self.fitted(case);
         Row::ended(case, start, fitted.map_err(|why| (Status::NoAnswer, why)))

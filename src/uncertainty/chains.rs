@@ -30,7 +30,7 @@ fn variances(halves: &[&[f64]]) -> (f64, f64) {
 }
 
 /// Potential scale reduction of split chains: one where all halves tell the same. NaN for chains of fewer than four draws.
-pub fn split_r_hat(chains: &[Vec<f64>]) -> f64 {
+pub(crate) fn split_r_hat(chains: &[Vec<f64>]) -> f64 {
     let halves = halves(chains);
     if halves.first().is_none_or(|half| half.len() < 2) {
         return f64::NAN;
@@ -40,7 +40,7 @@ pub fn split_r_hat(chains: &[Vec<f64>]) -> f64 {
 }
 
 /// Effective number of independent draws, by Geyer's pairs of autocorrelations.
-pub fn effective_draws(chains: &[Vec<f64>]) -> f64 {
+pub(crate) fn effective_draws(chains: &[Vec<f64>]) -> f64 {
     let halves = halves(chains);
     if halves.first().is_none_or(|half| half.len() < 2) {
         return f64::NAN;

@@ -6,7 +6,7 @@ use crate::identify::global::{Marginal, MarginalProblem, profile_interval};
 use crate::identify::{IdentifyError, Problem};
 
 /// The fit that is done again: the sought numbers at their best, and how well they are known there.
-pub struct Estimate<'a> {
+pub(crate) struct Estimate<'a> {
     /// The study.
     pub problem: &'a Problem<'a>,
     /// The sought numbers with all else marginalised.
@@ -24,7 +24,7 @@ impl<'a> Estimate<'a> {
     ///
     /// # Errors
     /// A load that drives nothing the solver can change.
-    pub fn new(
+    pub(crate) fn new(
         problem: &'a Problem<'a>,
         marginal: &'a Marginal,
     ) -> Result<Option<Self>, IdentifyError> {
@@ -47,7 +47,7 @@ impl<'a> Estimate<'a> {
     ///
     /// # Errors
     /// A load that drives nothing the solver can change.
-    pub fn again(&self) -> Result<MarginalProblem<'a>, IdentifyError> {
+    pub(crate) fn again(&self) -> Result<MarginalProblem<'a>, IdentifyError> {
         self.marginal.problem(self.problem)
     }
 
@@ -55,7 +55,7 @@ impl<'a> Estimate<'a> {
     ///
     /// # Errors
     /// A load that drives nothing the solver can change.
-    pub fn profiles(&self) -> Result<Vec<[Option<f64>; 2]>, IdentifyError> {
+    pub(crate) fn profiles(&self) -> Result<Vec<[Option<f64>; 2]>, IdentifyError> {
         let priors = self.marginal.priors();
         let (scale, held) = (self.marginal.scale(), held(priors));
         let mut fit = self.again()?;
@@ -68,7 +68,7 @@ impl<'a> Estimate<'a> {
     }
 
     /// The share of each reading in its own prediction.
-    pub fn leverages(&self) -> DVector<f64> {
+    pub(crate) fn leverages(&self) -> DVector<f64> {
         let jacobian = &self.minimum.evaluation.jacobian;
         let across = jacobian * &self.root;
         DVector::from_iterator(

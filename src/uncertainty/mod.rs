@@ -18,6 +18,6 @@ mod posterior;
 mod repeat;
 mod spread;
 
-pub use chains::{effective_draws, split_r_hat};
-pub use estimate::Estimate;
-pub use repeat::{CHAINS, Kind, LEAST_DRAWS, LEAST_REPLICATES, MOST, Made, Repeats, Told, repeat};
+pub(crate) use repeat::{Kind, repeat};
+pub(crate) use repeat::{LEAST_DRAWS, LEAST_REPLICATES, MOST};
+pub(crate) use repeat::{Made, Repeats};

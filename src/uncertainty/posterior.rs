@@ -26,7 +26,7 @@ const WARM_UP: u64 = 30;
 const JITTER: f64 = 0.2;
 
 /// Chains of draws.
-pub struct Posterior<'a> {
+pub(crate) struct Posterior<'a> {
     estimate: &'a Estimate<'a>,
     seed: u64,
     /// Draws of a chain.
@@ -54,7 +54,7 @@ struct End {
 
 impl<'a> Posterior<'a> {
     /// Of a fit, in chains of this length. Takes the fewest steps that a short pilot accepts.
-    pub fn new(estimate: &'a Estimate<'a>, seed: u64, length: u64) -> Self {
+    pub(crate) fn new(estimate: &'a Estimate<'a>, seed: u64, length: u64) -> Self {
         let mut new = Self {
             estimate,
             seed,
@@ -84,12 +84,12 @@ impl<'a> Posterior<'a> {
     }
 
     /// Chain and draw of a case, from 0.
-    pub fn place(&self, case: u64) -> (u64, u64) {
+    pub(crate) fn place(&self, case: u64) -> (u64, u64) {
         (case / self.length, case % self.length)
     }
 
     /// A draw: the numbers, half chi-square with priors, and the probability with which the trajectory's end was accepted.
-    pub fn run(&self, case: u64, before: Option<&Row>) -> Row {
+    pub(crate) fn run(&self, case: u64, before: Option<&Row>) -> Row {
         let start = std::time::Instant::now();
         let (chain, draw) = self.place(case);
         let stream = Stream::named(self.seed, &format!("chain {chain}"));

@@ -15,17 +15,17 @@ use crate::sweep::{
 };
 
 /// Chains of the posterior: enough to see whether they agree, few enough that the beginning of each costs little.
-pub const CHAINS: u64 = 8;
+pub(crate) const CHAINS: u64 = 8;
 /// Fewer replicates say nothing of the ends of an interval.
-pub const LEAST_REPLICATES: u64 = 100;
+pub(crate) const LEAST_REPLICATES: u64 = 100;
 /// Fewer draws say nothing of the ends of an interval, or of whether chains agree.
-pub const LEAST_DRAWS: u64 = 100;
+pub(crate) const LEAST_DRAWS: u64 = 100;
 /// Repeats at most.
-pub const MOST: u64 = 10_000_000;
+pub(crate) const MOST: u64 = 10_000_000;
 
 /// What is asked for.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Repeats {
+pub(crate) struct Repeats {
     /// Fits of readings drawn anew.
     pub bootstrap: Option<u64>,
     /// Draws from the posterior; made a multiple of the number of chains.
@@ -38,7 +38,7 @@ pub struct Repeats {
 
 /// One of the two.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Kind {
+pub(crate) enum Kind {
     /// Fits of readings drawn anew.
     Bootstrap,
     /// Draws from the posterior.
@@ -47,7 +47,7 @@ pub enum Kind {
 
 impl Kind {
     /// The name of its table.
-    pub const fn file(self) -> &'static str {
+    pub(crate) const fn file(self) -> &'static str {
         match self {
             Self::Bootstrap => "bootstrap.parquet",
             Self::Posterior => "posterior.parquet",
@@ -55,7 +55,7 @@ impl Kind {
     }
 
     /// What it is called.
-    pub const fn word(self) -> &'static str {
+    pub(crate) const fn word(self) -> &'static str {
         match self {
             Self::Bootstrap => "bootstrap",
             Self::Posterior => "posterior",
@@ -64,11 +64,11 @@ impl Kind {
 }
 
 /// Told how far it is; says whether to go on.
-pub type Told<'a> = dyn FnMut(Kind, &Progress) -> bool + 'a;
+pub(crate) type Told<'a> = dyn FnMut(Kind, &Progress) -> bool + 'a;
 
 /// What came of a fit that was repeated.
 #[derive(Clone, Debug)]
-pub enum Made {
+pub(crate) enum Made {
     /// The path of a table.
     Table(PathBuf),
     /// What the table would hold, in its order.
@@ -96,7 +96,7 @@ impl Made {
 ///
 /// # Errors
 /// When a journal or table cannot be written, or the fit cannot be repeated.
-pub fn repeat(
+pub(crate) fn repeat(
     (problem, marginal): (&Problem<'_>, &Marginal),
     fit: &mut Fit,
     asked: &Repeats,
@@ -164,7 +164,7 @@ pub fn repeat(
 
 /// Why a fit is not repeated.
 #[derive(Debug, thiserror::Error)]
-pub enum RepeatError {
+pub(crate) enum RepeatError {
     /// Its problem cannot be set up.
     #[error(transparent)]
     Identify(#[from] IdentifyError),

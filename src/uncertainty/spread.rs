@@ -2,7 +2,7 @@ use super::chains::{effective_draws, split_r_hat};
 use crate::identify::Repeated;
 
 /// What many values of a number say, chain by chain; `profile` is its interval by profile likelihood.
-pub fn spread(
+pub(crate) fn spread(
     chains: &[Vec<f64>],
     estimate: f64,
     profile: [Option<f64>; 2],

@@ -45,7 +45,7 @@ impl Sink for Entries {
 
 impl CaseState {
     /// `None` if the pose of a moving part is not measured in this case.
-    pub fn new(
+    pub(crate) fn new(
         system: &System,
         model: &Model,
         measurement: &Measurement,
@@ -85,7 +85,7 @@ impl CaseState {
     }
 
     /// Linearises at the current poses. Multipliers are set to what balances the parts best.
-    pub fn linearise(
+    pub(crate) fn linearise(
         &mut self,
         system: &System,
         parameters: &Parameters,
@@ -163,14 +163,14 @@ impl CaseState {
     }
 
     /// Puts the poses back to where they were measured.
-    pub fn as_measured(&mut self) {
+    pub(crate) fn as_measured(&mut self) {
         for (part, measured) in &self.measured {
             self.state.poses[part.0] = *measured;
         }
     }
 
     /// Moves the poses by a change of the part unknowns.
-    pub fn advance(&mut self, system: &System, change: &DVector<f64>) {
+    pub(crate) fn advance(&mut self, system: &System, change: &DVector<f64>) {
         for (part, _) in &self.measured {
             let first = system.part_unknowns(*part).start;
             let d = |k: usize| {

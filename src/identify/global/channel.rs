@@ -13,7 +13,7 @@ impl Channels {
     ///
     /// # Errors
     /// [`NoValue`] if a function is undefined there.
-    pub fn changes(
+    pub(crate) fn changes(
         self,
         system: &System,
         (theta, case): (&Parameters, usize),

@@ -8,7 +8,7 @@ use crate::mechanics::eigen::symmetric_eigen;
 /// Half the 95 percent point of chi-square with one degree of freedom: 3.841 / 2.
 pub(super) const HALF_CHI2_95: f64 = 1.920_729;
 /// 97.5 percent point of the normal distribution.
-pub const NORMAL_975: f64 = 1.959_964;
+pub(crate) const NORMAL_975: f64 = 1.959_964;
 
 /// Posterior covariance of all unknowns: the inverse of data plus prior information. Zero for held ones.
 pub fn covariance(minimum: &Minimum, held: &[bool]) -> DMatrix<f64> {
@@ -58,7 +58,11 @@ pub struct OpenDirection {
 }
 
 /// Eigenvectors of the covariance of the first `count` unknowns whose standard deviation exceeds `limit`, worst first.
-pub fn open_directions(covariance: &DMatrix<f64>, count: usize, limit: f64) -> Vec<OpenDirection> {
+pub(crate) fn open_directions(
+    covariance: &DMatrix<f64>,
+    count: usize,
+    limit: f64,
+) -> Vec<OpenDirection> {
     if count == 0 {
         return Vec::new();
     }

@@ -16,7 +16,7 @@ use crate::system::{Parameters, Scratch, System};
 const STEP: f64 = 1e-3;
 
 /// Predicts with a backend that only gives poses; channels are functions of these.
-pub struct DifferencePredictor<'a> {
+pub(crate) struct DifferencePredictor<'a> {
     problem: &'a Problem<'a>,
     system: &'a System,
     channels: Channels,
@@ -40,7 +40,7 @@ pub(super) type Failure = std::rc::Rc<std::cell::RefCell<Option<BackendError>>>;
 
 impl<'a> DifferencePredictor<'a> {
     /// For a study's problem, its compiled deck and whoever solves it.
-    pub fn new(
+    pub(crate) fn new(
         problem: &'a Problem<'a>,
         prepared: &'a Prepared,
         backend: &'a mut dyn Backend,

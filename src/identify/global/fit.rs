@@ -26,7 +26,7 @@ use crate::rig::settings::{Loss, Method};
 use crate::system::{Equilibrium, System};
 
 /// sd of ln K above which a number counts as unidentifiable (guide/study.md).
-pub const UNIDENTIFIABLE: f64 = 0.5;
+pub(crate) const UNIDENTIFIABLE: f64 = 0.5;
 /// sd of ln K above which the normal interval is replaced by profile likelihood.
 pub const POOR_NORMAL: f64 = 0.3;
 /// A reading of pure noise is taken for an outlier in so many of the studies.
@@ -583,7 +583,7 @@ fn tested(
 }
 
 /// Rows less the unknowns the data really determine: the trace of data information over total information.
-pub fn effective_dof(global: &GlobalProblem<'_>, minimum: &Minimum) -> f64 {
+pub(crate) fn effective_dof(global: &GlobalProblem<'_>, minimum: &Minimum) -> f64 {
     let rows = global.observations.rows.len() as f64;
     let covariance = covariance(minimum, &global.held());
     let prior: f64 = global

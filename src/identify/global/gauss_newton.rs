@@ -63,7 +63,7 @@ impl Prior {
     }
 
     /// Slope of its share of the objective.
-    pub fn pull(self, x: f64) -> f64 {
+    pub(crate) fn pull(self, x: f64) -> f64 {
         if self.has_width() {
             (x - self.mean) / (self.sd * self.sd)
         } else {
@@ -382,7 +382,7 @@ const STAGES: usize = 12;
 /// A stage that leaves more than this of the misfit was the last one.
 const STALLED: f64 = 0.8;
 /// Louder noise than this hides how far away the answer is.
-pub const LOUD: f64 = 3.0;
+pub(crate) const LOUD: f64 = 3.0;
 
 /// A place from which a fit goes on well, for starts that miss the readings by much more than their noise.
 ///
@@ -390,7 +390,7 @@ pub const LOUD: f64 = 3.0;
 /// linear model misses, and not come back. So the noise counts as the misfit there is, and every unknown has a prior of one natural unit
 /// about the start; stage by stage the misfit falls and the readings count more. (Levenberg's damping by the square of the misfit, as of
 /// Yamashita and Fukushima, 2001.)
-pub fn approach(
+pub(crate) fn approach(
     problem: &mut dyn LeastSquares,
     start: &[f64],
     scale: &[f64],

@@ -66,7 +66,7 @@ pub struct Marginal {
 
 impl Marginal {
     /// Of a joint fit.
-    pub fn new(joint: Joint) -> Self {
+    pub(crate) fn new(joint: Joint) -> Self {
         let weights = joint.weights.iter().copied().enumerate();
         let used: Vec<(usize, f64)> = weights.filter(|(_, weight)| *weight > 0.0).collect();
         let small: Vec<usize> = (joint.sought..joint.x.len())
@@ -107,7 +107,7 @@ impl Marginal {
     }
 
     /// Of a fit in which everything but the sought numbers has a prior.
-    pub fn of(fit: &GlobalFit<'_>, prepared: Arc<Prepared>, sought: usize) -> Self {
+    pub(crate) fn of(fit: &GlobalFit<'_>, prepared: Arc<Prepared>, sought: usize) -> Self {
         let global = &fit.problem;
         Self::new(Joint {
             prepared,
@@ -125,22 +125,17 @@ impl Marginal {
     }
 
     /// How many numbers are sought.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.joint.sought
     }
 
-    /// True if none is.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
     /// The rows that are used, by their places among all rows of the cases.
-    pub fn rows(&self) -> impl Iterator<Item = usize> + '_ {
+    pub(crate) fn rows(&self) -> impl Iterator<Item = usize> + '_ {
         self.used.iter().map(|(row, _)| *row)
     }
 
     /// The readings that the rows are.
-    pub fn observations<'m>(
+    pub(crate) fn observations<'m>(
         &self,
         measurement: &'m Measurement,
         model: &Model,
@@ -155,17 +150,17 @@ impl Marginal {
     }
 
     /// Where the fit found them.
-    pub fn start(&self) -> Vec<f64> {
+    pub(crate) fn start(&self) -> Vec<f64> {
         self.joint.x[..self.len()].to_vec()
     }
 
     /// Their priors.
-    pub fn priors(&self) -> &[Prior] {
+    pub(crate) fn priors(&self) -> &[Prior] {
         &self.joint.priors[..self.len()]
     }
 
     /// Natural steps of a fit.
-    pub fn scale(&self) -> Vec<f64> {
+    pub(crate) fn scale(&self) -> Vec<f64> {
         self.priors()
             .iter()
             .map(|prior| prior.sd.min(1.0))
@@ -176,7 +171,7 @@ impl Marginal {
     ///
     /// # Errors
     /// A load that drives nothing the solver can change.
-    pub fn problem<'a>(
+    pub(crate) fn problem<'a>(
         &'a self,
         problem: &Problem<'a>,
     ) -> Result<MarginalProblem<'a>, IdentifyError> {
@@ -221,7 +216,7 @@ fn picked(joint: &Joint, used: &[(usize, f64)], rows: &DMatrix<f64>) -> DMatrix<
 }
 
 /// The sought numbers as a fit: residuals are independent with unit variance if the model is right.
-pub struct MarginalProblem<'a> {
+pub(crate) struct MarginalProblem<'a> {
     marginal: &'a Marginal,
     unknowns: FitUnknowns,
     deck: Parameters,
@@ -233,12 +228,12 @@ pub struct MarginalProblem<'a> {
 
 impl MarginalProblem<'_> {
     /// With other readings: `shift` is taken off every residual.
-    pub fn shift(&mut self, shift: DVector<f64>) {
+    pub(crate) fn shift(&mut self, shift: DVector<f64>) {
         self.shift = Some(shift);
     }
 
     /// Fits from `start` with priors of these means and standard deviations.
-    pub fn minimise(
+    pub(crate) fn minimise(
         &mut self,
         start: &[f64],
         priors: &[Prior],
@@ -247,11 +242,6 @@ impl MarginalProblem<'_> {
         let scale = self.marginal.scale();
         let held: Vec<bool> = priors.iter().map(|prior| prior.sd <= 0.0).collect();
         minimise(self, start, priors, &scale, &held, tolerances)
-    }
-
-    /// Equilibria it took.
-    pub fn solver_runs(&self) -> usize {
-        self.predictor.solver_runs()
     }
 }
 

@@ -20,18 +20,19 @@ mod profile;
 mod study;
 mod unknown;
 
-pub use differences::DifferencePredictor;
-pub use fit::{
-    Found, GlobalFit, POOR_NORMAL, StartValues, UNIDENTIFIABLE, effective_dof, fit_unknowns,
-    global_problem, identify,
-};
-pub use marginal::{Joint, Marginal, MarginalProblem};
-pub use memory::{Carries, Memory};
-pub use native::NativePredictor;
-pub use observation::{Evaluation, NuisanceLayout, Observations, Row};
-pub use predictor::{CaseChange, CasePrediction, Observed, Prediction, Predictor};
+pub use fit::{Found, GlobalFit, POOR_NORMAL, StartValues, fit_unknowns, global_problem, identify};
+pub(crate) use fit::{UNIDENTIFIABLE, effective_dof};
+pub use marginal::Joint;
+pub(crate) use marginal::{Marginal, MarginalProblem};
+pub(crate) use memory::Carries;
+pub use memory::Memory;
+pub(crate) use native::NativePredictor;
+pub(crate) use observation::{Evaluation, NuisanceLayout};
+pub use observation::{Observations, Row};
+pub(crate) use predictor::{CaseChange, CasePrediction, Observed, Prediction, Predictor};
 pub use prepared::Prepared;
-pub use problem::{GlobalProblem, Watch};
+pub use problem::Watch;
 pub use profile::profile_interval;
 pub use study::{Options, Start, fit_study};
-pub use unknown::{Component, Direction, FitUnknown, FitUnknowns, Meaning, Numbers};
+pub use unknown::{Component, Meaning, Numbers};
+pub(crate) use unknown::{Direction, FitUnknown, FitUnknowns};

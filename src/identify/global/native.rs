@@ -37,7 +37,12 @@ pub struct NativePredictor<'a> {
 
 impl<'a> NativePredictor<'a> {
     /// For a compiled deck, its loads and what is observed.
-    pub fn new(system: &'a System, loads: Loads, observed: Observed, channels: Channels) -> Self {
+    pub(crate) fn new(
+        system: &'a System,
+        loads: Loads,
+        observed: Observed,
+        channels: Channels,
+    ) -> Self {
         Self {
             scratch: Scratch::new(system),
             answers: vec![None; loads.cases.len()],
@@ -53,21 +58,21 @@ impl<'a> NativePredictor<'a> {
 
     /// With contacts that remember; their channels are among those of [`Self::new`].
     #[must_use]
-    pub fn remembering(mut self, memories: Vec<Memory>) -> Self {
+    pub(crate) fn remembering(mut self, memories: Vec<Memory>) -> Self {
         self.memories = memories;
         self
     }
 
     /// With other values of the loads.
     #[must_use]
-    pub fn with_cases(mut self, cases: Vec<Vec<f64>>) -> Self {
+    pub(crate) fn with_cases(mut self, cases: Vec<Vec<f64>>) -> Self {
         self.answers = vec![None; cases.len()];
         self.sweeper.set_cases(cases);
         self
     }
 
     /// Lets the first solve of a case start from this state of the same system.
-    pub fn start_from(&mut self, case: usize, state: State, theta: Parameters) {
+    pub(crate) fn start_from(&mut self, case: usize, state: State, theta: Parameters) {
         self.sweeper.keep(case, state);
         self.answers[case] = Some(Answer {
             theta,
@@ -77,7 +82,7 @@ impl<'a> NativePredictor<'a> {
     }
 
     /// The last answer of a case with the numbers it was solved at.
-    pub fn answer(&self, case: usize) -> Option<(&State, &Parameters)> {
+    pub(crate) fn answer(&self, case: usize) -> Option<(&State, &Parameters)> {
         let answer = self.answers[case].as_ref()?;
         Some((self.sweeper.answer(case)?, &answer.theta))
     }

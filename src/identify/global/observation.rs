@@ -44,7 +44,7 @@ pub enum Row {
 
 impl Row {
     /// The load case.
-    pub const fn case(self) -> usize {
+    pub(crate) const fn case(self) -> usize {
         match self {
             Self::Mark { case, .. } | Self::Wheel { case, .. } | Self::Channel { case, .. } => case,
         }
@@ -66,7 +66,11 @@ pub struct NuisanceLayout {
 
 impl NuisanceLayout {
     /// Which are on: `frame_sd` (length, radians) zero is off, and so is a zero `sigma_on_parts` of the measurement.
-    pub fn new(measurement: &Measurement, deck_unknowns: usize, frame_sd: (f64, f64)) -> Self {
+    pub(crate) fn new(
+        measurement: &Measurement,
+        deck_unknowns: usize,
+        frame_sd: (f64, f64),
+    ) -> Self {
         let mut layout = Self::default();
         let mut next = deck_unknowns;
         if frame_sd.0 > 0.0 || frame_sd.1 > 0.0 {
@@ -192,21 +196,21 @@ impl<'a> Observations<'a> {
     }
 
     /// The cases whose readings are compared, in their order.
-    pub fn cases(&self) -> Vec<usize> {
+    pub(crate) fn cases(&self) -> Vec<usize> {
         let mut cases: Vec<usize> = self.rows.iter().map(|row| row.case()).collect();
         cases.dedup();
         cases
     }
 
     /// The measurement the readings belong to.
-    pub fn measurement(&self) -> &'a Measurement {
+    pub(crate) fn measurement(&self) -> &'a Measurement {
         self.measurement
     }
 
     /// Residuals of all rows, and derivatives by the deck's unknowns and the nuisances, whose values are `nuisance`.
     ///
     /// `None` if a case that is compared has no prediction.
-    pub fn evaluate(
+    pub(crate) fn evaluate(
         &self,
         prediction: &[Option<CasePrediction>],
         layout: &NuisanceLayout,

@@ -37,7 +37,7 @@ pub struct Observed {
 }
 
 /// Every load case in the order of application; `None` where there is no equilibrium.
-pub type Prediction = Vec<Option<CasePrediction>>;
+pub(crate) type Prediction = Vec<Option<CasePrediction>>;
 
 /// Predicts all load cases: the built-in solver with exact sensitivities, or any backend with differences.
 pub trait Predictor {

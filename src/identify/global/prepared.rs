@@ -33,7 +33,7 @@ impl Prepared {
     ///
     /// # Errors
     /// See [`Self::new`].
-    pub fn with(problem: &Problem<'_>, further: &[String]) -> Result<Self, IdentifyError> {
+    pub(crate) fn with(problem: &Problem<'_>, further: &[String]) -> Result<Self, IdentifyError> {
         let (model, channels) = with_channels(problem.model, problem.measurement, further)
             .map_err(|diagnostic| BackendError::NotSolvable(vec![diagnostic]))?;
         let system = compile(&model)?;

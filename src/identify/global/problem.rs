@@ -41,11 +41,6 @@ impl GlobalProblem<'_> {
         self.unknowns.len() + self.layout.sd.len()
     }
 
-    /// True if nothing is unknown.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
     /// Where a fit starts.
     pub fn start(&self) -> Vec<f64> {
         let mut x = self.unknowns.start();
@@ -76,7 +71,7 @@ impl GlobalProblem<'_> {
     }
 
     /// Asks whoever watches whether more work on a finished fit is welcome.
-    pub fn goes_on(&mut self, minimum: &Minimum) -> bool {
+    pub(crate) fn goes_on(&mut self, minimum: &Minimum) -> bool {
         let sweeps = self.predictor.sweeps();
         self.watch
             .as_mut()

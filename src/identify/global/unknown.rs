@@ -62,7 +62,7 @@ pub struct Direction {
 
 impl Direction {
     /// Slots and changes in one load case.
-    pub fn in_case(&self, case: usize) -> impl Iterator<Item = (Slot, f64)> + '_ {
+    pub(crate) fn in_case(&self, case: usize) -> impl Iterator<Item = (Slot, f64)> + '_ {
         let own = self
             .per_case
             .iter()
@@ -100,7 +100,7 @@ const LEAST_SHARE: f64 = 1e-4;
 
 impl FitUnknowns {
     /// A list of unknowns.
-    pub fn new(list: Vec<FitUnknown>) -> Self {
+    pub(crate) fn new(list: Vec<FitUnknown>) -> Self {
         Self {
             list,
             shares: Vec::new(),
@@ -113,22 +113,17 @@ impl FitUnknowns {
     }
 
     /// How many.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.list.len()
     }
 
-    /// True if there are none.
-    pub fn is_empty(&self) -> bool {
-        self.list.is_empty()
-    }
-
     /// Where a fit starts.
-    pub fn start(&self) -> Vec<f64> {
+    pub(crate) fn start(&self) -> Vec<f64> {
         self.list.iter().map(|unknown| unknown.start).collect()
     }
 
     /// The springs of all stiffnesses, in order.
-    pub fn springs(&self) -> Vec<Component> {
+    pub(crate) fn springs(&self) -> Vec<Component> {
         let of = |unknown: &FitUnknown| match &unknown.meaning {
             Meaning::Stiffness(components) => components.clone(),
             _ => Vec::new(),
@@ -138,7 +133,7 @@ impl FitUnknowns {
 
     /// Takes the load share of each of [`Self::springs`]; several springs of one unknown count by their mean. None at all where the
     /// backend knows none: then all count as springs in series.
-    pub fn set_shares(&mut self, shares: &[f64]) {
+    pub(crate) fn set_shares(&mut self, shares: &[f64]) {
         if shares.is_empty() {
             self.shares.clear();
             return;
@@ -171,7 +166,7 @@ impl FitUnknowns {
     /// A spring beside which the rest of the model resists with K_s deflects by 1/(K + K_s) under a given force. A step of ln K is
     /// made in that, with the share s = K/(K + K_s): `K_+ + K_s = (K + K_s)/(1 - s step)`. In series, s = 1, that is linear in 1/K;
     /// for springs that others hold, s near 0, in K. It makes the linear model good far away: half of the sweeps are saved.
-    pub fn moved(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
+    pub(crate) fn moved(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
         let to = |(k, (x, step)): (usize, (&f64, &f64))| match self.share(k) {
             Some(s) => x + libm::log1p(step / (1.0 - s * step)),
             None => x + step,
@@ -180,7 +175,7 @@ impl FitUnknowns {
     }
 
     /// The step that [`Self::moved`] leads from one place to another.
-    pub fn step_to(&self, from: &[f64], to: &[f64]) -> DVector<f64> {
+    pub(crate) fn step_to(&self, from: &[f64], to: &[f64]) -> DVector<f64> {
         let of = |(k, (from, to)): (usize, (&f64, &f64))| match self.share(k) {
             Some(s) => step_of(s, to - from),
             None => to - from,
@@ -190,7 +185,7 @@ impl FitUnknowns {
     }
 
     /// Lower and upper bound of a step that moves no unknown by more than `reach` natural units.
-    pub fn limits(&self, scale: &[f64], reach: f64) -> (Vec<f64>, Vec<f64>) {
+    pub(crate) fn limits(&self, scale: &[f64], reach: f64) -> (Vec<f64>, Vec<f64>) {
         let of = |(k, scale): (usize, &f64)| match self.share(k) {
             Some(s) => (step_of(s, -reach), step_of(s, reach)),
             None => (-reach * scale, reach * scale),
@@ -244,7 +239,7 @@ impl FitUnknowns {
     }
 
     /// For each unknown the change of theta per unit of it, at these unknowns.
-    pub fn directions(&self, theta: &Parameters, x: &[f64]) -> Vec<Direction> {
+    pub(crate) fn directions(&self, theta: &Parameters, x: &[f64]) -> Vec<Direction> {
         let offset_of = |slot: Slot| {
             self.list
                 .iter()

@@ -6,7 +6,8 @@ mod bushing_angle;
 mod implausible_units;
 mod joint_aligned;
 
-pub use joint_aligned::{Apart, apart};
+pub(crate) use joint_aligned::Apart;
+pub use joint_aligned::apart;
 
 use super::{Header, MarkerIx, Model};
 use crate::diagnostic::{Code, Diagnostic, Severity};
@@ -26,7 +27,7 @@ pub fn check(dataset: &Dataset, model: &Model) -> Vec<Diagnostic> {
 
 /// What says that the numbers of a deck are in other units than its UNITS, if anything does: for commands that do not check, a
 /// warning in any case.
-pub fn implausible_units(dataset: &Dataset, model: &Model) -> Option<Diagnostic> {
+pub(crate) fn implausible_units(dataset: &Dataset, model: &Model) -> Option<Diagnostic> {
     let mut found = Vec::new();
     implausible_units::check(&Design { dataset, model }, &mut found);
     let mut warning = found.pop()?;

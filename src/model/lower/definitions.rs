@@ -98,7 +98,7 @@ impl Definitions {
     }
 
     /// A statement as it stands. `None` if the dataset does not define it.
-    pub fn statement(&self, def: &'static StatementDef, id: Option<u32>) -> Option<Overlay> {
+    pub(crate) fn statement(&self, def: &'static StatementDef, id: Option<u32>) -> Option<Overlay> {
         if let Some(overlay) = self.over.get(&(def.name, id)) {
             return Some(overlay.clone());
         }

@@ -28,7 +28,7 @@ pub(super) fn is_body(def: &StatementDef) -> bool {
 
 impl Ids {
     /// The ids of a dataset: bodies and markers get the index they will have, everything else the index of its statement.
-    pub fn of(dataset: &Dataset) -> Self {
+    pub(crate) fn of(dataset: &Dataset) -> Self {
         let mut index: QuickMap<&'static str, QuickMap<u32, usize>> = QuickMap::default();
         let mut bodies = 0;
         let mut markers = QuickMap::default();
@@ -69,19 +69,19 @@ impl Ids {
     }
 
     /// Index of a body or a marker in the model's list; of the statement for the rest of a dataset.
-    pub fn index(&self, space: &str, id: u32) -> Option<usize> {
+    pub(crate) fn index(&self, space: &str, id: u32) -> Option<usize> {
         match space {
             "marker" => self.markers.get(&id).copied(),
             space => self.index.get(space)?.get(&id).copied(),
         }
     }
 
-    pub fn marker(&self, id: u32) -> Option<MarkerIx> {
+    pub(crate) fn marker(&self, id: u32) -> Option<MarkerIx> {
         self.index("marker", id).map(MarkerIx)
     }
 
     /// True if an object of this id space has the id. A space may hold several (`force` holds all `force.*`).
-    pub fn defines(&self, space: &str, id: u32) -> bool {
+    pub(crate) fn defines(&self, space: &str, id: u32) -> bool {
         let below = |known: &str| {
             known
                 .strip_prefix(space)
@@ -95,12 +95,12 @@ impl Ids {
     }
 
     /// True if two statements of a dataset have the same id in one space.
-    pub fn repeats(&self) -> bool {
+    pub(crate) fn repeats(&self) -> bool {
         self.repeats
     }
 
     /// Ids of a space in order, for suggestions.
-    pub fn all(&self, space: &str) -> Vec<u32> {
+    pub(crate) fn all(&self, space: &str) -> Vec<u32> {
         let ids = match space {
             "marker" => Some(&self.markers),
             space => self.index.get(space),
@@ -111,12 +111,12 @@ impl Ids {
     }
 
     /// Index of a joint in the model's list.
-    pub fn joint(&self, id: u32) -> Option<usize> {
+    pub(crate) fn joint(&self, id: u32) -> Option<usize> {
         self.joints.get(&id).copied()
     }
 
     /// After the joints were lowered: their ids in the order of the model's list.
-    pub fn set_joints(&mut self, ids: impl Iterator<Item = u32>) {
+    pub(crate) fn set_joints(&mut self, ids: impl Iterator<Item = u32>) {
         self.joints = ids.enumerate().map(|(at, id)| (id, at)).collect();
     }
 }

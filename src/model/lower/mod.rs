@@ -36,7 +36,7 @@ pub fn lower(dataset: &Dataset) -> Checked<Model> {
 /// Resolves a dataset. Complaints: undefined and duplicate ids, missing arguments, wrong counts, frames that cannot be made.
 /// The model is as good as it could be made; with errors among the complaints it must not be solved. What `files` do not hold is
 /// not read.
-pub fn lower_with(dataset: &Dataset, files: &Files) -> Checked<Model> {
+pub(crate) fn lower_with(dataset: &Dataset, files: &Files) -> Checked<Model> {
     let lowering = lowered(dataset, files);
     Checked {
         value: lowering.model,
@@ -366,7 +366,7 @@ impl Model {
     }
 
     /// Resolves a dataset whose splines may stand in other files; see `lower_with`.
-    pub fn lower_with(dataset: &Dataset, files: &Files) -> Checked<Self> {
+    pub(crate) fn lower_with(dataset: &Dataset, files: &Files) -> Checked<Self> {
         lower_with(dataset, files)
     }
 }

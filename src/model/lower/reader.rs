@@ -26,7 +26,7 @@ pub(super) struct Context<'a> {
 
 impl<'a> Context<'a> {
     /// A statement as it stands.
-    pub fn stated(&self, kind: &'static str, id: u32) -> Option<Stated<'a>> {
+    pub(crate) fn stated(&self, kind: &'static str, id: u32) -> Option<Stated<'a>> {
         match self.over.get(&(kind, Some(id))) {
             Some(overlay) => Some(overlay.stated()),
             None => Some(Stated::plain(
@@ -57,7 +57,7 @@ impl<'a> Deref for Reader<'a> {
 
 impl<'a> Reader<'a> {
     /// Reads a statement that stands at `origin` in its dataset.
-    pub fn new(
+    pub(crate) fn new(
         context: Context<'a>,
         stated: Stated<'a>,
         def: &'static StatementDef,
@@ -74,7 +74,7 @@ impl<'a> Reader<'a> {
     }
 
     /// The header of the object.
-    pub fn header(&self) -> Header {
+    pub(crate) fn header(&self) -> Header {
         let statement = &self.context.dataset.statements()[self.origin];
         Header {
             id: self.number().unwrap_or(0),
@@ -85,7 +85,7 @@ impl<'a> Reader<'a> {
     }
 
     /// True if any of the arguments is there.
-    pub fn any(&self, names: &[&str]) -> bool {
+    pub(crate) fn any(&self, names: &[&str]) -> bool {
         names.iter().any(|name| self.has(name))
     }
 
@@ -98,19 +98,19 @@ impl<'a> Reader<'a> {
             .map_or(&[], |argument| argument.default)
     }
 
-    pub fn real(&self, name: &str) -> f64 {
+    pub(crate) fn real(&self, name: &str) -> f64 {
         self.first(name)
             .or_else(|| self.default(name).first().copied())
             .unwrap_or(0.0)
     }
 
     /// The first `N` numbers.
-    pub fn array<const N: usize>(&self, name: &str) -> [f64; N] {
+    pub(crate) fn array<const N: usize>(&self, name: &str) -> [f64; N] {
         std::array::from_fn(self.row(name))
     }
 
     /// The numbers of an argument by their places, and the defaults behind them.
-    pub fn row(&self, name: &str) -> impl Fn(usize) -> f64 + use<'a> {
+    pub(crate) fn row(&self, name: &str) -> impl Fn(usize) -> f64 + use<'a> {
         let (stated, default) = (self.numbers(name), self.default(name));
         move |k| {
             let stated = stated.get(k).map(|number| number.value);
@@ -118,37 +118,37 @@ impl<'a> Reader<'a> {
         }
     }
 
-    pub fn vector(&self, name: &str) -> Vec3 {
+    pub(crate) fn vector(&self, name: &str) -> Vec3 {
         Vec3::from(self.array(name))
     }
 
     /// A point that has no default.
-    pub fn point(&self, name: &str) -> Option<Vec3> {
+    pub(crate) fn point(&self, name: &str) -> Option<Vec3> {
         self.has(name).then(|| self.vector(name))
     }
 
-    pub fn reals(&self, name: &str) -> Option<Vec<f64>> {
+    pub(crate) fn reals(&self, name: &str) -> Option<Vec<f64>> {
         let numbers = self.argument(name)?.numbers();
         Some(numbers.iter().map(|number| number.value).collect())
     }
 
     /// Ids as written; numbers that are no ids are left out (the grammar rules complain about them).
-    pub fn written_ids(&self, name: &str) -> Option<Vec<u32>> {
+    pub(crate) fn written_ids(&self, name: &str) -> Option<Vec<u32>> {
         let numbers = self.argument(name)?.numbers();
         Some(numbers.iter().filter_map(|n| as_id(n.value)).collect())
     }
 
-    pub fn written_id(&self, name: &str) -> Option<u32> {
+    pub(crate) fn written_id(&self, name: &str) -> Option<u32> {
         self.first(name).and_then(as_id)
     }
 
     /// The marker an argument names.
-    pub fn marker(&self, name: &str) -> Option<MarkerIx> {
+    pub(crate) fn marker(&self, name: &str) -> Option<MarkerIx> {
         self.context.ids.marker(self.written_id(name)?)
     }
 
     /// The markers an argument names.
-    pub fn markers(&self, name: &str) -> Option<Vec<MarkerIx>> {
+    pub(crate) fn markers(&self, name: &str) -> Option<Vec<MarkerIx>> {
         self.written_ids(name)?
             .into_iter()
             .map(|id| self.context.ids.marker(id))
@@ -156,19 +156,19 @@ impl<'a> Reader<'a> {
     }
 
     /// The body an argument names: `space` is the id space of the argument.
-    pub fn part(&self, name: &str, space: &'static str) -> Option<PartIx> {
+    pub(crate) fn part(&self, name: &str, space: &'static str) -> Option<PartIx> {
         let id = self.written_id(name)?;
         self.context.ids.index(space, id).map(PartIx)
     }
 
     /// The joint with this id, and where it stands in the model's list.
-    pub fn joint(&self, id: u32) -> Option<(usize, &Joint)> {
+    pub(crate) fn joint(&self, id: u32) -> Option<(usize, &Joint)> {
         let at = self.context.ids.joint(id)?;
         Some((at, self.context.joints.get(at)?))
     }
 
     /// The values of a MATRIX, row by row. Complains if they are not in the dataset.
-    pub fn matrix(&mut self, name: &str, id: u32) -> Option<Vec<Vec<f64>>> {
+    pub(crate) fn matrix(&mut self, name: &str, id: u32) -> Option<Vec<Vec<f64>>> {
         let statement = self.context.stated("MATRIX", id)?;
         let rows = statement.first("ROWS").unwrap_or(0.0) as usize;
         let columns = statement.first("COLUMNS").unwrap_or(0.0) as usize;
@@ -212,7 +212,7 @@ impl<'a> Reader<'a> {
         )
     }
 
-    pub fn function(&self, name: &str) -> Option<Function> {
+    pub(crate) fn function(&self, name: &str) -> Option<Function> {
         match &self.argument(name)?.value {
             Value::Function(expression) => Some(Function::Expression(Arc::clone(expression))),
             Value::User(_) => Some(Function::User(self.text(name).unwrap_or_default())),
@@ -220,21 +220,21 @@ impl<'a> Reader<'a> {
         }
     }
 
-    pub fn text(&self, name: &str) -> Option<String> {
+    pub(crate) fn text(&self, name: &str) -> Option<String> {
         self.stated.text(name).map(Cow::into_owned)
     }
 
-    pub fn texts(&self, name: &str) -> Option<Vec<String>> {
+    pub(crate) fn texts(&self, name: &str) -> Option<Vec<String>> {
         let texts = self.stated.texts(name)?;
         Some(texts.into_iter().map(Cow::into_owned).collect())
     }
 
-    pub fn choice(&self, name: &str) -> Option<&'static str> {
+    pub(crate) fn choice(&self, name: &str) -> Option<&'static str> {
         self.choices(name)?.first().copied()
     }
 
     /// The first of the flags that is written.
-    pub fn first_flag<T: Copy>(&self, flags: &[(&str, T)]) -> Option<T> {
+    pub(crate) fn first_flag<T: Copy>(&self, flags: &[(&str, T)]) -> Option<T> {
         flags
             .iter()
             .find(|(name, _)| self.has(name))
@@ -242,20 +242,20 @@ impl<'a> Reader<'a> {
     }
 
     /// How the statement is called in messages: `BUSHING/3`.
-    pub fn called(&self) -> String {
+    pub(crate) fn called(&self) -> String {
         match self.number() {
             Some(id) => format!("{}/{id}", self.def.name),
             None => self.def.name.to_string(),
         }
     }
 
-    pub fn complain(&mut self, diagnostic: Diagnostic, (source, span): (&Source, Span)) {
+    pub(crate) fn complain(&mut self, diagnostic: Diagnostic, (source, span): (&Source, Span)) {
         self.diagnostics
             .push(diagnostic.label(source.name(), span, ""));
     }
 
     /// Complains that an argument is needed and gives `None`.
-    pub fn missing<T>(&mut self, needed: &str) -> Option<T> {
+    pub(crate) fn missing<T>(&mut self, needed: &str) -> Option<T> {
         let diagnostic = Diagnostic::error(
             Code::MissingArgument,
             format!("{} needs {needed}", self.called()),

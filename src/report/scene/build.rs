@@ -10,7 +10,7 @@ use crate::syntax::Dataset;
 
 impl Scene {
     /// The geometry of a model, standing where its deck puts it. With its dataset also the shapes of GRAPHICS statements are drawn.
-    pub fn of(model: &Model, dataset: Option<&Dataset>) -> Self {
+    pub(crate) fn of(model: &Model, dataset: Option<&Dataset>) -> Self {
         let objects = objects(model);
         let shapes = dataset.map(|dataset| shapes(dataset, model));
         let gravity = model.gravity;
@@ -40,7 +40,7 @@ impl Scene {
 
     /// Marks what stands at an address such as `BUSHING/2.K.1`, `PART/4`, `MARKER/7` or `SFORCE/2<-SFORCE/3`. False if nothing of it is
     /// drawn.
-    pub fn highlight(&mut self, address: &str, label: &str) -> bool {
+    pub(crate) fn highlight(&mut self, address: &str, label: &str) -> bool {
         let found = self.owner(address);
         if let Some(address) = &found
             && self.highlight.iter().all(|mark| mark.address != *address)
@@ -54,7 +54,7 @@ impl Scene {
     }
 
     /// The view name of what stands at an address, and the address: `A (BUSHING/1.K.1)`.
-    pub fn named(&self, address: &str) -> String {
+    pub(crate) fn named(&self, address: &str) -> String {
         let owner = self.owner(address);
         let objects = self
             .objects
@@ -69,7 +69,7 @@ impl Scene {
     }
 
     /// Several addresses, those of one name together: `TIE_INNER (MARKER/16, MARKER/15)`.
-    pub fn named_all(&self, addresses: &[String]) -> String {
+    pub(crate) fn named_all(&self, addresses: &[String]) -> String {
         let mut groups: Vec<(String, Vec<&str>)> = Vec::new();
         for address in addresses {
             let named = self.named(address);
@@ -92,7 +92,7 @@ impl Scene {
     }
 
     /// A text whose addresses (`JOINT/3`, `BUSHING/1.K.2`) are given with the names of what they belong to.
-    pub fn naming(&self, text: &str) -> String {
+    pub(crate) fn naming(&self, text: &str) -> String {
         let mut out = String::with_capacity(text.len());
         let is_word = |c: char| c.is_ascii_alphanumeric() || matches!(c, '/' | '.' | '_');
         let mut rest = text;
@@ -136,7 +136,7 @@ impl Scene {
     }
 
     /// Index of the object with an address such as `BUSHING/1`.
-    pub fn object(&self, address: &str) -> Option<usize> {
+    pub(crate) fn object(&self, address: &str) -> Option<usize> {
         self.objects
             .iter()
             .position(|object| object.address == address)

@@ -2,7 +2,7 @@ use crate::mechanics::Vec3;
 
 /// The outline of a cloud of points: flat faces and the edges between them.
 #[derive(Clone, PartialEq, Debug, Default)]
-pub struct Hull {
+pub(crate) struct Hull {
     /// Corners of each face, in order around it.
     pub faces: Vec<Vec<usize>>,
     /// Edges, each once.
@@ -15,7 +15,7 @@ const MOST: usize = 40;
 const FLAT: f64 = 1e-4;
 
 /// The convex hull of points. Two points and points on a line give one edge, points of a plane one face.
-pub fn hull(points: &[Vec3]) -> Hull {
+pub(crate) fn hull(points: &[Vec3]) -> Hull {
     let chosen = extreme(points);
     let at = |k: usize| points[chosen[k]];
     let size = chosen

@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use crate::mechanics::{Pose, Vec3};
 
-pub use hull::{Hull, hull};
+pub(crate) use hull::Hull;
 pub use motion::{Motion, bodies, motion};
 
 pub(super) use embed::{CLIENT, CLIENT_STYLE};
@@ -196,7 +196,7 @@ pub struct Scene {
 
 impl Placed {
     /// A pose with so many decimals as a picture needs whose displacements may be enlarged a thousand times.
-    pub fn new(pose: &Pose) -> Self {
+    pub(crate) fn new(pose: &Pose) -> Self {
         let rotation = nalgebra::Rotation3::from_matrix_unchecked(pose.R);
         let q = nalgebra::UnitQuaternion::from_rotation_matrix(&rotation);
         let p = pose.p;

@@ -1,8 +1,6 @@
-use std::io::Read;
-
 use super::{Arrow, Body, Frame, Kind, Placed, Role, Scene, Set, point};
 use crate::mechanics::{Pose, Vec3, euler313};
-use crate::results::{Catalogue, Entity, EntityKind, ResultsError, XrfReader};
+use crate::results::{Catalogue, Entity, EntityKind, ResultsError, ResultsReader};
 use crate::units::LENGTH_UNITS;
 
 /// The steps of a results file as frames of a scene.
@@ -19,7 +17,7 @@ pub struct Motion {
 }
 
 /// Most steps shown: more make a page that no browser likes.
-pub const MOST: usize = 400;
+pub(crate) const MOST: usize = 400;
 
 const COLUMNS: [&str; 6] = ["X", "Y", "Z", "PSI", "THETA", "PHI"];
 
@@ -88,7 +86,7 @@ fn forces(scene: &Scene, catalogue: &Catalogue) -> Vec<(usize, [usize; 3])> {
 }
 
 /// The bodies of a results file as parts without extent, for a file whose deck is not at hand.
-pub fn bodies<R: Read>(title: &str, reader: &XrfReader<R>) -> Scene {
+pub fn bodies(title: &str, reader: &dyn ResultsReader) -> Scene {
     let units = &reader.header().units;
     let parts = reader
         .catalogue()
@@ -130,7 +128,7 @@ pub fn bodies<R: Read>(title: &str, reader: &XrfReader<R>) -> Scene {
 ///
 /// # Errors
 /// When the file is broken; nothing of it is shown then.
-pub fn motion<R: Read>(scene: &Scene, reader: &mut XrfReader<R>) -> Result<Motion, ResultsError> {
+pub fn motion(scene: &Scene, reader: &mut dyn ResultsReader) -> Result<Motion, ResultsError> {
     let units = &reader.header().units;
     let angle = if units.angle == "deg" {
         1f64.to_radians()

@@ -41,7 +41,7 @@ pub enum MemoryLaw {
 
 impl MemoryLaw {
     /// What is remembered before the first case, when the displacement is `u` at the design position.
-    pub fn before(self, u: f64) -> Vec<f64> {
+    pub(crate) fn before(self, u: f64) -> Vec<f64> {
         match self {
             Self::Slip {
                 stiffness,
@@ -57,7 +57,7 @@ impl MemoryLaw {
     }
 
     /// What is remembered after a rest at displacement `u`, from what was remembered before.
-    pub fn after(self, held: &[f64], u: f64) -> Vec<f64> {
+    pub(crate) fn after(self, held: &[f64], u: f64) -> Vec<f64> {
         match self {
             Self::Slip {
                 stiffness, limits, ..

@@ -34,9 +34,10 @@ mod stop_contact;
 mod thermal_drift;
 
 pub(super) use load_direction::direction_of;
-pub use memory::{Memory, MemoryLaw};
+pub use memory::Memory;
 pub(super) use point::{held, points};
-pub use reality::{Marked, ReadingFault, Reality};
+pub use reality::Marked;
+pub(crate) use reality::{ReadingFault, Reality};
 pub use spec::EffectSpec;
 
 use crate::diagnostic::Diagnostic;

@@ -18,7 +18,7 @@ pub(in crate::rig) struct Point {
 
 impl Point {
     /// What the deck calls it: the smallest id.
-    pub fn id(&self) -> u32 {
+    pub(crate) fn id(&self) -> u32 {
         self.members[0]
     }
 }

@@ -103,7 +103,7 @@ pub struct Reality {
 
 impl Reality {
     /// The deck as it is now.
-    pub fn model(&self) -> Model {
+    pub(crate) fn model(&self) -> Model {
         Model::lower(&self.dataset).value
     }
 

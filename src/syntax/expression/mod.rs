@@ -9,7 +9,7 @@ mod tests;
 mod tokens;
 
 pub use parse::parse;
-pub use references::argument_space;
+pub(crate) use references::argument_space;
 
 use crate::grammar::FunctionDef;
 use crate::text::Span;

@@ -70,7 +70,8 @@ impl Expression {
     }
 
     /// The expression that is one number, with an empty span.
-    pub fn constant(value: f64) -> Self {
+    #[cfg(test)]
+    pub(crate) fn constant(value: f64) -> Self {
         Self {
             root: Node::Literal(0),
             text: value.to_string(),

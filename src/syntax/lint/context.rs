@@ -16,7 +16,7 @@ pub(super) struct Context<'a> {
 }
 
 impl<'a> Context<'a> {
-    pub fn new(dataset: &'a Dataset, options: &'a Options) -> Self {
+    pub(crate) fn new(dataset: &'a Dataset, options: &'a Options) -> Self {
         let mut by_id = HashMap::new();
         let (mut before, mut body) = (HashMap::new(), None);
         for statement in dataset.statements() {
@@ -38,30 +38,30 @@ impl<'a> Context<'a> {
         }
     }
 
-    pub fn statements(&self) -> &'a [Statement] {
+    pub(crate) fn statements(&self) -> &'a [Statement] {
         self.dataset.statements()
     }
 
     /// The statements of one kind (whole keyword in capitals).
-    pub fn of_kind(&self, kind: &'static str) -> impl Iterator<Item = &'a Statement> {
+    pub(crate) fn of_kind(&self, kind: &'static str) -> impl Iterator<Item = &'a Statement> {
         self.statements()
             .iter()
             .filter(move |statement| statement.kind() == Some(kind))
     }
 
     /// The statement that defines an id of a space.
-    pub fn find(&self, space: &'static str, id: u32) -> Option<&'a Statement> {
+    pub(crate) fn find(&self, space: &'static str, id: u32) -> Option<&'a Statement> {
         self.by_id.get(&(space, id)).copied()
     }
 
     /// The marker an argument names, if it names one that exists.
-    pub fn marker(&self, statement: &Statement, argument: &str) -> Option<&'a Statement> {
+    pub(crate) fn marker(&self, statement: &Statement, argument: &str) -> Option<&'a Statement> {
         let number = statement.numbers(argument).first()?;
         self.find("marker", as_id(number)?)
     }
 
     /// The body a marker is on: id space and id.
-    pub fn body(&self, marker: &Statement) -> Option<(&'static str, u32)> {
+    pub(crate) fn body(&self, marker: &Statement) -> Option<(&'static str, u32)> {
         if marker.follows_body() {
             return self.before.get(&marker.number()?).copied();
         }
@@ -77,7 +77,7 @@ impl<'a> Context<'a> {
     }
 
     /// Every reference of a statement, those in functions included. Zeros stand for ground or for nothing and are left out.
-    pub fn references(statement: &Statement) -> Vec<Reference> {
+    pub(crate) fn references(statement: &Statement) -> Vec<Reference> {
         statement
             .arguments
             .iter()
@@ -86,7 +86,7 @@ impl<'a> Context<'a> {
     }
 
     /// How a statement is called in a message: `BUSHING/3`, with its view name where it has one.
-    pub fn title(&self, statement: &Statement) -> String {
+    pub(crate) fn title(&self, statement: &Statement) -> String {
         let kind = statement.kind().unwrap_or("statement");
         let title = match statement.number() {
             Some(id) => format!("{kind}/{id}"),
@@ -99,7 +99,7 @@ impl<'a> Context<'a> {
     }
 
     /// Where a statement says who it is: keyword and id.
-    pub fn head(statement: &Statement) -> Span {
+    pub(crate) fn head(statement: &Statement) -> Span {
         match statement.id {
             Some((_, id)) => statement.keyword.join(id),
             None => statement.keyword,
@@ -107,7 +107,7 @@ impl<'a> Context<'a> {
     }
 
     /// A complaint about a place.
-    pub fn complain(
+    pub(crate) fn complain(
         &self,
         severity: Severity,
         code: Code,
@@ -122,15 +122,15 @@ impl<'a> Context<'a> {
         diagnostic.label(self.dataset.source().name(), span, "")
     }
 
-    pub fn error(&self, code: Code, span: Span, message: String) -> Diagnostic {
+    pub(crate) fn error(&self, code: Code, span: Span, message: String) -> Diagnostic {
         self.complain(Severity::Error, code, span, message)
     }
 
-    pub fn warning(&self, code: Code, span: Span, message: String) -> Diagnostic {
+    pub(crate) fn warning(&self, code: Code, span: Span, message: String) -> Diagnostic {
         self.complain(Severity::Warning, code, span, message)
     }
 
-    pub fn note(&self, code: Code, span: Span, message: String) -> Diagnostic {
+    pub(crate) fn note(&self, code: Code, span: Span, message: String) -> Diagnostic {
         self.complain(Severity::Note, code, span, message)
     }
 }

@@ -8,7 +8,7 @@ use crate::text::{Source, Span};
 /// Complaints that comments of a file silence: `! admire: ignore[tab, unreferenced]` behind a statement or on a line above it
 /// silences these codes there, without a list all of them; `! admire: ignore-file[tab]` silences them in the whole file.
 #[derive(Clone, Debug, Default)]
-pub struct Suppressed {
+pub(crate) struct Suppressed {
     silences: Vec<Silence>,
     /// Codes in such comments that do not exist.
     pub diagnostics: Vec<Diagnostic>,
@@ -34,7 +34,7 @@ const MARK: &[u8] = b"admire:";
 
 impl Suppressed {
     /// Reads the comments of a file with these statements or commands, in the order of the file.
-    pub fn of(source: &Source, statements: &[Statement]) -> Self {
+    pub(crate) fn of(source: &Source, statements: &[Statement]) -> Self {
         let bytes = source.bytes();
         let mut found = Self::default();
         for at in memchr::memmem::find_iter(bytes, MARK) {
@@ -65,19 +65,19 @@ impl Suppressed {
     }
 
     /// True if a comment of the file silences a complaint about it.
-    pub fn covers(&self, diagnostic: &Diagnostic) -> bool {
+    pub(crate) fn covers(&self, diagnostic: &Diagnostic) -> bool {
         let label = diagnostic.labels.first();
         label.is_some_and(|label| self.covers_at(diagnostic.code, label.span.start()))
     }
 
     /// True if a comment silences a code at a place.
-    pub fn covers_at(&self, code: Code, offset: usize) -> bool {
+    pub(crate) fn covers_at(&self, code: Code, offset: usize) -> bool {
         let here = |silence: &Silence| silence.place.contains(&offset);
         self.silences.iter().any(|s| here(s) && s.covers(code))
     }
 
     /// True if a comment silences a code in the whole file.
-    pub fn covers_file(&self, code: Code) -> bool {
+    pub(crate) fn covers_file(&self, code: Code) -> bool {
         let mut silences = self.silences.iter();
         silences.any(|silence| silence.whole_file && silence.covers(code))
     }

@@ -49,7 +49,7 @@ pub enum Cell {
 
 impl Block {
     /// The last parameter of this name in capitals.
-    pub fn parameter(&self, name: &str) -> Option<&Parameter> {
+    pub(crate) fn parameter(&self, name: &str) -> Option<&Parameter> {
         self.parameters
             .iter()
             .rev()
@@ -59,12 +59,12 @@ impl Block {
 
 impl Parameter {
     /// Its number, if it is one.
-    pub fn number(&self) -> Option<f64> {
+    pub(crate) fn number(&self) -> Option<f64> {
         self.value.number()
     }
 
     /// Its text without quotes and blanks around it.
-    pub fn text<'s>(&self, source: &'s Source) -> Cow<'s, str> {
+    pub(crate) fn text<'s>(&self, source: &'s Source) -> Cow<'s, str> {
         match source.text(self.value.span()) {
             Cow::Borrowed(text) => Cow::Borrowed(text.trim()),
             Cow::Owned(text) => Cow::Owned(text.trim().to_string()),
@@ -74,7 +74,7 @@ impl Parameter {
 
 impl Cell {
     /// Its number, if it is one.
-    pub fn number(&self) -> Option<f64> {
+    pub(crate) fn number(&self) -> Option<f64> {
         match self {
             Self::Number(number) => Some(number.value),
             Self::Text(_) => None,

@@ -10,9 +10,10 @@ mod curve;
 mod read;
 mod units;
 
-pub use block::{Block, Cell, Parameter, Table};
-pub use curve::PropertyCurve;
-pub use units::PropertyUnits;
+pub(crate) use block::Block;
+pub use block::{Cell, Parameter, Table};
+pub(crate) use curve::PropertyCurve;
+pub(crate) use units::PropertyUnits;
 
 use crate::diagnostic::{Checked, Code, Diagnostic};
 use crate::text::{Source, Span};
@@ -149,14 +150,14 @@ impl PropertyFile {
     }
 
     /// The first block of this name in capitals, sub-blocks not among them.
-    pub fn block(&self, name: &str) -> Option<&Block> {
+    pub(crate) fn block(&self, name: &str) -> Option<&Block> {
         self.blocks
             .iter()
             .find(|block| block.name == name && block.part.is_none())
     }
 
     /// A number of a block, such as `DAMPING`, `FX_DAMPING` or `SPRING_DATA`, `FREE_LENGTH`, in units of the file.
-    pub fn number(&self, block: &str, name: &str) -> Option<f64> {
+    pub(crate) fn number(&self, block: &str, name: &str) -> Option<f64> {
         self.blocks
             .iter()
             .filter(|one| one.name == block)

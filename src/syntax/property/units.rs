@@ -71,7 +71,7 @@ impl PropertyUnits {
     }
 
     /// What a number of this dimension is multiplied by to be in the units of a model, whose angles are radians.
-    pub fn factor(&self, dimension: Dimension, units: &Units) -> f64 {
+    pub(crate) fn factor(&self, dimension: Dimension, units: &Units) -> f64 {
         [
             (self.force / units.force.si, dimension.force),
             (self.mass / units.mass.si, dimension.mass),
