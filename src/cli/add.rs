@@ -1,6 +1,7 @@
 use std::path::PathBuf;
 
 use crate::diagnostic::{Code, Diagnostic};
+use crate::front::Before;
 use crate::syntax::{Dataset, NewStatement};
 use crate::text::Source;
 
@@ -73,7 +74,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         deck = edited(&deck.value, &edits, shell)?;
     }
     shell.sources.add(deck.value.source().clone());
-    refuse_faults(&original, &deck, arguments.force, shell)?;
+    refuse_faults(&Before::of(&original), &deck, arguments.force, shell)?;
     arguments
         .target
         .deliver(&arguments.deck, deck.value.bytes(), shell)?;

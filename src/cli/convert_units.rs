@@ -1,6 +1,7 @@
 use std::path::PathBuf;
 
 use crate::diagnostic::{Code, Diagnostic};
+use crate::front::Before;
 use crate::grammar::nearest;
 use crate::model::{Model, convert_units};
 use crate::syntax::Dataset;
@@ -47,7 +48,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     })?;
     let deck = edited(dataset, &edits, shell)?;
     shell.sources.add(deck.value.source().clone());
-    refuse_faults(&parsed, &deck, false, shell)?;
+    refuse_faults(&Before::of(&parsed), &deck, false, shell)?;
     arguments
         .target
         .deliver(&arguments.deck, deck.value.bytes(), shell)?;

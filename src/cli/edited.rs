@@ -1,7 +1,7 @@
 //! What an edit does to a deck beyond the value it is about: looked at before anything is written.
 
 use crate::diagnostic::{Checked, Code, Diagnostic};
-use crate::front::{faults, new_errors};
+use crate::front::Before;
 use crate::syntax::Dataset;
 
 use crate::text::Edit;
@@ -20,13 +20,12 @@ pub(super) fn edited(
 
 /// Gives up, having said why, if a deck has an error that it had not before; with `force` the errors are only told.
 pub(super) fn refuse_faults(
-    before: &Checked<Dataset>,
+    before: &Before,
     after: &Checked<Dataset>,
     force: bool,
     shell: &Shell,
 ) -> Result<(), Exit> {
-    let mut found: Vec<Diagnostic> = new_errors(before, after).into_iter().cloned().collect();
-    found.extend(faults(&before.value, &after.value));
+    let found = before.new_faults(after);
     shell.complain(&found);
     match found.first() {
         Some(first) if !force => Err(shell.fail(

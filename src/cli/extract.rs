@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use clap_complete::ArgValueCompleter;
 
 use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::front::Before;
 use crate::model::{Model, extract};
 use crate::syntax::{Address, Dataset};
 
@@ -72,7 +73,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     shell.complain(&edits.diagnostics);
     let deck = edited(dataset, &edits.value, shell)?;
     shell.sources.add(deck.value.source().clone());
-    refuse_faults(&parsed, &deck, arguments.force, shell)?;
+    refuse_faults(&Before::of(&parsed), &deck, arguments.force, shell)?;
     arguments
         .target
         .deliver(&arguments.deck, deck.value.bytes(), shell)?;

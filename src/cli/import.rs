@@ -1,7 +1,7 @@
 use std::path::PathBuf;
 
 use crate::diagnostic::{Code, Diagnostic};
-use crate::front::new_errors;
+use crate::front::{Before, new_errors};
 use crate::syntax::{Dataset, json};
 
 use super::Outcome;
@@ -45,7 +45,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         Exit::Findings
     })?;
     let changed = edited(dataset, &edits, shell)?;
-    let new = new_errors(&original, &changed);
+    let new = new_errors(&original.diagnostics, &changed);
     if !new.is_empty() {
         shell.sources.add(changed.value.source().clone());
         let new: Vec<Diagnostic> = new.into_iter().cloned().collect();
@@ -59,7 +59,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         return Err(not_written(&format!("{first} cannot be written so"), shell));
     }
     shell.sources.add(changed.value.source().clone());
-    refuse_faults(&original, &changed, arguments.force, shell)?;
+    refuse_faults(&Before::of(&original), &changed, arguments.force, shell)?;
     arguments
         .target
         .deliver(&arguments.deck, changed.value.bytes(), shell)?;

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use clap_complete::ArgValueCompleter;
 
 use crate::diagnostic::{Checked, Code, Diagnostic};
+use crate::front::Before;
 use crate::syntax::{Address, Dataset};
 
 use super::Outcome;
@@ -76,7 +77,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if !whole.is_empty() {
         deck = cascaded(&original.value, &deck.value, whole, shell)?;
     }
-    refuse_faults(&original, &deck, arguments.force, shell)?;
+    refuse_faults(&Before::of(&original), &deck, arguments.force, shell)?;
     arguments
         .target
         .deliver(&arguments.deck, deck.value.bytes(), shell)?;

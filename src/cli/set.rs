@@ -5,15 +5,15 @@ use clap_complete::ArgValueCompleter;
 
 use crate::check::is_command_file;
 use crate::diagnostic::{Checked, Code, Diagnostic};
-use crate::front::{edits, new_errors, same_but_for};
+use crate::front::{Before, edits, new_errors, outline};
 use crate::syntax::{Address, Dataset};
-use crate::text::{Edit, Source};
+use crate::text::{Edit, EditConflict, Source};
 
 use super::Outcome;
 use super::addresses::complete;
 use super::assignment::expanded;
 use super::command_edits;
-use super::edited::{edited, refuse_faults};
+use super::edited::refuse_faults;
 use super::shell::{Exit, Shell};
 use super::target::Target;
 
@@ -65,46 +65,52 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         arguments.target.deliver(&arguments.deck, &file, shell)?;
         return Ok(Exit::Fine);
     }
-    let original = Dataset::parse(source);
-    let mut deck = original.clone();
+    let mut deck = Dataset::parse(source);
+    let before = Before::of(&deck);
     let mut refused = None;
     for assignment in &arguments.assignments {
-        match changed(&deck, assignment, arguments.degrees, shell) {
-            Ok(changed) => deck = changed,
-            // The others are looked at too, so that all faults are told at once.
-            Err(exit) => refused = Some(exit.max(refused.unwrap_or(exit))),
+        // The others are looked at too, so that all faults are told at once.
+        if let Err(exit) = change(&mut deck, assignment, arguments.degrees, shell) {
+            refused = Some(exit.max(refused.unwrap_or(exit)));
         }
     }
     if let Some(exit) = refused {
         return Err(exit);
     }
     shell.sources.add(deck.value.source().clone());
-    refuse_faults(&original, &deck, arguments.force, shell)?;
+    refuse_faults(&before, &deck, arguments.force, shell)?;
     arguments
         .target
         .deliver(&arguments.deck, deck.value.bytes(), shell)?;
     Ok(Exit::Fine)
 }
 
-/// The deck after one assignment, which may be about many addresses.
-fn changed(
-    deck: &Checked<Dataset>,
+/// Makes one assignment, which may be about many addresses. The deck is as it was if it is refused.
+fn change(
+    deck: &mut Checked<Dataset>,
     assignment: &str,
     degrees: bool,
     shell: &mut Shell,
-) -> Result<Checked<Dataset>, Exit> {
+) -> Result<(), Exit> {
     let all = expanded(assignment, &deck.value, degrees, shell)?;
     let edits = edits_of(&deck.value, &all, shell)?;
-    if all.len() > 1 && deck.value.edited(&edits).is_err() {
+    match deck.value.text_after(&edits) {
         // Values that are not written yet would be added at one place: one after the other.
-        let mut deck = deck.clone();
-        for one in all {
-            let edits = edits_of(&deck.value, std::slice::from_ref(&one), shell)?;
-            deck = looked_at(&deck, &edits, &[one], assignment, shell)?;
+        Err(_) if all.len() > 1 => {
+            let before = deck.value.source().clone();
+            let one_by_one = all.iter().try_for_each(|one| {
+                let one = std::slice::from_ref(one);
+                let edits = edits_of(&deck.value, one, shell)?;
+                let text = deck.value.text_after(&edits);
+                look_at(deck, text, one, assignment, shell)
+            });
+            if one_by_one.is_err() {
+                deck.diagnostics = deck.value.reread(before);
+            }
+            one_by_one
         }
-        return Ok(deck);
+        text => look_at(deck, text, &all, assignment, shell),
     }
-    looked_at(deck, &edits, &all, assignment, shell)
 }
 
 /// The edits of some assignments of a deck as it is.
@@ -126,27 +132,18 @@ fn edits_of(
     Ok(all)
 }
 
-/// The deck after edits, if it can be read and nothing else has changed.
-fn looked_at(
-    deck: &Checked<Dataset>,
-    edits: &[Edit],
+/// Reads the text after edits, if it can be read and nothing else has changed. The deck is as it was otherwise.
+fn look_at(
+    deck: &mut Checked<Dataset>,
+    text: Result<Source, EditConflict>,
     assigned: &[(Address, String)],
     assignment: &str,
     shell: &mut Shell,
-) -> Result<Checked<Dataset>, Exit> {
+) -> Result<(), Exit> {
+    let text = text.map_err(|conflict| {
+        shell.fail(Diagnostic::error(Code::CannotWrite, conflict.to_string()))
+    })?;
     let dataset = &deck.value;
-    let changed = edited(dataset, edits, shell)?;
-    let new = new_errors(deck, &changed);
-    if let Some(first) = new.first() {
-        // The place is one of the text as it would be.
-        let before = shell.sources.get(dataset.source().name()).cloned();
-        shell.sources.add(changed.value.source().clone());
-        shell.complain(&[(*first).clone()]);
-        shell
-            .sources
-            .add(before.unwrap_or_else(|| dataset.source().clone()));
-        return Err(not_written(assignment, shell));
-    }
     let places: BTreeSet<(usize, &str)> = assigned
         .iter()
         .filter_map(|(address, _)| {
@@ -154,14 +151,28 @@ fn looked_at(
             Some((dataset.position(&address.kind, address.id)?, argument))
         })
         .collect();
-    if !same_but_for(dataset, &changed.value, &places) {
+    let expected = outline(dataset, &places);
+    let before = dataset.source().clone();
+    let known = std::mem::take(&mut deck.diagnostics);
+    deck.diagnostics = deck.value.reread(text);
+    let refused = if let Some(first) = new_errors(&known, deck).first() {
+        // The place is one of the text as it would be.
+        let shown = shell.sources.get(before.name()).cloned();
+        shell.sources.add(deck.value.source().clone());
+        shell.complain(&[(*first).clone()]);
+        shell.sources.add(shown.unwrap_or_else(|| before.clone()));
+        not_written(assignment, shell)
+    } else if outline(&deck.value, &places) != expected {
         let message = format!("`{assignment}` would change more than it names");
-        return Err(shell.fail(
+        shell.fail(
             Diagnostic::error(Code::SyntaxError, message)
                 .help("change each argument by its own address"),
-        ));
-    }
-    Ok(changed)
+        )
+    } else {
+        return Ok(());
+    };
+    deck.diagnostics = deck.value.reread(before);
+    Err(refused)
 }
 
 fn not_written(assignment: &str, shell: &Shell) -> Exit {

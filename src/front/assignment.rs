@@ -2,10 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use sha2::{Digest, Sha256};
+
 use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
 use crate::grammar::{STATEMENTS, ValueKind};
 use crate::syntax::lint::{self, Options};
-use crate::syntax::{Address, Argument, Dataset, Statement};
+use crate::syntax::{Address, Dataset};
 use crate::text::Edit;
 
 /// A flag is switched by true and false; a number and anything else is written as it was typed.
@@ -43,19 +45,39 @@ fn is_flag(address: &Address) -> bool {
     argument.is_some_and(|argument| argument.kind == ValueKind::Flag)
 }
 
-/// The errors of the reader that a deck has after an edit and had not before.
+/// The errors of the reader that a deck has after an edit and had not `before`.
 pub(crate) fn new_errors<'a>(
-    before: &Checked<Dataset>,
+    before: &[Diagnostic],
     after: &'a Checked<Dataset>,
 ) -> Vec<&'a Diagnostic> {
-    beyond(&before.diagnostics, &after.diagnostics)
+    beyond(before, &after.diagnostics)
 }
 
-/// The errors `admire check` finds in the new deck and not in the old one, at the places of the new text.
-pub(crate) fn faults(before: &Dataset, after: &Dataset) -> Vec<Diagnostic> {
-    let options = Options::default();
-    let (old, new) = (lint::check(before, &options), lint::check(after, &options));
-    beyond(&old, &new).into_iter().cloned().collect()
+/// What was wrong with a deck before an edit. It is kept instead of the deck, which may be large.
+#[derive(Clone, Debug)]
+pub(crate) struct Before {
+    read: Vec<Diagnostic>,
+    checked: Vec<Diagnostic>,
+}
+
+impl Before {
+    /// What the reader and `admire check` find in a deck.
+    pub fn of(deck: &Checked<Dataset>) -> Self {
+        Self {
+            read: deck.diagnostics.clone(),
+            checked: lint::check(&deck.value, &Options::default()),
+        }
+    }
+
+    /// The errors that reader and `admire check` find in the new deck and did not find in this one, at the places of the new text.
+    pub fn new_faults(&self, after: &Checked<Dataset>) -> Vec<Diagnostic> {
+        let checked = lint::check(&after.value, &Options::default());
+        let of_reader = beyond(&self.read, &after.diagnostics).into_iter();
+        of_reader
+            .chain(beyond(&self.checked, &checked))
+            .cloned()
+            .collect()
+    }
 }
 
 /// Errors of `new` that are not in `old`, whatever their places.
@@ -80,34 +102,30 @@ fn beyond<'a>(old: &[Diagnostic], new: &'a [Diagnostic]) -> Vec<&'a Diagnostic> 
         .collect()
 }
 
-/// True if two decks have the same statements with the same arguments, whatever their values, but for some arguments: those of
-/// the statements at `places`.
-pub(crate) fn same_but_for(
-    before: &Dataset,
-    after: &Dataset,
-    places: &BTreeSet<(usize, &str)>,
-) -> bool {
-    let (old, new) = (before.statements(), after.statements());
-    old.len() == new.len()
-        && old.iter().zip(new).enumerate().all(|(at, (old, new))| {
-            let aside: Vec<&str> = places
-                .range((at, "")..)
-                .take_while(|(place, _)| *place == at)
-                .map(|(_, argument)| *argument)
-                .collect();
-            old.kind() == new.kind()
-                && old.number() == new.number()
-                && names(old, &aside).eq(names(new, &aside))
-        })
-}
-
-fn names<'a>(
-    statement: &'a Statement,
-    aside: &'a [&'a str],
-) -> impl Iterator<Item = Option<&'static str>> + 'a {
-    statement
-        .arguments
-        .iter()
-        .map(Argument::kind)
-        .filter(move |name| name.is_none_or(|name| !aside.contains(&name)))
+/// A digest of all statements and arguments of a deck, whatever their values, but for some arguments: those of the statements at
+/// `places`. It is the same before and after an edit that changes no more than these.
+pub(crate) fn outline(dataset: &Dataset, places: &BTreeSet<(usize, &str)>) -> [u8; 32] {
+    let mut hash = Sha256::new();
+    let mut name = |name: Option<&str>| {
+        // No name of the grammar has one of these bytes.
+        hash.update(name.map_or(&b"\x01"[..], str::as_bytes));
+        hash.update(b"\0");
+    };
+    for (at, statement) in dataset.statements().iter().enumerate() {
+        let aside: Vec<&str> = places
+            .range((at, "")..)
+            .take_while(|(place, _)| *place == at)
+            .map(|(_, argument)| *argument)
+            .collect();
+        name(statement.kind());
+        name(statement.number().map(|id| id.to_string()).as_deref());
+        for argument in &statement.arguments {
+            let kind = argument.kind();
+            if kind.is_none_or(|kind| !aside.contains(&kind)) {
+                name(kind);
+            }
+        }
+        name(Some("\n"));
+    }
+    hash.finalize().into()
 }

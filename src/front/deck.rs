@@ -15,7 +15,7 @@ use crate::syntax::{Address, CommandFile, Dataset};
 use crate::system::System;
 use crate::text::{Edit, Source};
 
-use super::assignment::{edits, faults, new_errors, same_but_for};
+use super::assignment::{Before, edits, new_errors, outline};
 use super::error::{Complaint, Error, ErrorKind};
 use super::run::Run;
 use super::sensitivity::{SensitivityTable, Unavailable};
@@ -188,7 +188,7 @@ impl Deck {
         if all.is_empty() {
             return Ok(self);
         }
-        if addresses.len() == 1 || dataset.edited(&all).is_ok() {
+        if addresses.len() == 1 || dataset.text_after(&all).is_ok() {
             self.read = Arc::new(self.edited(&self.read, &all, &addresses, text)?);
             return Ok(self);
         }
@@ -216,7 +216,7 @@ impl Deck {
         let changed = dataset.edited(edits).map_err(|conflict| {
             usage(Diagnostic::error(Code::CannotWrite, conflict.to_string()))
         })?;
-        let new = new_errors(before, &changed);
+        let new = new_errors(&before.diagnostics, &changed);
         if !new.is_empty() {
             let new: Vec<Diagnostic> = new.into_iter().cloned().collect();
             let sources = sources_of(&changed.value);
@@ -230,7 +230,7 @@ impl Deck {
             })
             .collect();
         let title = addresses.iter().any(|address| address.kind == "TITLE");
-        if !title && !same_but_for(dataset, &changed.value, &places) {
+        if !title && outline(dataset, &places) != outline(&changed.value, &places) {
             let message = format!("`{text}` would change more than it names");
             let help = "change each argument by its own address";
             let refused = Diagnostic::error(Code::SyntaxError, message).help(help);
@@ -285,7 +285,7 @@ impl Deck {
 
     fn store(&mut self, path: &Path, force: bool) -> Result<(), Error> {
         if !force && !Arc::ptr_eq(&self.read, &self.stored) {
-            let new = faults(&self.stored.value, &self.read.value);
+            let new = Before::of(&self.stored).new_faults(&self.read);
             if !new.is_empty() {
                 let sources = sources_of(self.dataset());
                 return Err(Error::new(ErrorKind::Input, &new, &sources));

@@ -24,7 +24,7 @@ mod value;
 mod watch;
 mod writing;
 
-pub(crate) use assignment::{edits, faults, new_errors, same_but_for};
+pub(crate) use assignment::{Before, edits, new_errors, outline};
 pub use axle::{AxleTests, Beside};
 pub use deck::{Deck, Setting};
 pub use error::{Complaint, Error, ErrorKind, Place};

@@ -19,14 +19,16 @@ pub struct Dataset {
     statements: Arc<Vec<Statement>>,
     /// What stands after END.
     after_end: Span,
-    index: Arc<OnceLock<Index>>,
+    index: Arc<Index>,
 }
 
-/// Where statements are, by kind and id and by view name in lower case.
-#[derive(Clone, Debug, Default)]
+/// Where statements are, made when somebody asks. A large deck has millions of them.
+#[derive(Debug, Default)]
 struct Index {
-    by_id: HashMap<(&'static str, u32), usize>,
-    by_name: HashMap<String, Vec<usize>>,
+    /// By kind: ids with the places of their first statements, the smallest id first.
+    by_id: OnceLock<HashMap<&'static str, Vec<(u32, u32)>>>,
+    /// By view name in lower case.
+    by_name: OnceLock<HashMap<String, Vec<usize>>>,
 }
 
 impl Dataset {
@@ -151,15 +153,16 @@ impl Dataset {
                 let def = crate::grammar::STATEMENTS
                     .iter()
                     .find(|def| def.name == kind)?;
-                self.index().by_id.get(&(def.name, id)).copied()
+                let of_kind = self.ids().get(def.name)?;
+                let at = of_kind.binary_search_by_key(&id, |(id, _)| *id).ok()?;
+                Some(of_kind[at].1 as usize)
             }
         }
     }
 
     /// Statements with this view name, whatever the case of its letters.
     pub(crate) fn named(&self, name: &str) -> &[usize] {
-        self.index()
-            .by_name
+        self.names()
             .get(&name.to_lowercase())
             .map_or(&[], Vec::as_slice)
     }
@@ -191,23 +194,55 @@ impl Dataset {
     /// # Errors
     /// When two edits overlap or one lies outside of the file.
     pub fn edited(&self, edits: &[Edit]) -> Result<Checked<Self>, EditConflict> {
-        let bytes = apply_edits(self.bytes(), edits)?;
-        Ok(Self::parse(Source::new(self.source.name(), bytes)))
+        Ok(Self::parse(self.text_after(edits)?))
     }
 
-    fn index(&self) -> &Index {
-        self.index.get_or_init(|| {
-            let mut index = Index::default();
+    /// The text after edits, unread.
+    ///
+    /// # Errors
+    /// When two edits overlap or one lies outside of the file.
+    pub fn text_after(&self, edits: &[Edit]) -> Result<Source, EditConflict> {
+        let bytes = apply_edits(self.bytes(), edits)?;
+        Ok(Source::new(self.source.name(), bytes))
+    }
+
+    /// Reads another text in the place of this one, with the complaints of [`parse`](Self::parse). The statements of the old text go
+    /// first, unless somebody else holds them: those of a large deck take several times the room of its text.
+    pub fn reread(&mut self, text: Source) -> Vec<Diagnostic> {
+        self.statements = Arc::default();
+        self.index = Arc::default();
+        let read = Self::parse(text);
+        *self = read.value;
+        read.diagnostics
+    }
+
+    fn ids(&self) -> &HashMap<&'static str, Vec<(u32, u32)>> {
+        self.index.by_id.get_or_init(|| {
+            let mut by_id: HashMap<&'static str, Vec<(u32, u32)>> = HashMap::new();
             for (at, statement) in self.statements.iter().enumerate() {
                 if let (Some(kind), Some(id)) = (statement.kind(), statement.number()) {
-                    index.by_id.entry((kind, id)).or_insert(at);
-                }
-                if let Some(name) = statement.view_name {
-                    let name = self.source.text(name).to_lowercase();
-                    index.by_name.entry(name).or_default().push(at);
+                    // A statement has a byte at least, and places of bytes have 32 bits.
+                    by_id.entry(kind).or_default().push((id, at as u32));
                 }
             }
-            index
+            for of_kind in by_id.values_mut() {
+                of_kind.sort_by_key(|(id, _)| *id);
+                of_kind.dedup_by_key(|(id, _)| *id);
+            }
+            by_id
+        })
+    }
+
+    fn names(&self) -> &HashMap<String, Vec<usize>> {
+        self.index.by_name.get_or_init(|| {
+            let mut by_name: HashMap<String, Vec<usize>> = HashMap::new();
+            for (at, statement) in self.statements.iter().enumerate() {
+                if let Some(name) = statement.view_name {
+                    let name = self.source.text(name).to_lowercase();
+                    by_name.entry(name).or_default().push(at);
+                }
+            }
+            by_name
         })
     }
 }

@@ -1,7 +1,8 @@
 //! Reading of large and of hostile decks: rates of the lossless document and of the typed model.
 //!
 //! `cargo bench --bench decks -- [MEGABYTES]`; the stated goals (150 MB/s to the document, 60 MB/s to the model) are for 100. A
-//! hostile file is read twice, the second time doubled: time must not grow faster than the file.
+//! hostile file is read twice, the second time doubled: time must not grow faster than the file. With `--write FILE` the large deck is
+//! written into a file and nothing is read: `tests/bench/large.py` hands it to the commands.
 
 #[path = "large_deck.rs"]
 mod large_deck;
@@ -21,8 +22,13 @@ fn main() {
         .skip(1)
         .find_map(|word| word.parse::<usize>().ok())
         .unwrap_or(100);
-    println!("{} processors", rayon::current_num_threads());
     let bytes = deck(megabytes << 20);
+    if let Some(at) = std::env::args().position(|word| word == "--write") {
+        let path = std::env::args().nth(at + 1).expect("the name of a file");
+        std::fs::write(path, bytes).expect("room for the deck");
+        return;
+    }
+    println!("{} processors", rayon::current_num_threads());
     let size = bytes.len();
     println!("memory before reading: {}", peak());
     let source = Source::new("large.adm", bytes);

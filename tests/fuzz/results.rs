@@ -2,7 +2,7 @@
 
 use admire::results::{
     FormattedResults, GraphicsFile, Header, MessageFile, NumberStyle, RequestFile, RequestWriter,
-    Style, Timestamp, XrfReader, XrfWriter, open_any, rewrite,
+    ResultsReader, Style, Timestamp, XrfReader, XrfWriter, open_any, rewrite,
 };
 use admire::text::Source;
 use admire::units::Units;
@@ -15,7 +15,7 @@ use crate::seeds;
 /// An XRF file as it was read: its steps, and whether it was read to its end.
 type Steps = Vec<(admire::results::StepKind, Vec<f64>)>;
 
-fn steps<R: std::io::Read>(reader: &mut XrfReader<R>) -> (Steps, bool) {
+fn steps(reader: &mut dyn ResultsReader) -> (Steps, bool) {
     let mut all = Vec::new();
     loop {
         match reader.next_step() {
