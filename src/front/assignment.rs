@@ -62,7 +62,7 @@ pub(crate) struct Before {
 
 impl Before {
     /// What the reader and `admire check` find in a deck.
-    pub fn of(deck: &Checked<Dataset>) -> Self {
+    pub(crate) fn of(deck: &Checked<Dataset>) -> Self {
         Self {
             read: deck.diagnostics.clone(),
             checked: lint::check(&deck.value, &Options::default()),
@@ -70,7 +70,7 @@ impl Before {
     }
 
     /// The errors that reader and `admire check` find in the new deck and did not find in this one, at the places of the new text.
-    pub fn new_faults(&self, after: &Checked<Dataset>) -> Vec<Diagnostic> {
+    pub(crate) fn new_faults(&self, after: &Checked<Dataset>) -> Vec<Diagnostic> {
         let checked = lint::check(&after.value, &Options::default());
         let of_reader = beyond(&self.read, &after.diagnostics).into_iter();
         of_reader

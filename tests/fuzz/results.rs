@@ -118,7 +118,7 @@ fn any(bytes: &[u8]) {
     if let Ok(opened) = open_any(file.path()) {
         assert_inside(&opened.diagnostics, &name, bytes);
         let mut reader = opened.value;
-        steps(&mut reader);
+        steps(reader.as_mut());
     }
 }
 
