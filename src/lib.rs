@@ -88,6 +88,8 @@
 //! | 20 | cli | subcommands |
 //! | 20 | python | the Python package |
 #![warn(unreachable_pub)]
+// Rooms that are hidden or private link to what is private with them.
+#![allow(rustdoc::private_intra_doc_links)]
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 
 #[doc(hidden)]

@@ -12,7 +12,7 @@ pub(super) struct Block {
 
 impl Block {
     /// Values row by row.
-    pub fn new(values: Vec<f64>, columns: usize) -> Self {
+    pub(crate) fn new(values: Vec<f64>, columns: usize) -> Self {
         Self {
             rows: values.len().checked_div(columns).unwrap_or(0),
             values,

@@ -16,7 +16,7 @@ use super::work::work;
 pub(super) struct Run(std::sync::Arc<front::Run>);
 
 impl Run {
-    pub fn of(run: front::Run) -> Self {
+    pub(crate) fn of(run: front::Run) -> Self {
         Self(std::sync::Arc::new(run))
     }
 }
