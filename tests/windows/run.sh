@@ -344,7 +344,7 @@ toolkit() {
     both() {
         (cd "$work/linux" && "$linux/admire" "$@" >out.txt 2>err.txt) || true
         (cd "$work/windows" && wine "$exe/admire.exe" "$@" >out.txt 2>err.txt) || true
-        # On a machine with no time to spare Wine 8 sometimes faults as a process starts or ends, though the answer is whole: once more.
+        # Under load Wine 8 sometimes reports a fault of its own (`wine: Unhandled page fault`), and does not when asked again: once more.
         if grep -aq '^wine: ' "$work/windows/err.txt"; then
             echo "AGAIN: $(grep -am 1 '^wine: ' "$work/windows/err.txt")"
             (cd "$work/windows" && wine "$exe/admire.exe" "$@" >out.txt 2>err.txt) || true
