@@ -22,15 +22,17 @@ pub struct Consistent {
     pub(super) scratch: Scratch,
     pub(super) rows: Rows,
     pub(super) bordered: Bordered,
-    levels: Levels,
-    factors: Lu,
+    pub(super) levels: Levels,
+    pub(super) factors: Lu,
     values: Vec<f64>,
-    g: Vec<f64>,
+    pub(super) g: Vec<f64>,
     dx: Vec<f64>,
-    step: Vec<f64>,
+    pub(super) step: Vec<f64>,
     border: Vec<f64>,
-    v: Vec<f64>,
+    pub(super) v: Vec<f64>,
     gamma: Vec<f64>,
+    /// How many motions have no inertia and are held by something else, once that was looked at.
+    pub(super) held: Option<usize>,
 }
 
 impl Consistent {
@@ -50,6 +52,7 @@ impl Consistent {
             border: vec![0.0; system.first_equation + system.equations],
             v: Vec::new(),
             gamma: vec![0.0; system.equations],
+            held: None,
         }
     }
 
@@ -221,10 +224,10 @@ impl Consistent {
     /// Accelerations, multipliers, variables and rates of the states from positions, velocities and states:
     /// `[ M - F_A, G' - F_lambda; G, 0 ] [ A; lambda ] = [ F - h; -gamma ]`, by Newton's method where forces depend on them.
     ///
-    /// `step` is how far apart functions are looked at for their second derivatives.
+    /// `step` is how far apart functions are looked at for their second derivatives. Accelerations of motions without inertia stay as they are.
     ///
     /// # Errors
-    /// [`Reason`] where an element has no value or the mass matrix leaves an acceleration open.
+    /// [`Reason`] where an element has no value or a motion has no inertia and nothing else holds it.
     pub(super) fn accelerations(
         &mut self,
         system: &System,
@@ -277,9 +280,7 @@ impl Consistent {
                 *dx = -g;
             }
             self.factors.solve(&mut self.dx);
-            if let Some(freedom) = self.undetermined(system) {
-                return Err(Reason::MassSingular { freedom });
-            }
+            self.check_held(system, step)?;
             for (v, change) in self.v.iter_mut().zip(&self.dx[..n]) {
                 *v += change;
             }
@@ -319,27 +320,6 @@ impl Consistent {
             before = relative;
         }
         Ok(())
-    }
-
-    /// The unknown acceleration that the factors leave open, if it is one of a part.
-    fn undetermined(&self, system: &System) -> Option<String> {
-        for m in 0..self.factors.deficiency() {
-            let z = self.factors.null_vector(m);
-            let (at, size) =
-                z[..system.first_equation]
-                    .iter()
-                    .enumerate()
-                    .fold(
-                        (0, 0.0),
-                        |best, (k, x)| {
-                            if x.abs() > best.1 { (k, x.abs()) } else { best }
-                        },
-                    );
-            if size > 0.0 {
-                return Some(system.freedom_name(at));
-            }
-        }
-        None
     }
 
     /// Brings a moving state onto all three levels, next to where it is: what is written of it is consistent.

@@ -103,6 +103,11 @@ impl<'a> Integrator<'a> {
         };
         let scratch = &mut new.equations.scratch;
         system.grip_on(parameters, &mut new.state, scratch);
+        let step = 1e-2 * new.settings.hmax;
+        // Where it cannot be done, the first step says why.
+        let _ = new
+            .consistent
+            .settle_massless(system, parameters, &mut new.state, step);
         new.sizes.grow(&new.state);
         // A step in which the accelerations alone move things by the tolerance.
         let mut most = 0.0_f64;

@@ -13,6 +13,7 @@ mod gripping;
 mod integrator;
 mod kinematic;
 mod linearised;
+mod massless;
 mod modes;
 mod newton;
 mod settings;

@@ -1,16 +1,16 @@
 //! Small motions about a state: eigenvalues and mode shapes.
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{Complex, DMatrix, DVector, SVD};
 
 use super::error::Reason;
 use super::linearised::{Basis, Linearised};
 use crate::mechanics::eigen::eigenvalues;
 use crate::system::{Parameters, State, System};
 
-/// A mass matrix with a smaller pivot than this share of its largest entry is singular.
+/// A singular value of the mass matrix below this share of the largest is none.
 const NO_MASS: f64 = 1e-12;
-/// Eigenvalues of the inverse problem below this share of the largest belong to motions without mass.
-const INFINITE: f64 = 1e-11;
+/// Sweeps of a singular value decomposition.
+const SWEEPS: usize = 10_000;
 
 /// One eigenvalue and its motion.
 #[derive(Clone, PartialEq, Debug)]
@@ -81,27 +81,42 @@ pub fn modes(
 }
 
 /// The finite eigenvalues of `F u = value E u`.
+///
+/// Rows that E does not reach say `A u = 0` without a rate: u is written in what they leave free, `u = N y`, and they are dropped, as
+/// often as it takes. A motion without inertia takes two rounds where stiffness alone holds it: its place, then its velocity.
 fn finite_eigenvalues(E: &DMatrix<f64>, F: &DMatrix<f64>) -> Vec<Complex<f64>> {
-    let lu = E.clone().full_piv_lu();
-    let pivots = lu.u().diagonal();
-    let most = pivots.amax();
-    if pivots.iter().all(|p| p.abs() > NO_MASS * most)
-        && let Some(matrix) = lu.solve(F)
-    {
-        return eigenvalues(matrix).unwrap_or_default();
+    let (mut E, mut F) = (E.clone(), F.clone());
+    while E.nrows() > 0 {
+        let Some(found) = SVD::try_new(E.clone(), true, false, f64::EPSILON, SWEEPS) else {
+            break;
+        };
+        let most = found.singular_values.amax();
+        let (with_rate, without): (Vec<usize>, Vec<usize>) =
+            (0..E.nrows()).partition(|k| found.singular_values[*k] > NO_MASS * most);
+        if without.is_empty() {
+            let matrix = E.full_piv_lu().solve(&F);
+            return matrix.and_then(eigenvalues).unwrap_or_default();
+        }
+        let Some(U) = found.u else { break };
+        let algebraic = U.select_columns(&without).tr_mul(&F);
+        let rows = U.select_columns(&with_rate);
+        let Some(free) = nothing_of(&algebraic, without.len()) else {
+            break;
+        };
+        (E, F) = (rows.tr_mul(&E) * &free, rows.tr_mul(&F) * &free);
     }
-    // Without mass somewhere: the inverse problem about a shift, whose zeros are the infinite ones.
-    let shift = 1.0 + F.amax() / E.amax().max(f64::MIN_POSITIVE) * 1e-3;
-    let Some(inverse) = (F - E * shift).full_piv_lu().solve(E) else {
-        return Vec::new();
-    };
-    let found = eigenvalues(inverse).unwrap_or_default();
-    let most = found.iter().fold(0.0_f64, |a, b| a.max(b.norm()));
-    found
-        .into_iter()
-        .filter(|mu| mu.norm() > INFINITE * most)
-        .map(|mu| mu.inv() + shift)
-        .collect()
+    Vec::new()
+}
+
+/// An orthonormal basis of what `count` rows at most give zero for: as many columns as are left.
+fn nothing_of(rows: &DMatrix<f64>, count: usize) -> Option<DMatrix<f64>> {
+    let n = rows.ncols();
+    // Rows of zeros make the right vectors a whole basis.
+    let whole = rows.clone().resize_vertically(n, 0.0);
+    let found = SVD::try_new(whole, false, true, f64::EPSILON, SWEEPS)?;
+    let mut order: Vec<usize> = (0..n).collect();
+    order.sort_by(|a, b| found.singular_values[*b].total_cmp(&found.singular_values[*a]));
+    Some(found.v_t?.select_rows(&order[count..]).transpose())
 }
 
 /// From eigenvalues to motions of the parts.

@@ -6,6 +6,9 @@ use crate::linear::Sink;
 use crate::mechanics::{Mat3, Mat6, Pose, Vec3, skew};
 use crate::model::PartIx;
 
+/// A principal moment of inertia is none below this share of the largest.
+const WITHOUT_INERTIA: f64 = 1e-12;
+
 impl Configuration<'_> {
     /// Takes the inertia of the moving parts off the balances: `-(M A + h)`, and its derivatives by positions, velocities and accelerations.
     ///
@@ -100,6 +103,20 @@ impl System {
         M.fixed_view_mut::<3, 3>(3, 0).copy_from(&mc);
         M.fixed_view_mut::<3, 3>(3, 3).copy_from(&J);
         M / self.ucf
+    }
+
+    /// True if a part that can move has no mass, or can turn without inertia.
+    pub(crate) fn has_massless(&self, parameters: &Parameters, state: &State) -> bool {
+        self.bodies.iter().enumerate().any(|(part, body)| {
+            if body.freedoms == 0 {
+                return false;
+            }
+            let M = self.mass_matrix(parameters, state, PartIx(part));
+            let J = M.fixed_view::<3, 3>(3, 3);
+            let turns =
+                body.freedoms == 6 && J.symmetric_eigenvalues().min() <= WITHOUT_INERTIA * J.amax();
+            M[(0, 0)] == 0.0 || turns
+        })
     }
 }
 

@@ -14,6 +14,7 @@ mod friction;
 mod governor;
 mod kills;
 mod launch;
+mod massless;
 #[allow(non_snake_case, reason = "rotation matrices and inertias")]
 mod mechanisms;
 mod message;

@@ -1,0 +1,236 @@
+//! Motions of parts that no mass resists.
+//!
+//! With Y a basis of the motions that have no inertia and violate no constraint, the balances along them know no accelerations:
+//! `Y' g(q, V, t) = 0`. Where damping acts it gives the velocities. Elsewhere stiffness gives the positions, and the derivative of the
+//! balance by the time gives the velocities: `Y' (K V + g_t) = 0`.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::bordered::plain_weight;
+use super::consistent::Consistent;
+use super::error::Reason;
+use crate::linear::{Levels, Lu};
+use crate::system::{Parameters, State, System};
+
+/// Directions with less of damping and stiffness than this beside the others have none.
+const NOTHING: f64 = 1e-9;
+/// A direction is damped where so much of what holds it for the time of a step is damping.
+const DAMPED: f64 = 0.5;
+/// Iterations; what settles does so in a few.
+const ITERATIONS: usize = 20;
+/// Changes smaller than this, of the model's length and per step, are round-off.
+const SETTLED: f64 = 1e-12;
+
+/// The motions without inertia and what holds them, over a time `step`.
+struct Massless {
+    /// Y, a motion of all parts per column: the largest displacement is the model's length or the largest turn one.
+    motions: DMatrix<f64>,
+    /// Y' K Y and Y' C Y.
+    stiffness: DMatrix<f64>,
+    damping: DMatrix<f64>,
+    /// Of every direction: what makes the two comparable.
+    scale: DVector<f64>,
+    step: f64,
+}
+
+impl Massless {
+    /// From factors of the mass matrix with the constraints; none if every motion has inertia.
+    fn of(system: &System, factors: &Lu, levels: &Levels, step: f64) -> Option<Self> {
+        let n = system.first_equation;
+        let mut columns = Vec::new();
+        for m in 0..factors.deficiency() {
+            let z = factors.null_vector(m);
+            let motion = DVector::from_column_slice(&z[..n]);
+            let most = size(system, motion.as_slice());
+            if most > 0.0 {
+                columns.push(motion / most);
+            }
+        }
+        if columns.is_empty() {
+            return None;
+        }
+        let motions = DMatrix::from_columns(&columns);
+        let [by_place, by_rate] = products(&motions, levels);
+        let (stiffness, damping) = (motions.tr_mul(&by_place), motions.tr_mul(&by_rate));
+        let scale = DVector::from_fn(motions.ncols(), |k, _| {
+            let of = |matrix: &DMatrix<f64>| matrix.row(k).amax().max(matrix.column(k).amax());
+            let held = step * of(&stiffness) + of(&damping);
+            if held > 0.0 { held.sqrt().recip() } else { 0.0 }
+        });
+        Some(Self {
+            motions,
+            stiffness,
+            damping,
+            scale,
+            step,
+        })
+    }
+
+    fn scaled(&self, matrix: &DMatrix<f64>) -> DMatrix<f64> {
+        DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| {
+            self.scale[i] * matrix[(i, j)] * self.scale[j]
+        })
+    }
+
+    /// A motion that nothing holds, if there is one.
+    fn unresisted(&self) -> Option<DVector<f64>> {
+        let held = self.scaled(&(&self.stiffness * self.step + &self.damping));
+        let svd = held.svd(false, true);
+        let (at, least) = svd.singular_values.argmin();
+        if least > NOTHING {
+            return None;
+        }
+        let mut along = svd.v_t?.row(at).transpose();
+        for (k, part) in along.iter_mut().enumerate() {
+            // Directions that nothing at all holds are not scaled.
+            if self.scale[k] > 0.0 {
+                *part *= self.scale[k];
+            }
+        }
+        Some(&self.motions * along)
+    }
+
+    /// What the displacements and the velocities along Y change by, from the balances along Y and from their derivatives by the time.
+    fn changes(
+        &self,
+        balance: &DVector<f64>,
+        rate: &DVector<f64>,
+    ) -> Option<(DVector<f64>, DVector<f64>)> {
+        let damping = self.scaled(&self.damping);
+        let svd = damping.clone().svd(true, true);
+        let (U, V) = (svd.u?, svd.v_t?.transpose());
+        let order: Vec<usize> = (0..U.ncols()).collect();
+        let (damped, held): (Vec<_>, Vec<_>) = order
+            .into_iter()
+            .partition(|k| svd.singular_values[*k] > DAMPED);
+        let stiffness = self.scaled(&self.stiffness);
+        let balance = balance.component_mul(&self.scale);
+        let rate = rate.component_mul(&self.scale);
+        let (U0, V0) = (U.select_columns(&held), V.select_columns(&held));
+        let (U1, V1) = (U.select_columns(&damped), V.select_columns(&damped));
+        let mut place = DVector::zeros(self.scale.len());
+        let mut velocity = DVector::zeros(self.scale.len());
+        if !damped.is_empty() {
+            let matrix = U1.tr_mul(&damping) * &V1;
+            velocity -= &V1 * matrix.lu().solve(&U1.tr_mul(&balance))?;
+        }
+        if !held.is_empty() {
+            let factors = (U0.tr_mul(&stiffness) * &V0).lu();
+            place -= &V0 * factors.solve(&U0.tr_mul(&balance))?;
+            let rate = rate + &stiffness * &velocity;
+            velocity -= &V0 * factors.solve(&U0.tr_mul(&rate))?;
+        }
+        let along = |x: DVector<f64>| &self.motions * x.component_mul(&self.scale);
+        Some((along(place), along(velocity)))
+    }
+}
+
+/// The largest displacement, in lengths of the model, or turn of a motion.
+fn size(system: &System, motion: &[f64]) -> f64 {
+    let mut most = 0.0_f64;
+    for body in &system.bodies {
+        for k in 0..body.freedoms {
+            let unit = if k < 3 { system.length } else { 1.0 };
+            most = most.max(motion[body.first + k].abs() / unit);
+        }
+    }
+    most
+}
+
+/// K Y and C Y.
+fn products(motions: &DMatrix<f64>, levels: &Levels) -> [DMatrix<f64>; 2] {
+    let n = motions.nrows();
+    let mut out = [0, 1].map(|_| DMatrix::zeros(n, motions.ncols()));
+    let inside = levels
+        .entries()
+        .filter(|(row, column, _)| *row < n && *column < n);
+    for (row, column, [k, c, _]) in inside {
+        for j in 0..motions.ncols() {
+            let y = motions[(column, j)];
+            if y != 0.0 {
+                out[0][(row, j)] += k * y;
+                out[1][(row, j)] += c * y;
+            }
+        }
+    }
+    out
+}
+
+impl Consistent {
+    /// After the mass matrix was factored: an error where a motion has no mass and nothing else holds it.
+    pub(super) fn check_held(&mut self, system: &System, step: f64) -> Result<(), Reason> {
+        let deficiency = self.factors.deficiency();
+        if deficiency == 0 || self.held == Some(deficiency) {
+            return Ok(());
+        }
+        let massless = Massless::of(system, &self.factors, &self.levels, step);
+        if let Some(motion) = massless.and_then(|massless| massless.unresisted()) {
+            let freedom = system.freedom_name(motion.icamax());
+            return Err(Reason::MassSingular { freedom });
+        }
+        self.held = Some(deficiency);
+        Ok(())
+    }
+
+    /// Brings motions without inertia into balance: their velocities where damping acts, else their positions. Everything else stays. A
+    /// state for which none is found stays as it is.
+    ///
+    /// `step` is the time over which damping counts beside stiffness.
+    ///
+    /// # Errors
+    /// [`Reason`] where an element has no value.
+    pub(super) fn settle_massless(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &mut State,
+        step: f64,
+    ) -> Result<(), Reason> {
+        if !system.has_massless(parameters, state) {
+            return Ok(());
+        }
+        self.accelerations(system, parameters, state, step)?;
+        let mut found = state.clone();
+        for _ in 0..ITERATIONS {
+            // The levels and the factors are those of the state: accelerations were its last.
+            let Some(massless) = Massless::of(system, &self.factors, &self.levels, step) else {
+                return Ok(());
+            };
+            let (scratch, g) = (&mut self.scratch, &mut self.g);
+            system.residual(parameters, &found, scratch, g)?;
+            let n = system.first_equation;
+            let balance = massless
+                .motions
+                .tr_mul(&DVector::from_column_slice(&self.g[..n]));
+            system.velocity_vector(&found, &mut self.v);
+            let v = DMatrix::from_column_slice(n, 1, &self.v[..n]);
+            let [moved, _] = products(&v, &self.levels);
+            let by_time = DVector::from_column_slice(&self.levels.time[..n]) + moved.column(0);
+            let rate = massless.motions.tr_mul(&by_time);
+            let Some((place, velocity)) = massless.changes(&balance, &rate) else {
+                return Ok(());
+            };
+            let moved = size(system, place.as_slice());
+            let faster = size(system, velocity.as_slice());
+            if !(moved.is_finite() && faster.is_finite()) {
+                return Ok(());
+            }
+            self.step.fill(0.0);
+            self.step[..n].copy_from_slice(place.as_slice());
+            system.advance(&mut found, &self.step);
+            for (v, change) in self.v.iter_mut().zip(&velocity) {
+                *v += change;
+            }
+            system.scattered(&self.v, &mut found.velocities);
+            let plain = plain_weight(system);
+            self.positions(system, parameters, &mut found, None)?;
+            self.velocities(system, parameters, &mut found, &|_| plain)?;
+            self.accelerations(system, parameters, &mut found, step)?;
+            if moved <= SETTLED && faster * step <= SETTLED {
+                *state = found;
+                return Ok(());
+            }
+        }
+        Ok(())
+    }
+}
