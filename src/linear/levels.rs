@@ -13,6 +13,8 @@ pub(crate) struct Levels {
     /// (column, row) of every entry, sorted.
     places: Vec<(u32, u32)>,
     values: [Vec<f64>; 3],
+    /// The entries that stand at the first or the second rate.
+    rates: Vec<u32>,
     /// Derivative of every row by the time.
     pub time: Vec<f64>,
     /// Entry of the k-th addition, and its level.
@@ -83,6 +85,10 @@ impl Levels {
             self.values[level as usize][at] += value;
             self.slots[k as usize] = (at as u32, level);
         }
+        let by_rate = self.slots.iter().filter(|slot| slot.1 > 0);
+        self.rates = by_rate.map(|slot| slot.0).collect();
+        self.rates.sort_unstable();
+        self.rates.dedup();
         self.first = Vec::new();
         self.known = true;
         self.next = self.slots.len();
@@ -126,5 +132,15 @@ impl Levels {
             .iter()
             .enumerate()
             .map(move |(at, &(column, row))| (row as usize, column as usize, [k[at], c[at], m[at]]))
+    }
+
+    /// (row, column, [by the rate, by the second rate]) of the entries that stand at one of them, by columns.
+    pub(crate) fn rates(&self) -> impl Iterator<Item = (usize, usize, [f64; 2])> + '_ {
+        let [_, c, m] = &self.values;
+        self.rates.iter().map(move |&at| {
+            let at = at as usize;
+            let (column, row) = self.places[at];
+            (row as usize, column as usize, [c[at], m[at]])
+        })
     }
 }

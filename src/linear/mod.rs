@@ -2,6 +2,7 @@
 //!
 //! Knows no equations and no units.
 
+mod blocks;
 mod entries;
 mod levels;
 mod lu;

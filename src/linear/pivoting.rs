@@ -1,5 +1,6 @@
 //! The first elimination of a pattern: choosing pivots, and writing down what is done.
 
+use super::blocks::Written;
 use super::entries::Entries;
 use super::lu::{Lu, Step};
 use super::scalar::Scalar;
@@ -77,12 +78,21 @@ impl<T: Scalar> Elimination<'_, T> {
         let Elimination {
             values,
             steps,
-            order,
+            mut order,
             targets,
             mut free,
             ..
         } = work;
         free.sort_unstable();
+        let in_blocks = lu.for_steps;
+        if in_blocks {
+            let mut written = Written {
+                steps: &steps,
+                order: &mut order,
+                targets: &targets,
+            };
+            lu.blocks = written.blocks(n);
+        }
         // Values move to where a step finds its own side by side; what no step owns is dropped at the end.
         let mut moved = vec![NOWHERE; values.len()];
         for (new, (old, _)) in order.iter().enumerate() {
@@ -97,7 +107,11 @@ impl<T: Scalar> Elimination<'_, T> {
         lu.values.push(T::default());
         lu.index = order.iter().map(|(_, index)| *index).collect();
         lu.entries = (0..matrix.values.len() as u32).map(to).collect();
-        lu.targets = targets.into_iter().map(to).collect();
+        if in_blocks {
+            lu.blocks.renumber(to);
+        } else {
+            lu.targets = targets.into_iter().map(to).collect();
+        }
         lu.steps = steps;
         lu.free = free;
         lu.idle = (0..n as u32).filter(|r| active[*r as usize]).collect();

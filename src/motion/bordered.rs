@@ -1,5 +1,7 @@
 //! Projections: the system `[ S, G'; G, 0 ]` of a weight per part and the gradients of the constraints.
 
+use nalgebra::Complex;
+
 use crate::linear::{Lu, Matrix, Sink};
 use crate::mechanics::Mat6;
 use crate::system::{Rows, State, System};
@@ -56,6 +58,13 @@ impl Bordered {
     /// Solves in place: motions, then multipliers.
     pub(crate) fn solve(&mut self, b: &mut [f64]) {
         self.factors.solve(b);
+    }
+
+    /// The same for complex numbers.
+    pub(crate) fn solve_complex(&self, b: &mut [Complex<f64>]) {
+        let mut x = vec![Complex::default(); b.len()];
+        self.factors.solve_into(b, &mut x);
+        b.copy_from_slice(&x);
     }
 }
 

@@ -420,12 +420,14 @@ impl<'a> Integrator<'a> {
                     return Ok(iteration);
                 }
                 let more = self.settings.maxit - iteration;
-                if fresh && left * theta.powi(more as i32) > limit && more < 4 {
+                if fresh && left * theta.powi(more as i32) > limit && iteration > 3 {
                     return Err(NotSettled(format!("the iteration does not settle {at}")));
                 }
                 renew = coupled && theta > SLUGGISH;
             } else if size <= 1e-2 * limit {
                 return Ok(iteration);
+            } else {
+                renew = false;
             }
             before = size;
         }

@@ -357,15 +357,7 @@ impl Equations {
         let (n, equations) = (system.first_equation, system.equations);
         let mut border = vec![Complex::default(); n + equations];
         self.velocity_side(system, start, z, (r1, g, r4), &mut border);
-        let mut re: Vec<f64> = border.iter().map(|x| x.re).collect();
-        let mut im: Vec<f64> = border.iter().map(|x| x.im).collect();
-        self.bordered.solve(&mut re);
-        self.bordered.solve(&mut im);
-        let border: Vec<Complex<f64>> = re
-            .into_iter()
-            .zip(im)
-            .map(|(re, im)| Complex::new(re, im))
-            .collect();
+        self.bordered.solve_complex(&mut border);
         let e: Vec<Complex<f64>> = r1.iter().zip(&border).map(|(r, x)| r - x).collect();
         let mut b = right_side(system, start, &self.levels, z, g, &e);
         self.pair.solve(&mut b);
@@ -415,7 +407,7 @@ impl Equations {
         let mut g = vec![0.0; system.moving_unknowns];
         let n = system.first_equation;
         let first_state = system.first_variable + system.variables.len();
-        for (row, column, [_, by_rate, by_second]) in self.levels.entries() {
+        for (row, column, [by_rate, by_second]) in self.levels.rates() {
             if column < n {
                 g[row] -= by_second * a[column];
             } else if column >= first_state {
@@ -477,7 +469,7 @@ fn right_side<T: Scalar>(
             b[n + k] = b[n + k] * z * z;
         }
     }
-    for (row, column, [_, by_rate, by_second]) in levels.entries() {
+    for (row, column, [by_rate, by_second]) in levels.rates() {
         if column < n && !(n..variable).contains(&row) {
             b[row] -= (T::of(by_rate) + z * T::of(by_second)) * e[column];
         }

@@ -140,6 +140,9 @@ impl Configuration<'_> {
         }
         for (at, term) in joint.terms.iter().enumerate() {
             self.term(number, at, S::ROWS);
+            if S::WANTED {
+                self.bend_term();
+            }
             for k in 0..joint.count {
                 if !out[k] {
                     g[first + k] += term.scale * self.scratch.equations.residual[k];

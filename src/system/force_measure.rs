@@ -17,7 +17,11 @@ impl Configuration<'_> {
                 if term >= self.system.joints[k].terms.len() {
                     return Ok(false);
                 }
-                self.term(k, term, ask == Ask::Tangent);
+                let tangent = ask == Ask::Tangent;
+                self.term(k, term, tangent);
+                if tangent {
+                    self.bend_term();
+                }
             }
             Exerted::Multi(k, at) => {
                 let multi = &self.system.multis[k];

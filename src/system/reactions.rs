@@ -19,9 +19,9 @@ impl Joint {
 }
 
 impl Configuration<'_> {
-    /// The reaction of one term of a constraint, into `scratch.contribution`; its equations stay in `scratch.equations`. A deactivated
-    /// constraint has the same pattern, all zero.
-    pub(super) fn term(&mut self, number: usize, term: usize, tangent: bool) {
+    /// The reaction of one term of a constraint, into `scratch.contribution`, with what its multipliers do per unit if `gradients` are wanted;
+    /// its equations stay in `scratch.equations`. A deactivated constraint has the same pattern, all zero.
+    pub(super) fn term(&mut self, number: usize, term: usize, gradients: bool) {
         let joint = &self.system.joints[number];
         let out = joint.out(self.state);
         let scale = joint.terms[term].scale;
@@ -52,7 +52,7 @@ impl Configuration<'_> {
             reaction: Some(self.system.owners[term.j]),
         };
         self.begin(ends, w);
-        if !tangent {
+        if !gradients {
             return;
         }
         let scratch = &mut *self.scratch;
@@ -66,6 +66,12 @@ impl Configuration<'_> {
             };
             reaction.push_scalar(of, &unit);
         }
+    }
+
+    /// Adds what the reaction of the term changes by when its markers turn against each other.
+    pub(super) fn bend_term(&mut self) {
+        let scratch = &mut *self.scratch;
+        let (equations, reaction) = (&scratch.equations, &mut scratch.contribution);
         let mut D = Mat6::zeros();
         let curvature = reaction.R * equations.curvature * reaction.R.transpose();
         D.fixed_view_mut::<3, 3>(3, 3).copy_from(&-curvature);
