@@ -6,9 +6,9 @@
 
 mod arguments;
 mod context;
-mod count;
 mod derivative;
 mod duplicate_id;
+mod fault;
 mod floating;
 mod ground;
 mod inertia;
@@ -29,10 +29,8 @@ mod step;
 mod suppressed;
 mod symmetry;
 mod tabs;
-mod undefined_id;
 mod unit_dimension;
 mod unreferenced;
-mod value_type;
 
 use super::{CommandFile, Dataset};
 use crate::diagnostic::{Code, Diagnostic};
@@ -64,16 +62,17 @@ pub struct Rule {
 
 /// Every rule there is.
 pub static RULES: &[Rule] = &[
-    rule(Code::UndefinedId, Reach::Neighbours, undefined_id::check),
+    rule(Code::UndefinedId, Reach::Neighbours, fault::undefined_id),
     rule(Code::DuplicateId, Reach::Neighbours, duplicate_id::check),
-    rule(Code::WrongCount, Reach::Statement, count::check),
-    rule(Code::WrongType, Reach::Statement, value_type::check),
+    rule(Code::WrongCount, Reach::Statement, fault::count),
+    rule(Code::WrongType, Reach::Statement, fault::value_type),
     rule(Code::OutOfRange, Reach::Statement, range::check),
     rule(
         Code::WrongDimension,
         Reach::Statement,
         unit_dimension::check,
     ),
+    rule(Code::MissingArgument, Reach::Statement, fault::missing),
     rule(Code::MissingArgument, Reach::Statement, presence::missing),
     rule(
         Code::ConflictingArguments,
