@@ -12,7 +12,7 @@
 use super::entries::Entries;
 use super::matrix::Matrix;
 use super::ordering::columns_of;
-use super::pivoting::Elimination;
+use super::pivoting::{Eliminated, Step, eliminated};
 use super::scalar::Scalar;
 
 /// A pivot may shrink by this against the one it was when the order was chosen, whatever stands below it.
@@ -24,37 +24,19 @@ const SMALL: f64 = 1e-8;
 const GROWTH: f64 = 1e3;
 const GROWTH_OF_STEPS: f64 = 1e7;
 
-/// One step of the elimination. Its pivot, row of U and column of L stand one after the other in the values.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Step {
-    pub row: u32,
-    pub column: u32,
-    /// Place of the pivot; U follows, then L.
-    pub at: u32,
-    pub upper: u32,
-    pub lower: u32,
-    /// Size of the pivot when it was chosen.
-    pub size: f64,
-}
-
 /// Sparse LU factors, of real numbers or of complex ones.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lu<T = f64> {
     n: usize,
-    pub(super) steps: Vec<Step>,
-    /// Where each entry of the matrix goes.
-    pub(super) entries: Vec<u32>,
-    /// Column (of U entries) or row (of L entries) of every value.
+    steps: Vec<Step>,
+    entries: Vec<u32>,
     pub(crate) index: Vec<u32>,
-    pub(super) values: Vec<T>,
-    /// For every step, row by row of L: where the products go.
-    pub(super) targets: Vec<u32>,
-    /// Columns without a pivot.
-    pub(super) free: Vec<u32>,
-    /// Rows without a pivot.
-    pub(super) idle: Vec<u32>,
-    pub(super) row_scale: Vec<f64>,
-    pub(super) column_scale: Vec<f64>,
+    values: Vec<T>,
+    targets: Vec<u32>,
+    free: Vec<u32>,
+    idle: Vec<u32>,
+    row_scale: Vec<f64>,
+    column_scale: Vec<f64>,
     work: Vec<T>,
     row: Vec<T>,
     /// How often an order was chosen.
@@ -103,7 +85,17 @@ impl<T: Scalar> Lu<T> {
         if self.orders > 0 && self.free.is_empty() && self.repeat(matrix) {
             return;
         }
-        Elimination::run(matrix, self, order(matrix));
+        Eliminated {
+            steps: self.steps,
+            entries: self.entries,
+            index: self.index,
+            values: self.values,
+            targets: self.targets,
+            free: self.free,
+            idle: self.idle,
+            row_scale: self.row_scale,
+            column_scale: self.column_scale,
+        } = eliminated(matrix, order(matrix));
         self.orders += 1;
         self.work.resize(self.n, T::default());
     }
