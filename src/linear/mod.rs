@@ -18,7 +18,5 @@ pub(crate) use matrix::Matrix;
 pub(crate) use ordering::by_groups;
 #[cfg(test)]
 pub(crate) use ordering::minimum_degree;
-#[cfg(test)]
-pub(crate) use pivoting::Elimination;
 pub(crate) use scalar::Scalar;
 pub(crate) use sink::{NoMatrix, Sink};
