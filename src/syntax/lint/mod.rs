@@ -1,8 +1,9 @@
 //! Lint: what is wrong with a dataset that reads well, as data.
 //!
-//! One rule, one file; each rule is one line of [`RULES`], and its documentation is that of its code
-//! (`admire explain CODE`). Rules see statements, not a model: what needs places and directions is in `model::lint`. What the
-//! reader itself complains of (unknown keywords, values that cannot be read, a missing END) is not repeated here.
+//! One rule, one file, but those of the grammar alone, which share `syntax::fault` with the model; each rule is one line of
+//! [`RULES`], and its documentation is that of its code (`admire explain CODE`). Rules see statements, not a model: what needs
+//! places and directions is in `model::lint`. What the reader itself complains of (unknown keywords, values that cannot be read, a
+//! missing END) is not repeated here.
 
 mod arguments;
 mod context;
