@@ -101,7 +101,6 @@ pub mod cli;
 mod constraint;
 #[doc(hidden)]
 pub mod diagnostic;
-#[allow(unreachable_pub, reason = "its files are pub to each other")]
 #[doc(hidden)]
 pub mod discrepancy;
 mod element;

@@ -16,7 +16,7 @@ const UNIDENTIFIABLE: f64 = 0.5;
 
 /// Mean and variance of the mixture over fitted models, each number with its interval on the scale of the stiffness itself: there the
 /// posterior is closer to a Gaussian than in logarithms where a number is poorly known.
-pub fn averaged(subject: &Subject<'_>, models: &[(Visited, f64)]) -> Vec<Parameter> {
+pub(super) fn averaged(subject: &Subject<'_>, models: &[(Visited, f64)]) -> Vec<Parameter> {
     let fitted: Vec<_> = models
         .iter()
         .filter_map(|(model, probability)| Some((model.fitted.as_ref()?, *probability)))

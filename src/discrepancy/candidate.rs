@@ -8,7 +8,7 @@ use crate::mechanics::Vec3;
 use crate::model::{MarkerIx, Model, PartIx, PartKind};
 
 /// How far beyond the largest magnitude of the study loads are looked at.
-pub const BEYOND: f64 = 1.25;
+pub(super) const BEYOND: f64 = 1.25;
 /// Load cases that are looked at, at most.
 const MOST_LOADS: usize = 160;
 /// Cases whose repetition is looked at, at most.
@@ -44,7 +44,7 @@ pub enum Kind {
 
 /// Something that could be measured next.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Candidate {
+pub(super) struct Candidate {
     /// What kind of measurement it is.
     pub kind: Kind,
     /// What to do, as a person would say it.
@@ -55,7 +55,7 @@ pub struct Candidate {
 
 /// What a measurement adds to the study.
 #[derive(Clone, PartialEq, Debug)]
-pub enum New {
+pub(super) enum New {
     /// Load cases in this order, one value per load; all that the study reads is read in them.
     Cases(Vec<Vec<f64>>),
     /// The place of a mark on a part, in the part's frame.
@@ -68,7 +68,7 @@ pub enum New {
 
 /// All that is looked at.
 #[derive(Clone, PartialEq, Debug, Default)]
-pub struct Candidates {
+pub(super) struct Candidates {
     /// One after the other.
     pub list: Vec<Candidate>,
     /// Functions of the deck that load cells read.
@@ -87,7 +87,7 @@ impl Candidate {
     }
 
     /// Its load cases; none for an instrument.
-    pub fn sequence(&self) -> &[Vec<f64>] {
+    pub(super) fn sequence(&self) -> &[Vec<f64>] {
         match &self.new {
             New::Cases(cases) => cases,
             _ => &[],
@@ -98,7 +98,7 @@ impl Candidate {
 impl Candidates {
     /// Each load alone and in pairs, both ways from where the study usually has it, at its largest distance from there times each of
     /// these factors.
-    pub fn loads(programme: &LoadProgramme, factors: &[f64]) -> Self {
+    pub(super) fn loads(programme: &LoadProgramme, factors: &[f64]) -> Self {
         let usual = usual(programme);
         let far: Vec<f64> = (0..usual.len())
             .map(|load| {
@@ -153,7 +153,7 @@ impl Candidates {
     }
 
     /// Adds the repetition of each case of the study, and leaves out the load cases that are one.
-    pub fn repeats(&mut self, programme: &LoadProgramme) {
+    pub(super) fn repeats(&mut self, programme: &LoadProgramme) {
         let is_there = |values: &Vec<f64>| programme.cases.iter().any(|c| c.values == *values);
         self.list
             .retain(|candidate| !candidate.sequence().iter().all(is_there));
@@ -176,7 +176,7 @@ impl Candidates {
     }
 
     /// Adds a loop of each load: to its largest distance on both sides, and back each time.
-    pub fn loops(&mut self, programme: &LoadProgramme) {
+    pub(super) fn loops(&mut self, programme: &LoadProgramme) {
         let usual = usual(programme);
         for load in 0..usual.len() {
             let values = programme.cases.iter().map(|case| case.values[load]);
@@ -203,7 +203,7 @@ impl Candidates {
     }
 
     /// Adds marks on all parts, at places where the deck has markers.
-    pub fn marks(&mut self, model: &Model) {
+    pub(super) fn marks(&mut self, model: &Model) {
         for (k, part) in model.parts.iter().enumerate() {
             if part.kind == PartKind::Ground {
                 continue;
@@ -232,7 +232,7 @@ impl Candidates {
     }
 
     /// Adds curves of the wheel that the study does not read; of the point where the loads act where it names no wheel.
-    pub fn curves(&mut self, subject: &Subject<'_>) {
+    pub(super) fn curves(&mut self, subject: &Subject<'_>) {
         let measurement = subject.problem.measurement;
         let read = |words: [&str; 2]| {
             measurement.wheel.is_some()
@@ -299,7 +299,7 @@ impl Candidates {
     }
 
     /// Adds load cells in bushings and joints: three forces each.
-    pub fn load_cells(&mut self, model: &Model) {
+    pub(super) fn load_cells(&mut self, model: &Model) {
         let bushings = model.bushings.iter();
         let bushings = bushings.map(|b| (["BUSHING", "BUSH"], &b.header, b.j));
         let joints = model.joints.iter();
@@ -323,12 +323,12 @@ impl Candidates {
 }
 
 /// Standard deviation of a load cell that sees these forces.
-pub fn sigma_of_a_cell(forces: impl Iterator<Item = f64>) -> f64 {
+pub(super) fn sigma_of_a_cell(forces: impl Iterator<Item = f64>) -> f64 {
     OF_FULL_SCALE * forces.fold(0.0_f64, |most, force| most.max(force.abs()))
 }
 
 /// Standard deviation of a coordinate of a mark that is new.
-pub fn sigma_of_a_mark(subject: &Subject<'_>) -> f64 {
+pub(super) fn sigma_of_a_mark(subject: &Subject<'_>) -> f64 {
     if subject.compares_marks() {
         subject.sigma
     } else {
@@ -366,7 +366,7 @@ fn in_degrees(programme: &LoadProgramme, load: usize) -> bool {
 }
 
 /// The value of a load as the study's file has it.
-pub fn in_the_file(programme: &LoadProgramme, load: usize, value: f64) -> f64 {
+pub(super) fn in_the_file(programme: &LoadProgramme, load: usize, value: f64) -> f64 {
     if in_degrees(programme, load) {
         // Ten digits: the way to radians and back leaves fewer than sixteen.
         let degrees = value.to_degrees();
@@ -391,7 +391,7 @@ fn shown(programme: &LoadProgramme, load: usize, value: f64) -> String {
 }
 
 /// The marker at which the loads of a study act: of the first that acts at one.
-pub fn loaded_marker(subject: &Subject<'_>) -> Option<MarkerIx> {
+pub(super) fn loaded_marker(subject: &Subject<'_>) -> Option<MarkerIx> {
     let problem = &subject.problem;
     let mut loads = problem.programme.loads.iter();
     loads.find_map(|load| crate::tolerance::acts_at(problem.model, &load.target))

@@ -16,7 +16,7 @@ use crate::system::{Parameters, Scratch, Slot, State, System};
 impl Survey<'_> {
     /// Effect of every number of these hypotheses on every row, per unit of its prior standard deviation: on prediction minus reading,
     /// in units of the declared noise. Numbers without an effect of their own have columns of zeros.
-    pub fn columns(&self, hypotheses: &[Hypothesis]) -> DMatrix<f64> {
+    pub(super) fn columns(&self, hypotheses: &[Hypothesis]) -> DMatrix<f64> {
         let numbers: Vec<_> = hypotheses.iter().flat_map(|h| &h.numbers).collect();
         let system = &self.fitted.deck.prepared.system;
         let catalogue = system.catalogue();

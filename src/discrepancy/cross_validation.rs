@@ -79,7 +79,7 @@ impl CrossValidation {
 
 /// Cases with the same loads away from their usual values, in the order of first application; cases at the usual loads belong to what
 /// was applied before them. One kind only is cut into blocks of neighbours. Empty with too few cases.
-pub fn groups(cases: &[LoadCase]) -> Vec<Vec<usize>> {
+pub(super) fn groups(cases: &[LoadCase]) -> Vec<Vec<usize>> {
     if cases.len() < LEAST {
         return Vec::new();
     }
@@ -154,7 +154,7 @@ fn most_frequent(sorted: &[f64], near: f64) -> f64 {
 }
 
 /// Models as the rest of the cases see them.
-pub struct Folds<'a> {
+pub(super) struct Folds<'a> {
     subject: &'a Subject<'a>,
     groups: Vec<Vec<usize>>,
 }
@@ -168,7 +168,7 @@ struct Refit {
 
 impl<'a> Folds<'a> {
     /// Over the cases of a study; `None` with too few.
-    pub fn new(subject: &'a Subject<'a>) -> Option<Self> {
+    pub(super) fn new(subject: &'a Subject<'a>) -> Option<Self> {
         let groups = groups(&subject.problem.programme.cases);
         (!groups.is_empty()).then_some(Self { subject, groups })
     }
@@ -185,7 +185,7 @@ impl<'a> Folds<'a> {
     }
 
     /// By how many nats a model predicts the groups, each from the others, better than another.
-    pub fn advantage(&self, fitted: &Fitted, other: &Fitted) -> Option<f64> {
+    pub(super) fn advantage(&self, fitted: &Fitted, other: &Fitted) -> Option<f64> {
         let score = |fitted: &Fitted| -> Option<f64> {
             let mut sum = 0.0;
             for group in 0..self.groups.len() {
@@ -210,7 +210,7 @@ impl<'a> Folds<'a> {
     }
 
     /// Predicts each group by the model that the others choose among all that were fitted.
-    pub fn validate(
+    pub(super) fn validate(
         &self,
         none: &Arc<Fitted>,
         models: &[(Visited, f64)],
@@ -238,7 +238,11 @@ impl<'a> Folds<'a> {
     }
 
     /// Predicts each group by a search of the others that nothing was fitted to yet. `None` where a search may not begin or come to its end.
-    pub fn search(&self, unfitted: &Subject<'_>, progress: &Progress) -> Option<CrossValidation> {
+    pub(super) fn search(
+        &self,
+        unfitted: &Subject<'_>,
+        progress: &Progress,
+    ) -> Option<CrossValidation> {
         self.collected(true, |group| {
             let mut subject = unfitted.clone();
             subject.hold_out(&self.groups[group]);

@@ -22,7 +22,7 @@ pub struct ExtendedDeck {
 }
 
 /// The deck with the statements of some hypotheses, that of another fit where it is the same.
-pub fn deck_of(
+pub(super) fn deck_of(
     subject: &Subject<'_>,
     chosen: &[(Hypothesis, Vec<f64>)],
     warm: Option<(&[Hypothesis], &Arc<ExtendedDeck>)>,
@@ -62,7 +62,7 @@ pub fn deck_of(
 
 /// A state of one deck as a first guess for another that has the same parts and joints and perhaps some more parts, which are pieces
 /// of old ones and go with them.
-pub fn like(deck: &ExtendedDeck, state: &State, theirs: &ExtendedDeck) -> State {
+pub(super) fn like(deck: &ExtendedDeck, state: &State, theirs: &ExtendedDeck) -> State {
     if std::ptr::eq(deck, theirs) {
         return state.clone();
     }

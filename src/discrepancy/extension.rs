@@ -81,7 +81,7 @@ impl Outcome<'_> {
 }
 
 /// Slots that change from case to case: those of the loads first.
-pub fn driven(subject: &Subject<'_>, fitted: &Fitted) -> Vec<Slot> {
+pub(super) fn driven(subject: &Subject<'_>, fitted: &Fitted) -> Vec<Slot> {
     let catalogue = fitted.deck.prepared.system.catalogue();
     let loads = &subject.problem.programme.loads;
     let mut slots: Vec<Slot> = loads

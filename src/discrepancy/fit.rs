@@ -230,7 +230,7 @@ impl Fitted {
 /// Fits the deck extended by some hypotheses; `guesses` of their numbers are in units of their priors. What `warm` knows better is
 /// taken from there. A fit that promises less than `least` nats of evidence, prior left out, stops where it is. `None` where the
 /// extended deck cannot be compiled or solved.
-pub fn fit(
+pub(super) fn fit(
     subject: &Subject<'_>,
     chosen: &[(Hypothesis, Vec<f64>)],
     warm: Option<(&Fitted, &[f64])>,
@@ -394,10 +394,10 @@ impl Plain {
 }
 
 /// Of a fit that is to be carried to its end however poor it is.
-pub const ANY: f64 = f64::NEG_INFINITY;
+pub(super) const ANY: f64 = f64::NEG_INFINITY;
 
 /// The model of a fit on other data or with other weights, from where it ended.
-pub fn refit(subject: &Subject<'_>, fitted: &Fitted, data: Data) -> Option<Fitted> {
+pub(super) fn refit(subject: &Subject<'_>, fitted: &Fitted, data: Data) -> Option<Fitted> {
     fit(
         subject,
         &unguessed(fitted),
@@ -408,7 +408,7 @@ pub fn refit(subject: &Subject<'_>, fitted: &Fitted, data: Data) -> Option<Fitte
 }
 
 /// What is in a fit, with guesses that its own values replace.
-pub fn unguessed(fitted: &Fitted) -> Vec<(Hypothesis, Vec<f64>)> {
+pub(super) fn unguessed(fitted: &Fitted) -> Vec<(Hypothesis, Vec<f64>)> {
     let chosen = fitted.chosen.iter();
     chosen
         .map(|h| (h.clone(), vec![0.0; h.numbers.len()]))

@@ -112,14 +112,14 @@ impl Blind {
 }
 
 /// Rows of the cases and curves held out.
-pub fn unseen(subject: &Subject<'_>) -> Vec<usize> {
+pub(super) fn unseen(subject: &Subject<'_>) -> Vec<usize> {
     (0..subject.rows.len())
         .filter(|k| subject.is_held_out_row(&subject.rows[*k]))
         .collect()
 }
 
 /// Those of them by which predictions are compared; outliers left out.
-pub fn compared(subject: &Subject<'_>) -> Vec<usize> {
+pub(super) fn compared(subject: &Subject<'_>) -> Vec<usize> {
     let marks_alone = subject.compared().0 == "mark";
     let is_compared = |k: &usize| {
         let of_a_mark = matches!(subject.rows[*k], Row::Mark { .. });
@@ -129,7 +129,7 @@ pub fn compared(subject: &Subject<'_>) -> Vec<usize> {
 }
 
 /// By how much two models differ in their readings: rms of marks and channels in units of their noise, and of wheel angles in degrees.
-pub fn moved(subject: &Subject<'_>, a: &DVector<f64>, b: &DVector<f64>) -> (f64, f64) {
+pub(super) fn moved(subject: &Subject<'_>, a: &DVector<f64>, b: &DVector<f64>) -> (f64, f64) {
     let (mut marks, mut angles) = ((0.0, 0), (0.0, 0));
     let wheel = subject.problem.measurement.wheel.as_ref();
     let angle = wheel.map_or(0.0, |w| w.sigma_angle_deg);

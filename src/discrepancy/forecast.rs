@@ -15,7 +15,7 @@ use crate::model::PartIx;
 
 /// What a fitted model says of the load cases of a study and of further ones, with derivatives by the unknowns of its deck.
 #[derive(Debug)]
-pub struct Forecast {
+pub(super) struct Forecast {
     /// One per load case of the study.
     pub here: Prediction,
     /// One per sequence of further cases; `None` where one of them has no equilibrium.
@@ -28,7 +28,7 @@ pub struct Forecast {
 
 /// What is asked of a model beside the readings of its study.
 #[derive(Clone, Copy, Debug)]
-pub struct Asked<'a> {
+pub(super) struct Asked<'a> {
     /// Sequences of load cases, one value per load; each follows the cases of the study.
     pub sequences: &'a [Vec<Vec<f64>>],
     /// Parts whose motions matter.
@@ -40,7 +40,7 @@ pub struct Asked<'a> {
 impl Forecast {
     /// Solves the cases of the study and the further ones. `None` where the deck cannot be compiled with these functions, or a case of
     /// the study has no equilibrium.
-    pub fn new(subject: &Subject<'_>, fitted: &Fitted, asked: Asked<'_>) -> Option<Self> {
+    pub(super) fn new(subject: &Subject<'_>, fitted: &Fitted, asked: Asked<'_>) -> Option<Self> {
         let problem = Problem {
             dataset: &fitted.deck.dataset,
             model: &fitted.deck.model,

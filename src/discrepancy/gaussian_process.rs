@@ -13,7 +13,7 @@ const SHORT_LENGTHS: [f64; 4] = [1e-3, 0.02, 0.06, 0.15];
 /// Sizes of the force as parts of the place's usual force: the largest of the bushing component, for a joint that of all bushings.
 const SIZES: [f64; 6] = [0.003, 0.01, 0.03, 0.1, 0.3, 1.0];
 /// How many lengths and sizes are tried.
-pub const LAWS: usize = LENGTHS.len() * SIZES.len();
+pub(super) const LAWS: usize = LENGTHS.len() * SIZES.len();
 /// Directions of the covariance below this part of the largest are left out.
 const LEAST: f64 = 1e-6;
 /// What a covariance may be off by, of a diagonal of ones.
@@ -21,7 +21,7 @@ const NONE_LEFT: f64 = 1e-9;
 
 /// How far a force that a Gaussian process describes reaches along its coordinate.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Reach {
+pub(super) enum Reach {
     /// A smooth force.
     Smooth,
     /// One that may change from one case to the next.
@@ -29,7 +29,7 @@ pub enum Reach {
 }
 
 /// The force in all cases at the length and size that do best.
-pub struct Law {
+pub(super) struct Law {
     /// Evidence gained.
     pub nats: f64,
     /// What of chi-square it takes up.
@@ -48,7 +48,7 @@ impl Law {
     /// Evidence gained, chi-square taken up, mean and covariance of the force in all cases, at the length and size that do best.
     /// `information` and `gradient` are those of a force in each case, all other unknowns of the fit eliminated; `force` is a usual one. The
     /// law has no part that is constant or a straight line if it is to be `beyond_a_line`. `None` where the coordinate does not change.
-    pub fn best(
+    pub(super) fn best(
         coordinate: &[f64],
         (reach, beyond_a_line): (Reach, bool),
         (information, gradient): (&DMatrix<f64>, &DVector<f64>),

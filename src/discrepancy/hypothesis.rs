@@ -106,7 +106,7 @@ pub struct Hypothesis {
 }
 
 /// The part of a cause that is not its law but what that leaves at its place: a force that differs from case to case.
-pub const LEFT_BY_LAW: usize = usize::MAX;
+pub(super) const LEFT_BY_LAW: usize = usize::MAX;
 
 /// What a contact or rubber carries from case to case, and the function that measures its displacement.
 #[derive(Clone, PartialEq, Debug)]
@@ -252,7 +252,7 @@ impl Number {
 }
 
 /// The address of one number.
-pub fn number(kind: &str, id: u32, argument: &str, index: Option<usize>) -> Address {
+pub(super) fn number(kind: &str, id: u32, argument: &str, index: Option<usize>) -> Address {
     Address {
         kind: kind.to_string(),
         id: Some(id),
@@ -262,13 +262,13 @@ pub fn number(kind: &str, id: u32, argument: &str, index: Option<usize>) -> Addr
 }
 
 /// How the address of a bushing's component ends: `K.1` to `KT.3`.
-pub fn component(axis: usize) -> String {
+pub(super) fn component(axis: usize) -> String {
     format!("{}.{}", ["K", "KT"][axis / 3], axis % 3 + 1)
 }
 
 /// Names of six components.
-pub const SIX: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
+pub(super) const SIX: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
 /// Components of a vector force.
-pub const FORCES: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
+pub(super) const FORCES: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
 /// Stiffness of the directions in which a split part does not yield.
-pub const RIGID: [f64; 2] = [1e7, 1e11];
+pub(super) const RIGID: [f64; 2] = [1e7, 1e11];

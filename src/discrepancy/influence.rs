@@ -7,14 +7,14 @@ use crate::mechanics::eigen::symmetric_eigen;
 use crate::rig::orientation::chi_square_p_value;
 
 /// A column of a contrast: rows and their weights.
-pub type Contrast = Vec<(usize, f64)>;
+pub(super) type Contrast = Vec<(usize, f64)>;
 
 /// Contrasts that the fit has absorbed up to so little are none: there a fit that stopped a little short of its minimum shows.
 const ABSORBED: f64 = 0.01;
 
 /// Whitened residuals of a fit and the share of each row that its unknowns took: `Cov(r) = I - Q Q^T` with `Q = J L`, `L L^T` the
 /// posterior covariance. Source: the marginal likelihood of a linear model with Gaussian priors.
-pub struct Influence<'a> {
+pub(super) struct Influence<'a> {
     fitted: &'a Fitted,
     weights: DVector<f64>,
     /// Reading minus prediction, whitened.
@@ -25,7 +25,7 @@ pub struct Influence<'a> {
 
 /// A chi-square statistic.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Statistic {
+pub(super) struct Statistic {
     /// Its value.
     pub value: f64,
     /// Degrees of freedom.
@@ -34,14 +34,14 @@ pub struct Statistic {
 
 impl Statistic {
     /// Its p-value.
-    pub fn p_value(self) -> f64 {
+    pub(super) fn p_value(self) -> f64 {
         chi_square_p_value(self.value, self.dof)
     }
 }
 
 impl<'a> Influence<'a> {
     /// Of a fit. Rows it has not seen take no part.
-    pub fn new(fitted: &'a Fitted) -> Self {
+    pub(super) fn new(fitted: &'a Fitted) -> Self {
         let (residual, J) = fitted.whitened();
         let L = root(&fitted.posterior.covariance);
         Self {
@@ -54,7 +54,7 @@ impl<'a> Influence<'a> {
 
     /// Chi-square of whitened rows with the covariance that the fit leaves them. With `Q` the share of these rows,
     /// `(c - Q'Q)^-1 = (1 + Q'(c - QQ')^-1 Q)/c`, so that it takes a factor of the size of the unknowns at most.
-    pub fn test_rows(&self, rows: &[usize]) -> Option<Statistic> {
+    pub(super) fn test_rows(&self, rows: &[usize]) -> Option<Statistic> {
         let rows: Vec<usize> = rows
             .iter()
             .copied()
@@ -81,7 +81,7 @@ impl<'a> Influence<'a> {
 
     /// Score test of these contrasts, which say how readings would move: whether the residuals have a component along any of them that
     /// noise and tolerances do not explain.
-    pub fn test(&self, contrasts: &[Contrast]) -> Option<Statistic> {
+    pub(super) fn test(&self, contrasts: &[Contrast]) -> Option<Statistic> {
         let k = contrasts.len();
         if k == 0 {
             return None;

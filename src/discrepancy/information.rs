@@ -10,7 +10,7 @@ use super::prospect::Readings;
 
 /// Information about the unknowns of a fit.
 #[derive(Clone, Debug)]
-pub struct Information {
+pub(super) struct Information {
     H: DMatrix<f64>,
     /// Prior standard deviations.
     S: DVector<f64>,
@@ -18,7 +18,7 @@ pub struct Information {
 
 impl Information {
     /// Of the readings of a fit.
-    pub fn of(fitted: &Fitted) -> Self {
+    pub(super) fn of(fitted: &Fitted) -> Self {
         let (_, J) = fitted.whitened();
         let priors = fitted.priors.iter().map(|p| p.prior_sd(&fitted.sizes));
         Self {
@@ -29,7 +29,7 @@ impl Information {
 
     /// With the unknowns that come with a candidate, of which the prior alone is known.
     #[must_use]
-    pub fn widened(&self, further: &[f64]) -> Self {
+    pub(super) fn widened(&self, further: &[f64]) -> Self {
         let (n, k) = (self.S.len(), further.len());
         let mut S = self.S.clone().resize_vertically(n + k, 0.0);
         for (at, sd) in further.iter().enumerate() {
@@ -43,7 +43,7 @@ impl Information {
 
     /// With the readings of a candidate.
     #[must_use]
-    pub fn with(&self, readings: &Readings) -> Self {
+    pub(super) fn with(&self, readings: &Readings) -> Self {
         let mut new = self.widened(&readings.further);
         new.H += readings.jacobian.tr_mul(&readings.jacobian);
         if readings.replaced.nrows() > 0 {
@@ -53,7 +53,7 @@ impl Information {
     }
 
     /// What the covariance is made of along some rows, each a combination of the first unknowns: `Y` with `rows C rows' = Y'Y`.
-    pub fn root(&self, rows: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    pub(super) fn root(&self, rows: &DMatrix<f64>) -> Option<DMatrix<f64>> {
         let n = self.S.len();
         let mut M = self.H.clone();
         for column in 0..n {
@@ -73,14 +73,14 @@ impl Information {
     }
 
     /// Covariance of some rows.
-    pub fn covariance(&self, rows: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    pub(super) fn covariance(&self, rows: &DMatrix<f64>) -> Option<DMatrix<f64>> {
         let root = self.root(rows)?;
         Some(root.tr_mul(&root))
     }
 }
 
 /// Logarithm of the determinant of a covariance.
-pub fn ln_det(covariance: &DMatrix<f64>) -> Option<f64> {
+pub(super) fn ln_det(covariance: &DMatrix<f64>) -> Option<f64> {
     let factor = Cholesky::new(covariance.clone())?;
     let diagonal = factor.l_dirty().diagonal();
     Some(2.0 * diagonal.iter().map(|d| libm::log(*d)).sum::<f64>())

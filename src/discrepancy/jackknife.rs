@@ -4,7 +4,7 @@
 
 /// Squares of two models' misfits over one group of readings that share their errors.
 #[derive(Clone, Copy, Default, Debug)]
-pub struct Squares {
+pub(super) struct Squares {
     /// Sum over the group, by the first model.
     pub before: f64,
     /// The same by the second.
@@ -15,7 +15,7 @@ pub struct Squares {
 
 /// Rms by both models and how much it falls.
 #[derive(Clone, Copy, Debug)]
-pub struct Fall {
+pub(super) struct Fall {
     /// By the first model.
     pub before: f64,
     /// By the second.
@@ -25,7 +25,7 @@ pub struct Fall {
 }
 
 /// Over all groups; `None` where there is none.
-pub fn fall(groups: &[Squares]) -> Option<Fall> {
+pub(super) fn fall(groups: &[Squares]) -> Option<Fall> {
     let total = |without: Option<usize>| {
         let mut sum = Squares::default();
         for (_, own) in groups

@@ -16,7 +16,7 @@ const FAR: f64 = 50.0;
 const BEYOND: f64 = 20.0;
 
 /// For each point and axis the error at which the cause is as probable as not, the others being off by the size of their group.
-pub fn detection_limits(subject: &Subject<'_>, fitted: &Fitted) -> Vec<DetectionLimit> {
+pub(super) fn detection_limits(subject: &Subject<'_>, fitted: &Fitted) -> Vec<DetectionLimit> {
     let Some(tau) = fitted.sizes.of(Group::Hardpoints) else {
         return Vec::new();
     };
@@ -75,7 +75,7 @@ fn outstanding(
 /// For each number of every other cause the size at which the cause is as probable as not, all else being sound: with `F` the information
 /// of the readings on it in units of its prior, to first order, `d^2 F^2 / (1 + F) = ln(1 + F) - 2 ln(prior odds)`. Of several forms
 /// of one cause at one place the one that is seen best. Faults of readings of single cases are left out.
-pub fn cause_limits(subject: &Subject<'_>, fitted: &Fitted) -> Vec<CauseLimit> {
+pub(super) fn cause_limits(subject: &Subject<'_>, fitted: &Fitted) -> Vec<CauseLimit> {
     let catalogue = Catalogue::new(subject, fitted);
     let information = catalogue.information(fitted, &fitted.sizes);
     let mut out: Vec<CauseLimit> = Vec::new();

@@ -16,7 +16,7 @@ const SEPARATED: f64 = 6.0;
 
 /// The load case within the range of those applied that tells a finding from its rival, or the repetition of one where a single
 /// reading is in question.
-pub fn next_measurement(
+pub(super) fn next_measurement(
     subject: &Subject<'_>,
     (best, finding): (&Fitted, &Hypothesis),
     (other, rival): (&Fitted, &Hypothesis),

@@ -3,7 +3,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// How often all load cases may be solved in one search. It is looked at between rounds only, so that what is found does not depend
 /// on the machine.
-pub const SWEEPS: usize = 3000;
+pub(super) const SWEEPS: usize = 3000;
 
 /// How far a diagnosis is, for whoever watches it from another thread.
 #[derive(Clone, Debug)]

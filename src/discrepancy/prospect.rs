@@ -17,7 +17,7 @@ use crate::tolerance::{Group, MarkBlock, Whitening};
 
 /// What one candidate would read.
 #[derive(Clone, Debug)]
-pub struct Readings {
+pub(super) struct Readings {
     /// Derivatives of independent rows of unit variance by the unknowns of the fit, then by those that come with the candidate.
     pub jacobian: DMatrix<f64>,
     /// Prior standard deviations of the latter.
@@ -36,7 +36,7 @@ pub struct Readings {
 
 impl Readings {
     /// Rows of independent readings.
-    pub fn new(jacobian: DMatrix<f64>, value: DVector<f64>, unit: Vec<f64>) -> Self {
+    pub(super) fn new(jacobian: DMatrix<f64>, value: DVector<f64>, unit: Vec<f64>) -> Self {
         Self {
             further: Vec::new(),
             replaced: DMatrix::zeros(0, jacobian.ncols()),
@@ -49,7 +49,7 @@ impl Readings {
     }
 
     /// By how much another model says otherwise, and the derivatives of the same rows; `None` if it says nothing of them.
-    pub fn against(&self, other: &Self) -> Option<(DVector<f64>, &DMatrix<f64>)> {
+    pub(super) fn against(&self, other: &Self) -> Option<(DVector<f64>, &DMatrix<f64>)> {
         if self.value.len() != other.value.len() {
             return None;
         }
@@ -68,7 +68,7 @@ impl Readings {
 }
 
 /// A fitted model, asked about candidates.
-pub struct Prospect<'a, 'b> {
+pub(super) struct Prospect<'a, 'b> {
     subject: &'a Subject<'b>,
     fitted: &'a Fitted,
     forecast: Forecast,
@@ -82,7 +82,7 @@ pub struct Prospect<'a, 'b> {
 
 impl<'a, 'b> Prospect<'a, 'b> {
     /// Solves all that is needed. `None` where the deck cannot be solved in a case of the study.
-    pub fn new(
+    pub(super) fn new(
         subject: &'a Subject<'b>,
         fitted: &'a Fitted,
         candidates: &'a Candidates,
@@ -127,7 +127,7 @@ impl<'a, 'b> Prospect<'a, 'b> {
     }
 
     /// Readings of a candidate; `None` where a load case has no equilibrium, or nothing would be read.
-    pub fn readings(&self, at: usize) -> Option<Readings> {
+    pub(super) fn readings(&self, at: usize) -> Option<Readings> {
         let candidate = &self.candidates.list[at];
         match &candidate.new {
             New::Cases(_) => self.of_cases(candidate, self.sequence[at]?),
@@ -167,7 +167,7 @@ impl<'a, 'b> Prospect<'a, 'b> {
     }
 
     /// Rows of the wheel's place, camber and toe in each of these cases, by the unknowns of the fit; errors of the rig do not count.
-    pub fn wheel(&self, cases: &[usize]) -> Option<(String, DMatrix<f64>)> {
+    pub(super) fn wheel(&self, cases: &[usize]) -> Option<(String, DMatrix<f64>)> {
         let wheel = self.wheel.as_ref()?;
         let at = self.place(wheel.part)?;
         let mut out = DMatrix::zeros(5 * cases.len(), self.fitted.x.len());

@@ -135,7 +135,11 @@ struct Best {
 
 /// The place, coordinate and law that the residuals of a fit speak for most, tolerances being of such sizes; `None` where none stands
 /// out.
-pub fn remainder(subject: &Subject<'_>, fitted: &Fitted, sizes: &Sizes) -> Option<Remainder> {
+pub(super) fn remainder(
+    subject: &Subject<'_>,
+    fitted: &Fitted,
+    sizes: &Sizes,
+) -> Option<Remainder> {
     let Best {
         address,
         process,
@@ -169,7 +173,11 @@ pub fn remainder(subject: &Subject<'_>, fitted: &Fitted, sizes: &Sizes) -> Optio
 /// Predicts the cases held out by a fit that has not seen them and the extra force that its own residuals speak for. With `f` and `V`
 /// mean and covariance of the force, `R` the response of the rows and `C` the covariance of the unknowns, the rows are off by
 /// `R f` with `J C J' + R V R'` and their noise. `None` where nothing is held out, or no place stands out.
-pub fn predicted(subject: &Subject<'_>, fitted: &Fitted, sizes: &Sizes) -> Option<Predicted> {
+pub(super) fn predicted(
+    subject: &Subject<'_>,
+    fitted: &Fitted,
+    sizes: &Sizes,
+) -> Option<Predicted> {
     let found = most_spoken_for(subject, fitted, sizes, None)?;
     let before = &fitted.misfit + &fitted.jacobian * &found.posterior.step;
     let after = &before + &found.response * &found.process.law.mean;
@@ -216,7 +224,7 @@ pub fn predicted(subject: &Subject<'_>, fitted: &Fitted, sizes: &Sizes) -> Optio
 }
 
 /// A force of a law that no cause has, as a search takes it in.
-pub struct Unnamed {
+pub(super) struct Unnamed {
     /// It, as numbers in units of their priors; what they do is linear where a fit ended.
     pub hypothesis: Hypothesis,
     /// First guesses of its numbers,
@@ -229,7 +237,7 @@ pub struct Unnamed {
 
 impl Unnamed {
     /// The same law linearised at another fit.
-    pub fn at(&self, subject: &Subject<'_>, fitted: &Fitted) -> Hypothesis {
+    pub(super) fn at(&self, subject: &Subject<'_>, fitted: &Fitted) -> Hypothesis {
         let survey = Survey::new(subject, fitted);
         Hypothesis {
             numbers: numbers(&effect(&survey, &self.place), &self.root),
@@ -241,7 +249,7 @@ impl Unnamed {
 /// Such forces as hypotheses: the one that stands out at a fit's own sizes of tolerances, and the one that does with sizes that are
 /// usual, for its own may have swallowed the effect. The prior is that of a class of causes, spread over all places, coordinates, lengths
 /// and sizes that were tried.
-pub fn unnamed(subject: &Subject<'_>, fitted: &Fitted) -> Vec<Unnamed> {
+pub(super) fn unnamed(subject: &Subject<'_>, fitted: &Fitted) -> Vec<Unnamed> {
     let usual = fitted.sizes.at(fitted.sizes.modest(0.0));
     let each = [&usual, &fitted.sizes].into_iter();
     let found = each.filter_map(|sizes| most_spoken_for(subject, fitted, sizes, None));
@@ -259,7 +267,7 @@ pub fn unnamed(subject: &Subject<'_>, fitted: &Fitted) -> Vec<Unnamed> {
 
 /// What the laws of causes in a fit leave at their own places, each as a further part of its cause. Only laws that are known in kind
 /// only leave anything: friction that is not a slider, rubber that is not a polynomial.
-pub fn left_by_laws(subject: &Subject<'_>, fitted: &Fitted) -> Vec<Unnamed> {
+pub(super) fn left_by_laws(subject: &Subject<'_>, fitted: &Fitted) -> Vec<Unnamed> {
     let chosen = &fitted.chosen;
     let is_closed = |h: &Hypothesis| {
         let mut parts = chosen.iter().filter(|other| other.same_place(h));
@@ -280,7 +288,7 @@ pub fn left_by_laws(subject: &Subject<'_>, fitted: &Fitted) -> Vec<Unnamed> {
 }
 
 /// True if a cause is at the bushing or joint at which a force acts, or at a marker of it.
-pub fn is_at_element_of(model: &Model, h: &Hypothesis, force: &Hypothesis) -> bool {
+pub(super) fn is_at_element_of(model: &Model, h: &Hypothesis, force: &Hypothesis) -> bool {
     let element = |address: &str| {
         let end = address.find(['.', '<']).unwrap_or(address.len());
         address[..end].to_string()

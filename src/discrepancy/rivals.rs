@@ -16,7 +16,7 @@ const UNDECIDED: f64 = 0.01;
 
 /// The leading model and the one that is most probable beside it.
 #[derive(Clone, Debug)]
-pub struct Rivals {
+pub(super) struct Rivals {
     /// Both fits.
     pub fits: [Arc<Fitted>; 2],
     /// What each holds that the other does not.
@@ -38,7 +38,7 @@ pub struct Separation {
 
 impl Rivals {
     /// Of a search; `None` if it is decided.
-    pub fn of(found: &Found, leading: &Arc<Fitted>) -> Option<Self> {
+    pub(super) fn of(found: &Found, leading: &Arc<Fitted>) -> Option<Self> {
         let fitted = |(model, p): &(Visited, f64)| Some((Arc::clone(model.fitted.as_ref()?), *p));
         let mut fits: Vec<(Arc<Fitted>, f64)> = found.models.iter().filter_map(fitted).collect();
         let at = fits.iter().position(|(fit, _)| Arc::ptr_eq(fit, leading))?;
@@ -62,13 +62,13 @@ impl Rivals {
     }
 
     /// True if one of them depends on the order of the load cases.
-    pub fn remember(&self) -> bool {
+    pub(super) fn remember(&self) -> bool {
         let mut causes = self.fits.iter().flat_map(|fit| &fit.chosen);
         causes.any(|h| h.memory.is_some())
     }
 
     /// The probability of the first if one of the two is true.
-    pub fn odds(&self) -> f64 {
+    pub(super) fn odds(&self) -> f64 {
         self.probability[0] / (self.probability[0] + self.probability[1])
     }
 }
@@ -80,7 +80,11 @@ fn without<'a>(fit: &'a Fitted, other: &Fitted) -> Vec<&'a Hypothesis> {
 }
 
 /// The chi-square by which readings hold two models apart: `d' (I + J C J')^-1 d`, what the first model does not know being no surprise.
-pub fn separated(information: &Information, first: &Readings, second: &Readings) -> Option<f64> {
+pub(super) fn separated(
+    information: &Information,
+    first: &Readings,
+    second: &Readings,
+) -> Option<f64> {
     let (difference, rows) = first.against(second)?;
     let known = information.widened(&first.further);
     let S = known.covariance(rows)? + DMatrix::identity(rows.nrows(), rows.nrows());

@@ -11,7 +11,7 @@ use super::survey::Survey;
 use crate::tolerance::{Posterior, Sizes, Unknown};
 
 /// Every hypothesis at a fit, with what each does to the turned rows.
-pub struct Catalogue {
+pub(super) struct Catalogue {
     /// Hypotheses that are not in the fit.
     pub hypotheses: Vec<Hypothesis>,
     /// Columns of each among `turned`.
@@ -22,7 +22,7 @@ pub struct Catalogue {
 
 /// What a hypothesis promises.
 #[derive(Clone, Debug)]
-pub struct Promise {
+pub(super) struct Promise {
     /// Which, in the catalogue.
     pub at: usize,
     /// Logarithm of the evidence with it over that without, and of its prior odds.
@@ -31,7 +31,7 @@ pub struct Promise {
 
 impl Catalogue {
     /// At a fit.
-    pub fn new(subject: &Subject<'_>, fitted: &Fitted) -> Self {
+    pub(super) fn new(subject: &Subject<'_>, fitted: &Fitted) -> Self {
         let survey = Survey::new(subject, fitted);
         let mut hypotheses = causes::all(&survey);
         hypotheses.retain_mut(|h| {
@@ -67,7 +67,7 @@ impl Catalogue {
     }
 
     /// What all of them promise at these sizes, best first.
-    pub fn scan(&self, fitted: &Fitted, sizes: &Sizes) -> Vec<Promise> {
+    pub(super) fn scan(&self, fitted: &Fitted, sizes: &Sizes) -> Vec<Promise> {
         let Some(posterior) = fitted.linear.posterior(sizes) else {
             return Vec::new();
         };
@@ -99,7 +99,7 @@ impl Catalogue {
 
     /// For each hypothesis what the readings say of each of its numbers alone, the others being as in a sound model: the information in
     /// units of the number's prior, all that is fitted marginalised. Of hypotheses that are no slabs.
-    pub fn information(&self, fitted: &Fitted, sizes: &Sizes) -> Vec<Vec<f64>> {
+    pub(super) fn information(&self, fitted: &Fitted, sizes: &Sizes) -> Vec<Vec<f64>> {
         let Some(posterior) = fitted.linear.posterior(sizes) else {
             return vec![Vec::new(); self.hypotheses.len()];
         };
@@ -129,7 +129,7 @@ impl Catalogue {
     }
 
     /// A hypothesis with sizes of its own in the linear model: evidence and prior, and guesses of its numbers in units of their priors.
-    pub fn weigh(&self, fitted: &Fitted, at: usize, start: &Sizes) -> Option<Weighed> {
+    pub(super) fn weigh(&self, fitted: &Fitted, at: usize, start: &Sizes) -> Option<Weighed> {
         let h = &self.hypotheses[at];
         let linear = if h.is_slab() {
             let mut linear = (*fitted.linear).clone();
@@ -221,7 +221,7 @@ impl Effects {
 
 /// A hypothesis in the linear model.
 #[derive(Clone, Debug)]
-pub struct Weighed {
+pub(super) struct Weighed {
     /// Logarithm of evidence and prior, of all that is in the model.
     pub ln_posterior: f64,
     /// Its numbers in units of their priors.
@@ -233,7 +233,7 @@ pub struct Weighed {
 }
 
 /// Where members of the layer begin among the unknowns.
-pub fn first_member(fitted: &Fitted) -> usize {
+pub(super) fn first_member(fitted: &Fitted) -> usize {
     fitted
         .priors
         .iter()

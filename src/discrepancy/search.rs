@@ -36,7 +36,7 @@ const BETTER: f64 = 0.05;
 const ELSEWHERE: f64 = 2.0;
 
 /// Searches from the model without any cause.
-pub fn search(subject: &Subject<'_>, none: Fitted, data: Data) -> Found {
+pub(super) fn search(subject: &Subject<'_>, none: Fitted, data: Data) -> Found {
     let none = Arc::new(none);
     let mut search = Search::new(subject, data);
     search.note(&none);
@@ -46,7 +46,7 @@ pub fn search(subject: &Subject<'_>, none: Fitted, data: Data) -> Found {
 
 /// Resumes a search from the models, without and with causes, that a search of some of the cases ended with. That one may have
 /// avoided a fit that went astray here, or a first cause that hides the true one. `None` where its models are no better.
-pub fn resume(
+pub(super) fn resume(
     subject: &Subject<'_>,
     found: &Found,
     [none, best]: [&Arc<Fitted>; 2],

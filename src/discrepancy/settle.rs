@@ -11,7 +11,7 @@ use crate::tolerance::{Linear, Posterior, Sizes, Whitening};
 /// The longest step of the logarithm of a stiffness, at first and later.
 const REACH: [f64; 2] = [0.8, 1.2];
 /// A step that promises less than so many nats was the last one.
-pub const ENOUGH: f64 = 0.05;
+pub(super) const ENOUGH: f64 = 0.05;
 /// Sizes of tolerances are held for so many steps of a fit that starts from another, unless a step promises less than so many nats.
 const HELD: usize = 5;
 const NEAR: f64 = 30.0;
@@ -29,7 +29,7 @@ const EASED: f64 = 0.3;
 const FAITHFUL: f64 = 0.5;
 
 /// Residuals and derivatives at some values of the unknowns.
-pub struct Point {
+pub(super) struct Point {
     /// The unknowns.
     pub x: Vec<f64>,
     /// Residuals and their derivatives.
@@ -43,7 +43,7 @@ pub struct Point {
 }
 
 /// The end of a fit.
-pub struct Settled {
+pub(super) struct Settled {
     /// Where.
     pub point: Point,
     /// Sizes of tolerances.
@@ -53,7 +53,7 @@ pub struct Settled {
 }
 
 /// Residuals as a function of the unknowns.
-pub struct Sweep<'a> {
+pub(super) struct Sweep<'a> {
     /// What is sought.
     pub unknowns: &'a Unknowns,
     /// What was read.
@@ -70,7 +70,7 @@ pub struct Sweep<'a> {
 
 impl Sweep<'_> {
     /// Everything at `x`.
-    pub fn at(&mut self, x: Vec<f64>) -> Option<Point> {
+    pub(super) fn at(&mut self, x: Vec<f64>) -> Option<Point> {
         let all: Vec<usize> = (0..self.unknowns.list.len()).collect();
         let evaluation = self.evaluate(&x, &all)?;
         let turned = self.whitening.apply(&evaluation.jacobian);
@@ -92,7 +92,7 @@ impl Sweep<'_> {
 
     /// At `x`, with the derivatives by small errors from the Jacobian of another model that has them too, and `theirs` unknowns of its
     /// deck: they differ little.
-    pub fn beside(
+    pub(super) fn beside(
         &mut self,
         x: Vec<f64>,
         (known, theirs): (&DMatrix<f64>, usize),
@@ -184,7 +184,7 @@ impl Sweep<'_> {
     }
 
     /// Stiffnesses first, from the deck, as if all else were exact.
-    pub fn stiffnesses_alone(&mut self, x: &mut [f64]) {
+    pub(super) fn stiffnesses_alone(&mut self, x: &mut [f64]) {
         let count = self.stiffnesses;
         if count == 0 {
             return;
@@ -203,7 +203,7 @@ impl Sweep<'_> {
     /// Gauss-Newton over everything, the sizes by their evidence: at every step where the stiffnesses `alone` were fitted before. Ends
     /// early where less than `least` nats are promised. On the way derivatives by small errors stay as they are; at the end, and
     /// where they lead nowhere, they are exact.
-    pub fn settle(
+    pub(super) fn settle(
         &mut self,
         start: Point,
         first: &Sizes,

@@ -10,11 +10,11 @@ use super::subject::{Data, Subject};
 use super::visited::Found;
 
 /// A place is named from this probability on.
-pub const NAMED: f64 = 0.5;
+pub(super) const NAMED: f64 = 0.5;
 
 /// What a search ended with.
 #[derive(Debug)]
-pub struct Sought {
+pub(super) struct Sought {
     /// All models that were looked at.
     pub found: Found,
     /// The model that is reported.
@@ -22,7 +22,7 @@ pub struct Sought {
 }
 
 /// Fits the model without any cause, and weighs the readings by what it leaves. `None` where the deck cannot be solved.
-pub fn as_it_is(subject: &mut Subject<'_>, data: Data) -> Option<Fitted> {
+pub(super) fn as_it_is(subject: &mut Subject<'_>, data: Data) -> Option<Fitted> {
     let none = fit(subject, &[], None, data, ANY)?;
     let judged = subject.judge_suspects(&none.misfit);
     subject.weigh(Some(&none.misfit));
@@ -33,7 +33,7 @@ pub fn as_it_is(subject: &mut Subject<'_>, data: Data) -> Option<Fitted> {
 }
 
 /// Fits the model as it is, and searches causes. `None` where the deck cannot be solved.
-pub fn seek(subject: &mut Subject<'_>, data: Data, progress: &Progress) -> Option<Sought> {
+pub(super) fn seek(subject: &mut Subject<'_>, data: Data, progress: &Progress) -> Option<Sought> {
     let (fitting, searching) = match data {
         Data::All => ("fitting the model as it is", "searching causes"),
         Data::Fitted => (
@@ -51,7 +51,12 @@ pub fn seek(subject: &mut Subject<'_>, data: Data, progress: &Progress) -> Optio
 
 impl Sought {
     /// Resumes the search from what a search of some of the cases chose; false where that is no better.
-    pub fn resume(&mut self, subject: &Subject<'_>, models: [&Arc<Fitted>; 2], data: Data) -> bool {
+    pub(super) fn resume(
+        &mut self,
+        subject: &Subject<'_>,
+        models: [&Arc<Fitted>; 2],
+        data: Data,
+    ) -> bool {
         let Some(found) = resume(subject, &self.found, models, data) else {
             return false;
         };
@@ -62,7 +67,7 @@ impl Sought {
 }
 
 /// Probability of all models whose causes are such.
-pub fn probability(found: &Found, accept: impl Fn(&[Hypothesis]) -> bool) -> f64 {
+pub(super) fn probability(found: &Found, accept: impl Fn(&[Hypothesis]) -> bool) -> f64 {
     let models = found
         .models
         .iter()
@@ -71,7 +76,7 @@ pub fn probability(found: &Found, accept: impl Fn(&[Hypothesis]) -> bool) -> f64
 }
 
 /// Probability of a cause at its place.
-pub fn of_place(found: &Found, h: &Hypothesis) -> f64 {
+pub(super) fn of_place(found: &Found, h: &Hypothesis) -> f64 {
     probability(found, |causes| {
         causes.iter().any(|other| other.same_place(h))
     })

@@ -20,7 +20,7 @@ impl CorrectedStiffness {
 }
 
 /// All stiffnesses of a study, before and after.
-pub fn corrected(
+pub(super) fn corrected(
     problem: &Problem<'_>,
     before: &Fitted,
     after: &Fitted,

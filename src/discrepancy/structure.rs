@@ -9,7 +9,7 @@ use crate::mechanics::Vec3;
 use crate::rig::orientation::chi_square_p_value;
 
 /// What the test over all readings looks at.
-pub const ALL: &str = "all readings";
+pub(super) const ALL: &str = "all readings";
 
 /// One test of structure.
 #[derive(Clone, PartialEq, Debug)]
@@ -27,7 +27,7 @@ pub struct StructureTest {
 /// Tests of structure, smallest p first: chi-square over all rows, of every case, part, direction and channel; trends with each load,
 /// with the force in each element and with the order of application; loading against unloading; a rigid motion of all marks in one
 /// case; a constant or a single error of one mark.
-pub fn structure(subject: &Subject<'_>, fitted: &Fitted) -> Vec<StructureTest> {
+pub(super) fn structure(subject: &Subject<'_>, fitted: &Fitted) -> Vec<StructureTest> {
     let influence = Influence::new(fitted);
     let mut tests = Tests {
         subject,

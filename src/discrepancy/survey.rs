@@ -12,7 +12,7 @@ use crate::tolerance::{Effect, Group, Point};
 
 /// Where a part is held.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Attachment {
+pub(super) struct Attachment {
     /// The marker on the part.
     pub marker: MarkerIx,
     /// Force on the part there in each case, ground axes.
@@ -20,7 +20,7 @@ pub struct Attachment {
 }
 
 /// Every load case at a fit: poses, deflections, forces, and how readings answer to small changes.
-pub struct Survey<'a> {
+pub(super) struct Survey<'a> {
     /// The deck as the study has it; what an extension added is no place for further hypotheses.
     pub model: &'a Model,
     /// What was measured.
@@ -32,7 +32,7 @@ pub struct Survey<'a> {
 
 impl<'a> Survey<'a> {
     /// At a fit.
-    pub fn new(subject: &'a Subject<'a>, fitted: &'a Fitted) -> Self {
+    pub(super) fn new(subject: &'a Subject<'a>, fitted: &'a Fitted) -> Self {
         let model = subject.problem.model;
         let system = &fitted.deck.prepared.system;
         let mut scratch = Scratch::new(system);
@@ -76,42 +76,42 @@ impl<'a> Survey<'a> {
     }
 
     /// How many load cases there are.
-    pub fn cases(&self) -> usize {
+    pub(super) fn cases(&self) -> usize {
         self.fitted.states.len()
     }
 
     /// All rows of the residual.
-    pub fn rows(&self) -> &[Row] {
+    pub(super) fn rows(&self) -> &[Row] {
         &self.subject.rows
     }
 
     /// Prediction minus reading of a row, in units of its noise.
-    pub fn misfit(&self, row: usize) -> f64 {
+    pub(super) fn misfit(&self, row: usize) -> f64 {
         self.fitted.misfit[row]
     }
 
     /// Sd of a mark coordinate.
-    pub fn sigma(&self) -> f64 {
+    pub(super) fn sigma(&self) -> f64 {
         self.subject.sigma
     }
 
     /// One millimetre in the deck's length unit.
-    pub fn millimetre(&self) -> f64 {
+    pub(super) fn millimetre(&self) -> f64 {
         1e-3 / self.model.units.length.si
     }
 
     /// One newton in the deck's force unit.
-    pub fn newton(&self) -> f64 {
+    pub(super) fn newton(&self) -> f64 {
         1.0 / self.model.units.force.si
     }
 
     /// What the study drives.
-    pub fn loads(&self) -> &[Load] {
+    pub(super) fn loads(&self) -> &[Load] {
         &self.subject.problem.programme.loads
     }
 
     /// What a load of the study is in each case; zero for what it does not drive.
-    pub fn load_values(&self, target: &Address) -> Vec<f64> {
+    pub(super) fn load_values(&self, target: &Address) -> Vec<f64> {
         let programme = self.subject.problem.programme;
         let at = programme.loads.iter().position(|l| l.target == *target);
         let value = |values: &[f64]| at.map_or(0.0, |at| values[at]);
@@ -119,12 +119,12 @@ impl<'a> Survey<'a> {
     }
 
     /// Hardpoints of the deck.
-    pub fn points(&self) -> &[Point] {
+    pub(super) fn points(&self) -> &[Point] {
         &self.subject.layer.points
     }
 
     /// Members of a group at an address with the names of their axes.
-    pub fn members(&self, group: Group, address: &str) -> Vec<(usize, String)> {
+    pub(super) fn members(&self, group: Group, address: &str) -> Vec<(usize, String)> {
         let layer = &self.subject.layer;
         if self.subject.sizes.group(group).is_none() {
             return Vec::new();
@@ -135,7 +135,7 @@ impl<'a> Survey<'a> {
 
     /// Numbers of the deck that are taken as known, as members of the tolerance layer: place, address, group, and what one unit of
     /// the member is.
-    pub fn numbers_of_the_deck(&self) -> Vec<(usize, String, Group, f64)> {
+    pub(super) fn numbers_of_the_deck(&self) -> Vec<(usize, String, Group, f64)> {
         let known = |group| {
             matches!(
                 group,
@@ -155,7 +155,7 @@ impl<'a> Survey<'a> {
     }
 
     /// A force element in each case; empty if there is none.
-    pub fn element(&self, kind: &str, id: u32) -> &[Reading] {
+    pub(super) fn element(&self, kind: &str, id: u32) -> &[Reading] {
         self.readings
             .iter()
             .find(|(k, i, _)| *k == kind && *i == id)
@@ -163,7 +163,7 @@ impl<'a> Survey<'a> {
     }
 
     /// Size of the force in every element and joint of the deck in each case, with its name; loads apart, which the study drives.
-    pub fn forces(&self) -> Vec<(String, Vec<f64>)> {
+    pub(super) fn forces(&self) -> Vec<(String, Vec<f64>)> {
         let loads = self.loads();
         let driven = |kind: &str, id: u32| {
             loads
@@ -181,12 +181,12 @@ impl<'a> Survey<'a> {
     }
 
     /// A constraint in each case; empty if there is none.
-    pub fn constraint(&self, kind: &str, id: u32) -> &[Reading] {
+    pub(super) fn constraint(&self, kind: &str, id: u32) -> &[Reading] {
         self.element(kind, id)
     }
 
     /// Deflections of a bushing in each case: three along the axes of J, three projected angles.
-    pub fn bushing_deflections(&self, bushing: usize) -> Vec<[f64; 6]> {
+    pub(super) fn bushing_deflections(&self, bushing: usize) -> Vec<[f64; 6]> {
         self.element("BUSHING", self.model.bushings[bushing].header.id)
             .iter()
             .map(|reading| {
@@ -197,7 +197,7 @@ impl<'a> Survey<'a> {
     }
 
     /// The six stiffnesses of a bushing at the fit.
-    pub fn stiffnesses(&self, bushing: usize) -> [f64; 6] {
+    pub(super) fn stiffnesses(&self, bushing: usize) -> [f64; 6] {
         let law = &self.model.bushings[bushing];
         let theta = &self.fitted.thetas[0];
         let catalogue = self.fitted.deck.prepared.system.catalogue();
@@ -210,23 +210,23 @@ impl<'a> Survey<'a> {
     }
 
     /// The id of a marker.
-    pub fn marker_id(&self, marker: MarkerIx) -> u32 {
+    pub(super) fn marker_id(&self, marker: MarkerIx) -> u32 {
         self.model.markers[marker.0].header.id
     }
 
     /// Pose of a part in a case.
-    pub fn pose(&self, case: usize, part: PartIx) -> Pose {
+    pub(super) fn pose(&self, case: usize, part: PartIx) -> Pose {
         self.fitted.states[case].poses[part.0]
     }
 
     /// True if a marker's Euler angles say how it is turned, so that they can follow a turn.
-    pub fn can_turn(&self, marker: MarkerIx) -> bool {
+    pub(super) fn can_turn(&self, marker: MarkerIx) -> bool {
         let orientation = &self.model.markers[marker.0].orientation;
         matches!(orientation, Orientation::Reuler(_))
     }
 
     /// An id that no statement of this kind has yet.
-    pub fn free_id(&self, kind: &str) -> u32 {
+    pub(super) fn free_id(&self, kind: &str) -> u32 {
         self.fitted
             .deck
             .dataset
@@ -239,7 +239,7 @@ impl<'a> Survey<'a> {
     }
 
     /// How a function reads a displacement of I as J sees it.
-    pub fn deflection_function(&self, (i, j): (MarkerIx, MarkerIx), axis: usize) -> String {
+    pub(super) fn deflection_function(&self, (i, j): (MarkerIx, MarkerIx), axis: usize) -> String {
         let word = ["DX", "DY", "DZ", "AX", "AY", "AZ"][axis];
         let (i, j) = (self.marker_id(i), self.marker_id(j));
         if axis < 3 {
@@ -250,7 +250,7 @@ impl<'a> Survey<'a> {
     }
 
     /// A GFORCE along one axis of J, with the floating marker it needs; and its id.
-    pub fn vector_force(
+    pub(super) fn vector_force(
         &self,
         (i, j): (MarkerIx, MarkerIx),
         axis: usize,
@@ -276,7 +276,7 @@ impl<'a> Survey<'a> {
 
     /// Changes that give a marker of a part to a new, massless part, held to the old one by a bushing at `place` (in axes of the
     /// part) with these translational stiffnesses; and the id of the bushing.
-    pub fn split(
+    pub(super) fn split(
         &self,
         (part, _): (u32, PartIx),
         marker: u32,
@@ -341,7 +341,7 @@ impl<'a> Survey<'a> {
     }
 
     /// Everything that holds a part.
-    pub fn attachments(&self, part: PartIx) -> Vec<Attachment> {
+    pub(super) fn attachments(&self, part: PartIx) -> Vec<Attachment> {
         let owner = |marker: MarkerIx| self.model.markers[marker.0].part;
         self.readings
             .iter()
@@ -381,7 +381,7 @@ impl<'a> Survey<'a> {
 }
 
 /// A statement with its arguments.
-pub fn statement(kind: &str, id: u32, arguments: &[(&str, String)]) -> NewStatement {
+pub(super) fn statement(kind: &str, id: u32, arguments: &[(&str, String)]) -> NewStatement {
     NewStatement {
         kind: kind.to_string(),
         id: Some(id),

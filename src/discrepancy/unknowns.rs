@@ -12,7 +12,7 @@ use crate::tolerance::{self, Effect, Group};
 
 /// What another fit found.
 #[derive(Clone, Copy)]
-pub struct Known<'a> {
+pub(super) struct Known<'a> {
     /// Its unknowns of the deck.
     pub unknowns: &'a FitUnknowns,
     /// What was in it.
@@ -24,7 +24,7 @@ pub struct Known<'a> {
 }
 
 /// Unknowns of a fit.
-pub struct Unknowns {
+pub(super) struct Unknowns {
     /// The deck's numbers as they were.
     pub deck: Parameters,
     /// Stiffnesses, members of the layer in its order, numbers of causes.
@@ -45,14 +45,14 @@ pub struct Unknowns {
 
 impl Unknowns {
     /// Stiffnesses and numbers of causes, small errors left out: their places among the unknowns of the deck in ascending order.
-    pub fn of_the_model(&self) -> Vec<usize> {
+    pub(super) fn of_the_model(&self) -> Vec<usize> {
         let of_a_cause = |k: &usize| self.places.iter().flatten().any(|at| at == k);
         let is_own = |k: &usize| self.priors[*k].group.is_none() || of_a_cause(k);
         (0..self.list.len()).filter(is_own).collect()
     }
 
     /// Of a deck extended by `chosen`, whose guesses are in units of their priors.
-    pub fn new(
+    pub(super) fn new(
         (subject, problem): (&Subject<'_>, &Problem<'_>),
         prepared: &Prepared,
         chosen: &[(Hypothesis, Vec<f64>)],
@@ -234,7 +234,7 @@ impl Unknowns {
     }
 
     /// True for the logarithm of a stiffness.
-    pub fn is_logarithm(&self, k: usize) -> bool {
+    pub(super) fn is_logarithm(&self, k: usize) -> bool {
         matches!(self.list.list()[k].meaning, Meaning::Stiffness(_))
     }
 }

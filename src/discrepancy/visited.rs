@@ -10,7 +10,7 @@ const LINEAR: f64 = 8.0;
 
 /// A model that was looked at.
 #[derive(Clone, Debug)]
-pub struct Visited {
+pub(super) struct Visited {
     /// What is in it.
     pub causes: Vec<Hypothesis>,
     /// Logarithm of evidence and prior.
@@ -21,7 +21,7 @@ pub struct Visited {
 
 /// The end of a search.
 #[derive(Debug)]
-pub struct Found {
+pub(super) struct Found {
     /// The model without any cause.
     pub none: Arc<Fitted>,
     /// The model of greatest posterior probability.
@@ -36,7 +36,7 @@ pub struct Found {
 
 /// Models that count and their probabilities. Of a set that was looked at several times the best counts; one that was only weighed
 /// counts where it is close, and not beside its own fit.
-pub fn probabilities(visited: &[Visited]) -> Vec<(Visited, f64)> {
+pub(super) fn probabilities(visited: &[Visited]) -> Vec<(Visited, f64)> {
     let mut fitted: Vec<&Visited> = Vec::new();
     for visited in visited.iter().filter(|v| v.fitted.is_some()) {
         match fitted
@@ -76,13 +76,13 @@ pub fn probabilities(visited: &[Visited]) -> Vec<(Visited, f64)> {
 }
 
 /// True if both hold the same causes in the same forms.
-pub fn same_set(a: &[Hypothesis], b: &[Hypothesis]) -> bool {
+pub(super) fn same_set(a: &[Hypothesis], b: &[Hypothesis]) -> bool {
     let within = |a: &[Hypothesis], b: &[Hypothesis]| a.iter().all(|h| b.iter().any(|o| o.same(h)));
     a.len() == b.len() && within(a, b) && within(b, a)
 }
 
 /// How many places these are, in whatever forms.
-pub fn distinct(hypotheses: &[&Hypothesis]) -> usize {
+pub(super) fn distinct(hypotheses: &[&Hypothesis]) -> usize {
     let first = |(k, h): &(usize, &&Hypothesis)| !hypotheses[..*k].iter().any(|o| o.same_place(h));
     hypotheses.iter().enumerate().filter(first).count()
 }

@@ -8,7 +8,7 @@ use crate::model::PartIx;
 
 /// A wheel on its carrier.
 #[derive(Clone, PartialEq, Debug)]
-pub struct WheelPlace {
+pub(super) struct WheelPlace {
     /// What it was taken from.
     pub told: String,
     /// The carrier.
@@ -20,11 +20,11 @@ pub struct WheelPlace {
 }
 
 /// Place of the wheel centre in the deck's length unit, camber and toe in degrees; the angles up to a constant and a sign.
-pub type Five = [f64; 5];
+pub(super) type Five = [f64; 5];
 
 impl WheelPlace {
     /// The wheel of `[wheel]`, else that of `[kc]`, else the point where the loads act with the spin axis along y of ground.
-    pub fn of(subject: &Subject<'_>) -> Option<Self> {
+    pub(super) fn of(subject: &Subject<'_>) -> Option<Self> {
         let (model, measurement) = (subject.problem.model, subject.problem.measurement);
         if let Some(wheel) = &measurement.wheel {
             let marker = &model.markers[wheel.marker.0];
@@ -64,7 +64,7 @@ impl WheelPlace {
     }
 
     /// Where it is in a case.
-    pub fn place(&self, case: &CasePrediction) -> Five {
+    pub(super) fn place(&self, case: &CasePrediction) -> Five {
         let pose = &case.poses[self.part.0];
         let (p, s) = (pose.point(&self.centre), pose.R * self.spin);
         // Of the axis, not of its sense.
@@ -83,7 +83,7 @@ impl WheelPlace {
     }
 
     /// How that changes with an unknown; `at` is the place of the carrier among the parts observed.
-    pub fn change(&self, case: &CasePrediction, change: &CaseChange, at: usize) -> Five {
+    pub(super) fn change(&self, case: &CasePrediction, change: &CaseChange, at: usize) -> Five {
         let pose = &case.poses[self.part.0];
         let [x, y, z, a, b, c] = change.parts[at];
         let turn = Vec3::new(a, b, c);

@@ -12,6 +12,33 @@ use super::watch::Watch;
 
 /// A results file of any kind (.res, .req, .gra): names and units at once, values read from the file when they are asked for, step by
 /// step, so that its size does not matter.
+///
+/// The bushing force that a lateral load changes most:
+///
+/// ```
+/// use admire::{Deck, Results, StepFilter, StepKind, Watched};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let folder = tempfile::tempdir()?;
+/// let file = folder.path().join("lateral.res");
+/// let run = Deck::open("corpus/pseudo-mcpherson/model.adm")?.run("corpus/pseudo-mcpherson/lateral.acf")?;
+/// run.succeeded()?;
+/// run.write(&file, false)?;
+///
+/// let equilibria = StepFilter { kinds: vec![StepKind::QuasiStatic], ..StepFilter::default() };
+/// let patterns = ["BUSHING/*.F?"];
+/// let rows = Results::open(&file)?.select(&patterns, &equilibria, &Watched::default())?;
+/// let mut steps = rows.values.chunks(rows.columns.len());
+/// let (vertical, lateral) = (steps.next().ok_or("no step")?, steps.next().ok_or("one step")?);
+/// let change = |k: &usize| (lateral[*k] - vertical[*k]).abs();
+/// let most = (0..rows.columns.len()).max_by(|a, b| change(a).total_cmp(&change(b)));
+/// let most = most.ok_or("no bushing")?;
+/// println!("{} changes by {:.0} N", rows.columns[most].path, change(&most));
+/// // A bushing takes a good part of the 2000 N.
+/// assert!(change(&most) > 200.0);
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Clone, Debug)]
 pub struct Results {
     path: PathBuf,

@@ -3,28 +3,21 @@
 use std::collections::BTreeMap;
 
 use super::axle::{AxleState, WheelState};
-use super::config::{AxisMethod, Config};
+use super::bench_error::BenchError;
+use super::compiled::Compiled;
+use super::config::Config;
 use super::derivatives::Derivatives;
 use super::inputs::{Drive, Inputs};
-use super::rig::{FoundWheel, Rigged, Variant, rigged};
-use super::{Side, SteerAxis, Wheel, contact};
-use crate::backend::{compile, tight_settings};
-use crate::diagnostic::{Code, Diagnostic, Severity};
-use crate::mechanics::{Pose, Vec3, Vec6};
-use crate::model::{MarkerIx, Model, PartIx};
-use crate::statics::{Balance, Settings, SolveError, Solver};
+use super::rig::{FoundWheel, Variant, rigged};
+use super::wheel_rate::WheelRate;
+use super::{Wheel, contact};
+use crate::diagnostic::Diagnostic;
+use crate::mechanics::Vec3;
+use crate::model::Model;
+use crate::statics::Balance;
+use crate::syntax::Dataset;
 use crate::syntax::files::Files;
-use crate::syntax::{Address, Dataset};
-use crate::system::{ConstraintIx, Grasp, Parameters, Scratch, Slot, State, System};
-
-/// The motion of a wheel per unit of what is driven.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct WheelRate {
-    /// Translation of the centre and rotation.
-    pub motion: Vec6,
-    /// Vertical load.
-    pub load: f64,
-}
+use crate::system::{Grasp, State};
 
 /// A state of the axle.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -37,62 +30,6 @@ pub struct Observation {
     pub rates: [Option<WheelRate>; 2],
     /// What the joints with friction do; `None` without any.
     pub friction: Option<Grasp>,
-}
-
-/// Why the rig has no answer.
-#[derive(Clone, Debug, thiserror::Error)]
-pub enum BenchError {
-    /// The deck cannot be used.
-    #[error("the deck cannot be put on the rig")]
-    Deck(Vec<Diagnostic>),
-    /// No equilibrium.
-    #[error("{at}: {why}")]
-    NoEquilibrium {
-        /// Which test and point.
-        at: String,
-        /// Why.
-        why: Box<SolveError>,
-    },
-    /// No height of the axle bears its load.
-    #[error("{at}: no height of both wheels keeps the load of the axle")]
-    NoAxleLoad {
-        /// Which test and point.
-        at: String,
-    },
-    /// A motion of the wheel that nothing resists.
-    #[error("{at}: the compliance is not defined: {motion}")]
-    Free {
-        /// Which test.
-        at: String,
-        /// The motion, in words.
-        motion: String,
-    },
-}
-
-/// Where a wheel is in the compiled system.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Fitted {
-    pub side: Side,
-    pub part: PartIx,
-    pub centre: MarkerIx,
-    pub ground: MarkerIx,
-    pub loads: [Slot; 4],
-    patch: [Slot; 2],
-    pub motion: Option<(Slot, ConstraintIx)>,
-}
-
-/// One variant, compiled.
-#[derive(Debug)]
-pub(crate) struct Compiled {
-    /// The deck with the rig.
-    pub rigged: Rigged,
-    pub(super) model: Model,
-    pub(super) system: System,
-    settings: Settings,
-    pub(super) solver: Solver,
-    pub(super) scratch: Scratch,
-    pub(super) wheels: Vec<Fitted>,
-    pub(super) steering: Option<Slot>,
 }
 
 /// A deck on the rig.
@@ -160,7 +97,8 @@ impl<'a> Bench<'a> {
             let deck = (self.dataset, self.model);
             let rigged = rigged(self.config, deck, &self.wheels, variant)
                 .map_err(|why| BenchError::Deck(vec![why]))?;
-            let compiled = Compiled::new(self, rigged)?;
+            let files = (self.dataset, self.files);
+            let compiled = Compiled::new(self.config, files, &self.wheels, rigged)?;
             self.variants.insert(variant, compiled);
         }
         Ok(self
@@ -287,183 +225,7 @@ impl<'a> Bench<'a> {
     }
 }
 
-impl WheelRate {
-    /// The mean; `None` of nothing.
-    pub(super) fn mean(all: &[Self]) -> Option<Self> {
-        let share = 1.0 / all.len() as f64;
-        (!all.is_empty()).then(|| Self {
-            motion: all.iter().map(|rate| rate.motion).sum::<Vec6>() * share,
-            load: all.iter().map(|rate| rate.load).sum::<f64>() * share,
-        })
-    }
-
-    fn mirrored(self) -> Self {
-        let m = &self.motion;
-        Self {
-            motion: Vec6::new(m[0], -m[1], m[2], -m[3], m[4], -m[5]),
-            load: self.load,
-        }
-    }
-}
-
 impl Compiled {
-    fn new(bench: &Bench<'_>, rigged: Rigged) -> Result<Self, BenchError> {
-        let lowered = Model::lower_with(&rigged.dataset, bench.files);
-        let errors = |all: &[Diagnostic]| -> Vec<Diagnostic> {
-            let bad = all.iter().filter(|d| d.severity == Severity::Error);
-            bad.cloned().collect()
-        };
-        let found = errors(&lowered.diagnostics);
-        if !found.is_empty() {
-            return Err(BenchError::Deck(found));
-        }
-        let model = lowered.value;
-        let refuse = |error: &dyn std::fmt::Display| {
-            let message = error.to_string();
-            BenchError::Deck(vec![Diagnostic::error(Code::NotSolvedNatively, message)])
-        };
-        // In statics FRICTION is refused. Here it creeps from one equilibrium to the next.
-        let mut rest = model.clone();
-        let mut creeping = Vec::new();
-        for friction in &mut rest.frictions {
-            if std::mem::take(&mut friction.in_statics) {
-                creeping.push(friction.header.id);
-            }
-        }
-        let mut system = compile(&rest).map_err(|error| refuse(&error))?;
-        system.let_creep(&creeping, bench.config.sliding_with);
-        let slot = |kind: &str, id: u32| {
-            let address = Address {
-                kind: kind.to_string(),
-                id: Some(id),
-                argument: None,
-                index: None,
-            };
-            crate::backend::slot(&system, &address).map_err(|error| refuse(&error))
-        };
-        let mut wheels = Vec::new();
-        for (ids, found) in rigged.wheels.iter().zip(&bench.wheels) {
-            let marker = |id| {
-                model
-                    .marker(id)
-                    .expect("markers of the rig are in its deck")
-            };
-            let mut loads = Vec::new();
-            for id in ids.loads.into_iter().chain(ids.patch) {
-                loads.push(slot("VARIABLE", id)?);
-            }
-            let motion = match ids.motion {
-                Some(id) => {
-                    let constraint = system.constraint("MOTION", id);
-                    let constraint = constraint.expect("the motion of the rig is in its deck");
-                    Some((slot("MOTION", id)?, constraint))
-                }
-                None => None,
-            };
-            wheels.push(Fitted {
-                side: ids.side,
-                part: PartIx(found.part),
-                centre: marker(ids.centre),
-                ground: marker(ids.ground),
-                loads: [loads[0], loads[1], loads[2], loads[3]],
-                patch: [loads[4], loads[5]],
-                motion,
-            });
-        }
-        let steering = match &bench.config.steering_drive {
-            None => None,
-            Some(at) => {
-                let complain = |why: &dyn std::fmt::Display| {
-                    let message = why.to_string();
-                    let found = bench.config.complain(at, Code::UnknownTarget, message);
-                    BenchError::Deck(vec![found])
-                };
-                // With a free steering what drives it may be left out.
-                let there = Address::parse(&at.text, &rigged.dataset);
-                match there {
-                    Ok(address) => Some(
-                        crate::backend::slot(&system, &address)
-                            .map_err(|error| complain(&error))?,
-                    ),
-                    Err(why) => match Address::parse(&at.text, bench.dataset) {
-                        Ok(_) => None,
-                        Err(_) => return Err(complain(&why.message)),
-                    },
-                }
-            }
-        };
-        Ok(Self {
-            settings: tight_settings(&system),
-            solver: Solver::new(&system),
-            scratch: Scratch::new(&system),
-            rigged,
-            model,
-            wheels,
-            steering,
-            system,
-        })
-    }
-
-    fn parameters(&self, inputs: &Inputs) -> Parameters {
-        let mut parameters = self.system.parameters();
-        for wheel in &self.wheels {
-            let k = wheel.side.index();
-            for (slot, value) in wheel.loads.iter().zip(inputs.loads[k]) {
-                parameters.set(*slot, value);
-            }
-            let at = [inputs.vertical_at_patch, inputs.plane_at_patch];
-            for (slot, at) in wheel.patch.iter().zip(at) {
-                parameters.set(*slot, f64::from(u8::from(at)));
-            }
-            if let Some((slot, _)) = wheel.motion {
-                parameters.set(slot, inputs.height[k]);
-            }
-        }
-        if let (Some(slot), Some(value)) = (self.steering, inputs.steer) {
-            // A number of the deck is changed by the value, a function is replaced by it.
-            let own = parameters.get(slot);
-            parameters.set(slot, if own.is_finite() { own + value } else { value });
-        }
-        parameters
-    }
-
-    /// Finds the equilibrium; with it come the numbers of theta, and how many harmless free motions there are.
-    fn solve(
-        &mut self,
-        inputs: &Inputs,
-        state: &mut State,
-        at: &str,
-    ) -> Result<(Parameters, usize), BenchError> {
-        let parameters = self.parameters(inputs);
-        let no_equilibrium = |why: SolveError| BenchError::NoEquilibrium {
-            at: at.to_string(),
-            why: Box::new(why),
-        };
-        let report = self
-            .solver
-            .solve(&self.system, &parameters, state, &self.settings)
-            .map_err(|why| match why {
-                SolveError::FreeMotion(motion) => BenchError::Free {
-                    at: at.to_string(),
-                    motion: motion.to_string(),
-                },
-                other => no_equilibrium(other),
-            })?;
-        for motion in &report.free_motions {
-            let seen = |name: &crate::system::Name| {
-                let carrier = |w: &Fitted| self.system.part_name(w.part) == name;
-                self.wheels.iter().any(carrier)
-            };
-            if seen(&motion.part) || motion.others.iter().any(seen) {
-                return Err(BenchError::Free {
-                    at: at.to_string(),
-                    motion: motion.to_string(),
-                });
-            }
-        }
-        Ok((parameters, report.free_motions.len()))
-    }
-
     fn observe(
         &mut self,
         (config, found): (&Config, &[FoundWheel]),
@@ -534,41 +296,6 @@ impl Compiled {
             rates,
             friction,
         })
-    }
-
-    fn place(&self, state: &State, marker: MarkerIx) -> Pose {
-        let frame = &self.model.markers[marker.0];
-        state.poses[frame.part.0].compose(&Pose {
-            p: frame.qp,
-            R: frame.R,
-        })
-    }
-
-    fn wheel(&self, config: &Config, state: &State, wheel: &Fitted) -> Wheel {
-        let pose = self.place(state, wheel.centre);
-        let design = self.model.parts[wheel.part.0].pose.R;
-        let turn = state.poses[wheel.part.0].R * design.transpose();
-        Wheel {
-            side: wheel.side,
-            centre: config.frame.vector(&pose.p),
-            spin: config.frame.vector(&pose.R.column(2).into()),
-            turn: config.frame.rotation(&turn),
-        }
-    }
-
-    fn geometric_axis(
-        &self,
-        config: &Config,
-        state: &State,
-        found: &FoundWheel,
-    ) -> Option<SteerAxis> {
-        if !matches!(config.axis_method, AxisMethod::Geometric | AxisMethod::Any) {
-            return None;
-        }
-        let [lower, upper] = found.steer_axis?;
-        // The rig's markers come behind those of the deck, which keep their index.
-        let at = |marker| config.frame.vector(&self.place(state, marker).p);
-        SteerAxis::through(&at(lower), &at(upper))
     }
 }
 

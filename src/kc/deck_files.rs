@@ -2,7 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use super::bench::{Bench, BenchError};
+use super::bench::Bench;
+use super::bench_error::BenchError;
 use super::rig::Variant;
 use super::sweep::KcRun;
 use super::test_kind::TestKind;

@@ -2,10 +2,11 @@
 
 use nalgebra::DMatrix;
 
-use super::bench::{Compiled, Fitted, WheelRate};
+use super::compiled::{Compiled, Fitted};
 use super::config::{AxisMethod, Config};
 use super::inputs::Drive;
 use super::rig::FoundWheel;
+use super::wheel_rate::WheelRate;
 use super::{Compliance, Mat12, SteerAxis};
 use crate::mechanics::{Vec3, Vec6};
 use crate::model::{MarkerIx, Model, PartIx};

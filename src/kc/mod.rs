@@ -8,6 +8,8 @@
 pub mod anti;
 mod axle;
 mod bench;
+mod bench_error;
+mod compiled;
 mod compliance;
 mod config;
 pub mod contact;
@@ -34,11 +36,13 @@ pub mod swing_arm;
 mod test_kind;
 mod test_settings;
 pub mod wheel;
+mod wheel_rate;
 
 pub(crate) use anti::{Anti, Vehicle};
 pub(crate) use axle::Tyre;
 pub use axle::{AxleState, Given};
-pub use bench::{Bench, BenchError, Observation};
+pub use bench::{Bench, Observation};
+pub use bench_error::BenchError;
 
 pub use compliance::Compliance;
 pub(crate) use compliance::Mat12;

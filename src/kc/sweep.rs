@@ -1,7 +1,8 @@
 //! The standard tests: sweeps of equilibria on the rig.
 
 use super::axle::Given;
-use super::bench::{Bench, BenchError, Chain, Observation, WheelRate};
+use super::bench::{Bench, Chain, Observation};
+use super::bench_error::BenchError;
 use super::config::Config;
 use super::gradient::{Gradient, gradients};
 use super::inputs::{Drive, Inputs};
@@ -9,6 +10,7 @@ use super::rig::Variant;
 use super::sample::{Branch, Sample};
 use super::test_kind::{Driven, TestKind};
 use super::test_settings::{Branches, Hold, LoadPoint, TestSettings};
+use super::wheel_rate::WheelRate;
 use super::{Reading, Sense, Side, Unit};
 use crate::statics::Balance;
 use crate::units::Units;

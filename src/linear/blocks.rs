@@ -3,8 +3,8 @@
 //! Steps a, a + 1, ... are a block if each has the columns of the next in its row of U and that one's own, and the same of L. Outside of
 //! the block all add to the same entries: these are fetched once for all of them. Each entry gets its products in the order of the steps.
 
-use super::lu::{Lu, Step};
 use super::scalar::Scalar;
+use super::step::Step;
 
 /// A run of steps, and the operations between them: value indices that products are taken off.
 ///
@@ -143,29 +143,26 @@ impl Blocks {
             *target = to(*target);
         }
     }
-}
 
-impl<T: Scalar> Lu<T> {
-    /// Runs through the known operations block by block; false if a pivot has shrunk too far.
-    pub(super) fn repeat_in_blocks(&mut self) -> bool {
-        let blocks = std::mem::take(&mut self.blocks);
-        let done = self.run_through(&blocks);
-        self.blocks = blocks;
-        done
-    }
-
-    fn run_through(&mut self, blocks: &Blocks) -> bool {
-        let mut targets = blocks.targets.as_slice();
-        let mut left = self.steps.as_slice();
-        let (values, row) = (&mut self.values, &mut self.row);
-        for size in &blocks.sizes {
+    /// Runs through the operations with new values of the matrix; false if a pivot has shrunk too far. `row` is memory.
+    pub(super) fn repeat<T: Scalar>(
+        &self,
+        steps: &[Step],
+        index: &[u32],
+        scales: (&[f64], &[f64]),
+        values: &mut [T],
+        row: &mut Vec<T>,
+    ) -> bool {
+        let mut targets = self.targets.as_slice();
+        let mut left = steps;
+        for size in &self.sizes {
             let (steps, later) = left.split_at(*size as usize);
             left = later;
             for (at, step) in steps.iter().enumerate() {
                 let (from, upper) = (step.at as usize, step.upper as usize);
                 let lower = from + 1 + upper;
-                let limits = (&self.row_scale[..], &self.column_scale[..]);
-                if !step.holds(values, &self.index, limits, self.for_steps) {
+                // Blocks are of factors that only steps of an iteration come from.
+                if !step.holds(values, index, scales, true) {
                     return false;
                 }
                 let inverse = values[from].inverse();

@@ -15,83 +15,30 @@ use super::blocks::Blocks;
 use super::entries::Entries;
 use super::matrix::Matrix;
 use super::ordering::columns_of;
-use super::pivoting::Elimination;
+use super::pivoting::{Eliminated, eliminated};
 use super::scalar::Scalar;
-
-/// A pivot may shrink by this against the one it was when the order was chosen, whatever stands below it.
-const SHRUNK: f64 = 1e-3;
-/// A pivot that has shrunk further will do while it is so large, after rows and columns are scaled as they were then,
-const SMALL: f64 = 1e-8;
-/// and no entry below it is larger by more than this: the multipliers bound what round-off grows by. For answers, and for steps of an
-/// iteration whose residuals say what is left.
-const GROWTH: f64 = 1e3;
-const GROWTH_OF_STEPS: f64 = 1e7;
-
-/// One step of the elimination. Its pivot, row of U and column of L stand one after the other in the values.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Step {
-    pub row: u32,
-    pub column: u32,
-    /// Place of the pivot; U follows, then L.
-    pub at: u32,
-    pub upper: u32,
-    pub lower: u32,
-    /// Size of the pivot when it was chosen.
-    pub size: f64,
-}
-
-impl Step {
-    /// Whether the pivot has not shrunk, or still is large enough against what stands below it.
-    pub(super) fn holds<T: Scalar>(
-        &self,
-        values: &[T],
-        index: &[u32],
-        (row_scale, column_scale): (&[f64], &[f64]),
-        for_steps: bool,
-    ) -> bool {
-        let at = self.at as usize;
-        // Written so that a NaN fails.
-        if values[at].size() >= SHRUNK * self.size {
-            return true;
-        }
-        let scaled = |at: usize, row: u32| values[at].size() * row_scale[row as usize];
-        let pivot = scaled(at, self.row);
-        let growth = if for_steps { GROWTH_OF_STEPS } else { GROWTH };
-        let lower = at + 1 + self.upper as usize;
-        let below = lower..lower + self.lower as usize;
-        pivot * column_scale[self.column as usize] >= SMALL * GROWTH / growth
-            && below
-                .into_iter()
-                .all(|k| scaled(k, index[k]) <= growth * pivot)
-    }
-}
+use super::step::Step;
 
 /// Sparse LU factors, of real numbers or of complex ones.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lu<T = f64> {
     n: usize,
-    pub(super) steps: Vec<Step>,
-    /// Where each entry of the matrix goes.
-    pub(super) entries: Vec<u32>,
-    /// Column (of U entries) or row (of L entries) of every value.
+    steps: Vec<Step>,
+    entries: Vec<u32>,
     pub(crate) index: Vec<u32>,
-    pub(super) values: Vec<T>,
-    /// For every step, row by row of L: where the products go.
-    pub(super) targets: Vec<u32>,
-    /// Columns without a pivot.
-    pub(super) free: Vec<u32>,
-    /// Rows without a pivot.
-    pub(super) idle: Vec<u32>,
-    pub(super) row_scale: Vec<f64>,
-    pub(super) column_scale: Vec<f64>,
-    /// The operations of many steps at once, in place of the targets; where only steps of an iteration come from it.
-    pub(super) blocks: Blocks,
+    values: Vec<T>,
+    targets: Vec<u32>,
+    blocks: Blocks,
+    free: Vec<u32>,
+    idle: Vec<u32>,
+    row_scale: Vec<f64>,
+    column_scale: Vec<f64>,
     work: Vec<T>,
-    pub(super) row: Vec<T>,
+    row: Vec<T>,
     /// How often an order was chosen.
     pub(crate) orders: usize,
     /// Only steps of an iteration come from it.
-    pub(super) for_steps: bool,
+    for_steps: bool,
 }
 
 impl Lu {
@@ -134,7 +81,18 @@ impl<T: Scalar> Lu<T> {
         if self.orders > 0 && self.free.is_empty() && self.repeat(matrix) {
             return;
         }
-        Elimination::run(matrix, self, order(matrix));
+        Eliminated {
+            steps: self.steps,
+            entries: self.entries,
+            index: self.index,
+            values: self.values,
+            targets: self.targets,
+            blocks: self.blocks,
+            free: self.free,
+            idle: self.idle,
+            row_scale: self.row_scale,
+            column_scale: self.column_scale,
+        } = eliminated(matrix, order(matrix), self.for_steps);
         self.orders += 1;
         self.work.resize(self.n, T::default());
     }
@@ -145,15 +103,18 @@ impl<T: Scalar> Lu<T> {
         for (&at, value) in self.entries.iter().zip(matrix.values) {
             self.values[at as usize] = *value;
         }
+        let scales = (&self.row_scale[..], &self.column_scale[..]);
         if !self.blocks.is_empty() {
-            return self.repeat_in_blocks();
+            let (steps, index) = (&self.steps, &self.index);
+            return self
+                .blocks
+                .repeat(steps, index, scales, &mut self.values, &mut self.row);
         }
         let mut targets = self.targets.as_slice();
         for step in &self.steps {
             let at = step.at as usize;
             let upper = step.upper as usize;
             let lower = at + 1 + upper;
-            let scales = (&self.row_scale[..], &self.column_scale[..]);
             if !step.holds(&self.values, &self.index, scales, self.for_steps) {
                 return false;
             }

@@ -11,6 +11,7 @@ mod ordering;
 mod pivoting;
 mod scalar;
 mod sink;
+mod step;
 
 pub(crate) use entries::Entries;
 pub(crate) use levels::Levels;
@@ -19,7 +20,5 @@ pub(crate) use matrix::Matrix;
 pub(crate) use ordering::by_groups;
 #[cfg(test)]
 pub(crate) use ordering::minimum_degree;
-#[cfg(test)]
-pub(crate) use pivoting::Elimination;
 pub(crate) use scalar::Scalar;
 pub(crate) use sink::{NoMatrix, Sink};

@@ -1,9 +1,9 @@
 //! The first elimination of a pattern: choosing pivots, and writing down what is done.
 
-use super::blocks::Written;
+use super::blocks::{Blocks, Written};
 use super::entries::Entries;
-use super::lu::{Lu, Step};
 use super::scalar::Scalar;
+use super::step::Step;
 
 /// A pivot smaller than this, after rows and columns are scaled to one, is none.
 const RANK_TOLERANCE: f64 = 1e-11;
@@ -15,8 +15,28 @@ const NOISE: f64 = 1e-14;
 const CANDIDATES: usize = 4;
 const NOWHERE: u32 = u32::MAX;
 
+/// An elimination as it was done.
+pub(super) struct Eliminated<T> {
+    pub steps: Vec<Step>,
+    /// Where each entry of the matrix goes.
+    pub entries: Vec<u32>,
+    /// Column (of U entries) or row (of L entries) of every value.
+    pub index: Vec<u32>,
+    pub values: Vec<T>,
+    /// For every step, row by row of L: where the products go.
+    pub targets: Vec<u32>,
+    /// The operations of many steps at once, in place of the targets; empty where they were not asked for.
+    pub blocks: Blocks,
+    /// Columns without a pivot.
+    pub free: Vec<u32>,
+    /// Rows without a pivot.
+    pub idle: Vec<u32>,
+    pub row_scale: Vec<f64>,
+    pub column_scale: Vec<f64>,
+}
+
 /// An elimination in progress. Values stand in order of creation: entries of the matrix, then fill.
-pub(crate) struct Elimination<'a, T> {
+struct Elimination<'a, T> {
     values: Vec<T>,
     /// (column, value index) of the entries of each active row.
     rows: Vec<Vec<(u32, u32)>>,
@@ -38,85 +58,93 @@ pub(crate) struct Elimination<'a, T> {
     free: Vec<u32>,
 }
 
-impl<T: Scalar> Elimination<'_, T> {
-    /// Factors the matrix into `lu`, its columns in the order given; where none is, they are searched for.
-    pub(crate) fn run(matrix: &Entries<'_, T>, lu: &mut Lu<T>, mut given: Vec<u32>) {
-        let n = matrix.n;
-        given.reverse();
-        scale(matrix, &mut lu.row_scale, &mut lu.column_scale);
-        let mut rows = vec![Vec::new(); n];
-        let mut columns = vec![Vec::new(); n];
-        for (k, (row, column, _)) in matrix.iter().enumerate() {
-            rows[row].push((column as u32, k as u32));
-            columns[column].push((row as u32, k as u32));
-        }
-        let mut work = Elimination {
-            values: matrix.values.to_vec(),
-            rows,
-            columns,
-            buckets: vec![Vec::new(); n + 1],
-            given,
-            closed: vec![false; n],
-            place: vec![NOWHERE; n],
-            row_scale: &lu.row_scale,
-            column_scale: &lu.column_scale,
-            steps: Vec::with_capacity(n),
-            order: Vec::new(),
-            targets: Vec::new(),
-            free: Vec::new(),
-        };
-        for column in 0..n {
-            work.file(column as u32);
-        }
-        while let Some((row, column)) = work.choose() {
-            work.eliminate(row, column);
-        }
-        let mut active = vec![true; n];
-        for step in &work.steps {
-            active[step.row as usize] = false;
-        }
-        let Elimination {
-            values,
-            steps,
-            mut order,
-            targets,
-            mut free,
-            ..
-        } = work;
-        free.sort_unstable();
-        let in_blocks = lu.for_steps;
-        if in_blocks {
-            let mut written = Written {
-                steps: &steps,
-                order: &mut order,
-                targets: &targets,
-            };
-            lu.blocks = written.blocks(n);
-        }
-        // Values move to where a step finds its own side by side; what no step owns is dropped at the end.
-        let mut moved = vec![NOWHERE; values.len()];
-        for (new, (old, _)) in order.iter().enumerate() {
-            moved[*old as usize] = new as u32;
-        }
-        let dump = order.len() as u32;
-        let to = |old: u32| match moved[old as usize] {
-            NOWHERE => dump,
-            new => new,
-        };
-        lu.values = order.iter().map(|(old, _)| values[*old as usize]).collect();
-        lu.values.push(T::default());
-        lu.index = order.iter().map(|(_, index)| *index).collect();
-        lu.entries = (0..matrix.values.len() as u32).map(to).collect();
-        if in_blocks {
-            lu.blocks.renumber(to);
-        } else {
-            lu.targets = targets.into_iter().map(to).collect();
-        }
-        lu.steps = steps;
-        lu.free = free;
-        lu.idle = (0..n as u32).filter(|r| active[*r as usize]).collect();
+/// Eliminates a matrix, its columns in the order given; where none is, they are searched for. `in_blocks` writes the steps down in blocks.
+pub(super) fn eliminated<T: Scalar>(
+    matrix: &Entries<'_, T>,
+    mut given: Vec<u32>,
+    in_blocks: bool,
+) -> Eliminated<T> {
+    let n = matrix.n;
+    given.reverse();
+    let (mut row_scale, mut column_scale) = (vec![0.0; n], vec![0.0; n]);
+    scale(matrix, &mut row_scale, &mut column_scale);
+    let mut rows = vec![Vec::new(); n];
+    let mut columns = vec![Vec::new(); n];
+    for (k, (row, column, _)) in matrix.iter().enumerate() {
+        rows[row].push((column as u32, k as u32));
+        columns[column].push((row as u32, k as u32));
     }
+    let mut work = Elimination {
+        values: matrix.values.to_vec(),
+        rows,
+        columns,
+        buckets: vec![Vec::new(); n + 1],
+        given,
+        closed: vec![false; n],
+        place: vec![NOWHERE; n],
+        row_scale: &row_scale,
+        column_scale: &column_scale,
+        steps: Vec::with_capacity(n),
+        order: Vec::new(),
+        targets: Vec::new(),
+        free: Vec::new(),
+    };
+    for column in 0..n {
+        work.file(column as u32);
+    }
+    while let Some((row, column)) = work.choose() {
+        work.eliminate(row, column);
+    }
+    let mut active = vec![true; n];
+    for step in &work.steps {
+        active[step.row as usize] = false;
+    }
+    let Elimination {
+        values,
+        steps,
+        mut order,
+        mut targets,
+        mut free,
+        ..
+    } = work;
+    free.sort_unstable();
+    let mut blocks = Blocks::default();
+    if in_blocks {
+        let mut written = Written {
+            steps: &steps,
+            order: &mut order,
+            targets: &targets,
+        };
+        blocks = written.blocks(n);
+        targets = Vec::new();
+    }
+    // Values move to where a step finds its own side by side; what no step owns is dropped at the end.
+    let mut moved = vec![NOWHERE; values.len()];
+    for (new, (old, _)) in order.iter().enumerate() {
+        moved[*old as usize] = new as u32;
+    }
+    let dump = order.len() as u32;
+    let to = |old: u32| match moved[old as usize] {
+        NOWHERE => dump,
+        new => new,
+    };
+    blocks.renumber(to);
+    let own = order.iter().map(|(old, _)| values[*old as usize]);
+    Eliminated {
+        values: own.chain([T::default()]).collect(),
+        index: order.iter().map(|(_, index)| *index).collect(),
+        entries: (0..matrix.values.len() as u32).map(to).collect(),
+        targets: targets.into_iter().map(to).collect(),
+        blocks,
+        steps,
+        free,
+        idle: (0..n as u32).filter(|r| active[*r as usize]).collect(),
+        row_scale,
+        column_scale,
+    }
+}
 
+impl<T: Scalar> Elimination<'_, T> {
     fn file(&mut self, column: u32) {
         let count = self.columns[column as usize].len();
         self.buckets[count].push(column);

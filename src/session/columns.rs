@@ -1,8 +1,10 @@
 use crate::model::{
-    MarkerIx, Model, PartIx, PartKind, Request, RequestKind, ResultsSettings, SpringKind,
-    VectorForceKind,
+    ArrayKind, LinearStates, MarkerIx, Model, PartIx, PartKind, Request, RequestKind,
+    ResultsSettings, SpringKind, VectorForceKind,
 };
 use crate::results::{Catalogue, EntityKind, Numbering, Stored};
+use crate::syntax::hash::QuickMap;
+use crate::system::{ConstraintIx, ElementIx, System};
 use crate::units::{Dimension, Units};
 
 /// What the values of an entity of the results are.
@@ -10,9 +12,16 @@ use crate::units::{Dimension, Units};
 pub(super) enum Item {
     /// A DIFF: index into the model.
     Diff(usize),
-    /// A constraint: statement and id.
-    Constraint(&'static str, u32),
-    /// A force element: statement and id; and the angles of I in J where asked for.
+    /// A constraint.
+    Constraint {
+        /// Statement.
+        kind: &'static str,
+        /// Id.
+        id: u32,
+        /// Where it is in the system.
+        at: Option<ConstraintIx>,
+    },
+    /// A force element; and the angles of I in J where asked for.
     Element {
         /// Statement.
         kind: &'static str,
@@ -20,6 +29,8 @@ pub(super) enum Item {
         id: u32,
         /// ANGX, ANGY, ANGZ follow.
         angles: bool,
+        /// Where it is in the system.
+        at: Option<ElementIx>,
     },
     /// Requests that share a name: (request, component), both indices.
     Request(Vec<(usize, usize)>),
@@ -33,8 +44,15 @@ pub(super) enum Item {
     Multi(u32, usize),
     /// The variables of a PINPUT or POUTPUT: indices into the model.
     Variables(Vec<Option<usize>>),
-    /// States and outputs of linear state equations: index into the model.
-    LinearStates(usize),
+    /// States and outputs of linear state equations.
+    LinearStates {
+        /// Index into the model.
+        index: usize,
+        /// The first of their states.
+        first: usize,
+        /// The variables that are their inputs.
+        inputs: Vec<Option<usize>>,
+    },
     /// A FRICTION: its id.
     Friction(u32),
 }
@@ -53,8 +71,8 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// The columns that RESULTS asks for.
-    pub(crate) fn of(model: &Model) -> Self {
+    /// The columns that RESULTS asks for, of a model as a system.
+    pub(crate) fn of(model: &Model, system: &System) -> Self {
         let settings = &model.results;
         let stored = Stored {
             displacements: !settings.no_displacements,
@@ -85,13 +103,67 @@ impl Columns {
             mut items,
         } = builder;
         items.sort_by_key(|(kind, _)| *kind);
-        Self {
+        let mut columns = Self {
             bodies,
             stored,
             items: items.into_iter().map(|(_, item)| item).collect(),
             catalogue: numbering.finish(),
+        };
+        columns.locate(model, system);
+        columns
+    }
+
+    /// Finds what the columns name in the system of a model that was compiled anew.
+    pub(crate) fn locate(&mut self, model: &Model, system: &System) {
+        let elements: QuickMap<_, _> = system
+            .elements()
+            .map(|(element, name)| ((name.kind, name.id), element))
+            .collect();
+        let constraints: QuickMap<_, _> = system
+            .constraints()
+            .map(|(constraint, name)| ((name.kind, name.id), constraint))
+            .collect();
+        for item in &mut self.items {
+            match item {
+                Item::Element { kind, id, at, .. } => *at = elements.get(&(*kind, *id)).copied(),
+                Item::Constraint { kind, id, at } => *at = constraints.get(&(*kind, *id)).copied(),
+                Item::LinearStates {
+                    index,
+                    first,
+                    inputs,
+                } => {
+                    // DIFFs come first among the states, then these in the order of the model.
+                    let before = model.linear_states[..*index].iter();
+                    *first = model.diffs.len() + before.map(|s| s.a.len()).sum::<usize>();
+                    *inputs = inputs_of(model, &model.linear_states[*index]);
+                }
+                Item::Diff(_)
+                | Item::Request(_)
+                | Item::Variable(_)
+                | Item::FloatingMarker(_)
+                | Item::Condition(..)
+                | Item::Multi(..)
+                | Item::Variables(_)
+                | Item::Friction(_) => {}
+            }
         }
     }
+}
+
+/// The variables in the array of inputs of linear state equations.
+fn inputs_of(model: &Model, states: &LinearStates) -> Vec<Option<usize>> {
+    let mut arrays = model.arrays.iter();
+    let inputs = arrays.find(|array| array.header.id == states.u);
+    match inputs.map(|array| &array.kind) {
+        Some(ArrayKind::Variables(ids)) => variables(model, ids),
+        _ => Vec::new(),
+    }
+}
+
+/// Where variables are in the model.
+fn variables(model: &Model, ids: &[u32]) -> Vec<Option<usize>> {
+    let variable = |id: &u32| model.variables.iter().position(|v| v.header.id == *id);
+    ids.iter().map(variable).collect()
 }
 
 struct Builder {
@@ -151,7 +223,8 @@ impl Builder {
             ($($list:ident $kind:ident $word:literal),+) => {
                 $(for object in &model.$list {
                     let (name, id) = (&object.header.name, object.header.id);
-                    self.item(EntityKind::$kind, name, id, Item::Constraint($word, id));
+                    let item = Item::Constraint { kind: $word, id, at: None };
+                    self.item(EntityKind::$kind, name, id, item);
                 })+
             };
         }
@@ -174,13 +247,12 @@ impl Builder {
     }
 
     fn add_ports(&mut self, model: &Model) {
-        let variable = |id: &u32| model.variables.iter().position(|v| v.header.id == *id);
         for port in &model.plant_ports {
             let kind = match port.kind {
                 "PINPUT" => EntityKind::PlantInput,
                 _ => EntityKind::PlantOutput,
             };
-            let variables: Vec<_> = port.variables.iter().map(variable).collect();
+            let variables = variables(model, &port.variables);
             let (name, id) = (&port.header.name, port.header.id);
             let name = (!name.is_empty()).then_some(name.as_str());
             self.numbering
@@ -204,7 +276,12 @@ impl Builder {
                 columns.iter().map(|name| (name.as_str(), None)).collect();
             let (name, id) = (&states.header.name, i64::from(states.header.id));
             self.numbering.named(kind, Some(name), id, None, &columns);
-            self.items.push((kind, Item::LinearStates(index)));
+            let item = Item::LinearStates {
+                index,
+                first: 0,
+                inputs: Vec::new(),
+            };
+            self.items.push((kind, item));
         }
     }
 
@@ -274,6 +351,7 @@ impl Builder {
                 kind: word,
                 id: header.id,
                 angles: entity.has_angles(),
+                at: None,
             };
             self.item(entity, &header.name, header.id, item);
         };

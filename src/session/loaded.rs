@@ -6,7 +6,7 @@ use crate::model::{Definitions, Ignore, Model, Request, said_left_out};
 use crate::statics::Solver;
 use crate::syntax::expression::Node;
 use crate::syntax::{Address, Argument, Dataset, Statement, Value};
-use crate::system::{EquationName, Parameters, Slot, State, System};
+use crate::system::{EquationName, Parameters, Scratch, Slot, State, System};
 use crate::text::Source;
 
 use super::file_policy::FilePolicy;
@@ -236,7 +236,9 @@ impl Loaded {
         let mut here = system.state();
         carry_over(&system, &mut here, before);
         let parameters = system.parameters();
-        Some(Measures::new(&system, &parameters, &here).request(&model, 0))
+        let mut scratch = Scratch::new(&system);
+        let mut measures = Measures::new(&system, &parameters, &here, &mut scratch);
+        Some(measures.request(&model, 0))
             .filter(|values| values.iter().all(|value| value.is_finite()))
     }
 
@@ -285,6 +287,7 @@ impl Loaded {
                 .partition(|diagnostic| diagnostic.severity == Severity::Error);
             diagnostics.extend(warnings);
             let system = checked.value;
+            self.outputs.locate(&self.model, &system);
             let mut state = system.state();
             if let Some(before) = self.before.take() {
                 carry_over(&system, &mut state, before);

@@ -1,7 +1,5 @@
-use std::collections::BTreeMap;
-
 use crate::mechanics::{Mat3, Pose, Vec3, euler313, psi_theta_phi};
-use crate::model::{ArrayKind, MarkerIx, Model, RequestKind};
+use crate::model::{LinearStates, MarkerIx, Model, RequestKind};
 use crate::results::EntityKind;
 use crate::system::{
     Configuration, ConstraintIx, ElementIx, Parameters, Reading, Scratch, State, System,
@@ -16,77 +14,61 @@ pub(super) struct Measures<'s> {
     system: &'s System,
     parameters: &'s Parameters,
     pub state: &'s State,
-    scratch: Scratch,
-    elements: BTreeMap<(&'static str, u32), ElementIx>,
-    constraints: BTreeMap<(&'static str, u32), ConstraintIx>,
+    scratch: &'s mut Scratch,
 }
 
 impl<'s> Measures<'s> {
     /// Looks at a state.
-    pub(crate) fn new(system: &'s System, parameters: &'s Parameters, state: &'s State) -> Self {
-        let mut scratch = Scratch::new(system);
+    pub(crate) fn new(
+        system: &'s System,
+        parameters: &'s Parameters,
+        state: &'s State,
+        scratch: &'s mut Scratch,
+    ) -> Self {
         // Functions without a value make the elements they drive zero.
-        let _ = system.at(parameters, state, &mut scratch).look();
+        let _ = system.at(parameters, state, scratch).look();
         Self {
             system,
             parameters,
             state,
             scratch,
-            elements: system
-                .elements()
-                .map(|(element, name)| ((name.kind, name.id), element))
-                .collect(),
-            constraints: system
-                .constraints()
-                .map(|(constraint, name)| ((name.kind, name.id), constraint))
-                .collect(),
         }
     }
 
     /// The state, looked at.
     fn here(&mut self) -> Configuration<'_> {
-        let scratch = &mut self.scratch;
-        self.system.at(self.parameters, self.state, scratch)
+        self.system.at(self.parameters, self.state, self.scratch)
     }
 
-    fn element(&mut self, kind: &'static str, id: u32) -> Option<Reading> {
-        let element = *self.elements.get(&(kind, id))?;
+    fn element(&mut self, element: ElementIx) -> Option<Reading> {
         self.here().read_element(element).ok()
     }
 
-    fn constraint(&mut self, kind: &'static str, id: u32) -> Option<Reading> {
-        let constraint = *self.constraints.get(&(kind, id))?;
-        Some(self.here().read_constraint(constraint))
+    fn constraint(&mut self, constraint: ConstraintIx) -> Reading {
+        self.here().read_constraint(constraint)
     }
 
     fn multi(&mut self, id: u32) -> Vec<Reading> {
         self.here().read_nforce(id).unwrap_or_default()
     }
 
-    /// x, then y = C x + D u.
-    fn linear_states(&self, model: &Model, index: usize, values: &mut Vec<f64>) {
-        // DIFFs come first among the states, then these in the order of the model.
-        let before: usize = model.linear_states[..index].iter().map(|s| s.a.len()).sum();
-        let first = model.diffs.len() + before;
-        let states = &model.linear_states[index];
+    fn variable(&self, index: Option<usize>) -> f64 {
+        let value = index.and_then(|k| self.state.variables.get(k));
+        value.copied().unwrap_or(0.0)
+    }
+
+    /// x, from the first of the states on, then y = C x + D u.
+    fn linear_states(
+        &self,
+        states: &LinearStates,
+        first: usize,
+        inputs: &[Option<usize>],
+        values: &mut Vec<f64>,
+    ) {
         let x: Vec<f64> = (first..first + states.a.len())
             .map(|at| self.state.states.get(at).copied().unwrap_or(0.0))
             .collect();
-        let inputs = model
-            .arrays
-            .iter()
-            .find(|array| array.header.id == states.u);
-        let u: Vec<f64> = match inputs.map(|array| &array.kind) {
-            Some(ArrayKind::Variables(ids)) => ids
-                .iter()
-                .map(|id| {
-                    let at = model.variables.iter().position(|v| v.header.id == *id);
-                    at.and_then(|k| self.state.variables.get(k).copied())
-                        .unwrap_or(0.0)
-                })
-                .collect(),
-            _ => Vec::new(),
-        };
+        let u: Vec<f64> = inputs.iter().map(|index| self.variable(*index)).collect();
         let dot = |row: &[f64], v: &[f64]| -> f64 { row.iter().zip(v).map(|(a, b)| a * b).sum() };
         values.extend(&x);
         for (k, row) in states.c.iter().enumerate() {
@@ -209,12 +191,13 @@ impl Columns {
                 values.push(at(&measures.state.states));
                 values.push(at(&measures.state.state_rates));
             }
-            Item::Variable(index) => {
-                values.push(measures.state.variables.get(*index).copied().unwrap_or(0.0));
+            Item::Variable(index) => values.push(measures.variable(Some(*index))),
+            Item::Constraint { at, .. } => {
+                let reading = at.map(|at| measures.constraint(at));
+                wrench(reading.as_ref(), values);
             }
-            Item::Constraint(kind, id) => wrench(measures.constraint(kind, *id).as_ref(), values),
-            Item::Element { kind, id, angles } => {
-                let reading = measures.element(kind, *id);
+            Item::Element { at, angles, .. } => {
+                let reading = at.and_then(|at| measures.element(at));
                 wrench(reading.as_ref(), values);
                 if *angles {
                     let angles = reading.map_or_else(Vec3::zeros, |reading| reading.motion.angles);
@@ -247,14 +230,13 @@ impl Columns {
                 }
             }
             Item::Variables(variables) => {
-                let value = |index: &Option<usize>| {
-                    index.map_or(0.0, |k| {
-                        measures.state.variables.get(k).copied().unwrap_or(0.0)
-                    })
-                };
-                values.extend(variables.iter().map(value));
+                values.extend(variables.iter().map(|index| measures.variable(*index)));
             }
-            Item::LinearStates(index) => measures.linear_states(model, *index, values),
+            Item::LinearStates {
+                index,
+                first,
+                inputs,
+            } => measures.linear_states(&model.linear_states[*index], *first, inputs, values),
             Item::Friction(id) => {
                 let read = measures.here().read_friction(*id).unwrap_or_default();
                 for vector in [read.force, read.torque, read.mu, read.mu_turn] {

@@ -10,7 +10,7 @@ use crate::results::{
     GraphicsMarker, GraphicsWriter, Header, NumberStyle, RequestEntry, RequestWriter, ResultsTable,
     ResultsWriter, StepKind, Style, Tabular, TabularRequest, Timestamp, XrfWriter, write_tabular,
 };
-use crate::system::State;
+use crate::system::System;
 use crate::text::{LineEnds, patiently};
 
 use super::columns::{Columns, usual_names};
@@ -111,7 +111,7 @@ impl Outputs {
     ///
     /// # Errors
     /// When a file cannot be written.
-    pub(crate) fn begin(&mut self, model: &Model, initial: &State) -> Result<(), Diagnostic> {
+    pub(crate) fn begin(&mut self, model: &Model, system: &System) -> Result<(), Diagnostic> {
         if self.begun {
             return Ok(());
         }
@@ -119,7 +119,7 @@ impl Outputs {
         let when = Timestamp::now();
         // Who keeps results in memory wants them, whatever files the model asks for.
         if model.results.present || self.record.is_some() {
-            self.begin_results(model, initial, when)?;
+            self.begin_results(model, system, when)?;
         }
         if model.output.reqsave {
             let entries: Vec<RequestEntry> = model.requests.iter().map(entry).collect();
@@ -148,6 +148,13 @@ impl Outputs {
         Ok(())
     }
 
+    /// The model was compiled anew, after the files were begun or before.
+    pub(crate) fn locate(&mut self, model: &Model, system: &System) {
+        if let Some((_, columns)) = &mut self.results {
+            columns.locate(model, system);
+        }
+    }
+
     fn create<T>(
         &mut self,
         extension: &str,
@@ -166,7 +173,7 @@ impl Outputs {
     fn begin_results(
         &mut self,
         model: &Model,
-        initial: &State,
+        system: &System,
         when: Timestamp,
     ) -> Result<(), Diagnostic> {
         let path = with_extension(&self.prefix, "res");
@@ -174,12 +181,12 @@ impl Outputs {
         let shown = shown.display().to_string();
         let mut header = Header::new(&shown, &model.title, &model.units, when);
         header.comment.clone_from(&model.results.comment);
-        let columns = Columns::of(model);
+        let columns = Columns::of(model, system);
         let style = Style {
             numbers: NumberStyle::Decimals(model.results.decimal_places.min(40) as u8),
             ..Style::default()
         };
-        columns.input(initial, &mut self.values);
+        columns.input(&system.state(), &mut self.values);
         let values = std::mem::take(&mut self.values);
         let catalogue = columns.catalogue.clone();
         let mut results: Box<dyn ResultsWriter> = if self.record.is_some() {

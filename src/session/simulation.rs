@@ -272,9 +272,15 @@ impl Session<'_> {
     fn warn_if_unstable(&mut self) {
         let loaded = self.model();
         let time = loaded.time();
-        let compiled = loaded.compiled().value;
-        let (system, parameters, state) = (&compiled.system, &compiled.parameters, &compiled.state);
-        let unstable = Softest::unstable(system, parameters, state).ok().flatten();
+        let Compiled {
+            system,
+            parameters,
+            state,
+            solver,
+            ..
+        } = loaded.compiled().value;
+        let unstable = Softest::unstable(system, parameters, state, solver.scratch());
+        let unstable = unstable.ok().flatten();
         let motion = unstable.as_ref().map(|softest| {
             let motion = softest.described(system, parameters, state);
             let motion = motion.unwrap_or_else(|| "the parts leave it".to_string());
@@ -397,7 +403,7 @@ impl Loaded {
     /// Writes the heads of the output files, which are there even if no equilibrium is found.
     fn begin_outputs(&mut self) -> Result<(), Diagnostic> {
         match self.writing() {
-            Some((model, outputs, compiled)) => outputs.begin(model, &compiled.system.state()),
+            Some((model, outputs, compiled)) => outputs.begin(model, &compiled.system),
             None => Ok(()),
         }
     }
@@ -407,8 +413,15 @@ impl Loaded {
         let Some((model, outputs, compiled)) = self.writing() else {
             return Ok(());
         };
-        let (system, parameters, state) = (&compiled.system, &compiled.parameters, &compiled.state);
-        outputs.step(kind, model, &mut Measures::new(system, parameters, state))
+        let Compiled {
+            system,
+            parameters,
+            state,
+            solver,
+            ..
+        } = compiled;
+        let mut measures = Measures::new(system, parameters, state, solver.scratch());
+        outputs.step(kind, model, &mut measures)
     }
 
     /// What is written, where to, and the compiled model it is computed with.

@@ -269,11 +269,11 @@ impl Session<'_> {
                 };
                 self.messages.progress(&mut progress, row);
                 let loaded = self.model();
-                let written = loaded.outputs.step(
-                    StepKind::Dynamic,
-                    &loaded.model,
-                    &mut Measures::new(&compiled.system, &compiled.parameters, &last),
-                );
+                let (system, parameters) = (&compiled.system, &compiled.parameters);
+                let scratch = compiled.solver.scratch();
+                let mut measures = Measures::new(system, parameters, &last, scratch);
+                let (model, outputs) = (&loaded.model, &mut loaded.outputs);
+                let written = outputs.step(StepKind::Dynamic, model, &mut measures);
                 if let Err(diagnostic) = written {
                     return self.unwritable(&diagnostic).map(|()| None);
                 }

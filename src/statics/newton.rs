@@ -124,6 +124,11 @@ impl Solver {
         }
     }
 
+    /// Memory for whoever looks at a state of the system between solutions.
+    pub(crate) fn scratch(&mut self) -> &mut Scratch {
+        &mut self.scratch
+    }
+
     /// Lets go of all factors: the next solve works out its own.
     pub(crate) fn forget(&mut self, system: &System) {
         *self = Self {

@@ -29,7 +29,7 @@ pub fn smallest_eigenvalue(
     parameters: &Parameters,
     state: &State,
 ) -> Result<Option<f64>, SolveError> {
-    let found = smallest(system, parameters, state)?;
+    let found = smallest(system, parameters, state, &mut Scratch::new(system))?;
     Ok(found.map(|(stiffness, ..)| stiffness))
 }
 
@@ -38,12 +38,13 @@ fn smallest(
     system: &System,
     parameters: &Parameters,
     state: &State,
+    scratch: &mut Scratch,
 ) -> Result<Option<(f64, Vec<f64>, f64)>, SolveError> {
     let n = system.first_equation;
     if n == 0 {
         return Ok(None);
     }
-    let tangent = assembled(system, parameters, state)?;
+    let tangent = assembled(system, parameters, state, scratch)?;
     let lengths = lengths(system);
     let bound = bound(system, &tangent, &lengths);
     let found = if n <= DENSE {
@@ -73,7 +74,16 @@ impl Softest {
         parameters: &Parameters,
         state: &State,
     ) -> Result<Option<Self>, SolveError> {
-        let found = smallest(system, parameters, state)?;
+        Self::with(system, parameters, state, &mut Scratch::new(system))
+    }
+
+    fn with(
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+        scratch: &mut Scratch,
+    ) -> Result<Option<Self>, SolveError> {
+        let found = smallest(system, parameters, state, scratch)?;
         Ok(found.map(|(smallest, motion, bound)| Self {
             stiffness: if smallest.abs() < ROUND_OFF * bound {
                 0.0
@@ -92,10 +102,11 @@ impl Softest {
         system: &System,
         parameters: &Parameters,
         state: &State,
+        scratch: &mut Scratch,
     ) -> Result<Option<Self>, SolveError> {
         let n = system.first_equation;
         if n > 0 && n <= DENSE {
-            let tangent = assembled(system, parameters, state)?;
+            let tangent = assembled(system, parameters, state, scratch)?;
             let lengths = lengths(system);
             if let Some((reduced, _)) = reduced(system, &tangent, &lengths) {
                 // No eigenvalue has a smaller real part than the symmetric part allows.
@@ -105,7 +116,8 @@ impl Softest {
                 }
             }
         }
-        Ok(Self::of(system, parameters, state)?.filter(|softest| softest.stiffness < 0.0))
+        Ok(Self::with(system, parameters, state, scratch)?
+            .filter(|softest| softest.stiffness < 0.0))
     }
 
     /// True where looking at the stability costs no more than the solution: large systems are factored several times for it.
@@ -158,11 +170,11 @@ fn assembled(
     system: &System,
     parameters: &Parameters,
     state: &State,
+    scratch: &mut Scratch,
 ) -> Result<Matrix, SolveError> {
     let mut matrix = Matrix::new(system.unknowns());
     let mut g = vec![0.0; system.unknowns()];
-    let mut scratch = Scratch::new(system);
-    system.assemble(parameters, state, &mut scratch, &mut g, &mut matrix)?;
+    system.assemble(parameters, state, scratch, &mut g, &mut matrix)?;
     matrix.finish();
     Ok(matrix)
 }
@@ -321,7 +333,8 @@ mod tests {
         for push in [0.0, 1.0, 50.0, 1e4, 1e7] {
             let (system, state) = chain(20, push);
             let parameters = system.parameters();
-            let tangent = assembled(&system, &parameters, &state).unwrap();
+            let mut scratch = Scratch::new(&system);
+            let tangent = assembled(&system, &parameters, &state, &mut scratch).unwrap();
             let lengths = lengths(&system);
             let bound = bound(&system, &tangent, &lengths);
             let (all, _) = dense(&system, &tangent, &lengths).unwrap();

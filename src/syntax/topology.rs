@@ -24,11 +24,9 @@ impl Argument {
     /// The objects an argument names.
     pub(crate) fn references(&self) -> Vec<Reference> {
         let as_reference = |space, number: &Number| {
-            let whole =
-                number.value.fract() == 0.0 && (1.0..=f64::from(u32::MAX)).contains(&number.value);
-            whole.then_some(Reference {
+            Some(Reference {
                 space,
-                id: number.value as u32,
+                id: number.as_id()?,
                 span: number.span,
             })
         };

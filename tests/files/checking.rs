@@ -54,7 +54,7 @@ fn commands_name_objects_of_their_deck() {
         ("SFORCE/4, FUNCTION=1\n", "SFORCE/4 is not in d.adm"),
         (
             "SFORCE/3, FUNCTION=AZ(20,11)\n",
-            "SFORCE names MARKER/11, which is not in d.adm",
+            "SFORCE/3 names MARKER/11, which is not in d.adm",
         ),
         ("BUSHING/1, K=1,1,1\n", "BUSHING/1 is not in d.adm"),
     ] {

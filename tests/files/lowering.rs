@@ -1,10 +1,11 @@
 //! The typed model of real decks and of small ones.
 
-use admire::diagnostic::{Checked, Code, Severity};
+use admire::diagnostic::{Checked, Code, Diagnostic, Severity};
 use admire::model::{Definitions, Function, JointKind, Model, Orientation, RequestKind};
 use admire::syntax::files::Files;
+use admire::syntax::lint::{self, Options};
 use admire::syntax::{CommandFile, Dataset};
-use admire::text::Source;
+use admire::text::{Source, Span};
 
 use super::lossless::real_files;
 
@@ -246,9 +247,9 @@ fn undefined_and_duplicate_ids_are_located() {
         shown,
         [
             "4:8 MARKER/10 is defined twice; the first one counts None",
-            "3:17 PART/2 is not defined Some(\"did you mean PART/1?\")",
-            "5:19 MARKER/100 is not defined Some(\"did you mean MARKER/10?\")",
-            "5:36 MARKER/11 is not defined Some(\"did you mean MARKER/10?\")",
+            "3:17 MARKER/10 names PART/2, which is not in this dataset Some(\"did you mean PART/1?\")",
+            "5:19 SFORCE/1 names MARKER/100, which is not in this dataset Some(\"did you mean MARKER/10?\")",
+            "5:36 SFORCE/1 names MARKER/11, which is not in this dataset Some(\"did you mean MARKER/10?\")",
         ]
     );
 }
@@ -321,5 +322,49 @@ fn a_joint_of_marker_zero_is_no_joint_that_may_be_forgotten() {
     let complaints = found(&deck("0"));
     assert_eq!(complaints.len(), 1, "{complaints:?}");
     assert_eq!(complaints[0].severity, Severity::Error);
-    assert_eq!(complaints[0].help.as_deref(), Some("J must name a MARKER"));
+    assert_eq!(
+        complaints[0].message,
+        "J of JOINT/1 must name a MARKER, not 0"
+    );
+}
+
+/// What `check` and a solution find in a statement by the grammar alone is one complaint, in one text and at one place.
+#[test]
+fn lint_and_lowering_tell_faults_in_the_same_words() {
+    let text = "t
+PART/1, GROUND
+MARKER/10, PART=1
+MARKER/20, PART=2
+PART/2, MASS=1, CM=20
+BUSHING/1, I=20, K=1,2, C=1,2,3, KT=1,2,3, CT=1,2,3
+SFORCE/1, I=20.5, J=0, ROTATION, FUNCTION=DX(1.5, 77)
+JOINT/1, FIXED, I=20, J=99
+END
+";
+    let parsed = dataset(text).value;
+    let codes = [
+        Code::MissingArgument,
+        Code::WrongCount,
+        Code::WrongType,
+        Code::UndefinedId,
+    ];
+    let told = |all: Vec<Diagnostic>| -> Vec<(String, Option<Span>)> {
+        let own = all.into_iter().filter(|d| codes.contains(&d.code));
+        let mut told: Vec<_> = own
+            .map(|d| (d.message, d.labels.first().map(|label| label.span)))
+            .collect();
+        told.sort();
+        told
+    };
+    let lowered = told(Model::lower(&parsed).diagnostics);
+    assert_eq!(lowered.len(), 7, "{lowered:#?}");
+    assert_eq!(lowered, told(lint::check(&parsed, &Options::default())));
+    // Texts and what is cut off a number change no answer: only lint tells of them.
+    let harmless = text.replace("END", "EQUILIBRIUM/MAXIT=25.5\nEND");
+    let harmless = dataset(&harmless).value;
+    assert_eq!(told(Model::lower(&harmless).diagnostics), lowered);
+    assert_eq!(
+        told(lint::check(&harmless, &Options::default())).len(),
+        lowered.len() + 1
+    );
 }

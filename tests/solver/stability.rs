@@ -1,6 +1,7 @@
 //! Equilibria that do not last, the way on from them, and starts that stay.
 
 use admire::statics::{Settings, Softest, SolveError, Solver};
+use admire::system::Scratch;
 
 use crate::deck::{Solved, solve, solve_with};
 
@@ -32,8 +33,9 @@ fn an_upright_pendulum_is_left_both_ways() {
         .described(system, parameters, &solved.state)
         .unwrap();
     assert_eq!(words, "PART/2 turns about z through MARKER/21");
+    let mut scratch = Scratch::new(system);
     assert_eq!(
-        Softest::unstable(system, parameters, &solved.state).unwrap(),
+        Softest::unstable(system, parameters, &solved.state, &mut scratch).unwrap(),
         Some(unstable.clone())
     );
 
@@ -57,7 +59,7 @@ fn an_upright_pendulum_is_left_both_ways() {
         found.moved
     );
     assert_eq!(
-        Softest::unstable(system, parameters, &solved.state).unwrap(),
+        Softest::unstable(system, parameters, &solved.state, &mut scratch).unwrap(),
         None
     );
 }

@@ -184,7 +184,7 @@ fn a_deck_stays_in_its_own_folder() {
     std::fs::write(folder.path().join("bad.adm"), "t\nMARKER/1, PART=9\nEND\n").unwrap();
     let said = admire(folder.path(), &["new", "other", "--from", "bad.adm"]);
     assert_eq!(said.code, 1);
-    assert!(said.err.contains("PART/9 is not defined"), "{}", said.err);
+    assert!(said.err.contains("MARKER/1 names PART/9"), "{}", said.err);
     assert!(!folder.path().join("other").exists());
     let said = admire(
         folder.path(),

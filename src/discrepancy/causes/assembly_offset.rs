@@ -11,7 +11,7 @@ use crate::tolerance::Group;
 const SD: (f64, f64) = (0.5, 0.5);
 
 /// Every bushing, out of centre and askew.
-pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for (k, bushing) in survey.model.bushings.iter().enumerate() {
         if !bushing.header.active {
             continue;

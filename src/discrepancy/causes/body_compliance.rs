@@ -13,10 +13,10 @@ use super::super::survey::Survey;
 const SD: (f64, f64) = (1e-4, 5e-4);
 
 /// Form of an attachment that holds a link, a part with two ends: along the link it yields as the link itself would.
-pub const IN_LINE: &str = "holds a link";
+pub(super) const IN_LINE: &str = "holds a link";
 
 /// Every joint, primitive and spring with one side on ground: the same compliance in all directions.
-pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let model = survey.model;
     let Some(ground) = model.ground() else {
         return;

@@ -27,7 +27,7 @@ const PAIRS: [(usize, usize, &str); 15] = [
 ];
 
 /// Every pair of components of every bushing.
-pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for (at, bushing) in survey.model.bushings.iter().enumerate() {
         if !bushing.header.active {
             continue;

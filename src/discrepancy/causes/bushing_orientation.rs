@@ -9,7 +9,7 @@ use crate::tolerance::Group;
 const SD: f64 = 0.17;
 
 /// Every bushing, about each of its axes alone and about all of them.
-pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for bushing in &survey.model.bushings {
         if !bushing.header.active || !survey.can_turn(bushing.i) || !survey.can_turn(bushing.j) {
             continue;

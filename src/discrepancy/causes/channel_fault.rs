@@ -7,7 +7,7 @@ use super::super::hypothesis::{Column, Hypothesis, Number};
 use super::super::survey::Survey;
 
 /// Every channel: its gain, its zero, and each single reading.
-pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let measurement = survey.measurement;
     for (channel, info) in measurement.channels.iter().enumerate() {
         let read: Vec<(usize, usize, f64)> = survey

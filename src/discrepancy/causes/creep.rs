@@ -16,7 +16,7 @@ const RATES: [(f64, &str); 3] = [(0.1, "slow"), (0.3, "middle"), (0.6, "fast")];
 const SD: (f64, f64) = (0.3, 0.2);
 
 /// Every component of every bushing.
-pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let bushings = survey.model.bushings.iter().enumerate();
     for (k, bushing) in bushings.filter(|(_, bushing)| bushing.header.active) {
         let deflections = survey.bushing_deflections(k);

@@ -35,11 +35,11 @@ const FORMS: [(f64, f64, &str); 9] = [
 const GRADUAL: f64 = 0.3;
 
 /// Sliders of one friction at most.
-pub const SLIDERS: usize = 3;
+pub(crate) const SLIDERS: usize = 3;
 
 /// Makes a slider a further one of a friction that is there: some in parallel, one of which slips before the other, are a law whose limit
 /// is reached by degrees. Source: Iwan, Journal of Applied Mechanics 33 (1966) 893.
-pub fn further_slider(h: &mut Hypothesis, part: usize) {
+pub(crate) fn further_slider(h: &mut Hypothesis, part: usize) {
     h.part = part;
     h.ln_prior = libm::log(GRADUAL / FORMS.len() as f64);
 }
@@ -56,7 +56,7 @@ fn pattern(u: &[f64], length: f64, mut anchor: f64) -> Vec<f64> {
 }
 
 /// Every component of every bushing, and the free motions of joints.
-pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(crate) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for (k, bushing) in survey.model.bushings.iter().enumerate() {
         if !bushing.header.active {
             continue;

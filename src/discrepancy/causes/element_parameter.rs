@@ -11,7 +11,7 @@ use crate::tolerance::Group;
 const SD: (f64, f64, f64) = (0.1, 0.05, 0.4);
 
 /// Rates and preloads of springs, and stiffnesses of bushings that are not identified.
-pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for (member, address, group, unit) in survey.numbers_of_the_deck() {
         let sd = match group {
             Group::Preloads => SD.1,

@@ -11,7 +11,7 @@ use super::super::survey::Survey;
 const SD: (f64, f64) = (0.2, 0.03);
 
 /// Every load case with marks: a shift and a turn about the centroid of its marks.
-pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let measurement = survey.measurement;
     for (case, read) in measurement.cases.iter().enumerate() {
         // Three marks leave no freedom beyond the six.

@@ -13,7 +13,7 @@ use crate::tolerance::Group;
 const SD: (f64, f64) = (3.0, 1.5);
 
 /// Every point, in all directions and along each one alone; and every end of a joint, primitive or spring.
-pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let model = survey.model;
     for point in survey.points() {
         let names = point

@@ -12,7 +12,7 @@ use super::super::survey::Survey;
 const SD: f64 = 1e-4;
 
 /// Every movable part with exactly two attachments.
-pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for (part, body) in survey.model.parts.iter().enumerate() {
         let ends = survey.attachments(crate::model::PartIx(part));
         if Some(crate::model::PartIx(part)) == survey.model.ground() || ends.len() != 2 {

@@ -10,7 +10,7 @@ use crate::tolerance::Group;
 const SD: f64 = 0.02;
 
 /// Every ordered pair of loads.
-pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let loads = survey.loads();
     for to in loads {
         for from in loads {

@@ -10,7 +10,7 @@ use crate::tolerance::Group;
 const SD: f64 = 0.03;
 
 /// Every load of the study.
-pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for load in survey.loads() {
         let address = load.target.to_string();
         for (member, _) in survey.members(Group::LoadGains, &address) {

@@ -9,7 +9,7 @@ use crate::tolerance::Group;
 const SD: f64 = 10.0;
 
 /// The point of every driven force, once.
-pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for marker in &survey.model.markers {
         let address = format!("MARKER/{}", marker.header.id);
         let members = survey.members(Group::LoadPoints, &address);

@@ -8,7 +8,7 @@ mod bushing_coupling;
 mod bushing_orientation;
 mod channel_fault;
 mod creep;
-pub mod dry_friction;
+pub(super) mod dry_friction;
 mod element_parameter;
 mod frame_drift;
 mod hardpoint_error;
@@ -24,10 +24,10 @@ use super::hypothesis::Hypothesis;
 use super::survey::Survey;
 
 /// Each class of causes is there with this probability, divided equally among its places and forms.
-pub const PRESENT: f64 = 0.05;
+pub(super) const PRESENT: f64 = 0.05;
 
 /// Every hypothesis at every place of the deck, in a fixed order.
-pub fn all(survey: &Survey<'_>) -> Vec<Hypothesis> {
+pub(super) fn all(survey: &Survey<'_>) -> Vec<Hypothesis> {
     let mut out = Vec::new();
     progressive_stiffness::hypotheses(survey, &mut out);
     dry_friction::hypotheses(survey, &mut out);

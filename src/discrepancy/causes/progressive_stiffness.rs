@@ -14,7 +14,7 @@ const FORMS: [(&str, &[i32]); 3] = [
 ];
 
 /// Every component of every bushing.
-pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for (k, bushing) in survey.model.bushings.iter().enumerate() {
         if !bushing.header.active {
             continue;

@@ -20,7 +20,7 @@ const GRID: [(f64, &str, &str); 4] = [
 const SD: f64 = 2000.0;
 
 /// Joints that slide, and springs along their length, at both ends of their travel.
-pub fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let per_length = survey.newton() / survey.millimetre();
     for joint in survey.model.joints.iter().filter(|j| j.header.active) {
         if !matches!(

@@ -1,10 +1,9 @@
 //! ACTIVATE and DEACTIVATE.
 
-use super::reader::as_id;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::Model;
 use crate::model::object::{EachList, Object};
-use crate::syntax::{Argument, Statement};
+use crate::syntax::{Argument, Number, Statement};
 use crate::text::Source;
 
 /// Turns the objects of one kind on or off.
@@ -37,7 +36,7 @@ pub(super) fn activate(
         command
             .numbers(name)
             .iter()
-            .filter_map(|number| as_id(number.value))
+            .filter_map(Number::as_id)
             .collect()
     };
     let (ids, range) = (numbers("ID"), numbers("RANGE"));

@@ -1,6 +1,6 @@
 use super::activation::activate;
 use super::ids::{Ids, is_body};
-use super::reader::{Context, Overlays, Reader, as_id};
+use super::reader::{Context, Overlays, Reader};
 use super::statement::statement as lower_statement;
 use super::unsolved::unsolved;
 use super::{data, dimensions, frame, is_supplied, lowered, rules};
@@ -9,7 +9,7 @@ use crate::grammar::StatementDef;
 use crate::model::object::{EachList, Object};
 use crate::model::{Header, Joint, MarkerIx, Model, Part, PartIx, PartKind, Unsolved};
 use crate::syntax::files::Files;
-use crate::syntax::{Dataset, Overlay, Statement};
+use crate::syntax::{Dataset, Overlay, Statement, as_id};
 use crate::text::Source;
 
 /// The statements a model stands for: those of its dataset, and what commands have put over them.
@@ -55,7 +55,8 @@ impl Definitions {
             _ => {}
         }
         let mut diagnostics = Vec::new();
-        rules::check(source, command, def, &self.ids, false, &mut diagnostics);
+        let dataset = self.dataset.source();
+        rules::check(source, command, &self.ids, Some(dataset), &mut diagnostics);
         if has_errors(&diagnostics) {
             return diagnostics;
         }

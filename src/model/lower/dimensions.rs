@@ -1,9 +1,9 @@
 //! Whether matrices and arrays have the sizes that those who use them need (state_array, fstate_lse).
 
-use super::reader::{Context, as_id};
+use super::reader::Context;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::grammar::StatementDef;
-use crate::syntax::Stated;
+use crate::syntax::{Stated, as_id};
 
 /// What can be told of the sizes of one statement of a dataset.
 pub(super) fn check(

@@ -80,18 +80,9 @@ impl Ids {
         self.index("marker", id).map(MarkerIx)
     }
 
-    /// True if an object of this id space has the id. A space may hold several (`force` holds all `force.*`).
+    /// True if an object of this id space has the id.
     pub(crate) fn defines(&self, space: &str, id: u32) -> bool {
-        let below = |known: &str| {
-            known
-                .strip_prefix(space)
-                .is_some_and(|rest| rest.starts_with('.'))
-        };
         self.index(space, id).is_some()
-            || self
-                .index
-                .iter()
-                .any(|(known, ids)| below(known) && ids.contains_key(&id))
     }
 
     /// True if two statements of a dataset have the same id in one space.

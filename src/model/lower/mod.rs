@@ -279,7 +279,7 @@ impl Lowering<'_> {
             None => Stated::plain(statement, source),
         };
         let diagnostics = &mut self.diagnostics;
-        rules::check(source, statement, def, &self.ids, true, diagnostics);
+        rules::check(source, statement, &self.ids, None, diagnostics);
         dimensions::check(stated, def, context, diagnostics);
         let moves = def.name == "MARKER" && frame::moves(&stated);
         let done = is_body(def) || def.name == "JOINT" || def.name == "MARKER" && !moves;
@@ -320,7 +320,7 @@ fn forget_repeated(diagnostics: &mut Vec<Diagnostic>, known: usize) {
     let place = |diagnostic: &Diagnostic| {
         (
             diagnostic.code,
-            diagnostic.labels.first().map(|label| label.span),
+            diagnostic.labels.first().map(|label| label.span.start()),
         )
     };
     let mut at = known;

@@ -8,7 +8,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::grammar::StatementDef;
 use crate::mechanics::Vec3;
 use crate::model::{Function, Header, Joint, MarkerIx, PartIx};
-use crate::syntax::{Dataset, Overlay, Stated, Value};
+use crate::syntax::{Dataset, Number, Overlay, Stated, Value, as_id};
 use crate::text::{Source, Span};
 
 /// Statements that others were put over, by keyword and id.
@@ -135,7 +135,7 @@ impl<'a> Reader<'a> {
     /// Ids as written; numbers that are no ids are left out (the grammar rules complain about them).
     pub(crate) fn written_ids(&self, name: &str) -> Option<Vec<u32>> {
         let numbers = self.argument(name)?.numbers();
-        Some(numbers.iter().filter_map(|n| as_id(n.value)).collect())
+        Some(numbers.iter().filter_map(Number::as_id).collect())
     }
 
     pub(crate) fn written_id(&self, name: &str) -> Option<u32> {
@@ -267,8 +267,3 @@ impl<'a> Reader<'a> {
 
 /// A sparse matrix that would fill the memory is not made.
 const MOST_VALUES: usize = 1_000_000;
-
-/// A number as an id, if it is one.
-pub(super) fn as_id(value: f64) -> Option<u32> {
-    (value > 0.0 && value <= f64::from(u32::MAX) && value.fract() == 0.0).then_some(value as u32)
-}

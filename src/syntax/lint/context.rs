@@ -1,9 +1,10 @@
+use std::cell::OnceCell;
 use std::collections::HashMap;
 
 use super::options::Options;
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::grammar::ValueKind;
-use crate::syntax::{Argument, Dataset, Number, Reference, Statement};
+use crate::syntax::{Argument, Dataset, Fault, Reference, Statement};
 use crate::text::Span;
 
 /// What the rules look at: the dataset, its statements by id space and id, and every reference.
@@ -13,6 +14,7 @@ pub(super) struct Context<'a> {
     by_id: HashMap<(&'static str, u32), &'a Statement>,
     /// The bodies of markers that name none, by the ids of the markers.
     before: HashMap<u32, (&'static str, u32)>,
+    faults: OnceCell<Vec<Fault<'a>>>,
 }
 
 impl<'a> Context<'a> {
@@ -35,6 +37,7 @@ impl<'a> Context<'a> {
             options,
             by_id,
             before,
+            faults: OnceCell::new(),
         }
     }
 
@@ -57,7 +60,7 @@ impl<'a> Context<'a> {
     /// The marker an argument names, if it names one that exists.
     pub(crate) fn marker(&self, statement: &Statement, argument: &str) -> Option<&'a Statement> {
         let number = statement.numbers(argument).first()?;
-        self.find("marker", as_id(number)?)
+        self.find("marker", number.as_id()?)
     }
 
     /// The body a marker is on: id space and id.
@@ -72,7 +75,7 @@ impl<'a> Context<'a> {
                 let Some(ValueKind::Reference(space)) = argument.def.map(|def| def.kind) else {
                     return None;
                 };
-                Some((space, as_id(argument.numbers().first()?)?))
+                Some((space, argument.numbers().first()?.as_id()?))
             })
     }
 
@@ -85,25 +88,21 @@ impl<'a> Context<'a> {
             .collect()
     }
 
-    /// How a statement is called in a message: `BUSHING/3`, with its view name where it has one.
+    /// How a statement is called in a message.
     pub(crate) fn title(&self, statement: &Statement) -> String {
-        let kind = statement.kind().unwrap_or("statement");
-        let title = match statement.number() {
-            Some(id) => format!("{kind}/{id}"),
-            None => kind.to_string(),
-        };
-        match statement.view_name {
-            Some(name) => format!("{title} ({})", self.dataset.source().text(name)),
-            None => title,
-        }
+        statement.title(self.dataset.source())
     }
 
-    /// Where a statement says who it is: keyword and id.
-    pub(crate) fn head(statement: &Statement) -> Span {
-        match statement.id {
-            Some((_, id)) => statement.keyword.join(id),
-            None => statement.keyword,
-        }
+    /// What is wrong with the statements by the grammar alone.
+    pub(crate) fn faults(&self) -> &[Fault<'a>] {
+        self.faults.get_or_init(|| {
+            let mut faults = Vec::new();
+            for statement in self.statements() {
+                let defines = |space, id| self.find(space, id).is_some();
+                statement.faults(defines, |fault| faults.push(fault));
+            }
+            faults
+        })
     }
 
     /// A complaint about a place.
@@ -133,13 +132,6 @@ impl<'a> Context<'a> {
     pub(crate) fn note(&self, code: Code, span: Span, message: String) -> Diagnostic {
         self.complain(Severity::Note, code, span, message)
     }
-}
-
-/// A number as an id, if it is one.
-pub(super) fn as_id(number: &Number) -> Option<u32> {
-    let value = number.value;
-    let whole = value.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&value);
-    whole.then_some(value as u32)
 }
 
 /// Arguments the grammar knows, with their definitions.

@@ -16,7 +16,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
             found.push(
                 context
                     .error(Code::DuplicateId, span, message)
-                    .label(file, Context::head(first), "first defined here")
+                    .label(file, first.head(), "first defined here")
                     .help("give one of them an id that is free"),
             );
         }

@@ -1,4 +1,4 @@
-use super::context::{Context, as_id, known};
+use super::context::{Context, known};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::grammar::ValueKind;
 
@@ -18,7 +18,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
             }
             let needed = matches!(def.name, "JFLOAT" | "IFLOAT");
             for number in argument.numbers() {
-                let Some(marker) = as_id(number).and_then(|id| context.find("marker", id)) else {
+                let Some(marker) = number.as_id().and_then(|id| context.find("marker", id)) else {
                     continue;
                 };
                 if marker.has("FLOATING") == needed {
@@ -48,7 +48,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
                         .error(Code::FloatingMarker, number.span, message)
                         .label(
                             context.dataset.source().name(),
-                            Context::head(marker),
+                            marker.head(),
                             "this marker",
                         )
                         .help(help),

@@ -11,7 +11,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
                 context
                     .error(
                         Code::NoGround,
-                        Context::head(part),
+                        part.head(),
                         "no PART of this dataset is the GROUND".to_string(),
                     )
                     .help("add PART/1, GROUND with an id that is free"),

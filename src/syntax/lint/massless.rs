@@ -51,12 +51,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         };
         found.push(
             context
-                .complain(
-                    severity,
-                    Code::FreeWithoutMass,
-                    Context::head(part),
-                    message,
-                )
+                .complain(severity, Code::FreeWithoutMass, part.head(), message)
                 .help("give it a mass with CM and IP, hold it with a joint, or remove it"),
         );
     }

@@ -1,14 +1,15 @@
 //! Lint: what is wrong with a dataset that reads well, as data.
 //!
-//! One rule, one file; each rule is one line of [`RULES`], and its documentation is that of its code
-//! (`admire explain CODE`). Rules see statements, not a model: what needs places and directions is in `model::lint`. What the
-//! reader itself complains of (unknown keywords, values that cannot be read, a missing END) is not repeated here.
+//! One rule, one file, but those of the grammar alone, which share `syntax::fault` with the model; each rule is one line of
+//! [`RULES`], and its documentation is that of its code (`admire explain CODE`). Rules see statements, not a model: what needs
+//! places and directions is in `model::lint`. What the reader itself complains of (unknown keywords, values that cannot be read, a
+//! missing END) is not repeated here.
 
 mod arguments;
 mod context;
-mod count;
 mod derivative;
 mod duplicate_id;
+mod fault;
 mod floating;
 mod ground;
 mod inertia;
@@ -29,10 +30,8 @@ mod step;
 mod suppressed;
 mod symmetry;
 mod tabs;
-mod undefined_id;
 mod unit_dimension;
 mod unreferenced;
-mod value_type;
 
 use super::{CommandFile, Dataset};
 use crate::diagnostic::{Code, Diagnostic};
@@ -64,16 +63,17 @@ pub struct Rule {
 
 /// Every rule there is.
 pub static RULES: &[Rule] = &[
-    rule(Code::UndefinedId, Reach::Neighbours, undefined_id::check),
+    rule(Code::UndefinedId, Reach::Neighbours, fault::undefined_id),
     rule(Code::DuplicateId, Reach::Neighbours, duplicate_id::check),
-    rule(Code::WrongCount, Reach::Statement, count::check),
-    rule(Code::WrongType, Reach::Statement, value_type::check),
+    rule(Code::WrongCount, Reach::Statement, fault::count),
+    rule(Code::WrongType, Reach::Statement, fault::value_type),
     rule(Code::OutOfRange, Reach::Statement, range::check),
     rule(
         Code::WrongDimension,
         Reach::Statement,
         unit_dimension::check,
     ),
+    rule(Code::MissingArgument, Reach::Statement, fault::missing),
     rule(Code::MissingArgument, Reach::Statement, presence::missing),
     rule(
         Code::ConflictingArguments,

@@ -1,8 +1,8 @@
 use std::collections::HashMap;
 
-use super::context::{Context, as_id};
+use super::context::Context;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::syntax::Statement;
+use crate::syntax::{Number, Statement};
 
 /// What a motion drives: a joint or a pair of markers, and along or about which axis.
 type Freedom = (Option<u32>, Option<(u32, u32)>, &'static str);
@@ -14,7 +14,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     let mut driven: HashMap<Freedom, &Statement> = HashMap::new();
     for motion in context.of_kind("MOTION") {
         let title = context.title(motion);
-        let id = |name| motion.numbers(name).first().and_then(as_id);
+        let id = |name| motion.numbers(name).first().and_then(Number::as_id);
         let asked = [
             "TRANSLATIONAL",
             "ROTATIONAL",
@@ -46,8 +46,8 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
                 };
                 found.push(
                     context
-                        .error(Code::WrongMotion, Context::head(motion), message)
-                        .label(file, Context::head(joint), "the joint")
+                        .error(Code::WrongMotion, motion.head(), message)
+                        .label(file, joint.head(), "the joint")
                         .help("a MOTION drives a REVOLUTE, TRANSLATIONAL or CYLINDRICAL joint, or a pair of markers"),
                 );
                 continue;
@@ -67,8 +67,8 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
             );
             found.push(
                 context
-                    .warning(Code::WrongMotion, Context::head(motion), message)
-                    .label(file, Context::head(first), "the other one")
+                    .warning(Code::WrongMotion, motion.head(), message)
+                    .label(file, first.head(), "the other one")
                     .help("remove one of them, or deactivate one in the command file"),
             );
         } else {

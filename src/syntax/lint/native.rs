@@ -53,7 +53,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
             format!("{count} {kind} of this dataset {takes} no part in a built-in solution");
         found.push(
             context
-                .warning(Code::NotSolvedNatively, Context::head(first), message)
+                .warning(Code::NotSolvedNatively, first.head(), message)
                 .help(format!("{why}; without them the answer is another one")),
         );
     }
@@ -62,7 +62,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         let message = format!("{count} {kind} of this dataset {acts} in statics too");
         found.push(
             context
-                .warning(Code::NotSolvedInStatics, Context::head(first), message)
+                .warning(Code::NotSolvedInStatics, first.head(), message)
                 .help("the built-in solver refuses a static solution with it, a motion has it"),
         );
     }
@@ -71,7 +71,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         let message = format!("{count} {kind} of this dataset {are} off in statics");
         found.push(
             context
-                .note(Code::InactiveInStatics, Context::head(first), message)
+                .note(Code::InactiveInStatics, first.head(), message)
                 .help("as its INACTIVE or EFFECT says"),
         );
     }

@@ -1,13 +1,13 @@
 use super::context::Context;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::grammar::{ArgumentDef, Presence, ValueKind};
+use crate::grammar::Presence;
 use crate::syntax::Statement;
 
-/// Arguments that must stand and do not.
+/// Arguments that must stand with others, or one of which must, and do not.
 pub(super) fn missing(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     for statement in context.statements() {
         let Some(def) = statement.def else { continue };
-        let place = Context::head(statement);
+        let place = statement.head();
         let mut complain = |message: String, help: String| {
             found.push(
                 context
@@ -16,14 +16,6 @@ pub(super) fn missing(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
             );
         };
         let title = || context.title(statement);
-        for argument in def.arguments.iter().filter(|argument| argument.required) {
-            if !statement.has(argument.name) {
-                complain(
-                    format!("{} needs {}: {}", title(), argument.name, argument.doc),
-                    added(argument),
-                );
-            }
-        }
         for rule in def.presence {
             match rule {
                 Presence::OneOf(names) if present(statement, names).is_empty() => {
@@ -54,14 +46,6 @@ pub(super) fn missing(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
                 Presence::OneOf(_) | Presence::Requires(_) | Presence::Exclusive(_) => {}
             }
         }
-    }
-}
-
-/// What to write.
-fn added(argument: &ArgumentDef) -> String {
-    match argument.kind {
-        ValueKind::Flag => format!("add {}", argument.name),
-        _ => format!("add {}= and its value", argument.name),
     }
 }
 

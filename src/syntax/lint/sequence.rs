@@ -2,10 +2,9 @@
 //!
 //! Knows no files: whoever calls finds the decks.
 
-use super::context::{Context, as_id};
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::grammar::{STATEMENTS, nearest};
-use crate::syntax::{Argument, CommandFile, Dataset, Statement};
+use crate::syntax::{Argument, CommandFile, Dataset, Statement, Wrong};
 use crate::text::Span;
 
 /// The rules of one command file; `deck_of` gives the deck that stands behind the name of a model at a place of the file, if
@@ -180,7 +179,10 @@ impl Walk<'_> {
             return;
         };
         for number in command.numbers("ID") {
-            if as_id(number).is_some_and(|id| deck.statement(kind, Some(id)).is_none()) {
+            if number
+                .as_id()
+                .is_some_and(|id| deck.statement(kind, Some(id)).is_none())
+            {
                 self.absent(kind, number.value, number.span, deck);
             }
         }
@@ -214,23 +216,16 @@ impl Walk<'_> {
         {
             self.absent(def.name, f64::from(id), span, deck);
         }
-        for reference in Context::references(command) {
-            let there = deck.statements().iter().any(|statement| {
-                statement.number() == Some(reference.id)
-                    && statement.def.and_then(|def| def.id) == Some(reference.space)
-            });
-            if !there {
-                let object = format!("{}/{}", reference.space.to_uppercase(), reference.id);
-                let message = format!(
-                    "{} names {object}, which is not in {}",
-                    def.name,
-                    deck.source().name()
-                );
-                let help = format!("add {object} to the deck, or name one that is there");
-                let span = reference.span;
-                self.complain(Severity::Error, Code::UndefinedId, span, message, &help);
+        let defines = |space: &str, id| {
+            let kind = space.to_uppercase();
+            deck.statement(&kind, Some(id)).is_some()
+        };
+        command.faults(defines, |fault| {
+            if matches!(fault.wrong, Wrong::Undefined(..)) {
+                let complaint = fault.diagnostic(self.file.source(), deck.source().name());
+                self.found.push(complaint);
             }
-        }
+        });
     }
 
     fn absent(&mut self, kind: &str, id: f64, span: Span, deck: &Dataset) {

@@ -34,7 +34,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
             let message = format!("nothing uses {}", context.title(statement));
             found.push(
                 context
-                    .note(Code::Unreferenced, Context::head(statement), message)
+                    .note(Code::Unreferenced, statement.head(), message)
                     .help(format!("this {kind} has no effect")),
             );
         }

@@ -1,0 +1,29 @@
+use crate::mechanics::Vec6;
+
+/// The motion of a wheel per unit of what is driven.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct WheelRate {
+    /// Translation of the centre and rotation.
+    pub motion: Vec6,
+    /// Vertical load.
+    pub load: f64,
+}
+
+impl WheelRate {
+    /// The mean; `None` of nothing.
+    pub(super) fn mean(all: &[Self]) -> Option<Self> {
+        let share = 1.0 / all.len() as f64;
+        (!all.is_empty()).then(|| Self {
+            motion: all.iter().map(|rate| rate.motion).sum::<Vec6>() * share,
+            load: all.iter().map(|rate| rate.load).sum::<f64>() * share,
+        })
+    }
+
+    pub(super) fn mirrored(self) -> Self {
+        let m = &self.motion;
+        Self {
+            motion: Vec6::new(m[0], -m[1], m[2], -m[3], m[4], -m[5]),
+            load: self.load,
+        }
+    }
+}

@@ -1,0 +1,214 @@
+//! What is wrong with one statement by the grammar alone, as data: what it must have, how many values, what its ids name.
+//!
+//! Who asks says how bad each is.
+
+use super::{Argument, Number, Statement, Value};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::grammar::{ArgumentDef, Solved, StatementDef, ValueKind};
+use crate::text::{Source, Span};
+
+/// What can be wrong.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Wrong {
+    /// An argument it must have is not there.
+    Missing(&'static ArgumentDef),
+    /// An argument has so many values, more or fewer than it takes.
+    Count(&'static ArgumentDef, usize),
+    /// Nothing of this id space has this id.
+    Undefined(&'static str, u32),
+    /// An argument has 0 where it must name an object of this id space.
+    Nothing(&'static ArgumentDef, &'static str),
+    /// A number is no id where one is needed.
+    NoId(&'static ArgumentDef),
+    /// A number has a fraction or is an angle where a whole number is needed.
+    NotWhole(&'static ArgumentDef),
+}
+
+/// One fault of a statement.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Fault<'s> {
+    /// The statement.
+    pub statement: &'s Statement,
+    /// What is wrong with it.
+    pub wrong: Wrong,
+    place: Span,
+}
+
+impl Statement {
+    /// Finds its faults. `defines` says whether an object of an id space has an id.
+    pub(crate) fn faults<'s>(
+        &'s self,
+        defines: impl Fn(&'static str, u32) -> bool,
+        mut found: impl FnMut(Fault<'s>),
+    ) {
+        let Some(def) = self.def else { return };
+        let mut tell = |wrong, place| {
+            found(Fault {
+                statement: self,
+                wrong,
+                place,
+            });
+        };
+        for argument in def.arguments.iter().filter(|argument| argument.required) {
+            if !self.has(argument.name) {
+                tell(Wrong::Missing(argument), self.head());
+            }
+        }
+        for argument in &self.arguments {
+            let Some(own) = argument.def else { continue };
+            if let Some(given) = wrong_count(argument, own) {
+                tell(Wrong::Count(own, given), argument.value_span());
+            }
+            match (&argument.value, own.kind) {
+                (Value::Numbers(numbers), ValueKind::Reference(space)) => {
+                    let needed = needs_object(def, own);
+                    for number in numbers {
+                        if number.value == 0.0 && !number.degrees {
+                            if needed {
+                                tell(Wrong::Nothing(own, space), number.span);
+                            }
+                        } else if let Some(wrong) = wrong_id(own, space, number, &defines) {
+                            tell(wrong, number.span);
+                        }
+                    }
+                }
+                (Value::Numbers(numbers), ValueKind::Integer) => {
+                    for number in numbers {
+                        if number.value.fract() != 0.0 || number.degrees {
+                            tell(Wrong::NotWhole(own), number.span);
+                        }
+                    }
+                }
+                (Value::Function(expression), _) => {
+                    for (space, literal) in expression.references() {
+                        let number = &expression.literals[literal];
+                        if let Some(wrong) = wrong_id(own, space, number, &defines) {
+                            tell(wrong, number.span);
+                        }
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// How it is called in a message: `BUSHING/3`, with its view name where it has one.
+    pub(crate) fn title(&self, source: &Source) -> String {
+        let kind = self.kind().unwrap_or("statement");
+        let title = match self.number() {
+            Some(id) => format!("{kind}/{id}"),
+            None => kind.to_string(),
+        };
+        match self.view_name {
+            Some(name) => format!("{title} ({})", source.text(name)),
+            None => title,
+        }
+    }
+
+    /// Where it says who it is: keyword and id.
+    pub(crate) fn head(&self) -> Span {
+        match self.id {
+            Some((_, id)) => self.keyword.join(id),
+            None => self.keyword,
+        }
+    }
+}
+
+/// How many values an argument has, if that is wrong. The reader has complained of flags with values and of values it cannot read.
+fn wrong_count(argument: &Argument, def: &ArgumentDef) -> Option<usize> {
+    let given = match &argument.value {
+        _ if def.kind == ValueKind::Flag => return None,
+        Value::Numbers(numbers) => numbers.len(),
+        Value::Words(spans) | Value::Texts(spans) => spans.len(),
+        Value::Flag | Value::Function(_) | Value::User(_) | Value::Malformed(_) => return None,
+    };
+    let fits = given >= def.count.min && def.count.max.is_none_or(|max| given <= max);
+    (!fits).then_some(given)
+}
+
+/// True if an argument cannot do with 0, which stands for ground or for nothing in others (RM, and J of a REQUEST).
+fn needs_object(def: &StatementDef, argument: &ArgumentDef) -> bool {
+    let acts = !matches!(def.solved, Solved::NoEffect(_)) && def.name != "REQUEST";
+    let attached = ["I", "J", "IFLOAT", "JFLOAT", "JOINT", "JOINTS"];
+    acts && (argument.required || attached.contains(&argument.name))
+}
+
+fn wrong_id(
+    argument: &'static ArgumentDef,
+    space: &'static str,
+    number: &Number,
+    defines: impl Fn(&'static str, u32) -> bool,
+) -> Option<Wrong> {
+    match number.as_id().filter(|_| !number.degrees) {
+        None => Some(Wrong::NoId(argument)),
+        Some(id) if defines(space, id) => None,
+        Some(id) => Some(Wrong::Undefined(space, id)),
+    }
+}
+
+impl Fault<'_> {
+    /// The code of its complaint.
+    pub(crate) fn code(&self) -> Code {
+        match self.wrong {
+            Wrong::Missing(_) => Code::MissingArgument,
+            Wrong::Count(..) => Code::WrongCount,
+            Wrong::Undefined(..) => Code::UndefinedId,
+            Wrong::Nothing(..) | Wrong::NoId(_) | Wrong::NotWhole(_) => Code::WrongType,
+        }
+    }
+
+    /// It as a complaint. `source` is the file of the statement; `dataset` says how to call the dataset its ids are of.
+    pub(crate) fn diagnostic(&self, source: &Source, dataset: &str) -> Diagnostic {
+        let title = self.statement.title(source);
+        let written = source.text(self.place);
+        let of_argument = |def: &ArgumentDef| format!("{}: {}", def.name, def.doc);
+        let (message, help) = match self.wrong {
+            Wrong::Missing(def) => {
+                let message = format!("{title} needs {}: {}", def.name, def.doc);
+                let value = match def.kind {
+                    ValueKind::Flag => "",
+                    _ => "= and its value",
+                };
+                (message, format!("add {}{value}", def.name))
+            }
+            Wrong::Count(def, given) => {
+                let wanted = match (def.count.min, def.count.max) {
+                    (min, Some(max)) if max == min => format!("{min}"),
+                    (min, Some(max)) => format!("{min} to {max}"),
+                    (min, None) => format!("at least {min}"),
+                };
+                let message = format!("{} of {title} takes {wanted} values, not {given}", def.name);
+                (message, of_argument(def))
+            }
+            Wrong::Undefined(space, id) => {
+                let object = format!("{}/{id}", space.to_uppercase());
+                let message = format!("{title} names {object}, which is not in {dataset}");
+                (message, format!("add {object}, or name one that is there"))
+            }
+            Wrong::Nothing(def, space) => {
+                let kind = space.to_uppercase();
+                let message = format!("{} of {title} must name a {kind}, not 0", def.name);
+                (message, of_argument(def))
+            }
+            Wrong::NoId(def) => {
+                let message = match def.kind {
+                    ValueKind::Reference(_) => {
+                        format!("{} of {title} takes an id, not {written}", def.name)
+                    }
+                    _ => format!("{} of {title} needs an id here, not {written}", def.name),
+                };
+                (message, of_argument(def))
+            }
+            Wrong::NotWhole(def) => {
+                let message = format!(
+                    "{} of {title} takes a whole number, not {written}",
+                    def.name
+                );
+                (message, of_argument(def))
+            }
+        };
+        Diagnostic::error(self.code(), message)
+            .label(source.name(), self.place, "")
+            .help(help)
+    }
+}
