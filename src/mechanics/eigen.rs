@@ -43,14 +43,29 @@ pub fn symmetric_eigen(matrix: DMatrix<f64>) -> SymmetricEigen<f64, Dyn> {
 /// The pseudo-inverse of a matrix; singular values up to `least` count as zero. `None` if an entry is not finite or the iteration
 /// does not converge.
 pub(crate) fn pseudo_inverse(matrix: DMatrix<f64>, least: f64) -> Option<DMatrix<f64>> {
-    let (matrix, largest) = scaled(matrix)?;
-    if matrix.is_empty() || largest == 0.0 {
+    if matrix.is_empty() || matrix.iter().all(|value| *value == 0.0) {
         return Some(DMatrix::zeros(matrix.ncols(), matrix.nrows()));
     }
+    singular_values(matrix, true, true)?
+        .pseudo_inverse(least)
+        .ok()
+}
+
+/// The singular values of a matrix, largest first, with the left and the right vectors that are wanted. `None` if it is empty, an entry
+/// is not finite or the iteration does not converge.
+pub(crate) fn singular_values(
+    matrix: DMatrix<f64>,
+    left: bool,
+    right: bool,
+) -> Option<SVD<f64, Dyn, Dyn>> {
+    if matrix.is_empty() {
+        return None;
+    }
+    let (matrix, largest) = scaled(matrix)?;
     let steps = STEPS * matrix.nrows().max(matrix.ncols());
-    let svd = SVD::try_new(matrix, true, true, 5.0 * f64::EPSILON, steps)?;
-    let inverse = svd.pseudo_inverse(least / largest).ok()?;
-    Some(inverse / largest)
+    let mut found = SVD::try_new(matrix, left, right, f64::EPSILON, steps)?;
+    found.singular_values *= largest;
+    Some(found)
 }
 
 /// Divides by the largest entry and clears what is negligible beside it. `None` if an entry is not finite.

@@ -246,11 +246,12 @@ impl<'a> Integrator<'a> {
             if let Err(reason) = self.prepare(h) {
                 return Err(reason.at(time));
             }
-            let mut solved = self.solve(h, false);
-            if solved.is_err() && self.fresh {
-                // Derivatives of one stage will not do for all.
-                self.predict(h);
-                solved = self.solve(h, true);
+            let mut solved = self.solve(h, Derivatives::OfOneStage);
+            for better in [Derivatives::OfAllStages, Derivatives::OfAllIterations] {
+                if solved.is_err() && self.fresh {
+                    self.predict(h);
+                    solved = self.solve(h, better);
+                }
             }
             let Ok(iterations) = solved.map_err(|NotSettled(why)| self.worst = why) else {
                 self.statistics.rejected += 1;
@@ -369,8 +370,10 @@ impl<'a> Integrator<'a> {
         }
     }
 
-    /// Newton's iteration, simplified or with derivatives of all stages; gives how many iterations it took.
-    fn solve(&mut self, h: f64, coupled: bool) -> Result<usize, NotSettled> {
+    /// Newton's iteration; gives how many iterations it took.
+    fn solve(&mut self, h: f64, derivatives: Derivatives) -> Result<usize, NotSettled> {
+        let coupled = derivatives != Derivatives::OfOneStage;
+        let always = derivatives == Derivatives::OfAllIterations;
         let mut before = 0.0;
         // Whether the derivatives of all stages are to be made anew.
         let mut renew = coupled;
@@ -420,14 +423,14 @@ impl<'a> Integrator<'a> {
                     return Ok(iteration);
                 }
                 let more = self.settings.maxit - iteration;
-                if fresh && left * theta.powi(more as i32) > limit && iteration > 3 {
+                if fresh && left * theta.powi(more as i32) > limit && more < 4 {
                     return Err(NotSettled(format!("the iteration does not settle {at}")));
                 }
-                renew = coupled && theta > SLUGGISH;
+                renew = coupled && (always || theta > SLUGGISH);
             } else if size <= 1e-2 * limit {
                 return Ok(iteration);
             } else {
-                renew = false;
+                renew = always;
             }
             before = size;
         }
@@ -543,6 +546,17 @@ impl<'a> Integrator<'a> {
         self.sizes.grow(&self.state);
         Ok(())
     }
+}
+
+/// Which derivatives the iteration of a step uses: each kind settles where the one before does not, and costs more.
+#[derive(Clone, Copy, PartialEq, Debug)]
+enum Derivatives {
+    /// Those of one stage, kept while they serve.
+    OfOneStage,
+    /// Those of every stage, kept while they serve.
+    OfAllStages,
+    /// Those of every stage, made anew for each iteration.
+    OfAllIterations,
 }
 
 /// The iteration of a step does not settle, and why.

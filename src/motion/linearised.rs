@@ -1,9 +1,10 @@
 //! The equations of motion linearised about a state, in coordinates that the constraints leave free.
 
-use nalgebra::{DMatrix, DVector, RowDVector, SVD};
+use nalgebra::{DMatrix, DVector, RowDVector};
 
 use super::error::Reason;
 use crate::linear::Levels;
+use crate::mechanics::eigen::singular_values;
 use crate::mechanics::{Vec3, skew};
 use crate::system::{Parameters, Rows, Scratch, State, System};
 
@@ -216,7 +217,7 @@ fn unreached(
             0.0
         }
     });
-    let svd = SVD::try_new(scaled, false, true, f64::EPSILON, 100 * columns)?;
+    let svd = singular_values(scaled, false, true)?;
     let Vt = svd.v_t?;
     let mut order: Vec<usize> = (0..n).collect();
     order.sort_by(|a, b| svd.singular_values[*a].total_cmp(&svd.singular_values[*b]));
@@ -253,7 +254,7 @@ fn free_motions(
     for &(row, column, value) in &rows.entries {
         G[(row as usize, column as usize)] += value / lengths[column as usize];
     }
-    let Some(svd) = SVD::try_new(G, true, true, f64::EPSILON, 100 * size.max(1)) else {
+    let Some(svd) = singular_values(G, true, true) else {
         return Ok((DMatrix::zeros(n, 0), DMatrix::zeros(n, n)));
     };
     let most = svd.singular_values.iter().fold(0.0_f64, |a, b| a.max(*b));

@@ -10,6 +10,7 @@ use super::bordered::plain_weight;
 use super::consistent::Consistent;
 use super::error::Reason;
 use crate::linear::{Levels, Lu};
+use crate::mechanics::eigen::singular_values;
 use crate::system::{Parameters, State, System};
 
 /// Directions with less of damping and stiffness than this beside the others have none.
@@ -72,10 +73,16 @@ impl Massless {
         })
     }
 
-    /// A motion that nothing holds, if there is one.
+    /// A motion that nothing holds, or that is held by what has no value, if there is one.
     fn unresisted(&self) -> Option<DVector<f64>> {
         let held = self.scaled(&(&self.stiffness * self.step + &self.damping));
-        let svd = held.svd(false, true);
+        let Some(svd) = singular_values(held, false, true) else {
+            return self
+                .motions
+                .column_iter()
+                .next()
+                .map(|motion| motion.into_owned());
+        };
         let (at, least) = svd.singular_values.argmin();
         if least > NOTHING {
             return None;
@@ -97,7 +104,7 @@ impl Massless {
         rate: &DVector<f64>,
     ) -> Option<(DVector<f64>, DVector<f64>)> {
         let damping = self.scaled(&self.damping);
-        let svd = damping.clone().svd(true, true);
+        let svd = singular_values(damping.clone(), true, true)?;
         let (U, V) = (svd.u?, svd.v_t?.transpose());
         let order: Vec<usize> = (0..U.ncols()).collect();
         let (damped, held): (Vec<_>, Vec<_>) = order

@@ -1,16 +1,14 @@
 //! Small motions about a state: eigenvalues and mode shapes.
 
-use nalgebra::{Complex, DMatrix, DVector, SVD};
+use nalgebra::{Complex, DMatrix, DVector};
 
 use super::error::Reason;
 use super::linearised::{Basis, Linearised};
-use crate::mechanics::eigen::eigenvalues;
+use crate::mechanics::eigen::{eigenvalues, singular_values};
 use crate::system::{Parameters, State, System};
 
 /// A singular value of the mass matrix below this share of the largest is none.
 const NO_MASS: f64 = 1e-12;
-/// Sweeps of a singular value decomposition.
-const SWEEPS: usize = 10_000;
 
 /// One eigenvalue and its motion.
 #[derive(Clone, PartialEq, Debug)]
@@ -87,7 +85,7 @@ pub fn modes(
 fn finite_eigenvalues(E: &DMatrix<f64>, F: &DMatrix<f64>) -> Vec<Complex<f64>> {
     let (mut E, mut F) = (E.clone(), F.clone());
     while E.nrows() > 0 {
-        let Some(found) = SVD::try_new(E.clone(), true, false, f64::EPSILON, SWEEPS) else {
+        let Some(found) = singular_values(E.clone(), true, false) else {
             break;
         };
         let most = found.singular_values.amax();
@@ -113,7 +111,7 @@ fn nothing_of(rows: &DMatrix<f64>, count: usize) -> Option<DMatrix<f64>> {
     let n = rows.ncols();
     // Rows of zeros make the right vectors a whole basis.
     let whole = rows.clone().resize_vertically(n, 0.0);
-    let found = SVD::try_new(whole, false, true, f64::EPSILON, SWEEPS)?;
+    let found = singular_values(whole, false, true)?;
     let mut order: Vec<usize> = (0..n).collect();
     order.sort_by(|a, b| found.singular_values[*b].total_cmp(&found.singular_values[*a]));
     Some(found.v_t?.select_rows(&order[count..]).transpose())
