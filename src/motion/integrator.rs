@@ -246,8 +246,8 @@ impl<'a> Integrator<'a> {
             if let Err(reason) = self.prepare(h) {
                 return Err(reason.at(time));
             }
-            let mut solved = self.solve(h, Derivatives::OfOneStage);
-            for better in [Derivatives::OfAllStages, Derivatives::OfAllIterations] {
+            let mut solved = self.solve(h, Derivatives::Single);
+            for better in [Derivatives::Kept, Derivatives::Renewed] {
                 if solved.is_err() && self.fresh {
                     self.predict(h);
                     solved = self.solve(h, better);
@@ -372,8 +372,8 @@ impl<'a> Integrator<'a> {
 
     /// Newton's iteration; gives how many iterations it took.
     fn solve(&mut self, h: f64, derivatives: Derivatives) -> Result<usize, NotSettled> {
-        let coupled = derivatives != Derivatives::OfOneStage;
-        let always = derivatives == Derivatives::OfAllIterations;
+        let coupled = derivatives != Derivatives::Single;
+        let always = derivatives == Derivatives::Renewed;
         let mut before = 0.0;
         // Whether the derivatives of all stages are to be made anew.
         let mut renew = coupled;
@@ -552,11 +552,11 @@ impl<'a> Integrator<'a> {
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum Derivatives {
     /// Those of one stage, kept while they serve.
-    OfOneStage,
+    Single,
     /// Those of every stage, kept while they serve.
-    OfAllStages,
+    Kept,
     /// Those of every stage, made anew for each iteration.
-    OfAllIterations,
+    Renewed,
 }
 
 /// The iteration of a step does not settle, and why.

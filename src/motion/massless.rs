@@ -81,7 +81,7 @@ impl Massless {
                 .motions
                 .column_iter()
                 .next()
-                .map(|motion| motion.into_owned());
+                .map(nalgebra::Matrix::into_owned);
         };
         let (at, least) = svd.singular_values.argmin();
         if least > NOTHING {
