@@ -36,8 +36,13 @@ pub(super) enum Item {
     Request(Vec<(usize, usize)>),
     /// A VARIABLE: index into the model.
     Variable(usize),
-    /// The floating marker of a vector force: index of the force.
-    FloatingMarker(usize),
+    /// The floating marker of a vector force.
+    FloatingMarker {
+        /// Its id.
+        id: u32,
+        /// The I marker of its force, which it is kept on.
+        on: Option<MarkerIx>,
+    },
     /// A GCON: its id, and the marker its reaction is reported at.
     Condition(u32, Option<MarkerIx>),
     /// An NFORCE: its id and how many I markers it has.
@@ -127,6 +132,11 @@ impl Columns {
             match item {
                 Item::Element { kind, id, at, .. } => *at = elements.get(&(*kind, *id)).copied(),
                 Item::Constraint { kind, id, at } => *at = constraints.get(&(*kind, *id)).copied(),
+                Item::FloatingMarker { id, on } => {
+                    let floats = |jfloat: MarkerIx| model.markers[jfloat.0].header.id == *id;
+                    let force = model.vector_forces.iter().find(|f| floats(f.jfloat));
+                    *on = force.map(|force| force.i);
+                }
                 Item::LinearStates {
                     index,
                     first,
@@ -140,7 +150,6 @@ impl Columns {
                 Item::Diff(_)
                 | Item::Request(_)
                 | Item::Variable(_)
-                | Item::FloatingMarker(_)
                 | Item::Condition(..)
                 | Item::Multi(..)
                 | Item::Variables(_)
@@ -210,10 +219,11 @@ impl Builder {
             self.add_requests(model);
         }
         if !settings.no_floating_markers {
-            for (index, force) in model.vector_forces.iter().enumerate() {
+            for force in &model.vector_forces {
                 let marker = &model.markers[force.jfloat.0].header;
-                let item = Item::FloatingMarker(index);
-                self.item(EntityKind::FloatingMarker, &marker.name, marker.id, item);
+                let (id, on) = (marker.id, None);
+                let item = Item::FloatingMarker { id, on };
+                self.item(EntityKind::FloatingMarker, &marker.name, id, item);
             }
         }
     }

@@ -253,12 +253,13 @@ impl Columns {
                 }
                 values.push(read.beta);
             }
-            Item::FloatingMarker(index) => {
-                // A floating marker is kept on the I marker of its force.
-                let pose = measures.marker(model, model.vector_forces[*index].i);
+            Item::FloatingMarker { on: Some(i), .. } => {
+                let pose = measures.marker(model, *i);
                 values.extend(pose.p.iter());
                 values.extend(psi_theta_phi(&pose.R));
             }
+            // Its force is not solved any more.
+            Item::FloatingMarker { on: None, .. } => values.extend([0.0; 6]),
         }
     }
 }
