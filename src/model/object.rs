@@ -1,7 +1,7 @@
 use super::{
     ArrayData, Bushing, Coupler, Diff, Friction, Gcon, Gear, Header, Joint, LinearStates, Marker,
     Model, Motion, Nforce, PairForce, Part, PartKind, PlantPort, Primitive, Request, Sensor,
-    Sforce, Spline, SpringDamper, StringData, Variable, VectorForce, VectorForceKind,
+    Sforce, Spline, SpringDamper, StringData, Unsolved, Variable, VectorForce, VectorForceKind,
 };
 
 /// What every object of a model has.
@@ -12,10 +12,12 @@ pub(super) trait Object {
     fn header_mut(&mut self) -> &mut Header;
     /// True if the object comes from this kind of statement.
     fn is(&self, kind: &str) -> bool;
+    /// False if no object of this type comes from this kind of statement: large decks have long lists.
+    fn may_be(kind: &str) -> bool;
 }
 
 macro_rules! objects {
-    ($($type:ty: |$object:ident, $kind:ident| $is:expr,)+) => {
+    ($($type:ty: $($word:literal)|+ $(, |$object:ident, $kind:ident| $is:expr)?;)+) => {
         $(impl Object for $type {
             fn header(&self) -> &Header {
                 &self.header
@@ -23,47 +25,76 @@ macro_rules! objects {
             fn header_mut(&mut self) -> &mut Header {
                 &mut self.header
             }
-            fn is(&self, $kind: &str) -> bool {
-                let $object = self;
-                $is
+            fn is(&self, kind: &str) -> bool {
+                Self::may_be(kind) $(&& {
+                    let ($object, $kind) = (self, kind);
+                    $is
+                })?
+            }
+            fn may_be(kind: &str) -> bool {
+                matches!(kind, $($word)|+)
             }
         })+
     };
 }
 
 objects! {
-    Part: |part, kind| match part.kind {
+    Part: "PART" | "POINT_MASS" | "FLEX_BODY" | "FE_PART", |part, kind| match part.kind {
         PartKind::Ground | PartKind::Rigid => kind == "PART",
         PartKind::PointMass => kind == "POINT_MASS",
         PartKind::External => kind == "FLEX_BODY" || kind == "FE_PART",
-    },
-    VectorForce: |force, kind| kind == match force.kind {
+    };
+    VectorForce: "GFORCE" | "VFORCE" | "VTORQUE", |force, kind| kind == match force.kind {
         VectorForceKind::Gforce => "GFORCE",
         VectorForceKind::Vforce => "VFORCE",
         VectorForceKind::Vtorque => "VTORQUE",
-    },
-    PairForce: |force, kind| force.def.name == kind,
-    LinearStates: |states, kind| states.kind == kind,
-    PlantPort: |port, kind| port.kind == kind,
-    Marker: |_marker, kind| kind == "MARKER",
-    Joint: |_joint, kind| kind == "JOINT",
-    Primitive: |_primitive, kind| kind == "JPRIM",
-    Coupler: |_coupler, kind| kind == "COUPLER",
-    Gear: |_gear, kind| kind == "GEAR",
-    Friction: |_friction, kind| kind == "FRICTION",
-    Gcon: |_gcon, kind| kind == "GCON",
-    Motion: |_motion, kind| kind == "MOTION",
-    Bushing: |_bushing, kind| kind == "BUSHING",
-    SpringDamper: |_springdamper, kind| kind == "SPRINGDAMPER",
-    Sforce: |_sforce, kind| kind == "SFORCE",
-    Nforce: |_nforce, kind| kind == "NFORCE",
-    Variable: |_variable, kind| kind == "VARIABLE",
-    Diff: |_diff, kind| kind == "DIFF",
-    ArrayData: |_array, kind| kind == "ARRAY",
-    Spline: |_spline, kind| kind == "SPLINE",
-    StringData: |_string, kind| kind == "STRING",
-    Sensor: |_sensor, kind| kind == "SENSOR",
-    Request: |_request, kind| kind == "REQUEST",
+    };
+    PlantPort: "PINPUT" | "POUTPUT", |port, kind| port.kind == kind;
+    LinearStates: "LSE" | "TFSISO", |states, kind| states.kind == kind;
+    Marker: "MARKER";
+    Joint: "JOINT";
+    Primitive: "JPRIM";
+    Coupler: "COUPLER";
+    Gear: "GEAR";
+    Friction: "FRICTION";
+    Gcon: "GCON";
+    Motion: "MOTION";
+    Bushing: "BUSHING";
+    SpringDamper: "SPRINGDAMPER";
+    Sforce: "SFORCE";
+    Nforce: "NFORCE";
+    Variable: "VARIABLE";
+    Diff: "DIFF";
+    ArrayData: "ARRAY";
+    Spline: "SPLINE";
+    StringData: "STRING";
+    Sensor: "SENSOR";
+    Request: "REQUEST";
+}
+
+macro_rules! of_kinds_told_elsewhere {
+    ($($type:ty: |$object:ident| $own:expr;)+) => {
+        $(impl Object for $type {
+            fn header(&self) -> &Header {
+                &self.header
+            }
+            fn header_mut(&mut self) -> &mut Header {
+                &mut self.header
+            }
+            fn is(&self, kind: &str) -> bool {
+                let $object = self;
+                $own == kind
+            }
+            fn may_be(_: &str) -> bool {
+                true
+            }
+        })+
+    };
+}
+
+of_kinds_told_elsewhere! {
+    PairForce: |force| force.def.name;
+    Unsolved: |unsolved| unsolved.kind;
 }
 
 /// What is done to every list of a model, beside that of another one.

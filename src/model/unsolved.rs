@@ -16,20 +16,6 @@ pub struct Unsolved {
     pub why: String,
 }
 
-impl Object for Unsolved {
-    fn header(&self) -> &Header {
-        &self.header
-    }
-
-    fn header_mut(&mut self) -> &mut Header {
-        &mut self.header
-    }
-
-    fn is(&self, kind: &str) -> bool {
-        self.kind == kind
-    }
-}
-
 /// What a statement that is not solved would do to an equilibrium. `None` for statements that only measure, draw or write, or that
 /// act through others, which are refused themselves.
 pub(crate) fn effect_of(kind: &str) -> Option<&'static str> {

@@ -234,7 +234,7 @@ struct Find {
 impl EachList for Find {
     fn list<T: Object>(&mut self, list: &mut Vec<T>, _: &mut Vec<T>) {
         let own = |object: &&T| object.is(self.kind) && object.header().id == self.id;
-        if self.found.is_none() {
+        if self.found.is_none() && T::may_be(self.kind) {
             self.found = list.iter().find(own).map(|object| object.header().clone());
         }
     }
@@ -249,8 +249,8 @@ struct Replace {
 impl EachList for Replace {
     fn list<T: Object>(&mut self, list: &mut Vec<T>, fresh: &mut Vec<T>) {
         let own = |object: &T| object.is(self.kind) && object.header().id == self.header.id;
-        let old = list.iter().position(own);
-        match (old, fresh.pop()) {
+        let old = T::may_be(self.kind).then(|| list.iter().position(own));
+        match (old.flatten(), fresh.pop()) {
             (Some(at), Some(mut new)) => {
                 *new.header_mut() = self.header.clone();
                 list[at] = new;
