@@ -158,7 +158,15 @@ impl RequestFile {
             });
         }
         self.date = text(first.get(4..).unwrap_or_default().trim_ascii().get(..19));
-        self.title = text(Some(lines.needed()?.1));
+        // A model may have no title; then its line is blank.
+        let has_count = |line: &[u8]| {
+            words(line)
+                .next()
+                .is_some_and(|w| w.parse::<usize>().is_ok())
+        };
+        if !(lines.is_at_blank() && lines.peek().is_some_and(has_count)) {
+            self.title = text(Some(lines.needed()?.1));
+        }
         let (span, third) = lines.needed()?;
         let mut words = third
             .split(u8::is_ascii_whitespace)
@@ -266,6 +274,13 @@ impl<'a> Lines<'a> {
             open: false,
         };
         ahead.next().map(|(_, line)| line)
+    }
+
+    /// True if the next line is blank.
+    fn is_at_blank(&self) -> bool {
+        let rest = &self.bytes[self.at.min(self.bytes.len())..];
+        let line = rest.split(|byte| *byte == b'\n').next();
+        line.is_some_and(|line| line.trim_ascii().is_empty())
     }
 
     /// A line of the head, with its line end.

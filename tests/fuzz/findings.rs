@@ -2,7 +2,7 @@
 
 use admire::check;
 use admire::kc;
-use admire::results::rewrite;
+use admire::results::{RequestFile, rewrite};
 use admire::rig::{Study, Table};
 use admire::text::{Source, Span};
 
@@ -31,6 +31,18 @@ fn a_request_whose_name_becomes_a_number_keeps_its_values() {
     results::requests(
         b"A.R3\na\n2\n1\n4\n\x1b1\n0\n0 0 0 0 0 6 0 0 0 0 0 0\n1 0 0 0 0 0 0\n0 0 0 0 0 0\n",
     );
+}
+
+/// A model without a title: its line is blank, and the one behind it was taken for it.
+#[test]
+fn a_title_of_blanks_is_one() {
+    for title in ["", "\x01\x04"] {
+        let text = format!("A.R3\n{title}\n1\nname\n1 1 2 3\n0\n1 2 3 4 5 6\n");
+        results::requests(text.as_bytes());
+        let read = RequestFile::parse(&Source::new("a.req", text.as_bytes()));
+        assert_eq!(read.diagnostics, []);
+        assert_eq!((read.value.requests[0].id, read.value.times.len()), (1, 1));
+    }
 }
 
 /// Numbers that fill their columns were written without a blank between them, and read as one or as none.
