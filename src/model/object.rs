@@ -1,7 +1,7 @@
 use super::{
     ArrayData, Bushing, Coupler, Diff, Friction, Gcon, Gear, Header, Joint, LinearStates, Marker,
     Model, Motion, Nforce, PairForce, Part, PartKind, PlantPort, Primitive, Request, Sensor,
-    Sforce, Spline, SpringDamper, StringData, Unsolved, Variable, VectorForce, VectorForceKind,
+    Sforce, Spline, SpringDamper, StringData, Variable, VectorForce, VectorForceKind,
 };
 
 /// What every object of a model has.
@@ -72,29 +72,19 @@ objects! {
     Request: "REQUEST";
 }
 
-macro_rules! of_kinds_told_elsewhere {
-    ($($type:ty: |$object:ident| $own:expr;)+) => {
-        $(impl Object for $type {
-            fn header(&self) -> &Header {
-                &self.header
-            }
-            fn header_mut(&mut self) -> &mut Header {
-                &mut self.header
-            }
-            fn is(&self, kind: &str) -> bool {
-                let $object = self;
-                $own == kind
-            }
-            fn may_be(_: &str) -> bool {
-                true
-            }
-        })+
-    };
-}
-
-of_kinds_told_elsewhere! {
-    PairForce: |force| force.def.name;
-    Unsolved: |unsolved| unsolved.kind;
+impl Object for PairForce {
+    fn header(&self) -> &Header {
+        &self.header
+    }
+    fn header_mut(&mut self) -> &mut Header {
+        &mut self.header
+    }
+    fn is(&self, kind: &str) -> bool {
+        self.def.name == kind
+    }
+    fn may_be(_: &str) -> bool {
+        true
+    }
 }
 
 /// What is done to every list of a model, beside that of another one.

@@ -16,6 +16,24 @@ pub struct Unsolved {
     pub why: String,
 }
 
+impl Object for Unsolved {
+    fn header(&self) -> &Header {
+        &self.header
+    }
+
+    fn header_mut(&mut self) -> &mut Header {
+        &mut self.header
+    }
+
+    fn is(&self, kind: &str) -> bool {
+        self.kind == kind
+    }
+
+    fn may_be(_: &str) -> bool {
+        true
+    }
+}
+
 /// What a statement that is not solved would do to an equilibrium. `None` for statements that only measure, draw or write, or that
 /// act through others, which are refused themselves.
 pub(crate) fn effect_of(kind: &str) -> Option<&'static str> {
