@@ -63,7 +63,7 @@ pub(crate) fn singular_values(
     }
     let (matrix, largest) = scaled(matrix)?;
     let steps = STEPS * matrix.nrows().max(matrix.ncols());
-    let mut found = SVD::try_new(matrix, left, right, f64::EPSILON, steps)?;
+    let mut found = SVD::try_new(matrix, left, right, 5.0 * f64::EPSILON, steps)?;
     found.singular_values *= largest;
     Some(found)
 }

@@ -13,7 +13,9 @@ pub(super) trait Object {
     /// True if the object comes from this kind of statement.
     fn is(&self, kind: &str) -> bool;
     /// False if no object of this type comes from this kind of statement: large decks have long lists.
-    fn may_be(kind: &str) -> bool;
+    fn may_be(_kind: &str) -> bool {
+        true
+    }
 }
 
 macro_rules! objects {
@@ -81,9 +83,6 @@ impl Object for PairForce {
     }
     fn is(&self, kind: &str) -> bool {
         self.def.name == kind
-    }
-    fn may_be(_: &str) -> bool {
-        true
     }
 }
 

@@ -28,10 +28,6 @@ impl Object for Unsolved {
     fn is(&self, kind: &str) -> bool {
         self.kind == kind
     }
-
-    fn may_be(_: &str) -> bool {
-        true
-    }
 }
 
 /// What a statement that is not solved would do to an equilibrium. `None` for statements that only measure, draw or write, or that

@@ -217,12 +217,10 @@ fn unreached(
             0.0
         }
     });
-    let svd = singular_values(scaled, false, true)?;
-    let Vt = svd.v_t?;
-    let mut order: Vec<usize> = (0..n).collect();
-    order.sort_by(|a, b| svd.singular_values[*a].total_cmp(&svd.singular_values[*b]));
+    let Vt = singular_values(scaled, false, true)?.v_t?;
+    let last = Vt.nrows() - 1;
     Some(DMatrix::from_fn(n, count, |i, j| {
-        Vt[(order[j], i)] / lengths[i]
+        Vt[(last - j, i)] / lengths[i]
     }))
 }
 

@@ -111,10 +111,8 @@ fn nothing_of(rows: &DMatrix<f64>, count: usize) -> Option<DMatrix<f64>> {
     let n = rows.ncols();
     // Rows of zeros make the right vectors a whole basis.
     let whole = rows.clone().resize_vertically(n, 0.0);
-    let found = singular_values(whole, false, true)?;
-    let mut order: Vec<usize> = (0..n).collect();
-    order.sort_by(|a, b| found.singular_values[*b].total_cmp(&found.singular_values[*a]));
-    Some(found.v_t?.select_rows(&order[count..]).transpose())
+    let Vt = singular_values(whole, false, true)?.v_t?;
+    Some(Vt.rows(count, n - count).transpose())
 }
 
 /// From eigenvalues to motions of the parts.

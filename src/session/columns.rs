@@ -43,8 +43,13 @@ pub(super) enum Item {
         /// The I marker of its force, which it is kept on.
         on: Option<MarkerIx>,
     },
-    /// A GCON: its id, and the marker its reaction is reported at.
-    Condition(u32, Option<MarkerIx>),
+    /// A GCON.
+    Condition {
+        /// Its id.
+        id: u32,
+        /// The marker its reaction is reported at.
+        at: Option<MarkerIx>,
+    },
     /// An NFORCE: its id and how many I markers it has.
     Multi(u32, usize),
     /// The variables of a PINPUT or POUTPUT: indices into the model.
@@ -137,6 +142,10 @@ impl Columns {
                     let force = model.vector_forces.iter().find(|f| floats(f.jfloat));
                     *on = force.map(|force| force.i);
                 }
+                Item::Condition { id, at } => {
+                    let gcon = model.gcons.iter().find(|gcon| gcon.header.id == *id);
+                    *at = gcon.and_then(|gcon| gcon.i);
+                }
                 Item::LinearStates {
                     index,
                     first,
@@ -150,7 +159,6 @@ impl Columns {
                 Item::Diff(_)
                 | Item::Request(_)
                 | Item::Variable(_)
-                | Item::Condition(..)
                 | Item::Multi(..)
                 | Item::Variables(_)
                 | Item::Friction(_) => {}
@@ -247,12 +255,8 @@ impl Builder {
         );
         for gcon in &model.gcons {
             let (name, id) = (&gcon.header.name, gcon.header.id);
-            self.item(
-                EntityKind::UserConstraint,
-                name,
-                id,
-                Item::Condition(id, gcon.i),
-            );
+            let item = Item::Condition { id, at: None };
+            self.item(EntityKind::UserConstraint, name, id, item);
         }
     }
 

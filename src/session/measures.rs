@@ -215,8 +215,8 @@ impl Columns {
                     values.push(all[component]);
                 }
             }
-            Item::Condition(id, marker) => {
-                let (force, torque) = marker.map_or_else(
+            Item::Condition { id, at } => {
+                let (force, torque) = at.map_or_else(
                     || (Vec3::zeros(), Vec3::zeros()),
                     |marker| measures.here().read_condition(*id, marker),
                 );

@@ -3,8 +3,9 @@
 use super::chain::{Place, add_block, add33};
 use super::{Configuration, Parameters, State, System};
 use crate::linear::Sink;
-use crate::mechanics::{Mat3, Mat6, Pose, Vec3, skew};
+use crate::mechanics::{Mat3, Mat6, Pose, Vec3, eigen::symmetric_eigen, skew};
 use crate::model::PartIx;
+use nalgebra::DMatrix;
 
 /// A principal moment of inertia is none below this share of the largest.
 const WITHOUT_INERTIA: f64 = 1e-12;
@@ -112,9 +113,12 @@ impl System {
                 return false;
             }
             let M = self.mass_matrix(parameters, state, PartIx(part));
-            let J = M.fixed_view::<3, 3>(3, 3);
-            let turns =
-                body.freedoms == 6 && J.symmetric_eigenvalues().min() <= WITHOUT_INERTIA * J.amax();
+            let J = M.fixed_view::<3, 3>(3, 3).clone_owned();
+            let turns = body.freedoms == 6 && {
+                let largest = J.amax();
+                let moments = symmetric_eigen(DMatrix::from_column_slice(3, 3, J.as_slice()));
+                moments.eigenvalues.min() <= WITHOUT_INERTIA * largest
+            };
             M[(0, 0)] == 0.0 || turns
         })
     }

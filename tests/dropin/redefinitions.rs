@@ -192,3 +192,23 @@ fn another_angle_does_not_begin_at_the_turn_of_the_one_before() {
     let (x, y) = ((-0.6_f64).atan2(-1.0), 0.75_f64.atan2(-1.0));
     near(&found.column("SFORCE_1", "FZ"), &[y, x, y]);
 }
+
+#[test]
+fn the_column_of_a_floating_marker_stays_when_a_force_is_redefined() {
+    // The first force comes from a subroutine, is switched off, and becomes one that is solved: it then stands before the other.
+    let deck = format!(
+        "{HEAD}MARKER/8, PART=1, FLOATING\nMARKER/9, PART=1, FLOATING\n\
+         PART/2, MASS=1, CM=20, IP=1,1,1, QG=1,2,3\nMARKER/20, PART=2\n\
+         PART/3, MASS=1, CM=30, IP=1,1,1, QG=4,5,6\nMARKER/30, PART=3\n\
+         MARKER/12, PART=1, QP=1,2,3\nMARKER/13, PART=1, QP=4,5,6\n\
+         BUSHING/1, I=20, J=12, K=1000,1000,1000, KT=100,100,100\n\
+         BUSHING/2, I=30, J=13, K=1000,1000,1000, KT=100,100,100\n\
+         GFORCE/1, I=20, JFLOAT=8, RM=1, FUNCTION=USER(1,2)\\\n\
+         GFORCE/2, I=30, JFLOAT=9, RM=1, FX=1\\ FY=0\\ FZ=0\\ TX=0\\ TY=0\\ TZ=0\n{TAIL}"
+    );
+    let commands = "DEACTIVATE/GFORCE, ID=1\nSIM/STAT\n\
+                    GFORCE/1, FX=2\\ FY=0\\ FZ=0\\ TX=0\\ TY=0\\ TZ=0\nACTIVATE/GFORCE, ID=1\nSIM/STAT";
+    let results = results(&deck, commands);
+    near(&results.column("MARKER_9_XFORM", "X"), &[4.001, 4.001]);
+    near(&results.column("MARKER_9_XFORM", "Z"), &[6.0, 6.0]);
+}
