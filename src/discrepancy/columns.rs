@@ -9,14 +9,14 @@ use crate::identify::global::{
     CaseChange, CasePrediction, Direction, NuisanceLayout, Observations,
 };
 use crate::model::PartIx;
-use crate::statics::Tangent;
+use crate::statics::Tangents;
 use crate::syntax::Address;
 use crate::system::{Parameters, Scratch, Slot, State, System};
 
 impl Survey<'_> {
     /// Effect of every number of these hypotheses on every row, per unit of its prior standard deviation: on prediction minus reading,
     /// in units of the declared noise. Numbers without an effect of their own have columns of zeros.
-    pub(super) fn columns(&self, hypotheses: &[Hypothesis]) -> DMatrix<f64> {
+    pub(super) fn columns(&self, hypotheses: &[&Hypothesis]) -> DMatrix<f64> {
         let numbers: Vec<_> = hypotheses.iter().flat_map(|h| &h.numbers).collect();
         let system = &self.fitted.deck.prepared.system;
         let catalogue = system.catalogue();
@@ -43,13 +43,20 @@ impl Survey<'_> {
         let directions: Vec<Direction> = asked.iter().map(direction).collect();
         let cases: Vec<usize> = (0..self.cases()).collect();
         let observations = Observations::new(self.measurement, self.subject.problem.model, &cases);
+        // All cases follow the order of the first one, whatever thread they are on.
+        let mut known = Tangents::new(system);
+        if let (Some(theta), Some(state)) = (self.fitted.thetas.first(), self.fitted.states.first())
+        {
+            let _ = known.at(system, theta, state);
+        }
         let prediction: Vec<_> = cases
             .par_iter()
             .map_init(
                 || Scratch::new(system),
                 |scratch, &case| {
                     let at = (&self.fitted.thetas[case], &self.fitted.states[case]);
-                    let changes = self.changes(case, at, scratch, (&asked, &directions), &numbers);
+                    let tools = (&mut *scratch, known.clone());
+                    let changes = self.changes(case, at, tools, (&asked, &directions), &numbers);
                     let channels = self.fitted.deck.prepared.channels;
                     Some(CasePrediction {
                         poses: at.1.poses.clone(),
@@ -67,10 +74,13 @@ impl Survey<'_> {
         let x = vec![0.0; asked.len()];
         let mut out = DMatrix::zeros(self.rows().len(), numbers.len());
         if let Some(evaluated) =
-            observations.evaluate(&prediction, &NuisanceLayout::default(), &x, true)
+            observations.evaluate(&prediction, &NuisanceLayout::default(), &x, x.len())
         {
             for (from, &to) in evaluated.jacobian.column_iter().zip(&asked) {
-                out.set_column(to, &(from * numbers[to].sd));
+                let sd = numbers[to].sd;
+                for (to, from) in out.column_mut(to).iter_mut().zip(from.iter()) {
+                    *to = from * sd;
+                }
             }
         }
         for (k, number) in numbers.iter().enumerate() {
@@ -88,14 +98,14 @@ impl Survey<'_> {
         &self,
         case: usize,
         (theta, state): (&Parameters, &State),
-        scratch: &mut Scratch,
+        (scratch, mut tangents): (&mut Scratch, Tangents),
         (asked, directions): (&[usize], &[Direction]),
         numbers: &[&Number],
     ) -> Vec<(Vec<f64>, Vec<f64>)> {
         let system = &self.fitted.deck.prepared.system;
         let n = system.unknowns();
         let zero = || vec![(vec![0.0; n], vec![0.0; self.measurement.channels.len()]); asked.len()];
-        let Ok(mut tangent) = Tangent::new(system, theta, state) else {
+        let Ok(tangent) = tangents.at(system, theta, state) else {
             return zero();
         };
         let mut by_slot = vec![0.0; n];
@@ -105,6 +115,7 @@ impl Survey<'_> {
         let mut units: std::collections::BTreeMap<(usize, usize, usize), Vec<f64>> =
             std::collections::BTreeMap::new();
         let mut responses = Vec::with_capacity(asked.len());
+        let mut open = Vec::new();
         for (k, direction) in asked.iter().zip(directions) {
             if let Column::Wrench(pair, wrenches) = &numbers[*k].column {
                 let mut dx = vec![0.0; n];
@@ -139,8 +150,16 @@ impl Survey<'_> {
                     *sum += weight * value;
                 }
             }
-            tangent.respond(&mut dg);
+            open.push(responses.len());
             responses.push(dg);
+        }
+        let mut changes: Vec<Vec<f64>> = open
+            .iter()
+            .map(|at| std::mem::take(&mut responses[*at]))
+            .collect();
+        tangent.respond_to_all(&mut changes);
+        for (at, response) in open.into_iter().zip(changes) {
+            responses[at] = response;
         }
         let channels = self.fitted.deck.prepared.channels;
         let along = (directions, responses.as_slice());

@@ -21,6 +21,7 @@ use super::unseen::Unseen;
 use super::visited::Visited;
 use crate::backend::LoadCase;
 use crate::identify::global::Row;
+use crate::tolerance::Whitening;
 
 /// Groups at most; the smallest are put together.
 const MOST: usize = 6;
@@ -157,6 +158,8 @@ fn most_frequent(sorted: &[f64], near: f64) -> f64 {
 pub(super) struct Folds<'a> {
     subject: &'a Subject<'a>,
     groups: Vec<Vec<usize>>,
+    /// Of the rest of each group.
+    whitenings: Vec<Whitening>,
 }
 
 /// A model refitted to the rest of a group.
@@ -170,18 +173,17 @@ impl<'a> Folds<'a> {
     /// Over the cases of a study; `None` with too few.
     pub(super) fn new(subject: &'a Subject<'a>) -> Option<Self> {
         let groups = groups(&subject.problem.programme.cases);
-        (!groups.is_empty()).then_some(Self { subject, groups })
+        let rest = |group: &Vec<usize>| subject.whitening_of(&|case| !group.contains(&case));
+        (!groups.is_empty()).then(|| Self {
+            whitenings: groups.iter().map(rest).collect(),
+            subject,
+            groups,
+        })
     }
 
     fn without(&self, fitted: &Fitted, group: usize) -> Option<Refit> {
-        let whitening = self
-            .subject
-            .whitening_of(&|case| !self.groups[group].contains(&case));
-        let (misfit, posterior) = fitted.linearly(&whitening)?;
-        Some(Refit {
-            misfit,
-            ln_z: posterior.ln_z,
-        })
+        let (misfit, ln_z) = fitted.evidence_of(&self.whitenings[group])?;
+        Some(Refit { misfit, ln_z })
     }
 
     /// By how many nats a model predicts the groups, each from the others, better than another.

@@ -214,16 +214,27 @@ impl Fitted {
         off: &DVector<f64>,
     ) -> Option<(DVector<f64>, Posterior)> {
         let misfit = &self.misfit + off;
-        let linear = Linear::new(
-            whitening,
-            &whitening.apply(&self.jacobian),
-            &whitening.apply_vector(&-&misfit),
-            self.priors.clone(),
-            DVector::from_column_slice(&self.x),
-        );
-        let posterior = linear.posterior(&self.sizes)?;
+        let posterior = self.linear_of(whitening, &misfit).posterior(&self.sizes)?;
         let misfit = misfit + &self.jacobian * &posterior.step;
         Some((misfit, posterior))
+    }
+
+    /// The evidence of the same linear model on other rows, and what it leaves of all.
+    pub fn evidence_of(&self, whitening: &Whitening) -> Option<(DVector<f64>, f64)> {
+        let linear = self.linear_of(whitening, &self.misfit);
+        let reached = linear.reached(&self.sizes, 0.0)?;
+        let misfit = &self.misfit + &self.jacobian * &reached.step;
+        Some((misfit, reached.ln_z))
+    }
+
+    fn linear_of(&self, whitening: &Whitening, misfit: &DVector<f64>) -> Linear {
+        Linear::new(
+            whitening,
+            &whitening.apply(&self.jacobian),
+            &whitening.apply_vector(&-misfit),
+            self.priors.clone(),
+            DVector::from_column_slice(&self.x),
+        )
     }
 }
 
@@ -234,6 +245,19 @@ pub(super) fn fit(
     subject: &Subject<'_>,
     chosen: &[(Hypothesis, Vec<f64>)],
     warm: Option<(&Fitted, &[f64])>,
+    data: Data,
+    least: f64,
+) -> Option<Fitted> {
+    let sizes = warm.map_or(&subject.sizes, |(fitted, _)| &fitted.sizes);
+    sized(subject, chosen, warm, sizes, data, least)
+}
+
+/// The same, the sizes of tolerances from others than those of `warm`.
+pub(super) fn sized(
+    subject: &Subject<'_>,
+    chosen: &[(Hypothesis, Vec<f64>)],
+    warm: Option<(&Fitted, &[f64])>,
+    sizes: &Sizes,
     data: Data,
     least: f64,
 ) -> Option<Fitted> {
@@ -282,7 +306,7 @@ pub(super) fn fit(
                 .predictor
                 .start_from(case, state, unknowns.deck.clone());
         }
-        let first = warm.sizes.at(warm.sizes.modest(1.0));
+        let first = sizes.at(sizes.modest(1.0));
         let start = sweep.beside(x, (&warm.jacobian, warm.unknowns.len()));
         let settled = start.and_then(|start| sweep.settle(start, &first, (STEPS, least), false));
         subject.spend(sweep.predictor.sweeps());
@@ -299,11 +323,10 @@ pub(super) fn fit(
             let steps = if alone { STEPS } else { 2 * STEPS };
             let start = sweep.at(x);
             let missed = start.as_ref().is_none_or(|start| {
-                let residual = &start.evaluation.residual;
+                let residual = &start.residual;
                 residual.norm_squared() > MISSED * MISSED * residual.len() as f64
             });
-            let settled =
-                start.and_then(|start| sweep.settle(start, &subject.sizes, (steps, least), alone));
+            let settled = start.and_then(|start| sweep.settle(start, sizes, (steps, least), alone));
             subject.spend(sweep.predictor.sweeps());
             Some((sweep, settled, missed))
         };
@@ -325,13 +348,14 @@ pub(super) fn fit(
         states.push(state.clone());
         thetas.push(theta.clone());
     }
+    let (x, misfit, [jacobian, turned], linear) = settled.point.into_parts();
     Some(Fitted {
         chosen: chosen.iter().map(|(h, _)| h.clone()).collect(),
-        x: settled.point.x,
-        turned: settled.point.turned,
-        misfit: settled.point.evaluation.residual,
-        jacobian: settled.point.evaluation.jacobian,
-        linear: Arc::new(settled.point.linear),
+        x,
+        turned,
+        misfit,
+        jacobian,
+        linear: Arc::new(linear),
         sizes: settled.sizes,
         posterior: settled.posterior,
         priors: unknowns.priors,

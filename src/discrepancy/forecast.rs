@@ -8,8 +8,7 @@ use super::unknowns::{Known, Unknowns};
 use crate::backend::LoadProgramme;
 use crate::identify::Problem;
 use crate::identify::global::{
-    CasePrediction, FitUnknown, FitUnknowns, Meaning, Observations, Observed, Prediction,
-    Predictor, Prepared,
+    CasePrediction, FitUnknown, FitUnknowns, Meaning, Observations, Observed, Prediction, Prepared,
 };
 use crate::model::PartIx;
 
@@ -76,31 +75,16 @@ impl Forecast {
             observed: &observed,
         };
         let count = problem.programme.cases.len();
-        let mut here = None;
-        let mut there = Vec::with_capacity(asked.sequences.len());
-        // What remembers goes through each sequence from where the study ended; else the order does not matter.
-        let together = unknowns.memories.is_empty() || asked.sequences.is_empty();
-        let each = if together {
-            asked.sequences.len().max(1)
-        } else {
-            1
-        };
-        let chunks: Vec<&[Vec<Vec<f64>>]> = if asked.sequences.is_empty() {
-            vec![&[]]
-        } else {
-            asked.sequences.chunks(each).collect()
-        };
-        for chunk in chunks {
-            let further: Vec<&[f64]> = chunk.iter().flatten().map(Vec::as_slice).collect();
-            let mut prediction = runs.predict(&further)?;
-            let mut rest = prediction.split_off(count).into_iter();
-            for sequence in chunk {
-                let own: Vec<_> = rest.by_ref().take(sequence.len()).collect();
-                there.push(own.into_iter().collect());
-            }
-            here.get_or_insert(prediction);
+        let mut here = runs.predict(asked.sequences)?;
+        let mut rest = here.split_off(count).into_iter();
+        let there = asked
+            .sequences
+            .iter()
+            .map(|sequence| rest.by_ref().take(sequence.len()).collect())
+            .collect();
+        if !here.iter().all(Option::is_some) {
+            return None;
         }
-        let here = here.filter(|here| here.iter().all(Option::is_some))?;
         Some(Self {
             here,
             there,
@@ -119,8 +103,11 @@ struct Runs<'a> {
 }
 
 impl Runs<'_> {
-    /// All cases of the study, then these.
-    fn predict(&self, further: &[&[f64]]) -> Option<Prediction> {
+    /// All cases of the study, then these sequences. What remembers goes through each sequence from where the study ended.
+    fn predict(&self, sequences: &[Vec<Vec<f64>>]) -> Option<Prediction> {
+        let further: Vec<&[f64]> = sequences.iter().flatten().map(Vec::as_slice).collect();
+        let further = further.as_slice();
+        let counts: Vec<usize> = sequences.iter().map(Vec::len).collect();
         let programme = self.problem.programme;
         let mut cases: Vec<Vec<f64>> = programme.cases.iter().map(|c| c.values.clone()).collect();
         cases.extend(further.iter().map(|values| values.to_vec()));
@@ -145,7 +132,7 @@ impl Runs<'_> {
                 predictor.start_from(states.len() + k, state, numbers.theta.clone());
             }
         }
-        Some(predictor.predict(&numbers, Some(&directions)))
+        Some(predictor.predict_apart(&numbers, Some(&directions), states.len(), &counts))
     }
 }
 

@@ -5,6 +5,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use super::fit::Fitted;
 use crate::mechanics::eigen::symmetric_eigen;
 use crate::rig::orientation::chi_square_p_value;
+use crate::tolerance::Factor;
 
 /// A column of a contrast: rows and their weights.
 pub(super) type Contrast = Vec<(usize, f64)>;
@@ -68,10 +69,12 @@ impl<'a> Influence<'a> {
         let c = 1.0 + ABSORBED;
         let squares = &Q * Q.transpose();
         let rest = DMatrix::identity(Q.nrows(), Q.nrows()) * c - &squares;
-        let factor = Cholesky::new(rest)?;
+        let factor = Factor::new(rest)?;
         let along = &Q * &r;
         let value = (r.norm_squared() + along.dot(&factor.solve(&along))) / c;
-        let trace = (rows.len() as f64 + factor.solve(&squares).trace()) / c;
+        // `squares = c - rest`.
+        let solved = c * factor.inverse().trace() - Q.nrows() as f64;
+        let trace = (rows.len() as f64 + solved) / c;
         let dof = (rows.len() as f64 - ABSORBED * trace).round();
         (dof > 0.0 && value.is_finite()).then_some(Statistic {
             value,

@@ -40,6 +40,7 @@ mod search;
 mod settle;
 mod solver_difference;
 mod sought;
+mod stand_in;
 mod stiffness;
 mod structure;
 mod subject;

@@ -201,7 +201,7 @@ fn residuals(
             })
         })
         .collect();
-    let found = observations.evaluate(&prediction, &NuisanceLayout::default(), &[], false)?;
+    let found = observations.evaluate(&prediction, &NuisanceLayout::default(), &[], 0)?;
     Some(found.residual)
 }
 

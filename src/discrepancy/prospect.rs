@@ -210,7 +210,7 @@ impl<'a, 'b> Prospect<'a, 'b> {
         prediction.extend(further.iter().cloned().map(Some));
         let inner = fitted.unknowns.len() + fitted.layout.sd.len();
         let x = &fitted.x[..inner];
-        let found = observations.evaluate(&prediction, &fitted.layout, x, true)?;
+        let found = observations.evaluate(&prediction, &fitted.layout, x, x.len())?;
         let seen = |case: usize, reading: usize| {
             let read = measurement.cases[case].marks[reading];
             let part = &measurement.parts[read.part];

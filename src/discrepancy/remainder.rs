@@ -535,5 +535,5 @@ fn effect(survey: &Survey<'_>, place: &Place) -> DMatrix<f64> {
         "remainder",
         numbers,
     );
-    survey.columns(&[all])
+    survey.columns(&[&all])
 }

@@ -1,5 +1,7 @@
 //! What each hypothesis would gain, by projection: all from one matrix product, without any refit.
 
+use std::ops::Range;
+
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::cause::Cause;
@@ -8,16 +10,16 @@ use super::fit::Fitted;
 use super::hypothesis::Hypothesis;
 use super::subject::Subject;
 use super::survey::Survey;
-use crate::tolerance::{Posterior, Sizes, Unknown};
+use crate::tolerance::{Further, Posterior, Sizes, Unknown};
 
 /// Every hypothesis at a fit, with what each does to the turned rows.
 pub(super) struct Catalogue {
     /// Hypotheses that are not in the fit.
     pub hypotheses: Vec<Hypothesis>,
-    /// Columns of each among `turned`.
-    ranges: Vec<std::ops::Range<usize>>,
-    /// Effects on reading minus prediction per unit of the prior, turned; of hypotheses that are no slabs.
-    turned: DMatrix<f64>,
+    /// Columns of each among `further`.
+    ranges: Vec<Range<usize>>,
+    /// Effects on reading minus prediction per unit of the prior; of hypotheses that are no slabs.
+    further: Further,
 }
 
 /// What a hypothesis promises.
@@ -47,12 +49,10 @@ impl Catalogue {
             }
             count == 0
         });
-        let own: Vec<Hypothesis> = hypotheses
-            .iter()
-            .filter(|h| !h.is_slab())
-            .cloned()
-            .collect();
+        let own: Vec<&Hypothesis> = hypotheses.iter().filter(|h| !h.is_slab()).collect();
         let turned = fitted.whitening.apply(&survey.columns(&own));
+        let residual = fitted.whitening.apply_vector(&-&fitted.misfit);
+        let known = (&fitted.turned, &residual);
         let mut next = 0;
         let range = |h: &Hypothesis| {
             let count = if h.is_slab() { 0 } else { h.numbers.len() };
@@ -62,7 +62,7 @@ impl Catalogue {
         Self {
             ranges: hypotheses.iter().map(range).collect(),
             hypotheses,
-            turned,
+            further: Further::new(&fitted.whitening, known, &turned),
         }
     }
 
@@ -71,15 +71,7 @@ impl Catalogue {
         let Some(posterior) = fitted.linear.posterior(sizes) else {
             return Vec::new();
         };
-        let effects = self.effects(fitted, sizes, &posterior);
-        let weights = fitted.whitening.weights(&sizes.ln);
-        // The residual where the linear model is best.
-        let step = &fitted.misfit + &fitted.jacobian * &posterior.step;
-        let r = fitted
-            .whitening
-            .apply_vector(&-step)
-            .component_mul(&weights);
-        let g = effects.own.transpose() * &r;
+        let (effects, g) = self.effects(sizes, &posterior);
         let of = |(at, h): (usize, &Hypothesis)| {
             let gain = if h.is_slab() {
                 slab(fitted, &posterior, sizes, h)?
@@ -87,7 +79,7 @@ impl Catalogue {
                 let range = self.ranges[at].clone();
                 let (from, count) = (range.start, range.len());
                 let g = g.rows(from, count).into_owned();
-                projected(&effects.information(range), &g, h.one_sided)?
+                projected(&effects.information(&range), &g, h.one_sided)?
             };
             let gain = gain + h.ln_prior;
             gain.is_finite().then_some(Promise { at, gain })
@@ -103,29 +95,24 @@ impl Catalogue {
         let Some(posterior) = fitted.linear.posterior(sizes) else {
             return vec![Vec::new(); self.hypotheses.len()];
         };
-        let effects = self.effects(fitted, sizes, &posterior);
-        let of = |range: &std::ops::Range<usize>| {
-            let own = effects.information(range.clone()).diagonal();
+        let (effects, _) = self.effects(sizes, &posterior);
+        let of = |range: &Range<usize>| {
+            let own = effects.information(range).diagonal();
             own.iter().copied().collect()
         };
         self.ranges.iter().map(of).collect()
     }
 
-    fn effects(&self, fitted: &Fitted, sizes: &Sizes, posterior: &Posterior) -> Effects {
-        let weights = fitted.whitening.weights(&sizes.ln);
-        let mut A = fitted.turned.clone();
-        let mut own = self.turned.clone();
-        for (row, weight) in weights.iter().enumerate() {
-            A.row_mut(row).scale_mut(*weight);
-            own.row_mut(row).scale_mut(*weight);
-        }
-        let cross = A.transpose() * &own;
-        let through = &posterior.covariance * &cross;
-        Effects {
-            own,
+    /// Effects at these sizes, and what each column would explain where the linear model is best.
+    fn effects(&self, sizes: &Sizes, posterior: &Posterior) -> (Effects<'_>, DVector<f64>) {
+        let (cross, g) = self.further.at(&sizes.ln, &posterior.step);
+        let effects = Effects {
+            through: &posterior.covariance * &cross,
+            further: &self.further,
+            ln: sizes.ln.clone(),
             cross,
-            through,
-        }
+        };
+        (effects, g)
     }
 
     /// A hypothesis with sizes of its own in the linear model: evidence and prior, and guesses of its numbers in units of their priors.
@@ -140,20 +127,12 @@ impl Catalogue {
             }
             linear
         } else {
-            let range = self.ranges[at].clone();
-            let columns = self.turned.columns(range.start, range.len()).into_owned();
-            let residual = fitted.whitening.apply_vector(&-&fitted.misfit);
             let own = Unknown {
                 mean: 0.0,
                 sd: 1.0,
                 group: None,
             };
-            fitted.linear.with(
-                &fitted.whitening,
-                (&fitted.turned, &residual),
-                &columns,
-                &vec![own; range.len()],
-            )
+            fitted.linear.with(&self.further, &self.ranges[at], own)
         };
         let sizes = linear.sized(start);
         let posterior = linear.posterior(&sizes)?;
@@ -201,19 +180,20 @@ impl Catalogue {
     }
 }
 
-/// What the numbers of all hypotheses do to the whitened rows: `E`, `A'E` and `C A'E` with the columns `A` of a fit and its covariance `C`.
-struct Effects {
-    own: DMatrix<f64>,
+/// What the numbers of all hypotheses do to the whitened rows: their columns `E`, `A'E` and `C A'E` with the columns `A` of a fit and
+/// its covariance `C`.
+struct Effects<'a> {
+    further: &'a Further,
+    ln: Vec<f64>,
     cross: DMatrix<f64>,
     through: DMatrix<f64>,
 }
 
-impl Effects {
+impl Effects<'_> {
     /// `E'E - E'A C A'E` of some columns.
-    fn information(&self, range: std::ops::Range<usize>) -> DMatrix<f64> {
+    fn information(&self, range: &Range<usize>) -> DMatrix<f64> {
         let (from, count) = (range.start, range.len());
-        let own = self.own.columns(from, count);
-        let mut out = own.transpose() * own;
+        let mut out = self.further.own(range, &self.ln);
         out -= self.cross.columns(from, count).transpose() * self.through.columns(from, count);
         out
     }

@@ -2,9 +2,8 @@
 
 use std::sync::Arc;
 
-use super::fit::{ANY, Fitted, fit, unguessed};
+use super::fit::{ANY, Fitted, fit, sized, unguessed};
 use super::hypothesis::{Hypothesis, Number, Unknown};
-use super::remainder::{Unnamed, left_by_laws, unnamed};
 use super::scan::{Catalogue, Weighed};
 use super::subject::{Data, Subject};
 use super::visited::{Found, Visited, distinct, probabilities, same_set};
@@ -26,12 +25,10 @@ const MOST: usize = 12;
 const FORMS: usize = 3;
 /// Further forms of a place whose first form ended so many nats behind are not fitted, and no fit goes on that promises less.
 const BEHIND: f64 = 50.0;
-/// So many causes of a model, or faults of the readings of single cases, may together be one effect that no cause has.
-const MANY: usize = 3;
 /// Slip lengths are tried again at these parts of themselves.
 const SLIPS: [f64; 2] = [0.4, 2.0];
 /// A model has to be better by so many nats,
-const BETTER: f64 = 0.05;
+pub(super) const BETTER: f64 = 0.05;
 /// and by so many to be another place than the one a fit of the same causes came to.
 const ELSEWHERE: f64 = 2.0;
 
@@ -80,12 +77,14 @@ pub(super) fn resume(
     Some(search.ended(none, best))
 }
 
-struct Search<'a, 'b> {
-    subject: &'a Subject<'b>,
-    data: Data,
+pub(super) struct Search<'a, 'b> {
+    pub(super) subject: &'a Subject<'b>,
+    pub(super) data: Data,
     visited: Vec<Visited>,
+    /// Fits that began at others, and those.
+    begun: Vec<(Arc<Fitted>, Arc<Fitted>)>,
     /// Sets of causes, and the best model of each with one force of a law that no cause has.
-    beside: Vec<(Vec<Hypothesis>, Option<Arc<Fitted>>)>,
+    pub(super) beside: Vec<(Vec<Hypothesis>, Option<Arc<Fitted>>)>,
     places: usize,
 }
 
@@ -95,6 +94,7 @@ impl<'a, 'b> Search<'a, 'b> {
             subject,
             data,
             visited: Vec::new(),
+            begun: Vec::new(),
             beside: Vec::new(),
             places: 0,
         }
@@ -133,7 +133,7 @@ impl<'a, 'b> Search<'a, 'b> {
         }
     }
 
-    fn note(&mut self, fitted: &Arc<Fitted>) {
+    pub(super) fn note(&mut self, fitted: &Arc<Fitted>) {
         self.visited.push(Visited {
             causes: fitted.chosen.clone(),
             ln_posterior: fitted.ln_posterior(),
@@ -189,13 +189,18 @@ impl<'a, 'b> Search<'a, 'b> {
         (h, weighed): (&Hypothesis, &Weighed),
         least: f64,
     ) -> Option<Arc<Fitted>> {
-        let mut start = base.clone();
-        start.sizes = weighed.sizes.clone();
         let least = least - base.ln_prior() - h.ln_prior;
         let begun = |h: &Hypothesis, guesses: &[f64], x: &[f64]| {
             let mut all = unguessed(base);
             all.push((h.clone(), guesses.to_vec()));
-            fit(self.subject, &all, Some((&start, x)), self.data, least)
+            sized(
+                self.subject,
+                &all,
+                Some((base, x)),
+                &weighed.sizes,
+                self.data,
+                least,
+            )
         };
         let from = |guesses: &[f64], x: &[f64]| begun(h, guesses, x);
         let guesses = &weighed.guesses;
@@ -387,7 +392,7 @@ impl<'a, 'b> Search<'a, 'b> {
     }
 
     /// Fits a model without one of its causes.
-    fn without(&mut self, fitted: &Fitted, at: usize) -> Option<Arc<Fitted>> {
+    pub(super) fn without(&mut self, fitted: &Arc<Fitted>, at: usize) -> Option<Arc<Fitted>> {
         let mut causes = fitted.chosen.clone();
         causes.remove(at);
         if causes.is_empty() {
@@ -398,11 +403,17 @@ impl<'a, 'b> Search<'a, 'b> {
 
     /// The same, refitted from where the model with the cause ended if that is better. What replaces the cause is compared with a fit
     /// that has come as far.
-    fn without_refitted(&mut self, fitted: &Fitted, at: usize) -> Option<Arc<Fitted>> {
+    fn without_refitted(&mut self, fitted: &Arc<Fitted>, at: usize) -> Option<Arc<Fitted>> {
         let known = self.without(fitted, at)?;
+        let is_from_here = |(found, from): &(Arc<Fitted>, Arc<Fitted>)| {
+            Arc::ptr_eq(from, fitted) && same_set(&found.chosen, &known.chosen)
+        };
+        if self.begun.iter().any(is_from_here) {
+            return Some(known);
+        }
         let mut all = unguessed(fitted);
         all.remove(at);
-        let from = Some((fitted, fitted.x.as_slice()));
+        let from = Some((&**fitted, fitted.x.as_slice()));
         let again = fit(self.subject, &all, from, self.data, ANY);
         let better = |again: &Fitted| again.ln_posterior() > known.ln_posterior() + BETTER;
         let Some(again) = again.filter(better).map(Arc::new) else {
@@ -413,7 +424,11 @@ impl<'a, 'b> Search<'a, 'b> {
     }
 
     /// The model of some of the causes of a fit, fitted from where that ended where it is not known.
-    fn of(&mut self, fitted: &Fitted, causes: Vec<Hypothesis>) -> Option<Arc<Fitted>> {
+    pub(super) fn of(
+        &mut self,
+        fitted: &Arc<Fitted>,
+        causes: Vec<Hypothesis>,
+    ) -> Option<Arc<Fitted>> {
         if let Some(known) = self.known(&causes) {
             return Some(known);
         }
@@ -422,9 +437,10 @@ impl<'a, 'b> Search<'a, 'b> {
             (h, vec![0.0; count])
         };
         let all: Vec<_> = causes.into_iter().map(zeros).collect();
-        let from = Some((fitted, fitted.x.as_slice()));
+        let from = Some((&**fitted, fitted.x.as_slice()));
         let found = Arc::new(fit(self.subject, &all, from, self.data, ANY)?);
         self.note(&found);
+        self.begun.push((Arc::clone(&found), Arc::clone(fitted)));
         Some(found)
     }
 
@@ -470,107 +486,6 @@ impl<'a, 'b> Search<'a, 'b> {
             }
         }
         current
-    }
-
-    /// Holds many causes against one force of a law that none of them has: against all of them, and against faults of single cases.
-    /// `None` where they do better.
-    fn unnamed(&mut self, current: &Fitted) -> Option<Arc<Fitted>> {
-        let subject = self.subject;
-        let named = || current.chosen.iter().filter(|h| h.is_named());
-        let many = named().filter(|h| h.part == 0).count();
-        if many < MANY || subject.is_spent() {
-            return None;
-        }
-        let of_the_model = |h: &&Hypothesis| h.only_case(&subject.rows).is_none();
-        let rest: Vec<Hypothesis> = named().filter(of_the_model).cloned().collect();
-        let mut bases = vec![Vec::new()];
-        if !rest.is_empty() && rest.len() + MANY <= named().count() {
-            bases.push(rest);
-        }
-        let mut best: Option<Arc<Fitted>> = None;
-        for causes in bases {
-            let Some(found) = self.beside(current, causes) else {
-                continue;
-            };
-            let leads = best.as_deref().unwrap_or(current).ln_posterior();
-            if found.ln_posterior() > leads + BETTER {
-                best = Some(found);
-            }
-        }
-        best
-    }
-
-    /// The best model of one such force and some of the causes of a fit; `None` where no force stands out beside them.
-    fn beside(&mut self, current: &Fitted, causes: Vec<Hypothesis>) -> Option<Arc<Fitted>> {
-        let known = self.beside.iter().find(|(of, _)| same_set(of, &causes));
-        if let Some((_, found)) = known {
-            return found.clone();
-        }
-        let base = self.of(current, causes.clone())?;
-        let mut best: Option<Arc<Fitted>> = None;
-        for force in unnamed(self.subject, &base) {
-            let found = self.standing_in(&base, &force);
-            let leads = |f: &Arc<Fitted>| f.ln_posterior();
-            if found.as_ref().map(leads) > best.as_ref().map(leads) {
-                best = found;
-            }
-        }
-        self.beside.push((causes, best.clone()));
-        best
-    }
-
-    /// The best model in which a law leaves something at its own element, beside all other causes or in place of some. `None` where
-    /// none is better.
-    fn loosened(&mut self, current: &Arc<Fitted>) -> Option<Arc<Fitted>> {
-        let rough = |h: &Hypothesis| h.cause.has_rough_law();
-        if self.subject.is_spent() || !current.chosen.iter().any(rough) {
-            return None;
-        }
-        let mut bases = vec![Arc::clone(current)];
-        let alone: Vec<Hypothesis> = current
-            .chosen
-            .iter()
-            .filter(|h| rough(h))
-            .cloned()
-            .collect();
-        let others: Vec<usize> = (0..current.chosen.len())
-            .filter(|at| !rough(&current.chosen[*at]))
-            .collect();
-        if others.len() > 1 {
-            bases.extend(self.of(current, alone));
-        }
-        for at in others {
-            bases.extend(self.without(current, at));
-        }
-        let mut best: Option<Arc<Fitted>> = None;
-        for base in bases {
-            for force in left_by_laws(self.subject, &base) {
-                let leads = best.as_deref().unwrap_or(current).ln_posterior();
-                let found = self.standing_in(&base, &force);
-                best = found
-                    .filter(|found| found.ln_posterior() > leads + BETTER)
-                    .or(best);
-            }
-        }
-        best
-    }
-
-    /// Fits a model with such a force, then once more with what the force does linearised where that ended.
-    fn standing_in(&mut self, base: &Fitted, force: &Unnamed) -> Option<Arc<Fitted>> {
-        let subject = self.subject;
-        let mut all = unguessed(base);
-        all.push((force.hypothesis.clone(), force.guesses.clone()));
-        let from = |x: &[f64]| fit(subject, &all, Some((base, x)), self.data, ANY);
-        let first = from(&force.x).or_else(|| from(&base.x))?;
-        let mut again = unguessed(&first);
-        if let Some((last, _)) = again.last_mut() {
-            *last = force.at(subject, &first);
-        }
-        let second = fit(subject, &again, Some((&first, &first.x)), self.data, ANY);
-        let better = second.filter(|second| second.ln_posterior() > first.ln_posterior());
-        let found = Arc::new(better.unwrap_or(first));
-        self.note(&found);
-        Some(found)
     }
 }
 

@@ -1,7 +1,8 @@
 //! Gauss and Newton's iteration of a fit, with the sizes of tolerances by their evidence.
 
-use nalgebra::DMatrix;
-use nalgebra::DVector;
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, DVector};
 
 use super::unknowns::Unknowns;
 use crate::identify::global::gauss_newton::{LeastSquares, approach};
@@ -28,18 +29,44 @@ const EASED: f64 = 0.3;
 /// Derivatives by small errors stay as they are while a step lowers the objective by this part of what was promised.
 const FAITHFUL: f64 = 0.5;
 
+/// Derivatives by all unknowns.
+struct Derivatives {
+    jacobian: DMatrix<f64>,
+    /// The same of turned rows.
+    turned: DMatrix<f64>,
+}
+
 /// Residuals and derivatives at some values of the unknowns.
 pub(super) struct Point {
     /// The unknowns.
     pub x: Vec<f64>,
-    /// Residuals and their derivatives.
-    pub evaluation: Evaluation,
-    /// The Jacobian of turned rows.
-    pub turned: DMatrix<f64>,
+    /// Prediction minus reading of all rows in units of the declared noise.
+    pub residual: DVector<f64>,
     /// The linear model.
     pub linear: Linear,
+    /// Derivatives here, or those of a point nearby that `own` replaces in part.
+    derivatives: Arc<Derivatives>,
+    /// Columns of derivatives, and which.
+    own: Option<(Vec<usize>, Derivatives)>,
     /// False where derivatives by small errors are those of a point nearby.
     is_exact: bool,
+}
+
+impl Point {
+    /// Unknowns, residual, its derivatives and those of turned rows, and the linear model.
+    pub(super) fn into_parts(self) -> (Vec<f64>, DVector<f64>, [DMatrix<f64>; 2], Linear) {
+        let (mut jacobian, mut turned) = match Arc::try_unwrap(self.derivatives) {
+            Ok(own) => (own.jacobian, own.turned),
+            Err(shared) => (shared.jacobian.clone(), shared.turned.clone()),
+        };
+        if let Some((places, own)) = self.own {
+            for (k, place) in places.into_iter().enumerate() {
+                jacobian.set_column(place, &own.jacobian.column(k));
+                turned.set_column(place, &own.turned.column(k));
+            }
+        }
+        (self.x, self.residual, [jacobian, turned], self.linear)
+    }
 }
 
 /// The end of a fit.
@@ -50,6 +77,16 @@ pub(super) struct Settled {
     pub sizes: Sizes,
     /// What the readings say there.
     pub posterior: Posterior,
+}
+
+impl Settled {
+    fn new(point: Point, sizes: Sizes) -> Option<Self> {
+        Some(Self {
+            posterior: point.linear.posterior(&sizes)?,
+            point,
+            sizes,
+        })
+    }
 }
 
 /// Residuals as a function of the unknowns.
@@ -71,23 +108,8 @@ pub(super) struct Sweep<'a> {
 impl Sweep<'_> {
     /// Everything at `x`.
     pub(super) fn at(&mut self, x: Vec<f64>) -> Option<Point> {
-        let all: Vec<usize> = (0..self.unknowns.list.len()).collect();
-        let evaluation = self.evaluate(&x, &all)?;
-        let turned = self.whitening.apply(&evaluation.jacobian);
-        let linear = Linear::new(
-            self.whitening,
-            &turned,
-            &self.whitening.apply_vector(&-&evaluation.residual),
-            self.unknowns.priors.clone(),
-            DVector::from_column_slice(&x),
-        );
-        Some(Point {
-            x,
-            evaluation,
-            turned,
-            linear,
-            is_exact: true,
-        })
+        let evaluation = self.evaluate(&x, None)?;
+        Some(self.linearised(x, evaluation, true))
     }
 
     /// At `x`, with the derivatives by small errors from the Jacobian of another model that has them too, and `theirs` unknowns of its
@@ -98,13 +120,24 @@ impl Sweep<'_> {
         (known, theirs): (&DMatrix<f64>, usize),
     ) -> Option<Point> {
         let (count, nuisances) = (self.unknowns.list.len(), self.unknowns.layout.sd.len());
-        let mut evaluation = self.evaluate(&x, &self.of_the_model.clone())?;
-        let errors = (0..count).filter(|k| self.of_the_model.binary_search(k).is_err());
+        let own = self.of_the_model.clone();
+        let mut evaluation = self.evaluate(&x, Some(&own))?;
+        let mut jacobian = DMatrix::zeros(known.nrows(), x.len());
+        for (k, place) in own.iter().enumerate() {
+            jacobian.set_column(*place, &evaluation.jacobian.column(k));
+        }
+        let errors = (0..count).filter(|k| own.binary_search(k).is_err());
         let from = errors.map(|k| (k, k));
         let from = from.chain((0..nuisances).map(|k| (count + k, theirs + k)));
         for (own, other) in from {
-            evaluation.jacobian.set_column(own, &known.column(other));
+            jacobian.set_column(own, &known.column(other));
         }
+        self.set_rows(&mut jacobian);
+        evaluation.jacobian = jacobian;
+        Some(self.linearised(x, evaluation, false))
+    }
+
+    fn linearised(&self, x: Vec<f64>, evaluation: Evaluation, is_exact: bool) -> Point {
         let turned = self.whitening.apply(&evaluation.jacobian);
         let linear = Linear::new(
             self.whitening,
@@ -113,74 +146,79 @@ impl Sweep<'_> {
             self.unknowns.priors.clone(),
             DVector::from_column_slice(&x),
         );
-        Some(Point {
+        let jacobian = evaluation.jacobian;
+        Point {
             x,
-            evaluation,
-            turned,
+            residual: evaluation.residual,
             linear,
-            is_exact: false,
-        })
+            derivatives: Arc::new(Derivatives { jacobian, turned }),
+            own: None,
+            is_exact,
+        }
     }
 
     /// At `x`, with the derivatives by small errors of a point nearby.
     fn near(&mut self, x: Vec<f64>, point: &Point) -> Option<Point> {
         let own = self.of_the_model.clone();
-        let mut evaluation = self.evaluate(&x, &own)?;
-        let changed = self
-            .whitening
-            .apply(&evaluation.jacobian.select_columns(&own));
-        let (mut jacobian, mut turned) = (point.evaluation.jacobian.clone(), point.turned.clone());
-        for (k, at) in own.iter().enumerate() {
-            jacobian.set_column(*at, &evaluation.jacobian.column(*at));
-            turned.set_column(*at, &changed.column(k));
-        }
-        evaluation.jacobian = jacobian;
+        let evaluation = self.evaluate(&x, Some(&own))?;
+        let jacobian = evaluation.jacobian;
+        let turned = self.whitening.apply(&jacobian);
         let linear = point.linear.moved(
             self.whitening,
-            (
-                &turned,
-                &self.whitening.apply_vector(&-&evaluation.residual),
-            ),
-            &own,
+            &point.derivatives.turned,
+            (&own, &turned),
+            &self.whitening.apply_vector(&-&evaluation.residual),
             DVector::from_column_slice(&x),
         );
         Some(Point {
             x,
-            evaluation,
-            turned,
+            residual: evaluation.residual,
             linear,
+            derivatives: Arc::clone(&point.derivatives),
+            own: Some((own, Derivatives { jacobian, turned })),
             is_exact: false,
         })
     }
 
-    /// Solves all cases; derivatives by these unknowns of the deck, in ascending order, and by all of the measurement.
-    fn evaluate(&mut self, x: &[f64], columns: &[usize]) -> Option<Evaluation> {
+    /// Solves all cases. Derivatives by these unknowns of the deck, in ascending order, side by side; else by all, each in its place.
+    fn evaluate(&mut self, x: &[f64], columns: Option<&[usize]>) -> Option<Evaluation> {
         let own = &self.unknowns.list;
         let count = own.len();
         let numbers = own.numbers(&self.unknowns.deck, &x[..count]);
         let mut directions = own.directions(&numbers.theta, &x[..count]);
-        let mut at = 0..;
-        directions.retain(|_| at.next().is_some_and(|k| columns.binary_search(&k).is_ok()));
-        let prediction = self.predictor.predict(&numbers, Some(&directions));
-        let inner = count + self.unknowns.layout.sd.len();
-        let mut out =
-            self.observations
-                .evaluate(&prediction, &self.unknowns.layout, &x[..inner], true)?;
-        let rows = &self.unknowns.rows;
-        out.jacobian = out.jacobian.resize_horizontally(inner + rows.len(), 0.0);
-        // Derivatives stand side by side; each goes to its own column, the last one first.
-        for (k, column) in columns.iter().enumerate().rev() {
-            if *column != k {
-                out.jacobian.swap_columns(k, *column);
-            }
+        if let Some(columns) = columns {
+            let mut at = 0..;
+            directions.retain(|_| at.next().is_some_and(|k| columns.binary_search(&k).is_ok()));
         }
+        let prediction = self.predictor.predict(&numbers, Some(&directions));
+        let layout = &self.unknowns.layout;
+        let inner = count + layout.sd.len();
+        let rows = &self.unknowns.rows;
+        let width = columns.map_or(inner + rows.len(), <[usize]>::len);
+        let found = self
+            .observations
+            .evaluate(&prediction, layout, &x[..inner], width);
+        let mut out = found?;
         for (k, column) in rows.iter().enumerate() {
             for (row, value) in column {
                 out.residual[*row] += value * x[inner + k];
-                out.jacobian[(*row, inner + k)] = *value;
             }
         }
+        if columns.is_none() {
+            self.set_rows(&mut out.jacobian);
+        }
         Some(out)
+    }
+
+    /// Derivatives by what acts on single rows.
+    fn set_rows(&self, jacobian: &mut DMatrix<f64>) {
+        let rows = &self.unknowns.rows;
+        let first = jacobian.ncols() - rows.len();
+        for (k, column) in rows.iter().enumerate() {
+            for (row, value) in column {
+                jacobian[(*row, first + k)] = *value;
+            }
+        }
     }
 
     /// Stiffnesses first, from the deck, as if all else were exact.
@@ -219,21 +257,17 @@ impl Sweep<'_> {
         let (mut slow, mut damping) = (0, 0.0);
         for step_number in 0.. {
             // Far from the answer the sizes would take up what is not fitted yet.
-            let mut posterior = here.linear.posterior(&sizes)?;
-            if alone || step_number >= HELD || posterior.gain < NEAR {
+            let mut reached = here.linear.reached(&sizes, 0.0)?;
+            if alone || step_number >= HELD || reached.gain < NEAR {
                 sizes = here.linear.sized(&sizes);
-                posterior = here.linear.posterior(&sizes)?;
+                reached = here.linear.reached(&sizes, 0.0)?;
             }
             let objective = here.linear.objective(&sizes);
             // What the linear model promises counts for the fit here.
-            let hopeless = step_number >= HELD && posterior.ln_z < least;
-            if posterior.gain < ENOUGH || step_number >= steps || slow == SLOW || hopeless {
+            let hopeless = step_number >= HELD && reached.ln_z < least;
+            if reached.gain < ENOUGH || step_number >= steps || slow == SLOW || hopeless {
                 if here.is_exact || hopeless {
-                    return Some(Settled {
-                        point: here,
-                        sizes,
-                        posterior,
-                    });
+                    return Settled::new(here, sizes);
                 }
                 here = self.at(here.x)?;
                 slow = 0;
@@ -243,7 +277,13 @@ impl Sweep<'_> {
             let (low, high) = list.limits(&vec![1.0; count], reach);
             let mut next = None;
             for _ in 0..TRIALS {
-                let damped = here.linear.damped(&sizes, damping)?;
+                let other;
+                let damped = if damping == 0.0 {
+                    &reached
+                } else {
+                    other = here.linear.reached(&sizes, damping)?;
+                    &other
+                };
                 let limited: Vec<(usize, f64)> = (0..count)
                     .filter(|k| self.unknowns.is_logarithm(*k))
                     .map(|k| (k, damped.step[k].clamp(low[k], high[k])))
@@ -262,7 +302,7 @@ impl Sweep<'_> {
                     let value = further.linear.objective(&sizes);
                     if value <= objective + ENOUGH {
                         // Where the model promised much more its derivatives have changed.
-                        let promised = 2.0 * posterior.gain;
+                        let promised = 2.0 * reached.gain;
                         let further = if objective - value < FAITHFUL * promised {
                             self.at(further.x)?
                         } else {
@@ -288,11 +328,7 @@ impl Sweep<'_> {
             let was_exact = here.is_exact;
             here = self.at(here.x)?;
             if was_exact {
-                return Some(Settled {
-                    point: here,
-                    sizes,
-                    posterior,
-                });
+                return Settled::new(here, sizes);
             }
             damping = 0.0;
         }
@@ -312,11 +348,10 @@ impl LeastSquares for Alone<'_, '_> {
         all[..x.len()].copy_from_slice(x);
         let active = if with_jacobian { x.len() } else { 0 };
         let columns: Vec<usize> = (0..active).collect();
-        let out = self.sweep.evaluate(&all, &columns)?;
-        let jacobian = out.jacobian.columns(0, active).into_owned();
+        let out = self.sweep.evaluate(&all, Some(&columns))?;
         Some(Evaluation {
             residual: self.sweep.whitening.apply_vector(&out.residual),
-            jacobian: self.sweep.whitening.apply(&jacobian),
+            jacobian: self.sweep.whitening.apply(&out.jacobian),
         })
     }
 

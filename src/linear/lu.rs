@@ -13,6 +13,7 @@ use std::ops::{Div, Mul};
 
 use super::blocks::Blocks;
 use super::entries::Entries;
+use super::lanes::{Lanes, WIDTH};
 use super::matrix::Matrix;
 use super::ordering::columns_of;
 use super::pivoting::{Eliminated, eliminated};
@@ -143,6 +144,31 @@ impl<T: Scalar> Lu<T> {
         self.solve_into(b, &mut x);
         b.copy_from_slice(&x);
         self.work = x;
+    }
+
+    /// The same for many right sides, one after the other in `all`: what one alone would have, to the bit.
+    pub(crate) fn solve_many(&self, all: &mut [Vec<f64>])
+    where
+        Lanes: Mul<T, Output = Lanes> + Div<T, Output = Lanes>,
+    {
+        let (mut b, mut x) = (
+            vec![Lanes::default(); self.n],
+            vec![Lanes::default(); self.n],
+        );
+        for some in all.chunks_mut(WIDTH) {
+            b.fill(Lanes::default());
+            for (lane, right) in some.iter().enumerate() {
+                for (to, from) in b.iter_mut().zip(right) {
+                    to.0[lane] = *from;
+                }
+            }
+            self.solve_into(&mut b, &mut x);
+            for (lane, solution) in some.iter_mut().enumerate() {
+                for (to, from) in solution.iter_mut().zip(&x) {
+                    *to = from.0[lane];
+                }
+            }
+        }
     }
 
     /// The same for a right side of another kind of numbers, with the solution in `x`; what is in `b` is used up.
@@ -277,6 +303,21 @@ mod tests {
                 assert!((b[k] - x[k]).abs() < 1e-12 * 7.0, "{b:?}");
                 assert!((t[k] - x[k]).abs() < 1e-12 * 7.0, "{t:?}");
             }
+        }
+    }
+
+    #[test]
+    fn many_right_sides_are_solved_as_one_is() {
+        let rows: &[&[f64]] = &[&[0.0, 2e5, 1.0], &[3.0, 1e5, -1.0], &[1e-3, 4.0, 0.0]];
+        let mut lu = Lu::new(3);
+        lu.factor(&matrix(rows));
+        let side = |k: usize| vec![k as f64 - 4.0, 0.0, 1.0 / (1.0 + k as f64)];
+        let mut many: Vec<Vec<f64>> = (0..19).map(side).collect();
+        lu.solve_many(&mut many);
+        for (k, found) in many.iter().enumerate() {
+            let mut one = side(k);
+            lu.solve(&mut one);
+            assert_eq!(*found, one);
         }
     }
 

@@ -4,6 +4,7 @@
 
 mod blocks;
 mod entries;
+mod lanes;
 mod levels;
 mod lu;
 mod matrix;

@@ -45,6 +45,8 @@ pub struct Solver {
     pub(super) scratch: Scratch,
     /// Factors of the last Jacobian in use.
     pub(super) matrix: Lu,
+    /// Memory of the last tangent.
+    spare: Option<Tangent>,
     /// Assembled at the trial state.
     pub(super) next: Matrix,
     pub(super) g: Vec<f64>,
@@ -103,6 +105,7 @@ impl Solver {
         Self {
             scratch: Scratch::new(system),
             matrix: Lu::new(n),
+            spare: None,
             next: Matrix::new(n),
             g: vec![0.0; n],
             g_trial: vec![0.0; n],
@@ -248,8 +251,15 @@ impl Solver {
         parameters: &Parameters,
         state: &State,
     ) -> Result<Tangent, SolveError> {
-        let factors = self.matrix.clone();
-        Tangent::with(system, parameters, state, (factors, &mut self.next))
+        let fresh = || Tangent::with(system, self.matrix.clone());
+        let mut tangent = self.spare.take().unwrap_or_else(fresh);
+        tangent.linearise(system, parameters, state, &mut self.next)?;
+        Ok(tangent)
+    }
+
+    /// Takes back a tangent of the same system, whose memory serves the next one.
+    pub(crate) fn give_back(&mut self, tangent: Tangent) {
+        self.spare = Some(tangent);
     }
 
     /// Marks the constraint equations that say nothing new in this configuration.

@@ -11,6 +11,7 @@ use crate::system::{Parameters, Scratch, Slot, State, System};
 pub struct Tangent {
     factors: Lu,
     scratch: Scratch,
+    residual: Vec<f64>,
 }
 
 impl Tangent {
@@ -24,23 +25,37 @@ impl Tangent {
         state: &State,
     ) -> Result<Self, SolveError> {
         let n = system.unknowns();
-        Self::with(system, parameters, state, (Lu::new(n), &mut Matrix::new(n)))
+        let mut new = Self::with(system, Lu::new(n));
+        new.linearise(system, parameters, state, &mut Matrix::new(n))?;
+        Ok(new)
     }
 
-    /// With factors and a matrix that may know the pattern and the order already.
-    pub(super) fn with(
+    /// Memory for a system, with factors that may know the order of elimination already.
+    pub(super) fn with(system: &System, factors: Lu) -> Self {
+        Self {
+            factors,
+            scratch: Scratch::new(system),
+            residual: vec![0.0; system.unknowns()],
+        }
+    }
+
+    /// Linearises the equations anew, at this state. The matrix is memory; it may know the pattern.
+    ///
+    /// # Errors
+    /// [`SolveError::NoValue`] if an element has no value there.
+    pub(super) fn linearise(
+        &mut self,
         system: &System,
         parameters: &Parameters,
         state: &State,
-        (mut factors, matrix): (Lu, &mut Matrix),
-    ) -> Result<Self, SolveError> {
-        let mut scratch = Scratch::new(system);
-        let mut g = vec![0.0; system.unknowns()];
+        matrix: &mut Matrix,
+    ) -> Result<(), SolveError> {
         matrix.clear();
-        system.assemble(parameters, state, &mut scratch, &mut g, matrix)?;
+        let (scratch, g) = (&mut self.scratch, &mut self.residual);
+        system.assemble(parameters, state, scratch, g, matrix)?;
         matrix.finish();
-        factors.factor(matrix);
-        Ok(Self { factors, scratch })
+        self.factors.factor(matrix);
+        Ok(())
     }
 
     /// How many motions nothing resists; they are held where they are.
@@ -54,6 +69,14 @@ impl Tangent {
             *value = -*value;
         }
         self.factors.solve(dg);
+    }
+
+    /// The same for many changes.
+    pub(crate) fn respond_to_all(&self, changes: &mut [Vec<f64>]) {
+        for value in changes.iter_mut().flatten() {
+            *value = -*value;
+        }
+        self.factors.solve_many(changes);
     }
 
     /// Replaces the weights w of the unknowns by `a = -J^-T w`: then `d(w . x) = a . dg` for every change of the residual.
@@ -111,5 +134,38 @@ pub(crate) fn point_change(
         6 => Vec3::new(d[0], d[1], d[2]) + Vec3::new(d[3], d[4], d[5]).cross(&arm),
         3 => Vec3::new(d[0], d[1], d[2]),
         _ => Vec3::zeros(),
+    }
+}
+
+/// Tangents at one state after another. The order of elimination is that of the first one, as long as its pivots serve.
+#[derive(Clone, Debug)]
+pub(crate) struct Tangents {
+    tangent: Tangent,
+    matrix: Matrix,
+}
+
+impl Tangents {
+    /// Memory for a system.
+    pub(crate) fn new(system: &System) -> Self {
+        let n = system.unknowns();
+        Self {
+            tangent: Tangent::with(system, Lu::new(n)),
+            matrix: Matrix::new(n),
+        }
+    }
+
+    /// At this state.
+    ///
+    /// # Errors
+    /// [`SolveError::NoValue`] if an element has no value there.
+    pub(crate) fn at(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+    ) -> Result<&mut Tangent, SolveError> {
+        self.tangent
+            .linearise(system, parameters, state, &mut self.matrix)?;
+        Ok(&mut self.tangent)
     }
 }

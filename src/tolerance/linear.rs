@@ -6,10 +6,15 @@
 //! `ln Z = -(z'W z + |x0/S|^2 - b'M^-1 b)/2 - ln det M / 2 - sum ln var / 2 + sum ln p(sizes)`, constants left out.
 //! Source: MacKay, Neural Computation 4 (1992) 415.
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use std::ops::Range;
 
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use super::factor::Factor;
+use super::further::Further;
 use super::group::{Group, Sizes};
-use super::whitening::{Class, Whitening};
+use super::share::{Columns, Share, columns_of, largest};
+use super::whitening::Whitening;
 
 /// Prior of one unknown.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -37,17 +42,6 @@ impl Unknown {
         let tau = self.group.and_then(|group| sizes.of(group)).unwrap_or(0.0);
         libm::hypot(tau, self.sd)
     }
-}
-
-/// Rows of one class.
-#[derive(Clone, Debug)]
-struct Share {
-    class: Class,
-    count: f64,
-    /// `A'A`, `A'z`, `z'z`.
-    H: DMatrix<f64>,
-    g: DVector<f64>,
-    q: f64,
 }
 
 /// A model linearised at a point.
@@ -87,21 +81,6 @@ impl Posterior {
         self.chi_square / (self.count - self.effective).max(1.0)
     }
 
-    /// The step to the maximum with some unknowns moving by given amounts instead.
-    pub(crate) fn step_with(&self, given: &[(usize, f64)]) -> DVector<f64> {
-        let places: Vec<usize> = given.iter().map(|(place, _)| *place).collect();
-        let off = DVector::from_iterator(
-            given.len(),
-            given.iter().map(|(place, value)| value - self.step[*place]),
-        );
-        let across = self.covariance.select_columns(&places);
-        let own = across.select_rows(&places);
-        match Cholesky::new(own) {
-            Some(factor) => &self.step + across * factor.solve(&off),
-            None => self.step.clone(),
-        }
-    }
-
     /// Variances of the unknowns in `kept` as they would be if all others were known exactly; the share of tolerances in a variance is
     /// what this falls short of it.
     pub(crate) fn without(&self, kept: &[usize]) -> Vec<f64> {
@@ -127,20 +106,11 @@ impl Linear {
         unknowns: Vec<Unknown>,
         at: DVector<f64>,
     ) -> Self {
-        let shares = whitening.classes.iter().enumerate().map(|(k, class)| {
-            let rows: Vec<usize> = (0..residual.len())
-                .filter(|row| whitening.class_of[*row] == Some(k))
-                .collect();
-            let A = jacobian.select_rows(&rows);
-            let z = residual.select_rows(&rows);
-            let transposed = A.transpose();
-            Share {
-                class: *class,
-                count: rows.len() as f64,
-                H: &transposed * &A,
-                g: &transposed * &z,
-                q: z.norm_squared(),
-            }
+        let largest = largest(jacobian);
+        let classes = whitening.classes.iter().zip(&whitening.rows_of);
+        let shares = classes.map(|(class, rows)| {
+            let A = Columns::new(rows, columns_of(jacobian), &largest);
+            Share::new(*class, &A, &residual.select_rows(rows))
         });
         Self {
             shares: shares.collect(),
@@ -149,83 +119,59 @@ impl Linear {
         }
     }
 
-    /// With further columns of turned rows, and their unknowns, at zero.
+    /// With some further columns, and their unknowns, at zero.
     #[must_use]
-    pub(crate) fn with(
-        &self,
-        whitening: &Whitening,
-        (jacobian, residual): (&DMatrix<f64>, &DVector<f64>),
-        further: &DMatrix<f64>,
-        unknowns: &[Unknown],
-    ) -> Self {
-        let (n, k) = (self.unknowns.len(), further.ncols());
-        let mut new = self.clone();
-        new.unknowns.extend_from_slice(unknowns);
-        new.at = new.at.resize_vertically(n + k, 0.0);
-        for (at, share) in new.shares.iter_mut().enumerate() {
-            let rows: Vec<usize> = (0..residual.len())
-                .filter(|row| whitening.class_of[*row] == Some(at))
-                .collect();
-            let E = further.select_rows(&rows).transpose();
-            let cross = &E * jacobian.select_rows(&rows);
-            let own = &E * E.transpose();
-            let g = &E * residual.select_rows(&rows);
-            let mut H =
-                std::mem::replace(&mut share.H, DMatrix::zeros(0, 0)).resize(n + k, n + k, 0.0);
-            H.view_mut((n, 0), (k, n)).copy_from(&cross);
-            H.view_mut((0, n), (n, k)).copy_from(&cross.transpose());
-            H.view_mut((n, n), (k, k)).copy_from(&own);
-            share.H = H;
-            let mut longer =
-                std::mem::replace(&mut share.g, DVector::zeros(0)).resize_vertically(n + k, 0.0);
-            longer.rows_mut(n, k).copy_from(&g);
-            share.g = longer;
-        }
+    pub(crate) fn with(&self, further: &Further, range: &Range<usize>, unknown: Unknown) -> Self {
+        let n = self.unknowns.len();
+        let shares = self.shares.iter().zip(further.blocks(range));
+        let mut new = Self {
+            shares: shares.map(|(share, block)| share.with(n, &block)).collect(),
+            unknowns: self.unknowns.clone(),
+            at: self.at.clone().resize_vertically(n + range.len(), 0.0),
+        };
+        new.unknowns.resize(n + range.len(), unknown);
         new
     }
 
-    /// The same where residual and some columns have changed.
+    /// The same where the residual and some columns of `jacobian` have changed.
     #[must_use]
     pub(crate) fn moved(
         &self,
         whitening: &Whitening,
-        (jacobian, residual): (&DMatrix<f64>, &DVector<f64>),
-        changed: &[usize],
+        jacobian: &DMatrix<f64>,
+        (changed, own): (&[usize], &DMatrix<f64>),
+        residual: &DVector<f64>,
         at: DVector<f64>,
     ) -> Self {
-        let mut new = self.clone();
-        new.at = at;
-        let own = jacobian.select_columns(changed);
-        for (k, share) in new.shares.iter_mut().enumerate() {
-            let rows: Vec<usize> = (0..residual.len())
-                .filter(|row| whitening.class_of[*row] == Some(k))
-                .collect();
-            let A = jacobian.select_rows(&rows);
-            let z = residual.select_rows(&rows);
-            let cross = own.select_rows(&rows).transpose() * &A;
-            for (row, to) in cross.row_iter().zip(changed) {
-                share.H.row_mut(*to).copy_from(&row);
-                share.H.column_mut(*to).copy_from(&row.transpose());
-            }
-            share.g = A.tr_mul(&z);
-            share.q = z.norm_squared();
+        let mut largest = largest(jacobian);
+        let mut columns: Vec<&[f64]> = columns_of(jacobian).collect();
+        let most = super::share::largest(own);
+        for ((unknown, column), most) in changed.iter().zip(columns_of(own)).zip(most) {
+            (columns[*unknown], largest[*unknown]) = (column, most);
         }
-        new
+        let shares = self.shares.iter().zip(&whitening.rows_of);
+        let shares = shares.map(|(share, rows)| {
+            let A = Columns::new(rows, columns.iter().copied(), &largest);
+            let z = residual.select_rows(rows);
+            let moved = share.moved(&A, changed, &z);
+            moved.unwrap_or_else(|| Share::new(share.class, &A, &z))
+        });
+        Self {
+            shares: shares.collect(),
+            unknowns: self.unknowns.clone(),
+            at,
+        }
     }
 
-    /// Information, `A'W z`, `z'W z` and the logarithms of all variances at these sizes.
+    /// Information (its lower triangle), `A'W z`, `z'W z` and the logarithms of all variances at these sizes.
     fn sums(&self, ln: &[f64]) -> (DMatrix<f64>, DVector<f64>, f64, f64) {
         let n = self.unknowns.len();
         let (mut H, mut g) = (DMatrix::zeros(n, n), DVector::zeros(n));
         let (mut q, mut logs) = (0.0, 0.0);
         for share in &self.shares {
             let variance = share.class.variance(ln);
-            let precision = 1.0 / variance;
-            for (to, from) in H.as_mut_slice().iter_mut().zip(share.H.as_slice()) {
-                *to += from * precision;
-            }
-            g.axpy(precision, &share.g, 1.0);
-            q += share.q * precision;
+            share.add_to(1.0 / variance, &mut H, &mut g);
+            q += share.q / variance;
             logs += share.count * libm::log(variance);
         }
         (H, g, q, logs)
@@ -238,17 +184,17 @@ impl Linear {
         )
     }
 
-    /// Factor of `M`, `S`, `b`, the information, `z'W z + |x0/S|^2` and the logarithms of variances.
+    /// The linear model at these sizes; `None` if it has no finite answer.
     fn solved(&self, sizes: &Sizes, damping: f64) -> Option<Solved> {
         let S = self.prior_sds(sizes);
-        let (H, g, q, logs) = self.sums(&sizes.ln);
+        let (mut M, g, q, logs) = self.sums(&sizes.ln);
         let n = S.len();
-        let mut M = H.clone();
-        for column in 0..n {
-            for row in 0..n {
-                M[(row, column)] *= S[row] * S[column];
+        for k in 0..n {
+            let column = &mut M.as_mut_slice()[k * n..(k + 1) * n];
+            for (value, s) in column[k..].iter_mut().zip(&S.as_slice()[k..]) {
+                *value *= S[k] * s;
             }
-            M[(column, column)] += 1.0 + damping;
+            column[k] += 1.0 + damping;
         }
         let from = DVector::from_fn(n, |k, _| {
             if S[k] > 0.0 {
@@ -258,15 +204,8 @@ impl Linear {
             }
         });
         let b = g.component_mul(&S) - &from;
-        let factor = Cholesky::new(M)?;
+        let factor = Factor::new(M)?;
         let mu = factor.solve(&b);
-        let log_det: f64 = factor
-            .l_dirty()
-            .diagonal()
-            .iter()
-            .map(|d| libm::log(*d))
-            .sum::<f64>()
-            * 2.0;
         let prior: f64 = sizes
             .ln
             .iter()
@@ -274,7 +213,8 @@ impl Linear {
             .map(|(ln, size)| size.ln_prior(*ln))
             .sum();
         let ln_z =
-            -0.5 * (q + from.norm_squared() - b.dot(&mu)) - 0.5 * log_det - 0.5 * logs + prior;
+            -0.5 * (q + from.norm_squared() - b.dot(&mu)) - 0.5 * factor.ln_det() - 0.5 * logs
+                + prior;
         Some(Solved {
             factor,
             S,
@@ -292,11 +232,16 @@ impl Linear {
             .map_or(f64::NEG_INFINITY, |solved| solved.ln_z)
     }
 
-    /// The evidence, its gradient by the logarithms of the sizes, and Fisher's information of each alone.
-    pub(crate) fn evidence(&self, sizes: &Sizes) -> Option<(f64, Vec<f64>, Vec<f64>)> {
+    /// The evidence, its gradient by the logarithms of the sizes, and, if asked for, Fisher's information of each alone.
+    pub(crate) fn evidence(
+        &self,
+        sizes: &Sizes,
+        with_information: bool,
+    ) -> Option<(f64, Vec<f64>, Vec<f64>)> {
         let solved = self.solved(sizes, 0.0)?;
-        let inverse = inverse(&solved.factor);
+        let mut inverse = solved.factor.inverse();
         let (S, mu) = (&solved.S, &solved.mu);
+        let n = S.len();
         let mut gradient: Vec<f64> = sizes
             .ln
             .iter()
@@ -315,6 +260,23 @@ impl Linear {
             information[at] += 2.0 * (phi * (1.0 - inverse[(k, k)])).powi(2);
         }
         let step = mu.component_mul(S);
+        // The covariance, what stands beside the diagonal doubled: products with symmetric matrices read one triangle only.
+        for k in 0..n {
+            let column = &mut inverse.as_mut_slice()[k * n..(k + 1) * n];
+            for (value, s) in column[k..].iter_mut().zip(&S.as_slice()[k..]) {
+                *value *= 2.0 * S[k] * s;
+            }
+            column[k] *= 0.5;
+        }
+        let covariance = inverse;
+        let mut spread_and_step = covariance.clone();
+        for k in 0..n {
+            let column = &mut spread_and_step.as_mut_slice()[k * n..(k + 1) * n];
+            for (value, s) in column[k + 1..].iter_mut().zip(&step.as_slice()[k + 1..]) {
+                *value += 2.0 * step[k] * s;
+            }
+            column[k] += step[k] * step[k];
+        }
         for share in &self.shares {
             let by: Vec<(usize, f64)> = share
                 .class
@@ -326,20 +288,16 @@ impl Linear {
                 continue;
             }
             let variance = share.class.variance(&sizes.ln);
-            let left = share.q - 2.0 * share.g.dot(&step) + step.dot(&(&share.H * &step));
-            let mut spread = 0.0;
-            for column in 0..S.len() {
-                let mut sum = 0.0;
-                for row in 0..S.len() {
-                    sum += share.H[(row, column)] * inverse[(row, column)] * S[row];
-                }
-                spread += sum * S[column];
+            let expected = share.sloped(&step) + share.product(&spread_and_step);
+            let rate = 0.5 * (expected / variance - share.count) / variance;
+            for (at, by) in &by {
+                gradient[*at] += rate * by;
             }
-            let rate = 0.5 * ((left + spread) / variance - share.count) / variance;
-            for (at, by) in by {
-                gradient[at] += rate * by;
-                let free = (share.count - spread / variance).max(0.0);
-                information[at] += 0.5 * free * (by / variance).powi(2);
+            if with_information {
+                let free = (share.count - share.product(&covariance) / variance).max(0.0);
+                for (at, by) in by {
+                    information[at] += 0.5 * free * (by / variance).powi(2);
+                }
             }
         }
         Some((solved.ln_z, gradient, information))
@@ -347,41 +305,44 @@ impl Linear {
 
     /// The posterior at these sizes; `None` if the model has no finite answer.
     pub(crate) fn posterior(&self, sizes: &Sizes) -> Option<Posterior> {
-        self.damped(sizes, 0.0)
-    }
-
-    /// The posterior if the unknowns were also known to be near where the model was linearised: a prior `1 / sqrt(damping)` times as wide
-    /// as their own holds them there. Its step is that of Levenberg and Marquardt in units of the priors.
-    pub(crate) fn damped(&self, sizes: &Sizes, damping: f64) -> Option<Posterior> {
-        let solved = self.solved(sizes, damping)?;
-        let inverse = inverse(&solved.factor);
+        let solved = self.solved(sizes, 0.0)?;
+        let inverse = solved.factor.inverse();
         let S = &solved.S;
         let n = S.len();
         let effective = (0..n)
             .filter(|k| S[*k] > 0.0)
             .map(|k| 1.0 - inverse[(k, k)])
             .sum();
-        let covariance = DMatrix::from_fn(n, n, |a, b| inverse[(a, b)] * S[a] * S[b]);
-        let step = solved.mu.component_mul(S);
+        let mut covariance = inverse;
+        for k in 0..n {
+            for row in k..n {
+                let value = covariance[(row, k)] * S[row] * S[k];
+                covariance[(row, k)] = value;
+                covariance[(k, row)] = value;
+            }
+        }
+        let reached = solved.reached()?;
         let chi_square = self
             .shares
             .iter()
-            .map(|share| {
-                let left = share.q - 2.0 * share.g.dot(&step) + step.dot(&(&share.H * &step));
-                left.max(0.0) / share.class.variance(&sizes.ln)
-            })
+            .map(|share| share.left(&reached.step).max(0.0) / share.class.variance(&sizes.ln))
             .sum();
-        let finite = step.iter().all(|x| x.is_finite()) && solved.ln_z.is_finite();
-        finite.then_some(Posterior {
-            ln_z: solved.ln_z,
-            step,
+        Some(Posterior {
+            ln_z: reached.ln_z,
+            gain: reached.gain,
+            step: reached.step,
             covariance,
             chi_square,
             effective,
             count: self.shares.iter().map(|share| share.count).sum(),
-            gain: 0.5 * (solved.b.dot(&solved.mu)).max(0.0),
             ln: sizes.ln.clone(),
         })
+    }
+
+    /// Where the unknowns end if they were also known to be near where the model was linearised: a prior `1 / sqrt(damping)` times as wide
+    /// as their own holds them there. The step is that of Levenberg and Marquardt in units of the priors.
+    pub(crate) fn reached(&self, sizes: &Sizes, damping: f64) -> Option<Reached> {
+        self.solved(sizes, damping)?.reached()
     }
 
     /// What the objective `z'W z + |x/S|^2` is where the model was linearised.
@@ -401,53 +362,73 @@ impl Linear {
 
     /// The sizes of greatest evidence, from where `sizes` are.
     pub(crate) fn sized(&self, sizes: &Sizes) -> Sizes {
-        super::sizes::climb(sizes, |sizes| self.evidence(sizes))
+        super::sizes::climb(sizes, |sizes, first| self.evidence(sizes, first))
     }
 }
 
-/// Blocks up to this size are inverted one column after the other.
-const SMALL: usize = 24;
-
-/// `M^-1 = V'V` with `V = L^-1`, by blocks: matrix products take most of the time.
-fn inverse(factor: &Cholesky<f64, Dyn>) -> DMatrix<f64> {
-    let L = factor.l_dirty();
-    let n = L.nrows();
-    let mut V = DMatrix::zeros(n, n);
-    invert_lower(L, &mut V, 0, n);
-    V.transpose() * V
-}
-
-/// The inverse of the triangle of `L` in rows and columns `first..last`.
-fn invert_lower(L: &DMatrix<f64>, V: &mut DMatrix<f64>, first: usize, last: usize) {
-    if last - first <= SMALL {
-        for column in first..last {
-            V[(column, column)] = 1.0 / L[(column, column)];
-            for row in column + 1..last {
-                let mut sum = 0.0;
-                for k in column..row {
-                    sum -= L[(row, k)] * V[(k, column)];
-                }
-                V[(row, column)] = sum / L[(row, row)];
-            }
-        }
-        return;
-    }
-    let middle = usize::midpoint(first, last);
-    invert_lower(L, V, first, middle);
-    invert_lower(L, V, middle, last);
-    let (a, b) = (middle - first, last - middle);
-    let below = L.view((middle, first), (b, a)) * V.view((first, first), (a, a));
-    let block = V.view((middle, middle), (b, b)) * below;
-    V.view_mut((middle, first), (b, a)).copy_from(&-block);
-}
-
+/// The linear model at some sizes.
 struct Solved {
-    factor: Cholesky<f64, Dyn>,
+    /// Of `M`.
+    factor: Factor,
     S: DVector<f64>,
+    /// `M^-1 b`.
     mu: DVector<f64>,
+    /// `x0 / S`.
     from: DVector<f64>,
     b: DVector<f64>,
     ln_z: f64,
+}
+
+impl Solved {
+    fn reached(self) -> Option<Reached> {
+        let step = self.mu.component_mul(&self.S);
+        let finite = step.iter().all(|x| x.is_finite()) && self.ln_z.is_finite();
+        finite.then(|| Reached {
+            ln_z: self.ln_z,
+            gain: 0.5 * self.b.dot(&self.mu).max(0.0),
+            step,
+            factor: self.factor,
+            S: self.S,
+        })
+    }
+}
+
+/// The maximum of a linear model.
+pub(crate) struct Reached {
+    /// Logarithm of the evidence times the prior of the sizes.
+    pub ln_z: f64,
+    /// What the step gains, in nats.
+    pub gain: f64,
+    /// Step from where the model was linearised.
+    pub step: DVector<f64>,
+    factor: Factor,
+    S: DVector<f64>,
+}
+
+impl Reached {
+    /// The step to the maximum with some unknowns moving by given amounts instead.
+    pub(crate) fn step_with(&self, given: &[(usize, f64)]) -> DVector<f64> {
+        if given.is_empty() {
+            return self.step.clone();
+        }
+        let n = self.step.len();
+        let mut across = DMatrix::zeros(n, given.len());
+        for (k, (place, _)) in given.iter().enumerate() {
+            let mut unit = DVector::zeros(n);
+            unit[*place] = self.S[*place];
+            let column = self.factor.solve(&unit).component_mul(&self.S);
+            across.set_column(k, &column);
+        }
+        let places: Vec<usize> = given.iter().map(|(place, _)| *place).collect();
+        let off = DVector::from_iterator(
+            given.len(),
+            given.iter().map(|(place, value)| value - self.step[*place]),
+        );
+        match Cholesky::new(across.select_rows(&places)) {
+            Some(factor) => &self.step + across * factor.solve(&off),
+            None => self.step.clone(),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -551,7 +532,7 @@ mod tests {
         let mut sizes = Sizes::new(&ToleranceSettings::default(), 0.0, 1.0);
         sizes.add_scale(Scale::Marks, true);
         let (linear, ..) = linear(&sizes);
-        let (_, gradient, _) = linear.evidence(&sizes).unwrap();
+        let (_, gradient, _) = linear.evidence(&sizes, true).unwrap();
         for k in 0..sizes.ln.len() {
             let at = |h: f64| {
                 let mut ln = sizes.ln.clone();

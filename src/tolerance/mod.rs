@@ -9,21 +9,26 @@
 //! residual and Jacobian, build a [`Linear`] with one [`Unknown`] per column, and ask [`Linear::sized`]. Its `Posterior::covariance`
 //! holds the intervals with tolerances marginalised; [`Posterior::without`] the part of a variance that is not due to them.
 
+mod factor;
+mod further;
 mod group;
 mod layer;
 mod linear;
 mod noise;
 mod point;
+mod product;
+mod share;
 mod sizes;
 mod tails;
 mod whitening;
 
+pub(crate) use factor::Factor;
+pub(crate) use further::Further;
 pub(crate) use group::Sizes;
 pub(crate) use group::{Group, Scale};
 pub(crate) use layer::acts_at;
 pub(crate) use layer::{Effect, Layer, LayerOf};
-pub(crate) use linear::Posterior;
-pub(crate) use linear::{Linear, Unknown};
+pub(crate) use linear::{Linear, Posterior, Unknown};
 pub(crate) use noise::Noise;
 pub(crate) use point::Point;
 pub(crate) use tails::Tails;

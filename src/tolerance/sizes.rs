@@ -11,11 +11,11 @@ const ENOUGH: f64 = 0.02;
 /// The longest step of any logarithm.
 const LONGEST: f64 = 1.5;
 
-/// Climbs from where the sizes are; `evidence` gives value, gradient and information. (Broyden, Fletcher, Goldfarb and Shanno's update of the
+/// Climbs from where the sizes are; `evidence` gives value, gradient and, the first time, information. (Broyden, Fletcher, Goldfarb and Shanno's update of the
 /// inverse curvature; sizes at a bound that the gradient pushes against stay there.)
 pub(crate) fn climb(
     start: &Sizes,
-    mut evidence: impl FnMut(&Sizes) -> Option<(f64, Vec<f64>, Vec<f64>)>,
+    mut evidence: impl FnMut(&Sizes, bool) -> Option<(f64, Vec<f64>, Vec<f64>)>,
 ) -> Sizes {
     let bounds: Vec<(f64, f64)> = start.each().map(|size| size.bounds).collect();
     let clamp = |ln: &mut [f64]| {
@@ -27,7 +27,7 @@ pub(crate) fn climb(
     clamp(&mut ln);
     let n = ln.len();
     let mut here = start.at(ln);
-    let Some((mut value, gradient, information)) = evidence(&here) else {
+    let Some((mut value, gradient, information)) = evidence(&here, true) else {
         return start.clone();
     };
     let mut gradient = DVector::from_vec(gradient);
@@ -80,7 +80,7 @@ pub(crate) fn climb(
             clamp(&mut ln);
             let there = start.at(ln);
             evaluations += 1;
-            match evidence(&there) {
+            match evidence(&there, false) {
                 Some((better, gradient, _)) if better > value => {
                     next = Some((there, better, DVector::from_vec(gradient)));
                     break;

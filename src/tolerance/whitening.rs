@@ -7,9 +7,12 @@
 
 use std::collections::BTreeMap;
 
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Par};
 use nalgebra::{DMatrix, DVector};
 
 use super::group::{Scale, Sizes};
+use super::product::{read, write};
 use crate::mechanics::Vec3;
 use crate::mechanics::eigen::symmetric_eigen;
 
@@ -68,6 +71,8 @@ pub struct Whitening {
     pub classes: Vec<Class>,
     /// Class of each row.
     pub class_of: Vec<Option<usize>>,
+    /// Rows of each class, in ascending order.
+    pub rows_of: Vec<Vec<usize>>,
     /// Block of each row, `None` if it stands alone, and its place there.
     place_of: Vec<Option<(Option<usize>, usize)>>,
 }
@@ -85,6 +90,7 @@ impl Whitening {
             alone: Vec::new(),
             classes: Vec::new(),
             class_of: vec![None; precision.len()],
+            rows_of: Vec::new(),
             place_of: vec![None; precision.len()],
         };
         let mut known: BTreeMap<(usize, usize, i64), usize> = BTreeMap::new();
@@ -121,6 +127,12 @@ impl Whitening {
                 new.class_of[*row] = Some(class(&mut new.classes, scale, None));
             }
         }
+        new.rows_of = vec![Vec::new(); new.classes.len()];
+        for (row, class) in new.class_of.iter().enumerate() {
+            if let Some(class) = class {
+                new.rows_of[*class].push(row);
+            }
+        }
         new
     }
 
@@ -131,32 +143,29 @@ impl Whitening {
         if rows == 0 {
             return out;
         }
-        let (mut gathered, mut turned) = (Vec::new(), Vec::new());
-        let each = columns
-            .as_slice()
-            .chunks_exact(rows)
-            .zip(out.as_mut_slice().chunks_exact_mut(rows));
-        for (from, to) in each {
-            for (places, matrix) in &self.blocks {
-                gathered.clear();
-                gathered.extend(places.iter().map(|place| from[*place]));
-                if gathered.iter().all(|value| *value == 0.0) {
-                    continue;
-                }
-                turned.clear();
-                turned.resize(places.len(), 0.0);
-                // Column by column, so that all new rows are summed side by side.
-                for (column, value) in matrix.as_slice().chunks_exact(places.len()).zip(&gathered) {
-                    for (sum, by) in turned.iter_mut().zip(column) {
-                        *sum += by * value;
-                    }
-                }
-                for (place, value) in places.iter().zip(&turned) {
-                    to[*place] = *value;
-                }
+        let count = columns.ncols();
+        for (places, matrix) in &self.blocks {
+            let (Some(first), height) = (places.first(), places.len()) else {
+                continue;
+            };
+            let follow = places
+                .iter()
+                .zip(*first..)
+                .all(|(place, next)| *place == next);
+            if follow {
+                let block = read(columns).submatrix(*first, 0, height, count);
+                let to = write(&mut out).submatrix_mut(*first, 0, height, count);
+                matmul(to, Accum::Replace, read(matrix), block, 1.0, Par::Seq);
+                continue;
             }
-            for (row, scale) in &self.alone {
-                to[*row] = from[*row] * scale;
+            let turned = matrix * columns.select_rows(places);
+            for (k, place) in places.iter().enumerate() {
+                out.set_row(*place, &turned.row(k));
+            }
+        }
+        for (row, scale) in &self.alone {
+            for (to, from) in out.row_mut(*row).iter_mut().zip(columns.row(*row).iter()) {
+                *to = from * scale;
             }
         }
         out

@@ -26,7 +26,7 @@ pub(super) fn held_curves(
     let residuals = models.map(|x| {
         let numbers = global.unknowns.numbers(&global.deck, x);
         let prediction = global.predictor.predict(&numbers, None);
-        let found = observations.evaluate(&prediction, &global.layout, x, false)?;
+        let found = observations.evaluate(&prediction, &global.layout, x, 0)?;
         Some(found.residual)
     });
     let [Some(before), Some(after)] = residuals else {

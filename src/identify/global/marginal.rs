@@ -262,9 +262,10 @@ impl LeastSquares for MarginalProblem<'_> {
             let shares = self.predictor.shares(&self.unknowns.springs());
             self.unknowns.set_shares(&shares.unwrap_or_default());
         }
+        let columns = if with_jacobian { all.len() } else { 0 };
         let found = self
             .observations
-            .evaluate(&prediction, &joint.layout, &all, with_jacobian)?;
+            .evaluate(&prediction, &joint.layout, &all, columns)?;
         let used = &self.marginal.used;
         let residual =
             DMatrix::from_column_slice(found.residual.len(), 1, found.residual.as_slice());

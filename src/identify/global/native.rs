@@ -107,7 +107,7 @@ impl<'a> NativePredictor<'a> {
         state: &State,
         directions: &[Direction],
     ) -> Option<Vec<Vec<f64>>> {
-        let mut tangent = self
+        let tangent = self
             .sweeper
             .solver()
             .tangent(self.system, theta, state)
@@ -138,10 +138,94 @@ impl<'a> NativePredictor<'a> {
                     *sum += value;
                 }
             }
-            tangent.respond(&mut dg);
             out.push(dg);
         }
+        tangent.respond_to_all(&mut out);
+        self.sweeper.solver().give_back(tangent);
         Some(out)
+    }
+
+    /// Solves the first `common` load cases in their order, then sequences of so many cases each, every one as if it alone followed them.
+    pub(crate) fn predict_apart(
+        &mut self,
+        numbers: &Numbers,
+        directions: Option<&[Direction]>,
+        common: usize,
+        sequences: &[usize],
+    ) -> Prediction {
+        self.sweeps += 1;
+        let mut theta = numbers.theta.clone();
+        let memories = std::mem::take(&mut self.memories);
+        let mut carried = Carried::new(&memories, &theta, directions);
+        let mut out = Vec::with_capacity(self.sweeper.cases());
+        for case in 0..common {
+            out.push(self.case(case, numbers, &mut theta, directions, &mut carried));
+        }
+        let mut next = common;
+        for count in sequences {
+            let mut carried = carried.clone();
+            for case in next..next + count {
+                out.push(self.case(case, numbers, &mut theta, directions, &mut carried));
+            }
+            next += count;
+        }
+        self.memories = memories;
+        out
+    }
+
+    /// Solves one load case after what was `carried` from those before.
+    fn case(
+        &mut self,
+        case: usize,
+        numbers: &Numbers,
+        theta: &mut Parameters,
+        directions: Option<&[Direction]>,
+        carried: &mut Carried<'_>,
+    ) -> Option<CasePrediction> {
+        for (slot, _) in &numbers.per_case {
+            theta.set(*slot, numbers.theta.get(*slot));
+        }
+        self.sweeper.load(case, theta);
+        for (slot, values) in &numbers.per_case {
+            theta.set(*slot, theta.get(*slot) + values[case]);
+        }
+        carried.apply(theta);
+        let state = self.solve(case, theta, &numbers.x)?;
+        let channels = self.channels;
+        let values = channels
+            .values(self.system, theta, &state, &mut self.scratch)
+            .ok()?;
+        let mut prediction = CasePrediction {
+            poses: state.poses.clone(),
+            channels: values,
+            by_unknown: Vec::new(),
+        };
+        let mut response = Vec::new();
+        if let Some(directions) = directions {
+            let here = carried.directions(directions, case);
+            let directions: &[Direction] = &here;
+            let responses = self.responses(case, theta, &state, directions)?;
+            let along = (directions, responses.as_slice());
+            let changes = channels
+                .changes(self.system, (theta, case), &state, &mut self.scratch, along)
+                .ok()?;
+            carried.advance(theta, &prediction.channels, (directions, &changes));
+            prediction.by_unknown = responses
+                .iter()
+                .zip(changes)
+                .map(|(dx, channels)| observed_change(self.system, &self.observed, dx, channels))
+                .collect();
+            response = responses;
+        } else {
+            carried.advance(theta, &prediction.channels, (&[], &[]));
+        }
+        self.sweeper.keep(case, state);
+        self.answers[case] = Some(Answer {
+            theta: theta.clone(),
+            x: numbers.x.clone(),
+            response,
+        });
+        Some(prediction)
     }
 }
 
@@ -171,75 +255,8 @@ impl Predictor for NativePredictor<'_> {
     }
 
     fn predict(&mut self, numbers: &Numbers, directions: Option<&[Direction]>) -> Prediction {
-        self.sweeps += 1;
-        let mut theta = numbers.theta.clone();
-        let memories = std::mem::take(&mut self.memories);
-        let mut carried = Carried::new(&memories, &theta, directions);
-        let mut out = Vec::with_capacity(self.sweeper.cases());
-        for case in 0..self.sweeper.cases() {
-            for (slot, _) in &numbers.per_case {
-                theta.set(*slot, numbers.theta.get(*slot));
-            }
-            self.sweeper.load(case, &mut theta);
-            for (slot, values) in &numbers.per_case {
-                theta.set(*slot, theta.get(*slot) + values[case]);
-            }
-            carried.apply(&mut theta);
-            let Some(state) = self.solve(case, &theta, &numbers.x) else {
-                out.push(None);
-                continue;
-            };
-            let channels = self.channels;
-            let Ok(values) = channels.values(self.system, &theta, &state, &mut self.scratch) else {
-                out.push(None);
-                continue;
-            };
-            let mut prediction = CasePrediction {
-                poses: state.poses.clone(),
-                channels: values,
-                by_unknown: Vec::new(),
-            };
-            let mut response = Vec::new();
-            if let Some(directions) = directions {
-                let here = carried.directions(directions, case);
-                let directions: &[Direction] = &here;
-                let Some(responses) = self.responses(case, &theta, &state, directions) else {
-                    out.push(None);
-                    continue;
-                };
-                let along = (directions, responses.as_slice());
-                let Ok(changes) = channels.changes(
-                    self.system,
-                    (&theta, case),
-                    &state,
-                    &mut self.scratch,
-                    along,
-                ) else {
-                    out.push(None);
-                    continue;
-                };
-                carried.advance(&theta, &prediction.channels, (directions, &changes));
-                prediction.by_unknown = responses
-                    .iter()
-                    .zip(changes)
-                    .map(|(dx, channels)| {
-                        observed_change(self.system, &self.observed, dx, channels)
-                    })
-                    .collect();
-                response = responses;
-            } else {
-                carried.advance(&theta, &prediction.channels, (&[], &[]));
-            }
-            self.sweeper.keep(case, state);
-            self.answers[case] = Some(Answer {
-                theta: theta.clone(),
-                x: numbers.x.clone(),
-                response,
-            });
-            out.push(Some(prediction));
-        }
-        self.memories = memories;
-        out
+        let all = self.sweeper.cases();
+        self.predict_apart(numbers, directions, all, &[])
     }
 
     /// A unit force within the spring deflects it by c = e^T T^-1 e, the tangent T holding the spring itself: its share is K c. Taken

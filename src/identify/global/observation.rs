@@ -207,7 +207,8 @@ impl<'a> Observations<'a> {
         self.measurement
     }
 
-    /// Residuals of all rows, and derivatives by the deck's unknowns and the nuisances, whose values are `nuisance`.
+    /// Residuals of all rows, and derivatives by so many unknowns, the first `columns` of `x`: those of the deck, then the nuisances. Further
+    /// columns stay zero.
     ///
     /// `None` if a case that is compared has no prediction.
     pub(crate) fn evaluate(
@@ -215,9 +216,8 @@ impl<'a> Observations<'a> {
         prediction: &[Option<CasePrediction>],
         layout: &NuisanceLayout,
         x: &[f64],
-        with_jacobian: bool,
+        columns: usize,
     ) -> Option<Evaluation> {
-        let columns = if with_jacobian { x.len() } else { 0 };
         let mut residual = DVector::zeros(self.rows.len());
         let mut jacobian = DMatrix::zeros(self.rows.len(), columns);
         for (at, row) in self.rows.iter().enumerate() {
@@ -329,10 +329,14 @@ impl<'a> Observations<'a> {
         for axis in 0..3 {
             residual[at + axis] = difference[axis];
         }
-        if jacobian.ncols() == 0 {
+        let columns = jacobian.ncols();
+        if columns == 0 {
             return;
         }
         let mut put = |column: usize, change: Vec3| {
+            if column >= columns {
+                return;
+            }
             for axis in 0..3 {
                 jacobian[(at + axis, column)] = change[axis] / self.sigma;
             }
@@ -373,11 +377,9 @@ impl<'a> Observations<'a> {
         }
         residual[at + 3] = (camber_deg(&s0, &s) - reading.camber_deg) / angle;
         residual[at + 4] = wrapped_deg(steer_deg(&s0, &s) - reading.steer_deg) / angle;
-        if jacobian.ncols() == 0 {
-            return;
-        }
+        let columns = jacobian.ncols();
         let arm = part.R * self.wheel_frame.p;
-        for (k, change) in predicted.by_unknown.iter().enumerate() {
+        for (k, change) in predicted.by_unknown.iter().enumerate().take(columns) {
             let six = &change.parts[self.wheel_place];
             let dp = moved(six, &arm);
             let ds = Vec3::new(six[3], six[4], six[5]).cross(&s);

@@ -96,8 +96,9 @@ impl LeastSquares for GlobalProblem<'_> {
             let shares = self.predictor.shares(&self.unknowns.springs());
             self.unknowns.set_shares(&shares.unwrap_or_default());
         }
+        let columns = if with_jacobian { x.len() } else { 0 };
         self.observations
-            .evaluate(&prediction, &self.layout, x, with_jacobian)
+            .evaluate(&prediction, &self.layout, x, columns)
     }
 
     /// Huber's weights on the length of each mark's residual, so that a wrong mark counts less as a whole.
