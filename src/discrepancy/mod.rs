@@ -4,7 +4,8 @@
 //! the virtual rig are not known here.
 //!
 //! One direction: `subject` (what was read, and its tolerances) and `hypothesis` (data) <- `unknowns` <- `settle` <- `fit` <- `survey` <- `causes`,
-//! `columns` <- `scan` <- `search` <- `sought` <- `folds` <- `unseen` <- `cross_validation`, `structure`, `gaussian_process` <- `remainder`, `averaged` <- `diagnose`, and what shows its outcome.
+//! `columns` <- `scan` <- `search` (`stand_in` adds forces of unknown laws to it) <- `sought` <- `folds` <- `unseen` <- `cross_validation`,
+//! `structure`, `gaussian_process` <- `remainder`, `averaged` <- `diagnose`, and what shows its outcome.
 //! What could be measured next goes beside: `candidate` <- `forecast` <- `prospect` <- `information` <- `rivals` <- `next_measurement`, `plan`.
 
 mod averaged;

@@ -83,6 +83,20 @@ impl Search<'_, '_> {
         for at in others {
             bases.extend(self.without(current, at));
         }
+        // A law met badly looks like a second one at another element: each place is tried without the laws of all others, too.
+        let mut places: Vec<&Hypothesis> = Vec::new();
+        for h in current.chosen.iter().filter(|h| rough(h)) {
+            if !places.iter().any(|other| other.same_place(h)) {
+                places.push(h);
+            }
+        }
+        if places.len() > 1 {
+            for place in places {
+                let own = current.chosen.iter();
+                let own = own.filter(|h| !rough(h) || h.same_place(place));
+                bases.extend(self.of(current, own.cloned().collect()));
+            }
+        }
         let mut best: Option<Arc<Fitted>> = None;
         for base in bases {
             for force in left_by_laws(self.subject, &base) {

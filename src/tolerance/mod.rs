@@ -2,7 +2,8 @@
 //!
 //! [`Noise`] says how exact the readings are, from the readings alone. [`Layer`] holds the small errors of all hardpoints, loads, axes
 //! and marks as numbers of the deck with Gaussian priors, whose sizes [`Group`] describes. [`Whitening`] brings readings to independent
-//! rows; [`Linear`] holds the linearised problem as Gram matrices; [`Linear::evidence`] gives the evidence, the posterior and the
+//! rows; [`Linear`] holds the linearised problem as Gram matrices, one `Share` per class of rows; [`Further`] holds the products of
+//! columns that it does not have yet with its own; [`Linear::evidence`] gives the evidence, the posterior and the
 //! gradient by the sizes, and [`Linear::sized`] the sizes that the readings ask for. Knows neither fits nor causes.
 //!
 //! To use it at a fit: take the Jacobian of all rows by the unknowns and by the members of a [`Layer`], [`Whitening::apply`] it to
