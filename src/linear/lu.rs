@@ -68,6 +68,23 @@ impl<T: Scalar> Lu<T> {
         }
     }
 
+    /// Takes over the order of other factors, of a matrix of the same pattern and about the same sizes, where it has none of its own.
+    pub(crate) fn follow<R: Scalar>(&mut self, other: &Lu<R>) {
+        if self.orders > 0 || other.orders == 0 || !other.free.is_empty() {
+            return;
+        }
+        self.steps.clone_from(&other.steps);
+        self.entries.clone_from(&other.entries);
+        self.index.clone_from(&other.index);
+        self.targets.clone_from(&other.targets);
+        self.blocks.clone_from(&other.blocks);
+        self.idle.clone_from(&other.idle);
+        self.row_scale.clone_from(&other.row_scale);
+        self.column_scale.clone_from(&other.column_scale);
+        self.values = vec![T::default(); other.values.len()];
+        self.orders = 1;
+    }
+
     /// Factors a matrix. All matrices given to one object must have the same pattern.
     pub(crate) fn factor_entries(&mut self, matrix: &Entries<'_, T>) {
         self.factor_in_order(matrix, columns_of);

@@ -3,6 +3,7 @@
 //! Knows no equations and no units.
 
 mod blocks;
+mod dependent;
 mod entries;
 mod lanes;
 mod levels;
@@ -14,6 +15,7 @@ mod scalar;
 mod sink;
 mod step;
 
+pub(crate) use dependent::dependent_columns;
 pub(crate) use entries::Entries;
 pub(crate) use levels::Levels;
 pub(crate) use lu::Lu;

@@ -10,6 +10,9 @@ use super::scalar::Scalar;
 /// From so many unknowns on the order is worth more than the search for the next pivot, which sees only what is there now.
 const LARGE: usize = 500;
 
+/// A row of more entries would join too many columns with each other.
+const CROWD: usize = 300;
+
 /// The columns in order; none for small systems, whose pivots are searched for.
 pub(super) fn columns_of<T: Scalar>(matrix: &Entries<'_, T>) -> Vec<u32> {
     if matrix.n < LARGE {
@@ -46,6 +49,29 @@ pub(crate) fn by_groups<T: Scalar>(matrix: &Entries<'_, T>, group: &[u32]) -> Ve
     let order = of_pattern(count, places.into_iter());
     let columns = order.iter().flat_map(|of| &members[*of as usize]);
     columns.copied().collect()
+}
+
+/// The columns by the pattern of A' A: next to each other are those that share a row. Rows of more than [`CROWD`] entries do not count.
+pub(super) fn by_shared_rows<T: Scalar>(matrix: &Entries<'_, T>) -> Vec<u32> {
+    let mut rows = vec![Vec::new(); matrix.n];
+    for (row, column, _) in matrix.iter() {
+        rows[row].push(column);
+    }
+    let few = rows.iter().filter(|columns| columns.len() <= CROWD);
+    let mut places: Vec<(usize, usize)> = few
+        .flat_map(|columns| {
+            columns
+                .iter()
+                .flat_map(|a| columns.iter().map(|b| (*a, *b)))
+        })
+        .collect();
+    places.sort_unstable();
+    places.dedup();
+    let order = of_pattern(matrix.n, places.into_iter());
+    if order.is_empty() {
+        return (0..matrix.n as u32).collect();
+    }
+    order
 }
 
 /// Of (column, row), sorted.

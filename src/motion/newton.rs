@@ -155,6 +155,7 @@ impl Equations {
         let real = combined(system, &self.levels, &mut self.values, GAMMA / h);
         self.real.factor_entries(&real);
         let pair = combined(system, &self.levels, &mut self.pair_values, ALPHA_BETA / h);
+        self.pair.follow(&self.real);
         self.pair.factor_entries(&pair);
         self.factorisations += 1;
     }

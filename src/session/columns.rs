@@ -10,8 +10,13 @@ use crate::units::{Dimension, Units};
 /// What the values of an entity of the results are.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) enum Item {
-    /// A DIFF: index into the model.
-    Diff(usize),
+    /// A DIFF.
+    Diff {
+        /// Its id.
+        id: u32,
+        /// Where it is in the model.
+        at: Option<usize>,
+    },
     /// A constraint.
     Constraint {
         /// Statement.
@@ -32,10 +37,15 @@ pub(super) enum Item {
         /// Where it is in the system.
         at: Option<ElementIx>,
     },
-    /// Requests that share a name: (request, component), both indices.
-    Request(Vec<(usize, usize)>),
-    /// A VARIABLE: index into the model.
-    Variable(usize),
+    /// Requests that share a name.
+    Request(Vec<Component>),
+    /// A VARIABLE.
+    Variable {
+        /// Its id.
+        id: u32,
+        /// Where it is in the model.
+        at: Option<usize>,
+    },
     /// The floating marker of a vector force.
     FloatingMarker {
         /// Its id.
@@ -52,12 +62,23 @@ pub(super) enum Item {
     },
     /// An NFORCE: its id and how many I markers it has.
     Multi(u32, usize),
-    /// The variables of a PINPUT or POUTPUT: indices into the model.
-    Variables(Vec<Option<usize>>),
+    /// The variables of a PINPUT or POUTPUT.
+    Variables {
+        /// Their ids.
+        ids: Vec<u32>,
+        /// Where they are in the model.
+        at: Vec<Option<usize>>,
+    },
     /// States and outputs of linear state equations.
     LinearStates {
-        /// Index into the model.
-        index: usize,
+        /// Statement.
+        kind: &'static str,
+        /// Id.
+        id: u32,
+        /// How many columns they have.
+        columns: usize,
+        /// Where they are in the model.
+        at: Option<usize>,
         /// The first of their states.
         first: usize,
         /// The variables that are their inputs.
@@ -65,6 +86,17 @@ pub(super) enum Item {
     },
     /// A FRICTION: its id.
     Friction(u32),
+}
+
+/// A column of a request.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) struct Component {
+    /// Id of the request.
+    pub id: u32,
+    /// Where it is in the model.
+    pub at: Option<usize>,
+    /// Which of its eight components.
+    pub which: usize,
 }
 
 /// The columns of a run in the order of the values of a step (guide/formats.md 6.1, 12).
@@ -133,6 +165,8 @@ impl Columns {
             .constraints()
             .map(|(constraint, name)| ((name.kind, name.id), constraint))
             .collect();
+        let requests = places(model.requests.iter().map(|request| request.header.id));
+        let variables = places(model.variables.iter().map(|variable| variable.header.id));
         for item in &mut self.items {
             match item {
                 Item::Element { kind, id, at, .. } => *at = elements.get(&(*kind, *id)).copied(),
@@ -147,24 +181,44 @@ impl Columns {
                     *at = gcon.and_then(|gcon| gcon.i);
                 }
                 Item::LinearStates {
-                    index,
+                    kind,
+                    id,
+                    at,
                     first,
                     inputs,
+                    ..
                 } => {
-                    // DIFFs come first among the states, then these in the order of the model.
-                    let before = model.linear_states[..*index].iter();
-                    *first = model.diffs.len() + before.map(|s| s.a.len()).sum::<usize>();
-                    *inputs = inputs_of(model, &model.linear_states[*index]);
+                    let mut all = model.linear_states.iter();
+                    *at = all.position(|s| s.kind == *kind && s.header.id == *id);
+                    if let Some(at) = *at {
+                        // DIFFs come first among the states, then these in the order of the model.
+                        let before = model.linear_states[..at].iter();
+                        *first = model.diffs.len() + before.map(|s| s.a.len()).sum::<usize>();
+                        *inputs = inputs_of(model, &model.linear_states[at]);
+                    }
                 }
-                Item::Diff(_)
-                | Item::Request(_)
-                | Item::Variable(_)
-                | Item::Multi(..)
-                | Item::Variables(_)
-                | Item::Friction(_) => {}
+                Item::Diff { id, at } => {
+                    *at = model.diffs.iter().position(|diff| diff.header.id == *id);
+                }
+                Item::Variable { id, at } => *at = variables.get(id).copied(),
+                Item::Variables { ids, at } => {
+                    at.clear();
+                    at.extend(ids.iter().map(|id| variables.get(id).copied()));
+                }
+                Item::Request(components) => {
+                    for component in components {
+                        component.at = requests.get(&component.id).copied();
+                    }
+                }
+                Item::Multi(..) | Item::Friction(_) => {}
             }
         }
     }
+}
+
+/// Where each id is in its list.
+pub(super) fn places(ids: impl Iterator<Item = u32>) -> QuickMap<u32, usize> {
+    ids.enumerate().map(|(at, id)| (id, at)).collect()
 }
 
 /// The variables in the array of inputs of linear state equations.
@@ -207,18 +261,15 @@ impl Builder {
             self.add_forces(model);
         }
         if !settings.no_system_elements {
-            for (index, diff) in model.diffs.iter().enumerate() {
+            for diff in &model.diffs {
                 let (name, id) = (&diff.header.name, diff.header.id);
-                self.item(
-                    EntityKind::DifferentialEquation,
-                    name,
-                    id,
-                    Item::Diff(index),
-                );
+                let item = Item::Diff { id, at: None };
+                self.item(EntityKind::DifferentialEquation, name, id, item);
             }
-            for (index, variable) in model.variables.iter().enumerate() {
+            for variable in &model.variables {
                 let (name, id) = (&variable.header.name, variable.header.id);
-                self.item(EntityKind::Variable, name, id, Item::Variable(index));
+                let item = Item::Variable { id, at: None };
+                self.item(EntityKind::Variable, name, id, item);
             }
             self.add_ports(model);
             self.add_linear_states(model);
@@ -266,18 +317,18 @@ impl Builder {
                 "PINPUT" => EntityKind::PlantInput,
                 _ => EntityKind::PlantOutput,
             };
-            let variables = variables(model, &port.variables);
+            let ids = port.variables.clone();
             let (name, id) = (&port.header.name, port.header.id);
             let name = (!name.is_empty()).then_some(name.as_str());
-            self.numbering
-                .object(kind, name, i64::from(id), variables.len());
-            self.items.push((kind, Item::Variables(variables)));
+            self.numbering.object(kind, name, i64::from(id), ids.len());
+            let at = Vec::new();
+            self.items.push((kind, Item::Variables { ids, at }));
         }
     }
 
     /// States as X1, X2, ... and outputs as Y1, Y2, ...: how ADAMS calls them is not documented.
     fn add_linear_states(&mut self, model: &Model) {
-        for (index, states) in model.linear_states.iter().enumerate() {
+        for states in &model.linear_states {
             let kind = match states.kind {
                 "TFSISO" => EntityKind::TransferFunction,
                 _ => EntityKind::LinearStateEquation,
@@ -291,7 +342,10 @@ impl Builder {
             let (name, id) = (&states.header.name, i64::from(states.header.id));
             self.numbering.named(kind, Some(name), id, None, &columns);
             let item = Item::LinearStates {
-                index,
+                kind: states.kind,
+                id: states.header.id,
+                columns: columns.len(),
+                at: None,
                 first: 0,
                 inputs: Vec::new(),
             };
@@ -417,10 +471,13 @@ impl Builder {
             let mut columns: Vec<(String, Option<String>)> = Vec::new();
             for member in members {
                 done[member] = true;
-                for (component, name, unit) in
-                    components(&model.requests[member], &model.units, model.output.ypr)
-                {
-                    values.push((member, component));
+                let request = &model.requests[member];
+                for (component, name, unit) in components(request, &model.units, model.output.ypr) {
+                    values.push(Component {
+                        id: request.header.id,
+                        at: None,
+                        which: component,
+                    });
                     columns.push((name, unit));
                 }
             }

@@ -186,12 +186,12 @@ impl Columns {
             None => values.extend([0.0; 6]),
         };
         match item {
-            Item::Diff(index) => {
-                let at = |values: &[f64]| values.get(*index).copied().unwrap_or(0.0);
+            Item::Diff { at, .. } => {
+                let at = |values: &[f64]| at.and_then(|at| values.get(at)).copied().unwrap_or(0.0);
                 values.push(at(&measures.state.states));
                 values.push(at(&measures.state.state_rates));
             }
-            Item::Variable(index) => values.push(measures.variable(Some(*index))),
+            Item::Variable { at, .. } => values.push(measures.variable(*at)),
             Item::Constraint { at, .. } => {
                 let reading = at.map(|at| measures.constraint(at));
                 wrench(reading.as_ref(), values);
@@ -206,13 +206,17 @@ impl Columns {
             }
             Item::Request(components) => {
                 let mut last: Option<(usize, [f64; 8])> = None;
-                for &(request, component) in components {
+                for component in components {
+                    let Some(request) = component.at else {
+                        values.push(0.0);
+                        continue;
+                    };
                     let all = match last {
                         Some((known, all)) if known == request => all,
                         _ => measures.request(model, request),
                     };
                     last = Some((request, all));
-                    values.push(all[component]);
+                    values.push(all[component.which]);
                 }
             }
             Item::Condition { id, at } => {
@@ -229,14 +233,23 @@ impl Columns {
                     wrench(readings.get(marker), values);
                 }
             }
-            Item::Variables(variables) => {
-                values.extend(variables.iter().map(|index| measures.variable(*index)));
+            Item::Variables { at, .. } => {
+                values.extend(at.iter().map(|at| measures.variable(*at)));
             }
             Item::LinearStates {
-                index,
+                columns,
+                at,
                 first,
                 inputs,
-            } => measures.linear_states(&model.linear_states[*index], *first, inputs, values),
+                ..
+            } => {
+                let before = values.len();
+                if let Some(at) = *at {
+                    measures.linear_states(&model.linear_states[at], *first, inputs, values);
+                }
+                // Whatever they are now, their columns are those they began with.
+                values.resize(before + columns, 0.0);
+            }
             Item::Friction(id) => {
                 let read = measures.here().read_friction(*id).unwrap_or_default();
                 for vector in [read.force, read.torque, read.mu, read.mu_turn] {

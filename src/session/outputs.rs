@@ -13,7 +13,7 @@ use crate::results::{
 use crate::system::System;
 use crate::text::{LineEnds, patiently};
 
-use super::columns::{Columns, usual_names};
+use super::columns::{Columns, places, usual_names};
 use super::file_policy::FilePolicy;
 use super::measures::Measures;
 use super::record::{Record, Sink};
@@ -38,6 +38,8 @@ pub(super) struct Outputs {
     results: Option<(Box<dyn ResultsWriter>, Columns)>,
     requests: Option<RequestWriter<Sink>>,
     graphics: Option<(GraphicsWriter<Sink>, Vec<usize>)>,
+    /// Where the requests that the files began with are in the model, and their ids.
+    requested: Vec<(u32, Option<usize>)>,
     tables: Option<Tables>,
     values: Vec<f64>,
     /// Time of the last step written, until something is redefined.
@@ -90,6 +92,7 @@ impl Outputs {
             results: None,
             requests: None,
             graphics: None,
+            requested: Vec::new(),
             tables: None,
             values: Vec::new(),
             last: None,
@@ -117,6 +120,8 @@ impl Outputs {
         }
         self.begun = true;
         let when = Timestamp::now();
+        let all = model.requests.iter().enumerate();
+        self.requested = all.map(|(at, r)| (r.header.id, Some(at))).collect();
         // Who keeps results in memory wants them, whatever files the model asks for.
         if model.results.present || self.record.is_some() {
             self.begin_results(model, system, when)?;
@@ -152,6 +157,10 @@ impl Outputs {
     pub(crate) fn locate(&mut self, model: &Model, system: &System) {
         if let Some((_, columns)) = &mut self.results {
             columns.locate(model, system);
+        }
+        let requests = places(model.requests.iter().map(|request| request.header.id));
+        for (id, at) in &mut self.requested {
+            *at = requests.get(id).copied();
         }
     }
 
@@ -271,8 +280,11 @@ impl Outputs {
         if self.requests.is_none() && self.tables.is_none() {
             return Ok(());
         }
-        let rows: Vec<[f64; 8]> = (0..model.requests.len())
-            .map(|index| measures.request(model, index))
+        let mut row = |at: usize| measures.request(model, at);
+        let rows: Vec<[f64; 8]> = self
+            .requested
+            .iter()
+            .map(|(_, at)| at.map_or([0.0; 8], &mut row))
             .collect();
         if model.output.reqsave
             && let Some(writer) = &mut self.requests

@@ -6,6 +6,7 @@ use nalgebra::DVectorView;
 
 use super::System;
 use crate::constraint::Constraint as _;
+use crate::linear::{Matrix, Sink as _, dependent_columns};
 
 /// A constraint row that keeps less than this of its length when its share in the rows before is taken off is redundant.
 const REDUNDANT: f64 = 1e-8;
@@ -13,8 +14,11 @@ const REDUNDANT: f64 = 1e-8;
 /// A distance that keeps less than this holds what other equations hold better: a rotation by a short lever.
 const WEAK: f64 = 1e-3;
 
-/// Beyond so many products the factorisation alone finds redundant equations.
-const LARGE: usize = 1_000_000_000;
+/// Beyond so many products an elimination finds redundant equations: fast in large mechanisms, and in an order of its own.
+const LARGE: usize = 300_000_000;
+
+/// What is smaller than this beside a row is its round-off. Shares of far ends of a mechanism are: without them the rows stay short.
+const NOTHING: f64 = 1e-16;
 
 impl System {
     /// Which constraint equations depend on those before them, from the entries of their gradients by the parts: (equation, freedom,
@@ -22,20 +26,17 @@ impl System {
     /// come first, so that a dependent rotation is left out rather than a distance (grammar/NOTES.md).
     pub(crate) fn redundant_rows(&self, entries: &[(u32, u32, f64)]) -> Vec<bool> {
         let columns = self.first_equation;
-        if self.equations.pow(2).saturating_mul(columns) > LARGE {
-            return vec![false; self.equations];
-        }
         let scale = self.column_lengths();
         let mut rows = vec![Vec::new(); self.equations];
         for &(row, column, value) in entries {
             rows[row as usize].push((column as usize, value / scale[column as usize]));
         }
-        let mut basis = Basis::default();
+        let mut basis = Basis::of(columns);
         let mut out = vec![false; self.equations];
         let [distances, products, others] = self.in_order();
         let mut weak = Vec::new();
         for row in distances {
-            match basis.take(&rows[row], columns, WEAK) {
+            match basis.take(&rows[row], WEAK) {
                 Taken::In => {}
                 Taken::Nothing => out[row] = true,
                 Taken::Dependent => weak.push(row),
@@ -43,7 +44,29 @@ impl System {
         }
         for row in products.into_iter().chain(weak).chain(others) {
             // An equation without any gradient cannot be held by anything: it is another's business.
-            out[row] = basis.take(&rows[row], columns, REDUNDANT) != Taken::In;
+            out[row] = basis.take(&rows[row], REDUNDANT) != Taken::In;
+        }
+        if basis.products > LARGE {
+            return self.dependent_rows(&rows);
+        }
+        out
+    }
+
+    /// The same by an elimination, which may take out others.
+    fn dependent_rows(&self, rows: &[Vec<(usize, f64)>]) -> Vec<bool> {
+        let mut matrix = Matrix::new(self.equations.max(self.first_equation));
+        for (equation, row) in rows.iter().enumerate() {
+            for &(column, value) in row {
+                matrix.add(column, equation, value);
+            }
+        }
+        matrix.finish();
+        let mut out = vec![false; self.equations];
+        for equation in dependent_columns(&matrix.view()) {
+            // The matrix is square: columns behind the equations are empty.
+            if let Some(out) = out.get_mut(equation as usize) {
+                *out = true;
+            }
         }
         out
     }
@@ -97,36 +120,58 @@ enum Taken {
     Nothing,
 }
 
-/// Orthonormal rows, each with the columns between which it is not zero.
-#[derive(Default)]
-struct Basis(Vec<(Range<usize>, Vec<f64>)>);
+/// Orthonormal rows, each from the first to the last of its numbers that is not zero.
+struct Basis {
+    rows: Vec<(Range<usize>, Vec<f64>)>,
+    /// The row that is taken in.
+    v: Vec<f64>,
+    /// How many products were made; beyond [`LARGE`] nothing is looked at any more.
+    products: usize,
+}
 
 impl Basis {
+    /// Of rows with so many columns.
+    fn of(columns: usize) -> Self {
+        Self {
+            rows: Vec::new(),
+            v: vec![0.0; columns],
+            products: 0,
+        }
+    }
+
     /// Takes a row in that keeps more than a share of its length when its part in the basis is taken off.
-    fn take(&mut self, row: &[(usize, f64)], columns: usize, share: f64) -> Taken {
-        let mut v = vec![0.0; columns];
+    fn take(&mut self, row: &[(usize, f64)], share: f64) -> Taken {
+        if self.products > LARGE {
+            return Taken::In;
+        }
+        let Self { rows, v, products } = self;
+        v.fill(0.0);
         for &(column, value) in row {
             v[column] += value;
         }
-        let mut within = support(&v);
+        let mut within = support(v, 0.0);
         let before = norm(&v[within.clone()]);
         if before == 0.0 {
             return Taken::Nothing;
         }
         // Twice is enough (Kahan).
         for _ in 0..2 {
-            for (of, b) in &self.0 {
+            *products += rows.len();
+            for (of, b) in rows.iter() {
                 let common = within.start.max(of.start)..within.end.min(of.end);
                 if common.is_empty() {
                     continue;
                 }
-                let (mine, its) = (&v[common.clone()], &b[common]);
+                let its = &b[common.start - of.start..common.end - of.start];
+                let mine = &v[common.clone()];
+                *products += mine.len();
                 let part = DVectorView::from_slice(mine, mine.len())
                     .dot(&DVectorView::from_slice(its, its.len()));
-                if part == 0.0 {
+                if part.abs() <= NOTHING * before {
                     continue;
                 }
-                for (x, y) in v[of.clone()].iter_mut().zip(&b[of.clone()]) {
+                *products += b.len();
+                for (x, y) in v[of.clone()].iter_mut().zip(b) {
                     *x -= part * y;
                 }
                 within = within.start.min(of.start)..within.end.max(of.end);
@@ -136,19 +181,19 @@ impl Basis {
         if after < share * before {
             return Taken::Dependent;
         }
-        for x in &mut v[within.clone()] {
-            *x /= after;
-        }
-        self.0.push((within, v));
+        let within = support(v, NOTHING * after);
+        let unit = v[within.clone()].iter().map(|x| x / after);
+        rows.push((within.clone(), unit.collect()));
         Taken::In
     }
 }
 
-/// From the first to the last number that is not zero.
-fn support(v: &[f64]) -> Range<usize> {
-    let first = v.iter().position(|x| *x != 0.0).unwrap_or(v.len());
-    let end = v.iter().rposition(|x| *x != 0.0).map_or(first, |k| k + 1);
-    first..end
+/// From the first to the last number that is larger than this.
+fn support(v: &[f64], nothing: f64) -> Range<usize> {
+    let first = v.iter().position(|x| x.abs() > nothing);
+    let first = first.unwrap_or(v.len());
+    let last = v.iter().rposition(|x| x.abs() > nothing);
+    first..last.map_or(first, |k| k + 1)
 }
 
 fn norm(v: &[f64]) -> f64 {

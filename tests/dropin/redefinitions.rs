@@ -212,3 +212,25 @@ fn the_column_of_a_floating_marker_stays_when_a_force_is_redefined() {
     near(&results.column("MARKER_9_XFORM", "X"), &[4.001, 4.001]);
     near(&results.column("MARKER_9_XFORM", "Z"), &[6.0, 6.0]);
 }
+
+#[test]
+fn columns_of_variables_states_and_requests_stay_when_others_become_solved() {
+    // What comes from subroutines at first stands before the others in the dataset.
+    let deck = format!(
+        "{HEAD}PART/2, MASS=1, CM=20, IP=1,1,1\nMARKER/20, PART=2\n\
+         BUSHING/1, I=20, J=1, K=1000,1000,1000, KT=100,100,100\n\
+         VARIABLE/1, FUNCTION=USER(1)\nVARIABLE/2, FUNCTION=22\nARRAY/1, U, VARIABLES=2\nPOUTPUT/1, VARIABLES=2\n\
+         DIFF/1, IC=5, FUNCTION=5-DIF(1)\nDIFF/2, IC=7, FUNCTION=7-DIF(2)\n\
+         ARRAY/2, X\nARRAY/3, Y\nTFSISO/1, X=2, U=1, Y=3, NUMERATOR=3, DENOMINATOR=1,1\n\
+         REQUEST/1, FUNCTION=USER(3)\nREQUEST/2, F2=10*VARVAL(2)\n{TAIL}"
+    );
+    let commands = "DEACTIVATE/VARIABLE, ID=1\nSIM/STAT\n\
+                    VARIABLE/1, FUNCTION=11\nACTIVATE/VARIABLE, ID=1\nDIFF/1, FUNCTION=3-DIF(1)\n\
+                    REQUEST/1, F2=1\nSIM/STAT";
+    let results = results(&deck, commands);
+    near(&results.column("VARIABLE_2", "Q"), &[22.0, 22.0]);
+    near(&results.column("DIFF_2", "Q"), &[7.0, 7.0]);
+    near(&results.column("REQUEST_2", "U2"), &[220.0, 220.0]);
+    near(&results.column("VARIABLE_1", "Q")[1..], &[11.0]);
+    near(&results.column("DIFF_1", "Q"), &[5.0, 3.0]);
+}

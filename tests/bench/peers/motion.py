@@ -39,7 +39,7 @@ def exact(windows):
     return np.array([np.sin(s[0]), np.cos(s[0])])
 
 
-def write_deck(folder, windows, error):
+def write_deck(folder, windows, error, end=END):
     lines = [
         "four-bars",
         "UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=METER, TIME=SECOND",
@@ -58,8 +58,8 @@ def write_deck(folder, windows, error):
 
     for k in range(windows + 1):
         rod(2 + k, (k, 0), True)
-        lines.append(f"MARKER/{10 + k}, PART=1, QP={k},0,0")
-        joints.append((f"{2 + k}01", 10 + k))
+        lines.append(f"MARKER/{9_000_000 + k}, PART=1, QP={k},0,0")
+        joints.append((f"{2 + k}01", 9_000_000 + k))
     for k in range(windows):
         part = windows + 3 + k
         rod(part, (k, 1), False)
@@ -70,7 +70,7 @@ def write_deck(folder, windows, error):
     with open(os.path.join(folder, "bars.adm"), "w") as file:
         file.write("\n".join(lines) + "\n")
     with open(os.path.join(folder, "bars.acf"), "w") as file:
-        file.write(f"bars\nbars\nSIMULATE/DYNAMIC, END={END}, STEPS=1\nSTOP\n")
+        file.write(f"bars\nbars\nSIMULATE/DYNAMIC, END={end}, STEPS=1\nSTOP\n")
 
 
 def solved(admire, write):
@@ -178,6 +178,15 @@ CAR = {
 BED = ((0.0, 0.8, -1.5), CAR["road"][1], ROAD * RATE**2, 0.0)
 PRELOAD[BED] = 9.81 / RATE**2
 VELOCITY = {"road": SWING * RATE}
+
+
+def scaling(admire):
+    """What a body costs: processor seconds of half a second of motion, no singular position in it, beside those of its first tenth."""
+    print("| bodies | admire, s | begins, s | a body, ms |\n|---|---|---|---|", flush=True)
+    for windows in (25, 100, 400, 1000):
+        bodies = 2 * windows + 1
+        begins, whole = (min(solved(admire, lambda folder, end=end: write_deck(folder, windows, "1E-5", end))[0] for _ in range(3)) for end in (0.05, 0.5))
+        print(f"| {bodies} | {whole:.2f} | {begins:.2f} | {1e3 * (whole - begins) / bodies:.3f} |", flush=True)
 
 
 def write_car(folder, error):
@@ -323,8 +332,12 @@ def main():
     parser.add_argument("--admire", default="target/release/admire")
     parser.add_argument("--windows", default="2,40", help="bodies are twice as many and one more; none: -")
     parser.add_argument("--no-car", action="store_true", help="no quarter car")
+    parser.add_argument("--scaling", action="store_true", help="what a body costs in rows of 51 to 2001, of admire alone")
     arguments = parser.parse_args()
     admire = os.path.abspath(arguments.admire)
+    if arguments.scaling:
+        scaling(admire)
+        return
     models = [(str(2 * w + 1), functools.partial(ours, admire, w), functools.partial(theirs, w)) for w in map(int, filter(str.isdigit, arguments.windows.split(",")))]
     if not arguments.no_car:
         models.append(("quarter car", *car_trials(admire)))
