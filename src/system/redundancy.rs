@@ -43,7 +43,7 @@ impl System {
             }
         }
         for row in products.into_iter().chain(weak).chain(others) {
-            // An equation without any gradient cannot be held by anything: it is another's business.
+            // An equation without any gradient cannot be held by anything; the assembly reports it.
             out[row] = basis.take(&rows[row], REDUNDANT) != Taken::In;
         }
         if basis.products > LARGE {
