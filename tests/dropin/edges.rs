@@ -251,7 +251,7 @@ END
 fn every_number_of_a_mechanism_at_its_edges() {
     let numbers = numbers(MECHANISM);
     assert!(numbers.len() > 80, "{}", numbers.len());
-    let edges = ["0", "-1", "1E-320", "1E308", "NaN"];
+    let edges = ["0", "-1", "1E-320", "1E308", "1E400", "NaN", "-Infinity"];
     let cases: Vec<_> = numbers
         .iter()
         .flat_map(|number| edges.map(|edge| (number, edge)))

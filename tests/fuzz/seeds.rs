@@ -127,12 +127,18 @@ pub fn formatted() -> Vec<u8> {
             ],
         ),
         (
-            "ANALYSIS BLOCK",
-            &["       1STATIC", " 0.0", " 1.0 2.0 3.0 0.7 0.0 0.0 0.7"],
+            "ANALYSIS OUTPUT BLOCK",
+            &[
+                "       1STATIC              1",
+                " 0.00000E+00",
+                "",
+                "",
+                " 1.0 2.0 3.0 0.7071067811865476 0.0 0.0 0.7071067811865476",
+            ],
         ),
     ] {
-        text += &format!("{name:<40}{:>8}\n", lines.len());
-        text += &(lines.join("\n") + "\n");
+        text += &format!("{name:<40}{:>8}\n", lines.len() + 1);
+        text += &(lines.join("\n") + "\n!\n");
     }
     text.into_bytes()
 }
