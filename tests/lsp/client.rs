@@ -20,6 +20,8 @@ pub struct Editor {
     /// Notifications that nobody waited for yet.
     pub notes: VecDeque<Value>,
     next: i64,
+    /// What is said at once, later.
+    held: Option<Vec<u8>>,
     pub folder: tempfile::TempDir,
 }
 
@@ -54,6 +56,7 @@ impl Editor {
             messages,
             notes: VecDeque::new(),
             next: 0,
+            held: None,
             folder,
         };
         let root = editor.uri("");
@@ -118,6 +121,16 @@ impl Editor {
         self.next
     }
 
+    /// Says all of this in one go: the server has the last message as soon as the first.
+    pub fn at_once<T>(&mut self, say: impl FnOnce(&mut Self) -> T) -> T {
+        self.held = Some(Vec::new());
+        let said = say(self);
+        if let Some(all) = self.held.take() {
+            self.write(&all);
+        }
+        said
+    }
+
     /// The whole answer to a request that was sent.
     pub fn answer(&mut self, id: i64) -> Value {
         loop {
@@ -174,8 +187,16 @@ impl Editor {
 
     fn send(&mut self, message: &Value) {
         let text = message.to_string();
+        let message = format!("Content-Length: {}\r\n\r\n{text}", text.len());
+        match &mut self.held {
+            Some(held) => held.extend_from_slice(message.as_bytes()),
+            None => self.write(message.as_bytes()),
+        }
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
         let input = self.input.as_mut().expect("open");
-        write!(input, "Content-Length: {}\r\n\r\n{text}", text.len()).expect("the server reads");
+        input.write_all(bytes).expect("the server reads");
         input.flush().expect("the server reads");
     }
 

@@ -109,12 +109,15 @@ fn a_request_that_was_taken_back_is_not_answered() {
         )
         .chain(["END\n".to_string()])
         .collect();
-    editor.open("a.adm", &large);
     let mut asked = editor.at("a.adm", 2, 10);
     asked["context"] = json!({ "includeDeclaration": true });
-    let id = editor.ask("textDocument/references", asked.clone());
-    editor.notify("$/cancelRequest", json!({ "id": id }));
-    let answered = editor.ask("textDocument/references", asked);
+    // Said at once: however busy the machine is, the request is not answered before it is taken back.
+    let (id, answered) = editor.at_once(|editor| {
+        editor.open("a.adm", &large);
+        let id = editor.ask("textDocument/references", asked.clone());
+        editor.notify("$/cancelRequest", json!({ "id": id }));
+        (id, editor.ask("textDocument/references", asked))
+    });
     assert_eq!(editor.answer(id)["error"]["code"], -32800);
     assert_eq!(
         editor.answer(answered)["result"].as_array().map(Vec::len),
