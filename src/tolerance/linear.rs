@@ -547,4 +547,35 @@ mod tests {
             );
         }
     }
+
+    /// Columns that are added or replaced leave what a model made anew of all of them has.
+    #[test]
+    fn a_model_with_other_columns_is_that_made_anew() {
+        let sizes = Sizes::new(&ToleranceSettings::default(), 0.0, 1.0);
+        let (linear, whitening, J, z) = linear(&sizes);
+        let unknowns = &linear.unknowns;
+        let alike = |a: &Linear, b: &Linear| {
+            let (a, b) = (a.ln_z(&sizes), b.ln_z(&sizes));
+            assert!((a - b).abs() < 1e-9 * b.abs(), "{a} {b}");
+        };
+        let mut at = linear.at.clone();
+        at.rows_mut(7, 2).fill(0.0);
+        let known = J.columns(0, 7).into_owned();
+        let further = J.columns(7, 2).into_owned();
+        let further = Further::new(&whitening, (&known, &z), &further);
+        let few = at.rows(0, 7).into_owned();
+        let few = Linear::new(&whitening, &known, &z, unknowns[..7].to_vec(), few);
+        let whole = Linear::new(&whitening, &J, &z, unknowns.clone(), at);
+        alike(&few.with(&further, &(0..2), unknowns[8]), &whole);
+
+        let mut other = J.clone();
+        other.column_mut(3).scale_mut(1.7);
+        other.column_mut(8).scale_mut(-0.4);
+        let (own, left) = (other.select_columns(&[3, 8]), &z * 0.9);
+        let at = linear.at.clone();
+        let moved = linear.moved(&whitening, &J, (&[3, 8], &own), &left, at.clone());
+        let anew = Linear::new(&whitening, &other, &left, unknowns.clone(), at);
+        alike(&moved, &anew);
+        assert!((moved.ln_z(&sizes) - linear.ln_z(&sizes)).abs() > 1.0);
+    }
 }
