@@ -8,7 +8,7 @@ use super::diagnosis::{
     BaselineFit, Diagnosis, Evidence, Finding, Gain, Indistinguishable, LAW_MISFIT, NoiseFound,
     ToleranceFound, Unexplained, Verdict,
 };
-use super::fit::{ANY, Estimate, Fitted, Plain, fit, unguessed};
+use super::fit::{Estimate, Fitted, Plain, fit, unguessed};
 use super::folds::{Blind, HeldOutTest, moved};
 use super::gain_check::GainCheck;
 use super::hypothesis::Hypothesis;
@@ -181,7 +181,7 @@ pub fn diagnose_watched<'a>(
         let own = own.unwrap_or_else(|| Arc::clone(&leading));
         let mut causes = unguessed(&own);
         causes.retain(|(h, _)| h.is_named());
-        let blind = fit(&subject, &causes, Some((&own, &own.x)), Data::Fitted, ANY);
+        let blind = fit(&subject, &causes, Some((&own, &own.x)), Data::Fitted);
         remainder.held_out = blind.and_then(|blind| {
             let sizes = if stand_in.is_some() {
                 &leading.sizes

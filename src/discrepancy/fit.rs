@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::extended_deck::{ExtendedDeck, deck_of, like};
 use super::hypothesis::{Hypothesis, Unknown};
-use super::settle::{Settled, Sweep};
+use super::settle::{Aim, End, Settled, Sweep};
 use super::subject::{Data, Subject};
 use super::unknowns::{Known, Unknowns};
 use crate::identify::Problem;
@@ -239,28 +239,86 @@ impl Fitted {
 }
 
 /// Fits the deck extended by some hypotheses; `guesses` of their numbers are in units of their priors. What `warm` knows better is
-/// taken from there. A fit that promises less than `least` nats of evidence, prior left out, stops where it is. `None` where the
-/// extended deck cannot be compiled or solved.
+/// taken from there. `None` where the extended deck cannot be compiled or solved.
 pub(super) fn fit(
     subject: &Subject<'_>,
     chosen: &[(Hypothesis, Vec<f64>)],
     warm: Option<(&Fitted, &[f64])>,
     data: Data,
-    least: f64,
 ) -> Option<Fitted> {
-    let sizes = warm.map_or(&subject.sizes, |(fitted, _)| &fitted.sizes);
-    sized(subject, chosen, warm, sizes, data, least)
+    match aimed(subject, chosen, warm, None, data, Target::NONE)? {
+        Fit::New(fitted) => Some(*fitted),
+        Fit::Known => None,
+    }
 }
 
-/// The same, the sizes of tolerances from others than those of `warm`.
-pub(super) fn sized(
+/// What a fit is for.
+#[derive(Clone, Copy)]
+pub(super) struct Target<'a> {
+    /// Evidence in nats, prior left out, of the model that leads: a fit that will not come near stops where it is.
+    pub lead: f64,
+    /// A fit of the same causes and laws, wherever their numbers begin: one that leads to its end stops.
+    pub known: Option<&'a Fitted>,
+}
+
+impl<'a> Target<'a> {
+    /// No other model is known.
+    pub(super) const NONE: Self = Self {
+        lead: f64::NEG_INFINITY,
+        known: None,
+    };
+
+    /// Another fit of the same causes, or a better one of others.
+    pub(super) fn beyond(known: &'a Fitted) -> Self {
+        Self {
+            lead: known.ln_posterior() - known.ln_prior(),
+            known: Some(known),
+        }
+    }
+
+    /// True for a fit that stopped because it will not come near, or would have.
+    pub(super) fn is_beaten(&self, fitted: &Fitted) -> bool {
+        let aim = Aim {
+            lead: self.lead,
+            known: None,
+        };
+        aim.is_beaten(fitted.posterior.ln_z, fitted.posterior.gain)
+    }
+
+    fn aim(&self, chosen: &[(Hypothesis, Vec<f64>)]) -> Aim<'a> {
+        let alike = |(a, (b, _)): (&Hypothesis, &(Hypothesis, Vec<f64>))| a.is_law_of(b);
+        let same = |known: &&Fitted| {
+            known.is_settled()
+                && known.chosen.len() == chosen.len()
+                && known.chosen.iter().zip(chosen).all(alike)
+        };
+        Aim {
+            lead: self.lead,
+            known: self.known.filter(same).map(|known| known.x.as_slice()),
+        }
+    }
+}
+
+/// How a fit ended.
+pub(super) enum Fit {
+    /// Where no other did.
+    New(Box<Fitted>),
+    /// Where the known one of its target ended.
+    Known,
+}
+
+/// The same for a target, the sizes of tolerances from `sizes` if not from `warm`.
+pub(super) fn aimed(
     subject: &Subject<'_>,
     chosen: &[(Hypothesis, Vec<f64>)],
     warm: Option<(&Fitted, &[f64])>,
-    sizes: &Sizes,
+    sizes: Option<&Sizes>,
     data: Data,
-    least: f64,
-) -> Option<Fitted> {
+    target: Target<'_>,
+) -> Option<Fit> {
+    let own = || warm.map_or(&subject.sizes, |(fitted, _)| &fitted.sizes);
+    let sizes = sizes.unwrap_or_else(own);
+    let aim = target.aim(chosen);
     let deck = deck_of(
         subject,
         chosen,
@@ -298,7 +356,7 @@ pub(super) fn sized(
         })
     };
     let x = unknowns.start.clone();
-    let (sweep, settled) = if let Some((warm, _)) = warm {
+    let (sweep, end) = if let Some((warm, _)) = warm {
         let mut sweep = begun()?;
         for (case, state) in warm.states.iter().enumerate() {
             let state = like(&deck, state, &warm.deck);
@@ -308,14 +366,14 @@ pub(super) fn sized(
         }
         let first = sizes.at(sizes.modest(1.0));
         let start = sweep.beside(x, (&warm.jacobian, warm.unknowns.len()));
-        let settled = start.and_then(|start| sweep.settle(start, &first, (STEPS, least), false));
+        let end = start.and_then(|start| sweep.settle(start, &first, (STEPS, aim), false));
         subject.spend(sweep.predictor.sweeps());
-        (sweep, settled)
+        (sweep, end)
     } else {
         // Stiffnesses that were fitted as if all else were exact can be so wrong that nothing leads away from them; everything at once
         // from afar goes astray as often, in other studies. The evidence says which of both ends is the better one. Where stiffnesses alone
         // nearly explain the readings there is nothing to run off after.
-        let from = |alone: bool| {
+        let from = |alone: bool, aim: Aim<'_>| {
             let (mut sweep, mut x) = (begun()?, x.clone());
             if alone {
                 sweep.stiffnesses_alone(&mut x);
@@ -326,22 +384,31 @@ pub(super) fn sized(
                 let residual = &start.residual;
                 residual.norm_squared() > MISSED * MISSED * residual.len() as f64
             });
-            let settled = start.and_then(|start| sweep.settle(start, sizes, (steps, least), alone));
+            let end = start.and_then(|start| sweep.settle(start, sizes, (steps, aim), alone));
             subject.spend(sweep.predictor.sweeps());
-            Some((sweep, settled, missed))
+            Some((sweep, end, missed))
         };
-        let reached = |settled: &Option<Settled>| {
-            settled
-                .as_ref()
-                .map_or(f64::NEG_INFINITY, |s| s.posterior.ln_z - s.posterior.gain)
+        let (sweep, first, missed) = from(true, aim)?;
+        let known = first.as_ref().and_then(End::own);
+        let to_beat = known.map_or(f64::NEG_INFINITY, Settled::reached);
+        let aim = Aim {
+            known: known.map(|known| known.point.x.as_slice()),
+            ..Aim::NONE
         };
-        let (sweep, settled, missed) = from(true)?;
-        match missed.then(|| from(false)).flatten() {
-            Some((other, ended, _)) if reached(&ended) > reached(&settled) => (other, ended),
-            _ => (sweep, settled),
+        let better = |(_, end, _): &(Sweep<'_>, Option<End>, bool)| {
+            let own = end.as_ref().and_then(End::own);
+            own.is_some_and(|own| own.reached() > to_beat)
+        };
+        let second = missed.then(|| from(false, aim)).flatten().filter(better);
+        match second {
+            Some((sweep, end, _)) => (sweep, end),
+            None => (sweep, first),
         }
     };
-    let settled = settled?;
+    let settled = match end? {
+        End::Own(settled) => *settled,
+        End::Known => return Some(Fit::Known),
+    };
     let (mut thetas, mut states) = (Vec::new(), Vec::new());
     for case in cases {
         let (state, theta) = sweep.predictor.answer(case)?;
@@ -349,7 +416,7 @@ pub(super) fn sized(
         thetas.push(theta.clone());
     }
     let (x, misfit, [jacobian, turned], linear) = settled.point.into_parts();
-    Some(Fitted {
+    Some(Fit::New(Box::new(Fitted {
         chosen: chosen.iter().map(|(h, _)| h.clone()).collect(),
         x,
         turned,
@@ -367,7 +434,7 @@ pub(super) fn sized(
         thetas,
         states,
         deck,
-    })
+    })))
 }
 
 /// A model as it is written for others: causes and stiffnesses, small errors of everything else left out.
@@ -417,18 +484,10 @@ impl Plain {
     }
 }
 
-/// Of a fit that is to be carried to its end however poor it is.
-pub(super) const ANY: f64 = f64::NEG_INFINITY;
-
 /// The model of a fit on other data or with other weights, from where it ended.
 pub(super) fn refit(subject: &Subject<'_>, fitted: &Fitted, data: Data) -> Option<Fitted> {
-    fit(
-        subject,
-        &unguessed(fitted),
-        Some((fitted, &fitted.x)),
-        data,
-        ANY,
-    )
+    let from = Some((fitted, fitted.x.as_slice()));
+    fit(subject, &unguessed(fitted), from, data)
 }
 
 /// What is in a fit, with guesses that its own values replace.

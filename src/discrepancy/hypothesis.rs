@@ -212,6 +212,17 @@ impl Hypothesis {
             && self.numbers.len() == other.numbers.len()
     }
 
+    /// True if both are the same law at the same place: the same in the same form, or contacts that remember, whose forms say where
+    /// their numbers begin.
+    pub fn is_law_of(&self, other: &Self) -> bool {
+        let remembers = self.memory.is_some()
+            && self.memory == other.memory
+            && self.changes == other.changes
+            && self.part == other.part
+            && self.numbers.len() == other.numbers.len();
+        self.same(other) || (self.same_place(other) && remembers)
+    }
+
     /// The members of the tolerance layer it lets stand out, with how far they may.
     pub fn slab(&self) -> Vec<(usize, f64)> {
         let member = |number: &Number| match number.unknown {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::fit::{ANY, Fitted, fit, sized, unguessed};
+use super::fit::{Fit, Fitted, Target, aimed, fit, unguessed};
 use super::hypothesis::{Hypothesis, Number, Unknown};
 use super::scan::{Catalogue, Weighed};
 use super::subject::{Data, Subject};
@@ -17,13 +17,14 @@ const REFITTED: usize = 3;
 const WITHIN: (f64, f64) = (30.0, 600.0);
 /// A promise of more than so many nats is far outside of the linear model: every place that promises this part of the best is refitted.
 const FAR: (f64, f64) = (1000.0, 0.9);
-/// A model that would lose so many nats is not refitted.
-const HOPELESS: f64 = -6.0;
+/// A model that would lose so many nats is not refitted; of a rough law, which the linear model says little of, one that would lose
+/// so many.
+const HOPELESS: (f64, f64) = (-2.0, -6.0);
 /// Causes at most: a search that goes on further explains noise.
 const MOST: usize = 12;
 /// Forms of one cause at one place that are looked at; laws of different shape are all fitted.
 const FORMS: usize = 3;
-/// Further forms of a place whose first form ended so many nats behind are not fitted, and no fit goes on that promises less.
+/// Further forms of a place whose first form ended so many nats behind are not fitted.
 const BEHIND: f64 = 50.0;
 /// Slip lengths are tried again at these parts of themselves.
 const SLIPS: [f64; 2] = [0.4, 2.0];
@@ -49,13 +50,18 @@ pub(super) fn resume(
     [none, best]: [&Arc<Fitted>; 2],
     data: Data,
 ) -> Option<Found> {
-    let again = |other: &Arc<Fitted>| {
+    let better = |other: &Arc<Fitted>, known: &Arc<Fitted>| {
         let from = Some((&**other, other.x.as_slice()));
-        Some(Arc::new(fit(subject, &unguessed(other), from, data, ANY)?))
+        let target = Target::beyond(known);
+        let again = aimed(subject, &unguessed(other), from, None, data, target)?;
+        let Fit::New(again) = again else {
+            return None;
+        };
+        let is_better = again.ln_posterior() > known.ln_posterior() + ELSEWHERE;
+        is_better.then(|| Arc::<Fitted>::from(again))
     };
-    let better = |a: &Arc<Fitted>, b: &Arc<Fitted>| a.ln_posterior() > b.ln_posterior() + ELSEWHERE;
-    let none = again(none).filter(|none| better(none, &found.none));
-    let best = again(best).filter(|best| better(best, &found.best));
+    let none = better(none, &found.none);
+    let best = better(best, &found.best);
     if none.is_none() && best.is_none() {
         return None;
     }
@@ -77,12 +83,19 @@ pub(super) fn resume(
     Some(search.ended(none, best))
 }
 
+/// One more cause for a model, as the linear model weighs it.
+type Candidate = (Hypothesis, Weighed);
+
 pub(super) struct Search<'a, 'b> {
     pub(super) subject: &'a Subject<'b>,
     pub(super) data: Data,
     visited: Vec<Visited>,
     /// Fits that began at others, and those.
     begun: Vec<(Arc<Fitted>, Arc<Fitted>)>,
+    /// Models, and what was weighed beside each.
+    weighed: Vec<(Arc<Fitted>, Arc<Vec<Candidate>>)>,
+    /// Models, a cause more, and the fit with it.
+    added: Vec<(Arc<Fitted>, Hypothesis, Arc<Fitted>)>,
     /// Sets of causes, and the best model of each with one force of a law that no cause has.
     pub(super) beside: Vec<(Vec<Hypothesis>, Option<Arc<Fitted>>)>,
     places: usize,
@@ -95,6 +108,8 @@ impl<'a, 'b> Search<'a, 'b> {
             data,
             visited: Vec::new(),
             begun: Vec::new(),
+            weighed: Vec::new(),
+            added: Vec::new(),
             beside: Vec::new(),
             places: 0,
         }
@@ -142,7 +157,11 @@ impl<'a, 'b> Search<'a, 'b> {
     }
 
     /// Candidates for one more cause, weighed with their own sizes, best first.
-    fn candidates(&mut self, catalogue: &Catalogue, base: &Fitted) -> Vec<(usize, Weighed)> {
+    fn candidates(&mut self, base: &Arc<Fitted>) -> Arc<Vec<Candidate>> {
+        if let Some((_, known)) = self.weighed.iter().find(|(of, _)| Arc::ptr_eq(of, base)) {
+            return Arc::clone(known);
+        }
+        let catalogue = Catalogue::new(self.subject, base);
         self.places = self.places.max(catalogue.hypotheses.len());
         let modest = base.sizes.at(base.sizes.modest(0.0));
         let mut union: Vec<usize> = Vec::new();
@@ -165,51 +184,99 @@ impl<'a, 'b> Search<'a, 'b> {
             }
         }
         let start: Sizes = base.sizes.at(base.sizes.modest(1.0));
-        let mut out: Vec<(usize, Weighed)> = union
-            .into_iter()
-            .filter_map(|at| Some((at, catalogue.weigh(base, at, &start)?)))
-            .collect();
+        let weigh = |at| {
+            let weighed = catalogue.weigh(base, at, &start)?;
+            Some((catalogue.hypotheses[at].clone(), weighed))
+        };
+        let mut out: Vec<Candidate> = union.into_iter().filter_map(weigh).collect();
         out.sort_by(|a, b| b.1.ln_posterior.total_cmp(&a.1.ln_posterior));
-        for (at, weighed) in &out {
+        for (h, weighed) in &out {
             let mut causes = base.chosen.clone();
-            causes.push(catalogue.hypotheses[*at].clone());
+            causes.push(h.clone());
             self.visited.push(Visited {
                 causes,
                 ln_posterior: weighed.ln_posterior,
                 fitted: None,
             });
         }
+        let out = Arc::new(out);
+        self.weighed.push((Arc::clone(base), Arc::clone(&out)));
         out
     }
 
-    /// Fits `base` with one more cause from where the linear model puts it, as long as it may come to `least` nats, prior included.
+    /// Fits `base` with one more cause, as long as it may come near to `lead` nats, prior included. A fit that leads to where that of
+    /// another form of the cause ended is that one.
     fn with(
+        &mut self,
+        base: &Arc<Fitted>,
+        (h, weighed): (&Hypothesis, &Weighed),
+        lead: f64,
+    ) -> Option<Arc<Fitted>> {
+        let of_base = self.added.iter().filter(|(of, ..)| Arc::ptr_eq(of, base));
+        let mut of_base = of_base.map(|(_, added, found)| (added, found));
+        if let Some((_, known)) = of_base.clone().find(|(added, _)| added.same(h)) {
+            return Some(Arc::clone(known));
+        }
+        let known = of_base.find(|(added, _)| added.is_law_of(h));
+        let known = known.map(|(_, found)| Arc::clone(found));
+        let target = Target {
+            lead: lead - base.ln_prior() - h.ln_prior,
+            known: known.as_deref(),
+        };
+        let found = match self.added_to(base, (h, weighed), target)? {
+            Fit::New(found) => Arc::from(found),
+            Fit::Known => known?,
+        };
+        if found.is_settled() {
+            let known = (Arc::clone(base), h.clone(), Arc::clone(&found));
+            self.added.push(known);
+        }
+        self.visited.push(Visited {
+            causes: base.chosen.iter().chain([h]).cloned().collect(),
+            ln_posterior: found.ln_posterior(),
+            fitted: Some(Arc::clone(&found)),
+        });
+        Some(found)
+    }
+
+    /// The same from where the linear model puts it.
+    fn added_to(
         &self,
         base: &Fitted,
         (h, weighed): (&Hypothesis, &Weighed),
-        least: f64,
-    ) -> Option<Arc<Fitted>> {
-        let least = least - base.ln_prior() - h.ln_prior;
-        let begun = |h: &Hypothesis, guesses: &[f64], x: &[f64]| {
+        target: Target<'_>,
+    ) -> Option<Fit> {
+        let begun = |h: &Hypothesis, guesses: &[f64], x: &[f64], target: Target<'_>| {
             let mut all = unguessed(base);
             all.push((h.clone(), guesses.to_vec()));
-            sized(
-                self.subject,
-                &all,
-                Some((base, x)),
-                &weighed.sizes,
-                self.data,
-                least,
-            )
+            let (from, sizes) = (Some((base, x)), Some(&weighed.sizes));
+            aimed(self.subject, &all, from, sizes, self.data, target)
         };
-        let from = |guesses: &[f64], x: &[f64]| begun(h, guesses, x);
+        let anew = |h: &Hypothesis, guesses: &[f64], x: &[f64]| {
+            let alone = Target {
+                known: None,
+                ..target
+            };
+            match begun(h, guesses, x, alone)? {
+                Fit::New(fitted) => Some(*fitted),
+                Fit::Known => None,
+            }
+        };
+        let from = |guesses: &[f64], x: &[f64]| anew(h, guesses, x);
         let guesses = &weighed.guesses;
         // If the step of the linear model leads astray, begin where the fit without the cause ended.
-        let found = from(guesses, &weighed.x);
+        let found = match begun(h, guesses, &weighed.x, target) {
+            Some(Fit::Known) => return Some(Fit::Known),
+            Some(Fit::New(found)) => Some(*found),
+            None => None,
+        };
+        let is_done = |found: &Fitted| {
+            found.is_settled()
+                || found.ln_posterior() > base.ln_posterior()
+                || target.is_beaten(found)
+        };
         let found = match found {
-            Some(found) if found.is_settled() || found.ln_posterior() > base.ln_posterior() => {
-                Some(found)
-            }
+            Some(found) if is_done(&found) => Some(found),
             astray => {
                 let again = from(guesses, &base.x);
                 let reached = |f: &Option<Fitted>| f.as_ref().map(Fitted::ln_posterior);
@@ -221,7 +288,7 @@ impl<'a, 'b> Search<'a, 'b> {
             }
         };
         // A further slider takes over a part of what the first one does.
-        let halved = halved(base, h).and_then(|(h, guesses, x)| begun(&h, &guesses, &x));
+        let halved = halved(base, h).and_then(|(h, guesses, x)| anew(&h, &guesses, &x));
         let found = match (found, halved) {
             (Some(a), Some(b)) if b.ln_posterior() > a.ln_posterior() => b,
             (a, b) => a.or(b)?,
@@ -237,25 +304,23 @@ impl<'a, 'b> Search<'a, 'b> {
                     && (found.has_wrong_sign(last) || again.ln_posterior() > found.ln_posterior())
             });
             if let Some(again) = again {
-                return Some(Arc::new(again));
+                return Some(Fit::New(Box::new(again)));
             }
         }
-        (!found.has_wrong_sign(last)).then(|| Arc::new(found))
+        (!found.has_wrong_sign(last)).then(|| Fit::New(Box::new(found)))
     }
 
     /// Refits of candidates that may be better than `least`.
     fn refitted(
         &mut self,
-        base: &Fitted,
-        catalogue: &Catalogue,
-        candidates: &[(usize, Weighed)],
+        base: &Arc<Fitted>,
+        candidates: &[&Candidate],
         least: f64,
     ) -> Option<Arc<Fitted>> {
         let best = candidates.first()?.1.ln_posterior;
         // Of every place its most promising form first.
         let mut forms: [Vec<(&Hypothesis, &Weighed)>; FORMS] = Default::default();
-        for (at, weighed) in candidates {
-            let h = &catalogue.hypotheses[*at];
+        for (h, weighed) in candidates {
             let within = if h.memory.is_some() {
                 WITHIN.1
             } else {
@@ -263,10 +328,14 @@ impl<'a, 'b> Search<'a, 'b> {
             };
             let same = |of: &&(&Hypothesis, &Weighed)| of.0.same_place(h);
             let known = forms.iter().flatten().filter(same).count();
-            let most = if h.cause.has_rough_law() { FORMS } else { 1 };
+            let (most, hopeless) = if h.cause.has_rough_law() {
+                (FORMS, HOPELESS.1)
+            } else {
+                (1, HOPELESS.0)
+            };
             let promised = best - least;
             let is_as_good = promised > FAR.0 && weighed.ln_posterior - least > FAR.1 * promised;
-            if weighed.ln_posterior < (best - within).max(least + HOPELESS)
+            if weighed.ln_posterior < (best - within).max(least + hopeless)
                 || (known == 0 && forms[0].len() >= REFITTED && !is_as_good)
                 || known >= most
             {
@@ -283,11 +352,10 @@ impl<'a, 'b> Search<'a, 'b> {
             if reached.iter().any(far) {
                 continue;
             }
-            let Some(found) = self.with(base, (h, weighed), leads - BEHIND) else {
+            let Some(found) = self.with(base, (h, weighed), leads) else {
                 continue;
             };
             reached.push((h, found.ln_posterior()));
-            self.note(&found);
             if winner
                 .as_ref()
                 .is_none_or(|w| found.ln_posterior() > w.ln_posterior())
@@ -300,11 +368,11 @@ impl<'a, 'b> Search<'a, 'b> {
 
     /// The best model with one more cause, if it is better.
     fn grown(&mut self, base: &Arc<Fitted>) -> Option<Arc<Fitted>> {
-        let catalogue = Catalogue::new(self.subject, base);
-        let candidates = self.candidates(&catalogue, base);
+        let candidates = self.candidates(base);
         let least = base.ln_posterior();
-        let winner = self.refitted(base, &catalogue, &candidates, least)?;
-        let winner = self.beside_winner(base, &catalogue, &candidates, winner);
+        let all: Vec<&Candidate> = candidates.iter().collect();
+        let winner = self.refitted(base, &all, least)?;
+        let winner = self.beside_winner(base, &candidates, winner);
         (winner.ln_posterior() > least + BETTER).then_some(winner)
     }
 
@@ -313,8 +381,7 @@ impl<'a, 'b> Search<'a, 'b> {
     fn beside_winner(
         &mut self,
         base: &Fitted,
-        catalogue: &Catalogue,
-        candidates: &[(usize, Weighed)],
+        candidates: &[Candidate],
         winner: Arc<Fitted>,
     ) -> Arc<Fitted> {
         let (Some(own), Some(places)) = (winner.chosen.last(), winner.places.last()) else {
@@ -326,8 +393,7 @@ impl<'a, 'b> Search<'a, 'b> {
         let guesses: Vec<f64> = places.iter().map(|at| winner.x[*at]).collect();
         let mut tried: Vec<&Hypothesis> = Vec::new();
         let mut best = Arc::clone(&winner);
-        for (at, _) in candidates {
-            let h = &catalogue.hypotheses[*at];
+        for (h, _) in candidates {
             let is_alike = h.cause == own.cause && h.numbers.len() == own.numbers.len();
             let is_tried = tried.iter().chain([&own]).any(|other| other.same_place(h));
             if !is_alike || tried.len() == REFITTED || is_tried {
@@ -341,10 +407,15 @@ impl<'a, 'b> Search<'a, 'b> {
                 continue;
             }
             let from = Some((&*winner, winner.x.as_slice()));
-            let least = winner.ln_posterior() - BEHIND - base.ln_prior() - h.ln_prior;
-            let found = fit(self.subject, &all, from, self.data, least);
-            if let Some(found) = found.filter(|found| !found.has_wrong_sign(all.len() - 1)) {
-                let found = Arc::new(found);
+            let target = Target {
+                lead: winner.ln_posterior() - base.ln_prior() - h.ln_prior,
+                known: None,
+            };
+            let found = aimed(self.subject, &all, from, None, self.data, target);
+            if let Some(Fit::New(found)) = found
+                && !found.has_wrong_sign(all.len() - 1)
+            {
+                let found = Arc::<Fitted>::from(found);
                 self.note(&found);
                 if found.ln_posterior() > best.ln_posterior() {
                     best = found;
@@ -369,12 +440,15 @@ impl<'a, 'b> Search<'a, 'b> {
                 let mut x = current.x.clone();
                 x[place] += libm::log(factor);
                 let chosen = unguessed(&current);
-                let found = fit(self.subject, &chosen, Some((&current, &x)), self.data, ANY);
-                let Some(found) = found.filter(|found| !found.has_wrong_sign(at)) else {
+                let target = Target::beyond(&current);
+                let from = Some((&*current, x.as_slice()));
+                let found = aimed(self.subject, &chosen, from, None, self.data, target);
+                let Some(Fit::New(found)) = found else {
                     continue;
                 };
-                if found.ln_posterior() > current.ln_posterior() + BETTER {
-                    current = Arc::new(found);
+                let is_better = found.ln_posterior() > current.ln_posterior() + BETTER;
+                if is_better && !found.has_wrong_sign(at) {
+                    current = Arc::from(found);
                     self.note(&current);
                 }
             }
@@ -414,10 +488,12 @@ impl<'a, 'b> Search<'a, 'b> {
         let mut all = unguessed(fitted);
         all.remove(at);
         let from = Some((&**fitted, fitted.x.as_slice()));
-        let again = fit(self.subject, &all, from, self.data, ANY);
-        let better = |again: &Fitted| again.ln_posterior() > known.ln_posterior() + BETTER;
-        let Some(again) = again.filter(better).map(Arc::new) else {
-            return Some(known);
+        let target = Target::beyond(&known);
+        let again = match aimed(self.subject, &all, from, None, self.data, target) {
+            Some(Fit::New(again)) if again.ln_posterior() > known.ln_posterior() + BETTER => {
+                Arc::<Fitted>::from(again)
+            }
+            _ => return Some(known),
         };
         self.note(&again);
         Some(again)
@@ -438,7 +514,7 @@ impl<'a, 'b> Search<'a, 'b> {
         };
         let all: Vec<_> = causes.into_iter().map(zeros).collect();
         let from = Some((&**fitted, fitted.x.as_slice()));
-        let found = Arc::new(fit(self.subject, &all, from, self.data, ANY)?);
+        let found = Arc::new(fit(self.subject, &all, from, self.data)?);
         self.note(&found);
         self.begun.push((Arc::clone(&found), Arc::clone(fitted)));
         Some(found)
@@ -473,11 +549,11 @@ impl<'a, 'b> Search<'a, 'b> {
                 at += 1;
                 continue;
             };
-            let catalogue = Catalogue::new(self.subject, &base);
-            let mut candidates = self.candidates(&catalogue, &base);
-            candidates.retain(|(k, _)| !catalogue.hypotheses[*k].same(&current.chosen[at]));
+            let candidates = self.candidates(&base);
+            let is_other = |(h, _): &&Candidate| !h.same(&current.chosen[at]);
+            let others: Vec<&Candidate> = candidates.iter().filter(is_other).collect();
             let least = current.ln_posterior();
-            match self.refitted(&base, &catalogue, &candidates, least) {
+            match self.refitted(&base, &others, least) {
                 Some(found) if found.ln_posterior() > least + BETTER => {
                     current = self.pruned(found);
                     at = 0;

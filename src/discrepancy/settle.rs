@@ -6,13 +6,17 @@ use nalgebra::{DMatrix, DVector};
 
 use super::unknowns::Unknowns;
 use crate::identify::global::gauss_newton::{LeastSquares, approach};
-use crate::identify::global::{Evaluation, NativePredictor, Observations, Predictor};
-use crate::tolerance::{Linear, Posterior, Sizes, Whitening};
+use crate::identify::global::{Evaluation, FitUnknowns, NativePredictor, Observations, Predictor};
+use crate::tolerance::{Linear, Posterior, Reached, Sizes, Whitening};
 
 /// The longest step of the logarithm of a stiffness, at first and later.
 const REACH: [f64; 2] = [0.8, 1.2];
 /// A step that promises less than so many nats was the last one.
 pub(super) const ENOUGH: f64 = 0.05;
+/// What the linear model promises has to come to within so many nats of the model that leads,
+const BEHIND: f64 = 50.0;
+/// or to so many, once what is left of the way is small: it may rise by so many times that.
+const CLOSE: (f64, f64) = (10.0, 3.0);
 /// Sizes of tolerances are held for so many steps of a fit that starts from another, unless a step promises less than so many nats.
 const HELD: usize = 5;
 const NEAR: f64 = 30.0;
@@ -69,6 +73,54 @@ impl Point {
     }
 }
 
+/// What a fit is measured by: where it need not go on.
+#[derive(Clone, Copy)]
+pub(super) struct Aim<'a> {
+    /// Evidence in nats, prior left out, that it has to come near to.
+    pub lead: f64,
+    /// Where another fit of the same unknowns ended. One that leads there ends.
+    pub known: Option<&'a [f64]>,
+}
+
+impl Aim<'_> {
+    /// Every end is welcome.
+    pub(super) const NONE: Self = Self {
+        lead: f64::NEG_INFINITY,
+        known: None,
+    };
+
+    /// True where a fit that has so much evidence, and so many nats to gain, will not come near.
+    pub(super) fn is_beaten(&self, ln_z: f64, gain: f64) -> bool {
+        ln_z < self.lead - BEHIND || ln_z + CLOSE.1 * gain < self.lead - CLOSE.0
+    }
+
+    fn is_known(&self, here: &Point, reached: &Reached) -> bool {
+        let known = self.known.filter(|known| known.len() == here.x.len());
+        known.is_some_and(|known| {
+            let there =
+                DVector::from_iterator(known.len(), known.iter().zip(&here.x).map(|(k, x)| k - x));
+            reached.above(&there) < ENOUGH
+        })
+    }
+}
+
+/// How a fit ended.
+pub(super) enum End {
+    /// Where it could go no further.
+    Own(Box<Settled>),
+    /// On the way to a known one.
+    Known,
+}
+
+impl End {
+    pub(super) fn own(&self) -> Option<&Settled> {
+        match self {
+            Self::Own(settled) => Some(settled),
+            Self::Known => None,
+        }
+    }
+}
+
 /// The end of a fit.
 pub(super) struct Settled {
     /// Where.
@@ -80,12 +132,17 @@ pub(super) struct Settled {
 }
 
 impl Settled {
-    fn new(point: Point, sizes: Sizes) -> Option<Self> {
-        Some(Self {
+    /// The evidence there, without what is promised beyond.
+    pub(super) fn reached(&self) -> f64 {
+        self.posterior.ln_z - self.posterior.gain
+    }
+
+    fn end(point: Point, sizes: Sizes) -> Option<End> {
+        Some(End::Own(Box::new(Self {
             posterior: point.linear.posterior(&sizes)?,
             point,
             sizes,
-        })
+        })))
     }
 }
 
@@ -238,22 +295,48 @@ impl Sweep<'_> {
         x[..count].copy_from_slice(&approach(&mut alone, &start, &scale, &held));
     }
 
+    /// The point a step leads to, logarithms moving within `reach`.
+    fn stepped(
+        &mut self,
+        from: &Point,
+        reached: &Reached,
+        list: &FitUnknowns,
+        reach: f64,
+    ) -> Option<Point> {
+        let count = list.len();
+        let (low, high) = list.limits(&vec![1.0; count], reach);
+        let limited: Vec<(usize, f64)> = (0..count)
+            .filter(|k| self.unknowns.is_logarithm(*k))
+            .map(|k| (k, reached.step[k].clamp(low[k], high[k])))
+            .filter(|(k, step)| *step != reached.step[*k])
+            .collect();
+        let mut step = reached.step_with(&limited);
+        for (k, (low, high)) in low.iter().zip(&high).enumerate() {
+            if self.unknowns.is_logarithm(k) {
+                step[k] = step[k].clamp(*low, *high);
+            }
+        }
+        let mut there = list.moved(&from.x, &step.rows(0, count).into_owned());
+        let rest = from.x.iter().zip(step.iter()).skip(count);
+        there.extend(rest.map(|(x, s)| x + s));
+        self.near(there, from)
+    }
+
     /// Gauss-Newton over everything, the sizes by their evidence: at every step where the stiffnesses `alone` were fitted before. Ends
-    /// early where less than `least` nats are promised. On the way derivatives by small errors stay as they are; at the end, and
+    /// early where its aim says so. On the way derivatives by small errors stay as they are; at the end, and
     /// where they lead nowhere, they are exact.
     pub(super) fn settle(
         &mut self,
         start: Point,
         first: &Sizes,
-        (steps, least): (usize, f64),
+        (steps, aim): (usize, Aim<'_>),
         alone: bool,
-    ) -> Option<Settled> {
+    ) -> Option<End> {
         let mut sizes = first.clone();
         let mut here = start;
         // Steps of stiffnesses are made in what the deflections are linear in.
         let mut list = self.unknowns.list.clone();
         list.set_shares(&self.predictor.shares(&list.springs()).unwrap_or_default());
-        let count = list.len();
         let (mut slow, mut damping) = (0, 0.0);
         for step_number in 0.. {
             // Far from the answer the sizes would take up what is not fitted yet.
@@ -264,17 +347,19 @@ impl Sweep<'_> {
             }
             let objective = here.linear.objective(&sizes);
             // What the linear model promises counts for the fit here.
-            let hopeless = step_number >= HELD && reached.ln_z < least;
+            let hopeless = step_number >= HELD && aim.is_beaten(reached.ln_z, reached.gain);
+            if aim.is_known(&here, &reached) {
+                return Some(End::Known);
+            }
             if reached.gain < ENOUGH || step_number >= steps || slow == SLOW || hopeless {
                 if here.is_exact || hopeless {
-                    return Settled::new(here, sizes);
+                    return Settled::end(here, sizes);
                 }
                 here = self.at(here.x)?;
                 slow = 0;
                 continue;
             }
             let reach = REACH[step_number.min(1)];
-            let (low, high) = list.limits(&vec![1.0; count], reach);
             let mut next = None;
             for _ in 0..TRIALS {
                 let other;
@@ -284,22 +369,21 @@ impl Sweep<'_> {
                     other = here.linear.reached(&sizes, damping)?;
                     &other
                 };
-                let limited: Vec<(usize, f64)> = (0..count)
-                    .filter(|k| self.unknowns.is_logarithm(*k))
-                    .map(|k| (k, damped.step[k].clamp(low[k], high[k])))
-                    .filter(|(k, step)| *step != damped.step[*k])
-                    .collect();
-                let mut step = damped.step_with(&limited);
-                for (k, (low, high)) in low.iter().zip(&high).enumerate() {
-                    if self.unknowns.is_logarithm(k) {
-                        step[k] = step[k].clamp(*low, *high);
+                let mut further = self.stepped(&here, damped, &list, reach);
+                let value = |point: &Point| point.linear.objective(&sizes);
+                if damping == 0.0
+                    && let Some(uphill) = further.as_ref().filter(|f| value(f) > objective + ENOUGH)
+                {
+                    // Along a valley that bends a whole step ends up on its side, and the next one leads back to the ground. Source:
+                    // Chamberlain, Powell, Lemarechal and Pedersen, Mathematical Programming Study 16 (1982) 1.
+                    let back = uphill.linear.reached(&sizes, 0.0);
+                    let back = back.filter(|b| value(uphill) - 2.0 * b.gain < objective);
+                    if let Some(back) = back {
+                        further = self.stepped(uphill, &back, &list, reach);
                     }
                 }
-                let mut there = list.moved(&here.x, &step.rows(0, count).into_owned());
-                let rest = here.x.iter().zip(step.iter()).skip(count);
-                there.extend(rest.map(|(x, s)| x + s));
-                if let Some(further) = self.near(there, &here) {
-                    let value = further.linear.objective(&sizes);
+                if let Some(further) = further {
+                    let value = value(&further);
                     if value <= objective + ENOUGH {
                         // Where the model promised much more its derivatives have changed.
                         let promised = 2.0 * reached.gain;
@@ -328,7 +412,7 @@ impl Sweep<'_> {
             let was_exact = here.is_exact;
             here = self.at(here.x)?;
             if was_exact {
-                return Settled::new(here, sizes);
+                return Settled::end(here, sizes);
             }
             damping = 0.0;
         }

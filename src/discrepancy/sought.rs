@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::fit::{ANY, Fitted, fit, refit};
+use super::fit::{Fitted, fit, refit};
 use super::hypothesis::Hypothesis;
 use super::progress::Progress;
 use super::search::{resume, search};
@@ -23,7 +23,7 @@ pub(super) struct Sought {
 
 /// Fits the model without any cause, and weighs the readings by what it leaves. `None` where the deck cannot be solved.
 pub(super) fn as_it_is(subject: &mut Subject<'_>, data: Data) -> Option<Fitted> {
-    let none = fit(subject, &[], None, data, ANY)?;
+    let none = fit(subject, &[], None, data)?;
     let judged = subject.judge_suspects(&none.misfit);
     subject.weigh(Some(&none.misfit));
     if judged || subject.is_reweighed() {

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::fit::{ANY, Fitted, fit, unguessed};
+use super::fit::{Fitted, fit, unguessed};
 use super::hypothesis::Hypothesis;
 use super::remainder::{Unnamed, left_by_laws, unnamed};
 use super::search::{BETTER, Search};
@@ -115,13 +115,13 @@ impl Search<'_, '_> {
         let subject = self.subject;
         let mut all = unguessed(base);
         all.push((force.hypothesis.clone(), force.guesses.clone()));
-        let from = |x: &[f64]| fit(subject, &all, Some((base, x)), self.data, ANY);
+        let from = |x: &[f64]| fit(subject, &all, Some((base, x)), self.data);
         let first = from(&force.x).or_else(|| from(&base.x))?;
         let mut again = unguessed(&first);
         if let Some((last, _)) = again.last_mut() {
             *last = force.at(subject, &first);
         }
-        let second = fit(subject, &again, Some((&first, &first.x)), self.data, ANY);
+        let second = fit(subject, &again, Some((&first, &first.x)), self.data);
         let better = second.filter(|second| second.ln_posterior() > first.ln_posterior());
         let found = Arc::new(better.unwrap_or(first));
         self.note(&found);

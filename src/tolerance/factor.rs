@@ -62,6 +62,17 @@ impl Factor {
         x
     }
 
+    /// `v'M v`.
+    pub(crate) fn quadratic(&self, v: &DVector<f64>) -> f64 {
+        let n = v.len();
+        let of = |k: usize| {
+            let column = &self.L.as_slice()[k * n..(k + 1) * n];
+            let pairs = column[k..].iter().zip(&v.as_slice()[k..]);
+            pairs.map(|(l, v)| l * v).sum::<f64>()
+        };
+        (0..n).map(|k| of(k).powi(2)).sum()
+    }
+
     /// `M^-1`, its lower triangle; what stands above is zero.
     pub(crate) fn inverse(&self) -> DMatrix<f64> {
         let n = self.L.nrows();
@@ -107,6 +118,8 @@ mod tests {
             }
             assert!((own.solve(&b) - other.solve(&b)).amax() < 1e-9);
             assert!((own.inverse() - other.inverse().lower_triangle()).amax() < 1e-9);
+            let quadratic = own.quadratic(&b) / b.dot(&(&M * &b));
+            assert!((quadratic - 1.0).abs() < 1e-12);
             assert!((own.ln_det() - other.determinant().ln()).abs() < 1e-9);
         }
         assert!(Factor::new(-DMatrix::<f64>::identity(3, 3)).is_none());

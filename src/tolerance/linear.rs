@@ -13,6 +13,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use super::factor::Factor;
 use super::further::Further;
 use super::group::{Group, Sizes};
+use super::reached::Reached;
 use super::share::{Columns, Share, columns_of, largest};
 use super::whitening::Whitening;
 
@@ -393,44 +394,6 @@ impl Solved {
     }
 }
 
-/// The maximum of a linear model.
-pub(crate) struct Reached {
-    /// Logarithm of the evidence times the prior of the sizes.
-    pub ln_z: f64,
-    /// What the step gains, in nats.
-    pub gain: f64,
-    /// Step from where the model was linearised.
-    pub step: DVector<f64>,
-    factor: Factor,
-    S: DVector<f64>,
-}
-
-impl Reached {
-    /// The step to the maximum with some unknowns moving by given amounts instead.
-    pub(crate) fn step_with(&self, given: &[(usize, f64)]) -> DVector<f64> {
-        if given.is_empty() {
-            return self.step.clone();
-        }
-        let n = self.step.len();
-        let mut across = DMatrix::zeros(n, given.len());
-        for (k, (place, _)) in given.iter().enumerate() {
-            let mut unit = DVector::zeros(n);
-            unit[*place] = self.S[*place];
-            let column = self.factor.solve(&unit).component_mul(&self.S);
-            across.set_column(k, &column);
-        }
-        let places: Vec<usize> = given.iter().map(|(place, _)| *place).collect();
-        let off = DVector::from_iterator(
-            given.len(),
-            given.iter().map(|(place, value)| value - self.step[*place]),
-        );
-        match Cholesky::new(across.select_rows(&places)) {
-            Some(factor) => &self.step + across * factor.solve(&off),
-            None => self.step.clone(),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::group::Scale;
@@ -545,6 +508,21 @@ mod tests {
                 "{k}: {by} {}",
                 gradient[k]
             );
+        }
+    }
+
+    /// Half of what the objective of the linear model is above its minimum: at no step, what the whole step gains.
+    #[test]
+    fn a_step_is_below_the_maximum_by_what_it_does_not_gain() {
+        let mut sizes = Sizes::new(&ToleranceSettings::default(), 0.0, 1.0);
+        sizes.add_scale(Scale::Marks, true);
+        let (linear, ..) = linear(&sizes);
+        let reached = linear.reached(&sizes, 0.0).unwrap();
+        assert!(reached.gain > 1.0);
+        for part in [0.0, 0.5, 1.0, 3.0] {
+            let above = reached.above(&(part * &reached.step));
+            let expected = (part - 1.0_f64).powi(2) * reached.gain;
+            assert!((above - expected).abs() < 1e-9 * reached.gain, "{part}");
         }
     }
 
