@@ -48,6 +48,7 @@ mod subject;
 mod survey;
 mod tolerant;
 mod trend;
+mod tried;
 mod unknowns;
 mod unseen;
 mod visited;

@@ -6,17 +6,28 @@ use std::sync::Arc;
 use super::fit::{Fitted, fit, unguessed};
 use super::hypothesis::Hypothesis;
 use super::remainder::{Unnamed, left_by_laws, unnamed};
-use super::search::{BETTER, Search};
+use super::tried::{BETTER, Tried};
 use super::visited::same_set;
 
 /// So many causes of a model, or faults of the readings of single cases, may together be one effect that no cause has.
 const MANY: usize = 3;
 
-impl Search<'_, '_> {
+/// Such forces that were tried.
+#[derive(Default)]
+pub(super) struct StandIns {
+    /// Sets of causes, and the best model of each with one force of a law that no cause has.
+    beside: Vec<(Vec<Hypothesis>, Option<Arc<Fitted>>)>,
+}
+
+impl StandIns {
     /// Holds many causes against one force of a law that none of them has: against all of them, and against faults of single cases.
     /// `None` where they do better.
-    pub(super) fn unnamed(&mut self, current: &Arc<Fitted>) -> Option<Arc<Fitted>> {
-        let subject = self.subject;
+    pub(super) fn unnamed(
+        &mut self,
+        tried: &mut Tried<'_, '_>,
+        current: &Arc<Fitted>,
+    ) -> Option<Arc<Fitted>> {
+        let subject = tried.subject;
         let named = || current.chosen.iter().filter(|h| h.is_named());
         let many = named().filter(|h| h.part == 0).count();
         if many < MANY || subject.is_spent() {
@@ -30,7 +41,7 @@ impl Search<'_, '_> {
         }
         let mut best: Option<Arc<Fitted>> = None;
         for causes in bases {
-            let Some(found) = self.beside(current, causes) else {
+            let Some(found) = self.beside(tried, current, causes) else {
                 continue;
             };
             let leads = best.as_deref().unwrap_or(current).ln_posterior();
@@ -42,15 +53,20 @@ impl Search<'_, '_> {
     }
 
     /// The best model of one such force and some of the causes of a fit; `None` where no force stands out beside them.
-    fn beside(&mut self, current: &Arc<Fitted>, causes: Vec<Hypothesis>) -> Option<Arc<Fitted>> {
+    fn beside(
+        &mut self,
+        tried: &mut Tried<'_, '_>,
+        current: &Arc<Fitted>,
+        causes: Vec<Hypothesis>,
+    ) -> Option<Arc<Fitted>> {
         let known = self.beside.iter().find(|(of, _)| same_set(of, &causes));
         if let Some((_, found)) = known {
             return found.clone();
         }
-        let base = self.of(current, causes.clone())?;
+        let base = tried.of(current, causes.clone())?;
         let mut best: Option<Arc<Fitted>> = None;
-        for force in unnamed(self.subject, &base) {
-            let found = self.standing_in(&base, &force);
+        for force in unnamed(tried.subject, &base) {
+            let found = standing_in(tried, &base, &force);
             let leads = |f: &Arc<Fitted>| f.ln_posterior();
             if found.as_ref().map(leads) > best.as_ref().map(leads) {
                 best = found;
@@ -59,72 +75,72 @@ impl Search<'_, '_> {
         self.beside.push((causes, best.clone()));
         best
     }
+}
 
-    /// The best model in which a law leaves something at its own element, beside all other causes or in place of some. `None` where
-    /// none is better.
-    pub(super) fn loosened(&mut self, current: &Arc<Fitted>) -> Option<Arc<Fitted>> {
-        let rough = |h: &Hypothesis| h.cause.has_rough_law();
-        if self.subject.is_spent() || !current.chosen.iter().any(rough) {
-            return None;
-        }
-        let mut bases = vec![Arc::clone(current)];
-        let alone: Vec<Hypothesis> = current
-            .chosen
-            .iter()
-            .filter(|h| rough(h))
-            .cloned()
-            .collect();
-        let others: Vec<usize> = (0..current.chosen.len())
-            .filter(|at| !rough(&current.chosen[*at]))
-            .collect();
-        if others.len() > 1 {
-            bases.extend(self.of(current, alone));
-        }
-        for at in others {
-            bases.extend(self.without(current, at));
-        }
-        // A law met badly looks like a second one at another element: each place is tried without the laws of all others, too.
-        let mut places: Vec<&Hypothesis> = Vec::new();
-        for h in current.chosen.iter().filter(|h| rough(h)) {
-            if !places.iter().any(|other| other.same_place(h)) {
-                places.push(h);
-            }
-        }
-        if places.len() > 1 {
-            for place in places {
-                let own = current.chosen.iter();
-                let own = own.filter(|h| !rough(h) || h.same_place(place));
-                bases.extend(self.of(current, own.cloned().collect()));
-            }
-        }
-        let mut best: Option<Arc<Fitted>> = None;
-        for base in bases {
-            for force in left_by_laws(self.subject, &base) {
-                let leads = best.as_deref().unwrap_or(current).ln_posterior();
-                let found = self.standing_in(&base, &force);
-                best = found
-                    .filter(|found| found.ln_posterior() > leads + BETTER)
-                    .or(best);
-            }
-        }
-        best
+/// The best model in which a law leaves something at its own element, beside all other causes or in place of some. `None` where
+/// none is better.
+pub(super) fn loosened(tried: &mut Tried<'_, '_>, current: &Arc<Fitted>) -> Option<Arc<Fitted>> {
+    let rough = |h: &Hypothesis| h.cause.has_rough_law();
+    if tried.subject.is_spent() || !current.chosen.iter().any(rough) {
+        return None;
     }
+    let mut bases = vec![Arc::clone(current)];
+    let alone: Vec<Hypothesis> = current
+        .chosen
+        .iter()
+        .filter(|h| rough(h))
+        .cloned()
+        .collect();
+    let others: Vec<usize> = (0..current.chosen.len())
+        .filter(|at| !rough(&current.chosen[*at]))
+        .collect();
+    if others.len() > 1 {
+        bases.extend(tried.of(current, alone));
+    }
+    for at in others {
+        bases.extend(tried.without(current, at));
+    }
+    // A law met badly looks like a second one at another element: each place is tried without the laws of all others, too.
+    let mut places: Vec<&Hypothesis> = Vec::new();
+    for h in current.chosen.iter().filter(|h| rough(h)) {
+        if !places.iter().any(|other| other.same_place(h)) {
+            places.push(h);
+        }
+    }
+    if places.len() > 1 {
+        for place in places {
+            let own = current.chosen.iter();
+            let own = own.filter(|h| !rough(h) || h.same_place(place));
+            bases.extend(tried.of(current, own.cloned().collect()));
+        }
+    }
+    let mut best: Option<Arc<Fitted>> = None;
+    for base in bases {
+        for force in left_by_laws(tried.subject, &base) {
+            let leads = best.as_deref().unwrap_or(current).ln_posterior();
+            let found = standing_in(tried, &base, &force);
+            best = found
+                .filter(|found| found.ln_posterior() > leads + BETTER)
+                .or(best);
+        }
+    }
+    best
+}
 
-    /// Fits a model with such a force, then once more with what the force does linearised where that ended.
-    fn standing_in(&mut self, base: &Fitted, force: &Unnamed) -> Option<Arc<Fitted>> {
-        let subject = self.subject;
-        let mut all = unguessed(base);
-        all.push((force.hypothesis.clone(), force.guesses.clone()));
-        let from = |x: &[f64]| fit(subject, &all, Some((base, x)), self.data);
-        let first = from(&force.x).or_else(|| from(&base.x))?;
-        let mut again = unguessed(&first);
-        if let Some((last, _)) = again.last_mut() {
-            *last = force.at(subject, &first);
-        }
-        let second = fit(subject, &again, Some((&first, &first.x)), self.data);
-        let better = second.filter(|second| second.ln_posterior() > first.ln_posterior());
-        let found = Arc::new(better.unwrap_or(first));
-        self.note(&found);
-        Some(found)
+/// Fits a model with such a force, then once more with what the force does linearised where that ended.
+fn standing_in(tried: &mut Tried<'_, '_>, base: &Fitted, force: &Unnamed) -> Option<Arc<Fitted>> {
+    let subject = tried.subject;
+    let mut all = unguessed(base);
+    all.push((force.hypothesis.clone(), force.guesses.clone()));
+    let from = |x: &[f64]| fit(subject, &all, Some((base, x)), tried.data);
+    let first = from(&force.x).or_else(|| from(&base.x))?;
+    let mut again = unguessed(&first);
+    if let Some((last, _)) = again.last_mut() {
+        *last = force.at(subject, &first);
     }
+    let second = fit(subject, &again, Some((&first, &first.x)), tried.data);
+    let better = second.filter(|second| second.ln_posterior() > first.ln_posterior());
+    let found = Arc::new(better.unwrap_or(first));
+    tried.note(&found);
+    Some(found)
 }

@@ -1,0 +1,278 @@
+//! Models that were fitted on the way of a search: none is fitted twice from the same start.
+
+use std::sync::Arc;
+
+use super::fit::{Fit, Fitted, Target, aimed, fit, unguessed};
+use super::hypothesis::{Hypothesis, Number, Unknown};
+use super::scan::Weighed;
+use super::subject::{Data, Subject};
+use super::visited::{Visited, same_set};
+
+/// Slip lengths are tried again at these parts of themselves.
+const SLIPS: [f64; 2] = [0.4, 2.0];
+/// A model has to be better by so many nats.
+pub(super) const BETTER: f64 = 0.05;
+
+/// What was tried on some cases.
+pub(super) struct Tried<'a, 'b> {
+    pub subject: &'a Subject<'b>,
+    pub data: Data,
+    /// All models that were looked at.
+    pub visited: Vec<Visited>,
+    /// Fits that began at others, and those.
+    begun: Vec<(Arc<Fitted>, Arc<Fitted>)>,
+    /// Models, a cause more, and the fit with it.
+    added: Vec<(Arc<Fitted>, Hypothesis, Arc<Fitted>)>,
+}
+
+impl<'a, 'b> Tried<'a, 'b> {
+    /// Nothing yet.
+    pub(super) fn new(subject: &'a Subject<'b>, data: Data) -> Self {
+        Self {
+            subject,
+            data,
+            visited: Vec::new(),
+            begun: Vec::new(),
+            added: Vec::new(),
+        }
+    }
+
+    /// A fit counts among the models.
+    pub(super) fn note(&mut self, fitted: &Arc<Fitted>) {
+        self.visited.push(Visited {
+            causes: fitted.chosen.clone(),
+            ln_posterior: fitted.ln_posterior(),
+            fitted: Some(Arc::clone(fitted)),
+        });
+    }
+
+    /// Fits `base` with one more cause, as long as it may come near to `lead` nats, prior included. A fit that leads to where that of
+    /// another form of the cause ended is that one.
+    pub(super) fn with(
+        &mut self,
+        base: &Arc<Fitted>,
+        (h, weighed): (&Hypothesis, &Weighed),
+        lead: f64,
+    ) -> Option<Arc<Fitted>> {
+        let of_base = self.added.iter().filter(|(of, ..)| Arc::ptr_eq(of, base));
+        let mut of_base = of_base.map(|(_, added, found)| (added, found));
+        if let Some((_, known)) = of_base.clone().find(|(added, _)| added.same(h)) {
+            return Some(Arc::clone(known));
+        }
+        let known = of_base.find(|(added, _)| added.is_law_of(h));
+        let known = known.map(|(_, found)| Arc::clone(found));
+        let target = Target {
+            lead: lead - base.ln_prior() - h.ln_prior,
+            known: known.as_deref(),
+        };
+        let found = match self.added_to(base, (h, weighed), target)? {
+            Fit::New(found) => Arc::from(found),
+            Fit::Known => known?,
+        };
+        if found.is_settled() {
+            let known = (Arc::clone(base), h.clone(), Arc::clone(&found));
+            self.added.push(known);
+        }
+        self.visited.push(Visited {
+            causes: base.chosen.iter().chain([h]).cloned().collect(),
+            ln_posterior: found.ln_posterior(),
+            fitted: Some(Arc::clone(&found)),
+        });
+        Some(found)
+    }
+
+    /// The same from where the linear model puts it.
+    fn added_to(
+        &self,
+        base: &Fitted,
+        (h, weighed): (&Hypothesis, &Weighed),
+        target: Target<'_>,
+    ) -> Option<Fit> {
+        let begun = |h: &Hypothesis, guesses: &[f64], x: &[f64], target: Target<'_>| {
+            let mut all = unguessed(base);
+            all.push((h.clone(), guesses.to_vec()));
+            let (from, sizes) = (Some((base, x)), Some(&weighed.sizes));
+            aimed(self.subject, &all, from, sizes, self.data, target)
+        };
+        let anew = |h: &Hypothesis, guesses: &[f64], x: &[f64]| {
+            let alone = Target {
+                known: None,
+                ..target
+            };
+            match begun(h, guesses, x, alone)? {
+                Fit::New(fitted) => Some(*fitted),
+                Fit::Known => None,
+            }
+        };
+        let from = |guesses: &[f64], x: &[f64]| anew(h, guesses, x);
+        let guesses = &weighed.guesses;
+        // If the step of the linear model leads astray, begin where the fit without the cause ended.
+        let found = match begun(h, guesses, &weighed.x, target) {
+            Some(Fit::Known) => return Some(Fit::Known),
+            Some(Fit::New(found)) => Some(*found),
+            None => None,
+        };
+        let is_done = |found: &Fitted| {
+            found.is_settled()
+                || found.ln_posterior() > base.ln_posterior()
+                || target.is_beaten(found)
+        };
+        let found = match found {
+            Some(found) if is_done(&found) => Some(found),
+            astray => {
+                let again = from(guesses, &base.x);
+                let reached = |f: &Option<Fitted>| f.as_ref().map(Fitted::ln_posterior);
+                if reached(&again) > reached(&astray) {
+                    again
+                } else {
+                    astray
+                }
+            }
+        };
+        // A further slider takes over a part of what the first one does.
+        let halved = halved(base, h).and_then(|(h, guesses, x)| anew(&h, &guesses, &x));
+        let found = match (found, halved) {
+            (Some(a), Some(b)) if b.ln_posterior() > a.ln_posterior() => b,
+            (a, b) => a.or(b)?,
+        };
+        let last = found.chosen.len() - 1;
+        let first = found.places[last].first().map_or(0.0, |at| found.x[*at]);
+        if h.one_sided && first < 0.0 && guesses.len() > 1 {
+            // A force that can only push came out pulling: a higher term took the place of the first. Begin with the first term alone.
+            let mut alone = vec![0.0; guesses.len()];
+            alone[0] = guesses.iter().map(|g| g.abs()).sum();
+            let again = from(&alone, &weighed.x).filter(|again| {
+                !again.has_wrong_sign(last)
+                    && (found.has_wrong_sign(last) || again.ln_posterior() > found.ln_posterior())
+            });
+            if let Some(again) = again {
+                return Some(Fit::New(Box::new(again)));
+            }
+        }
+        (!found.has_wrong_sign(last)).then(|| Fit::New(Box::new(found)))
+    }
+
+    /// Fits models with friction anew from slip lengths on both sides of where they ended: sliders that stick or slip in another case
+    /// lie beyond kinks that no step crosses.
+    pub(super) fn restarted(&mut self, mut current: Arc<Fitted>) -> Arc<Fitted> {
+        for at in 0..current.chosen.len() {
+            let numbers = current.chosen[at].numbers.iter();
+            let mut lengths = numbers.zip(&current.places[at]);
+            let is_length =
+                |(n, _): &(&Number, &usize)| matches!(n.unknown, Unknown::SlipLength { .. });
+            let Some(place) = lengths.find(is_length).map(|(_, place)| *place) else {
+                continue;
+            };
+            for factor in SLIPS {
+                let mut x = current.x.clone();
+                x[place] += libm::log(factor);
+                let chosen = unguessed(&current);
+                let target = Target::beyond(&current);
+                let from = Some((&*current, x.as_slice()));
+                let found = aimed(self.subject, &chosen, from, None, self.data, target);
+                let Some(Fit::New(found)) = found else {
+                    continue;
+                };
+                let is_better = found.ln_posterior() > current.ln_posterior() + BETTER;
+                if is_better && !found.has_wrong_sign(at) {
+                    current = Arc::from(found);
+                    self.note(&current);
+                }
+            }
+        }
+        current
+    }
+
+    /// The best fit of a model that was fitted to its end already.
+    pub(super) fn known(&self, causes: &[Hypothesis]) -> Option<Arc<Fitted>> {
+        let same = self.visited.iter().filter(|v| same_set(&v.causes, causes));
+        let fitted = same.filter_map(|v| v.fitted.as_ref().filter(|f| f.is_settled()));
+        let better =
+            |a: &&Arc<Fitted>, b: &&Arc<Fitted>| a.ln_posterior().total_cmp(&b.ln_posterior());
+        fitted.max_by(better).cloned()
+    }
+
+    /// Fits a model without one of its causes.
+    pub(super) fn without(&mut self, fitted: &Arc<Fitted>, at: usize) -> Option<Arc<Fitted>> {
+        let mut causes = fitted.chosen.clone();
+        causes.remove(at);
+        if causes.is_empty() {
+            return None;
+        }
+        self.of(fitted, causes)
+    }
+
+    /// The same, refitted from where the model with the cause ended if that is better. What replaces the cause is compared with a fit
+    /// that has come as far.
+    pub(super) fn without_refitted(
+        &mut self,
+        fitted: &Arc<Fitted>,
+        at: usize,
+    ) -> Option<Arc<Fitted>> {
+        let known = self.without(fitted, at)?;
+        let is_from_here = |(found, from): &(Arc<Fitted>, Arc<Fitted>)| {
+            Arc::ptr_eq(from, fitted) && same_set(&found.chosen, &known.chosen)
+        };
+        if self.begun.iter().any(is_from_here) {
+            return Some(known);
+        }
+        let mut all = unguessed(fitted);
+        all.remove(at);
+        let from = Some((&**fitted, fitted.x.as_slice()));
+        let target = Target::beyond(&known);
+        let again = match aimed(self.subject, &all, from, None, self.data, target) {
+            Some(Fit::New(again)) if again.ln_posterior() > known.ln_posterior() + BETTER => {
+                Arc::<Fitted>::from(again)
+            }
+            _ => return Some(known),
+        };
+        self.note(&again);
+        Some(again)
+    }
+
+    /// The model of some of the causes of a fit, fitted from where that ended where it is not known.
+    pub(super) fn of(
+        &mut self,
+        fitted: &Arc<Fitted>,
+        causes: Vec<Hypothesis>,
+    ) -> Option<Arc<Fitted>> {
+        if let Some(known) = self.known(&causes) {
+            return Some(known);
+        }
+        let zeros = |h: Hypothesis| {
+            let count = h.numbers.len();
+            (h, vec![0.0; count])
+        };
+        let all: Vec<_> = causes.into_iter().map(zeros).collect();
+        let from = Some((&**fitted, fitted.x.as_slice()));
+        let found = Arc::new(fit(self.subject, &all, from, self.data)?);
+        self.note(&found);
+        self.begun.push((Arc::clone(&found), Arc::clone(fitted)));
+        Some(found)
+    }
+}
+
+/// Starts a further slider with half of the first one's force. The first keeps the other half and slips sooner, the further one later.
+/// Returns the hypothesis, guesses of its numbers and the unknowns of the fit.
+fn halved(base: &Fitted, h: &Hypothesis) -> Option<(Hypothesis, Vec<f64>, Vec<f64>)> {
+    let first = base
+        .chosen
+        .iter()
+        .position(|c| c.part == 0 && h.part > 0 && c.same_place(h))?;
+    let [force, length, anchor] = base.places[first][..] else {
+        return None;
+    };
+    let mut h = h.clone();
+    let [_, stiffness, at] = &mut h.numbers[..] else {
+        return None;
+    };
+    let Unknown::SlipLength { start, .. } = &mut stiffness.unknown else {
+        return None;
+    };
+    let mut x = base.x.clone();
+    *start = libm::exp(x[length]) * SLIPS[1];
+    x[length] += libm::log(SLIPS[0]);
+    x[force] *= 0.5;
+    let guesses = vec![x[force], 0.0, x[anchor] - at.mean / at.sd];
+    Some((h, guesses, x))
+}
