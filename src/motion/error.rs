@@ -58,6 +58,16 @@ pub enum Reason {
         /// What errs most, or what the iteration does not settle.
         worst: String,
     },
+    /// A function that is not smooth changes its piece over and over.
+    #[error(
+        "the function of {function} switches more than {count} times between two outputs: an IMPACT, BISTOP or IF in it chatters, or DTOUT is long"
+    )]
+    Chatter {
+        /// The statement.
+        function: String,
+        /// How often it may.
+        count: usize,
+    },
     /// The positions do not follow from the constraints.
     #[error(
         "the model has {freedoms} degrees of freedom: its positions do not follow from its motions alone"
