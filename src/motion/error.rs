@@ -50,6 +50,12 @@ pub enum Reason {
         /// Part and direction.
         freedom: String,
     },
+    /// An input moves something without mass: what depends on its velocity depends on the rate of the input.
+    #[error("{what} depends on the rate of an input, which state matrices do not have")]
+    InputRate {
+        /// A state or an output.
+        what: String,
+    },
     /// The step became smaller than HMIN.
     #[error("the integration step {step:.3e} is smaller than HMIN; {worst}")]
     StepTooSmall {

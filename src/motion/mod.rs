@@ -17,6 +17,7 @@ mod massless;
 mod modes;
 mod newton;
 mod passage;
+mod reduced;
 mod regimes;
 mod root;
 mod settings;
