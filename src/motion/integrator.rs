@@ -98,7 +98,7 @@ impl<'a> Integrator<'a> {
             polynomial: Unknowns::new(system),
             sizes: Sizes::new(system),
             sizes_before: Sizes::new(system),
-            h: settings.hinit.min(settings.hmax),
+            h: settings.hinit.max(settings.hmin).min(settings.hmax),
             last: None,
             anew: true,
             within: false,
@@ -305,7 +305,8 @@ impl<'a> Integrator<'a> {
                 }
                 self.accept(h, to).map_err(|reason| reason.at(time))?;
                 self.before = Some((h, error.max(1e-2)));
-                self.h = (h * factor).min(self.settings.hmax);
+                // A step that was cut, as at an output, may be short without being too short.
+                self.h = (h * factor).max(self.settings.hmin).min(self.settings.hmax);
                 return Ok(());
             }
             self.statistics.rejected += 1;
