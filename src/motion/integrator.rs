@@ -258,6 +258,9 @@ impl<'a> Integrator<'a> {
             let to = if count == 1.0 { end } else { time + h };
             self.predict(h);
             if let Err(reason) = self.prepare(h) {
+                if self.let_go() {
+                    continue;
+                }
                 return Err(reason.at(time));
             }
             let mut solved = self.solve(h, Derivatives::Single);
@@ -267,7 +270,10 @@ impl<'a> Integrator<'a> {
                     solved = self.solve(h, better);
                 }
             }
-            let Ok(iterations) = solved.map_err(|NotSettled(why)| self.worst = why) else {
+            if matches!(&solved, Err(NotSettled { no_value: true, .. })) && self.let_go() {
+                continue;
+            }
+            let Ok(iterations) = solved.map_err(|not| self.worst = not.why) else {
                 self.statistics.rejected += 1;
                 failures += 1;
                 if self.fresh || failures > 1 {
@@ -282,6 +288,7 @@ impl<'a> Integrator<'a> {
             };
             let error = match self.error(h, rejected) {
                 Ok(error) => error,
+                Err(_) if self.let_go() => continue,
                 Err(worst) => {
                     self.worst = worst;
                     f64::INFINITY
@@ -318,6 +325,14 @@ impl<'a> Integrator<'a> {
             };
             self.h = h * factor;
         }
+    }
+
+    /// Lets functions go that are held on pieces, for one step: beyond its end a piece may have no value, as `SQRT(x)` where `IF` asks for
+    /// x above zero. False if none is held.
+    fn let_go(&mut self) -> bool {
+        let held = self.state.pieces.iter().any(Option::is_some);
+        self.state.pieces.fill(None);
+        held
     }
 
     /// Derivatives and factors for a step.
@@ -414,12 +429,15 @@ impl<'a> Integrator<'a> {
             let change = match done {
                 Ok(change) => change,
                 Err(reason) => {
-                    return Err(NotSettled(reason.to_string()));
+                    return Err(NotSettled {
+                        why: reason.to_string(),
+                        no_value: true,
+                    });
                 }
             };
             let (size, at) = self.size_of(&change);
             if !size.is_finite() {
-                return Err(NotSettled("the iteration leaves all bounds".to_string()));
+                return Err(NotSettled::at("the iteration leaves all bounds"));
             }
             let floor = ROUND_OFF / self.tolerance();
             if size <= floor {
@@ -430,7 +448,9 @@ impl<'a> Integrator<'a> {
                 // Derivatives of an earlier iteration say nothing of where this one ends.
                 let fresh = renew || !coupled;
                 if fresh && theta >= 0.99 && size > 10.0 * floor {
-                    return Err(NotSettled(format!("the iteration does not settle {at}")));
+                    return Err(NotSettled::at(&format!(
+                        "the iteration does not settle {at}"
+                    )));
                 }
                 let left = theta.min(0.99) / (1.0 - theta.min(0.99)) * size;
                 if left <= limit {
@@ -441,7 +461,9 @@ impl<'a> Integrator<'a> {
                 }
                 let more = self.settings.maxit - iteration;
                 if fresh && left * theta.powi(more as i32) > limit && more < 4 {
-                    return Err(NotSettled(format!("the iteration does not settle {at}")));
+                    return Err(NotSettled::at(&format!(
+                        "the iteration does not settle {at}"
+                    )));
                 }
                 renew = coupled && (always || theta > SLUGGISH);
             } else if size <= 1e-2 * limit {
@@ -451,7 +473,7 @@ impl<'a> Integrator<'a> {
             }
             before = size;
         }
-        Err(NotSettled("the iteration does not settle".to_string()))
+        Err(NotSettled::at("the iteration does not settle"))
     }
 
     /// The size of a correction in tolerances, and where it is.
@@ -520,4 +542,17 @@ enum Derivatives {
 }
 
 /// The iteration of a step does not settle, and why.
-struct NotSettled(String);
+struct NotSettled {
+    why: String,
+    /// A function or an element has no value.
+    no_value: bool,
+}
+
+impl NotSettled {
+    fn at(why: &str) -> Self {
+        Self {
+            why: why.to_string(),
+            no_value: false,
+        }
+    }
+}

@@ -164,3 +164,15 @@ fn a_thousand_changes_between_two_outputs_are_too_many() {
     let mut integrator = begun(&deck, 1e-4, 0.1);
     integrator.advance_to(1.0).expect("a motion");
 }
+
+/// A root that is taken above the ground only, from 1 m at -2 m/s: below it moves on with `v^2 = 4 - 4/3`.
+#[test]
+fn a_piece_that_ends_where_its_function_ends_is_left() {
+    let deck = along_z(0.0, (1.0, -2.0), "IF(DZ(20):0,0,SQRT(DZ(20)))");
+    let mut integrator = begun(&deck, 1e-6, 1.0);
+    integrator.advance_to(2.0).expect("a motion");
+    let state = integrator.output().expect("an output");
+    let speed = state.velocities[1].linear.z + (8.0_f64 / 3.0).sqrt();
+    assert!(speed.abs() < 1e-5, "{speed:e}");
+    assert_eq!(integrator.state().pieces, [Some(0)]);
+}
