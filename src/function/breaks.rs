@@ -55,7 +55,7 @@ fn meeting(expression: &Expression, node: &Node, value: f64) -> Option<f64> {
 }
 
 /// (a, b) of a node that is `a TIME + b`.
-fn linear(expression: &Expression, node: &Node) -> Option<(f64, f64)> {
+pub(super) fn linear(expression: &Expression, node: &Node) -> Option<(f64, f64)> {
     let of = |node: &Node| linear(expression, node);
     Some(match node {
         Node::Literal(k) => (0.0, expression.literals.get(*k)?.value),

@@ -1,9 +1,10 @@
 use std::sync::Arc;
 
+use super::breaks::linear;
 use super::call::{refusal, vector_refusal};
 use super::compiler::Compiler;
 use super::interpolant::Interpolant;
-use super::program::{Kind, Program, Step};
+use super::program::{Kind, NO_SWITCH, Program, Step};
 use super::{Input, Scratch};
 use crate::diagnostic::Diagnostic;
 use crate::syntax::Expression;
@@ -31,6 +32,7 @@ pub(super) struct Build<'a> {
     pub(super) interpolants: Vec<(Arc<Interpolant>, usize)>,
     targets: usize,
     branches: bool,
+    switches: u32,
 }
 
 impl<'a> Build<'a> {
@@ -46,6 +48,7 @@ impl<'a> Build<'a> {
             interpolants: Vec::new(),
             targets: 0,
             branches: false,
+            switches: 0,
         }
     }
 
@@ -103,6 +106,8 @@ impl<'a> Build<'a> {
         [test, negative, zero, positive]: &[Node; 4],
     ) -> Result<Place, Diagnostic> {
         self.branches = true;
+        // Where the time alone decides, the times of its zeros are known beforehand.
+        let known = linear(self.expression, test).is_some();
         let test = self.node(test)?;
         let branch = self.steps.len();
         self.push(
@@ -113,6 +118,9 @@ impl<'a> Build<'a> {
             &[test],
             0,
         );
+        if !known {
+            self.switch();
+        }
         let target = self.target();
         let mut starts = [0; 3];
         let mut jumps = Vec::new();
@@ -149,8 +157,16 @@ impl<'a> Build<'a> {
             first: self.operands.len() as u32,
             count: operands.len() as u32,
             target: target as u32,
+            switch: NO_SWITCH,
         });
         self.operands.extend_from_slice(operands);
+    }
+
+    /// The last step has pieces that a motion can be held on.
+    fn switch(&mut self) {
+        let step = self.steps.last_mut().expect("a step was pushed");
+        step.switch = self.switches;
+        self.switches += 1;
     }
 
     /// A step with a result of its own; computed now if all operands are constants and the value exists.
@@ -169,6 +185,9 @@ impl<'a> Build<'a> {
         }
         let target = self.target();
         self.push(kind, operands, target);
+        if matches!(kind, Kind::Impact | Kind::Bistop) {
+            self.switch();
+        }
         Place::Target(target)
     }
 
@@ -215,6 +234,7 @@ impl<'a> Build<'a> {
             interpolants: self.interpolants,
             result,
             branches: self.branches,
+            switches: self.switches,
         }
     }
 }
@@ -231,12 +251,14 @@ fn fold(kind: Kind, constants: &[f64], interpolants: &[(Arc<Interpolant>, usize)
             first: 0,
             count,
             target: count,
+            switch: NO_SWITCH,
         }],
         operands: (0..count).collect(),
         interpolants: interpolants.to_vec(),
         slots: constants.len() + 1,
         result: count,
         branches: false,
+        switches: 0,
     };
     program.eval(&[], &[], &mut Scratch::default()).ok()
 }

@@ -61,18 +61,18 @@ pub(super) fn bistop(a: &[f64], by: &mut [f64]) -> Result<f64, Fault> {
     Ok(sign * stop.force)
 }
 
-/// `k p^e - c(p) rate` for a penetration p > 0, where c grows from 0 at p = 0 to cmax at p = d.
-struct Stop {
-    force: f64,
-    by_p: f64,
-    by_rate: f64,
+/// `k p^e - c(p) rate` for a penetration p, where c grows from 0 at p = 0 to cmax at p = d. Below p = 0 `p^e` is odd.
+pub(super) struct Stop {
+    pub force: f64,
+    pub by_p: f64,
+    pub by_rate: f64,
     /// By k, e, cmax, d.
-    by_law: [f64; 4],
+    pub by_law: [f64; 4],
 }
 
 impl Stop {
-    fn at(p: f64, rate: f64, k: f64, e: f64, cmax: f64, d: f64) -> Result<Self, Fault> {
-        let power = libm::pow(p, e);
+    pub(super) fn at(p: f64, rate: f64, k: f64, e: f64, cmax: f64, d: f64) -> Result<Self, Fault> {
+        let power = libm::copysign(libm::pow(p.abs(), e), p);
         let mut by = [0.0; 5];
         let c = if d == 0.0 {
             by[4] = 1.0;
@@ -82,11 +82,11 @@ impl Stop {
         };
         Ok(Self {
             force: k * power - c * rate,
-            by_p: k * e * libm::pow(p, e - 1.0) - by[0] * rate,
+            by_p: k * e * libm::pow(p.abs(), e - 1.0) - by[0] * rate,
             by_rate: -c,
             by_law: [
                 power,
-                k * power * libm::log(p),
+                k * power * libm::log(p.abs()),
                 -by[4] * rate,
                 -by[3] * rate,
             ],

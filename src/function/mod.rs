@@ -21,6 +21,7 @@ mod program;
 pub mod rate;
 mod series;
 mod step;
+mod switch;
 #[cfg(test)]
 mod tests;
 
@@ -34,3 +35,4 @@ pub use input::{Input, Measure};
 pub(crate) use program::Program;
 pub use program::Scratch;
 pub(crate) use rate::MovingFrame;
+pub(crate) use switch::{Piece, Seen};

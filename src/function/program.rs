@@ -3,6 +3,7 @@ use std::sync::Arc;
 use super::interpolant::Interpolant;
 use super::intrinsic::{self, Binary, Unary};
 use super::step::{Shape, step};
+use super::switch::{Piece, Seen, part_of, stop_on};
 use super::{EvalError, Fault, Input, impact, series};
 
 /// A FUNCTION expression compiled to a flat list of steps over numbered slots.
@@ -23,7 +24,12 @@ pub struct Program {
     pub(super) slots: usize,
     pub(super) result: u32,
     pub(super) branches: bool,
+    /// How many of its steps have pieces that a motion is held on.
+    pub(super) switches: u32,
 }
+
+/// The number of a step that is no switch.
+pub(super) const NO_SWITCH: u32 = u32::MAX;
 
 /// One step: its operands are `operands[first..first + count]`, its result goes to slot `target`.
 #[derive(Clone, Copy, Debug)]
@@ -32,6 +38,8 @@ pub(super) struct Step {
     pub(super) first: u32,
     pub(super) count: u32,
     pub(super) target: u32,
+    /// Its number among those that have pieces, or [`NO_SWITCH`].
+    pub(super) switch: u32,
 }
 
 /// What a step does.
@@ -105,9 +113,15 @@ pub struct Scratch {
     partials: Vec<f64>,
     arguments: Vec<f64>,
     trace: Vec<u32>,
+    seen: Vec<Seen>,
 }
 
 impl Scratch {
+    /// What the last evaluation that was held on pieces saw of them.
+    pub(crate) fn seen(&self) -> &[Seen] {
+        &self.seen
+    }
+
     fn fit(&mut self, program: &Program) {
         if self.values.len() < program.slots {
             self.values.resize(program.slots, 0.0);
@@ -126,6 +140,11 @@ impl Program {
         self.branches
     }
 
+    /// How many steps a motion can be held on pieces of: IMPACT, BISTOP, and IF unless its test is linear in TIME.
+    pub(crate) fn switches(&self) -> usize {
+        self.switches as usize
+    }
+
     /// The value at the given inputs (in the order of `inputs`) and literals (all of the expression, angles in radians).
     ///
     /// # Errors
@@ -139,7 +158,7 @@ impl Program {
         if self.steps.is_empty() {
             return Ok(self.plain(inputs, literals));
         }
-        self.forward(inputs, literals, scratch)
+        self.forward(inputs, literals, &[], scratch)
     }
 
     /// The value, and its derivatives by each input and by each literal (in radians for those in degrees); literals that are ids or
@@ -157,6 +176,22 @@ impl Program {
         by_input: &mut [f64],
         by_literal: &mut [f64],
     ) -> Result<f64, EvalError> {
+        self.eval_on_pieces(inputs, literals, &[], scratch, (by_input, by_literal))
+    }
+
+    /// The same with its switches held on these pieces, one each; with no pieces at all every switch is as its arguments have it. What is
+    /// seen of the switches is left in the scratch.
+    ///
+    /// # Errors
+    /// As [`eval`](Self::eval).
+    pub(crate) fn eval_on_pieces(
+        &self,
+        inputs: &[f64],
+        literals: &[f64],
+        pieces: &[Piece],
+        scratch: &mut Scratch,
+        (by_input, by_literal): (&mut [f64], &mut [f64]),
+    ) -> Result<f64, EvalError> {
         by_literal.fill(0.0);
         if self.steps.is_empty() {
             by_input.fill(0.0);
@@ -168,7 +203,7 @@ impl Program {
             }
             return Ok(self.plain(inputs, literals));
         }
-        let value = self.forward(inputs, literals, scratch)?;
+        let value = self.forward(inputs, literals, pieces, scratch)?;
         self.backward(scratch);
         by_input.copy_from_slice(&scratch.adjoints[..self.inputs.len()]);
         for (k, &literal) in self.parameters.iter().enumerate() {
@@ -194,6 +229,7 @@ impl Program {
         &self,
         inputs: &[f64],
         literals: &[f64],
+        pieces: &[Piece],
         scratch: &mut Scratch,
     ) -> Result<f64, EvalError> {
         scratch.fit(self);
@@ -202,8 +238,13 @@ impl Program {
             partials,
             arguments,
             trace,
+            seen,
             ..
         } = scratch;
+        if !pieces.is_empty() {
+            seen.clear();
+            seen.resize(pieces.len(), Seen::NOTHING);
+        }
         let (n, m) = (self.inputs.len(), self.parameters.len());
         values[..n].copy_from_slice(inputs);
         for (value, &literal) in values[n..n + m].iter_mut().zip(&self.parameters) {
@@ -222,10 +263,11 @@ impl Program {
             at += 1;
             let value = match step.kind {
                 Kind::Branch { zero, positive } => {
-                    if first == 0.0 {
-                        at = zero as usize;
-                    } else if first > 0.0 {
-                        at = positive as usize;
+                    let held = pieces.get(step.switch as usize);
+                    let (part, saw) = part_of(first, held.copied().flatten());
+                    at = [at, zero as usize, positive as usize][part as usize];
+                    if held.is_some() {
+                        seen[step.switch as usize] = saw;
                     }
                     by[0] = 0.0;
                     continue;
@@ -261,11 +303,17 @@ impl Program {
                 _ => {
                     arguments.clear();
                     arguments.extend(operands.iter().map(|&slot| values[slot as usize]));
-                    self.call(step.kind, arguments, by)
-                        .map_err(|fault| EvalError {
-                            function: step.kind.name(),
-                            fault,
-                        })?
+                    let found = match pieces.get(step.switch as usize) {
+                        None => self.call(step.kind, arguments, by),
+                        Some(held) => stop_on(arguments, *held, by).map(|switched| {
+                            seen[step.switch as usize] = switched.seen;
+                            switched.value
+                        }),
+                    };
+                    found.map_err(|fault| EvalError {
+                        function: step.kind.name(),
+                        fault,
+                    })?
                 }
             };
             if !value.is_finite() {

@@ -93,7 +93,18 @@ fn attempt(
     // The rank is that of the assembled positions.
     memory.find_redundant(system, parameters, state)?;
     memory.positions(system, parameters, state, None)?;
-    memory.check_removed(system, parameters, state)?;
+    memory
+        .check_removed(system, parameters, state)
+        .map_err(|reason| match reason {
+            Reason::RedundantViolated {
+                equation,
+                violation,
+            } => Reason::Inconsistent {
+                equation,
+                violation,
+            },
+            other => other,
+        })?;
     system.accept(parameters, state, &mut memory.scratch);
     system.settle_variables(parameters, state, &mut memory.scratch)?;
     velocities(system, parameters, state, memory, kept)?;
@@ -157,7 +168,7 @@ fn velocities(
             violation,
         });
     }
-    Ok(())
+    memory.check_removed_rates(system, parameters, state, CONFLICT * scale)
 }
 
 /// The weight of velocities that adapt: the sum of the squares of the velocity of the centre of mass and of the angular velocity, in the

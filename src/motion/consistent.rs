@@ -369,6 +369,38 @@ impl Consistent {
     }
 }
 
+impl Consistent {
+    /// The rates of equations that were taken out must be those of the others, too.
+    pub(super) fn check_removed_rates(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+        most: f64,
+    ) -> Result<(), Reason> {
+        if !state.redundant.contains(&true) {
+            return Ok(());
+        }
+        let mut whole = state.clone();
+        whole.redundant.clear();
+        let Self {
+            scratch, g, rows, ..
+        } = self;
+        system.constraints_and_rows(parameters, &whole, scratch, g, rows)?;
+        system.velocity_vector(state, &mut self.v);
+        let mut rates = self.rows.time.clone();
+        self.rows.times(&self.v, &mut rates);
+        let violated = |(k, rate): &(usize, &f64)| state.redundant[*k] && !(rate.abs() <= most);
+        match rates.iter().enumerate().find(violated) {
+            Some((k, rate)) => Err(Reason::VelocityConflict {
+                equation: system.constraint_equation_name(k).to_string(),
+                violation: rate.abs(),
+            }),
+            None => Ok(()),
+        }
+    }
+}
+
 /// How far a pose is from another: translation, and rotation vector.
 pub(super) fn difference(pose: &Pose, from: &Pose) -> crate::mechanics::Vec6 {
     let p: Vec3 = pose.p - from.p;

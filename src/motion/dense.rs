@@ -17,7 +17,15 @@ impl Integrator<'_> {
 
     /// The state at a time of the last step by its polynomial, of third order; not reconciled.
     pub(crate) fn between(&self, time: f64) -> State {
-        let Some(h) = self.last.filter(|_| time != self.state.time) else {
+        if time == self.state.time {
+            return self.state.clone();
+        }
+        self.continued(time)
+    }
+
+    /// The same in the regimes of the last step beyond its end too.
+    pub(super) fn continued(&self, time: f64) -> State {
+        let Some(h) = self.last else {
             return self.state.clone();
         };
         let s = (time - self.origin.time) / h;
@@ -59,20 +67,28 @@ impl Integrator<'_> {
         self.consistent
             .reconcile(self.system, self.parameters, &mut state, step)
             .map_err(|reason| reason.at(self.origin.time))?;
+        state.pieces.clear();
         Ok(state)
     }
 
-    /// Takes the last step back and ends it at an earlier time.
+    /// Takes the last step back: it stands where that began.
+    pub(super) fn take_back(&mut self) {
+        self.state = self.origin.clone();
+        self.sizes = self.sizes_before;
+        self.statistics.steps -= 1;
+        self.statistics.rejected += 1;
+    }
+
+    /// Takes the last step back and does it again to another end, next to the one it had.
     ///
     /// # Errors
     /// [`MotionError`] as of [`Self::advance_to`].
-    pub(crate) fn end_step_at(&mut self, time: f64) -> Result<(), MotionError> {
-        if self.last.is_none() || time >= self.state.time {
-            return Ok(());
-        }
-        self.state = self.origin.clone();
-        self.restart();
-        self.h = (time - self.state.time).min(self.h);
+    pub(super) fn solve_again_to(&mut self, time: f64) -> Result<(), MotionError> {
+        self.take_back();
+        self.within = true;
+        self.before = None;
+        self.factored = None;
+        self.h = time - self.state.time;
         self.advance_plainly(time)
     }
 }

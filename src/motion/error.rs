@@ -50,6 +50,12 @@ pub enum Reason {
         /// Part and direction.
         freedom: String,
     },
+    /// An input moves something without mass: what depends on its velocity depends on the rate of the input.
+    #[error("{what} depends on the rate of an input, which state matrices do not have")]
+    InputRate {
+        /// A state or an output.
+        what: String,
+    },
     /// The step became smaller than HMIN.
     #[error("the integration step {step:.3e} is smaller than HMIN; {worst}")]
     StepTooSmall {
@@ -57,6 +63,16 @@ pub enum Reason {
         step: f64,
         /// What errs most, or what the iteration does not settle.
         worst: String,
+    },
+    /// A function that is not smooth changes its piece over and over.
+    #[error(
+        "the function of {function} switches more than {count} times between two outputs: an IMPACT, BISTOP or IF in it chatters, or DTOUT is long"
+    )]
+    Chatter {
+        /// The statement.
+        function: String,
+        /// How often it may.
+        count: usize,
     },
     /// The positions do not follow from the constraints.
     #[error(

@@ -2,9 +2,10 @@ use super::consistent::Consistent;
 use super::coupled::Coupled;
 use super::error::{MotionError, Reason};
 use super::newton::{Equations, Stages, Unknowns};
+use super::regimes::Regimes;
 use super::settings::{INSIDE, Settings};
 use super::sizes::Sizes;
-use super::tableau::{A, C, E, lagrange};
+use super::tableau::{A, C, lagrange};
 use crate::system::{Parameters, State, System};
 
 /// The iteration ends when what is left is this share of the tolerance.
@@ -49,27 +50,33 @@ pub struct Integrator<'a> {
     /// The iteration with derivatives of every stage, once it was needed.
     coupled: Option<Box<Coupled>>,
     pub(super) consistent: Consistent,
-    unknowns: Unknowns,
+    pub(super) unknowns: Unknowns,
     /// The unknowns of the last step: what the next one begins with.
     pub(super) polynomial: Unknowns,
-    sizes: Sizes,
+    pub(super) sizes: Sizes,
+    /// The same before the last step.
+    pub(super) sizes_before: Sizes,
     /// The step to try next.
     pub(super) h: f64,
-    /// The last step; none after a start.
+    /// The last step; none before the first.
     pub(super) last: Option<f64>,
+    /// Nothing of the steps before is used for the next one.
+    pub(super) anew: bool,
+    /// The next step is the last one again, to another end.
+    pub(super) within: bool,
     /// Where the last step began.
     pub(super) origin: State,
     /// The last step and its error, for the prediction of the next one.
-    before: Option<(f64, f64)>,
+    pub(super) before: Option<(f64, f64)>,
     /// The step that the factors are of.
-    factored: Option<f64>,
+    pub(super) factored: Option<f64>,
     /// The derivatives are those within this step.
     fresh: bool,
-    statistics: Statistics,
+    pub(super) statistics: Statistics,
     /// What was worst in the last step that was given up.
-    worst: String,
-    /// Surface speeds of frictions less those of stiction.
-    pub(super) slips: Vec<f64>,
+    pub(super) worst: String,
+    /// Pieces of functions and frictions, where there are any.
+    pub(super) regimes: Option<Box<Regimes>>,
 }
 
 impl<'a> Integrator<'a> {
@@ -77,9 +84,10 @@ impl<'a> Integrator<'a> {
     pub fn new(
         system: &'a System,
         parameters: &'a Parameters,
-        state: State,
+        mut state: State,
         settings: Settings,
     ) -> Self {
+        let regimes = Regimes::new(system, parameters, &mut state);
         let mut new = Self {
             system,
             parameters,
@@ -89,15 +97,18 @@ impl<'a> Integrator<'a> {
             unknowns: Unknowns::new(system),
             polynomial: Unknowns::new(system),
             sizes: Sizes::new(system),
-            h: settings.hinit.min(settings.hmax),
+            sizes_before: Sizes::new(system),
+            h: settings.hinit.max(settings.hmin).min(settings.hmax),
             last: None,
+            anew: true,
+            within: false,
             origin: State::empty(),
             before: None,
             factored: None,
             fresh: false,
             statistics: Statistics::default(),
             worst: String::new(),
-            slips: Vec::new(),
+            regimes,
             settings,
             state,
         };
@@ -156,6 +167,7 @@ impl<'a> Integrator<'a> {
         self.consistent
             .reconcile(self.system, self.parameters, &mut state, step)
             .map_err(|reason| reason.at(self.state.time))?;
+        state.pieces.clear();
         Ok(state)
     }
 
@@ -168,7 +180,7 @@ impl<'a> Integrator<'a> {
         Ok(())
     }
 
-    /// The same without a look at the frictions: what is known of them on the way does not change.
+    /// The same without a look at the regimes: they do not change on the way.
     pub(super) fn advance_plainly(&mut self, end: f64) -> Result<(), MotionError> {
         while let Some(left) = self.left(end) {
             self.take_step(left, end)?;
@@ -201,7 +213,7 @@ impl<'a> Integrator<'a> {
         let target = self.next_break().map_or(end, |next| next.min(end));
         if let Some(left) = self.left(target) {
             self.take_step(left, target)?;
-            self.settle_grips()?;
+            self.settle_regimes()?;
         }
         if target < end && self.left(target).is_none() {
             self.restart();
@@ -211,7 +223,7 @@ impl<'a> Integrator<'a> {
 
     /// Begins anew from where it stands: nothing of the steps before is used.
     pub(crate) fn restart(&mut self) {
-        self.last = None;
+        self.anew = true;
         self.before = None;
         self.factored = None;
     }
@@ -221,19 +233,21 @@ impl<'a> Integrator<'a> {
         self.h = h.min(self.settings.hmax);
     }
 
-    fn tolerance(&self) -> f64 {
+    pub(super) fn tolerance(&self) -> f64 {
         self.settings.error * INSIDE
     }
 
     /// One step, at most to `end`.
-    fn take_step(&mut self, left: f64, end: f64) -> Result<(), MotionError> {
+    pub(super) fn take_step(&mut self, left: f64, end: f64) -> Result<(), MotionError> {
         let time = self.state.time;
         self.fresh = false;
         let mut failures = 0;
         let mut rejected = false;
         loop {
             if self.h < self.settings.hmin && left > self.settings.hmin {
-                let (step, worst) = (self.h, self.worst.clone());
+                let changed = self.regimes.as_ref().map(|r| r.told(self.system));
+                let worst = self.worst.clone() + &changed.unwrap_or_default();
+                let step = self.h;
                 return Err(Reason::StepTooSmall { step, worst }.at(time));
             }
             // Even steps to the end: the last one is no splinter.
@@ -244,6 +258,9 @@ impl<'a> Integrator<'a> {
             let to = if count == 1.0 { end } else { time + h };
             self.predict(h);
             if let Err(reason) = self.prepare(h) {
+                if self.let_go() {
+                    continue;
+                }
                 return Err(reason.at(time));
             }
             let mut solved = self.solve(h, Derivatives::Single);
@@ -253,7 +270,10 @@ impl<'a> Integrator<'a> {
                     solved = self.solve(h, better);
                 }
             }
-            let Ok(iterations) = solved.map_err(|NotSettled(why)| self.worst = why) else {
+            if matches!(&solved, Err(NotSettled { no_value: true, .. })) && self.let_go() {
+                continue;
+            }
+            let Ok(iterations) = solved.map_err(|not| self.worst = not.why) else {
                 self.statistics.rejected += 1;
                 failures += 1;
                 if self.fresh || failures > 1 {
@@ -268,6 +288,7 @@ impl<'a> Integrator<'a> {
             };
             let error = match self.error(h, rejected) {
                 Ok(error) => error,
+                Err(_) if self.let_go() => continue,
                 Err(worst) => {
                     self.worst = worst;
                     f64::INFINITY
@@ -291,7 +312,8 @@ impl<'a> Integrator<'a> {
                 }
                 self.accept(h, to).map_err(|reason| reason.at(time))?;
                 self.before = Some((h, error.max(1e-2)));
-                self.h = (h * factor).min(self.settings.hmax);
+                // A step that was cut, as at an output, may be short without being too short.
+                self.h = (h * factor).max(self.settings.hmin).min(self.settings.hmax);
                 return Ok(());
             }
             self.statistics.rejected += 1;
@@ -303,6 +325,14 @@ impl<'a> Integrator<'a> {
             };
             self.h = h * factor;
         }
+    }
+
+    /// Lets functions go that are held on pieces, for one step: beyond its end a piece may have no value, as `SQRT(x)` where `IF` asks for
+    /// x above zero. False if none is held.
+    fn let_go(&mut self) -> bool {
+        let held = self.state.pieces.iter().any(Option::is_some);
+        self.state.pieces.fill(None);
+        held
     }
 
     /// Derivatives and factors for a step.
@@ -331,12 +361,14 @@ impl<'a> Integrator<'a> {
         for stage in &mut self.unknowns.mu {
             stage.fill(0.0);
         }
-        if let Some(last) = self.last {
+        if let Some(last) = self.last.filter(|_| self.within || !self.anew) {
+            // From the start of the last step if it is done again, else from its end.
+            let end = f64::from(u8::from(!self.within));
             for i in 0..3 {
-                let weights = lagrange(1.0 + C[i] * h / last);
+                let weights = lagrange(end + C[i] * h / last);
                 let onwards = |all: &Stages, k: usize| {
                     weights[0] * all[0][k] + weights[1] * all[1][k] + weights[2] * all[2][k]
-                        - all[2][k]
+                        - end * all[2][k]
                 };
                 for k in 0..n {
                     self.unknowns.w[i][k] = onwards(&old.w, k);
@@ -397,12 +429,15 @@ impl<'a> Integrator<'a> {
             let change = match done {
                 Ok(change) => change,
                 Err(reason) => {
-                    return Err(NotSettled(reason.to_string()));
+                    return Err(NotSettled {
+                        why: reason.to_string(),
+                        no_value: true,
+                    });
                 }
             };
             let (size, at) = self.size_of(&change);
             if !size.is_finite() {
-                return Err(NotSettled("the iteration leaves all bounds".to_string()));
+                return Err(NotSettled::at("the iteration leaves all bounds"));
             }
             let floor = ROUND_OFF / self.tolerance();
             if size <= floor {
@@ -413,7 +448,9 @@ impl<'a> Integrator<'a> {
                 // Derivatives of an earlier iteration say nothing of where this one ends.
                 let fresh = renew || !coupled;
                 if fresh && theta >= 0.99 && size > 10.0 * floor {
-                    return Err(NotSettled(format!("the iteration does not settle {at}")));
+                    return Err(NotSettled::at(&format!(
+                        "the iteration does not settle {at}"
+                    )));
                 }
                 let left = theta.min(0.99) / (1.0 - theta.min(0.99)) * size;
                 if left <= limit {
@@ -424,7 +461,9 @@ impl<'a> Integrator<'a> {
                 }
                 let more = self.settings.maxit - iteration;
                 if fresh && left * theta.powi(more as i32) > limit && more < 4 {
-                    return Err(NotSettled(format!("the iteration does not settle {at}")));
+                    return Err(NotSettled::at(&format!(
+                        "the iteration does not settle {at}"
+                    )));
                 }
                 renew = coupled && (always || theta > SLUGGISH);
             } else if size <= 1e-2 * limit {
@@ -434,7 +473,7 @@ impl<'a> Integrator<'a> {
             }
             before = size;
         }
-        Err(NotSettled("the iteration does not settle".to_string()))
+        Err(NotSettled::at("the iteration does not settle"))
     }
 
     /// The size of a correction in tolerances, and where it is.
@@ -449,74 +488,15 @@ impl<'a> Integrator<'a> {
         (worst.0, self.told(worst))
     }
 
-    fn told(&self, (_, at, velocity): (f64, usize, bool)) -> String {
+    pub(super) fn told(&self, (_, at, velocity): (f64, usize, bool)) -> String {
         let of = if velocity { "the velocity of " } else { "" };
         format!("{of}{}", self.system.freedom_name(at))
     }
 
-    fn measured(&self, z: &[f64], w: &[f64], variables: bool) -> (f64, usize, bool) {
+    pub(super) fn measured(&self, z: &[f64], w: &[f64], variables: bool) -> (f64, usize, bool) {
         let tolerance = self.tolerance();
         self.sizes
             .measured(self.system, tolerance, (z, w), variables)
-    }
-
-    /// The estimated error of the step in tolerances.
-    fn error(&mut self, h: f64, again: bool) -> Result<f64, String> {
-        let system = self.system;
-        let n = system.first_equation;
-        let sum =
-            |all: &Stages, k: usize| (E[0] * all[0][k] + E[1] * all[1][k] + E[2] * all[2][k]) / h;
-        let mut v = Vec::new();
-        let mut a = Vec::new();
-        system.velocity_vector(&self.state, &mut v);
-        system.gathered(&self.state.accelerations, &mut a);
-        let unknowns = &self.unknowns;
-        let r1: Vec<f64> = (0..n).map(|k| -(v[k] + sum(&unknowns.z, k))).collect();
-        for (k, a) in a.iter_mut().enumerate() {
-            *a += sum(&unknowns.w, k);
-        }
-        let mut rates = vec![0.0; system.moving_unknowns];
-        for (k, equation) in system.states.iter().enumerate() {
-            let at = equation.moving_unknown;
-            rates[at] = self.state.state_rates[k] + sum(&unknowns.z, at);
-        }
-        let g = self.equations.inertia_of(system, &a, &rates);
-        let first = self.equations.filtered(system, &self.state, h, (&r1, &g));
-        let found = self.measured(&first.z, &first.w, false);
-        let start = self.last.is_none() || again;
-        if found.0 < 1.0 || !start {
-            self.worst = format!("the error is that of {}", self.told(found));
-            return Ok(found.0.max(1e-10));
-        }
-        // Filtered once more, at the place that the estimate leads to.
-        let mut beside = State::empty();
-        let unknowns = &self.unknowns;
-        let mut z = first.z;
-        z[n..system.first_variable].fill(0.0);
-        self.equations.stage_state(
-            system,
-            &self.state,
-            self.state.time,
-            (&z, &first.w),
-            (&|k| -sum(&unknowns.w, k), &|k| -sum(&unknowns.z, k)),
-            &mut beside,
-        );
-        let mut g = vec![0.0; system.moving_unknowns];
-        system
-            .residual(
-                self.parameters,
-                &beside,
-                &mut self.equations.scratch,
-                &mut g,
-            )
-            .map_err(|reason| reason.to_string())?;
-        let r1: Vec<f64> = (0..n)
-            .map(|k| -(v[k] + first.w[k] + sum(&unknowns.z, k)))
-            .collect();
-        let second = self.equations.filtered(system, &self.state, h, (&r1, &g));
-        let found = self.measured(&second.z, &second.w, false);
-        self.worst = format!("the error is that of {}", self.told(found));
-        Ok(found.0.max(1e-10))
     }
 
     /// The third stage is the end of the step.
@@ -542,7 +522,9 @@ impl<'a> Integrator<'a> {
         self.origin = std::mem::replace(&mut self.state, end);
         std::mem::swap(&mut self.unknowns, &mut self.polynomial);
         self.last = Some(h);
+        (self.anew, self.within) = (false, false);
         self.statistics.steps += 1;
+        self.sizes_before = self.sizes;
         self.sizes.grow(&self.state);
         Ok(())
     }
@@ -560,4 +542,17 @@ enum Derivatives {
 }
 
 /// The iteration of a step does not settle, and why.
-struct NotSettled(String);
+struct NotSettled {
+    why: String,
+    /// A function or an element has no value.
+    no_value: bool,
+}
+
+impl NotSettled {
+    fn at(why: &str) -> Self {
+        Self {
+            why: why.to_string(),
+            no_value: false,
+        }
+    }
+}

@@ -11,6 +11,8 @@ pub struct Settings {
     pub hmax: f64,
     /// HMIN: a step below ends the simulation.
     pub hmin: f64,
+    /// DTOUT: how far apart outputs are.
+    pub output: f64,
     /// MAXIT: iterations of a step.
     pub maxit: usize,
     /// What the tolerance of the iterations is multiplied by: CORRECTOR, and ADAPTIVITY over the step.
@@ -31,6 +33,7 @@ impl Settings {
             hinit: given.hinit.filter(|h| *h > 0.0).unwrap_or(hmax / 20.0),
             hmax,
             hmin: given.hmin.filter(|h| *h > 0.0).unwrap_or(1e-6 * hmax),
+            output,
             maxit: given.maxit.map_or(10, |n| n.clamp(2, 100)),
             corrector: if given.corrector == "MODIFIED" {
                 10.0

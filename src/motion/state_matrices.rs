@@ -4,7 +4,11 @@ use nalgebra::DMatrix;
 
 use super::error::Reason;
 use super::linearised::{Basis, Linearised};
+use super::reduced::{Irreducible, Reduced};
 use crate::system::{Parameters, State, System};
+
+/// Coordinates whose rates have less of inertia than this, of the largest, have none.
+const NO_MASS: f64 = 1e-12;
 
 /// `u' = A u + B w, z = C u + D w` about a state.
 #[derive(Clone, PartialEq, Debug)]
@@ -24,9 +28,10 @@ pub(crate) struct StateMatrices {
 /// The state matrices from some VARIABLEs to others, by their places in the model. An input is what is added to its variable.
 ///
 /// The displacements among the states are coordinates of parts, as many as there are freedoms; the others follow from the constraints.
+/// Of motions without inertia those are states that damping makes so: the others follow from the stiffness.
 ///
 /// # Errors
-/// [`Reason`] where an element has no value, or a motion has no mass.
+/// [`Reason`] where an element has no value, a motion has no mass and nothing holds it, or the rate of an input is needed.
 pub(crate) fn state_matrices(
     system: &System,
     parameters: &Parameters,
@@ -34,24 +39,25 @@ pub(crate) fn state_matrices(
     (inputs, outputs): (&[usize], &[usize]),
 ) -> Result<StateMatrices, Reason> {
     let about = Linearised::new(system, parameters, state, true, Basis::Coordinates)?;
-    let size = about.E.nrows();
-    let lu = about.E.clone().full_piv_lu();
-    let pivots = lu.u().diagonal();
-    let regular = pivots.iter().all(|p| p.abs() > 1e-12 * pivots.amax());
+    let r = about.chosen.len();
+    // A coordinate and its rate have inertia where the rate of the rate does.
+    let by_rate = about.E.rows(r, about.E.nrows() - r);
+    let weight: Vec<f64> = by_rate.column_iter().map(|column| column.amax()).collect();
+    let most = weight
+        .iter()
+        .skip(r)
+        .take(r)
+        .fold(0.0_f64, |a, b| a.max(*b));
+    let is_light = |k: usize| !(weight[if k < r { k + r } else { k }] > NO_MASS * most);
+    // Rates without inertia go first: what damping holds is a place.
+    let lightness: Vec<u8> = (0..weight.len())
+        .map(|k| match k {
+            k if k >= 2 * r || !is_light(k) => 0,
+            k if k < r => 1,
+            _ => 2,
+        })
+        .collect();
     let by_inputs = about.B.select_columns(inputs);
-    let (Some(A), Some(B), true) = (lu.solve(&about.F), lu.solve(&by_inputs), regular) else {
-        let massless = about.chosen.first().copied().unwrap_or(0);
-        return Err(Reason::MassSingular {
-            freedom: system.freedom_name(massless),
-        });
-    };
-    let (by_u, by_rate) = (
-        about.by_u.select_rows(outputs),
-        about.by_rate.select_rows(outputs),
-    );
-    let direct = about.by_input.select_rows(outputs).select_columns(inputs);
-    let C = by_u + &by_rate * &A;
-    let D = direct + &by_rate * &B;
     let mut names: Vec<String> = about
         .chosen
         .iter()
@@ -62,12 +68,36 @@ pub(crate) fn state_matrices(
     let mut states: Vec<_> = system.states.iter().collect();
     states.sort_by_key(|equation| equation.moving_unknown);
     names.extend(states.iter().map(|equation| equation.name.to_string()));
-    debug_assert_eq!(names.len(), size);
+    let reduced = Reduced::new((&about.E, &about.F, &by_inputs), &lightness);
+    let reduced = reduced.map_err(|why| match why {
+        Irreducible::Undetermined => {
+            let light = (0..r).find(|k| lightness[*k] > 0).unwrap_or(0);
+            let freedom = about.chosen.get(light).copied().unwrap_or(0);
+            Reason::MassSingular {
+                freedom: system.freedom_name(freedom),
+            }
+        }
+        Irreducible::StateByInputRate(state) => Reason::InputRate {
+            what: names[state].clone(),
+        },
+    })?;
+    let (by_u, by_rate) = (
+        about.by_u.select_rows(outputs),
+        about.by_rate.select_rows(outputs),
+    );
+    let direct = about.by_input.select_rows(outputs).select_columns(inputs);
+    let (C, D) = reduced
+        .output(&by_u, &by_rate, &direct)
+        .map_err(|row| Reason::InputRate {
+            what: system.variables[outputs[row]].name.to_string(),
+        })?;
+    let states = reduced.kept.iter().map(|k| names[*k].clone()).collect();
+    let B = reduced.B.columns(0, inputs.len()).into_owned();
     Ok(StateMatrices {
-        A,
+        A: reduced.A,
         B,
         C,
         D,
-        states: names,
+        states,
     })
 }

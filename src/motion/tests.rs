@@ -8,6 +8,8 @@ use crate::syntax::Dataset;
 use crate::system::{Parameters, Rates, Rows, Scratch, State, System};
 use crate::text::Source;
 
+mod events;
+
 struct Deck {
     system: System,
     parameters: Parameters,
@@ -382,6 +384,7 @@ fn begun(deck: &Deck, error: f64, hmax: f64) -> Integrator<'_> {
         hinit: hmax / 20.0,
         hmax,
         hmin: 1e-9 * hmax,
+        output: hmax,
         maxit: 10,
         corrector: 1.0,
         adaptivity: 0.0,

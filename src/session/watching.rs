@@ -2,15 +2,8 @@
 
 use super::sensing::Sensed;
 use crate::model::{Model, SensorCompare};
-use crate::motion::{Integrator, MotionError};
+use crate::motion::{Integrator, MotionError, Watched};
 use crate::system::{Parameters, Scratch, State, System};
-
-/// Places of a step at which sensors are looked at.
-const PLACES: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
-/// Halvings of the interval in which a sensor fires.
-const HALVINGS: usize = 60;
-/// The step is solved again at most so often for the time at which a sensor fires.
-const REPEATS: usize = 4;
 
 /// The sensors of a model and which of them are active.
 pub(super) struct Watch<'a> {
@@ -18,8 +11,10 @@ pub(super) struct Watch<'a> {
     system: &'a System,
     parameters: &'a Parameters,
     scratch: Scratch,
-    /// Function less VALUE at the end of the last step; none before the first.
-    before: Option<Vec<f64>>,
+    /// Function less VALUE where was looked last.
+    seen: Vec<f64>,
+    /// The side from which each comes to its value.
+    armed: Vec<f64>,
     /// Sensors that have fired and are still beyond.
     active: Vec<bool>,
 }
@@ -31,7 +26,8 @@ impl<'a> Watch<'a> {
             system,
             parameters,
             scratch: Scratch::new(system),
-            before: None,
+            seen: vec![f64::NAN; model.sensors.len()],
+            armed: vec![0.0; model.sensors.len()],
             active: vec![false; model.sensors.len()],
         }
     }
@@ -67,78 +63,25 @@ impl<'a> Watch<'a> {
         if self.is_idle() {
             return Ok(false);
         }
-        let (from, to) = (integrator.last_time(), integrator.state().time);
-        let mut before = match self.before.take() {
-            Some(before) => before,
-            None => self.values(&integrator.between(from)),
-        };
-        let mut earlier = from;
-        for place in PLACES {
-            let time = from + place * (to - from);
-            let now = self.values(&integrator.between(time));
-            if (0..now.len()).any(|k| self.crosses(k, before[k], now[k])) {
-                self.locate(integrator, (earlier, time), &before)?;
-                let state = integrator.state().clone();
-                self.before = Some(self.values(&state));
-                return Ok(true);
-            }
-            before = now;
-            earlier = time;
-        }
-        self.before = Some(before);
-        Ok(false)
-    }
-
-    /// True if a sensor comes to its value between two places.
-    fn crosses(&self, k: usize, before: f64, now: f64) -> bool {
-        if self.active[k] {
-            return false;
-        }
-        match self.model.sensors[k].compare {
-            SensorCompare::Eq => before * now < 0.0 || (now == 0.0 && before != 0.0),
-            SensorCompare::Ge => before < 0.0 && now >= 0.0,
-            SensorCompare::Le => before > 0.0 && now <= 0.0,
+        match integrator.first_passage(self) {
+            Some(passage) => integrator.end_at_passage(self, passage),
+            None => Ok(false),
         }
     }
 
-    /// Ends the step where the first sensor comes to its value.
-    fn locate(
-        &mut self,
-        integrator: &mut Integrator<'_>,
-        (mut from, mut to): (f64, f64),
-        before: &[f64],
-    ) -> Result<(), MotionError> {
-        for _ in 0..REPEATS {
-            for _ in 0..HALVINGS {
-                let middle = 0.5 * (from + to);
-                if middle <= from || middle >= to {
-                    break;
-                }
-                let now = self.values(&integrator.between(middle));
-                if (0..now.len()).any(|k| self.crosses(k, before[k], now[k])) {
-                    to = middle;
-                } else {
-                    from = middle;
-                }
-            }
-            let start = integrator.last_time();
-            integrator.end_step_at(to)?;
-            let state = integrator.state().clone();
-            let now = self.values(&state);
-            let there = (0..now.len()).any(|k| {
-                self.crosses(k, before[k], now[k])
-                    || (!self.active[k] && now[k].abs() <= 1e-3 * self.model.sensors[k].error)
-            });
-            if there {
-                return Ok(());
-            }
-            // The polynomial was a little early: on to the next place of the same step.
-            let reach = (to - start).max(f64::EPSILON * to.abs());
-            from = state.time;
-            to = from + 0.01 * reach;
-            integrator.advance_to(to)?;
+    /// On which side of its value each sensor may fire from here on: 1 where it rises to it, -1 where it falls, 0 where it cannot.
+    fn arm(&mut self) {
+        for (k, sensor) in self.model.sensors.iter().enumerate() {
+            let here = self.seen[k];
+            self.armed[k] = match sensor.compare {
+                _ if self.active[k] || here.is_nan() => 0.0,
+                SensorCompare::Eq if here == 0.0 => 0.0,
+                SensorCompare::Eq => -here.signum(),
+                SensorCompare::Ge if here < 0.0 => 1.0,
+                SensorCompare::Le if here > 0.0 => -1.0,
+                SensorCompare::Ge | SensorCompare::Le => 0.0,
+            };
         }
-        Ok(())
     }
 
     /// What the sensors ask for at a state: those that became active fire.
@@ -162,5 +105,30 @@ impl<'a> Watch<'a> {
             }
         }
         sensed
+    }
+}
+
+impl Watched for Watch<'_> {
+    fn begin(&mut self, state: &State) {
+        self.seen = self.values(state);
+        self.arm();
+    }
+
+    fn excess(&mut self, state: &State) -> f64 {
+        self.seen = self.values(state);
+        let beyond = self.seen.iter().zip(&self.armed).map(|(value, side)| {
+            match value * side {
+                _ if *side == 0.0 => f64::NEG_INFINITY,
+                // A sensor fires at its very value.
+                0.0 => f64::MIN_POSITIVE,
+                beyond => beyond,
+            }
+        });
+        // What has no value is no number, which the maximum leaves out.
+        beyond.fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    fn go_on(&mut self) {
+        self.arm();
     }
 }

@@ -62,4 +62,6 @@ pub(crate) struct CompiledFunction {
     pub replacement: usize,
     /// It is evaluated by those who need it, not with the equations.
     pub apart: bool,
+    /// Its IMPACTs, BISTOPs and IFs among those of the system that a motion is held on pieces of.
+    pub switches: std::ops::Range<usize>,
 }

@@ -189,7 +189,7 @@ impl Configuration<'_> {
                 _ => 0.0,
             });
         }
-        let value = function.run(program, self.parameters.theta(), scratch)?;
+        let value = function.run(program, self.parameters.theta(), &[], scratch)?;
         let by_time = function.sources.iter().zip(&scratch.by_input);
         let slope = by_time.filter(|(source, _)| matches!(source, Source::Time));
         Ok((value, slope.map(|(_, by)| by).sum()))

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use super::compiled_function::{CompiledFunction, Source};
 use super::contribution::FunctionValue;
 use super::{Configuration, NoValue, Reason, Scratch, State, System};
-use crate::function::{Measure, MeasureKind, Program, RateKind, RateMeasure, measure, rate};
+use crate::function::{Measure, MeasureKind, Piece, Program, RateKind, RateMeasure, measure, rate};
 use crate::mechanics::{Pose, Vec3, Vec6};
 use crate::model::MarkerIx;
 
@@ -20,20 +20,21 @@ impl CompiledFunction {
         scratch.by_literal.resize(self.literals.len(), 0.0);
     }
 
-    /// Value of its program at the inputs in `scratch`, whose derivatives by inputs and literals are left there.
+    /// Value of its program at the inputs in `scratch`, its switches held on these pieces, whose derivatives by inputs and literals are left there.
     pub(super) fn run(
         &self,
         program: &Program,
         theta: &[f64],
+        pieces: &[Piece],
         scratch: &mut Scratch,
     ) -> Result<f64, NoValue> {
         self.forget(program, scratch);
-        let value = program.eval_with_derivatives(
+        let value = program.eval_on_pieces(
             &scratch.inputs,
             &theta[self.literals.clone()],
+            pieces,
             &mut scratch.program,
-            &mut scratch.by_input,
-            &mut scratch.by_literal,
+            (&mut scratch.by_input, &mut scratch.by_literal),
         );
         value.map_err(|error| NoValue {
             element: self.owner.clone(),
@@ -72,7 +73,13 @@ impl Configuration<'_> {
             if replaced {
                 function.forget(program, scratch);
             } else {
-                value = function.run(program, self.parameters.theta(), scratch)?;
+                let pieces = self.state.pieces.get(function.switches.clone());
+                let pieces = pieces.unwrap_or_default();
+                value = function.run(program, self.parameters.theta(), pieces, scratch)?;
+                if !pieces.is_empty() {
+                    let seen = &mut scratch.seen[function.switches.clone()];
+                    seen.copy_from_slice(scratch.program.seen());
+                }
             }
             let mut at = first;
             for (&end, &by) in scratch.spans.iter().zip(&scratch.by_input) {

@@ -3,6 +3,7 @@ use super::contribution::{Contribution, FunctionValue};
 use super::surface::SLOTS;
 use crate::constraint::Equations;
 use crate::element::{MultiWrench, Wrench};
+use crate::function::Seen;
 use crate::mechanics::{Pose, RelativeMotion, Vec3};
 
 /// What GCONs need for the differences of their gradients.
@@ -34,6 +35,8 @@ pub struct Scratch {
     /// A configuration close by, for differences.
     pub(crate) beside: Option<Box<Beside>>,
     pub(crate) functions: Vec<FunctionValue>,
+    /// What was seen of each switch where the state is held on pieces.
+    pub(crate) seen: Vec<Seen>,
     /// Displacement, its rate and second rate of the MOTIONs that prescribe a rate.
     pub(crate) driven: Vec<[f64; 3]>,
     /// (unknown, derivative) of all functions, one after the other.
@@ -52,6 +55,7 @@ impl Scratch {
                 FunctionValue::default();
                 system.functions.len() + SLOTS * system.frictions.len()
             ],
+            seen: vec![Seen::NOTHING; system.switches.len()],
             ..Self::default()
         }
     }

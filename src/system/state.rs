@@ -1,3 +1,4 @@
+use crate::function::Piece;
 use crate::mechanics::{Mat3, Pose, Vec3};
 
 /// Velocity of a part, or its acceleration: of the origin and of the rotation, ground axes.
@@ -91,6 +92,8 @@ pub struct State {
     pub grips: Vec<Grip>,
     /// What SENVAL gives, in the order of the model's SENSORs; the session sets it when a sensor fires.
     pub sensors: Vec<f64>,
+    /// The pieces that IMPACTs, BISTOPs and IFs are held on within a step of a motion; empty elsewhere: all are as their arguments have them.
+    pub(crate) pieces: Vec<Piece>,
 }
 
 impl State {
@@ -112,6 +115,7 @@ impl State {
             driven: Vec::new(),
             grips: Vec::new(),
             sensors: Vec::new(),
+            pieces: Vec::new(),
         }
     }
 
@@ -187,6 +191,7 @@ impl Clone for State {
         self.driven.clone_from(&other.driven);
         self.grips.clone_from(&other.grips);
         self.sensors.clone_from(&other.sensors);
+        self.pieces.clone_from(&other.pieces);
     }
 }
 

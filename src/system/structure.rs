@@ -255,6 +255,8 @@ pub struct System {
     pub(crate) length: f64,
     /// Times at which functions of the time are not smooth, increasing.
     pub(crate) breaks: Vec<f64>,
+    /// The function of each switch: of what [`State::pieces`] holds a motion on.
+    pub(crate) switches: Vec<usize>,
 }
 
 impl System {

@@ -99,7 +99,64 @@ fn models() -> Vec<Known> {
                 off.max(state.velocities[1].linear.z.abs() / 4.43)
             },
         },
+        Known {
+            // The same with an exponent of 1.5 on k = 1e5: quadrature of the energy integral.
+            name: "ball on IMPACT, exponent 1.5, 1.854205598914 s",
+            deck: along_z(
+                "ACCGRAV/KGRAV=-9.81",
+                1.0,
+                0.0,
+                "IMPACT(DZ(20),VZ(20),0,1E5,1.5,0,1E-4)",
+            ),
+            end: 1.854_205_598_914,
+            hmax: 10.0,
+            off: |state| {
+                let off = (state.poses[1].p.z - 1.0).abs();
+                off.max(state.velocities[1].linear.z.abs() / 4.43)
+            },
+        },
+        Known {
+            // Between two stops of k = 1e4, 1 kg at 1 m/s: half a period of the spring in each.
+            name: "between the stops of a BISTOP, two rounds",
+            deck: along_z("", 0.0, 1.0, "BISTOP(DZ(20),VZ(20),-0.5,0.5,1E4,1,0,1E-4)"),
+            end: 4.0 + 4.0 * std::f64::consts::PI / 100.0,
+            hmax: 10.0,
+            off: |state| {
+                let off = state.poses[1].p.z.abs();
+                off.max((state.velocities[1].linear.z - 1.0).abs())
+            },
+        },
+        Known {
+            // 100 N/m above, 400 N/m below: half periods of pi/10 and pi/20.
+            name: "spring of two rates by IF, three periods",
+            deck: along_z("", 1.0, 0.0, "IF(DZ(20):-400*DZ(20),0,-100*DZ(20))"),
+            end: 0.45 * std::f64::consts::PI,
+            hmax: 10.0,
+            off: |state| {
+                let off = (state.poses[1].p.z - 1.0).abs();
+                off.max(state.velocities[1].linear.z.abs() / 10.0)
+            },
+        },
+        Known {
+            // 5 N against the velocity, 100 N/m: every half swing of pi/10 s is about another centre, 0.05 m off, and 0.1 m shorter.
+            name: "dry friction by IF, five half swings and a third",
+            deck: along_z("", 1.0, 0.0, "-100*DZ(20)+IF(VZ(20):5,0,-5)"),
+            end: (0.5 + 1.0 / 30.0) * std::f64::consts::PI,
+            hmax: 10.0,
+            off: |state| {
+                let off = (state.poses[1].p.z + 0.275).abs();
+                let rate = 4.5 * (std::f64::consts::PI / 3.0).sin();
+                off.max((state.velocities[1].linear.z - rate).abs() / 9.5)
+            },
+        },
     ]
+}
+
+/// 1 kg that moves along z, from a place and a velocity, under a force.
+fn along_z(gravity: &str, z: f64, vz: f64, force: &str) -> String {
+    format!(
+        "{HEAD}{gravity}\nPART/2, MASS=1, CM=20, IP=1,1,1, QG=0,0,{z}, VZ={vz}\nMARKER/20, PART=2\nJOINT/1, TRANSLATIONAL, I=20, J=1\nSFORCE/1, TRANSLATIONAL, ACTIONONLY, I=20, J=1, FUNCTION={force}\nEND\n"
+    )
 }
 
 fn main() {
@@ -132,6 +189,7 @@ fn main() {
                 hinit: known.hmax / 20.0,
                 hmax: known.hmax,
                 hmin: 1e-9 * known.hmax,
+                output: known.hmax,
                 maxit: 10,
                 corrector: 1.0,
                 adaptivity: 0.0,

@@ -169,6 +169,7 @@ impl Case {
             hinit: 1e-3,
             hmax: 0.1,
             hmin: 1e-10,
+            output: 0.1,
             maxit: 10,
             corrector: 1.0,
             adaptivity: 0.0,

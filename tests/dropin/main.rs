@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod bad_motions;
 mod commands;
 mod edges;
 mod entities;

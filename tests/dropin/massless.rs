@@ -149,3 +149,86 @@ SPRINGDAMPER/2, TRANSLATIONAL, I=30, J=20, K=600, LENGTH=1\n";
         assert!(left.norm() < 1e-6, "{s} {left}");
     }
 }
+
+/// The matrices that a run writes: the numbers of each file.
+fn state_matrices(statements: &str) -> ([Vec<Vec<f64>>; 4], String, Ran) {
+    let ports = "SFORCE/1, TRANSLATIONAL, ACTIONONLY, I=20, J=1, FUNCTION=VARVAL(1)
+VARIABLE/1, FUNCTION=0
+VARIABLE/2, FUNCTION=DX(30)
+VARIABLE/3, FUNCTION=DX(20)
+PINPUT/1, VARIABLES=1
+POUTPUT/2, VARIABLES=2,3
+";
+    let deck = format!("{RAIL}{ports}{statements}END\n");
+    let acf = "\nfile/model=small\nSIM/STAT\nLINEAR/STATEMAT, PINPUT=1, POUTPUT=2, FILE=plant, FORMAT=MATLAB\nstop\n";
+    let folder = folder(&[("small.adm", &deck), ("run.acf", acf)]);
+    let ran = mdi(folder.path(), &["ru-s", "run"]);
+    let text = |suffix: &str| {
+        let path = folder.path().join(format!("plant{suffix}"));
+        std::fs::read_to_string(path).unwrap_or_default()
+    };
+    let numbers = |line: &str| {
+        line.split_whitespace()
+            .map(|x| x.parse().unwrap())
+            .collect()
+    };
+    let read = |suffix: &str| text(suffix).lines().map(numbers).collect();
+    (["a", "b", "c", "d"].map(read), text("st"), ran)
+}
+
+fn same(found: &[Vec<f64>], expected: &[&[f64]]) {
+    let all: Vec<f64> = found.concat();
+    let known: Vec<f64> = expected.concat();
+    assert_eq!((found.len(), all.len()), (expected.len(), known.len()));
+    let off = worst(&all, |k| known[k]);
+    assert!(off < 1e-9, "{found:?} {expected:?}");
+}
+
+/// Springs of 300 and 600 N/m, a force w on the slider without mass between them: y = (600 x + w)/900 and 2 x'' = -600 (x - y).
+#[test]
+fn state_matrices_have_no_states_of_what_stiffness_alone_holds() {
+    let springs = "SPRINGDAMPER/1, TRANSLATIONAL, I=20, J=1, K=300, LENGTH=1
+SPRINGDAMPER/2, TRANSLATIONAL, I=30, J=20, K=600, LENGTH=1\n";
+    let ([a, b, c, d], states, ran) = state_matrices(springs);
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    same(&a, &[&[0.0, 1.0], &[-100.0, 0.0]]);
+    same(&b, &[&[0.0], &[1.0 / 3.0]]);
+    same(&c, &[&[1.0, 0.0], &[2.0 / 3.0, 0.0]]);
+    same(&d, &[&[0.0], &[1.0 / 900.0]]);
+    assert_eq!(states.matches("PART/3").count(), 2, "{states}");
+    // The velocity of the slider would be 2/3 x' + w'/900.
+    let other = springs.to_string() + "VARIABLE/4, FUNCTION=VX(20)\nPOUTPUT/3, VARIABLES=4\n";
+    let deck = format!(
+        "{RAIL}SFORCE/1, TRANSLATIONAL, ACTIONONLY, I=20, J=1, FUNCTION=VARVAL(1)\nVARIABLE/1, FUNCTION=0\nPINPUT/1, VARIABLES=1\n{other}"
+    );
+    let commands = "SIM/STAT\nLINEAR/STATEMAT, PINPUT=1, POUTPUT=3, FORMAT=MATLAB";
+    let acf = format!("\nfile/model=small\n{commands}\nstop\n");
+    let folder = folder(&[("small.adm", &format!("{deck}END\n")), ("run.acf", &acf)]);
+    let ran = mdi(folder.path(), &["ru-s", "run"]);
+    let told = "VARIABLE/4 depends on the rate of an input";
+    assert!(ran.stdout.contains(told), "{}", ran.stdout);
+}
+
+/// With a damper of 30 Ns/m on the first spring the slider is a state: 30 y' = -900 y + 600 x + w.
+#[test]
+fn state_matrices_have_a_state_of_what_damping_holds() {
+    let damped = "SPRINGDAMPER/1, TRANSLATIONAL, I=20, J=1, K=300, C=30, LENGTH=1
+SPRINGDAMPER/2, TRANSLATIONAL, I=30, J=20, K=600, LENGTH=1\n";
+    let ([a, b, c, d], states, ran) = state_matrices(damped);
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    same(
+        &a,
+        &[&[-30.0, 20.0, 0.0], &[0.0, 0.0, 1.0], &[300.0, -300.0, 0.0]],
+    );
+    same(&b, &[&[1.0 / 30.0], &[0.0], &[0.0]]);
+    same(&c, &[&[0.0, 1.0, 0.0], &[1.0, 0.0, 0.0]]);
+    same(&d, &[&[0.0], &[0.0]]);
+    assert_eq!(states.lines().count(), 3, "{states}");
+    // Nothing at all holds it: refused by its name.
+    let (_, _, ran) = state_matrices("SPRINGDAMPER/2, TRANSLATIONAL, I=30, J=1, K=600, LENGTH=1\n");
+    assert!(
+        ran.stdout.contains("PART/2 along x has no inertia"),
+        "{}",
+        ran.stdout
+    );
+}

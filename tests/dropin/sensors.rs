@@ -128,3 +128,15 @@ fn a_value_may_be_given_in_degrees() {
     );
     assert_eq!(times(&results).last(), Some(&0.2));
 }
+
+/// 0.25 m above ground after sqrt(1.5/g), in a step that ends at the next kink of a function of the time.
+#[test]
+fn a_sensor_fires_in_a_step_that_ends_at_a_kink_in_time() {
+    let deck = "ball\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=METER, TIME=SECOND\nACCGRAV/KGRAV=-9.81\nPART/1, GROUND\nMARKER/1, PART=1\nPART/2, MASS=1, CM=20, IP=1,1,1, QG=0,0,1\nMARKER/20, PART=2\nJOINT/1, TRANSLATIONAL, I=20, J=1\nSFORCE/1, TRANSLATIONAL, ACTIONONLY, I=20, J=1, FUNCTION=STEP(TIME,0.392,0,0.5,1)\nSENSOR/1, LE, VALUE=0.25, ERROR=1E-6, RETURN, FUNCTION=DZ(20,1), EVALUATE=TIME\nEND\n";
+    let acf = "\nfile/model=ball\nSIM/DYN, END=1, STEPS=1\nstop\n";
+    let folder = folder(&[("ball.adm", deck), ("run.acf", acf)]);
+    let ran = mdi(folder.path(), &["ru-s", "run"]);
+    let fall = (1.5_f64 / 9.81).sqrt();
+    let said = format!("Sensor/1 has become active at time = {fall:.6}.");
+    assert!(ran.stdout.contains(&said), "{}", ran.stdout);
+}

@@ -2,7 +2,7 @@
 
 use super::{Compiler, Function, Name, name, way_out};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::function::{ElementIx, ForceMeasure, Input, MeasureKind, time_breaks};
+use crate::function::{ElementIx, ForceMeasure, Input, MeasureKind, Program, time_breaks};
 use crate::model::{ArrayKind, MarkerIx, RequestKind, effect_of};
 use crate::system::catalogue::{Quantity, Role};
 use crate::system::compiled_function::{CompiledFunction, Exerted, Force, LinearRow, Source};
@@ -19,10 +19,11 @@ impl Compiler<'_> {
         dimension: Dimension,
     ) -> usize {
         let at = self.functions.len();
+        let read_only = matches!(owner.kind, "REQUEST" | "SENSOR");
         let id = (owner.kind, Some(owner.id));
         let (program, literals) = match function {
             Function::Expression(expression) => {
-                if !matches!(owner.kind, "REQUEST" | "SENSOR") {
+                if !read_only {
                     self.breaks.extend(time_breaks(expression));
                 }
                 let literals: Vec<f64> = expression.literals.iter().map(|n| n.value).collect();
@@ -56,9 +57,15 @@ impl Compiler<'_> {
         let replacement = self
             .numbers(id, argument, &[f64::NAN], whole, Role::Override(at))
             .start;
+        let first = self.switches.len();
+        if !read_only {
+            let count = program.as_ref().map_or(0, Program::switches);
+            self.switches.extend(std::iter::repeat_n(at, count));
+        }
         self.functions.push(CompiledFunction {
             owner: owner.clone(),
             program,
+            switches: first..self.switches.len(),
             sources: Vec::new(),
             literals,
             replacement,

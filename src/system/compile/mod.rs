@@ -93,6 +93,8 @@ struct Compiler<'a> {
     driven: Vec<Driven>,
     /// Times at which functions of the time are not smooth.
     breaks: Vec<f64>,
+    /// The function of each switch.
+    switches: Vec<usize>,
 }
 
 /// An argument of a statement as the grammar has it.
@@ -140,6 +142,7 @@ impl<'a> Compiler<'a> {
             users: Vec::new(),
             driven: Vec::new(),
             breaks: Vec::new(),
+            switches: Vec::new(),
         }
     }
 
@@ -442,6 +445,7 @@ impl<'a> Compiler<'a> {
             driven: self.driven,
             grips: vec![Grip::none(); self.frictions.len()],
             sensors: vec![0.0; model.sensors.len()],
+            pieces: Vec::new(),
         };
         let system = System {
             markers: model
@@ -480,6 +484,7 @@ impl<'a> Compiler<'a> {
             reference_mass: reference_mass(model),
             length,
             breaks: self.breaks,
+            switches: self.switches,
         };
         let mut system = system;
         system.breaks.sort_by(f64::total_cmp);

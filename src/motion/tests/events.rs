@@ -1,0 +1,178 @@
+//! Functions that are not smooth: the times at which they change are found, and the error stays what is asked for.
+
+use std::f64::consts::PI;
+
+use super::{Deck, begun, deck};
+use crate::motion::MotionError;
+use crate::system::State;
+
+/// 1 kg that moves along z, from a place and a velocity, under a force.
+fn along_z(gravity: f64, (z, vz): (f64, f64), force: &str) -> Deck {
+    deck(&format!(
+        "ACCGRAV/KGRAV={gravity}\nPART/2, MASS=1, CM=20, IP=1,1,1, QG=0,0,{z}, VZ={vz}\nMARKER/20, PART=2\nJOINT/1, TRANSLATIONAL, I=20, J=1\nSFORCE/1, TRANSLATIONAL, ACTIONONLY, I=20, J=1, FUNCTION={force}"
+    ))
+}
+
+/// What is known of a motion along z: where it ends, and how fast, relative to the largest values on the way.
+struct Known {
+    deck: Deck,
+    end: f64,
+    place: (f64, f64),
+    velocity: (f64, f64),
+    changes: usize,
+}
+
+impl Known {
+    fn off(&self, state: &State) -> f64 {
+        let place = (state.poses[1].p.z - self.place.0) / self.place.1;
+        let velocity = (state.velocities[1].linear.z - self.velocity.0) / self.velocity.1;
+        place.abs().max(velocity.abs())
+    }
+}
+
+fn known() -> Vec<Known> {
+    let fall = 19.62_f64.sqrt();
+    vec![
+        // Dropped from 1 m onto k = 1e4: two periods of .934906080799 s.
+        Known {
+            deck: along_z(-9.81, (1.0, 0.0), "IMPACT(DZ(20),VZ(20),0,1E4,1,0,1E-4)"),
+            end: 1.869_812_161_598_033,
+            place: (1.0, 1.0),
+            velocity: (0.0, fall),
+            changes: 4,
+        },
+        // The same with an exponent of 1.5 on k = 1e5: contact of .0240555174853834 s by quadrature of the energy integral.
+        Known {
+            deck: along_z(-9.81, (1.0, 0.0), "IMPACT(DZ(20),VZ(20),0,1E5,1.5,0,1E-4)"),
+            end: 1.854_205_598_913_690_4,
+            place: (1.0, 1.0),
+            velocity: (0.0, fall),
+            changes: 4,
+        },
+        // Between stops of k = 1e4: half a period of the spring in each, 1 s from one to the other.
+        Known {
+            deck: along_z(
+                0.0,
+                (0.0, 1.0),
+                "BISTOP(DZ(20),VZ(20),-0.5,0.5,1E4,1,0,1E-4)",
+            ),
+            end: 4.0 + 4.0 * PI / 100.0,
+            place: (0.0, 1.0),
+            velocity: (1.0, 1.0),
+            changes: 8,
+        },
+        // 100 N/m above, 400 N/m below: half periods of pi/10 and pi/20.
+        Known {
+            deck: along_z(0.0, (1.0, 0.0), "IF(DZ(20):-400*DZ(20),0,-100*DZ(20))"),
+            end: 0.45 * PI,
+            place: (1.0, 1.0),
+            velocity: (0.0, 10.0),
+            changes: 6,
+        },
+        // 5 N against the velocity, 100 N/m: each half swing of pi/10 is 0.1 m shorter than the one before. A third of the sixth.
+        Known {
+            deck: along_z(0.0, (1.0, 0.0), "-100*DZ(20)+IF(VZ(20):5,0,-5)"),
+            end: (0.5 + 1.0 / 30.0) * PI,
+            place: (-0.275, 1.0),
+            velocity: (4.5 * (PI / 3.0).sin(), 9.5),
+            changes: 6,
+        },
+    ]
+}
+
+/// Less than a tenth of ERROR is left, and only the steps that are solved again to end at a change are given up in numbers.
+#[test]
+fn the_error_of_motions_with_kinks_is_what_is_asked_for() {
+    for (k, known) in known().iter().enumerate() {
+        let mut steps = 0;
+        for digits in 2..=8 {
+            let error = 10.0_f64.powi(-digits);
+            let mut integrator = begun(&known.deck, error, known.end);
+            integrator.advance_to(known.end).expect("a motion");
+            let done = integrator.statistics();
+            let off = known.off(&integrator.output().expect("an output"));
+            println!("{k} {error:e}: {} {done:?}", off / error);
+            assert!(off < 0.1 * error, "{k}, {error:e}: {off:e}");
+            assert!(
+                done.rejected <= 5 * known.changes,
+                "{k}, {error:e}: {done:?}"
+            );
+            assert!(done.steps > steps);
+            steps = done.steps;
+        }
+    }
+}
+
+/// At the end of a step that ends at a change the function is at it to the last digits, from either side.
+#[test]
+fn a_step_ends_where_the_contact_begins_and_where_it_ends() {
+    let contacts = &known()[0];
+    let mut integrator = begun(&contacts.deck, 1e-6, 0.1);
+    let first = (2.0_f64 / 9.81).sqrt();
+    let last = contacts.end / 2.0 - first;
+    let mut ends = Vec::new();
+    while integrator.step_towards(contacts.end / 2.0).expect("a step") {
+        ends.push((integrator.state().time, integrator.state().poses[1].p.z));
+    }
+    for time in [first, last] {
+        let near = |end: &&(f64, f64)| (end.0 - time).abs() < 1e-8;
+        let (at, z) = ends.iter().find(near).expect("a step that ends there");
+        assert!(z.abs() < 1e-13, "{at}: {z:e}");
+    }
+}
+
+/// Nothing is watched where nothing can change.
+#[test]
+fn smooth_systems_have_no_regimes() {
+    let smooth = "-3*DZ(20)+STEP(TIME,0.1,0,0.2,1)+IF(TIME-0.3:0,0,1)";
+    let deck = along_z(0.0, (1.0, 0.0), smooth);
+    assert!(begun(&deck, 1e-3, 0.1).regimes.is_none());
+    assert!(begun(&known()[3].deck, 1e-3, 0.1).regimes.is_some());
+}
+
+fn failure(deck: &Deck, hmax: f64, end: f64) -> MotionError {
+    let mut integrator = begun(deck, 1e-4, hmax);
+    integrator.advance_to(end).unwrap_err()
+}
+
+/// 5 N against the velocity hold a block that 3 N pull: at rest the sign changes at once, over and over.
+#[test]
+fn a_function_that_chatters_is_named() {
+    let deck = along_z(0.0, (0.0, 1.0), "3+IF(VZ(20):5,0,-5)");
+    let error = failure(&deck, 0.1, 2.0);
+    // It comes to rest after 1 m/s over (5 - 3) m/s2.
+    assert!((error.time - 0.5).abs() < 1e-3, "{error}");
+    let text = error.to_string();
+    assert!(
+        text.contains("SFORCE/1") && text.contains("over and over"),
+        "{text}"
+    );
+}
+
+/// Stops that are met more than a thousand times between two outputs are no motion that an output shows.
+#[test]
+fn a_thousand_changes_between_two_outputs_are_too_many() {
+    let rattle = "BISTOP(DZ(20),VZ(20),-0.0001,0.0001,1E8,1,0,1E-4)";
+    let deck = along_z(0.0, (0.0, 1.0), rattle);
+    let error = failure(&deck, 1.0, 1.0);
+    let text = error.to_string();
+    assert!(text.contains("SFORCE/1") && text.contains("1000"), "{text}");
+    // 2 ms / 10 of way and pi/10 ms of contact: 0.25 s for a thousand changes.
+    let round = 2.0 * (2e-4 + PI * 1e-4);
+    assert!((error.time / (250.0 * round) - 1.0).abs() < 0.02, "{error}");
+    // Outputs that are closer take them in.
+    let mut integrator = begun(&deck, 1e-4, 0.1);
+    integrator.advance_to(1.0).expect("a motion");
+}
+
+/// A root that is taken above the ground only, from 1 m at -2 m/s: below it moves on with `v^2 = 4 - 4/3`.
+#[test]
+fn a_piece_that_ends_where_its_function_ends_is_left() {
+    let deck = along_z(0.0, (1.0, -2.0), "IF(DZ(20):0,0,SQRT(DZ(20)))");
+    let mut integrator = begun(&deck, 1e-6, 1.0);
+    integrator.advance_to(2.0).expect("a motion");
+    let state = integrator.output().expect("an output");
+    let speed = state.velocities[1].linear.z + (8.0_f64 / 3.0).sqrt();
+    assert!(speed.abs() < 1e-5, "{speed:e}");
+    assert_eq!(integrator.state().pieces, [Some(0)]);
+}

@@ -1,0 +1,141 @@
+//! Motions that cannot be: each ends with time, element and reason, with files up to there and the code of a simulation without an answer.
+
+use std::process::Command;
+
+use crate::run::{Results, folder, mdi, mdi_with, text};
+
+/// A ball of 1 kg on a rail along z, 1 m above ground.
+const BALL: &str = "ball
+UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=METER, TIME=SECOND
+PART/1, GROUND
+MARKER/1, PART=1
+PART/2, MASS=1, CM=20, IP=1,1,1, QG=0,0,1, VZ=1
+MARKER/20, PART=2
+JOINT/1, TRANSLATIONAL, I=20, J=1
+RESULTS/XRF
+OUTPUT/REQSAVE
+REQUEST/1, F2=DZ(20)
+";
+const FORCE: &str = "SFORCE/1, TRANSLATIONAL, ACTIONONLY, I=20, J=1, FUNCTION=";
+
+/// What is wrong, the commands, the words that tell it, and between which times the last step lies; none where there is no step.
+struct Bad {
+    statements: String,
+    commands: &'static str,
+    told: &'static [&'static str],
+    ends: Option<(f64, f64)>,
+}
+
+fn bad() -> Vec<Bad> {
+    let plain = "SIM/DYN, END=1.2, STEPS=120";
+    vec![
+        Bad {
+            statements: "MOTION/1, JOINT=1, FUNCTION=1\nMOTION/2, I=20, J=1, Z, FUNCTION=2\n".into(),
+            commands: plain,
+            told: &["time 0:", "MOTION/2", "initial conditions are inconsistent"],
+            ends: None,
+        },
+        Bad {
+            statements: "MOTION/1, JOINT=1, FUNCTION=1+TIME\nMOTION/2, I=20, J=1, Z, FUNCTION=1+2*TIME\n".into(),
+            commands: plain,
+            told: &["time 0:", "MOTION/2", "no velocities satisfy", "per time"],
+            ends: None,
+        },
+        // They agree until a tenth of a second.
+        Bad {
+            statements: "MOTION/1, JOINT=1, FUNCTION=1\nMOTION/2, I=20, J=1, Z, FUNCTION=1+MAX(0,TIME-0.1)**2\n".into(),
+            commands: plain,
+            told: &["time 0.1", "MOTION/2", "was redundant and is violated"],
+            ends: Some((0.1, 0.12)),
+        },
+        Bad {
+            statements: "PART/3, MASS=0, CM=40, QG=1,0,0\nMARKER/40, PART=3\n".into(),
+            commands: plain,
+            told: &["time 0:", "PART/3 along x", "mass matrix is singular"],
+            ends: None,
+        },
+        // 1,000 rad/s want steps that are shorter.
+        Bad {
+            statements: format!("{FORCE}-1E6*DZ(20)\n"),
+            commands: "INTEGRATOR/HMIN=2E-3, ERROR=1E-7\nSIM/DYN, END=1.2, STEPS=120",
+            told: &["time 0:", "smaller than HMIN", "PART/2 along z"],
+            ends: Some((0.0, 0.0)),
+        },
+        // It moves at 1 m/s.
+        Bad {
+            statements: format!("{FORCE}SQRT(1.5-DZ(20))\n"),
+            commands: plain,
+            told: &["time 0.", "SFORCE/1", "SQRT is not defined"],
+            ends: Some((0.3, 0.5)),
+        },
+        // 3 N cannot move what 5 N hold once it has come to rest, after 1/2 s.
+        Bad {
+            statements: format!("{FORCE}3+IF(VZ(20):5,0,-5)\n"),
+            commands: plain,
+            told: &["time 0.5", "SFORCE/1 switches over and over", "smaller than HMIN"],
+            ends: Some((0.49, 0.51)),
+        },
+        // A hundred thousandth of a metre between two stops.
+        Bad {
+            statements: format!("{FORCE}BISTOP(DZ(20),VZ(20),0.9999,1.0001,1E8,1,0,1E-4)\n"),
+            commands: "SIM/DYN, END=2, STEPS=2",
+            told: &["SFORCE/1 switches more than 1000 times"],
+            ends: Some((0.0, 0.0)),
+        },
+    ]
+}
+
+#[test]
+fn each_ends_with_time_element_and_reason_and_whole_files() {
+    for bad in bad() {
+        let deck = format!("{BALL}{}END\n", bad.statements);
+        let acf = format!("\nfile/model=ball\n{}\nstop\n", bad.commands);
+        let folder = folder(&[("ball.adm", &deck), ("run.acf", &acf)]);
+        let ran = mdi(folder.path(), &["ru-s", "run"]);
+        let said = ran.stdout.split("the simulation ends at ").nth(1);
+        let said = said.unwrap_or_else(|| panic!("{}", ran.stdout));
+        let said = said.lines().next().unwrap();
+        for words in bad.told {
+            assert!(said.contains(words), "{words}: {said}");
+        }
+        // The command file goes on, as in ADAMS; the results say that it failed.
+        assert_eq!(ran.code, 0, "{}", ran.stdout);
+        let results = text(folder.path(), "ball.res");
+        assert!(results.contains("runStatus=\"Failed\""), "{said}");
+        assert!(results.trim_end().ends_with("</Results>"), "{said}");
+        let steps = Results::read_all(folder.path(), "ball.res");
+        let last = if steps.steps.is_empty() {
+            None
+        } else {
+            steps.column("time", "TIME").last().copied()
+        };
+        match (last, bad.ends) {
+            (None, None) => {}
+            (Some(last), Some((from, to))) => {
+                assert!((from..=to).contains(&last), "{last}: {said}");
+            }
+            other => panic!("{other:?}: {said}"),
+        }
+        let strict = mdi_with(folder.path(), &["ru-s", "run"], "", &[("MDI_STRICT", "1")]);
+        assert_eq!(strict.code, 3, "{}", strict.stdout);
+        let solved = Command::new(env!("CARGO_BIN_EXE_admire"))
+            .current_dir(folder.path())
+            .args(["solve", "ball.adm", "run.acf"])
+            .output()
+            .unwrap();
+        assert_eq!(solved.status.code(), Some(3), "{said}");
+    }
+}
+
+/// HINIT that is shorter than HMIN, and outputs closer than it, are no reason to end.
+#[test]
+fn a_least_step_is_one_of_the_error_control_alone() {
+    let deck = format!("{BALL}ACCGRAV/KGRAV=-9.81\nEND\n");
+    let acf = "\nfile/model=ball\nINTEGRATOR/HMIN=6E-3, HMAX=1E-2\nSIM/DYN, END=0.5, DTOUT=0.0077\nstop\n";
+    let folder = folder(&[("ball.adm", &deck), ("run.acf", acf)]);
+    let ran = mdi_with(folder.path(), &["ru-s", "run"], "", &[("MDI_STRICT", "1")]);
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    let z = Results::read_all(folder.path(), "ball.res").column("PART_2_XFORM", "Z");
+    let known = 1.0 + 0.5 - 0.5 * 9.81 * 0.25;
+    assert!((z.last().unwrap() - known).abs() < 1e-6, "{z:?}");
+}
