@@ -37,7 +37,7 @@ impl<'a, 'b> Tried<'a, 'b> {
         }
     }
 
-    /// A fit counts among the models.
+    /// Counts a fit among the models that were looked at.
     pub(super) fn note(&mut self, fitted: &Arc<Fitted>) {
         self.visited.push(Visited {
             causes: fitted.chosen.clone(),
@@ -46,8 +46,8 @@ impl<'a, 'b> Tried<'a, 'b> {
         });
     }
 
-    /// Fits `base` with one more cause, as long as it may come near to `lead` nats, prior included. A fit that leads to where that of
-    /// another form of the cause ended is that one.
+    /// Fits `base` with one more cause, as long as it may come near to `lead` nats, prior included. A fit that leads to the end of
+    /// another start of the same law counts as that one.
     pub(super) fn with(
         &mut self,
         base: &Arc<Fitted>,
@@ -81,7 +81,7 @@ impl<'a, 'b> Tried<'a, 'b> {
         Some(found)
     }
 
-    /// The same from where the linear model puts it.
+    /// The same fit, begun where the linear model puts it.
     fn added_to(
         &self,
         base: &Fitted,
