@@ -1,9 +1,11 @@
 //! Eigenvalues and singular values by a bounded number of iterations.
 //!
 //! nalgebra's plain calls iterate without a limit, and entries whose products underflow can keep them from ever ending. Here such
-//! entries are cleared first, since the round-off of the iteration is larger, and the iteration is limited.
+//! entries are cleared first, since the round-off of the iteration is larger, and the iteration is limited. Eigenvalues of matrices that are
+//! not symmetric are faer's: nalgebra's iteration has no exceptional shifts, and that of a spinning top that falls never settles.
 
-use nalgebra::{Complex, DMatrix, DVector, Dyn, SVD, Schur, SymmetricEigen};
+use faer::MatRef;
+use nalgebra::{Complex, DMatrix, DVector, Dyn, SVD, SymmetricEigen};
 
 /// Entries smaller than this part of the largest are cleared.
 const NEGLIGIBLE: f64 = f64::EPSILON * f64::EPSILON;
@@ -18,10 +20,10 @@ pub fn eigenvalues(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
         return Some(Vec::new());
     }
     let (matrix, largest) = scaled(matrix)?;
-    let steps = STEPS * matrix.nrows();
-    let schur = Schur::try_new(matrix, f64::EPSILON, steps)?;
-    let values = schur.complex_eigenvalues();
-    Some(values.iter().map(|value| value * largest).collect())
+    let (rows, columns) = matrix.shape();
+    let values = MatRef::from_column_major_slice(matrix.as_slice(), rows, columns).eigenvalues();
+    let scaled_back = |value: &Complex<f64>| *value * largest;
+    Some(values.ok()?.iter().map(scaled_back).collect())
 }
 
 /// Eigenvalues and orthonormal eigenvectors of a symmetric matrix, in no order. Entries that are not finite count as zero.

@@ -56,6 +56,9 @@ pub enum Reason {
         /// A state or an output.
         what: String,
     },
+    /// The iteration for the eigenvalues does not converge.
+    #[error("the eigenvalues of small motions are not found: the iteration does not converge")]
+    NoEigenvalues,
     /// The step became smaller than HMIN.
     #[error("the integration step {step:.3e} is smaller than HMIN; {worst}")]
     StepTooSmall {

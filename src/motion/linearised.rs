@@ -252,9 +252,10 @@ fn free_motions(
     for &(row, column, value) in &rows.entries {
         G[(row as usize, column as usize)] += value / lengths[column as usize];
     }
-    let Some(svd) = singular_values(G, true, true) else {
+    if G.is_empty() {
         return Ok((DMatrix::zeros(n, 0), DMatrix::zeros(n, n)));
-    };
+    }
+    let svd = singular_values(G, true, true).ok_or(Reason::NoEigenvalues)?;
     let most = svd.singular_values.iter().fold(0.0_f64, |a, b| a.max(*b));
     let (U, Vt) = (svd.u.expect("asked for"), svd.v_t.expect("asked for"));
     let free: Vec<usize> = (0..n)

@@ -43,7 +43,7 @@ impl Mode {
 /// eigenvalue and are left out. `damped` false leaves the derivatives by velocities out.
 ///
 /// # Errors
-/// [`Reason`] where an element has no value.
+/// [`Reason`] where an element has no value, or the eigenvalues are not found.
 pub fn modes(
     system: &System,
     parameters: &Parameters,
@@ -58,6 +58,7 @@ pub fn modes(
         lengths: &about.lengths,
     };
     let mut found: Vec<Mode> = finite_eigenvalues(E, F)
+        .ok_or(Reason::NoEigenvalues)?
         .into_iter()
         .map(|value| Mode {
             shape: shapes.of(E, F, value),
@@ -82,28 +83,24 @@ pub fn modes(
 ///
 /// Rows that E does not reach say `A u = 0` without a rate: u is written in what they leave free, `u = N y`, and they are dropped, as
 /// often as it takes. A motion without inertia takes two rounds where stiffness alone holds it: its place, then its velocity.
-fn finite_eigenvalues(E: &DMatrix<f64>, F: &DMatrix<f64>) -> Vec<Complex<f64>> {
+/// None if an iteration does not converge.
+fn finite_eigenvalues(E: &DMatrix<f64>, F: &DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     let (mut E, mut F) = (E.clone(), F.clone());
     while E.nrows() > 0 {
-        let Some(found) = singular_values(E.clone(), true, false) else {
-            break;
-        };
+        let found = singular_values(E.clone(), true, false)?;
         let most = found.singular_values.amax();
         let (with_rate, without): (Vec<usize>, Vec<usize>) =
             (0..E.nrows()).partition(|k| found.singular_values[*k] > NO_MASS * most);
         if without.is_empty() {
-            let matrix = E.full_piv_lu().solve(&F);
-            return matrix.and_then(eigenvalues).unwrap_or_default();
+            return eigenvalues(E.full_piv_lu().solve(&F)?);
         }
-        let Some(U) = found.u else { break };
+        let U = found.u?;
         let algebraic = U.select_columns(&without).tr_mul(&F);
         let rows = U.select_columns(&with_rate);
-        let Some(free) = nothing_of(&algebraic, without.len()) else {
-            break;
-        };
+        let free = nothing_of(&algebraic, without.len())?;
         (E, F) = (rows.tr_mul(&E) * &free, rows.tr_mul(&F) * &free);
     }
-    Vec::new()
+    Some(Vec::new())
 }
 
 /// An orthonormal basis of what `count` rows at most give zero for: as many columns as are left.

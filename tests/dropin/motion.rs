@@ -493,24 +493,57 @@ fn eigenvalues_are_those_of_closed_forms() {
     assert!(ran.stdout.contains("UNDAMPED NATURAL"));
     let (found, _) = eigenvalues(&block, "SIM/STAT\nLINEAR/EIGENSOL, NODAMPIN");
     near(found[0].1, 10.0, 1e-9);
-    let top = "top
-UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=METER, TIME=SECOND
-PART/1, GROUND
-MARKER/1, PART=1
-PART/2, MASS=1, CM=20, IP=0.05,0.05,0.1, WX=0, WY=0, WZ=60
-MARKER/20, PART=2, QP=0,0,0.5
-MARKER/21, PART=2
-JOINT/1, SPHERICAL, I=21, J=1
-ACCGRAV/KGRAV=-9.81
-END
-";
-    let (found, ran) = eigenvalues(top, "SIM/INITIAL_CONDITIONS\nLINEAR/EIGENSOL");
+    let (found, ran) = sleeping_top(60.0);
     let sizes: Vec<f64> = found.iter().map(|v| v.1).collect();
     for expected in [0.85396260668, 19.14603739332] {
         let off = sizes
             .iter()
             .fold(f64::MAX, |m, v| m.min((v - expected).abs()));
         assert!(off < 1e-6, "{found:?} {}", ran.stdout);
+    }
+}
+
+/// Eigenvalues of a top that sleeps upright.
+fn sleeping_top(spin: f64) -> (Vec<(f64, f64)>, Ran) {
+    let top = format!(
+        "top
+UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=METER, TIME=SECOND
+PART/1, GROUND
+MARKER/1, PART=1
+PART/2, MASS=1, CM=20, IP=0.05,0.05,0.1, WX=0, WY=0, WZ={spin}
+MARKER/20, PART=2, QP=0,0,0.5
+MARKER/21, PART=2
+JOINT/1, SPHERICAL, I=21, J=1
+ACCGRAV/KGRAV=-9.81
+END
+"
+    );
+    eigenvalues(&top, "SIM/INITIAL_CONDITIONS\nLINEAR/EIGENSOL")
+}
+
+/// Below a spin of 24.26107994 the top falls: `s = i C w / 2 A +- sqrt(m g l / A - (C w / 2 A)^2)` and their conjugates; above, not.
+#[test]
+fn a_slow_top_falls() {
+    for spin in [5.0, 20.0, 24.2, 24.26107, 24.26109, 25.0] {
+        let (found, ran) = sleeping_top(spin);
+        let turn: f64 = 0.1 * spin / 0.6;
+        let square = 4.905 / 0.3 - turn * turn;
+        let (growth, apart) = (square.max(0.0).sqrt(), (-square).max(0.0).sqrt());
+        let moving: Vec<_> = found.iter().filter(|v| v.0.hypot(v.1) > 1e-6).collect();
+        for (real, imaginary) in [
+            (growth, turn + apart),
+            (growth, turn - apart),
+            (-growth, turn + apart),
+            (-growth, turn - apart),
+        ] {
+            // Next to the limit two values are nearly one: round-off counts by its root.
+            let off = moving
+                .iter()
+                .fold(f64::MAX, |m, v| m.min((v.0 - real).hypot(v.1 - imaginary)));
+            assert!(off < 1e-6, "{spin}: {found:?} {}", ran.stdout);
+        }
+        let grow = moving.iter().any(|v| v.0 > 1e-4);
+        assert_eq!(grow, square > 0.0, "{spin}: {found:?}");
     }
 }
 
