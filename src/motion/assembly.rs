@@ -80,35 +80,35 @@ fn attempt(
             state,
             Some((&anchors, &|part| weights[part])),
         )
-        .map_err(|reason| match reason {
-            Reason::NoPosition {
-                equation,
-                violation,
-            } => Reason::Inconsistent {
-                equation,
-                violation,
-            },
-            other => other,
-        })?;
+        .map_err(at_the_start)?;
     // The rank is that of the assembled positions.
     memory.find_redundant(system, parameters, state)?;
     memory.positions(system, parameters, state, None)?;
     memory
         .check_removed(system, parameters, state)
-        .map_err(|reason| match reason {
-            Reason::RedundantViolated {
-                equation,
-                violation,
-            } => Reason::Inconsistent {
-                equation,
-                violation,
-            },
-            other => other,
-        })?;
+        .map_err(at_the_start)?;
     system.accept(parameters, state, &mut memory.scratch);
     system.settle_variables(parameters, state, &mut memory.scratch)?;
     velocities(system, parameters, state, memory, kept)?;
     memory.accelerations(system, parameters, state, step)
+}
+
+/// Positions that cannot be at the start are the fault of the initial conditions.
+fn at_the_start(reason: Reason) -> Reason {
+    match reason {
+        Reason::NoPosition {
+            equation,
+            violation,
+        }
+        | Reason::RedundantViolated {
+            equation,
+            violation,
+        } => Reason::Inconsistent {
+            equation,
+            violation,
+        },
+        other => other,
+    }
 }
 
 fn velocities(

@@ -347,15 +347,9 @@ impl Consistent {
         parameters: &Parameters,
         state: &State,
     ) -> Result<(), Reason> {
-        if !state.redundant.contains(&true) {
+        if !self.look_at_removed(system, parameters, state)? {
             return Ok(());
         }
-        let mut whole = state.clone();
-        whole.redundant.clear();
-        let Self {
-            scratch, g, rows, ..
-        } = self;
-        system.constraints_and_rows(parameters, &whole, scratch, g, rows)?;
         for (k, _) in state.redundant.iter().enumerate().filter(|(_, out)| **out) {
             let violation = self.g[system.first_equation + k].abs();
             if violation > REMOVED * system.length.max(1.0) {
@@ -367,9 +361,7 @@ impl Consistent {
         }
         Ok(())
     }
-}
 
-impl Consistent {
     /// The rates of equations that were taken out must be those of the others, too.
     pub(super) fn check_removed_rates(
         &mut self,
@@ -378,15 +370,9 @@ impl Consistent {
         state: &State,
         most: f64,
     ) -> Result<(), Reason> {
-        if !state.redundant.contains(&true) {
+        if !self.look_at_removed(system, parameters, state)? {
             return Ok(());
         }
-        let mut whole = state.clone();
-        whole.redundant.clear();
-        let Self {
-            scratch, g, rows, ..
-        } = self;
-        system.constraints_and_rows(parameters, &whole, scratch, g, rows)?;
         system.velocity_vector(state, &mut self.v);
         let mut rates = self.rows.time.clone();
         self.rows.times(&self.v, &mut rates);
@@ -398,6 +384,25 @@ impl Consistent {
             }),
             None => Ok(()),
         }
+    }
+
+    /// Evaluates all equations, with those that were taken out; false if there are none of these.
+    fn look_at_removed(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+    ) -> Result<bool, Reason> {
+        if !state.redundant.contains(&true) {
+            return Ok(false);
+        }
+        let mut whole = state.clone();
+        whole.redundant.clear();
+        let Self {
+            scratch, g, rows, ..
+        } = self;
+        system.constraints_and_rows(parameters, &whole, scratch, g, rows)?;
+        Ok(true)
     }
 }
 
