@@ -5,6 +5,7 @@ mod common;
 
 mod bad_motions;
 mod commands;
+mod contract;
 mod edges;
 mod entities;
 mod errors;
