@@ -3,10 +3,11 @@
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
+use std::time::Duration;
 
 use super::bushing_check::{BushingCheck, ForceFrame};
 use super::case_check::CaseCheck;
-use super::process::{CONSOLE, beginning, tail};
+use super::process::{CONSOLE, beginning, execute, tail};
 use super::run_folder::STEM;
 use super::{CaseFailure, CaseOutcome, RunError, Sweep, SweepRequest};
 use crate::mechanics::{Pose, Vec3, euler313};
@@ -32,8 +33,33 @@ fn lines(path: &Path) -> Vec<String> {
     beginning(path).lines().map(str::to_string).collect()
 }
 
+/// Runs a command line, with the name of the command file for `{acf}`, in the folder of a run. Callers of ADAMS rely on its messages as
+/// much as on its exit code; a run is good only if both are.
+pub(super) fn run_command(
+    command: &[String],
+    folder: &Path,
+    timeout: Duration,
+) -> Result<(), RunError> {
+    let acf = format!("{STEM}.acf");
+    let words: Vec<String> = command
+        .iter()
+        .map(|word| word.replace("{acf}", &acf))
+        .collect();
+    let status = execute(&words, folder, timeout)?;
+    if let Some(line) = licence_failure(folder) {
+        return Err(RunError::Licence { line, waited: 0.0 });
+    }
+    if !status.success() {
+        return Err(RunError::Exit {
+            code: status.code(),
+            tail: tail(folder),
+        });
+    }
+    Ok(())
+}
+
 /// The line by which a run without a licence says so, in its messages or on its console.
-pub(super) fn licence_failure(folder: &Path) -> Option<String> {
+fn licence_failure(folder: &Path) -> Option<String> {
     messages(folder)
         .into_iter()
         .chain(lines(&folder.join(CONSOLE)))

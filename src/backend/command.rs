@@ -3,10 +3,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, SystemTime};
 
-use super::answer::{Answer, licence_failure, read};
+use super::answer::{Answer, read, run_command};
 use super::bushing_check::ForceFrame;
 use super::licence::patiently;
-use super::process::{execute, tail};
+use super::process::tail;
 use super::run_folder::{RunFiles, STEM};
 use super::scratch_folder::ScratchFolder;
 use super::{Backend, BackendError, Recording, RunError, Sweep, SweepRequest};
@@ -90,23 +90,7 @@ impl CommandBackend {
         given.write(folder).map_err(files)?;
         // The clock of the file system itself: it may be that of another computer.
         let begun = modified(&folder.join(format!("{STEM}.acf"))).map_err(files)?;
-        let acf = format!("{STEM}.acf");
-        let words: Vec<String> = self
-            .command
-            .iter()
-            .map(|word| word.replace("{acf}", &acf))
-            .collect();
-        let status = execute(&words, folder, self.timeout)?;
-        // Callers of ADAMS rely on its messages as much as on its exit code; a run is good only if both are.
-        if let Some(line) = licence_failure(folder) {
-            return Err(RunError::Licence { line, waited: 0.0 });
-        }
-        if !status.success() {
-            return Err(RunError::Exit {
-                code: status.code(),
-                tail: tail(folder),
-            });
-        }
+        run_command(&self.command, folder, self.timeout)?;
         for extension in ["res", "msg"] {
             let name = format!("{STEM}.{extension}");
             if modified(&folder.join(&name)).is_ok_and(|written| written < begun) {

@@ -4,9 +4,9 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use super::answer::licence_failure;
+use super::answer::run_command;
 use super::licence::patiently;
-use super::process::{execute, tail};
+use super::process::tail;
 use super::run_folder::{RunFiles, STEM};
 use super::{Recording, RunError};
 use crate::results::{Catalogue, StepKind, XrfReader};
@@ -102,21 +102,7 @@ impl ProgramRun {
             .map_err(files)?;
         let folder = folder.path();
         own.write(folder).map_err(files)?;
-        let acf = format!("{STEM}.acf");
-        let words: Vec<String> = command
-            .iter()
-            .map(|word| word.replace("{acf}", &acf))
-            .collect();
-        let status = execute(&words, folder, self.timeout)?;
-        if let Some(line) = licence_failure(folder) {
-            return Err(RunError::Licence { line, waited: 0.0 });
-        }
-        if !status.success() {
-            return Err(RunError::Exit {
-                code: status.code(),
-                tail: tail(folder),
-            });
-        }
+        run_command(command, folder, self.timeout)?;
         let mut path = results_in(folder)?;
         if let Some(recording) = &self.recording {
             // A recording has one name for all results.

@@ -14,45 +14,33 @@ pub(crate) enum PairConstraint {
     Drive(Drive),
 }
 
+impl PairConstraint {
+    fn own(&self) -> &dyn Constraint {
+        match self {
+            Self::Locks(c) => c,
+            Self::Convel(c) => c,
+            Self::Screw(c) => c,
+            Self::RackPinion(c) => c,
+            Self::Drive(c) => c,
+        }
+    }
+}
+
 impl Constraint for PairConstraint {
     fn count(&self) -> usize {
-        match self {
-            Self::Locks(c) => c.count(),
-            Self::Convel(c) => c.count(),
-            Self::Screw(c) => c.count(),
-            Self::RackPinion(c) => c.count(),
-            Self::Drive(c) => c.count(),
-        }
+        self.own().count()
     }
 
     fn parameter_count(&self) -> usize {
-        match self {
-            Self::Locks(c) => c.parameter_count(),
-            Self::Convel(c) => c.parameter_count(),
-            Self::Screw(c) => c.parameter_count(),
-            Self::RackPinion(c) => c.parameter_count(),
-            Self::Drive(c) => c.parameter_count(),
-        }
+        self.own().parameter_count()
     }
 
     fn equation_name(&self, k: usize) -> &'static str {
-        match self {
-            Self::Locks(c) => c.equation_name(k),
-            Self::Convel(c) => c.equation_name(k),
-            Self::Screw(c) => c.equation_name(k),
-            Self::RackPinion(c) => c.equation_name(k),
-            Self::Drive(c) => c.equation_name(k),
-        }
+        self.own().equation_name(k)
     }
 
     fn uses_angles(&self) -> bool {
-        match self {
-            Self::Locks(c) => c.uses_angles(),
-            Self::Convel(c) => c.uses_angles(),
-            Self::Screw(c) => c.uses_angles(),
-            Self::RackPinion(c) => c.uses_angles(),
-            Self::Drive(c) => c.uses_angles(),
-        }
+        self.own().uses_angles()
     }
 
     fn evaluate(
@@ -62,12 +50,6 @@ impl Constraint for PairConstraint {
         multipliers: &[f64],
         out: &mut Equations,
     ) {
-        match self {
-            Self::Locks(c) => c.evaluate(motion, theta, multipliers, out),
-            Self::Convel(c) => c.evaluate(motion, theta, multipliers, out),
-            Self::Screw(c) => c.evaluate(motion, theta, multipliers, out),
-            Self::RackPinion(c) => c.evaluate(motion, theta, multipliers, out),
-            Self::Drive(c) => c.evaluate(motion, theta, multipliers, out),
-        }
+        self.own().evaluate(motion, theta, multipliers, out);
     }
 }

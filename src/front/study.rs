@@ -208,15 +208,7 @@ impl Study {
         check: GainCheck,
         watch: &dyn Watch,
     ) -> Result<DiagnosisAnswer, Error> {
-        let mut loaded = self.loaded.clone();
-        let foreign = foreign_parts(&loaded);
-        if !foreign.is_empty() {
-            return Err(self.refused(&foreign));
-        }
-        self.plausible(force)?;
-        let progress = Progress::default();
-        watch.diagnoses(&progress);
-        estimate_noise(&mut loaded, None).map_err(|error| no_fit(&error.to_string()))?;
+        let (loaded, progress) = self.for_diagnosis(force, watch)?;
         let held = held_out(&loaded.study, &loaded.measurement);
         let problem = loaded.problem();
         let found = diagnose_watched(&problem, held, check, &progress);
@@ -270,18 +262,10 @@ impl Study {
         force: bool,
         watch: &dyn Watch,
     ) -> Result<PlanAnswer, Error> {
-        let mut loaded = self.loaded.clone();
-        if aim == Aim::Stiffnesses && loaded.unknowns.is_empty() {
-            return Err(self.refused(&[fit::nothing_to_identify(&loaded)]));
+        if aim == Aim::Stiffnesses && self.loaded.unknowns.is_empty() {
+            return Err(self.refused(&[fit::nothing_to_identify(&self.loaded)]));
         }
-        let foreign = foreign_parts(&loaded);
-        if !foreign.is_empty() {
-            return Err(self.refused(&foreign));
-        }
-        self.plausible(force)?;
-        let progress = Progress::default();
-        watch.diagnoses(&progress);
-        estimate_noise(&mut loaded, None).map_err(|error| no_fit(&error.to_string()))?;
+        let (loaded, progress) = self.for_diagnosis(force, watch)?;
         let found = plan(&loaded.problem(), aim, &progress);
         let found = found.map_err(|error| no_fit(&error.to_string()))?;
         if aim == Aim::Curves && found.curves.is_none() {
@@ -291,6 +275,24 @@ impl Study {
             suggested: suggested(&loaded, &found, count),
             plan: found,
         })
+    }
+
+    /// The study with the noise its marks show, and the progress that is watched, where a diagnosis can be made of it.
+    fn for_diagnosis(
+        &self,
+        force: bool,
+        watch: &dyn Watch,
+    ) -> Result<(LoadedStudy, Progress), Error> {
+        let mut loaded = self.loaded.clone();
+        let foreign = foreign_parts(&loaded);
+        if !foreign.is_empty() {
+            return Err(self.refused(&foreign));
+        }
+        self.plausible(force)?;
+        let progress = Progress::default();
+        watch.diagnoses(&progress);
+        estimate_noise(&mut loaded, None).map_err(|error| no_fit(&error.to_string()))?;
+        Ok((loaded, progress))
     }
 
     /// The path of its deck.

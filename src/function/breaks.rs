@@ -16,9 +16,7 @@ const ENDS: [(&str, &[usize]); 5] = [
 /// with. Splines have none: their pieces meet smoothly.
 pub(crate) fn time_breaks(expression: &Expression) -> Vec<f64> {
     let mut found = Vec::new();
-    let mut open = vec![&expression.root];
-    while let Some(node) = open.pop() {
-        open.extend(node.children());
+    for node in expression.root.walk() {
         match node {
             Node::If(parts) => {
                 found.extend(meeting(expression, &parts[0], 0.0));

@@ -1383,7 +1383,7 @@ pub static STATEMENTS: &[StatementDef] = &[
     StatementDef {
         name: "FRICTION", minimum: 3, role: Role::Both, id: Some("friction"),
         arguments: &[
-            ArgumentDef { name: "JOINT", minimum: 1, kind: ValueKind::Reference("joint"), count: Count { min: 1, max: Some(1) }, default: &[], dimension: Dimension::NONE, components: Components::Alike, lower: Bound::Open, upper: Bound::Open, required: false, doc: "the joint" },
+            ArgumentDef { name: "JOINT", minimum: 1, kind: ValueKind::Reference("joint"), count: Count { min: 1, max: Some(1) }, default: &[], dimension: Dimension::NONE, components: Components::Alike, lower: Bound::Open, upper: Bound::Open, required: true, doc: "the joint" },
             ArgumentDef { name: "I_YOKE", minimum: 6, kind: ValueKind::Flag, count: Count { min: 0, max: Some(0) }, default: &[], dimension: Dimension::NONE, components: Components::Alike, lower: Bound::Open, upper: Bound::Open, required: false, doc: "friction between yoke and cross at I" },
             ArgumentDef { name: "J_YOKE", minimum: 6, kind: ValueKind::Flag, count: Count { min: 0, max: Some(0) }, default: &[], dimension: Dimension::NONE, components: Components::Alike, lower: Bound::Open, upper: Bound::Open, required: false, doc: "friction between yoke and cross at J" },
             ArgumentDef { name: "YOKE", minimum: 4, kind: ValueKind::Choice(&[Choice { name: "I_YOKE", minimum: 6 }, Choice { name: "J_YOKE", minimum: 6 }]), count: Count { min: 1, max: Some(1) }, default: &[], dimension: Dimension::NONE, components: Components::Alike, lower: Bound::Open, upper: Bound::Open, required: false, doc: "which yoke of a Hooke or universal joint" },

@@ -112,7 +112,7 @@ pub struct Marks {
 }
 
 /// What no fit saw.
-#[derive(Clone, PartialEq, Debug, Serialize)]
+#[derive(Clone, PartialEq, Debug, Default, Serialize)]
 pub struct HeldOut {
     /// Labels of the cases.
     pub cases: Vec<String>,
@@ -151,7 +151,7 @@ pub struct WheelFit {
 }
 
 /// The answer of an identification: what `identification.json` holds, and what only the report shows.
-#[derive(Clone, PartialEq, Debug, Serialize)]
+#[derive(Clone, PartialEq, Debug, Default, Serialize)]
 pub struct Fit {
     /// `gauss-newton`, `regression` or `direct`.
     pub method: String,

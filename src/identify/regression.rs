@@ -1,13 +1,10 @@
 //! The paper's loop (section 3, equations 12 to 18): forces from the model, deflections from the measurement, one straight line
 //! per stiffness, again until nothing moves any more.
 
-use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
 use super::evaluation::{fill, marker_pose};
-use super::{
-    Fit, HeldOut, IdentifyError, OffsetFit, ParameterFit, Place, Problem, Progress, Status,
-};
+use super::{Fit, IdentifyError, OffsetFit, ParameterFit, Place, Problem, Progress, Status};
 use crate::backend::{Backend, Sweep};
 use crate::mechanics::Pose;
 use crate::mechanics::{RelativeMotion, Vec3, Vec6};
@@ -266,28 +263,11 @@ pub fn identify_as(
         iterations: history.len() - 1,
         solver_runs: sweeps * problem.programme.cases.len(),
         balance: backend.balance().cloned(),
-        inputs_sha256: String::new(),
         parameters: parameters(problem, &bushings, &lines, &values, &kept),
         assembly_offsets: offsets(problem, &bushings, &lines),
-        unidentifiable_directions: Vec::new(),
-        interrupted: false,
-        affected: Vec::new(),
-        tolerances: BTreeMap::new(),
-        noise: None,
-        fit_test: None,
-        structure: Vec::new(),
-        marks: None,
-        held_out: HeldOut {
-            cases: Vec::new(),
-            marks_rms_before: None,
-            marks_rms_after: None,
-            curves: Vec::new(),
-        },
-        wheel: None,
-        bootstrap: None,
-        posterior: None,
         history,
         remarks,
+        ..Fit::default()
     };
     fill(&mut fit, problem, &before, &after, problem.unknowns.len());
     if interrupted {

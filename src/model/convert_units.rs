@@ -260,8 +260,7 @@ impl Conversion<'_> {
             self.refuse(expression.span, message);
             return;
         }
-        let mut open = vec![&expression.root];
-        while let Some(node) = open.pop() {
+        for node in expression.root.walk() {
             if let Node::Call {
                 function,
                 arguments,
@@ -285,7 +284,6 @@ impl Conversion<'_> {
                     }
                 }
             }
-            open.extend(node.children());
         }
         if factor != 1.0 {
             let span = expression.span;

@@ -4,7 +4,7 @@
 
 use super::{Argument, Number, Statement, Value};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::grammar::{ArgumentDef, Solved, StatementDef, ValueKind};
+use crate::grammar::{ArgumentDef, Presence, Solved, StatementDef, ValueKind};
 use crate::text::{Source, Span};
 
 /// What can be wrong.
@@ -12,6 +12,14 @@ use crate::text::{Source, Span};
 pub(crate) enum Wrong {
     /// An argument it must have is not there.
     Missing(&'static ArgumentDef),
+    /// None of the arguments is there, and it must have one of them.
+    NoneOf(&'static [&'static str]),
+    /// Some of the arguments are there, and it must have all of them or none.
+    Partly(&'static [&'static str]),
+    /// The first argument is there without the second, which it needs.
+    Without(&'static str, &'static str),
+    /// Two arguments are there that cannot stand together.
+    Both(&'static str, &'static str),
     /// An argument has so many values, more or fewer than it takes.
     Count(&'static ArgumentDef, usize),
     /// Nothing of this id space has this id.
@@ -54,6 +62,9 @@ impl Statement {
                 tell(Wrong::Missing(argument), self.head());
             }
         }
+        for rule in def.presence {
+            self.breaches(rule, &mut tell);
+        }
         for argument in &self.arguments {
             let Some(own) = argument.def else { continue };
             if let Some(given) = wrong_count(argument, own) {
@@ -90,6 +101,41 @@ impl Statement {
                 _ => {}
             }
         }
+    }
+
+    /// What is wrong by one rule on which arguments stand together, and where.
+    fn breaches(&self, rule: &Presence, mut tell: impl FnMut(Wrong, Span)) {
+        let place = |name| self.argument(name).map_or(self.keyword, |a| a.name);
+        match *rule {
+            Presence::Together(names) => {
+                let there = self.present(names).count();
+                if there > 0 && there < names.len() {
+                    tell(Wrong::Partly(names), self.head());
+                }
+            }
+            Presence::Requires([first, others @ ..]) if self.has(first) => {
+                for other in others.iter().filter(|other| !self.has(other)) {
+                    tell(Wrong::Without(first, other), self.head());
+                }
+            }
+            Presence::Requires(_) => {}
+            Presence::Exclusive(names) | Presence::OneOf(names) => {
+                let mut there = self.present(names);
+                match (there.next(), there.next()) {
+                    (Some(first), Some(second)) => {
+                        tell(Wrong::Both(first, second), place(second));
+                    }
+                    (None, _) if matches!(rule, Presence::OneOf(_)) => {
+                        tell(Wrong::NoneOf(names), self.head());
+                    }
+                    _ => {}
+                }
+            }
+        }
+    }
+
+    fn present(&self, names: &'static [&'static str]) -> impl Iterator<Item = &'static str> {
+        names.iter().copied().filter(|name| self.has(name))
     }
 
     /// How it is called in a message: `BUSHING/3`, with its view name where it has one.
@@ -150,7 +196,10 @@ impl Fault<'_> {
     /// The code of its complaint.
     pub(crate) fn code(&self) -> Code {
         match self.wrong {
-            Wrong::Missing(_) => Code::MissingArgument,
+            Wrong::Missing(_) | Wrong::NoneOf(_) | Wrong::Partly(_) | Wrong::Without(..) => {
+                Code::MissingArgument
+            }
+            Wrong::Both(..) => Code::ConflictingArguments,
             Wrong::Count(..) => Code::WrongCount,
             Wrong::Undefined(..) => Code::UndefinedId,
             Wrong::Nothing(..) | Wrong::NoId(_) | Wrong::NotWhole(_) => Code::WrongType,
@@ -171,6 +220,26 @@ impl Fault<'_> {
                 };
                 (message, format!("add {}{value}", def.name))
             }
+            Wrong::NoneOf(names) => (
+                format!("{title} needs one of {}", names.join(", ")),
+                "add one of them".to_string(),
+            ),
+            Wrong::Partly(names) => {
+                let absent = names.iter().filter(|name| !self.statement.has(name));
+                let absent: Vec<&str> = absent.copied().collect();
+                (
+                    format!("{title} needs all of {}", names.join(", ")),
+                    format!("add {}", absent.join(", ")),
+                )
+            }
+            Wrong::Without(first, other) => (
+                format!("{first} of {title} needs {other}"),
+                format!("add {other}, or remove {first}"),
+            ),
+            Wrong::Both(first, second) => (
+                format!("{title} cannot have both {first} and {second}"),
+                "remove one of them".to_string(),
+            ),
             Wrong::Count(def, given) => {
                 let wanted = match (def.count.min, def.count.max) {
                     (min, Some(max)) if max == min => format!("{min}"),
@@ -207,8 +276,13 @@ impl Fault<'_> {
                 (message, of_argument(def))
             }
         };
-        Diagnostic::error(self.code(), message)
-            .label(source.name(), self.place, "")
-            .help(help)
+        let mut complaint =
+            Diagnostic::error(self.code(), message).label(source.name(), self.place, "");
+        if let Wrong::Both(first, _) = self.wrong
+            && let Some(first) = self.statement.argument(first)
+        {
+            complaint = complaint.label(source.name(), first.name, "");
+        }
+        complaint.help(help)
     }
 }

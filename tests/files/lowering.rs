@@ -339,11 +339,16 @@ PART/2, MASS=1, CM=20
 BUSHING/1, I=20, K=1,2, C=1,2,3, KT=1,2,3, CT=1,2,3
 SFORCE/1, I=20.5, J=0, ROTATION, FUNCTION=DX(1.5, 77)
 JOINT/1, FIXED, I=20, J=99
+JOINT/2, REVOLUTE, PITCH=1, I=20, J=10
+JPRIM/1, I=20, J=10
+MOTION/1, I=20, Z, FUNCTION=0
+SPRINGDAMPER/1, TRANSLATIONAL, ROTATIONAL, I=20, J=10
 END
 ";
     let parsed = dataset(text).value;
     let codes = [
         Code::MissingArgument,
+        Code::ConflictingArguments,
         Code::WrongCount,
         Code::WrongType,
         Code::UndefinedId,
@@ -357,14 +362,14 @@ END
         told
     };
     let lowered = told(Model::lower(&parsed).diagnostics);
-    assert_eq!(lowered.len(), 7, "{lowered:#?}");
+    assert_eq!(lowered.len(), 11, "{lowered:#?}");
     assert_eq!(lowered, told(lint::check(&parsed, &Options::default())));
-    // Texts and what is cut off a number change no answer: only lint tells of them.
-    let harmless = text.replace("END", "EQUILIBRIUM/MAXIT=25.5\nEND");
+    // Texts, what is cut off a number and what is printed change no answer: only lint tells of them.
+    let harmless = text.replace("END", "EQUILIBRIUM/MAXIT=25.5\nDEBUG/EPRINT, NOEPRINT\nEND");
     let harmless = dataset(&harmless).value;
     assert_eq!(told(Model::lower(&harmless).diagnostics), lowered);
     assert_eq!(
         told(lint::check(&harmless, &Options::default())).len(),
-        lowered.len() + 1
+        lowered.len() + 2
     );
 }

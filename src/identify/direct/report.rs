@@ -8,8 +8,7 @@ use crate::backend::Backend;
 use crate::identify::evaluation::fill;
 use crate::identify::global::confidence::open_directions;
 use crate::identify::{
-    Fit, HeldOut, IdentifyError, OffsetFit, ParameterFit, Problem, Progress, Status,
-    UnidentifiableDirection,
+    Fit, IdentifyError, OffsetFit, ParameterFit, Problem, Progress, Status, UnidentifiableDirection,
 };
 use crate::rig::settings::Method;
 
@@ -44,28 +43,12 @@ pub fn identify(
         iterations: solution.rounds,
         solver_runs: 2 * problem.programme.cases.len(),
         balance: backend.balance().cloned(),
-        inputs_sha256: String::new(),
         parameters: parameters(problem, &solution),
         assembly_offsets: offsets(problem, &solution),
         unidentifiable_directions: directions(problem, &solution),
-        interrupted: false,
-        affected: Vec::new(),
-        tolerances: BTreeMap::new(),
-        noise: None,
-        fit_test: None,
-        structure: Vec::new(),
-        marks: None,
-        held_out: HeldOut {
-            cases: Vec::new(),
-            marks_rms_before: None,
-            marks_rms_after: None,
-            curves: Vec::new(),
-        },
-        wheel: None,
-        bootstrap: None,
-        posterior: None,
         history: vec![problem.initial(), solution.values.clone()],
         remarks: remarks(problem, &solution),
+        ..Fit::default()
     };
     fill(&mut fit, problem, &before, &after, problem.unknowns.len());
     if interrupted {

@@ -19,7 +19,7 @@ use crate::identify::goodness::{FitTest, Kind, Tally};
 use crate::identify::structure::{Residuals, structure};
 use crate::identify::unknowns::{Place, bushing_number};
 use crate::identify::{
-    Fit, HeldOut, IdentifyError, Marks, NOT_CONVERGED, OffsetFit, ParameterFit, Problem, Status,
+    Fit, IdentifyError, Marks, NOT_CONVERGED, OffsetFit, ParameterFit, Problem, Status,
     UnidentifiableDirection,
 };
 use crate::rig::settings::{Loss, Method};
@@ -434,26 +434,11 @@ fn answer(
         iterations: minimum.iterations,
         solver_runs: global.predictor.solver_runs(),
         balance: global.predictor.balance().cloned(),
-        inputs_sha256: String::new(),
         parameters,
         assembly_offsets: offsets(problem, global, minimum, covariance),
         unidentifiable_directions,
-        tolerances: BTreeMap::new(),
-        noise: None,
-        fit_test: None,
-        structure: Vec::new(),
-        marks: None,
-        held_out: HeldOut {
-            cases: Vec::new(),
-            marks_rms_before: None,
-            marks_rms_after: None,
-            curves: Vec::new(),
-        },
-        wheel: None,
-        bootstrap: None,
-        posterior: None,
-        history: Vec::new(),
         remarks,
+        ..Fit::default()
     }
 }
 

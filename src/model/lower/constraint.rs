@@ -24,10 +24,7 @@ pub(super) fn joint(reader: &mut Reader) -> Option<Joint> {
             pitch_diameter: reader.real("PD"),
         },
     ];
-    let kind = reader.first_flag(&kinds.map(|kind| (kind.word(), kind)));
-    let Some(kind) = kind else {
-        return reader.missing("its type, such as REVOLUTE");
-    };
+    let kind = reader.first_flag(&kinds.map(|kind| (kind.word(), kind)))?;
     let initial = |name: &str| {
         let numbers = reader.numbers(name);
         let value = |k: usize| numbers.get(k).map(|number| number.value);
@@ -70,10 +67,7 @@ pub(super) fn primitive(reader: &mut Reader) -> Option<Primitive> {
         PrimitiveKind::ParallelAxes,
         PrimitiveKind::Perpendicular,
     ];
-    let kind = reader.first_flag(&kinds.map(|kind| (kind.word(), kind)));
-    let Some(kind) = kind else {
-        return reader.missing("its type, such as INPLANE");
-    };
+    let kind = reader.first_flag(&kinds.map(|kind| (kind.word(), kind)))?;
     Some(Primitive {
         header: reader.header(),
         kind,

@@ -30,10 +30,7 @@ pub(super) fn is_pair_force(kind: &str) -> bool {
 pub(super) fn pair_force(reader: &mut Reader) -> Option<PairForce> {
     let def = reader.def;
     let chosen = |law: &&LawDef| law.flag.is_none_or(|flag| reader.has(flag));
-    let Some(law) = def.laws.iter().find(chosen) else {
-        let flags: Vec<&str> = def.laws.iter().filter_map(|law| law.flag).collect();
-        return reader.missing(&flags.join(" or "));
-    };
+    let law = def.laws.iter().find(chosen)?;
     let mut values = Vec::new();
     for argument in law_arguments(def, law) {
         let count = argument.count.max.unwrap_or(1);
@@ -56,10 +53,7 @@ pub(super) fn springdamper(reader: &mut Reader) -> Option<SpringDamper> {
     let kind = reader.first_flag(&[
         ("TRANSLATIONAL", SpringKind::Translational),
         ("ROTATIONAL", SpringKind::Rotational),
-    ]);
-    let Some(kind) = kind else {
-        return reader.missing("TRANSLATIONAL or ROTATIONAL");
-    };
+    ])?;
     let [stiffness, reference, preload, damping] = match kind {
         SpringKind::Translational => ["K", "LENGTH", "FORCE", "C"],
         SpringKind::Rotational => ["KT", "ANGLE", "TORQUE", "CT"],
@@ -81,10 +75,7 @@ pub(super) fn sforce(reader: &mut Reader) -> Option<Sforce> {
     let kind = reader.first_flag(&[
         ("TRANSLATIONAL", SforceKind::Translational),
         ("ROTATIONAL", SforceKind::Rotational),
-    ]);
-    let Some(kind) = kind else {
-        return reader.missing("TRANSLATIONAL or ROTATIONAL");
-    };
+    ])?;
     Some(Sforce {
         header: reader.header(),
         i: reader.marker("I")?,

@@ -7,9 +7,7 @@ const TRANSITION: f64 = 1.5;
 
 /// FRICTION.
 pub(super) fn friction(reader: &mut Reader) -> Option<Friction> {
-    let Some(id) = reader.written_id("JOINT") else {
-        return reader.missing("JOINT");
-    };
+    let id = reader.written_id("JOINT")?;
     // An undefined one is complained about as a reference.
     let (joint, of) = reader.joint(id)?;
     let kind = of.kind;

@@ -84,11 +84,6 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// True if any of the arguments is there.
-    pub(crate) fn any(&self, names: &[&str]) -> bool {
-        names.iter().any(|name| self.has(name))
-    }
-
     /// Default values of an argument as the grammar states them.
     fn default(&self, name: &str) -> &'static [f64] {
         self.def

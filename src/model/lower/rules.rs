@@ -18,8 +18,7 @@ pub(super) fn check(
     statement.faults(
         |space, id| ids.defines(space, id),
         |fault| {
-            let is_redefined = dataset.is_some() && matches!(fault.wrong, Wrong::Missing(_));
-            if is_redefined || is_harmless(&fault) {
+            if dataset.is_some() && is_absence(&fault) || is_harmless(&fault) {
                 return;
             }
             let mut complaint = fault.diagnostic(source, of);
@@ -40,9 +39,22 @@ pub(super) fn check(
     );
 }
 
-/// True if the model is the same without it: how many texts there are, and what is cut off a number.
+/// True if something is not there.
+fn is_absence(fault: &Fault<'_>) -> bool {
+    matches!(
+        fault.wrong,
+        Wrong::Missing(_) | Wrong::NoneOf(_) | Wrong::Partly(_) | Wrong::Without(..)
+    )
+}
+
+/// True if the model is the same without it: how many texts there are, what is cut off a number, and which arguments stand together
+/// where they have no effect.
 fn is_harmless(fault: &Fault<'_>) -> bool {
     match fault.wrong {
+        Wrong::NoneOf(_) | Wrong::Partly(_) | Wrong::Without(..) | Wrong::Both(..) => {
+            let solved = fault.statement.def.map(|def| def.solved);
+            matches!(solved, Some(Solved::NoEffect(_)))
+        }
         Wrong::Count(argument, _) => matches!(
             argument.kind,
             ValueKind::Text | ValueKind::TextList | ValueKind::File

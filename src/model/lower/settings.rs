@@ -1,5 +1,4 @@
 use super::reader::Reader;
-use crate::diagnostic::{Code, Diagnostic};
 use crate::mechanics::Vec3;
 use crate::model::{
     EquilibriumSettings, IntegratorSettings, KinematicsSettings, Model, OutputSettings,
@@ -65,12 +64,6 @@ fn units(reader: &mut Reader) -> Units {
         if let (Some(force), Some(mass), Some(length), Some(time)) = tables {
             units = Units::new(force, mass, length, time);
         }
-    } else if reader.any(&["FORCE", "MASS", "LENGTH", "TIME"]) {
-        let diagnostic = Diagnostic::error(
-            Code::MissingArgument,
-            "UNITS needs FORCE, MASS, LENGTH and TIME together",
-        );
-        reader.complain(diagnostic, reader.keyword());
     }
     if let Some(ucf) = reader.first("UCF") {
         units.ucf = ucf;

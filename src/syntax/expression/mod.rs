@@ -90,4 +90,14 @@ impl Node {
             Self::Call { arguments, .. } => arguments.iter().collect(),
         }
     }
+
+    /// It and everything inside of it; of what stands side by side the last first.
+    pub(crate) fn walk(&self) -> impl Iterator<Item = &Self> {
+        let mut open = vec![self];
+        std::iter::from_fn(move || {
+            let node = open.pop()?;
+            open.extend(node.children());
+            Some(node)
+        })
+    }
 }

@@ -57,30 +57,22 @@ impl Expression {
     /// ground and is left out.
     pub fn references(&self) -> Vec<(&'static str, usize)> {
         let mut found = Vec::new();
-        let mut open = vec![&self.root];
-        while let Some(node) = open.pop() {
-            match node {
-                Node::Literal(_) | Node::Constant(_) | Node::Name(_) => {}
-                Node::Negate(inner) => open.push(inner),
-                Node::Binary(_, left, right) => open.extend([&**left, &**right]),
-                Node::If(parts) => open.extend(parts.iter()),
-                Node::Vector(parts) => open.extend(parts.iter()),
-                Node::Call {
-                    function,
-                    arguments,
-                    ..
-                } => {
-                    let spaces = argument_spaces(function.name);
-                    for (k, argument) in arguments.iter().enumerate() {
-                        match (spaces[k.min(spaces.len() - 1)], argument) {
-                            (Some(space), Node::Literal(literal)) => {
-                                if self.literals[*literal].value != 0.0 {
-                                    found.push((space, *literal));
-                                }
-                            }
-                            _ => open.push(argument),
-                        }
-                    }
+        for node in self.root.walk() {
+            let Node::Call {
+                function,
+                arguments,
+                ..
+            } = node
+            else {
+                continue;
+            };
+            let spaces = argument_spaces(function.name);
+            for (k, argument) in arguments.iter().enumerate() {
+                if let (Some(space), Node::Literal(literal)) =
+                    (spaces[k.min(spaces.len() - 1)], argument)
+                    && self.literals[*literal].value != 0.0
+                {
+                    found.push((space, *literal));
                 }
             }
         }

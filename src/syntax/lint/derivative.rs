@@ -48,8 +48,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
 /// The first call that bends or jumps with the motion.
 fn first_bend(expression: &Expression) -> Option<(&'static str, Span)> {
     let mut found: Option<(&'static str, Span)> = None;
-    let mut open = vec![&expression.root];
-    while let Some(node) = open.pop() {
+    for node in expression.root.walk() {
         let hit = match node {
             Node::If(parts) if moves(&parts[0]) => Some(("IF", expression.span)),
             Node::Call {
@@ -64,7 +63,6 @@ fn first_bend(expression: &Expression) -> Option<(&'static str, Span)> {
         {
             found = Some(hit);
         }
-        open.extend(node.children());
     }
     found
 }
@@ -78,7 +76,7 @@ fn bends(function: &FunctionDef) -> bool {
 
 /// True if the value depends on where the parts are.
 fn moves(node: &Node) -> bool {
-    let here = match node {
+    node.walk().any(|node| match node {
         Node::Call { function, .. } => {
             matches!(
                 function.solved,
@@ -86,6 +84,5 @@ fn moves(node: &Node) -> bool {
             ) && !matches!(function.name, "AKISPL" | "CUBSPL" | "INTERP" | "SENVAL")
         }
         _ => false,
-    };
-    here || node.children().into_iter().any(moves)
+    })
 }

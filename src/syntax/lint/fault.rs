@@ -16,9 +16,14 @@ pub(super) fn value_type(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     of_code(Code::WrongType, context, found);
 }
 
-/// Required arguments that are not there.
+/// Arguments that must be there, alone or with others, and are not.
 pub(super) fn missing(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     of_code(Code::MissingArgument, context, found);
+}
+
+/// Arguments that cannot stand together.
+pub(super) fn conflicting(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
+    of_code(Code::ConflictingArguments, context, found);
 }
 
 fn of_code(code: Code, context: &Context<'_>, found: &mut Vec<Diagnostic>) {

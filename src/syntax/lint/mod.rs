@@ -22,7 +22,6 @@ mod motion;
 mod native;
 mod one_part;
 mod options;
-mod presence;
 mod range;
 mod sequence;
 mod spline;
@@ -74,11 +73,10 @@ pub static RULES: &[Rule] = &[
         unit_dimension::check,
     ),
     rule(Code::MissingArgument, Reach::Statement, fault::missing),
-    rule(Code::MissingArgument, Reach::Statement, presence::missing),
     rule(
         Code::ConflictingArguments,
         Reach::Statement,
-        presence::conflicting,
+        fault::conflicting,
     ),
     rule(Code::RepeatedArgument, Reach::Statement, arguments::check),
     rule(Code::MarkersOnOnePart, Reach::Neighbours, one_part::check),

@@ -37,9 +37,11 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
                     users.entry(def.name).or_insert((0, *span)).0 += 1;
                 }
                 Value::Function(expression) => {
-                    for (function, span) in calls(&expression.root) {
-                        if matches!(function.solved, Solved::External(_)) {
-                            functions.entry(function.name).or_insert((function, span));
+                    for node in expression.root.walk() {
+                        if let Node::Call { function, span, .. } = node
+                            && matches!(function.solved, Solved::External(_))
+                        {
+                            functions.entry(function.name).or_insert((function, *span));
                         }
                     }
                 }
@@ -97,28 +99,4 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
                 .help(why.to_string()),
         );
     }
-}
-
-/// Every call of an expression with its place.
-fn calls(root: &Node) -> Vec<(&'static FunctionDef, Span)> {
-    let mut found = Vec::new();
-    let mut open = vec![root];
-    while let Some(node) = open.pop() {
-        match node {
-            Node::Literal(_) | Node::Constant(_) | Node::Name(_) => {}
-            Node::Negate(inner) => open.push(inner),
-            Node::Binary(_, left, right) => open.extend([&**left, &**right]),
-            Node::If(parts) => open.extend(parts.iter()),
-            Node::Vector(parts) => open.extend(parts.iter()),
-            Node::Call {
-                function,
-                arguments,
-                span,
-            } => {
-                found.push((*function, *span));
-                open.extend(arguments);
-            }
-        }
-    }
-    found
 }

@@ -10,8 +10,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
             let Value::Function(expression) = &argument.value else {
                 continue;
             };
-            let mut open = vec![&expression.root];
-            while let Some(node) = open.pop() {
+            for node in expression.root.walk() {
                 if let Node::Call {
                     function,
                     arguments,
@@ -36,7 +35,6 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
                             )),
                     );
                 }
-                open.extend(node.children());
             }
         }
     }
