@@ -174,8 +174,11 @@ impl<'a> Sizes<'a> {
                 "C" => ("Y", "states"),
                 _ => ("Y", "U"),
             };
-            if name != "C" && inputs.is_none() {
-                let message = format!("{}: {name} needs U, the array of inputs", self.called);
+            if name != "C" && inputs.is_none() && self.statement.first("U").is_some() {
+                let message = format!(
+                    "{}: {name} needs the size of U, the array of inputs",
+                    self.called
+                );
                 self.complain(name, message);
             }
             for (what, has, wanted, of) in [
