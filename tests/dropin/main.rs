@@ -5,7 +5,6 @@ mod common;
 
 mod bad_motions;
 mod commands;
-mod contract;
 mod edges;
 mod entities;
 mod errors;
@@ -15,6 +14,7 @@ mod faults;
 mod friction;
 mod governor;
 mod kills;
+mod known_motions;
 mod launch;
 mod massless;
 #[allow(non_snake_case, reason = "rotation matrices and inertias")]

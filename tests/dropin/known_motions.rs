@@ -1,4 +1,4 @@
-//! Motions of ../shared/design/MOTION.md 3.1 through `mdi`, against closed forms and Runge and Kutta's method.
+//! Motions that are known in closed form, or by an ordinary differential equation of one angle, through `mdi`.
 
 use std::f64::consts::{PI, TAU};
 
