@@ -92,6 +92,7 @@ impl<'a> Carried<'a> {
                 .map(|(memory, by)| (memory.anchor, by[k]))
                 .filter(|(_, by)| *by != 0.0);
             Direction {
+                unknown: direction.unknown,
                 always: own.chain(carried).collect(),
                 turns: direction.turns.clone(),
                 ..Direction::default()

@@ -17,8 +17,8 @@ struct Answer {
     theta: Parameters,
     /// The unknowns of the fit.
     x: Vec<f64>,
-    /// Change of the unknowns of the system along each direction.
-    response: Vec<Vec<f64>>,
+    /// Some of those, and the change of the unknowns of the system by each.
+    response: Vec<(usize, Vec<f64>)>,
 }
 
 /// Predicts with the built-in solver.
@@ -215,7 +215,8 @@ impl<'a> NativePredictor<'a> {
                 .zip(changes)
                 .map(|(dx, channels)| observed_change(self.system, &self.observed, dx, channels))
                 .collect();
-            response = responses;
+            let unknowns = directions.iter().map(|direction| direction.unknown);
+            response = unknowns.zip(responses).collect();
         } else {
             carried.advance(theta, &prediction.channels, (&[], &[]));
         }
@@ -232,12 +233,13 @@ impl<'a> NativePredictor<'a> {
 /// First-order change of the unknowns of the system since the last answer; `None` where the unknowns of the fit are not the same
 /// ones.
 fn predicted(answer: &Answer, x: &[f64]) -> Option<Vec<f64>> {
-    if answer.response.is_empty() || answer.response.len() > x.len() || answer.x.len() != x.len() {
+    let (_, first) = answer.response.first()?;
+    if answer.x.len() != x.len() {
         return None;
     }
-    let mut correction = vec![0.0; answer.response[0].len()];
-    for ((now, before), response) in x.iter().zip(&answer.x).zip(&answer.response) {
-        let step = now - before;
+    let mut correction = vec![0.0; first.len()];
+    for (unknown, response) in &answer.response {
+        let step = x[*unknown] - answer.x[*unknown];
         // Far steps are better started from the old answer than from a wild extrapolation.
         if !step.is_finite() || step.abs() > 0.5 {
             return None;

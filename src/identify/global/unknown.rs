@@ -52,6 +52,8 @@ pub struct FitUnknown {
 /// A direction in theta: slots and the change of each per unit of an unknown.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Direction {
+    /// The place of the unknown among those of the fit.
+    pub unknown: usize,
     /// The same in every load case.
     pub always: Vec<(Slot, f64)>,
     /// One factor for every load case.
@@ -275,7 +277,9 @@ impl FitUnknowns {
         };
         self.list
             .iter()
-            .map(|unknown| Direction {
+            .enumerate()
+            .map(|(k, unknown)| Direction {
+                unknown: k,
                 always: of(unknown),
                 per_case: per_case(unknown),
                 turns: match &unknown.meaning {
