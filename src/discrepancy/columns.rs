@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::hypothesis::{Column, Hypothesis, Number};
+use super::hypothesis::{Column, Number};
 use super::survey::Survey;
 use crate::identify::global::{
     CaseChange, CasePrediction, Direction, NuisanceLayout, Observations,
@@ -14,10 +14,9 @@ use crate::syntax::Address;
 use crate::system::{Parameters, Scratch, Slot, State, System};
 
 impl Survey<'_> {
-    /// Effect of every number of these hypotheses on every row, per unit of its prior standard deviation: on prediction minus reading,
-    /// in units of the declared noise. Numbers without an effect of their own have columns of zeros.
-    pub(super) fn columns(&self, hypotheses: &[&Hypothesis]) -> DMatrix<f64> {
-        let numbers: Vec<_> = hypotheses.iter().flat_map(|h| &h.numbers).collect();
+    /// Effect of each of these numbers on every row, per unit of its prior standard deviation: on prediction minus reading, in units of
+    /// the declared noise. A number without an effect of its own has a column of zeros.
+    pub(super) fn columns(&self, numbers: &[&Number]) -> DMatrix<f64> {
         let system = &self.fitted.deck.prepared.system;
         let catalogue = system.catalogue();
         let slot = |address: &Address| catalogue.slot(address);
@@ -56,7 +55,7 @@ impl Survey<'_> {
                 |scratch, &case| {
                     let at = (&self.fitted.thetas[case], &self.fitted.states[case]);
                     let tools = (&mut *scratch, known.clone());
-                    let changes = self.changes(case, at, tools, (&asked, &directions), &numbers);
+                    let changes = self.changes(case, at, tools, (&asked, &directions), numbers);
                     let channels = self.fitted.deck.prepared.channels;
                     Some(CasePrediction {
                         poses: at.1.poses.clone(),

@@ -12,7 +12,7 @@ use super::unknowns::{Known, Unknowns};
 use crate::identify::Problem;
 use crate::identify::global::{FitUnknowns, Memory, NuisanceLayout, Observations, Predictor};
 use crate::system::{Parameters, State};
-use crate::tolerance::{self, Linear, Posterior, Sizes, Whitening};
+use crate::tolerance::{self, ByClass, Linear, Posterior, Sizes, Whitening};
 
 /// Steps of a fit at most.
 const STEPS: usize = 16;
@@ -230,7 +230,7 @@ impl Fitted {
     fn linear_of(&self, whitening: &Whitening, misfit: &DVector<f64>) -> Linear {
         Linear::new(
             whitening,
-            &whitening.apply(&self.jacobian),
+            &ByClass::new(whitening, &whitening.apply(&self.jacobian)),
             &whitening.apply_vector(&-misfit),
             self.priors.clone(),
             DVector::from_column_slice(&self.x),

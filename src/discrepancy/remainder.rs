@@ -527,13 +527,6 @@ fn effect(survey: &Survey<'_>, place: &Place) -> DMatrix<f64> {
             Column::Wrench(place.pair, (0..cases).map(unit).collect()),
         )
     };
-    let numbers = (0..cases).map(number).collect();
-    // The cause is not looked at: this is no hypothesis of the catalogue.
-    let all = Hypothesis::plain(
-        Cause::ElementParameter,
-        place.address.clone(),
-        "remainder",
-        numbers,
-    );
-    survey.columns(&[&all])
+    let numbers: Vec<Number> = (0..cases).map(number).collect();
+    survey.columns(&numbers.iter().collect::<Vec<_>>())
 }

@@ -7,18 +7,18 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use super::cause::Cause;
 use super::causes;
 use super::fit::Fitted;
-use super::hypothesis::Hypothesis;
+use super::hypothesis::{Column, Hypothesis, Number};
 use super::subject::Subject;
 use super::survey::Survey;
-use crate::tolerance::{Further, Posterior, Sizes, Unknown};
+use crate::tolerance::{ByClass, Further, Posterior, Sizes, Unknown};
 
 /// Every hypothesis at a fit, with what each does to the turned rows.
 pub(super) struct Catalogue {
     /// Hypotheses that are not in the fit.
     pub hypotheses: Vec<Hypothesis>,
-    /// Columns of each among `further`.
+    /// Columns of each among `further`: of its numbers that have an effect to first order; none of a slab.
     ranges: Vec<Range<usize>>,
-    /// Effects on reading minus prediction per unit of the prior; of hypotheses that are no slabs.
+    /// Effects on reading minus prediction per unit of the prior.
     further: Further,
 }
 
@@ -49,20 +49,21 @@ impl Catalogue {
             }
             count == 0
         });
-        let own: Vec<&Hypothesis> = hypotheses.iter().filter(|h| !h.is_slab()).collect();
-        let turned = fitted.whitening.apply(&survey.columns(&own));
+        let seen: Vec<&Number> = hypotheses.iter().flat_map(seen).collect();
+        let turned = fitted.whitening.apply(&survey.columns(&seen));
         let residual = fitted.whitening.apply_vector(&-&fitted.misfit);
-        let known = (&fitted.turned, &residual);
+        let by_class = |columns| ByClass::new(&fitted.whitening, columns);
+        let known = (&by_class(&fitted.turned), &residual);
         let mut next = 0;
         let range = |h: &Hypothesis| {
-            let count = if h.is_slab() { 0 } else { h.numbers.len() };
-            next += count;
-            next - count..next
+            let from = next;
+            next += self::seen(h).count();
+            from..next
         };
         Self {
             ranges: hypotheses.iter().map(range).collect(),
             hypotheses,
-            further: Further::new(&fitted.whitening, known, &turned),
+            further: Further::new(&fitted.whitening, known, by_class(&turned)),
         }
     }
 
@@ -79,7 +80,7 @@ impl Catalogue {
                 let range = self.ranges[at].clone();
                 let (from, count) = (range.start, range.len());
                 let g = g.rows(from, count).into_owned();
-                projected(&effects.information(&range), &g, h.one_sided)?
+                projected(&effects.information(&range), &g, one_sided(h)?)?
             };
             let gain = gain + h.ln_prior;
             gain.is_finite().then_some(Promise { at, gain })
@@ -96,11 +97,11 @@ impl Catalogue {
             return vec![Vec::new(); self.hypotheses.len()];
         };
         let (effects, _) = self.effects(sizes, &posterior);
-        let of = |range: &Range<usize>| {
+        let of = |(h, range): (&Hypothesis, &Range<usize>)| {
             let own = effects.information(range).diagonal();
-            own.iter().copied().collect()
+            spread(h, own.iter().copied())
         };
-        self.ranges.iter().map(of).collect()
+        self.hypotheses.iter().zip(&self.ranges).map(of).collect()
     }
 
     /// Effects at these sizes, and what each column would explain where the linear model is best.
@@ -145,13 +146,8 @@ impl Catalogue {
                 })
                 .collect()
         } else {
-            let n = fitted.x.len();
-            posterior
-                .step
-                .rows(n, h.numbers.len())
-                .iter()
-                .copied()
-                .collect()
+            let own = posterior.step.iter().skip(fitted.x.len());
+            spread(h, own.copied())
         };
         if h.one_sided && guesses[0] <= 0.0 {
             return None;
@@ -178,6 +174,29 @@ impl Catalogue {
             sizes,
         })
     }
+}
+
+/// Numbers of a hypothesis that do something to the rows to first order; none of a slab, whose members are in the fit.
+fn seen(h: &Hypothesis) -> impl Iterator<Item = &Number> {
+    let numbers = if h.is_slab() { &[][..] } else { &h.numbers };
+    numbers
+        .iter()
+        .filter(|number| number.column != Column::None)
+}
+
+/// Values of the numbers that are [`seen`], with zeros for the others.
+fn spread(h: &Hypothesis, mut values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let of = |number: &Number| match number.column {
+        Column::None => 0.0,
+        _ => values.next().unwrap_or_default(),
+    };
+    h.numbers.iter().map(of).collect()
+}
+
+/// Whether the first number that is seen can only be positive. `None` where that is not the first of all: nothing promises it.
+fn one_sided(h: &Hypothesis) -> Option<bool> {
+    let first = h.numbers.first()?;
+    (!h.one_sided || first.column != Column::None).then_some(h.one_sided)
 }
 
 /// What the numbers of all hypotheses do to the whitened rows: their columns `E`, `A'E` and `C A'E` with the columns `A` of a fit and

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use super::unknowns::Unknowns;
 use crate::identify::global::gauss_newton::{LeastSquares, approach};
 use crate::identify::global::{Evaluation, FitUnknowns, NativePredictor, Observations, Predictor};
-use crate::tolerance::{Linear, Posterior, Reached, Sizes, Whitening};
+use crate::tolerance::{ByClass, Linear, Posterior, Reached, Sizes, Whitening};
 
 /// The longest step of the logarithm of a stiffness, at first and later.
 const REACH: [f64; 2] = [0.8, 1.2];
@@ -16,7 +16,9 @@ pub(super) const ENOUGH: f64 = 0.05;
 /// What the linear model promises has to come to within so many nats of the model that leads,
 const BEHIND: f64 = 50.0;
 /// or to so many, once what is left of the way is small: it may rise by so many times that.
-const CLOSE: (f64, f64) = (10.0, 3.0);
+const CLOSE: (f64, f64) = (7.0, 3.0);
+/// or, sizes of its own granted, to within so many nats after the first step.
+const LOST: f64 = 200.0;
 /// Sizes of tolerances are held for so many steps of a fit that starts from another, unless a step promises less than so many nats.
 const HELD: usize = 5;
 const NEAR: f64 = 30.0;
@@ -32,12 +34,23 @@ const EASE: f64 = 6.0;
 const EASED: f64 = 0.3;
 /// Derivatives by small errors stay as they are while a step lowers the objective by this part of what was promised.
 const FAITHFUL: f64 = 0.5;
+/// Promises in nats that differ by less than this part are alike. Derivatives by small errors that promised what exact ones do are held
+/// for exact until so many nats are gained.
+const ALIKE: f64 = 0.1;
+const TRUSTED: f64 = 10.0;
+/// A fit ends where a whole step leads uphill though it promises no more than so many nats: sliders that stick or slip in other cases
+/// make kinks.
+const KINKS: f64 = 0.5;
+/// A fit is on the way to a known end that its linear model puts within so many nats of its own.
+const SAME: f64 = 0.5;
 
 /// Derivatives by all unknowns.
 struct Derivatives {
     jacobian: DMatrix<f64>,
     /// The same of turned rows.
     turned: DMatrix<f64>,
+    /// Of those the rows of each class.
+    by_class: ByClass,
 }
 
 /// Residuals and derivatives at some values of the unknowns.
@@ -50,8 +63,8 @@ pub(super) struct Point {
     pub linear: Linear,
     /// Derivatives here, or those of a point nearby that `own` replaces in part.
     derivatives: Arc<Derivatives>,
-    /// Columns of derivatives, and which.
-    own: Option<(Vec<usize>, Derivatives)>,
+    /// Columns of derivatives, and of turned ones, and which.
+    own: Option<(Vec<usize>, [DMatrix<f64>; 2])>,
     /// False where derivatives by small errors are those of a point nearby.
     is_exact: bool,
 }
@@ -65,8 +78,8 @@ impl Point {
         };
         if let Some((places, own)) = self.own {
             for (k, place) in places.into_iter().enumerate() {
-                jacobian.set_column(place, &own.jacobian.column(k));
-                turned.set_column(place, &own.turned.column(k));
+                jacobian.set_column(place, &own[0].column(k));
+                turned.set_column(place, &own[1].column(k));
             }
         }
         (self.x, self.residual, [jacobian, turned], self.linear)
@@ -99,7 +112,7 @@ impl Aim<'_> {
         known.is_some_and(|known| {
             let there =
                 DVector::from_iterator(known.len(), known.iter().zip(&here.x).map(|(k, x)| k - x));
-            reached.above(&there) < ENOUGH
+            reached.above(&there) < SAME
         })
     }
 }
@@ -196,9 +209,10 @@ impl Sweep<'_> {
 
     fn linearised(&self, x: Vec<f64>, evaluation: Evaluation, is_exact: bool) -> Point {
         let turned = self.whitening.apply(&evaluation.jacobian);
+        let by_class = ByClass::new(self.whitening, &turned);
         let linear = Linear::new(
             self.whitening,
-            &turned,
+            &by_class,
             &self.whitening.apply_vector(&-&evaluation.residual),
             self.unknowns.priors.clone(),
             DVector::from_column_slice(&x),
@@ -208,7 +222,11 @@ impl Sweep<'_> {
             x,
             residual: evaluation.residual,
             linear,
-            derivatives: Arc::new(Derivatives { jacobian, turned }),
+            derivatives: Arc::new(Derivatives {
+                jacobian,
+                turned,
+                by_class,
+            }),
             own: None,
             is_exact,
         }
@@ -220,10 +238,11 @@ impl Sweep<'_> {
         let evaluation = self.evaluate(&x, Some(&own))?;
         let jacobian = evaluation.jacobian;
         let turned = self.whitening.apply(&jacobian);
+        let by_class = ByClass::new(self.whitening, &turned);
         let linear = point.linear.moved(
             self.whitening,
-            &point.derivatives.turned,
-            (&own, &turned),
+            &point.derivatives.by_class,
+            (&own, &by_class),
             &self.whitening.apply_vector(&-&evaluation.residual),
             DVector::from_column_slice(&x),
         );
@@ -232,7 +251,7 @@ impl Sweep<'_> {
             residual: evaluation.residual,
             linear,
             derivatives: Arc::clone(&point.derivatives),
-            own: Some((own, Derivatives { jacobian, turned })),
+            own: Some((own, [jacobian, turned])),
             is_exact: false,
         })
     }
@@ -338,27 +357,43 @@ impl Sweep<'_> {
         let mut list = self.unknowns.list.clone();
         list.set_shares(&self.predictor.shares(&list.springs()).unwrap_or_default());
         let (mut slow, mut damping) = (0, 0.0);
+        // The objective where exact derivatives by small errors were found to promise what those of a point nearby did.
+        let mut confirmed: Option<f64> = None;
         for step_number in 0.. {
             // Far from the answer the sizes would take up what is not fitted yet.
             let mut reached = here.linear.reached(&sizes, 0.0)?;
             if alone || step_number >= HELD || reached.gain < NEAR {
                 sizes = here.linear.sized(&sizes);
                 reached = here.linear.reached(&sizes, 0.0)?;
+            } else if step_number > 0 && reached.ln_z < aim.lead - LOST {
+                let own = here.linear.sized(&sizes);
+                let granted = here.linear.reached(&own, 0.0)?;
+                if granted.ln_z < aim.lead - LOST {
+                    return Settled::end(here, own);
+                }
             }
             let objective = here.linear.objective(&sizes);
             // What the linear model promises counts for the fit here.
-            let hopeless = step_number >= HELD && aim.is_beaten(reached.ln_z, reached.gain);
+            let is_beaten = aim.is_beaten(reached.ln_z, reached.gain);
+            let hopeless = is_beaten && (step_number >= HELD || reached.gain < KINKS);
             if aim.is_known(&here, &reached) {
                 return Some(End::Known);
             }
-            if reached.gain < ENOUGH || step_number >= steps || slow == SLOW || hopeless {
+            let is_over = step_number >= steps || slow == SLOW;
+            if reached.gain < ENOUGH || is_over || hopeless {
                 if here.is_exact || hopeless {
                     return Settled::end(here, sizes);
                 }
                 here = self.at(here.x)?;
+                let exact = here.linear.reached(&sizes, 0.0)?;
+                if is_alike(exact.gain, reached.gain) {
+                    return Settled::end(here, sizes);
+                }
                 slow = 0;
                 continue;
             }
+            let is_sure =
+                here.is_exact || confirmed.is_some_and(|at| at - objective < 2.0 * TRUSTED);
             let reach = REACH[step_number.min(1)];
             let mut next = None;
             for _ in 0..TRIALS {
@@ -386,9 +421,13 @@ impl Sweep<'_> {
                     let value = value(&further);
                     if value <= objective + ENOUGH {
                         // Where the model promised much more its derivatives have changed.
-                        let promised = 2.0 * reached.gain;
-                        let further = if objective - value < FAITHFUL * promised {
-                            self.at(further.x)?
+                        let is_less = objective - value < FAITHFUL * 2.0 * reached.gain;
+                        let further = if is_less && !is_sure {
+                            let near = further.linear.reached(&sizes, 0.0)?.gain;
+                            let exact = self.at(further.x)?;
+                            let gain = exact.linear.reached(&sizes, 0.0)?.gain;
+                            confirmed = is_alike(gain, near).then_some(value);
+                            exact
                         } else {
                             further
                         };
@@ -399,7 +438,11 @@ impl Sweep<'_> {
                         break;
                     }
                 }
-                if !here.is_exact {
+                if !is_sure {
+                    break;
+                }
+                // Kinks keep what little is promised.
+                if reached.gain < KINKS {
                     break;
                 }
                 damping = (damping * HARDER).max(FIRST);
@@ -409,15 +452,21 @@ impl Sweep<'_> {
                 continue;
             }
             // Where no step leads down the answers are those of the last trial; go back.
-            let was_exact = here.is_exact;
             here = self.at(here.x)?;
-            if was_exact {
+            if is_sure {
                 return Settled::end(here, sizes);
             }
+            let exact = here.linear.reached(&sizes, 0.0)?;
+            confirmed = is_alike(exact.gain, reached.gain).then_some(objective);
             damping = 0.0;
         }
         None
     }
+}
+
+/// True for promises in nats that differ little.
+fn is_alike(a: f64, b: f64) -> bool {
+    (a - b).abs() < ALIKE * b + ENOUGH
 }
 
 /// Stiffnesses alone, the rest where it is.

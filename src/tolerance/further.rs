@@ -4,8 +4,9 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::columns::{ByClass, Columns};
 use super::product::{gram, transposed};
-use super::share::{Block, Columns, columns_of, largest};
+use super::share::Block;
 use super::whitening::{Class, Whitening};
 
 /// Further columns `E` beside the columns `A` of a linear model with the residual `z`.
@@ -32,25 +33,24 @@ impl Further {
     /// Of turned rows: the columns of the model, its residual (reading minus prediction), and the further columns.
     pub(crate) fn new(
         whitening: &Whitening,
-        (jacobian, residual): (&DMatrix<f64>, &DVector<f64>),
-        further: &DMatrix<f64>,
+        (jacobian, residual): (&ByClass, &DVector<f64>),
+        further: ByClass,
     ) -> Self {
-        let most = [largest(jacobian), largest(further)];
+        let count = [jacobian.count, further.count];
         let classes = whitening.classes.iter().zip(&whitening.rows_of);
-        let shares = classes.map(|(class, rows)| {
-            let A = Columns::new(rows, columns_of(jacobian), &most[0]);
-            let E = Columns::new(rows, columns_of(further), &most[1]);
-            FurtherShare {
+        let columns = jacobian.classes.iter().zip(further.classes);
+        let shares = classes
+            .zip(columns)
+            .map(|((class, rows), (A, E))| FurtherShare {
                 class: *class,
                 cross: transposed(&A.values, &E.values),
                 g: E.values.tr_mul(&residual.select_rows(rows)),
-                known: A.active,
+                known: A.active.clone(),
                 E,
-            }
-        });
+            });
         Self {
             shares: shares.collect(),
-            count: [jacobian.ncols(), further.ncols()],
+            count,
         }
     }
 

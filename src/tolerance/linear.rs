@@ -10,11 +10,12 @@ use std::ops::Range;
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
+use super::columns::ByClass;
 use super::factor::Factor;
 use super::further::Further;
 use super::group::{Group, Sizes};
 use super::reached::Reached;
-use super::share::{Columns, Share, columns_of, largest};
+use super::share::Share;
 use super::whitening::Whitening;
 
 /// Prior of one unknown.
@@ -102,17 +103,15 @@ impl Linear {
     /// `jacobian` and `residual` (reading minus prediction) are those of turned rows, see [`Whitening::apply`].
     pub(crate) fn new(
         whitening: &Whitening,
-        jacobian: &DMatrix<f64>,
+        jacobian: &ByClass,
         residual: &DVector<f64>,
         unknowns: Vec<Unknown>,
         at: DVector<f64>,
     ) -> Self {
-        let largest = largest(jacobian);
         let classes = whitening.classes.iter().zip(&whitening.rows_of);
-        let shares = classes.map(|(class, rows)| {
-            let A = Columns::new(rows, columns_of(jacobian), &largest);
-            Share::new(*class, &A, &residual.select_rows(rows))
-        });
+        let shares = classes
+            .zip(&jacobian.classes)
+            .map(|((class, rows), A)| Share::new(*class, A, &residual.select_rows(rows)));
         Self {
             shares: shares.collect(),
             unknowns,
@@ -134,28 +133,20 @@ impl Linear {
         new
     }
 
-    /// The same where the residual and some columns of `jacobian` have changed.
+    /// The same where the residual and some columns of `jacobian` have changed, in ascending order, to their `own`.
     #[must_use]
     pub(crate) fn moved(
         &self,
         whitening: &Whitening,
-        jacobian: &DMatrix<f64>,
-        (changed, own): (&[usize], &DMatrix<f64>),
+        jacobian: &ByClass,
+        (changed, own): (&[usize], &ByClass),
         residual: &DVector<f64>,
         at: DVector<f64>,
     ) -> Self {
-        let mut largest = largest(jacobian);
-        let mut columns: Vec<&[f64]> = columns_of(jacobian).collect();
-        let most = super::share::largest(own);
-        for ((unknown, column), most) in changed.iter().zip(columns_of(own)).zip(most) {
-            (columns[*unknown], largest[*unknown]) = (column, most);
-        }
-        let shares = self.shares.iter().zip(&whitening.rows_of);
-        let shares = shares.map(|(share, rows)| {
-            let A = Columns::new(rows, columns.iter().copied(), &largest);
-            let z = residual.select_rows(rows);
-            let moved = share.moved(&A, changed, &z);
-            moved.unwrap_or_else(|| Share::new(share.class, &A, &z))
+        let columns = jacobian.classes.iter().zip(&own.classes);
+        let shares = self.shares.iter().zip(&whitening.rows_of).zip(columns);
+        let shares = shares.map(|((share, rows), (A, own))| {
+            share.moved(A, (changed, own), &residual.select_rows(rows))
         });
         Self {
             shares: shares.collect(),
@@ -270,14 +261,6 @@ impl Linear {
             column[k] *= 0.5;
         }
         let covariance = inverse;
-        let mut spread_and_step = covariance.clone();
-        for k in 0..n {
-            let column = &mut spread_and_step.as_mut_slice()[k * n..(k + 1) * n];
-            for (value, s) in column[k + 1..].iter_mut().zip(&step.as_slice()[k + 1..]) {
-                *value += 2.0 * step[k] * s;
-            }
-            column[k] += step[k] * step[k];
-        }
         for share in &self.shares {
             let by: Vec<(usize, f64)> = share
                 .class
@@ -289,13 +272,14 @@ impl Linear {
                 continue;
             }
             let variance = share.class.variance(&sizes.ln);
-            let expected = share.sloped(&step) + share.product(&spread_and_step);
+            let spread = share.product(&covariance);
+            let expected = share.left(&step) + spread;
             let rate = 0.5 * (expected / variance - share.count) / variance;
             for (at, by) in &by {
                 gradient[*at] += rate * by;
             }
             if with_information {
-                let free = (share.count - share.product(&covariance) / variance).max(0.0);
+                let free = (share.count - spread / variance).max(0.0);
                 for (at, by) in by {
                     information[at] += 0.5 * free * (by / variance).powi(2);
                 }
@@ -437,7 +421,7 @@ mod tests {
         let turned = (whitening.apply(&J), whitening.apply_vector(&z));
         let linear = Linear::new(
             &whitening,
-            &turned.0,
+            &ByClass::new(&whitening, &turned.0),
             &turned.1,
             (0..9).map(unknown).collect(),
             at,
@@ -538,21 +522,22 @@ mod tests {
         };
         let mut at = linear.at.clone();
         at.rows_mut(7, 2).fill(0.0);
-        let known = J.columns(0, 7).into_owned();
+        let (known, mut other) = (J.columns(0, 7).into_owned(), J.clone());
         let further = J.columns(7, 2).into_owned();
-        let further = Further::new(&whitening, (&known, &z), &further);
+        let by_class = |J: &DMatrix<f64>| ByClass::new(&whitening, J);
+        let (known, J) = (by_class(&known), by_class(&J));
+        let further = Further::new(&whitening, (&known, &z), by_class(&further));
         let few = at.rows(0, 7).into_owned();
         let few = Linear::new(&whitening, &known, &z, unknowns[..7].to_vec(), few);
         let whole = Linear::new(&whitening, &J, &z, unknowns.clone(), at);
         alike(&few.with(&further, &(0..2), unknowns[8]), &whole);
 
-        let mut other = J.clone();
         other.column_mut(3).scale_mut(1.7);
         other.column_mut(8).scale_mut(-0.4);
-        let (own, left) = (other.select_columns(&[3, 8]), &z * 0.9);
+        let (own, left) = (by_class(&other.select_columns(&[3, 8])), &z * 0.9);
         let at = linear.at.clone();
         let moved = linear.moved(&whitening, &J, (&[3, 8], &own), &left, at.clone());
-        let anew = Linear::new(&whitening, &other, &left, unknowns.clone(), at);
+        let anew = Linear::new(&whitening, &by_class(&other), &left, unknowns.clone(), at);
         alike(&moved, &anew);
         assert!((moved.ln_z(&sizes) - linear.ln_z(&sizes)).abs() > 1.0);
     }

@@ -10,6 +10,7 @@
 //! residual and Jacobian, build a [`Linear`] with one [`Unknown`] per column, and ask [`Linear::sized`]. Its `Posterior::covariance`
 //! holds the intervals with tolerances marginalised; [`Posterior::without`] the part of a variance that is not due to them.
 
+mod columns;
 mod factor;
 mod further;
 mod group;
@@ -24,6 +25,7 @@ mod sizes;
 mod tails;
 mod whitening;
 
+pub(crate) use columns::ByClass;
 pub(crate) use factor::Factor;
 pub(crate) use further::Further;
 pub(crate) use group::Sizes;

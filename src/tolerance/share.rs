@@ -2,12 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::columns::Columns;
 use super::product::{gram, transposed};
 use super::whitening::Class;
-
-/// A column whose entries in the rows of a class stay below this part of its largest is zero there: marks of one part that move as one
-/// body leave rounding in the rows that say how they move against each other.
-const NOTHING: f64 = 1e-12;
 
 /// Rows of one class: of `A`, the derivatives by the unknowns, and `z`, what is left.
 #[derive(Clone, Debug)]
@@ -26,41 +23,6 @@ pub(super) struct Share {
     g: Vec<f64>,
 }
 
-/// Columns of a matrix in the rows of a class, those without anything left out.
-pub(super) struct Columns {
-    /// Which columns they are, in ascending order.
-    pub active: Vec<usize>,
-    /// Their values.
-    pub values: DMatrix<f64>,
-}
-
-impl Columns {
-    /// `largest` is the largest entry of each column, in all rows.
-    pub(super) fn new<'a>(
-        rows: &[usize],
-        columns: impl Iterator<Item = &'a [f64]>,
-        largest: &[f64],
-    ) -> Self {
-        let count = rows.len();
-        let mut active = Vec::with_capacity(largest.len());
-        let mut values = Vec::with_capacity(count * largest.len());
-        for (k, column) in columns.enumerate() {
-            let from = values.len();
-            values.extend(rows.iter().map(|row| column[*row]));
-            let nothing = NOTHING * largest[k];
-            if values[from..].iter().all(|value| value.abs() <= nothing) {
-                values.truncate(from);
-            } else {
-                active.push(k);
-            }
-        }
-        Self {
-            values: DMatrix::from_vec(count, active.len(), values),
-            active,
-        }
-    }
-}
-
 /// Some further columns `E` in the rows of one class.
 pub(super) struct Block {
     /// Places of columns within the range asked for; the others are zero in these rows.
@@ -71,18 +33,6 @@ pub(super) struct Block {
     pub own: DMatrix<f64>,
     /// `E'z`.
     pub g: Vec<f64>,
-}
-
-/// Columns of a matrix.
-pub(super) fn columns_of(matrix: &DMatrix<f64>) -> impl Iterator<Item = &[f64]> {
-    let height = matrix.nrows();
-    (0..matrix.ncols()).map(move |k| &matrix.as_slice()[k * height..(k + 1) * height])
-}
-
-/// The largest entry of each column.
-pub(super) fn largest(matrix: &DMatrix<f64>) -> Vec<f64> {
-    let most = |column: &[f64]| column.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-    columns_of(matrix).map(most).collect()
 }
 
 impl Share {
@@ -98,7 +48,7 @@ impl Share {
             class,
             count: z.len() as f64,
             q: z.norm_squared(),
-            g: A.values.tr_mul(z).as_slice().to_vec(),
+            g: A.along(z),
             active: A.active.clone(),
             H,
         }
@@ -129,35 +79,45 @@ impl Share {
         new
     }
 
-    /// With other values of the columns `changed` of `A`, and another residual. `None` where the rows depend on other unknowns than before.
-    pub(super) fn moved(&self, A: &Columns, changed: &[usize], z: &DVector<f64>) -> Option<Self> {
-        if A.active != self.active {
-            return None;
-        }
-        let places: Vec<usize> = changed
+    /// With other values of the columns `changed` of `A`, of which `own` holds those with anything in these rows, and another residual.
+    pub(super) fn moved(
+        &self,
+        A: &Columns,
+        (changed, own): (&[usize], &Columns),
+        z: &DVector<f64>,
+    ) -> Self {
+        let known: Vec<usize> = changed
             .iter()
-            .filter_map(|unknown| A.active.binary_search(unknown).ok())
+            .filter_map(|unknown| self.active.binary_search(unknown).ok())
             .collect();
-        let own = A.values.select_columns(&places);
-        let cross = transposed(&A.values, &own);
+        let new = own.active.iter().map(|k| changed[*k]);
+        if A.active != self.active || !new.eq(known.iter().map(|place| self.active[*place])) {
+            // The rows depend on other unknowns than before.
+            return Self::new(self.class, &A.replaced(changed, own), z);
+        }
+        let mut cross = transposed(&A.values, &own.values);
+        let among = transposed(&own.values, &own.values);
+        let (mut g, own_g) = (A.along(z), own.along(z));
+        for (k, place) in known.iter().enumerate() {
+            g[*place] = own_g[k];
+            cross.set_row(*place, &among.row(k));
+        }
         let mut H = self.H.clone();
         let n = self.active.len();
         let start = |column: usize| column * (2 * n - column + 1) / 2;
-        for (k, place) in places.iter().enumerate() {
-            let column = cross.column(k);
-            for row in 0..n {
+        for (k, place) in known.iter().enumerate() {
+            for (row, value) in cross.column(k).iter().enumerate() {
                 let (low, high) = (row.min(*place), row.max(*place));
-                H[start(low) + high - low] = column[row];
+                H[start(low) + high - low] = *value;
             }
         }
-        Some(Self {
-            class: self.class,
-            count: self.count,
+        Self {
             q: z.norm_squared(),
-            g: A.values.tr_mul(z).as_slice().to_vec(),
+            g,
             active: self.active.clone(),
             H,
-        })
+            ..*self
+        }
     }
 
     /// Columns of the triangle: each with its unknown and those of its rows.
@@ -210,21 +170,14 @@ impl Share {
         sum
     }
 
-    /// `z'z - 2 s'A'z`: what is left after a step `s`, to first order.
-    pub(super) fn sloped(&self, step: &DVector<f64>) -> f64 {
-        let along = self.active.iter().zip(&self.g);
-        self.q - 2.0 * along.map(|(unknown, g)| step[*unknown] * g).sum::<f64>()
-    }
-
-    /// `|z - A s|^2`: what is left after a step.
+    /// `|z - A s|^2`: what is left after a step `s`.
     pub(super) fn left(&self, step: &DVector<f64>) -> f64 {
+        let own: Vec<f64> = self.active.iter().map(|unknown| step[*unknown]).collect();
         let mut curved = 0.0;
-        for (unknown, rows, values) in self.columns() {
-            let pairs = rows[1..].iter().zip(&values[1..]);
-            let below: f64 = pairs.map(|(row, value)| step[*row] * value).sum();
-            curved += step[unknown] * (2.0 * below + step[unknown] * values[0]);
+        for (k, (_, _, values)) in self.columns().enumerate() {
+            curved += own[k] * (2.0 * dot(&own[k + 1..], &values[1..]) + own[k] * values[0]);
         }
-        self.sloped(step) + curved
+        self.q - 2.0 * dot(&own, &self.g) + curved
     }
 }
 
