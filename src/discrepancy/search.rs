@@ -225,7 +225,13 @@ impl<'a, 'b> Search<'a, 'b> {
             let leads = winner.as_ref().map_or(least, |w| w.ln_posterior());
             let far =
                 |(other, ln): &(&Hypothesis, f64)| other.same_place(h) && *ln < leads - BEHIND;
-            if reached.iter().any(far) {
+            // What a slider of the winner would come to from another first guess is seen when that is fitted anew.
+            let is_winner = |w: &Arc<Fitted>| {
+                w.is_settled() && w.chosen.last().is_some_and(|l| l.same_place(h))
+            };
+            if reached.iter().any(far)
+                || (h.memory.is_some() && winner.as_ref().is_some_and(is_winner))
+            {
                 continue;
             }
             let Some(found) = self.tried.with(base, (h, weighed), leads) else {
@@ -346,6 +352,7 @@ impl<'a, 'b> Search<'a, 'b> {
             let least = current.ln_posterior();
             match self.refitted(&base, &others, least) {
                 Some(found) if found.ln_posterior() > least + BETTER => {
+                    let found = self.tried.restarted(found);
                     current = self.pruned(found);
                     at = 0;
                 }

@@ -23,6 +23,8 @@ pub(super) struct Tried<'a, 'b> {
     begun: Vec<(Arc<Fitted>, Arc<Fitted>)>,
     /// Models, a cause more, and the fit with it.
     added: Vec<(Arc<Fitted>, Hypothesis, Arc<Fitted>)>,
+    /// Models, and further sliders that began with half of a force there.
+    halved: Vec<(Arc<Fitted>, Hypothesis)>,
 }
 
 impl<'a, 'b> Tried<'a, 'b> {
@@ -34,6 +36,7 @@ impl<'a, 'b> Tried<'a, 'b> {
             visited: Vec::new(),
             begun: Vec::new(),
             added: Vec::new(),
+            halved: Vec::new(),
         }
     }
 
@@ -65,7 +68,16 @@ impl<'a, 'b> Tried<'a, 'b> {
             lead: lead - base.ln_prior() - h.ln_prior,
             known: known.as_deref(),
         };
-        let found = match self.added_to(base, (h, weighed), target)? {
+        // Forms of a slider that differ in their first guess come to the same here.
+        let halves = halved(base, h).filter(|(half, ..)| {
+            let same =
+                |(of, known): &(Arc<Fitted>, Hypothesis)| Arc::ptr_eq(of, base) && known == half;
+            !self.halved.iter().any(same)
+        });
+        if let Some((half, ..)) = &halves {
+            self.halved.push((Arc::clone(base), half.clone()));
+        }
+        let found = match self.added_to(base, (h, weighed), halves, target)? {
             Fit::New(found) => Arc::from(found),
             Fit::Known => known?,
         };
@@ -86,6 +98,7 @@ impl<'a, 'b> Tried<'a, 'b> {
         &self,
         base: &Fitted,
         (h, weighed): (&Hypothesis, &Weighed),
+        halved: Option<Halved>,
         target: Target<'_>,
     ) -> Option<Fit> {
         let begun = |h: &Hypothesis, guesses: &[f64], x: &[f64], target: Target<'_>| {
@@ -130,7 +143,7 @@ impl<'a, 'b> Tried<'a, 'b> {
             }
         };
         // A further slider takes over a part of what the first one does.
-        let halved = halved(base, h).and_then(|(h, guesses, x)| anew(&h, &guesses, &x));
+        let halved = halved.and_then(|(h, guesses, x)| anew(&h, &guesses, &x));
         let found = match (found, halved) {
             (Some(a), Some(b)) if b.ln_posterior() > a.ln_posterior() => b,
             (a, b) => a.or(b)?,
@@ -252,9 +265,11 @@ impl<'a, 'b> Tried<'a, 'b> {
     }
 }
 
+/// A further slider, guesses of its numbers and the unknowns of the fit.
+type Halved = (Hypothesis, Vec<f64>, Vec<f64>);
+
 /// Starts a further slider with half of the first one's force. The first keeps the other half and slips sooner, the further one later.
-/// Returns the hypothesis, guesses of its numbers and the unknowns of the fit.
-fn halved(base: &Fitted, h: &Hypothesis) -> Option<(Hypothesis, Vec<f64>, Vec<f64>)> {
+fn halved(base: &Fitted, h: &Hypothesis) -> Option<Halved> {
     let first = base
         .chosen
         .iter()
