@@ -3,17 +3,16 @@
 use crate::syntax::Expression;
 use crate::syntax::expression::{BinaryOperator, Constant, Node};
 
-/// Functions of a first argument that is compared with the others at these places; of ABS with zero.
-const ENDS: [(&str, &[usize]); 5] = [
+/// Functions of a first argument that is compared with the others at these places.
+const ENDS: [(&str, &[usize]); 4] = [
     ("STEP", &[1, 3]),
     ("STEP5", &[1, 3]),
     ("HAVSIN", &[1, 3]),
     ("SWEEP", &[2, 4]),
-    ("ABS", &[]),
 ];
 
-/// Breaks of an expression by the time alone, in no order: where an argument that is linear in TIME meets the constants it is compared
-/// with. Splines have none: their pieces meet smoothly.
+/// Breaks of an expression by the time alone, in no order: where an argument that is linear in TIME meets what it is compared with. Splines
+/// have none: their pieces meet smoothly.
 pub(crate) fn time_breaks(expression: &Expression) -> Vec<f64> {
     let mut found = Vec::new();
     for node in expression.root.walk() {
@@ -26,16 +25,29 @@ pub(crate) fn time_breaks(expression: &Expression) -> Vec<f64> {
                 arguments,
                 ..
             } => {
-                let known = ENDS.iter().find(|(name, _)| *name == function.name);
-                let (Some((_, ends)), Some(compared)) = (known, arguments.first()) else {
-                    continue;
-                };
-                if ends.is_empty() {
-                    found.extend(meeting(expression, compared, 0.0));
-                }
-                for end in ends.iter().filter_map(|at| arguments.get(*at)) {
-                    if let Some((0.0, value)) = linear(expression, end) {
-                        found.extend(meeting(expression, compared, value));
+                let all = || arguments.iter().enumerate();
+                match function.name {
+                    "ABS" | "SIGN" => {
+                        found.extend(all().filter_map(|(_, a)| meeting(expression, a, 0.0)));
+                    }
+                    "MAX" | "MIN" | "DIM" => {
+                        for (k, a) in all() {
+                            found.extend(all().skip(k + 1).filter_map(|(_, b)| {
+                                let (a, b) = (linear(expression, a)?, linear(expression, b)?);
+                                zero((a.0 - b.0, a.1 - b.1))
+                            }));
+                        }
+                    }
+                    name => {
+                        let known = ENDS.iter().find(|(of, _)| *of == name);
+                        let (Some((_, ends)), Some(compared)) = (known, arguments.first()) else {
+                            continue;
+                        };
+                        for end in ends.iter().filter_map(|at| arguments.get(*at)) {
+                            if let Some((0.0, value)) = linear(expression, end) {
+                                found.extend(meeting(expression, compared, value));
+                            }
+                        }
                     }
                 }
             }
@@ -48,7 +60,12 @@ pub(crate) fn time_breaks(expression: &Expression) -> Vec<f64> {
 /// The time at which a node that is linear in TIME has a value.
 fn meeting(expression: &Expression, node: &Node, value: f64) -> Option<f64> {
     let (slope, start) = linear(expression, node)?;
-    let time = (value - start) / slope;
+    zero((slope, start - value))
+}
+
+/// The zero of `slope TIME + start`.
+fn zero((slope, start): (f64, f64)) -> Option<f64> {
+    let time = -start / slope;
     (slope != 0.0 && time.is_finite()).then_some(time)
 }
 
@@ -92,6 +109,9 @@ mod tests {
             ("IF(TIME-0.3: 0, 1, IF(5-TIME/2: 1, 2, 3))", &[0.3, 10.0]),
             ("ABS(TIME-2)+HAVSIN(-TIME,-4,0,-3,1)", &[2.0, 3.0, 4.0]),
             ("SWEEP(TIME,1,0.5,2,8,3,0.1)", &[0.5, 8.0]),
+            ("SIGN(TIME-3,1-TIME)", &[1.0, 3.0]),
+            ("MAX(0,TIME-2,2*TIME-5)+MIN(1,1,DX(1))", &[2.0, 2.5, 3.0]),
+            ("DIM(1,0.25*TIME)+DIM(TIME,DX(1))", &[4.0]),
             ("STEP(DX(1),0,0,1,1)+SIN(TIME)+STEP(TIME**2,1,0,2,1)", &[]),
             ("STEP(TIME,TIME,0,VARVAL(1),1)", &[]),
         ] {

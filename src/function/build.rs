@@ -163,7 +163,7 @@ impl<'a> Build<'a> {
     }
 
     /// The last step has pieces that a motion can be held on.
-    fn switch(&mut self) {
+    pub(super) fn switch(&mut self) {
         let step = self.steps.last_mut().expect("a step was pushed");
         step.switch = self.switches;
         self.switches += 1;
@@ -185,9 +185,6 @@ impl<'a> Build<'a> {
         }
         let target = self.target();
         self.push(kind, operands, target);
-        if matches!(kind, Kind::Impact | Kind::Bistop) {
-            self.switch();
-        }
         Place::Target(target)
     }
 

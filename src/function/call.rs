@@ -1,3 +1,4 @@
+use super::breaks::linear;
 use super::build::{Build, Place};
 use super::compiler::Space;
 use super::input::FRICTION_NUMBERS;
@@ -29,7 +30,15 @@ impl Build<'_> {
                 .iter()
                 .map(|argument| self.node(argument))
                 .collect::<Result<Vec<_>, _>>()?;
-            return Ok(self.step(kind, &places));
+            let place = self.step(kind, &places);
+            // Where the time alone chooses the piece, when is known beforehand. A piece is a number of one byte.
+            let timed = |argument| linear(self.expression, argument).is_some();
+            let known = !matches!(kind, Kind::Impact | Kind::Bistop) && arguments.iter().all(timed);
+            let stepped = matches!(place, Place::Target(_)) && places.len() <= 256;
+            if kind.has_pieces() && stepped && !known {
+                self.switch();
+            }
+            return Ok(place);
         }
         if let Some(kind) = measure_kind(name) {
             return self.measure(function, kind, arguments);

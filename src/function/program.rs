@@ -3,7 +3,7 @@ use std::sync::Arc;
 use super::interpolant::Interpolant;
 use super::intrinsic::{self, Binary, Unary};
 use super::step::{Shape, step};
-use super::switch::{Piece, Seen, part_of, stop_on};
+use super::switch::{Piece, Seen, Switched, abs_on, dim_on, extreme_on, part_of, sign_on, stop_on};
 use super::{EvalError, Fault, Input, impact, series};
 
 /// A FUNCTION expression compiled to a flat list of steps over numbered slots.
@@ -78,6 +78,26 @@ pub(super) enum Kind {
 }
 
 impl Kind {
+    /// True for functions of several formulas, of which the arguments choose one.
+    pub(super) fn has_pieces(self) -> bool {
+        matches!(
+            self,
+            Self::Impact
+                | Self::Bistop
+                | Self::Max
+                | Self::Min
+                | Self::Unary(Unary::Abs, _)
+                | Self::Binary(Binary::Dim | Binary::Sign, _)
+        )
+    }
+
+    fn failed(self, fault: Fault) -> EvalError {
+        EvalError {
+            function: self.name(),
+            fault,
+        }
+    }
+
     /// As written in expressions.
     fn name(self) -> &'static str {
         match self {
@@ -140,7 +160,8 @@ impl Program {
         self.branches
     }
 
-    /// How many steps a motion can be held on pieces of: IMPACT, BISTOP, and IF unless its test is linear in TIME.
+    /// How many steps a motion can be held on pieces of: those of IMPACT, BISTOP, and where not the time alone chooses, ABS, SIGN, DIM,
+    /// MAX, MIN and IF.
     pub(crate) fn switches(&self) -> usize {
         self.switches as usize
     }
@@ -280,6 +301,15 @@ impl Program {
                     by[0] = 1.0;
                     first
                 }
+                kind if (step.switch as usize) < pieces.len() => {
+                    arguments.clear();
+                    arguments.extend(operands.iter().map(|&slot| values[slot as usize]));
+                    let held = pieces[step.switch as usize];
+                    let switched =
+                        held_on(kind, arguments, held, by).map_err(|fault| kind.failed(fault))?;
+                    seen[step.switch as usize] = switched.seen;
+                    switched.value
+                }
                 Kind::Negate => {
                     by[0] = -1.0;
                     -first
@@ -303,28 +333,17 @@ impl Program {
                 _ => {
                     arguments.clear();
                     arguments.extend(operands.iter().map(|&slot| values[slot as usize]));
-                    let found = match pieces.get(step.switch as usize) {
-                        None => self.call(step.kind, arguments, by),
-                        Some(held) => stop_on(arguments, *held, by).map(|switched| {
-                            seen[step.switch as usize] = switched.seen;
-                            switched.value
-                        }),
-                    };
-                    found.map_err(|fault| EvalError {
-                        function: step.kind.name(),
-                        fault,
-                    })?
+                    self.call(step.kind, arguments, by)
+                        .map_err(|fault| step.kind.failed(fault))?
                 }
             };
             if !value.is_finite() {
-                return Err(EvalError {
-                    function: step.kind.name(),
-                    fault: if value.is_nan() || step.kind == Kind::Divide {
-                        Fault::NotDefined
-                    } else {
-                        Fault::TooLarge
-                    },
-                });
+                let undefined = value.is_nan() || step.kind == Kind::Divide;
+                return Err(step.kind.failed(if undefined {
+                    Fault::NotDefined
+                } else {
+                    Fault::TooLarge
+                }));
             }
             values[step.target as usize] = value;
         }
@@ -389,6 +408,18 @@ impl Program {
             }
         }
     }
+}
+
+/// A function that has pieces, on the one it is held on.
+fn held_on(kind: Kind, a: &[f64], held: Piece, by: &mut [f64]) -> Result<Switched, Fault> {
+    Ok(match kind {
+        Kind::Max => extreme_on(true, a, held, by),
+        Kind::Min => extreme_on(false, a, held, by),
+        Kind::Unary(..) => abs_on(a[0], held, by),
+        Kind::Binary(Binary::Dim, _) => dim_on(a[0], a[1], held, by),
+        Kind::Binary(..) => sign_on(a[0], a[1], held, by),
+        _ => return stop_on(a, held, by),
+    })
 }
 
 fn two(kind: Kind, a: f64, b: f64) -> (f64, [f64; 2]) {

@@ -1,10 +1,11 @@
 //! Pieces of functions that are not smooth: on which one a motion is, and how far it is from the end of it.
 //!
-//! A step of an integrator is smooth only if every function stays on one formula in it. So a motion holds each IMPACT, BISTOP and IF on the
-//! piece it began with, beyond its end too, and looks after each step whether that end was passed.
+//! A step of an integrator is smooth only if every function stays on one formula in it. So a motion holds each IMPACT, BISTOP, ABS, SIGN,
+//! DIM, MAX, MIN and IF on the piece it began with, beyond its end too, and looks after each step whether that end was passed.
 
 use super::Fault;
 use super::impact::Stop;
+use super::intrinsic::extreme;
 
 /// The piece that a function is held on; none: that of its arguments.
 pub(crate) type Piece = Option<u8>;
@@ -32,7 +33,7 @@ pub(super) struct Switched {
     pub seen: Seen,
 }
 
-/// IF: negative, zero, positive.
+/// IF: negative, zero, positive. ABS and DIM: negative, positive.
 const NEGATIVE: u8 = 0;
 const ZERO: u8 = 1;
 const POSITIVE: u8 = 2;
@@ -44,17 +45,13 @@ pub(super) fn part_of(test: f64, held: Piece) -> (u8, Seen) {
         test if test > 0.0 => POSITIVE,
         _ => ZERO,
     };
-    let excess = match held {
-        Some(NEGATIVE) => test,
-        Some(POSITIVE) => -test,
-        Some(_) => test.abs(),
-        None => f64::NEG_INFINITY,
+    let on = held.unwrap_or(piece);
+    let excess = match on {
+        NEGATIVE => test,
+        POSITIVE => -test,
+        _ => test.abs(),
     };
-    let seen = Seen {
-        piece: Some(piece),
-        excess,
-    };
-    (held.unwrap_or(piece), seen)
+    (on, seen(piece, held, excess))
 }
 
 /// IMPACT and BISTOP: no contact, pressed against the lower stop, in it without a force (the damping would pull), the same of the upper.
@@ -103,9 +100,91 @@ pub(super) fn stop_on(a: &[f64], held: Piece, by: &mut [f64]) -> Result<Switched
         }
         (-depth[side]).max(if pressed { -stop.force } else { stop.force })
     };
-    let seen = Seen {
+    Ok(Switched {
+        value,
+        seen: seen(piece, held, excess),
+    })
+}
+
+/// What is seen of a function held on a piece, of which `excess` is zero at the end.
+fn seen(piece: u8, held: Piece, excess: f64) -> Seen {
+    Seen {
         piece: Some(piece),
         excess: held.map_or(f64::NEG_INFINITY, |_| excess),
+    }
+}
+
+/// ABS(x) on the piece it is held on: x or -x.
+pub(super) fn abs_on(x: f64, held: Piece, by: &mut [f64]) -> Switched {
+    let piece = if x < 0.0 { NEGATIVE } else { POSITIVE };
+    let sign = if held.unwrap_or(piece) == NEGATIVE {
+        -1.0
+    } else {
+        1.0
     };
-    Ok(Switched { value, seen })
+    by[0] = sign;
+    Switched {
+        value: sign * x,
+        seen: seen(piece, held, -sign * x),
+    }
+}
+
+/// DIM(a, b) on the piece it is held on: a - b or zero.
+pub(super) fn dim_on(a: f64, b: f64, held: Piece, by: &mut [f64]) -> Switched {
+    let piece = if a > b { POSITIVE } else { NEGATIVE };
+    let round_off = rounding(a, b);
+    if held.unwrap_or(piece) == POSITIVE {
+        by.copy_from_slice(&[1.0, -1.0]);
+        Switched {
+            value: a - b,
+            seen: seen(piece, held, b - a - round_off),
+        }
+    } else {
+        by.fill(0.0);
+        Switched {
+            value: 0.0,
+            seen: seen(piece, held, a - b - round_off),
+        }
+    }
+}
+
+/// SIGN(a, b) on the piece it is held on. A piece is which of the two are negative: 1 for a, 2 for b.
+pub(super) fn sign_on(a: f64, b: f64, held: Piece, by: &mut [f64]) -> Switched {
+    let piece = u8::from(a < 0.0) + 2 * u8::from(b < 0.0);
+    let on = held.unwrap_or(piece);
+    let of_a = if on & 1 == 0 { 1.0 } else { -1.0 };
+    let of_b = if on & 2 == 0 { 1.0 } else { -1.0 };
+    by.copy_from_slice(&[of_a * of_b, 0.0]);
+    Switched {
+        value: of_a * of_b * a,
+        seen: seen(piece, held, (-of_a * a).max(-of_b * b)),
+    }
+}
+
+/// MAX, or MIN, on the piece it is held on: which of its arguments it is.
+pub(super) fn extreme_on(largest: bool, a: &[f64], held: Piece, by: &mut [f64]) -> Switched {
+    extreme(largest, a, by);
+    let piece = by.iter().position(|partial| *partial != 0.0).unwrap_or(0);
+    let on = held.map_or(piece, usize::from);
+    by.fill(0.0);
+    by[on] = 1.0;
+    let others = a.iter().enumerate().filter(|(k, _)| *k != on);
+    let beyond = others.map(|(_, other)| {
+        let more = if largest {
+            other - a[on]
+        } else {
+            a[on] - other
+        };
+        more - rounding(*other, a[on])
+    });
+    let excess = beyond.fold(f64::NEG_INFINITY, f64::max);
+    Switched {
+        value: a[on],
+        seen: seen(piece as u8, held, excess),
+    }
+}
+
+/// Arguments that are equal but for round-off change no side.
+fn rounding(a: f64, b: f64) -> f64 {
+    4.0 * f64::EPSILON * a.abs().max(b.abs())
 }

@@ -10,6 +10,7 @@ use crate::model::{
 use crate::syntax::Expression;
 
 mod derivatives;
+mod pieces;
 mod splines;
 
 fn header(id: u32) -> Header {

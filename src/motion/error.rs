@@ -69,7 +69,7 @@ pub enum Reason {
     },
     /// A function that is not smooth changes its piece over and over.
     #[error(
-        "the function of {function} switches more than {count} times between two outputs: an IMPACT, BISTOP or IF in it chatters, or DTOUT is long"
+        "the function of {function} switches more than {count} times between two outputs: an IMPACT, an IF or the like in it chatters, or DTOUT is long"
     )]
     Chatter {
         /// The statement.

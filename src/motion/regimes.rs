@@ -19,7 +19,7 @@ pub(super) enum Change {
     Switch(usize, u8),
 }
 
-/// What is known of one IMPACT, BISTOP or IF.
+/// What is known of one function with pieces.
 #[derive(Clone, Debug, Default)]
 struct History {
     /// Steps after which it changed last.

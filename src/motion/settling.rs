@@ -1,6 +1,6 @@
 //! The times at which the regimes of a motion change.
 //!
-//! Within a step every IMPACT, BISTOP and IF stays on one piece, and every friction in one regime. The step ends where that ceases to be
+//! Within a step every function with pieces (IMPACT, IF, ABS) stays on one, and every friction in one regime. The step ends where that ceases to be
 //! right, and the next one begins anew on the other side.
 
 use super::error::{MotionError, Reason};

@@ -30,17 +30,21 @@ impl Known {
     }
 }
 
+/// Dropped from 1 m onto k = 1e4: two periods of .934906080799 s.
+fn dropped(force: &str) -> Known {
+    Known {
+        deck: along_z(-9.81, (1.0, 0.0), force),
+        end: 1.869_812_161_598_033,
+        place: (1.0, 1.0),
+        velocity: (0.0, 19.62_f64.sqrt()),
+        changes: 4,
+    }
+}
+
 fn known() -> Vec<Known> {
     let fall = 19.62_f64.sqrt();
     vec![
-        // Dropped from 1 m onto k = 1e4: two periods of .934906080799 s.
-        Known {
-            deck: along_z(-9.81, (1.0, 0.0), "IMPACT(DZ(20),VZ(20),0,1E4,1,0,1E-4)"),
-            end: 1.869_812_161_598_033,
-            place: (1.0, 1.0),
-            velocity: (0.0, fall),
-            changes: 4,
-        },
+        dropped("IMPACT(DZ(20),VZ(20),0,1E4,1,0,1E-4)"),
         // The same with an exponent of 1.5 on k = 1e5: contact of .0240555174853834 s by quadrature of the energy integral.
         Known {
             deck: along_z(-9.81, (1.0, 0.0), "IMPACT(DZ(20),VZ(20),0,1E5,1.5,0,1E-4)"),
@@ -72,6 +76,25 @@ fn known() -> Vec<Known> {
         // 5 N against the velocity, 100 N/m: each half swing of pi/10 is 0.1 m shorter than the one before. A third of the sixth.
         Known {
             deck: along_z(0.0, (1.0, 0.0), "-100*DZ(20)+IF(VZ(20):5,0,-5)"),
+            end: (0.5 + 1.0 / 30.0) * PI,
+            place: (-0.275, 1.0),
+            velocity: (4.5 * (PI / 3.0).sin(), 9.5),
+            changes: 6,
+        },
+        // The first again, pushed by a force of one side.
+        dropped("MAX(0,-1E4*DZ(20))"),
+        dropped("-1E4*MIN(DZ(20),0)"),
+        dropped("1E4*DIM(0,DZ(20))"),
+        // The fourth and the fifth.
+        Known {
+            deck: along_z(0.0, (1.0, 0.0), "-250*DZ(20)+150*ABS(DZ(20))"),
+            end: 0.45 * PI,
+            place: (1.0, 1.0),
+            velocity: (0.0, 10.0),
+            changes: 6,
+        },
+        Known {
+            deck: along_z(0.0, (1.0, 0.0), "-100*DZ(20)-SIGN(5,VZ(20))"),
             end: (0.5 + 1.0 / 30.0) * PI,
             place: (-0.275, 1.0),
             velocity: (4.5 * (PI / 3.0).sin(), 9.5),
@@ -124,10 +147,17 @@ fn a_step_ends_where_the_contact_begins_and_where_it_ends() {
 /// Nothing is watched where nothing can change.
 #[test]
 fn smooth_systems_have_no_regimes() {
-    let smooth = "-3*DZ(20)+STEP(TIME,0.1,0,0.2,1)+IF(TIME-0.3:0,0,1)";
-    let deck = along_z(0.0, (1.0, 0.0), smooth);
-    assert!(begun(&deck, 1e-3, 0.1).regimes.is_none());
-    assert!(begun(&known()[3].deck, 1e-3, 0.1).regimes.is_some());
+    let smooth = [
+        "-3*DZ(20)+STEP(TIME,0.1,0,0.2,1)+IF(TIME-0.3:0,0,1)",
+        "MAX(0,TIME-0.1)+ABS(TIME-0.2)+SIGN(2,0.3-TIME)+DIM(TIME,0.5)*DZ(20)",
+    ];
+    for smooth in smooth {
+        let deck = along_z(0.0, (1.0, 0.0), smooth);
+        assert!(begun(&deck, 1e-3, 0.1).regimes.is_none());
+    }
+    for known in &known()[3..] {
+        assert!(begun(&known.deck, 1e-3, 0.1).regimes.is_some());
+    }
 }
 
 fn failure(deck: &Deck, hmax: f64, end: f64) -> MotionError {

@@ -1,0 +1,134 @@
+//! Functions held on a piece: their formula goes on beyond its end, and how far the arguments are beyond is seen.
+
+use super::{Scratch, compile};
+
+/// Value, derivatives by VARIABLE/1 and /2, the piece of the arguments and the excess.
+fn on(text: &str, at: [f64; 2], held: Option<u8>) -> (f64, [f64; 2], u8, f64) {
+    let case = compile(text);
+    assert_eq!(case.program.switches(), 1, "{text}");
+    let mut scratch = Scratch::default();
+    let inputs = case.inputs([at[0], at[1], 0.0, 0.0]);
+    let (mut by, mut by_literal) = (vec![0.0; inputs.len()], vec![0.0; case.literals.len()]);
+    let value = case.program.eval_on_pieces(
+        &inputs,
+        &case.literals,
+        &[held],
+        &mut scratch,
+        (&mut by, &mut by_literal),
+    );
+    let seen = scratch.seen()[0];
+    by.resize(2, 0.0);
+    (
+        value.expect("a value"),
+        [by[0], by[1]],
+        seen.piece.expect("a piece"),
+        seen.excess,
+    )
+}
+
+/// At points on either side: on its own piece a function is itself and not beyond; on that of the other point it is the formula of there.
+#[test]
+fn held_functions_follow_the_formula_of_their_piece() {
+    type Formula = fn(f64, f64) -> (f64, [f64; 2]);
+    let cases: [(&str, [f64; 2], [f64; 2], Formula, f64); 8] = [
+        (
+            "ABS(VARVAL(1))",
+            [2.0, 0.0],
+            [-3.0, 0.0],
+            |x, _| (x, [1.0, 0.0]),
+            3.0,
+        ),
+        (
+            "ABS(VARVAL(1))",
+            [-2.0, 0.0],
+            [3.0, 0.0],
+            |x, _| (-x, [-1.0, 0.0]),
+            3.0,
+        ),
+        (
+            "DIM(VARVAL(1),VARVAL(2))",
+            [2.0, 1.0],
+            [1.0, 5.0],
+            |a, b| (a - b, [1.0, -1.0]),
+            4.0,
+        ),
+        (
+            "DIM(VARVAL(1),VARVAL(2))",
+            [1.0, 2.0],
+            [7.0, 5.0],
+            |_, _| (0.0, [0.0, 0.0]),
+            2.0,
+        ),
+        (
+            "SIGN(VARVAL(1),VARVAL(2))",
+            [2.0, -1.0],
+            [3.0, 4.0],
+            |a, _| (-a, [-1.0, 0.0]),
+            4.0,
+        ),
+        (
+            "SIGN(VARVAL(1),VARVAL(2))",
+            [2.0, -1.0],
+            [-3.0, -4.0],
+            |a, _| (-a, [-1.0, 0.0]),
+            3.0,
+        ),
+        (
+            "MAX(VARVAL(1),0,VARVAL(2))",
+            [1.0, 2.0],
+            [5.0, 3.0],
+            |_, b| (b, [0.0, 1.0]),
+            2.0,
+        ),
+        (
+            "MIN(VARVAL(1),VARVAL(2))",
+            [1.0, 2.0],
+            [5.0, 3.0],
+            |a, _| (a, [1.0, 0.0]),
+            2.0,
+        ),
+    ];
+    for (text, here, beyond, formula, excess) in cases {
+        let free = compile(text)
+            .at([here[0], here[1], 0.0, 0.0])
+            .expect("a value");
+        let (value, _, piece, unheld) = on(text, here, None);
+        assert_eq!((value, unheld), (free, f64::NEG_INFINITY), "{text}");
+        let (value, by, same, inside) = on(text, here, Some(piece));
+        assert_eq!((value, by), formula(here[0], here[1]), "{text}");
+        assert_eq!((value, same), (free, piece), "{text}");
+        assert!(inside < 0.0, "{text}: {inside}");
+        let (value, by, other, outside) = on(text, beyond, Some(piece));
+        assert_eq!((value, by), formula(beyond[0], beyond[1]), "{text}");
+        assert_ne!(other, piece, "{text}");
+        assert!((outside - excess).abs() < 1e-12, "{text}: {outside}");
+    }
+}
+
+/// What is equal but for round-off changes no side.
+#[test]
+fn arguments_that_are_equal_but_for_round_off_are_not_beyond() {
+    let more = 3.0 * (1.0 + f64::EPSILON);
+    for (text, at) in [
+        ("MAX(VARVAL(1),VARVAL(2))", [3.0, more]),
+        ("MIN(VARVAL(1),VARVAL(2))", [more, 3.0]),
+        ("DIM(VARVAL(1),VARVAL(2))", [more, 3.0]),
+    ] {
+        let (_, _, _, excess) = on(text, at, Some(0));
+        assert!(excess < 0.0, "{text}: {excess}");
+    }
+}
+
+/// Whether the time alone chooses is known beforehand, and nothing is held.
+#[test]
+fn functions_of_the_time_alone_have_no_pieces() {
+    for (text, switches) in [
+        (
+            "MAX(0,TIME-1)+ABS(2*TIME)+SIGN(1,TIME)+DIM(1,TIME)+MIN(1,2)",
+            0,
+        ),
+        ("MAX(0,VARVAL(1)-TIME)+ABS(SIN(TIME))", 2),
+    ] {
+        assert_eq!(compile(text).program.switches(), switches, "{text}");
+    }
+}
