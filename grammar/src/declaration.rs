@@ -100,6 +100,8 @@ pub enum Solved {
     NoEffect(String),
     /// Only real ADAMS, and why.
     External(String),
+    /// Only real ADAMS with a user-written subroutine, and what is in it.
+    Subroutine(String),
 }
 
 /// One statement or command.

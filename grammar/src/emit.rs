@@ -128,6 +128,7 @@ fn solved(solved: &Solved) -> String {
         Solved::Native(name) => format!("Solved::Native({name:?})"),
         Solved::NoEffect(why) => format!("Solved::NoEffect({why:?})"),
         Solved::External(why) => format!("Solved::External({why:?})"),
+        Solved::Subroutine(why) => format!("Solved::Subroutine({why:?})"),
     }
 }
 
@@ -177,7 +178,7 @@ pub fn coverage(grammar: &Grammar) -> String {
         let solved = match &statement.solved {
             Solved::Native(_) => "yes".to_string(),
             Solved::NoEffect(why) => format!("no effect on statics: {why}"),
-            Solved::External(why) => format!("no: {why}"),
+            Solved::External(why) | Solved::Subroutine(why) => format!("no: {why}"),
         };
         let _ = writeln!(
             out,

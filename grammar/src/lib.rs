@@ -11,7 +11,7 @@
 //! ```text
 //! statement BUshing / id                            # what it is, in one line
 //!   role     both                                   # dataset, command or both
-//!   solved   native bushing                         # native NAME, no-effect "why" or external "why"
+//!   solved   native bushing                         # native NAME, no-effect "why", external "why" or subroutine "what"
 //!   source   adams_solver/state_bushing.html        # the page that documents it
 //!   unchecked "K and TYPE"                          # if so: what could not be compared with a page
 //!   I        ref<marker>  required                  # one line for people

@@ -293,17 +293,16 @@ fn quoted(text: &str) -> Result<String, Problem> {
 }
 
 fn solved(text: &str) -> Result<Solved, Problem> {
-    if let Some(name) = text.strip_prefix("native ") {
-        Ok(Solved::Native(name.trim().to_string()))
-    } else if let Some(rest) = text.strip_prefix("no-effect ") {
-        Ok(Solved::NoEffect(quoted(rest)?))
-    } else if let Some(rest) = text.strip_prefix("external ") {
-        Ok(Solved::External(quoted(rest)?))
-    } else {
-        Err(Problem::Expected(
-            "native, no-effect or external",
-            text.into(),
-        ))
+    let (word, rest) = text.split_once(' ').unwrap_or((text, ""));
+    match word {
+        "native" => Ok(Solved::Native(rest.trim().to_string())),
+        "no-effect" => Ok(Solved::NoEffect(quoted(rest)?)),
+        "external" => Ok(Solved::External(quoted(rest)?)),
+        "subroutine" => Ok(Solved::Subroutine(quoted(rest)?)),
+        _ => {
+            let expected = "native, no-effect, external or subroutine";
+            Err(Problem::Expected(expected, text.into()))
+        }
     }
 }
 

@@ -559,7 +559,7 @@ pub(super) fn refusal(function: &FunctionDef) -> Diagnostic {
         );
     }
     let why = match function.solved {
-        Solved::External(why) | Solved::NoEffect(why) => why,
+        Solved::External(why) | Solved::Subroutine(why) | Solved::NoEffect(why) => why,
         Solved::Native(_) => "the built-in solver does not evaluate it",
     };
     Diagnostic::error(Code::NotSolvedNatively, format!("{}: {why}", function.name))

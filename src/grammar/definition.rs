@@ -218,6 +218,19 @@ pub enum Solved {
     NoEffect(&'static str),
     /// Only real ADAMS; the text says why.
     External(&'static str),
+    /// Only real ADAMS with a user-written subroutine; the text says what is in it.
+    Subroutine(&'static str),
+}
+
+impl Solved {
+    /// Why only real ADAMS solves it, if that is so.
+    #[must_use]
+    pub fn only_adams(self) -> Option<&'static str> {
+        match self {
+            Self::External(why) | Self::Subroutine(why) => Some(why),
+            Self::Native(_) | Self::NoEffect(_) => None,
+        }
+    }
 }
 
 /// One function of FUNCTION expressions.

@@ -343,7 +343,9 @@ fn measured(
             }
         },
         name => match function.solved {
-            Solved::Native("measure" | "force measure") | Solved::External(_) => {
+            Solved::Native("measure" | "force measure")
+            | Solved::External(_)
+            | Solved::Subroutine(_) => {
                 return Err(format!("what {name} measures is not known here"));
             }
             _ => Dimension::NONE,

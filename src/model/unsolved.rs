@@ -12,6 +12,8 @@ pub struct Unsolved {
     pub header: Header,
     /// The statement's keyword in capitals.
     pub kind: &'static str,
+    /// `UserSubroutine`, or `NotSolvedNatively`.
+    pub code: Code,
     /// Why only real ADAMS can solve it.
     pub why: String,
 }

@@ -92,7 +92,7 @@ pub fn solved(solved: Solved) -> String {
     match solved {
         Solved::Native(what) => format!("Solved by the built-in solver ({what})."),
         Solved::NoEffect(why) => format!("No effect on statics: {why}."),
-        Solved::External(why) => format!("Only real ADAMS: {why}."),
+        Solved::External(why) | Solved::Subroutine(why) => format!("Only real ADAMS: {why}."),
     }
 }
 

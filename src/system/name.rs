@@ -11,8 +11,6 @@ pub struct Name {
     pub view: String,
 }
 
-impl Name {}
-
 impl fmt::Display for Name {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}/{}", self.kind, self.id)?;

@@ -178,13 +178,14 @@ impl Definitions {
             let body = self.ids.index("marker", id).and_then(own);
             lower_statement(&mut reader, body, &mut fresh);
         }
-        if let Some(why) = why {
+        if let Some((code, why)) = why {
             let message = format!("{} is not solved: {why}", reader.called());
             let place = reader.latest_keyword();
-            reader.complain(Diagnostic::warning(Code::NotSolvedNatively, message), place);
+            reader.complain(Diagnostic::warning(code, message), place);
             fresh.unsolved.push(Unsolved {
                 header: reader.header(),
                 kind: def.name,
+                code,
                 why,
             });
         }

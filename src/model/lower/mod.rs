@@ -22,7 +22,7 @@ use self::statement::statement as lower_statement;
 use self::unsolved::unsolved;
 use super::{Header, Joint, MarkerIx, Model, Part, PartIx, PartKind, Unsolved};
 use crate::diagnostic::{Checked, Code, Diagnostic};
-use crate::grammar::{Solved, StatementDef};
+use crate::grammar::StatementDef;
 use crate::mechanics::Pose;
 use crate::syntax::files::Files;
 use crate::syntax::hash::QuickMap;
@@ -283,7 +283,7 @@ impl Lowering<'_> {
         dimensions::check(stated, def, context, diagnostics);
         let moves = def.name == "MARKER" && frame::moves(&stated);
         let done = is_body(def) || def.name == "JOINT" || def.name == "MARKER" && !moves;
-        if done && !matches!(def.solved, Solved::External(_)) {
+        if done && def.solved.only_adams().is_none() {
             return;
         }
         if def.id.is_some() && statement.id.is_none() {
@@ -294,10 +294,11 @@ impl Lowering<'_> {
         }
         let known = diagnostics.len();
         let mut reader = Reader::new(context, stated, def, at, diagnostics);
-        if let Some(why) = unsolved(&stated, def) {
+        if let Some((code, why)) = unsolved(&stated, def) {
             self.model.unsolved.push(Unsolved {
                 header: reader.header(),
                 kind: def.name,
+                code,
                 why,
             });
             return;

@@ -1,19 +1,24 @@
 use super::frame;
+use crate::diagnostic::Code;
 use crate::grammar::{Solved, StatementDef};
 use crate::syntax::Stated;
 
 /// Why only real ADAMS can solve a statement; `None` if the built-in solver does, or if statics does not need it.
-pub(super) fn unsolved(statement: &Stated, def: &'static StatementDef) -> Option<String> {
-    if let Solved::External(why) = def.solved {
-        return Some(why.to_string());
+pub(super) fn unsolved(statement: &Stated, def: &'static StatementDef) -> Option<(Code, String)> {
+    match def.solved {
+        Solved::External(why) => return Some((Code::NotSolvedNatively, why.to_string())),
+        Solved::Subroutine(why) => return Some((Code::UserSubroutine, why.to_string())),
+        Solved::Native(_) | Solved::NoEffect(_) => {}
     }
-    let user = statement.is_user("FUNCTION");
     let formulation = statement
         .choices("FORMULATION")
         .and_then(|words| words.first().copied());
     let reason = match def.name {
-        "COUPLER" | "FIELD" | "SPLINE" | "GFORCE" | "VFORCE" | "VTORQUE" if user => {
-            "its values come from a user subroutine"
+        "COUPLER" | "FIELD" | "SPLINE" | "GFORCE" | "VFORCE" | "VTORQUE"
+            if statement.is_user("FUNCTION") =>
+        {
+            let why = "its values come from a user subroutine";
+            return Some((Code::UserSubroutine, why.to_string()));
         }
         "FIELD" if formulation == Some("NONLINEAR") => {
             "FORMULATION=NONLINEAR: its law is not published"
@@ -39,5 +44,5 @@ pub(super) fn unsolved(statement: &Stated, def: &'static StatementDef) -> Option
         }
         _ => return None,
     };
-    Some(reason.to_string())
+    Some((Code::NotSolvedNatively, reason.to_string()))
 }

@@ -17,7 +17,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     for statement in context.statements() {
         let Some(def) = statement.def else { continue };
         match def.solved {
-            Solved::External(why) => {
+            Solved::External(why) | Solved::Subroutine(why) => {
                 external.entry(def.name).or_insert((0, statement, why)).0 += 1;
             }
             Solved::Native(_) if def.name == "FRICTION" => {
@@ -33,13 +33,13 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         }
         for argument in &statement.arguments {
             match &argument.value {
-                Value::User(span) if !matches!(def.solved, Solved::External(_)) => {
+                Value::User(span) if def.solved.only_adams().is_none() => {
                     users.entry(def.name).or_insert((0, *span)).0 += 1;
                 }
                 Value::Function(expression) => {
                     for node in expression.root.walk() {
                         if let Node::Call { function, span, .. } = node
-                            && matches!(function.solved, Solved::External(_))
+                            && function.solved.only_adams().is_some()
                         {
                             functions.entry(function.name).or_insert((function, *span));
                         }
@@ -89,7 +89,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         );
     }
     for (name, (function, span)) in functions {
-        let Solved::External(why) = function.solved else {
+        let Some(why) = function.solved.only_adams() else {
             continue;
         };
         let message = format!("{name} is not evaluated by the built-in solver");

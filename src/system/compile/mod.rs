@@ -355,17 +355,12 @@ impl<'a> Compiler<'a> {
                 continue;
             };
             let owner = name(u.kind, &u.header);
-            let code = if u.why.contains("user subroutine") {
-                Code::UserSubroutine
-            } else {
-                Code::NotSolvedNatively
-            };
-            if code == Code::UserSubroutine {
+            if u.code == Code::UserSubroutine {
                 self.users.push(owner.clone());
             }
             let message = format!("{owner} is not solved: {}; {effect}", u.why);
             self.diagnostics.push(
-                Diagnostic::error(code, message).help(way_out(u.kind, "real ADAMS solves it")),
+                Diagnostic::error(u.code, message).help(way_out(u.kind, "real ADAMS solves it")),
             );
         }
         let users = &self.users;
