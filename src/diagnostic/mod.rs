@@ -62,6 +62,17 @@ pub struct Fix {
     pub applicability: Applicability,
 }
 
+/// An object of a model, as a message calls it.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Object {
+    /// Keyword in capitals.
+    pub kind: &'static str,
+    /// As in the message: `CONTACT/1 'cam_to_pin'`.
+    pub called: String,
+    /// View name, where it says more than keyword and id.
+    pub view: Option<String>,
+}
+
 /// One complaint.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Diagnostic {
@@ -71,6 +82,8 @@ pub struct Diagnostic {
     pub severity: Severity,
     /// One sentence, no full stop.
     pub message: String,
+    /// The object it is about, where the message names one and no place tells it.
+    pub object: Option<Object>,
     /// Places, the primary one first.
     pub labels: Vec<Label>,
     /// What to do about it.
@@ -100,10 +113,18 @@ impl Diagnostic {
             code,
             severity,
             message: message.into(),
+            object: None,
             labels: Vec::new(),
             help: None,
             fix: None,
         }
+    }
+
+    /// Says which object it is about.
+    #[must_use]
+    pub(crate) fn about(mut self, object: Object) -> Self {
+        self.object = Some(object);
+        self
     }
 
     /// Adds a place.

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use crate::diagnostic::{Code, Diagnostic, Severity};
 
-use super::object_names::object_of;
 use super::run_state::Session;
 
 /// So many objects get a message each; more share one.
@@ -24,23 +23,22 @@ impl Session<'_> {
     }
 }
 
-/// Complaints that differ only in the object they begin with, as in `CONTACT/1 'a' is not solved`, become one where they are many.
+/// Complaints that differ only in the object they are about, as in `CONTACT/1 'a' is not solved`, become one where they are many.
 fn gathered(found: Vec<Diagnostic>) -> Vec<Diagnostic> {
-    type Key = (Code, Severity, String, String, Option<String>);
+    type Key = (Code, Severity, &'static str, String, Option<String>);
     let mut groups: Vec<Vec<Diagnostic>> = Vec::new();
     let mut known: BTreeMap<Key, usize> = BTreeMap::new();
     for diagnostic in found {
-        let Some((object, rest)) = split(&diagnostic).filter(|_| diagnostic.labels.is_empty())
-        else {
+        let object = diagnostic.object.as_ref();
+        let Some(object) = object.filter(|_| diagnostic.labels.is_empty()) else {
             groups.push(vec![diagnostic]);
             continue;
         };
-        let kind = object.split('/').next().unwrap_or_default().to_string();
         let key = (
             diagnostic.code,
             diagnostic.severity,
-            kind,
-            rest.to_string(),
+            object.kind,
+            diagnostic.message.replacen(&object.called, "", 1),
             diagnostic.help.clone(),
         );
         let at = *known.entry(key).or_insert(groups.len());
@@ -60,7 +58,7 @@ fn as_one(mut group: Vec<Diagnostic>) -> Vec<Diagnostic> {
     let others = group.split_off(1);
     let named: Vec<&str> = others
         .iter()
-        .filter_map(|other| split(other).map(|(object, _)| object))
+        .filter_map(|other| Some(&*other.object.as_ref()?.called))
         .take(NAMED)
         .collect();
     let left = others.len() - named.len();
@@ -78,35 +76,26 @@ fn as_one(mut group: Vec<Diagnostic>) -> Vec<Diagnostic> {
     group
 }
 
-/// `CONTACT/1 'a'` and what is said of it.
-fn split(diagnostic: &Diagnostic) -> Option<(&str, &str)> {
-    let message = &diagnostic.message;
-    let end = if let Some(name) = object_of(message) {
-        // The name and its two quotes.
-        message.find(" '")? + name.len() + 3
-    } else {
-        let (kind, rest) = message.split_once('/')?;
-        let digits = rest.bytes().take_while(u8::is_ascii_digit).count();
-        let is_kind = kind.bytes().all(|b| b.is_ascii_uppercase() || b == b'_');
-        if digits == 0 || kind.is_empty() || !is_kind {
-            return None;
-        }
-        kind.len() + 1 + digits
-    };
-    Some(message.split_at(end))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnostic::Object;
 
     #[test]
     fn many_alike_are_one_and_few_stay_apart() {
-        let contact = |k: usize| format!("CONTACT/{k} 'c{k}' is not solved: it would push");
-        let error = |message: String| Diagnostic::error(Code::NotSolvedNatively, message);
-        let mut found: Vec<Diagnostic> = (1..=9).map(|k| error(contact(k))).collect();
-        found.insert(4, error("PTCV/1 is not solved: it would push".to_string()));
-        found.push(error("PTCV/2 is not solved: it would push".to_string()));
+        let error = |kind: &'static str, called: String, view: Option<String>| {
+            let message = format!("{called} is not solved: it would push");
+            let object = Object { kind, called, view };
+            Diagnostic::error(Code::NotSolvedNatively, message).about(object)
+        };
+        let contact = |k: usize| {
+            let view = format!("c{k}");
+            error("CONTACT", format!("CONTACT/{k} '{view}'"), Some(view))
+        };
+        let curve = |k: usize| error("PTCV", format!("PTCV/{k}"), None);
+        let mut found: Vec<Diagnostic> = (1..=9).map(contact).collect();
+        found.insert(4, curve(1));
+        found.push(curve(2));
         let told: Vec<String> = gathered(found).into_iter().map(|d| d.message).collect();
         assert_eq!(
             told,

@@ -4,7 +4,7 @@ use crate::diagnostic::{Diagnostic, Label};
 use crate::syntax::Dataset;
 use crate::text::{Source, Span};
 
-use super::object_names::{ObjectNames, object_of, qualified};
+use super::object_names::{ObjectNames, qualified};
 
 /// The files that diagnostics point into.
 #[derive(Clone, Debug, Default)]
@@ -32,10 +32,11 @@ impl Sources {
 
     /// The object a diagnostic is about, as ADAMS names it.
     fn object(&self, diagnostic: &Diagnostic) -> Option<String> {
-        match diagnostic.labels.first() {
-            Some(label) => self.names.as_ref()?.at(label).map(str::to_string),
-            None => object_of(&diagnostic.message).map(|name| qualified(None, name)),
+        if let Some(label) = diagnostic.labels.first() {
+            return self.names.as_ref()?.at(label).map(str::to_string);
         }
+        let view = diagnostic.object.as_ref()?.view.as_deref()?;
+        Some(qualified(None, view))
     }
 
     /// `file:line:column` of a label, or the file alone when its text is not at hand or the label is about all of it.

@@ -67,18 +67,6 @@ pub(super) fn qualified(part: Option<&str>, name: &str) -> String {
     }
 }
 
-/// The view name in `CONTACT/1 'cam_to_pin' is not solved`.
-pub(super) fn object_of(message: &str) -> Option<&str> {
-    let (object, rest) = message.split_once(" '")?;
-    let (kind, id) = object.split_once('/')?;
-    let is_kind = !kind.is_empty() && kind.bytes().all(|b| b.is_ascii_uppercase() || b == b'_');
-    let is_id = !id.is_empty() && id.bytes().all(|b| b.is_ascii_digit());
-    (is_kind && is_id)
-        .then(|| rest.split_once('\''))
-        .flatten()
-        .map(|(name, _)| name)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -104,7 +92,5 @@ mod tests {
         assert_eq!(at("MARKER/21"), Some("model.TR_Front.arm.tip"));
         assert_eq!(at("JOINT/1"), Some("model.hinge"));
         assert_eq!(at("MARKER/22"), None);
-        assert_eq!(object_of("CONTACT/1 'a b' is not solved"), Some("a b"));
-        assert_eq!(object_of("the file 'x' is not here"), None);
     }
 }

@@ -1,5 +1,7 @@
 use std::fmt;
 
+use crate::diagnostic::Object;
+
 /// How a person knows an object: `BUSHING/12 'front_arm_bushing'`.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct Name {
@@ -11,14 +13,30 @@ pub struct Name {
     pub view: String,
 }
 
+impl Name {
+    /// The view name; none if it says nothing new, made up of kind and id.
+    fn telling(&self) -> Option<&str> {
+        let tells = !self.view.is_empty() && self.view != format!("{}_{}", self.kind, self.id);
+        tells.then_some(&*self.view)
+    }
+
+    /// For a complaint about it.
+    pub(crate) fn object(&self) -> Object {
+        Object {
+            kind: self.kind,
+            called: self.to_string(),
+            view: self.telling().map(str::to_string),
+        }
+    }
+}
+
 impl fmt::Display for Name {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}/{}", self.kind, self.id)?;
-        // A view name made up of kind and id says nothing new.
-        if !self.view.is_empty() && self.view != format!("{}_{}", self.kind, self.id) {
-            write!(f, " '{}'", self.view)?;
+        match self.telling() {
+            Some(view) => write!(f, " '{view}'"),
+            None => Ok(()),
         }
-        Ok(())
     }
 }
 

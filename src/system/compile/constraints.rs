@@ -104,13 +104,13 @@ impl Compiler<'_> {
                     JointKind::Cylindrical => GearedJoint::Cylindrical,
                     _ => {
                         let owner = name("GEAR", &gear.header);
-                        self.diagnostics.push(Diagnostic::error(
-                            Code::WrongType,
-                            format!(
-                                "{owner} needs revolute, translational or cylindrical joints, JOINT/{} is none",
-                                joint.header.id
-                            ),
-                        ));
+                        let message = format!(
+                            "{owner} needs revolute, translational or cylindrical joints, JOINT/{} is none",
+                            joint.header.id
+                        );
+                        self.diagnostics.push(
+                            Diagnostic::error(Code::WrongType, message).about(owner.object()),
+                        );
                         continue;
                     }
                 };
@@ -183,6 +183,7 @@ impl Compiler<'_> {
                         Code::InactiveInStatics,
                         format!("{owner} prescribes a rate, which has no static meaning: it is held at {held}"),
                     )
+                    .about(owner.object())
                     .help("give the displacement as a function of TIME"),
                 );
                 let function = self.function(&m.function, &owner, None, Dimension::NONE);

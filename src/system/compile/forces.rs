@@ -42,14 +42,13 @@ impl Compiler<'_> {
             );
             let whole = n.k.len() == size * size && n.length.len() == size && n.force.len() == size;
             if !whole {
-                self.diagnostics.push(Diagnostic::error(
-                    Code::WrongCount,
-                    format!(
-                        "{} does not have numbers for its {} markers",
-                        name("NFORCE", &n.header),
-                        n.i.len()
-                    ),
-                ));
+                let owner = name("NFORCE", &n.header);
+                let message = format!(
+                    "{owner} does not have numbers for its {} markers",
+                    n.i.len()
+                );
+                self.diagnostics
+                    .push(Diagnostic::error(Code::WrongCount, message).about(owner.object()));
             }
             let i: Vec<usize> = n.i.iter().map(|m| m.0).collect();
             let pairs = i.iter().map(|&i| self.pair(i, n.j.0)).collect();

@@ -20,6 +20,7 @@ impl Compiler<'_> {
                         Code::NotSolvedInStatics,
                         format!("{owner} is not solved in statics: its stiction would hold the joint against forces"),
                     )
+                    .about(owner.object())
                     .help(super::way_out("FRICTION", "real ADAMS solves it, a motion does too; INACTIVE=STATIC takes it out of statics")),
                 );
             }

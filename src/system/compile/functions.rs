@@ -31,7 +31,7 @@ impl Compiler<'_> {
                     Ok(program) => (Some(program), literals),
                     Err(mut diagnostic) => {
                         diagnostic.message = format!("{owner}: {}", diagnostic.message);
-                        self.complain_of(owner, diagnostic);
+                        self.complain_of(owner, diagnostic.about(owner.object()));
                         (None, literals)
                     }
                 }
@@ -46,7 +46,7 @@ impl Compiler<'_> {
                     format!("{owner} calls a user-written subroutine: {text}; {effect}"),
                 );
                 let help = way_out(owner.kind, "real ADAMS runs it");
-                self.complain_of(owner, diagnostic.help(help));
+                self.complain_of(owner, diagnostic.about(owner.object()).help(help));
                 (None, Vec::new())
             }
         };
@@ -102,10 +102,15 @@ impl Compiler<'_> {
                         self.used[marker.0] = true;
                     }
                 }
-                RequestKind::User(text) => self.diagnostics.push(Diagnostic::warning(
-                    Code::UserSubroutine,
-                    format!("{owner} calls a user-written subroutine and is left empty: {text}"),
-                )),
+                RequestKind::User(text) => self.diagnostics.push(
+                    Diagnostic::warning(
+                        Code::UserSubroutine,
+                        format!(
+                            "{owner} calls a user-written subroutine and is left empty: {text}"
+                        ),
+                    )
+                    .about(owner.object()),
+                ),
             }
             self.requests.push(numbers);
             self.request_forces.push(forces);
@@ -363,6 +368,7 @@ impl Compiler<'_> {
                         Code::NotSolvedNatively,
                         format!("the function of {owner} reads its own force"),
                     )
+                    .about(owner.object())
                     .help("let a VARIABLE carry the force: it is solved for"),
                 );
                 return;

@@ -359,9 +359,9 @@ impl<'a> Compiler<'a> {
                 self.users.push(owner.clone());
             }
             let message = format!("{owner} is not solved: {}; {effect}", u.why);
-            self.diagnostics.push(
-                Diagnostic::error(u.code, message).help(way_out(u.kind, "real ADAMS solves it")),
-            );
+            let diagnostic = Diagnostic::error(u.code, message).about(owner.object());
+            let help = way_out(u.kind, "real ADAMS solves it");
+            self.diagnostics.push(diagnostic.help(help));
         }
         let users = &self.users;
         if users.len() > 1 {

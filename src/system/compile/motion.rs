@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::{Model, PartKind};
-use crate::system::System;
 use crate::system::compiled_function::Source;
 use crate::system::structure::Drive;
+use crate::system::{Name, System};
 
 /// The median mass of the bodies that have one; one if none has.
 pub(super) fn reference_mass(model: &Model) -> f64 {
@@ -23,24 +23,25 @@ pub(super) fn reference_mass(model: &Model) -> f64 {
 /// Statements that act in motion and that the equations of motion do not have.
 pub(super) fn not_in_motion(system: &System) -> Vec<Diagnostic> {
     let mut found = Vec::new();
-    let mut refuse = |message: String| {
+    let mut refuse = |owner: &Name, message: String| {
         found.push(
             Diagnostic::error(Code::NotSolvedNatively, message)
+                .about(owner.object())
                 .help("real ADAMS solves it; a static or quasi-static simulation does without"),
         );
     };
     for joint in system.joints.iter().filter(|joint| joint.active) {
         match joint.drive {
-            Drive::Rate(drive) if !only_of_time(system, drive.function) => refuse(format!(
-                "{} prescribes a rate by more than the time: it is not integrated",
-                joint.name
-            )),
+            Drive::Rate(drive) if !only_of_time(system, drive.function) => refuse(
+                &joint.name,
+                format!(
+                    "{} prescribes a rate by more than the time: it is not integrated",
+                    joint.name
+                ),
+            ),
             Drive::Function(function) => {
                 if let Some(what) = unsteady(system, function) {
-                    refuse(format!(
-                        "the function of {} reads {what}: in motion it may know places, the time and variables of the time",
-                        joint.name
-                    ));
+                    refuse(&joint.name, reading(&joint.name, what));
                 }
             }
             _ => {}
@@ -48,13 +49,16 @@ pub(super) fn not_in_motion(system: &System) -> Vec<Diagnostic> {
     }
     for condition in system.conditions.iter().filter(|c| c.active) {
         if let Some(what) = unsteady(system, condition.function) {
-            refuse(format!(
-                "the function of {} reads {what}: in motion it may know places, the time and variables of the time",
-                condition.name
-            ));
+            refuse(&condition.name, reading(&condition.name, what));
         }
     }
     found
+}
+
+fn reading(owner: &Name, what: &str) -> String {
+    format!(
+        "the function of {owner} reads {what}: in motion it may know places, the time and variables of the time"
+    )
 }
 
 fn only_of_time(system: &System, function: usize) -> bool {
