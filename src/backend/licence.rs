@@ -35,8 +35,8 @@ impl Reasoned for BackendError {
     }
 }
 
-/// Makes a run again while its solver is refused a licence, for `limit` in all. What else goes wrong is returned at once, and so is a
-/// refusal that waiting does not help against.
+/// Makes a run again while its solver is refused a licence, for `limit` in all; the first refusal is logged as a warning. What else goes
+/// wrong is returned at once, and so is a refusal that waiting does not help against.
 ///
 /// # Errors
 /// Those of the last attempt; of a refusal with the time that was waited.
@@ -59,6 +59,12 @@ pub(super) fn patiently<T, E: Reasoned>(
         let left = limit.saturating_sub(spent);
         if is_lasting(line) || left.is_zero() {
             return Err(error);
+        }
+        if pause == PAUSES.0 {
+            log::warn!(
+                "no licence ({line}): asked for again for up to {} s",
+                left.as_secs_f64().round()
+            );
         }
         std::thread::sleep(pause.min(left));
         pause = (2 * pause).min(PAUSES.1);

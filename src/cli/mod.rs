@@ -38,6 +38,7 @@ mod lsp;
 mod markdown;
 mod merge;
 mod new;
+mod notices;
 mod output_folder;
 mod plan;
 mod plausibility;
@@ -156,6 +157,7 @@ pub fn main() -> ExitCode {
         (_, true) => Verbosity::Verbose,
         _ => Verbosity::Usual,
     };
+    notices::show();
     let mut shell = Shell::new(cli.format, cli.color, verbosity);
     if let Err(exit) = shell.obey_code_page() {
         return ExitCode::from(exit as u8);

@@ -297,6 +297,25 @@ fn what_only_adams_solves_is_left_to_it() {
     }
 }
 
+/// While a licence is waited for a line says so, with what the program said.
+#[cfg(unix)]
+#[test]
+fn waiting_for_a_licence_is_told() {
+    let place = folder(&[]);
+    let folder = place.path();
+    let script = "mkdir ../refused 2>/dev/null && echo 'License request denied: all in use' && exit 1; exec mdi -c ru-standard i $0 exit";
+    let solver = format!(
+        "[solver]\nbackend = \"command\"\ncommand = ['sh', '-c', \"{}\", '{{acf}}']\nlicence_wait_s = 60",
+        script.replace("../refused", &folder.join("refused").display().to_string())
+    );
+    study(folder, &solver, REGRESSION);
+    let path = format!("{}:/usr/local/bin:/usr/bin:/bin", folder_of_mdi());
+    let run = admire(folder, &["identify", ".", "--out", "out"], &path);
+    let told = "no licence (License request denied: all in use): asked for again for up to 60 s";
+    assert_eq!(errors(&run).matches(told).count(), 1, "{}", errors(&run));
+    assert!(folder.join("out/identification.json").exists());
+}
+
 /// The diagnosis searches with the built-in solver and says first how far the solver of the study is from it: a stand-in with another
 /// spring by much, `mdi` itself by nothing.
 #[cfg(unix)]
