@@ -244,6 +244,42 @@ FRICTION/1, JOINT=1, MU_STATIC=0, MU_DYNAMIC=0, STICTION_TRANSITION_VELOCITY=1E-
     near(last, 0.02, 5e-4);
 }
 
+/// A block of 2 kg on a spring of 200 N/m whose other end moves at 0.1 m/s sticks and slips by Coulomb's law: it breaks loose where the
+/// spring has the static limit, swings about the dynamic one in the frame of the drive, and sticks again where its velocity is zero.
+#[test]
+fn a_block_that_is_pulled_sticks_and_slips() {
+    let (k, m, drive) = (200.0_f64, 2.0, 0.1);
+    let deck = block("", &format!("{k}*({drive}*TIME-DX(20))"))
+        .replace(&format!("VELOCITY={VS}"), "VELOCITY=1E-6")
+        .replace(&format!("DEFORMATION={D}"), "DEFORMATION=1E-8");
+    let found = run(&deck, "simulate/dynamic, end=3, dtout=0.01");
+    let omega = (k / m).sqrt();
+    let over = (STATIC - DYNAMIC) * m * G / k;
+    let loose = STATIC * m * G / k / drive;
+    let slip = (std::f64::consts::PI + 2.0 * (drive / omega / over).atan()) / omega;
+    let period = slip + 2.0 * over / drive;
+    let x = found.column("PART_2_XFORM", "X");
+    let mut moved = [0, 0];
+    for (x, t) in x.iter().zip(found.column("time", "TIME")) {
+        let since = t - loose;
+        let rounds = (since / period).floor().max(-1.0);
+        let t = since - rounds * period;
+        let expected = if since < 0.0 {
+            0.0
+        } else {
+            // Stretch of the spring over the dynamic limit, and that of the drive.
+            let t = t.min(slip);
+            let stretch = over * (omega * t).cos() + drive / omega * (omega * t).sin();
+            rounds * drive * period + drive * t + over - stretch
+        };
+        moved[usize::from(since > 0.0 && t < slip)] += 1;
+        // Until it is as fast as the transition, 0.4 ms in each round, the static limit holds it back.
+        near(*x, expected, 0.01 * drive * period);
+    }
+    // Both were seen in three rounds.
+    assert!(moved[0] > 100 && moved[1] > 100, "{moved:?}");
+}
+
 /// A sleeve that slides and turns: friction acts against the sum of both surface velocities, so with m R^2 = I it keeps its direction.
 #[test]
 fn a_sleeve_slows_down_along_its_screw() {
