@@ -301,3 +301,35 @@ fn a_simple_pendulum_keeps_its_energy() {
     }
     assert!(x.iter().any(|x| *x > 0.9));
 }
+
+/// `aview-hpc`: a ball in free fall by its own command file, with a path of Windows in it. Velocities and accelerations are those that real
+/// ADAMS wrote. Its height strays from `g t^2 / 2` by 1.5e-4 inch, ours does not.
+#[test]
+fn a_falling_ball_falls_as_real_adams_has_it() {
+    let Some(from) = shared("real-decks/aview-hpc") else {
+        return;
+    };
+    let read = |name: &str| std::fs::read_to_string(from.join(name)).unwrap();
+    let folder = folder(&[
+        ("test.adm", &read("test.adm")),
+        ("test.acf", &read("test.acf")),
+    ]);
+    let ran = mdi(folder.path(), &["ru-s", "test"]);
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    let [theirs, ours] = [&*from, folder.path()].map(|place| Results::read_all(place, "test.res"));
+    assert_eq!(theirs.entities(), ours.entities());
+    let times = ours.column("time", "TIME");
+    assert_eq!(times.len(), 26);
+    for component in ["VX", "VY", "VZ", "ACCX", "ACCY", "ACCZ", "WX", "WY", "WZ"] {
+        let pairs = theirs.column("PART_2_XFORM", component);
+        for (a, b) in pairs.iter().zip(ours.column("PART_2_XFORM", component)) {
+            assert!((a - b).abs() <= 1e-9 * a.abs(), "{component}: {a} {b}");
+        }
+    }
+    let heights = theirs.column("PART_2_XFORM", "Y");
+    let own = ours.column("PART_2_XFORM", "Y");
+    for ((t, theirs), ours) in times.iter().zip(&heights).zip(&own) {
+        near(*ours, -0.5 * 386.088_582_7 * t * t, 1e-9);
+        near(*theirs, *ours, 1.5e-4);
+    }
+}
