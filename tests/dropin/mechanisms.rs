@@ -132,10 +132,15 @@ fn four_bars(windows: u32) -> String {
 
 /// All rods stay parallel: one equation holds, `J q'' = m g sin q` with q from the vertical. Rates of q and q'.
 fn rate_of_four_bars(windows: u32) -> impl Fn([f64; 2]) -> [f64; 2] {
+    let [inertia, weight] = inertia_and_weight_of_four_bars(windows);
+    move |[q, w]| [w, weight * q.sin() / inertia]
+}
+
+/// By the turn of the upright rods, and by the height of their ends.
+fn inertia_and_weight_of_four_bars(windows: u32) -> [f64; 2] {
     let n = f64::from(windows);
     let third = 1.0 / 3.0 + 0.01 / 16.0;
-    let (inertia, m) = ((n + 1.0) * third + n, 0.5 * (n + 1.0) + n);
-    move |[q, w]| [w, m * 9.81 * q.sin() / inertia]
+    [(n + 1.0) * third + n, (0.5 * (n + 1.0) + n) * 9.81]
 }
 
 /// Redundant equations are found in large mechanisms too: three of each window. With them left in, no freedom would seem to be there.
@@ -184,6 +189,15 @@ fn four_bars_pass_their_singular_positions() {
         turned += usize::from(quarter(before) != quarter(exact[0]));
     }
     assert_eq!(turned, 10, "positions in one line");
+
+    // By the velocity of one rod the mechanism has the energy that it began with.
+    let [vx, vy] = ["VX", "VY"].map(|component| found.column("PART_1001_XFORM", component));
+    let [inertia, weight] = inertia_and_weight_of_four_bars(2);
+    let energy = |k: usize| 0.5 * inertia * (vx[k] * vx[k] + vy[k] * vy[k]) + weight * y[k];
+    for k in 0..x.len() {
+        let drift = energy(k) / energy(0) - 1.0;
+        assert!(drift.abs() < 1e-6, "{k}: {drift:e}");
+    }
 }
 
 /// One step of the classical method of order 4.
