@@ -72,7 +72,9 @@ pub(super) fn probability(found: &Found, accept: impl Fn(&[Hypothesis]) -> bool)
         .models
         .iter()
         .filter(|(model, _)| accept(&model.causes));
-    models.map(|(_, probability)| probability).sum()
+    let sum: f64 = models.map(|(_, probability)| probability).sum();
+    // Of all models it is one but for round-off.
+    sum.min(1.0)
 }
 
 /// Probability of a cause at its place.

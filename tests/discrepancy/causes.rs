@@ -224,6 +224,7 @@ fn friction_that_gives_way_by_degrees() {
             assert_eq!((cause, at), (Cause::DryFriction, place));
             let elsewhere = named.iter().any(|(_, at, p)| *at != place && *p > 0.5);
             assert!(!elsewhere, "{named:?}");
+            assert!(named.iter().all(|(_, _, p)| *p <= 1.0), "{named:?}");
             assert_eq!(diagnosis.verdict, Verdict::Discrepancy);
         }
     }
