@@ -41,6 +41,28 @@ fn dropped(force: &str) -> Known {
     }
 }
 
+/// 100 N/m above, 400 N/m below: half periods of pi/10 and pi/20.
+fn between_springs(force: &str) -> Known {
+    Known {
+        deck: along_z(0.0, (1.0, 0.0), force),
+        end: 0.45 * PI,
+        place: (1.0, 1.0),
+        velocity: (0.0, 10.0),
+        changes: 6,
+    }
+}
+
+/// 5 N against the velocity, 100 N/m: each half swing of pi/10 is 0.1 m shorter than the one before. A third of the sixth.
+fn braked(force: &str) -> Known {
+    Known {
+        deck: along_z(0.0, (1.0, 0.0), force),
+        end: (0.5 + 1.0 / 30.0) * PI,
+        place: (-0.275, 1.0),
+        velocity: (4.5 * (PI / 3.0).sin(), 9.5),
+        changes: 6,
+    }
+}
+
 fn known() -> Vec<Known> {
     let fall = 19.62_f64.sqrt();
     vec![
@@ -65,41 +87,14 @@ fn known() -> Vec<Known> {
             velocity: (1.0, 1.0),
             changes: 8,
         },
-        // 100 N/m above, 400 N/m below: half periods of pi/10 and pi/20.
-        Known {
-            deck: along_z(0.0, (1.0, 0.0), "IF(DZ(20):-400*DZ(20),0,-100*DZ(20))"),
-            end: 0.45 * PI,
-            place: (1.0, 1.0),
-            velocity: (0.0, 10.0),
-            changes: 6,
-        },
-        // 5 N against the velocity, 100 N/m: each half swing of pi/10 is 0.1 m shorter than the one before. A third of the sixth.
-        Known {
-            deck: along_z(0.0, (1.0, 0.0), "-100*DZ(20)+IF(VZ(20):5,0,-5)"),
-            end: (0.5 + 1.0 / 30.0) * PI,
-            place: (-0.275, 1.0),
-            velocity: (4.5 * (PI / 3.0).sin(), 9.5),
-            changes: 6,
-        },
-        // The first again, pushed by a force of one side.
+        between_springs("IF(DZ(20):-400*DZ(20),0,-100*DZ(20))"),
+        braked("-100*DZ(20)+IF(VZ(20):5,0,-5)"),
+        // The same motions by other functions.
         dropped("MAX(0,-1E4*DZ(20))"),
         dropped("-1E4*MIN(DZ(20),0)"),
         dropped("1E4*DIM(0,DZ(20))"),
-        // The fourth and the fifth.
-        Known {
-            deck: along_z(0.0, (1.0, 0.0), "-250*DZ(20)+150*ABS(DZ(20))"),
-            end: 0.45 * PI,
-            place: (1.0, 1.0),
-            velocity: (0.0, 10.0),
-            changes: 6,
-        },
-        Known {
-            deck: along_z(0.0, (1.0, 0.0), "-100*DZ(20)-SIGN(5,VZ(20))"),
-            end: (0.5 + 1.0 / 30.0) * PI,
-            place: (-0.275, 1.0),
-            velocity: (4.5 * (PI / 3.0).sin(), 9.5),
-            changes: 6,
-        },
+        between_springs("-250*DZ(20)+150*ABS(DZ(20))"),
+        braked("-100*DZ(20)-SIGN(5,VZ(20))"),
     ]
 }
 
