@@ -7,6 +7,8 @@
 //! The logarithm of the density with which a model predicts a group from the rest is `ln Z(all) - ln Z(rest)`, both at the same sizes.
 //! Source: the chain rule of probabilities; MacKay, Neural Computation 4 (1992) 415.
 
+use std::cell::RefCell;
+use std::rc::Rc;
 use std::sync::Arc;
 
 use nalgebra::DVector;
@@ -21,7 +23,6 @@ use super::unseen::Unseen;
 use super::visited::Visited;
 use crate::backend::LoadCase;
 use crate::identify::global::Row;
-use crate::tolerance::Whitening;
 
 /// Groups at most; the smallest are put together.
 const MOST: usize = 6;
@@ -158,11 +159,17 @@ fn most_frequent(sorted: &[f64], near: f64) -> f64 {
 pub(super) struct Folds<'a> {
     subject: &'a Subject<'a>,
     groups: Vec<Vec<usize>>,
-    /// Of the rest of each group.
-    whitenings: Vec<Whitening>,
+    /// For each group the rows that the rest of the cases does not see.
+    left_out: Vec<Vec<bool>>,
+    /// Models as the rest of each group sees them.
+    known: RefCell<Vec<(Arc<Fitted>, Rc<Refits>)>>,
 }
 
+/// A model without each of the groups.
+type Refits = Vec<Option<Refit>>;
+
 /// A model refitted to the rest of a group.
+#[derive(Debug)]
 struct Refit {
     misfit: DVector<f64>,
     /// Evidence of the rest.
@@ -173,27 +180,44 @@ impl<'a> Folds<'a> {
     /// Over the cases of a study; `None` with too few.
     pub(super) fn new(subject: &'a Subject<'a>) -> Option<Self> {
         let groups = groups(&subject.problem.programme.cases);
-        let rest = |group: &Vec<usize>| subject.whitening_of(&|case| !group.contains(&case));
+        let left_out = |group: &Vec<usize>| {
+            let is_seen = |case: usize| !group.contains(&case);
+            let rows = subject.rows.iter();
+            rows.map(|row| !subject.sees(row, &is_seen)).collect()
+        };
         (!groups.is_empty()).then(|| Self {
-            whitenings: groups.iter().map(rest).collect(),
+            left_out: groups.iter().map(left_out).collect(),
+            known: RefCell::default(),
             subject,
             groups,
         })
     }
 
-    fn without(&self, fitted: &Fitted, group: usize) -> Option<Refit> {
-        let (misfit, ln_z) = fitted.evidence_of(&self.whitenings[group])?;
-        Some(Refit { misfit, ln_z })
+    /// A model of all cases as the rest of each group sees it.
+    fn refits(&self, fitted: &Arc<Fitted>) -> Rc<Refits> {
+        let is_own = |(of, _): &&(Arc<Fitted>, Rc<Refits>)| Arc::ptr_eq(of, fitted);
+        if let Some((_, refits)) = self.known.borrow().iter().find(is_own) {
+            return Rc::clone(refits);
+        }
+        let residual = fitted.turned_residual();
+        let without = |left_out: &Vec<bool>| {
+            let (misfit, ln_z) = fitted.evidence_without(&residual, left_out)?;
+            Some(Refit { misfit, ln_z })
+        };
+        let refits: Rc<Refits> = Rc::new(self.left_out.iter().map(without).collect());
+        let known = (Arc::clone(fitted), Rc::clone(&refits));
+        self.known.borrow_mut().push(known);
+        refits
     }
 
     /// By how many nats a model predicts the groups, each from the others, better than another.
-    pub(super) fn advantage(&self, fitted: &Fitted, other: &Fitted) -> Option<f64> {
-        let score = |fitted: &Fitted| -> Option<f64> {
-            let mut sum = 0.0;
-            for group in 0..self.groups.len() {
-                sum += fitted.posterior.ln_z - self.without(fitted, group)?.ln_z;
-            }
-            Some(sum)
+    pub(super) fn advantage(&self, fitted: &Arc<Fitted>, other: &Arc<Fitted>) -> Option<f64> {
+        let score = |fitted: &Arc<Fitted>| -> Option<f64> {
+            let refits = self.refits(fitted);
+            let gains = refits.iter();
+            gains
+                .map(|refit| Some(fitted.posterior.ln_z - refit.as_ref()?.ln_z))
+                .sum()
         };
         Some(score(fitted)? - score(other)?)
     }
@@ -218,20 +242,22 @@ impl<'a> Folds<'a> {
         models: &[(Visited, f64)],
     ) -> Option<CrossValidation> {
         self.collected(false, |group| {
-            let before = self.without(none, group)?;
-            let mut best: Option<(f64, Refit, &Fitted)> = None;
-            for fitted in models.iter().filter_map(|(m, _)| m.fitted.as_deref()) {
-                let Some(refit) = self.without(fitted, group) else {
+            let before = self.refits(none)[group].as_ref()?.misfit.clone();
+            let mut best: Option<(f64, Rc<Refits>, &Fitted)> = None;
+            for fitted in models.iter().filter_map(|(m, _)| m.fitted.as_ref()) {
+                let refits = self.refits(fitted);
+                let Some(refit) = &refits[group] else {
                     continue;
                 };
                 let value = refit.ln_z + fitted.ln_prior();
                 if best.as_ref().is_none_or(|(most, ..)| value > *most) {
-                    best = Some((value, refit, fitted));
+                    best = Some((value, refits, fitted));
                 }
             }
-            let (_, after, chosen) = best?;
+            let (_, refits, chosen) = best?;
+            let after = refits[group].as_ref()?.misfit.clone();
             Some(Predicted {
-                misfits: [before.misfit, after.misfit],
+                misfits: [before, after],
                 causes: Hypothesis::causes(&chosen.chosen)
                     .map(ToString::to_string)
                     .collect(),

@@ -214,27 +214,35 @@ impl Fitted {
         off: &DVector<f64>,
     ) -> Option<(DVector<f64>, Posterior)> {
         let misfit = &self.misfit + off;
-        let posterior = self.linear_of(whitening, &misfit).posterior(&self.sizes)?;
+        let linear = Linear::new(
+            whitening,
+            &ByClass::new(whitening, &whitening.apply(&self.jacobian)),
+            &whitening.apply_vector(&-&misfit),
+            self.priors.clone(),
+            DVector::from_column_slice(&self.x),
+        );
+        let posterior = linear.posterior(&self.sizes)?;
         let misfit = misfit + &self.jacobian * &posterior.step;
         Some((misfit, posterior))
     }
 
-    /// The evidence of the same linear model on other rows, and what it leaves of all.
-    pub fn evidence_of(&self, whitening: &Whitening) -> Option<(DVector<f64>, f64)> {
-        let linear = self.linear_of(whitening, &self.misfit);
+    /// Turned rows of reading minus prediction.
+    pub fn turned_residual(&self) -> DVector<f64> {
+        self.whitening.apply_vector(&-&self.misfit)
+    }
+
+    /// The evidence of the same linear model without some rows, whose marks of one part and case go together, and what it leaves of
+    /// all; `residual` are turned rows.
+    pub fn evidence_without(
+        &self,
+        residual: &DVector<f64>,
+        left_out: &[bool],
+    ) -> Option<(DVector<f64>, f64)> {
+        let rows = (&self.turned, residual);
+        let linear = self.linear.without(&self.whitening, rows, left_out);
         let reached = linear.reached(&self.sizes, 0.0)?;
         let misfit = &self.misfit + &self.jacobian * &reached.step;
         Some((misfit, reached.ln_z))
-    }
-
-    fn linear_of(&self, whitening: &Whitening, misfit: &DVector<f64>) -> Linear {
-        Linear::new(
-            whitening,
-            &ByClass::new(whitening, &whitening.apply(&self.jacobian)),
-            &whitening.apply_vector(&-misfit),
-            self.priors.clone(),
-            DVector::from_column_slice(&self.x),
-        )
     }
 }
 

@@ -49,7 +49,7 @@ impl Blind {
         let rows = unseen(subject);
         let (chi_square, dof) = self.chi_square(subject, fitted, &rows)?;
         Some(HeldOutTest {
-            marks_rms: self.marks_rms(subject, &rows),
+            marks_rms: self.marks_rms(subject),
             wheel_deg_rms: self.wheel_rms(subject, &rows),
             chi_square,
             dof,
@@ -86,11 +86,13 @@ impl Blind {
         Some((r.dot(&Cholesky::new(S)?.solve(&r)), n))
     }
 
-    fn marks_rms(&self, subject: &Subject<'_>, rows: &[usize]) -> Option<f64> {
-        let marks = rows.iter().filter(|k| {
-            matches!(subject.rows[**k], Row::Mark { .. }) && subject.precision[**k] > 0.0
+    /// Rms of one mark coordinate held out, outliers left out.
+    pub fn marks_rms(&self, subject: &Subject<'_>) -> Option<f64> {
+        let rows = unseen(subject).into_iter();
+        let marks = rows.filter(|k| {
+            matches!(subject.rows[*k], Row::Mark { .. }) && subject.precision[*k] > 0.0
         });
-        let squares: Vec<f64> = marks.map(|k| self.misfit[*k].powi(2)).collect();
+        let squares: Vec<f64> = marks.map(|k| self.misfit[k].powi(2)).collect();
         let mean = squares.iter().sum::<f64>() / squares.len().max(1) as f64;
         (!squares.is_empty()).then(|| mean.sqrt() * subject.sigma)
     }

@@ -204,6 +204,11 @@ impl Hypothesis {
         self.cause != Cause::UnnamedForce
     }
 
+    /// False for forces of unknown laws, alone or beside a law that was met badly.
+    pub fn is_plain(&self) -> bool {
+        self.is_named() && !self.is_left_by_law()
+    }
+
     /// True if both are the same in the same form.
     pub fn same(&self, other: &Self) -> bool {
         self.same_place(other)

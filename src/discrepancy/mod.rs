@@ -5,7 +5,7 @@
 //!
 //! One direction: `subject` (what was read, and its tolerances) and `hypothesis` (data) <- `unknowns` <- `settle` <- `fit` <- `survey` <- `causes`,
 //! `columns` <- `scan` <- `search` (`stand_in` adds forces of unknown laws to it) <- `sought` <- `folds` <- `unseen` <- `cross_validation`,
-//! `structure`, `gaussian_process` <- `remainder`, `averaged` <- `diagnose`, and what shows its outcome.
+//! `structure`, `gaussian_process` <- `remainder`, `averaged` <- `findings` <- `diagnose`, and what shows its outcome.
 //! What could be measured next goes beside: `candidate` <- `forecast` <- `prospect` <- `information` <- `rivals` <- `next_measurement`, `plan`.
 
 mod averaged;
@@ -19,6 +19,7 @@ mod diagnose;
 mod diagnosis;
 mod extended_deck;
 mod extension;
+mod findings;
 mod fit;
 mod folds;
 mod forecast;

@@ -58,6 +58,14 @@ impl Progress {
         self.sweeps() >= self.budget()
     }
 
+    /// Grants a search what another one may have spent; not where it was asked to end.
+    pub(super) fn renew(&self) {
+        let further = self.sweeps() + SWEEPS;
+        let grant = |budget: usize| (budget > 0).then_some(further);
+        let order = Ordering::Relaxed;
+        let _ = self.budget.fetch_update(order, order, grant);
+    }
+
     /// Grants another search; false where the first was asked to end or has spent its own.
     pub(super) fn extend(&self) -> bool {
         let further = self.sweeps() + SWEEPS;

@@ -10,7 +10,7 @@ use super::fit::Fitted;
 use super::hypothesis::{Column, Hypothesis, Number};
 use super::subject::Subject;
 use super::survey::Survey;
-use crate::tolerance::{ByClass, Further, Posterior, Sizes, Unknown};
+use crate::tolerance::{ByClass, Further, Posterior, Sizes, Unknown, transposed};
 
 /// Every hypothesis at a fit, with what each does to the turned rows.
 pub(super) struct Catalogue {
@@ -27,8 +27,8 @@ pub(super) struct Catalogue {
 pub(super) struct Promise {
     /// Which, in the catalogue.
     pub at: usize,
-    /// Logarithm of the evidence with it over that without, and of its prior odds.
-    pub gain: f64,
+    /// Logarithm of evidence and prior with it, of all that is in the model.
+    pub ln_posterior: f64,
 }
 
 impl Catalogue {
@@ -50,20 +50,26 @@ impl Catalogue {
             count == 0
         });
         let seen: Vec<&Number> = hypotheses.iter().flat_map(seen).collect();
-        let turned = fitted.whitening.apply(&survey.columns(&seen));
-        let residual = fitted.whitening.apply_vector(&-&fitted.misfit);
-        let by_class = |columns| ByClass::new(&fitted.whitening, columns);
-        let known = (&by_class(&fitted.turned), &residual);
+        let columns = survey.columns(&seen);
+        let turned = |range: Range<usize>| {
+            let some = columns.columns(range.start, range.len()).into_owned();
+            fitted.whitening.apply(&some)
+        };
+        let residual = fitted.turned_residual();
+        let by_class = ByClass::new(&fitted.whitening, &fitted.turned);
         let mut next = 0;
         let range = |h: &Hypothesis| {
             let from = next;
             next += self::seen(h).count();
             from..next
         };
+        let ranges: Vec<Range<usize>> = hypotheses.iter().map(range).collect();
+        let known = (&by_class, &residual);
+        let further = Further::new(&fitted.whitening, known, (&ranges, turned));
         Self {
-            ranges: hypotheses.iter().map(range).collect(),
             hypotheses,
-            further: Further::new(&fitted.whitening, known, by_class(&turned)),
+            ranges,
+            further,
         }
     }
 
@@ -80,13 +86,14 @@ impl Catalogue {
                 let range = self.ranges[at].clone();
                 let (from, count) = (range.start, range.len());
                 let g = g.rows(from, count).into_owned();
-                projected(&effects.information(&range), &g, one_sided(h)?)?
+                projected(&effects.information(at, &range), &g, one_sided(h)?)?
             };
-            let gain = gain + h.ln_prior;
-            gain.is_finite().then_some(Promise { at, gain })
+            let ln_posterior = gain + h.ln_prior + posterior.ln_z + fitted.ln_prior();
+            let promise = Promise { at, ln_posterior };
+            ln_posterior.is_finite().then_some(promise)
         };
         let mut out: Vec<Promise> = self.hypotheses.iter().enumerate().filter_map(of).collect();
-        out.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        out.sort_by(|a, b| b.ln_posterior.total_cmp(&a.ln_posterior));
         out
     }
 
@@ -97,18 +104,20 @@ impl Catalogue {
             return vec![Vec::new(); self.hypotheses.len()];
         };
         let (effects, _) = self.effects(sizes, &posterior);
-        let of = |(h, range): (&Hypothesis, &Range<usize>)| {
-            let own = effects.information(range).diagonal();
+        let of = |(at, (h, range)): (usize, (&Hypothesis, &Range<usize>))| {
+            let own = effects.information(at, range).diagonal();
             spread(h, own.iter().copied())
         };
-        self.hypotheses.iter().zip(&self.ranges).map(of).collect()
+        let hypotheses = self.hypotheses.iter().zip(&self.ranges);
+        hypotheses.enumerate().map(of).collect()
     }
 
     /// Effects at these sizes, and what each column would explain where the linear model is best.
     fn effects(&self, sizes: &Sizes, posterior: &Posterior) -> (Effects<'_>, DVector<f64>) {
         let (cross, g) = self.further.at(&sizes.ln, &posterior.step);
         let effects = Effects {
-            through: &posterior.covariance * &cross,
+            // A covariance is symmetric.
+            through: transposed(&posterior.covariance, &cross),
             further: &self.further,
             ln: sizes.ln.clone(),
             cross,
@@ -133,7 +142,8 @@ impl Catalogue {
                 sd: 1.0,
                 group: None,
             };
-            fitted.linear.with(&self.further, &self.ranges[at], own)
+            let set = (at, self.ranges[at].len());
+            fitted.linear.with(&self.further, set, own)
         };
         let sizes = linear.sized(start);
         let posterior = linear.posterior(&sizes)?;
@@ -209,10 +219,10 @@ struct Effects<'a> {
 }
 
 impl Effects<'_> {
-    /// `E'E - E'A C A'E` of some columns.
-    fn information(&self, range: &Range<usize>) -> DMatrix<f64> {
+    /// `E'E - E'A C A'E` of the columns of a hypothesis.
+    fn information(&self, hypothesis: usize, range: &Range<usize>) -> DMatrix<f64> {
         let (from, count) = (range.start, range.len());
-        let mut out = self.further.own(range, &self.ln);
+        let mut out = self.further.own(hypothesis, count, &self.ln);
         out -= self.cross.columns(from, count).transpose() * self.through.columns(from, count);
         out
     }

@@ -1,26 +1,29 @@
 //! Which causes act: models are grown and pruned by their evidence, and every model that was looked at counts.
 
+use std::cmp::Ordering;
 use std::sync::Arc;
 
-use super::fit::{Fit, Fitted, Target, aimed, unguessed};
+use super::fit::{Fit, Fitted, Target, aimed, fit, unguessed};
 use super::hypothesis::Hypothesis;
-use super::scan::{Catalogue, Weighed};
+use super::scan::{Catalogue, Promise, Weighed};
 use super::stand_in::{StandIns, loosened};
 use super::subject::{Data, Subject};
 use super::tried::{BETTER, Tried};
-use super::visited::{Found, Visited, distinct, probabilities};
+use super::visited::{Found, LINEAR, Visited, distinct, probabilities};
 use crate::tolerance::Sizes;
 
 /// From each scan so many places are weighed with sizes of their own,
 const WEIGHED: usize = 7;
+/// if they promise no less than the best by so many nats,
+const ASIDE: f64 = 300.0;
 /// and of those so many places are refitted,
 const REFITTED: usize = 3;
 /// where they are within so many nats of the best; friction, whose first guess is rough, within so many more.
 const WITHIN: (f64, f64) = (30.0, 600.0);
 /// A promise of more than so many nats is far outside of the linear model: every place that promises this part of the best is refitted.
 const FAR: (f64, f64) = (1000.0, 0.9);
-/// A model that would lose so many nats is not refitted; of a rough law, which the linear model says little of, one that would lose
-/// so many.
+/// A model with one cause more that would lose so many nats is not refitted; of a rough law, which the linear model says little of, one
+/// that would lose so many.
 const HOPELESS: (f64, f64) = (-2.0, -6.0);
 /// Causes at most: a search that goes on further explains noise.
 const MOST: usize = 12;
@@ -30,15 +33,8 @@ const FORMS: usize = 3;
 const BEHIND: f64 = 50.0;
 /// A model has to be better by so many nats to be another place than the one a fit of the same causes came to.
 const ELSEWHERE: f64 = 2.0;
-
-/// Searches from the model without any cause.
-pub(super) fn search(subject: &Subject<'_>, none: Fitted, data: Data) -> Found {
-    let none = Arc::new(none);
-    let mut search = Search::new(subject, data);
-    search.tried.note(&none);
-    let best = search.climbed(Arc::clone(&none));
-    search.ended(none, best)
-}
+/// Some cause acts where the linear model promises so many nats of one.
+const SURE: f64 = 10.0;
 
 /// Resumes a search from the models, without and with causes, that a search of some of the cases ended with. That one may have
 /// avoided a fit that went astray here, or a first cause that hides the true one. `None` where its models are no better.
@@ -63,28 +59,68 @@ pub(super) fn resume(
     if none.is_none() && best.is_none() {
         return None;
     }
-    let mut search = Search::new(subject, data);
+    let starts: Vec<Arc<Fitted>> = best.into_iter().chain(none.clone()).collect();
+    let none = none.unwrap_or_else(|| Arc::clone(&found.none));
+    let mut search = Search::new(subject, none, data);
     search.tried.visited = found.models.iter().map(|(m, _)| m.clone()).collect();
     search.places = found.places;
-    for model in none.iter().chain(&best) {
-        search.tried.note(model);
-    }
     let mut ends = vec![Arc::clone(&found.best)];
-    for start in best.into_iter().chain(none.clone()) {
-        let start = search.pruned(start);
+    for start in starts {
+        search.tried.note(&start);
+        let start = search.pruned(start, 1);
         ends.push(search.climbed(start));
     }
-    let by_evidence =
-        |a: &Arc<Fitted>, b: &Arc<Fitted>| a.ln_posterior().total_cmp(&b.ln_posterior());
     let best = ends.into_iter().max_by(by_evidence)?;
-    let none = none.unwrap_or_else(|| Arc::clone(&found.none));
-    Some(search.ended(none, best))
+    Some(search.into_found(best))
+}
+
+fn by_evidence(a: &Arc<Fitted>, b: &Arc<Fitted>) -> Ordering {
+    a.ln_posterior().total_cmp(&b.ln_posterior())
 }
 
 /// One more cause for a model, as the linear model weighs it.
 type Candidate = (Hypothesis, Weighed);
 
-struct Search<'a, 'b> {
+/// What some cause promises, and the sizes at which that is most.
+type AtSizes = (Promise, Sizes);
+
+fn by_promise(a: &AtSizes, b: &AtSizes) -> Ordering {
+    b.0.ln_posterior.total_cmp(&a.0.ln_posterior)
+}
+
+/// The causes at the places that promise most at one of these sizes.
+fn promised(catalogue: &Catalogue, base: &Fitted, sizes: [&Sizes; 2]) -> Vec<AtSizes> {
+    let mut union: Vec<AtSizes> = Vec::new();
+    for sizes in sizes {
+        let mut places: Vec<&Hypothesis> = Vec::new();
+        for promise in catalogue.scan(base, sizes) {
+            let h = &catalogue.hypotheses[promise.at];
+            let forms = places.iter().filter(|other| other.same_place(h)).count();
+            // Forms of one place differ little, but for laws that are known in kind only.
+            let most = if h.cause.has_rough_law() { FORMS } else { 1 };
+            if forms == 0 && distinct(&places) == WEIGHED {
+                break;
+            }
+            if forms >= most.max(if h.is_slab() { FORMS } else { 1 }) {
+                continue;
+            }
+            places.push(h);
+            match union.iter_mut().find(|(known, _)| known.at == promise.at) {
+                Some((known, at)) if known.ln_posterior < promise.ln_posterior => {
+                    (*known, *at) = (promise, sizes.clone());
+                }
+                Some(_) => {}
+                None => union.push((promise, sizes.clone())),
+            }
+        }
+    }
+    union
+}
+
+/// A search on some of the cases.
+pub(super) struct Search<'a, 'b> {
+    /// The model without any cause.
+    none: Arc<Fitted>,
     tried: Tried<'a, 'b>,
     stand_ins: StandIns,
     /// Models, and what was weighed beside each.
@@ -93,13 +129,60 @@ struct Search<'a, 'b> {
 }
 
 impl<'a, 'b> Search<'a, 'b> {
-    fn new(subject: &'a Subject<'b>, data: Data) -> Self {
+    /// From the model without any cause.
+    pub(super) fn new(subject: &'a Subject<'b>, none: Arc<Fitted>, data: Data) -> Self {
+        let mut tried = Tried::new(subject, data);
+        tried.note(&none);
         Self {
-            tried: Tried::new(subject, data),
+            none,
+            tried,
             stand_ins: StandIns::default(),
             weighed: Vec::new(),
             places: 0,
         }
+    }
+
+    /// True where some cause acts for sure.
+    pub(super) fn is_sure(&mut self) -> bool {
+        let least = self.none.ln_posterior() + SURE;
+        let none = Arc::clone(&self.none);
+        let candidates = self.candidates(&none);
+        candidates
+            .first()
+            .is_some_and(|(_, weighed)| weighed.ln_posterior > least)
+    }
+
+    /// To its end.
+    pub(super) fn ended(mut self) -> Found {
+        let best = self.climbed(Arc::clone(&self.none));
+        self.into_found(best)
+    }
+
+    /// To its end from the causes that a search of some of the cases chose; from none, too, if what that would begin with is not
+    /// among the causes this one comes to.
+    pub(super) fn ended_from(mut self, chosen: &Fitted) -> Found {
+        let none = Arc::clone(&self.none);
+        let mut ends = Vec::new();
+        let from = Some((chosen, chosen.x.as_slice()));
+        let causes = unguessed(chosen);
+        let start = fit(self.tried.subject, &causes, from, self.tried.data);
+        if let Some(start) = start.filter(|start| start.ln_posterior() > none.ln_posterior()) {
+            let start = Arc::new(start);
+            self.tried.note(&start);
+            let start = self.pruned(start, 0);
+            ends.push(self.climbed(start));
+        }
+        let candidates = self.candidates(&none);
+        let is_held = |end: &Arc<Fitted>| {
+            candidates
+                .first()
+                .is_none_or(|(first, _)| end.chosen.iter().any(|h| h.same_place(first)))
+        };
+        if !ends.iter().any(is_held) {
+            ends.push(self.climbed(Arc::clone(&none)));
+        }
+        let best = ends.into_iter().max_by(by_evidence).unwrap_or(none);
+        self.into_found(best)
     }
 
     /// The best model that adding, dropping and exchanging causes leads to.
@@ -110,7 +193,7 @@ impl<'a, 'b> Search<'a, 'b> {
                     break;
                 };
                 let next = self.tried.restarted(next);
-                best = self.pruned(next);
+                best = self.pruned(next, 1);
                 best = self
                     .stand_ins
                     .unnamed(&mut self.tried, &best)
@@ -118,19 +201,19 @@ impl<'a, 'b> Search<'a, 'b> {
             }
             best = self.exchanged(best);
             if let Some(next) = loosened(&mut self.tried, &best) {
-                best = self.pruned(next);
+                best = self.pruned(next, 1);
                 continue;
             }
             let Some(next) = self.stand_ins.unnamed(&mut self.tried, &best) else {
                 return best;
             };
-            best = self.pruned(next);
+            best = self.pruned(next, 1);
         }
     }
 
-    fn ended(self, none: Arc<Fitted>, best: Arc<Fitted>) -> Found {
+    fn into_found(self, best: Arc<Fitted>) -> Found {
         Found {
-            none,
+            none: self.none,
             best,
             models: probabilities(&self.tried.visited),
             places: self.places,
@@ -146,31 +229,38 @@ impl<'a, 'b> Search<'a, 'b> {
         let catalogue = Catalogue::new(self.tried.subject, base);
         self.places = self.places.max(catalogue.hypotheses.len());
         let modest = base.sizes.at(base.sizes.modest(0.0));
-        let mut union: Vec<usize> = Vec::new();
-        for sizes in [&base.sizes, &modest] {
-            let mut places: Vec<&Hypothesis> = Vec::new();
-            for promise in catalogue.scan(base, sizes) {
-                let h = &catalogue.hypotheses[promise.at];
-                let forms = places.iter().filter(|other| other.same_place(h)).count();
-                // Forms of one place differ little, but for laws that are known in kind only.
-                let most = if h.cause.has_rough_law() { FORMS } else { 1 };
-                if forms == 0 && distinct(&places) == WEIGHED {
-                    break;
-                }
-                if forms < most.max(if h.is_slab() { FORMS } else { 1 }) {
-                    places.push(h);
-                    if !union.contains(&promise.at) {
-                        union.push(promise.at);
+        let mut union = promised(&catalogue, base, [&base.sizes, &modest]);
+        union.sort_by(by_promise);
+        let start: Sizes = base.sizes.at(base.sizes.modest(1.0));
+        let mut out: Vec<Candidate> = Vec::new();
+        let mut best = f64::NEG_INFINITY;
+        for k in 0..union.len() {
+            let (promise, at) = &union[k];
+            let h = &catalogue.hypotheses[promise.at];
+            if promise.ln_posterior < best - ASIDE && h.memory.is_none() {
+                continue;
+            }
+            let is_first = out.is_empty();
+            let from = if is_first { &start } else { at };
+            let Some(weighed) = catalogue.weigh(base, promise.at, from) else {
+                continue;
+            };
+            if is_first {
+                // The sizes beside the first one are near to those beside the others.
+                let rest = &mut union[k + 1..];
+                for promise in catalogue.scan(base, &weighed.sizes) {
+                    let mut known = rest.iter_mut();
+                    if let Some((known, at)) = known.find(|(known, _)| known.at == promise.at)
+                        && known.ln_posterior < promise.ln_posterior
+                    {
+                        (*known, *at) = (promise, weighed.sizes.clone());
                     }
                 }
+                rest.sort_by(by_promise);
             }
+            best = best.max(weighed.ln_posterior);
+            out.push((h.clone(), weighed));
         }
-        let start: Sizes = base.sizes.at(base.sizes.modest(1.0));
-        let weigh = |at| {
-            let weighed = catalogue.weigh(base, at, &start)?;
-            Some((catalogue.hypotheses[at].clone(), weighed))
-        };
-        let mut out: Vec<Candidate> = union.into_iter().filter_map(weigh).collect();
         out.sort_by(|a, b| b.1.ln_posterior.total_cmp(&a.1.ln_posterior));
         for (h, weighed) in &out {
             let mut causes = base.chosen.clone();
@@ -186,12 +276,13 @@ impl<'a, 'b> Search<'a, 'b> {
         out
     }
 
-    /// Refits of candidates that may be better than `least`.
+    /// Refits of candidates that may be better than `least`: all that would lose no more than `lost`, a rough law no more than its
+    /// second number.
     fn refitted(
         &mut self,
         base: &Arc<Fitted>,
         candidates: &[&Candidate],
-        least: f64,
+        (least, lost): (f64, (f64, f64)),
     ) -> Option<Arc<Fitted>> {
         let best = candidates.first()?.1.ln_posterior;
         // Of every place its most promising form first.
@@ -205,9 +296,9 @@ impl<'a, 'b> Search<'a, 'b> {
             let same = |of: &&(&Hypothesis, &Weighed)| of.0.same_place(h);
             let known = forms.iter().flatten().filter(same).count();
             let (most, hopeless) = if h.cause.has_rough_law() {
-                (FORMS, HOPELESS.1)
+                (FORMS, lost.1)
             } else {
-                (1, HOPELESS.0)
+                (1, lost.0)
             };
             let promised = best - least;
             let is_as_good = promised > FAR.0 && weighed.ln_posterior - least > FAR.1 * promised;
@@ -253,7 +344,7 @@ impl<'a, 'b> Search<'a, 'b> {
         let candidates = self.candidates(base);
         let least = base.ln_posterior();
         let all: Vec<&Candidate> = candidates.iter().collect();
-        let winner = self.refitted(base, &all, least)?;
+        let winner = self.refitted(base, &all, (least, HOPELESS))?;
         let winner = self.beside_winner(base, &candidates, winner);
         (winner.ln_posterior() > least + BETTER).then_some(winner)
     }
@@ -314,10 +405,10 @@ impl<'a, 'b> Search<'a, 'b> {
         best
     }
 
-    /// Drops what the other causes of a model make needless; the last one in stays.
-    fn pruned(&mut self, mut current: Arc<Fitted>) -> Arc<Fitted> {
+    /// Drops what the other causes of a model make needless; the last ones in stay.
+    fn pruned(&mut self, mut current: Arc<Fitted>, stay: usize) -> Arc<Fitted> {
         let mut at = 0;
-        while at + 1 < current.chosen.len() {
+        while at + stay < current.chosen.len() {
             if current.chosen[at].is_refined(&current.chosen) {
                 at += 1;
                 continue;
@@ -333,16 +424,18 @@ impl<'a, 'b> Search<'a, 'b> {
         current
     }
 
-    /// Holds each cause against what else could stand in its place.
+    /// Holds each cause against what else could stand in its place; what would count beside it is refitted.
     fn exchanged(&mut self, mut current: Arc<Fitted>) -> Arc<Fitted> {
         let mut at = 0;
-        while at < current.chosen.len()
-            && current.chosen.len() > 1
-            && !self.tried.subject.is_spent()
-        {
-            let is_refined = current.chosen[at].is_refined(&current.chosen);
-            let base = Some(at).filter(|_| !is_refined);
-            let Some(base) = base.and_then(|at| self.tried.without_refitted(&current, at)) else {
+        while at < current.chosen.len() && !self.tried.subject.is_spent() {
+            let base = if current.chosen[at].is_refined(&current.chosen) {
+                None
+            } else if current.chosen.len() == 1 {
+                Some(Arc::clone(&self.none))
+            } else {
+                self.tried.without_refitted(&current, at)
+            };
+            let Some(base) = base else {
                 at += 1;
                 continue;
             };
@@ -350,10 +443,10 @@ impl<'a, 'b> Search<'a, 'b> {
             let is_other = |(h, _): &&Candidate| !h.same(&current.chosen[at]);
             let others: Vec<&Candidate> = candidates.iter().filter(is_other).collect();
             let least = current.ln_posterior();
-            match self.refitted(&base, &others, least) {
+            match self.refitted(&base, &others, (least, (-LINEAR, -LINEAR))) {
                 Some(found) if found.ln_posterior() > least + BETTER => {
                     let found = self.tried.restarted(found);
-                    current = self.pruned(found);
+                    current = self.pruned(found, 1);
                     at = 0;
                 }
                 _ => at += 1,

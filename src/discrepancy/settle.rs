@@ -17,6 +17,8 @@ pub(super) const ENOUGH: f64 = 0.05;
 const BEHIND: f64 = 50.0;
 /// or to so many, once what is left of the way is small: it may rise by so many times that.
 const CLOSE: (f64, f64) = (7.0, 3.0);
+/// or, at the pace of so many steps, to within the first of these;
+const PACE: usize = 3;
 /// or, sizes of its own granted, to within so many nats after the first step.
 const LOST: f64 = 200.0;
 /// Sizes of tolerances are held for so many steps of a fit that starts from another, unless a step promises less than so many nats.
@@ -105,6 +107,18 @@ impl Aim<'_> {
     /// True where a fit that has so much evidence, and so many nats to gain, will not come near.
     pub(super) fn is_beaten(&self, ln_z: f64, gain: f64) -> bool {
         ln_z < self.lead - BEHIND || ln_z + CLOSE.1 * gain < self.lead - CLOSE.0
+    }
+
+    /// True where a fit that goes on as in its last steps will not come near in those it has left.
+    fn is_out_of_reach(&self, course: &[f64], steps: usize) -> bool {
+        let count = course.len();
+        if count <= HELD {
+            return false;
+        }
+        let here = course[count - 1];
+        let pace = (here - course[count - 1 - PACE]) / PACE as f64;
+        let left = (steps + 1).saturating_sub(count) as f64;
+        here + left * pace.max(0.0) < self.lead - CLOSE.0
     }
 
     fn is_known(&self, here: &Point, reached: &Reached) -> bool {
@@ -357,6 +371,8 @@ impl Sweep<'_> {
         let mut list = self.unknowns.list.clone();
         list.set_shares(&self.predictor.shares(&list.springs()).unwrap_or_default());
         let (mut slow, mut damping) = (0, 0.0);
+        // The evidence of each step, without what is promised beyond.
+        let mut course: Vec<f64> = Vec::new();
         // The objective where exact derivatives by small errors were found to promise what those of a point nearby did.
         let mut confirmed: Option<f64> = None;
         for step_number in 0.. {
@@ -375,7 +391,9 @@ impl Sweep<'_> {
             let objective = here.linear.objective(&sizes);
             // What the linear model promises counts for the fit here.
             let is_beaten = aim.is_beaten(reached.ln_z, reached.gain);
-            let hopeless = is_beaten && (step_number >= HELD || reached.gain < KINKS);
+            course.push(reached.ln_z - reached.gain);
+            let hopeless = (is_beaten && (step_number >= HELD || reached.gain < KINKS))
+                || aim.is_out_of_reach(&course, steps);
             if aim.is_known(&here, &reached) {
                 return Some(End::Known);
             }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::fit::{Fitted, fit, refit};
 use super::hypothesis::Hypothesis;
 use super::progress::Progress;
-use super::search::{resume, search};
+use super::search::{Search, resume};
 use super::subject::{Data, Subject};
 use super::visited::Found;
 
@@ -21,9 +21,15 @@ pub(super) struct Sought {
     pub leading: Arc<Fitted>,
 }
 
-/// Fits the model without any cause, and weighs the readings by what it leaves. `None` where the deck cannot be solved.
-pub(super) fn as_it_is(subject: &mut Subject<'_>, data: Data) -> Option<Fitted> {
-    let none = fit(subject, &[], None, data)?;
+/// Fits the model without any cause, from a fit to other cases if there is one, and weighs the readings by what it leaves. `None` where
+/// the deck cannot be solved.
+pub(super) fn as_it_is(
+    subject: &mut Subject<'_>,
+    known: Option<&Fitted>,
+    data: Data,
+) -> Option<Fitted> {
+    let from = known.map(|known| (known, known.x.as_slice()));
+    let none = fit(subject, &[], from, data)?;
     let judged = subject.judge_suspects(&none.misfit);
     subject.weigh(Some(&none.misfit));
     if judged || subject.is_reweighed() {
@@ -34,22 +40,22 @@ pub(super) fn as_it_is(subject: &mut Subject<'_>, data: Data) -> Option<Fitted> 
 
 /// Fits the model as it is, and searches causes. `None` where the deck cannot be solved.
 pub(super) fn seek(subject: &mut Subject<'_>, data: Data, progress: &Progress) -> Option<Sought> {
-    let (fitting, searching) = match data {
-        Data::All => ("fitting the model as it is", "searching causes"),
-        Data::Fitted => (
-            "fitting without the cases held out",
-            "searching causes without the cases held out",
-        ),
-    };
-    progress.begin(fitting);
-    let none = as_it_is(subject, data)?;
-    progress.begin(searching);
-    let found = search(subject, none, data);
-    let leading = leading(&found);
-    Some(Sought { found, leading })
+    progress.begin("fitting the model as it is");
+    let none = as_it_is(subject, None, data)?;
+    progress.begin("searching causes");
+    let search = Search::new(subject, Arc::new(none), data);
+    Some(Sought::new(search.ended()))
 }
 
 impl Sought {
+    /// Of the end of a search.
+    pub(super) fn new(found: Found) -> Self {
+        Self {
+            leading: leading(&found),
+            found,
+        }
+    }
+
     /// Resumes the search from what a search of some of the cases chose; false where that is no better.
     pub(super) fn resume(
         &mut self,
@@ -60,8 +66,7 @@ impl Sought {
         let Some(found) = resume(subject, &self.found, models, data) else {
             return false;
         };
-        self.leading = leading(&found);
-        self.found = found;
+        *self = Self::new(found);
         true
     }
 }

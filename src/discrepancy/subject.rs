@@ -166,13 +166,8 @@ impl<'a> Subject<'a> {
         self.whitening_of_rows(&|row| data == Data::All || !self.is_held_out_row(row))
     }
 
-    /// What brings rows to independence, over the cases that are seen.
-    pub fn whitening_of(&self, is_seen: &dyn Fn(usize) -> bool) -> Whitening {
-        self.whitening_of_rows(&|row| self.sees(row, is_seen))
-    }
-
     /// Whether a row is one of a case that is seen; a summary is if all its cases are.
-    fn sees(&self, row: &Row, is_seen: &dyn Fn(usize) -> bool) -> bool {
+    pub(super) fn sees(&self, row: &Row, is_seen: &dyn Fn(usize) -> bool) -> bool {
         match *row {
             Row::Channel { case, channel } => {
                 let summary = &self.problem.measurement.channels[channel].summary;

@@ -6,7 +6,7 @@ use super::fit::Fitted;
 use super::hypothesis::Hypothesis;
 
 /// A model known only by its linear approximation counts when it is so close to the best one.
-const LINEAR: f64 = 8.0;
+pub(super) const LINEAR: f64 = 8.0;
 
 /// A model that was looked at.
 #[derive(Clone, Debug)]

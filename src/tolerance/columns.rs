@@ -29,11 +29,16 @@ pub(super) struct Columns {
 impl ByClass {
     /// Of all columns.
     pub(crate) fn new(whitening: &Whitening, turned: &DMatrix<f64>) -> Self {
+        Self::of_rows(&whitening.rows_of, turned)
+    }
+
+    /// Of all columns, in some of the rows of each class.
+    pub(super) fn of_rows(rows_of: &[Vec<usize>], turned: &DMatrix<f64>) -> Self {
         let height = turned.nrows();
         let column = |k: usize| &turned.as_slice()[k * height..(k + 1) * height];
         let all: Vec<&[f64]> = (0..turned.ncols()).map(column).collect();
         let nothing: Vec<f64> = all.iter().map(|column| NOTHING * largest(column)).collect();
-        let classes = whitening.rows_of.iter();
+        let classes = rows_of.iter();
         Self {
             count: all.len(),
             classes: classes

@@ -9,7 +9,10 @@ use super::product::{gram, transposed};
 use super::share::Block;
 use super::whitening::{Class, Whitening};
 
-/// Further columns `E` beside the columns `A` of a linear model with the residual `z`.
+/// So many columns are looked at together: few enough to stay in a processor's cache.
+const TOGETHER: usize = 64;
+
+/// Further columns `E`, in sets, beside the columns `A` of a linear model with the residual `z`.
 pub(crate) struct Further {
     /// How many columns each of the two has.
     count: [usize; 2],
@@ -21,36 +24,61 @@ struct FurtherShare {
     class: Class,
     /// Columns of `A` that these rows depend on.
     known: Vec<usize>,
-    /// Those of `E`.
-    E: Columns,
-    /// `A'E` of both.
-    cross: DMatrix<f64>,
-    /// `E'z`.
-    g: DVector<f64>,
+    /// Those of `E`, set by set.
+    sets: Vec<Set>,
+}
+
+/// A set of columns of `E` in the rows of one class.
+struct Set {
+    /// The first of them.
+    first: usize,
+    /// Those that these rows depend on, counted from the first.
+    active: Vec<usize>,
+    /// `A'E` of those and the known ones, column by column.
+    cross: Vec<f64>,
+    /// `E'z` of those.
+    g: Vec<f64>,
+    /// `E'E` of those, its lower triangle.
+    own: DMatrix<f64>,
 }
 
 impl Further {
-    /// Of turned rows: the columns of the model, its residual (reading minus prediction), and the further columns.
+    /// Of turned rows: the columns of the model, its residual (reading minus prediction), and sets of further columns that follow one
+    /// another, with what gives those of a range.
     pub(crate) fn new(
         whitening: &Whitening,
         (jacobian, residual): (&ByClass, &DVector<f64>),
-        further: ByClass,
+        (sets, turned): (&[Range<usize>], impl Fn(Range<usize>) -> DMatrix<f64>),
     ) -> Self {
-        let count = [jacobian.count, further.count];
-        let classes = whitening.classes.iter().zip(&whitening.rows_of);
-        let columns = jacobian.classes.iter().zip(further.classes);
-        let shares = classes
-            .zip(columns)
-            .map(|((class, rows), (A, E))| FurtherShare {
-                class: *class,
-                cross: transposed(&A.values, &E.values),
-                g: E.values.tr_mul(&residual.select_rows(rows)),
-                known: A.active.clone(),
-                E,
-            });
+        let classes = whitening.classes.iter().zip(&jacobian.classes);
+        let share = |(class, A): (&Class, &Columns)| FurtherShare {
+            class: *class,
+            known: A.active.clone(),
+            sets: Vec::with_capacity(sets.len()),
+        };
+        let mut shares: Vec<FurtherShare> = classes.map(share).collect();
+        let rows = whitening.rows_of.iter();
+        let z: Vec<DVector<f64>> = rows.map(|rows| residual.select_rows(rows)).collect();
+        let mut rest = sets;
+        while let Some(first) = rest.first() {
+            let fits = |set: &&Range<usize>| set.end <= first.start + TOGETHER;
+            let count = rest.iter().take_while(fits).count().max(1);
+            let (here, after) = rest.split_at(count);
+            rest = after;
+            let from = first.start;
+            let to = here.last().map_or(from, |last| last.end);
+            let E = ByClass::new(whitening, &turned(from..to));
+            for (k, share) in shares.iter_mut().enumerate() {
+                let (A, E) = (&jacobian.classes[k], &E.classes[k]);
+                let cross = transposed(&A.values, &E.values);
+                let g = E.along(&z[k]);
+                let set = |set: &Range<usize>| Set::new(E, (&cross, &g), set, from);
+                share.sets.extend(here.iter().map(set));
+            }
+        }
         Self {
-            shares: shares.collect(),
-            count,
+            count: [jacobian.count, sets.last().map_or(0, |set| set.end)],
+            shares,
         }
     }
 
@@ -60,17 +88,21 @@ impl Further {
         let (mut cross, mut g) = (DMatrix::<f64>::zeros(n, m), DVector::zeros(m));
         for share in &self.shares {
             let precision = 1.0 / share.class.variance(ln);
-            for (k, column) in share.E.active.iter().enumerate() {
-                g[*column] += precision * share.g[k];
-                let to = &mut cross.as_mut_slice()[column * n..(column + 1) * n];
-                let from = share.cross.column(k);
-                if share.known.len() == n {
-                    for (sum, value) in to.iter_mut().zip(from.iter()) {
-                        *sum += precision * value;
-                    }
-                } else {
-                    for (unknown, value) in share.known.iter().zip(from.iter()) {
-                        to[*unknown] += precision * value;
+            let is_dense = share.known.len() == n;
+            for set in &share.sets {
+                let columns = set.cross.chunks_exact(share.known.len().max(1));
+                for ((at, own), from) in set.active.iter().zip(&set.g).zip(columns) {
+                    let column = set.first + at;
+                    g[column] += precision * own;
+                    let to = &mut cross.as_mut_slice()[column * n..(column + 1) * n];
+                    if is_dense {
+                        for (sum, value) in to.iter_mut().zip(from) {
+                            *sum += precision * value;
+                        }
+                    } else {
+                        for (unknown, value) in share.known.iter().zip(from) {
+                            to[*unknown] += precision * value;
+                        }
                     }
                 }
             }
@@ -79,22 +111,18 @@ impl Further {
         (cross, g)
     }
 
-    /// `E'W E` of some columns at these sizes.
-    pub(crate) fn own(&self, range: &Range<usize>, ln: &[f64]) -> DMatrix<f64> {
-        let k = range.len();
-        let mut out = DMatrix::zeros(k, k);
+    /// `E'W E` of a set of `count` columns at these sizes.
+    pub(crate) fn own(&self, set: usize, count: usize, ln: &[f64]) -> DMatrix<f64> {
+        let mut out = DMatrix::zeros(count, count);
         for share in &self.shares {
             let precision = 1.0 / share.class.variance(ln);
-            let active = &share.E.active;
-            let first = active.partition_point(|column| *column < range.start);
-            let end = active.partition_point(|column| *column < range.end);
-            for a in first..end {
-                for b in first..=a {
-                    let product = share.E.values.column(a).dot(&share.E.values.column(b));
-                    let (row, column) = (active[a] - range.start, active[b] - range.start);
-                    out[(row, column)] += precision * product;
+            let set = &share.sets[set];
+            for (a, row) in set.active.iter().enumerate() {
+                for (b, column) in set.active[..=a].iter().enumerate() {
+                    let value = precision * set.own[(a, b)];
+                    out[(*row, *column)] += value;
                     if row != column {
-                        out[(column, row)] += precision * product;
+                        out[(*column, *row)] += value;
                     }
                 }
             }
@@ -102,25 +130,48 @@ impl Further {
         out
     }
 
-    /// Some columns, class by class.
-    pub(super) fn blocks(&self, range: &Range<usize>) -> impl Iterator<Item = Block> {
+    /// A set of columns, class by class.
+    pub(super) fn blocks(&self, set: usize) -> impl Iterator<Item = Block> {
         self.shares.iter().map(move |share| {
-            let active = &share.E.active;
-            let first = active.partition_point(|column| *column < range.start);
-            let end = active.partition_point(|column| *column < range.end);
-            let mut cross = DMatrix::zeros(end - first, self.count[0]);
-            for (k, unknown) in share.known.iter().enumerate() {
-                for at in first..end {
-                    cross[(at - first, *unknown)] = share.cross[(k, at)];
+            let set = &share.sets[set];
+            let count = set.active.len();
+            let mut cross = DMatrix::zeros(count, self.count[0]);
+            let columns = set.cross.chunks_exact(share.known.len().max(1));
+            for (at, column) in columns.enumerate() {
+                for (unknown, value) in share.known.iter().zip(column) {
+                    cross[(at, *unknown)] = *value;
                 }
             }
-            let E = share.E.values.columns(first, end - first).into_owned();
             Block {
-                places: active[first..end].iter().map(|c| c - range.start).collect(),
+                places: set.active.clone(),
                 cross,
-                own: gram(&E),
-                g: share.g.as_slice()[first..end].to_vec(),
+                own: set.own.clone(),
+                g: set.g.clone(),
             }
         })
+    }
+}
+
+impl Set {
+    /// Of columns `E` from `from` on and their products.
+    fn new(
+        E: &Columns,
+        (cross, g): (&DMatrix<f64>, &[f64]),
+        set: &Range<usize>,
+        from: usize,
+    ) -> Self {
+        let place = |column: usize| E.active.partition_point(|k| from + k < column);
+        let (first, end) = (place(set.start), place(set.end));
+        let known = cross.nrows();
+        Self {
+            first: set.start,
+            active: E.active[first..end]
+                .iter()
+                .map(|k| from + k - set.start)
+                .collect(),
+            cross: cross.as_slice()[first * known..end * known].to_vec(),
+            g: g[first..end].to_vec(),
+            own: gram(&E.values.columns(first, end - first).into_owned()),
+        }
     }
 }

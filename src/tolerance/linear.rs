@@ -6,8 +6,6 @@
 //! `ln Z = -(z'W z + |x0/S|^2 - b'M^-1 b)/2 - ln det M / 2 - sum ln var / 2 + sum ln p(sizes)`, constants left out.
 //! Source: MacKay, Neural Computation 4 (1992) 415.
 
-use std::ops::Range;
-
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::columns::ByClass;
@@ -119,17 +117,22 @@ impl Linear {
         }
     }
 
-    /// With some further columns, and their unknowns, at zero.
+    /// With a set of so many further columns, and their unknowns, at zero.
     #[must_use]
-    pub(crate) fn with(&self, further: &Further, range: &Range<usize>, unknown: Unknown) -> Self {
+    pub(crate) fn with(
+        &self,
+        further: &Further,
+        (set, count): (usize, usize),
+        unknown: Unknown,
+    ) -> Self {
         let n = self.unknowns.len();
-        let shares = self.shares.iter().zip(further.blocks(range));
+        let shares = self.shares.iter().zip(further.blocks(set));
         let mut new = Self {
             shares: shares.map(|(share, block)| share.with(n, &block)).collect(),
             unknowns: self.unknowns.clone(),
-            at: self.at.clone().resize_vertically(n + range.len(), 0.0),
+            at: self.at.clone().resize_vertically(n + count, 0.0),
         };
-        new.unknowns.resize(n + range.len(), unknown);
+        new.unknowns.resize(n + count, unknown);
         new
     }
 
@@ -152,6 +155,32 @@ impl Linear {
             shares: shares.collect(),
             unknowns: self.unknowns.clone(),
             at,
+        }
+    }
+
+    /// Without some of its rows, of which `turned` has the columns and `residual` reading minus prediction.
+    #[must_use]
+    pub(crate) fn without(
+        &self,
+        whitening: &Whitening,
+        (turned, residual): (&DMatrix<f64>, &DVector<f64>),
+        left_out: &[bool],
+    ) -> Self {
+        let of_class = |rows: &Vec<usize>| {
+            let rows = rows.iter().filter(|row| left_out[**row]);
+            rows.copied().collect::<Vec<usize>>()
+        };
+        let rows_of: Vec<Vec<usize>> = whitening.rows_of.iter().map(of_class).collect();
+        let columns = ByClass::of_rows(&rows_of, turned);
+        let shares = self.shares.iter().zip(&rows_of).zip(&columns.classes);
+        let rest = shares.map(|((share, rows), A)| {
+            let out = Share::new(share.class, A, &residual.select_rows(rows));
+            share.less(&out)
+        });
+        Self {
+            shares: rest.collect(),
+            unknowns: self.unknowns.clone(),
+            at: self.at.clone(),
         }
     }
 
@@ -380,6 +409,8 @@ impl Solved {
 
 #[cfg(test)]
 mod tests {
+    use std::ops::Range;
+
     use super::super::group::Scale;
     use super::super::whitening::MarkBlock;
     use super::*;
@@ -526,11 +557,12 @@ mod tests {
         let further = J.columns(7, 2).into_owned();
         let by_class = |J: &DMatrix<f64>| ByClass::new(&whitening, J);
         let (known, J) = (by_class(&known), by_class(&J));
-        let further = Further::new(&whitening, (&known, &z), by_class(&further));
+        let columns = |range: Range<usize>| further.columns(range.start, range.len()).into_owned();
+        let further = Further::new(&whitening, (&known, &z), (&[0..0, 0..2], columns));
         let few = at.rows(0, 7).into_owned();
         let few = Linear::new(&whitening, &known, &z, unknowns[..7].to_vec(), few);
         let whole = Linear::new(&whitening, &J, &z, unknowns.clone(), at);
-        alike(&few.with(&further, &(0..2), unknowns[8]), &whole);
+        alike(&few.with(&further, (1, 2), unknowns[8]), &whole);
 
         other.column_mut(3).scale_mut(1.7);
         other.column_mut(8).scale_mut(-0.4);
@@ -540,5 +572,28 @@ mod tests {
         let anew = Linear::new(&whitening, &by_class(&other), &left, unknowns.clone(), at);
         alike(&moved, &anew);
         assert!((moved.ln_z(&sizes) - linear.ln_z(&sizes)).abs() > 1.0);
+    }
+
+    /// Rows that are taken out leave what a model of the others has.
+    #[test]
+    fn a_model_without_some_rows_is_that_of_the_others() {
+        let sizes = Sizes::new(&ToleranceSettings::default(), 0.0, 1.0);
+        let (linear, whitening, J, z) = linear(&sizes);
+        let left_out: Vec<bool> = (0..144).map(|row| row >= 96).collect();
+        let less = linear.without(&whitening, (&J, &z), &left_out);
+        let rows = |rows: &Vec<usize>| rows.iter().copied().filter(|row| *row < 96).collect();
+        let mut few = whitening.clone();
+        few.rows_of = whitening.rows_of.iter().map(rows).collect();
+        let unknowns = linear.unknowns.clone();
+        let other = Linear::new(
+            &few,
+            &ByClass::new(&few, &J),
+            &z,
+            unknowns,
+            linear.at.clone(),
+        );
+        let (less, other) = (less.ln_z(&sizes), other.ln_z(&sizes));
+        assert!((less - other).abs() < 1e-9 * other.abs(), "{less} {other}");
+        assert!((less - linear.ln_z(&sizes)).abs() > 1.0);
     }
 }

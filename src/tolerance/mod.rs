@@ -35,6 +35,7 @@ pub(crate) use layer::{Effect, Layer, LayerOf};
 pub(crate) use linear::{Linear, Posterior, Unknown};
 pub(crate) use noise::Noise;
 pub(crate) use point::Point;
+pub(crate) use product::transposed;
 pub(crate) use reached::Reached;
 pub(crate) use tails::Tails;
 pub(crate) use whitening::{MarkBlock, Whitening};

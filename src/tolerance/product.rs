@@ -25,7 +25,7 @@ pub(super) fn gram(A: &DMatrix<f64>) -> DMatrix<f64> {
 }
 
 /// `A'B`.
-pub(super) fn transposed(A: &DMatrix<f64>, B: &DMatrix<f64>) -> DMatrix<f64> {
+pub(crate) fn transposed(A: &DMatrix<f64>, B: &DMatrix<f64>) -> DMatrix<f64> {
     let mut out = DMatrix::<f64>::zeros(A.ncols(), B.ncols());
     let to = write(&mut out);
     matmul(

@@ -120,6 +120,29 @@ impl Share {
         }
     }
 
+    /// Without some of its rows.
+    pub(super) fn less(&self, rows: &Self) -> Self {
+        let mut rest = self.clone();
+        rest.count -= rows.count;
+        rest.q -= rows.q;
+        let n = self.active.len();
+        let start = |column: usize| column * (2 * n - column + 1) / 2;
+        let place = |unknown: &usize| self.active.binary_search(unknown).ok();
+        let places: Vec<Option<usize>> = rows.active.iter().map(place).collect();
+        for (k, (_, _, values)) in rows.columns().enumerate() {
+            let Some(column) = places[k] else {
+                continue;
+            };
+            rest.g[column] -= rows.g[k];
+            for (row, value) in places[k..].iter().zip(values) {
+                if let Some(row) = row {
+                    rest.H[start(column) + row - column] -= value;
+                }
+            }
+        }
+        rest
+    }
+
     /// Columns of the triangle: each with its unknown and those of its rows.
     fn columns(&self) -> impl Iterator<Item = (usize, &[usize], &[f64])> {
         let n = self.active.len();
