@@ -1,8 +1,8 @@
 //! Projections: the system `[ S, G'; G, 0 ]` of a weight per part and the gradients of the constraints.
 
-use nalgebra::Complex;
+use std::ops::{Div, Mul};
 
-use crate::linear::{Lu, Matrix, Sink};
+use crate::linear::{Lu, Matrix, Scalar, Sink};
 use crate::mechanics::Mat6;
 use crate::system::{Rows, State, System};
 
@@ -60,9 +60,12 @@ impl Bordered {
         self.factors.solve(b);
     }
 
-    /// The same for complex numbers.
-    pub(crate) fn solve_complex(&self, b: &mut [Complex<f64>]) {
-        let mut x = vec![Complex::default(); b.len()];
+    /// The same for numbers of another kind.
+    pub(crate) fn solve_into<T>(&self, b: &mut [T])
+    where
+        T: Scalar + Mul<f64, Output = T> + Div<f64, Output = T>,
+    {
+        let mut x = vec![T::default(); b.len()];
         self.factors.solve_into(b, &mut x);
         b.copy_from_slice(&x);
     }

@@ -14,9 +14,9 @@
 //! ```
 
 use super::bordered::plain_weight;
-use super::newton::{Equations, Unknowns, add};
+use super::newton::{Equations, Unknowns, add, turns};
 use crate::linear::{Levels, Lu, Matrix, Sink, by_groups};
-use crate::mechanics::{Mat3, Vec3, turning_rate};
+use crate::mechanics::{Mat3, Vec3};
 use crate::system::{NoValue, Parameters, Rows, State, System};
 
 /// The matrix of the iteration with its factors; its pattern stays.
@@ -214,16 +214,4 @@ impl Coupled {
         }
         Ok(change)
     }
-}
-
-/// Turning rates of every body at the displacements of a stage; the identity where a body does not turn.
-fn turns(system: &System, z: &[f64]) -> Vec<Mat3> {
-    let each = system.bodies.iter().map(|body| {
-        if body.freedoms < 6 {
-            return Mat3::identity();
-        }
-        let at = body.first + 3;
-        turning_rate(&Vec3::new(z[at], z[at + 1], z[at + 2]))
-    });
-    each.collect()
 }

@@ -101,3 +101,19 @@ impl Reason {
         MotionError { time, reason: self }
     }
 }
+
+/// The iteration of a step does not settle, and why.
+pub(super) struct NotSettled {
+    pub why: String,
+    /// A function or an element has no value.
+    pub no_value: bool,
+}
+
+impl NotSettled {
+    pub(crate) fn at(why: &str) -> Self {
+        Self {
+            why: why.to_string(),
+            no_value: false,
+        }
+    }
+}

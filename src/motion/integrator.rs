@@ -1,19 +1,15 @@
 use super::consistent::Consistent;
 use super::coupled::Coupled;
-use super::error::{MotionError, Reason};
+use super::derivatives::Derivatives;
+use super::error::{MotionError, NotSettled, Reason};
 use super::newton::{Equations, Stages, Unknowns};
 use super::regimes::Regimes;
+use super::sequence::Sequence;
 use super::settings::{INSIDE, Settings};
 use super::sizes::Sizes;
 use super::tableau::{A, C, lagrange};
 use crate::system::{Parameters, State, System};
 
-/// The iteration ends when what is left is this share of the tolerance.
-const KAPPA: f64 = 1e-2;
-/// Factors stay while the iteration falls by this.
-const FAST: f64 = 0.1;
-/// Derivatives of all stages stay while the iteration falls by this.
-const SLUGGISH: f64 = 0.3;
 /// Steps that differ by less are the same.
 const SAME: f64 = 1e-9;
 /// A step that could grow by no more than this stays, and its factors with it.
@@ -22,8 +18,6 @@ const WORTH: f64 = 1.2;
 const SAFETY: f64 = 0.9;
 const SHORTEST: f64 = 0.2;
 const LONGEST: f64 = 5.0;
-/// Round-off of positions and velocities: what the iteration cannot go below.
-const ROUND_OFF: f64 = 1e-14;
 
 /// How much was done.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -47,8 +41,9 @@ pub struct Integrator<'a> {
     pub(super) settings: Settings,
     pub(super) state: State,
     pub(super) equations: Equations,
-    /// The iteration with derivatives of every stage, once it was needed.
-    coupled: Option<Box<Coupled>>,
+    /// The iterations with derivatives of every stage, once they were needed.
+    pub(super) sequence: Option<Box<Sequence>>,
+    pub(super) coupled: Option<Box<Coupled>>,
     pub(super) consistent: Consistent,
     pub(super) unknowns: Unknowns,
     /// The unknowns of the last step: what the next one begins with.
@@ -92,6 +87,7 @@ impl<'a> Integrator<'a> {
             system,
             parameters,
             equations: Equations::new(system),
+            sequence: None,
             coupled: None,
             consistent: Consistent::new(system),
             unknowns: Unknowns::new(system),
@@ -264,7 +260,7 @@ impl<'a> Integrator<'a> {
                 return Err(reason.at(time));
             }
             let mut solved = self.solve(h, Derivatives::Single);
-            for better in [Derivatives::Kept, Derivatives::Renewed] {
+            for better in Derivatives::BETTER {
                 if solved.is_err() && self.fresh {
                     self.predict(h);
                     solved = self.solve(h, better);
@@ -402,92 +398,6 @@ impl<'a> Integrator<'a> {
         }
     }
 
-    /// Newton's iteration; gives how many iterations it took.
-    fn solve(&mut self, h: f64, derivatives: Derivatives) -> Result<usize, NotSettled> {
-        let coupled = derivatives != Derivatives::Single;
-        let always = derivatives == Derivatives::Renewed;
-        let mut before = 0.0;
-        // Whether the derivatives of all stages are to be made anew.
-        let mut renew = coupled;
-        let limit = KAPPA * self.settings.corrector * (1.0 + self.settings.adaptivity / h);
-        for iteration in 1..=self.settings.maxit {
-            let (equations, unknowns) = (&mut self.equations, &mut self.unknowns);
-            let (system, parameters, start) = (self.system, self.parameters, &self.state);
-            let done = if coupled {
-                let coupled = &mut self.coupled;
-                let coupled = coupled.get_or_insert_with(|| Box::new(Coupled::new(system)));
-                let (model, step) = ((system, parameters), (start, h));
-                let factored = if renew {
-                    coupled.factor(equations, model, step, unknowns)
-                } else {
-                    Ok(())
-                };
-                factored.and_then(|()| coupled.iterate(equations, model, step, unknowns))
-            } else {
-                equations.iterate(system, parameters, start, h, unknowns)
-            };
-            let change = match done {
-                Ok(change) => change,
-                Err(reason) => {
-                    return Err(NotSettled {
-                        why: reason.to_string(),
-                        no_value: true,
-                    });
-                }
-            };
-            let (size, at) = self.size_of(&change);
-            if !size.is_finite() {
-                return Err(NotSettled::at("the iteration leaves all bounds"));
-            }
-            let floor = ROUND_OFF / self.tolerance();
-            if size <= floor {
-                return Ok(iteration);
-            }
-            if iteration > 1 {
-                let theta: f64 = size / before;
-                // Derivatives of an earlier iteration say nothing of where this one ends.
-                let fresh = renew || !coupled;
-                if fresh && theta >= 0.99 && size > 10.0 * floor {
-                    return Err(NotSettled::at(&format!(
-                        "the iteration does not settle {at}"
-                    )));
-                }
-                let left = theta.min(0.99) / (1.0 - theta.min(0.99)) * size;
-                if left <= limit {
-                    if theta > FAST {
-                        self.factored = None;
-                    }
-                    return Ok(iteration);
-                }
-                let more = self.settings.maxit - iteration;
-                if fresh && left * theta.powi(more as i32) > limit && more < 4 {
-                    return Err(NotSettled::at(&format!(
-                        "the iteration does not settle {at}"
-                    )));
-                }
-                renew = coupled && (always || theta > SLUGGISH);
-            } else if size <= 1e-2 * limit {
-                return Ok(iteration);
-            } else {
-                renew = always;
-            }
-            before = size;
-        }
-        Err(NotSettled::at("the iteration does not settle"))
-    }
-
-    /// The size of a correction in tolerances, and where it is.
-    fn size_of(&self, change: &Unknowns) -> (f64, String) {
-        let mut worst = (0.0, 0, false);
-        for i in 0..3 {
-            let found = self.measured(&change.z[i], &change.w[i], true);
-            if !(found.0 <= worst.0) {
-                worst = found;
-            }
-        }
-        (worst.0, self.told(worst))
-    }
-
     pub(super) fn told(&self, (_, at, velocity): (f64, usize, bool)) -> String {
         let of = if velocity { "the velocity of " } else { "" };
         format!("{of}{}", self.system.freedom_name(at))
@@ -527,32 +437,5 @@ impl<'a> Integrator<'a> {
         self.sizes_before = self.sizes;
         self.sizes.grow(&self.state);
         Ok(())
-    }
-}
-
-/// Which derivatives the iteration of a step uses: each kind settles where the one before does not, and costs more.
-#[derive(Clone, Copy, PartialEq, Debug)]
-enum Derivatives {
-    /// Those of one stage, kept while they serve.
-    Single,
-    /// Those of every stage, kept while they serve.
-    Kept,
-    /// Those of every stage, made anew for each iteration.
-    Renewed,
-}
-
-/// The iteration of a step does not settle, and why.
-struct NotSettled {
-    why: String,
-    /// A function or an element has no value.
-    no_value: bool,
-}
-
-impl NotSettled {
-    fn at(why: &str) -> Self {
-        Self {
-            why: why.to_string(),
-            no_value: false,
-        }
     }
 }

@@ -13,10 +13,11 @@
 
 use nalgebra::Complex;
 
-use super::bordered::{Bordered, plain_weight};
+use super::bordered::plain_weight;
+use super::linearisation::{Correction, Linearisation};
 use super::tableau::{ALPHA_BETA, C, GAMMA, Tableau};
-use crate::linear::{Entries, Levels, Lu, Scalar};
-use crate::mechanics::{Vec3, turning_rate};
+use crate::linear::Lu;
+use crate::mechanics::{Mat3, Vec3, turning_rate};
 use crate::system::{NoValue, Parameters, Rates, Rows, Scratch, State, System};
 
 /// Three vectors, one per stage.
@@ -45,6 +46,41 @@ impl Unknowns {
     }
 }
 
+impl Unknowns {
+    fn all(&self) -> impl Iterator<Item = &Vec<f64>> {
+        self.z.iter().chain(&self.w).chain(&self.mu)
+    }
+
+    fn all_mut(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
+        self.z.iter_mut().chain(&mut self.w).chain(&mut self.mu)
+    }
+
+    /// Adds a multiple.
+    pub(crate) fn add(&mut self, factor: f64, other: &Self) {
+        for (to, from) in self.all_mut().zip(other.all()) {
+            for (x, dx) in to.iter_mut().zip(from) {
+                *x += factor * dx;
+            }
+        }
+    }
+
+    pub(crate) fn scale(&mut self, factor: f64) {
+        for x in self.all_mut().flatten() {
+            *x *= factor;
+        }
+    }
+
+    /// The scalar product, each unknown times its weight.
+    pub(crate) fn product(&self, other: &Self, weights: &Self) -> f64 {
+        let mut sum = 0.0;
+        for ((a, b), w) in self.all().zip(other.all()).zip(weights.all()) {
+            let terms = a.iter().zip(b).zip(w);
+            sum += terms.map(|((a, b), w)| (a * w) * (b * w)).sum::<f64>();
+        }
+        sum
+    }
+}
+
 /// Residuals of the stages.
 #[derive(Clone, Debug)]
 pub(super) struct Residuals {
@@ -54,6 +90,11 @@ pub(super) struct Residuals {
 }
 
 impl Residuals {
+    /// Of one stage: rates of displacements; balances, constraints and states; rates of constraints.
+    pub(crate) fn at(&self, stage: usize) -> (&[f64], &[f64], &[f64]) {
+        (&self.r1[stage], &self.g[stage], &self.r4[stage])
+    }
+
     /// Of one stage: balances, constraints and states, then rates of displacements, then rates of constraints.
     pub(crate) fn of(&self, stage: usize) -> impl Iterator<Item = f64> + '_ {
         let parts = [&self.g[stage], &self.r1[stage], &self.r4[stage]];
@@ -61,22 +102,13 @@ impl Residuals {
     }
 }
 
-/// What a correction changes.
-pub(super) struct Correction<T> {
-    pub z: Vec<T>,
-    pub w: Vec<T>,
-    pub mu: Vec<T>,
-}
-
 /// Matrices of a step with their factors.
 #[derive(Debug)]
 pub(super) struct Equations {
     pub tableau: Tableau,
-    levels: Levels,
-    rows: Rows,
+    pub(super) linear: Linearisation,
     stage_rows: Rows,
-    bordered: Bordered,
-    real: Lu,
+    pub(super) real: Lu,
     pair: Lu<Complex<f64>>,
     values: Vec<f64>,
     pair_values: Vec<Complex<f64>>,
@@ -94,10 +126,8 @@ impl Equations {
         let n = system.moving_unknowns;
         Self {
             tableau: Tableau::new(),
-            levels: Levels::new(n),
-            rows: Rows::new(system),
+            linear: Linearisation::new(system),
             stage_rows: Rows::new(system),
-            bordered: Bordered::new(system),
             real: Lu::new(n),
             pair: Lu::new(n),
             values: Vec::new(),
@@ -123,14 +153,21 @@ impl Equations {
         parameters: &Parameters,
         state: &State,
     ) -> Result<(), NoValue> {
-        let g = &mut self.residuals.g[0];
-        self.levels.clear();
-        system.assemble(parameters, state, &mut self.scratch, g, &mut self.levels)?;
-        self.levels.finish();
-        let (scratch, rows) = (&mut self.scratch, &mut self.rows);
-        system.constraints_and_rows(parameters, state, scratch, g, rows)?;
-        let plain = plain_weight(system);
-        self.bordered.factor(system, state, &self.rows, |_| plain);
+        let (scratch, g) = (&mut self.scratch, &mut self.residuals.g[0]);
+        self.linear.take(system, parameters, state, scratch, g)?;
+        self.jacobians += 1;
+        Ok(())
+    }
+
+    /// The derivatives at the stage that was placed last.
+    pub(crate) fn linearise_stage(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        linear: &mut Linearisation,
+    ) -> Result<(), NoValue> {
+        let (stage, scratch) = (&self.stage, &mut self.scratch);
+        linear.take(system, parameters, stage, scratch, &mut self.residuals.g[0])?;
         self.jacobians += 1;
         Ok(())
     }
@@ -152,9 +189,9 @@ impl Equations {
 
     /// Factors both systems for a step.
     pub(crate) fn factor(&mut self, system: &System, h: f64) {
-        let real = combined(system, &self.levels, &mut self.values, GAMMA / h);
+        let real = self.linear.matrix(system, &mut self.values, GAMMA / h);
         self.real.factor_entries(&real);
-        let pair = combined(system, &self.levels, &mut self.pair_values, ALPHA_BETA / h);
+        let pair = (self.linear).matrix(system, &mut self.pair_values, ALPHA_BETA / h);
         self.pair.follow(&self.real);
         self.pair.factor_entries(&pair);
         self.factorisations += 1;
@@ -186,7 +223,8 @@ impl Equations {
             )
         };
         let (a, b, c) = (of(0), of(1), of(2));
-        let first = self.solve_real(system, start, h, (&a.0, &a.1, &a.2));
+        let (z, by) = ((GAMMA / h, ALPHA_BETA / h), (system, start));
+        let first = (self.linear).solve(by, z.0, (&a.0, &a.1, &a.2), &mut self.real);
         let both = |x: Vec<f64>, y: Vec<f64>| -> Vec<Complex<f64>> {
             x.into_iter()
                 .zip(y)
@@ -194,7 +232,7 @@ impl Equations {
                 .collect()
         };
         let (r1, g, r4) = (both(b.0, c.0), both(b.1, c.1), both(b.2, c.2));
-        let second = self.solve_pair(system, start, h, (&r1, &g, &r4));
+        let second = (self.linear).solve(by, z.1, (&r1, &g, &r4), &mut self.pair);
         let back = |x: &[f64], pair: &[Complex<f64>]| -> Stages {
             std::array::from_fn(|i| {
                 x.iter()
@@ -328,66 +366,6 @@ impl Equations {
         Ok(())
     }
 
-    /// The correction of the real system.
-    pub(crate) fn solve_real(
-        &mut self,
-        system: &System,
-        start: &State,
-        h: f64,
-        (r1, g, r4): (&[f64], &[f64], &[f64]),
-    ) -> Correction<f64> {
-        let z = GAMMA / h;
-        let (n, equations) = (system.first_equation, system.equations);
-        let mut border = vec![0.0; n + equations];
-        self.velocity_side(system, start, z, (r1, g, r4), &mut border);
-        self.bordered.solve(&mut border);
-        let e: Vec<f64> = r1.iter().zip(&border).map(|(r, x)| r - x).collect();
-        let mut b = right_side(system, start, &self.levels, z, g, &e);
-        self.real.solve(&mut b);
-        finished(system, z, &e, b, border[n..].to_vec())
-    }
-
-    fn solve_pair(
-        &mut self,
-        system: &System,
-        start: &State,
-        h: f64,
-        (r1, g, r4): (&[Complex<f64>], &[Complex<f64>], &[Complex<f64>]),
-    ) -> Correction<Complex<f64>> {
-        let z = ALPHA_BETA / h;
-        let (n, equations) = (system.first_equation, system.equations);
-        let mut border = vec![Complex::default(); n + equations];
-        self.velocity_side(system, start, z, (r1, g, r4), &mut border);
-        self.bordered.solve_complex(&mut border);
-        let e: Vec<Complex<f64>> = r1.iter().zip(&border).map(|(r, x)| r - x).collect();
-        let mut b = right_side(system, start, &self.levels, z, g, &e);
-        self.pair.solve(&mut b);
-        finished(system, z, &e, b, border[n..].to_vec())
-    }
-
-    /// The right side of `[ D^-1, G'; G, 0 ] [ -D G' dmu; dmu ] = [ 0; -(z r3 - r4 - G r1) ]`.
-    fn velocity_side<T: Scalar>(
-        &self,
-        system: &System,
-        start: &State,
-        z: T,
-        (r1, g, r4): (&[T], &[T], &[T]),
-        border: &mut [T],
-    ) {
-        let n = system.first_equation;
-        for k in 0..system.equations {
-            border[n + k] = r4[k] - z * g[n + k];
-        }
-        for &(row, column, value) in &self.rows.entries {
-            border[n + row as usize] += T::of(value) * r1[column as usize];
-        }
-        for k in 0..system.equations {
-            if start.redundant.get(k) == Some(&true) || !system.equation_is_active(k) {
-                border[n + k] = T::default();
-            }
-        }
-    }
-
     /// The error of a step, as positions, velocities and states: `(gamma_0 E - Jac)^-1 (f + E sum e_i Z_i / h)`. `rest` is (r1, g): the
     /// residuals with the opposite of the weighted sum in place of the rates.
     pub(crate) fn filtered(
@@ -400,7 +378,8 @@ impl Equations {
         let r4 = vec![0.0; system.equations];
         let mut g = g.to_vec();
         g[system.first_equation..system.first_variable].fill(0.0);
-        self.solve_real(system, start, h, (r1, &g, &r4))
+        let residuals = (r1, &g[..], &r4[..]);
+        (self.linear).solve((system, start), GAMMA / h, residuals, &mut self.real)
     }
 
     /// `g` of the error estimate at the start of the step: minus the inertia of accelerations and of rates of states.
@@ -408,7 +387,7 @@ impl Equations {
         let mut g = vec![0.0; system.moving_unknowns];
         let n = system.first_equation;
         let first_state = system.first_variable + system.variables.len();
-        for (row, column, [by_rate, by_second]) in self.levels.rates() {
+        for (row, column, [by_rate, by_second]) in self.linear.levels.rates() {
             if column < n {
                 g[row] -= by_second * a[column];
             } else if column >= first_state {
@@ -425,67 +404,14 @@ pub(super) fn add(to: &mut [f64], change: &[f64]) {
     }
 }
 
-/// The matrix of one eigenvalue over the step.
-fn combined<'a, T: Scalar>(
-    system: &System,
-    levels: &'a Levels,
-    values: &'a mut Vec<T>,
-    z: T,
-) -> Entries<'a, T> {
-    let (n, variable) = (system.first_equation, system.first_variable);
-    let first_state = variable + system.variables.len();
-    let (zero, one) = (T::default(), T::ONE);
-    let inverse = one / z;
-    let square = inverse * inverse;
-    levels.combined(values, |row, column| {
-        if (n..variable).contains(&row) {
-            if column < variable {
-                [one, zero, zero]
-            } else {
-                [z * z, zero, zero]
-            }
-        } else if column < n {
-            [square, inverse, one]
-        } else if column < first_state {
-            [one, zero, zero]
-        } else {
-            [one, z, zero]
+/// Turning rates of every body at the displacements of a stage; the identity where a body does not turn.
+pub(super) fn turns(system: &System, z: &[f64]) -> Vec<Mat3> {
+    let each = system.bodies.iter().map(|body| {
+        if body.freedoms < 6 {
+            return Mat3::identity();
         }
-    })
-}
-
-/// `-g - (C + z N) e`; of the constraints `-z^2 r3`, of removed ones as they are.
-fn right_side<T: Scalar>(
-    system: &System,
-    start: &State,
-    levels: &Levels,
-    z: T,
-    g: &[T],
-    e: &[T],
-) -> Vec<T> {
-    let (n, variable) = (system.first_equation, system.first_variable);
-    let mut b: Vec<T> = g.iter().map(|g| -*g).collect();
-    for k in 0..system.equations {
-        if start.redundant.get(k) != Some(&true) && system.equation_is_active(k) {
-            b[n + k] = b[n + k] * z * z;
-        }
-    }
-    for (row, column, [by_rate, by_second]) in levels.rates() {
-        if column < n && !(n..variable).contains(&row) {
-            b[row] -= (T::of(by_rate) + z * T::of(by_second)) * e[column];
-        }
-    }
-    b
-}
-
-/// Displacements from z^2 dd, and velocities.
-fn finished<T: Scalar>(system: &System, z: T, e: &[T], mut b: Vec<T>, mu: Vec<T>) -> Correction<T> {
-    let n = system.first_equation;
-    let inverse = T::ONE / (z * z);
-    let mut w = Vec::with_capacity(n);
-    for k in 0..n {
-        b[k] = b[k] * inverse;
-        w.push(z * b[k] + e[k]);
-    }
-    Correction { z: b, w, mu }
+        let at = body.first + 3;
+        turning_rate(&Vec3::new(z[at], z[at + 1], z[at + 2]))
+    });
+    each.collect()
 }

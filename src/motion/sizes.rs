@@ -1,3 +1,4 @@
+use super::newton::Unknowns;
 use crate::mechanics::Vec3;
 use crate::system::{Rates, State, System};
 
@@ -56,38 +57,64 @@ impl Sizes {
         variables: bool,
     ) -> (f64, usize, bool) {
         let mut worst = (0.0, 0, false);
-        let mut look = |value: f64, at: usize, velocity: bool| {
-            let value = value.abs();
+        self.each(system, tolerance, variables, |at, velocity, size| {
+            let value = if velocity { w[at] } else { z[at] };
+            let value = (value / size).abs();
             if !(value <= worst.0) {
                 worst = (value, at, velocity);
             }
-        };
+        });
+        worst
+    }
+
+    /// What one of each unknown of a step counts, in tolerances; nothing where no tolerance is of it.
+    pub(crate) fn weights(&self, system: &System, tolerance: f64) -> Unknowns {
+        let mut weights = Unknowns::new(system);
+        self.each(system, tolerance, true, |at, velocity, size| {
+            let of_stages = if velocity {
+                &mut weights.w
+            } else {
+                &mut weights.z
+            };
+            for stage in of_stages {
+                stage[at] = 1.0 / size;
+            }
+        });
+        weights
+    }
+
+    /// The places of what has a tolerance, whether it is a velocity, and the tolerance.
+    fn each(
+        &self,
+        system: &System,
+        tolerance: f64,
+        variables: bool,
+        mut look: impl FnMut(usize, bool, f64),
+    ) {
         for body in &system.bodies {
             for k in 0..body.freedoms {
                 let at = body.first + k;
                 if k < 3 {
-                    look(z[at] / (tolerance * self.position), at, false);
-                    look(w[at] / (tolerance * self.velocity), at, true);
+                    look(at, false, tolerance * self.position);
+                    look(at, true, tolerance * self.velocity);
                 } else {
-                    look(z[at] / tolerance, at, false);
-                    look(w[at] / (tolerance * self.spin), at, true);
+                    look(at, false, tolerance);
+                    look(at, true, tolerance * self.spin);
                 }
             }
         }
         for equation in &system.states {
-            let at = equation.moving_unknown;
-            look(z[at] / (tolerance * self.state), at, false);
+            look(equation.moving_unknown, false, tolerance * self.state);
         }
         if variables {
             for k in 0..system.variables.len() {
                 let at = system.first_variable + k;
-                look(z[at] / (tolerance * self.variable), at, false);
+                look(at, false, tolerance * self.variable);
             }
             // Multipliers are extrapolated: an iteration that left them alone would let their errors grow from step to step.
             for at in system.first_equation..system.first_variable {
-                look(z[at] / (tolerance.sqrt() * self.multiplier), at, false);
+                look(at, false, tolerance.sqrt() * self.multiplier);
             }
         }
-        worst
     }
 }

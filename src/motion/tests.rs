@@ -9,6 +9,7 @@ use crate::system::{Parameters, Rates, Rows, Scratch, State, System};
 use crate::text::Source;
 
 mod events;
+mod passages;
 
 struct Deck {
     system: System,

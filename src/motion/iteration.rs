@@ -1,0 +1,125 @@
+//! Newton's iteration of a step, with the derivatives that it takes.
+
+use super::coupled::Coupled;
+use super::derivatives::Derivatives;
+use super::error::NotSettled;
+use super::integrator::Integrator;
+use super::newton::Unknowns;
+use super::sequence::Sequence;
+
+/// The iteration ends when what is left is this share of the tolerance.
+const KAPPA: f64 = 1e-2;
+/// Factors stay while the iteration falls by this.
+const FAST: f64 = 0.1;
+/// Derivatives of all stages stay while the iteration falls by this.
+const SLUGGISH: f64 = 0.3;
+/// Round-off of positions and velocities: what the iteration cannot go below.
+const ROUND_OFF: f64 = 1e-14;
+
+impl Integrator<'_> {
+    /// Newton's iteration; gives how many iterations it took.
+    pub(super) fn solve(&mut self, h: f64, derivatives: Derivatives) -> Result<usize, NotSettled> {
+        let several = derivatives != Derivatives::Single;
+        let always = derivatives == Derivatives::Renewed;
+        let mut before = 0.0;
+        // Whether the derivatives of all stages are to be made anew.
+        let mut renew = several;
+        let tolerance = self.tolerance();
+        let limit = KAPPA * self.settings.corrector * (1.0 + self.settings.adaptivity / h);
+        for iteration in 1..=self.settings.maxit {
+            let (equations, unknowns) = (&mut self.equations, &mut self.unknowns);
+            let (system, parameters, start) = (self.system, self.parameters, &self.state);
+            let (model, step) = ((system, parameters), (start, h));
+            let done = match derivatives {
+                Derivatives::Single => equations.iterate(system, parameters, start, h, unknowns),
+                Derivatives::Sequence => {
+                    let new = || Box::new(Sequence::new(system, equations));
+                    let sequence = self.sequence.get_or_insert_with(new);
+                    let factored = if renew {
+                        let weights = self.sizes.weights(system, tolerance);
+                        sequence.factor(equations, model, step, unknowns, weights)
+                    } else {
+                        Ok(())
+                    };
+                    factored.and_then(|()| sequence.iterate(equations, model, step, unknowns))
+                }
+                Derivatives::Kept | Derivatives::Renewed => {
+                    let coupled = &mut self.coupled;
+                    let coupled = coupled.get_or_insert_with(|| Box::new(Coupled::new(system)));
+                    let factored = if renew {
+                        coupled.factor(equations, model, step, unknowns)
+                    } else {
+                        Ok(())
+                    };
+                    factored.and_then(|()| coupled.iterate(equations, model, step, unknowns))
+                }
+            };
+            let change = match done {
+                Ok(change) => change,
+                Err(reason) => {
+                    return Err(NotSettled {
+                        why: reason.to_string(),
+                        no_value: true,
+                    });
+                }
+            };
+            let worst = self.worst_of(&change);
+            let size = worst.0;
+            if !size.is_finite() {
+                return Err(NotSettled::at("the iteration leaves all bounds"));
+            }
+            let floor = ROUND_OFF / self.tolerance();
+            if size <= floor {
+                return Ok(iteration);
+            }
+            if iteration > 1 {
+                let theta: f64 = size / before;
+                // Derivatives of an earlier iteration say nothing of where this one ends.
+                let fresh = renew || !several;
+                if fresh && theta >= 0.99 && size > 10.0 * floor {
+                    return Err(self.not_settled(worst));
+                }
+                let rate = theta.max(derivatives.slowest()).min(0.99);
+                let left = rate / (1.0 - rate) * size;
+                if left <= limit {
+                    if theta > FAST {
+                        self.factored = None;
+                    }
+                    return Ok(iteration);
+                }
+                let more = self.settings.maxit - iteration;
+                if fresh && left * theta.powi(more as i32) > limit && more < 4 {
+                    return Err(self.not_settled(worst));
+                }
+                let sluggish = derivatives == Derivatives::Kept && theta > SLUGGISH;
+                renew = always || sluggish;
+            } else if size <= 1e-2 * limit {
+                return Ok(iteration);
+            } else {
+                // The first correction may lead far from where the derivatives were taken; what is left is small.
+                renew = always || derivatives == Derivatives::Sequence;
+            }
+            before = size;
+        }
+        Err(NotSettled::at("the iteration does not settle"))
+    }
+
+    /// The largest component of a correction, as [`Sizes::measured`] has it.
+    fn worst_of(&self, change: &Unknowns) -> (f64, usize, bool) {
+        let mut worst = (0.0, 0, false);
+        for i in 0..3 {
+            let found = self.measured(&change.z[i], &change.w[i], true);
+            if !(found.0 <= worst.0) {
+                worst = found;
+            }
+        }
+        worst
+    }
+
+    fn not_settled(&self, worst: (f64, usize, bool)) -> NotSettled {
+        NotSettled::at(&format!(
+            "the iteration does not settle {}",
+            self.told(worst)
+        ))
+    }
+}

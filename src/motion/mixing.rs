@@ -1,0 +1,94 @@
+//! Steps of an iteration that learn from those before: Anderson's mixing, for a linear iteration the method of minimal residuals.
+//!
+//! Of x and its correction f (x + f would be the next x), `x + f - sum c_j p_j`: q_j are the changes of f so far, made orthonormal, p_j what
+//! goes with them, and c_j = q_j . f. (D. G. Anderson, J. ACM 12, 1965; H. F. Walker, P. Ni, SIAM J. Numer. Anal. 49, 2011.)
+
+use super::newton::Unknowns;
+
+/// A change that stands out from those before by less than this share of it tells nothing new.
+const NEW: f64 = 1e-8;
+
+/// What the iterations so far have shown.
+#[derive(Debug, Default)]
+pub(super) struct Mixing {
+    /// What one of each unknown counts.
+    weights: Option<Unknowns>,
+    /// (q, p).
+    known: Vec<(Unknowns, Unknowns)>,
+    /// The last correction, and the step that was taken.
+    last: Option<(Unknowns, Unknowns)>,
+}
+
+impl Mixing {
+    /// Begins anew.
+    pub(crate) fn begin(&mut self, weights: Unknowns) {
+        self.weights = Some(weights);
+        self.known.clear();
+        self.last = None;
+    }
+
+    /// The step to take for a correction.
+    pub(crate) fn mixed(&mut self, correction: &Unknowns) -> Unknowns {
+        let mut step = correction.clone();
+        let Some(weights) = &self.weights else {
+            return step;
+        };
+        if let Some((before, taken)) = self.last.take() {
+            let mut q = correction.clone();
+            q.add(-1.0, &before);
+            let mut p = taken;
+            p.add(1.0, &q);
+            let whole = q.product(&q, weights).sqrt();
+            for (known_q, known_p) in &self.known {
+                let share = q.product(known_q, weights);
+                q.add(-share, known_q);
+                p.add(-share, known_p);
+            }
+            let size = q.product(&q, weights).sqrt();
+            if size > NEW * whole {
+                q.scale(1.0 / size);
+                p.scale(1.0 / size);
+                self.known.push((q, p));
+            }
+        }
+        for (q, p) in &self.known {
+            step.add(-q.product(correction, weights), p);
+        }
+        self.last = Some((correction.clone(), step.clone()));
+        step
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// x = K x + b with eigenvalues of which two would grow: as many corrections as there are unknowns, and one, find the solution.
+    #[test]
+    fn a_linear_iteration_that_grows_ends() {
+        let one = |values: [f64; 3]| Unknowns {
+            z: [values.to_vec(), Vec::new(), Vec::new()],
+            w: Default::default(),
+            mu: Default::default(),
+        };
+        let K = [[-8.0, 1.0, 0.0], [0.0, 0.4, 0.3], [0.5, 0.0, 3.0]];
+        let solution = [1.0, -2.0, 0.5];
+        let mut x = [0.0; 3];
+        let mut mixing = Mixing::default();
+        mixing.begin(one([1.0, 10.0, 0.1]));
+        for _ in 0..4 {
+            // b = (1 - K) solution.
+            let f = std::array::from_fn(|i| {
+                let of = |j: usize| (K[i][j] - f64::from(u8::from(i == j))) * (x[j] - solution[j]);
+                of(0) + of(1) + of(2)
+            });
+            let step = mixing.mixed(&one(f));
+            for (x, step) in x.iter_mut().zip(&step.z[0]) {
+                *x += step;
+            }
+        }
+        for (x, known) in x.iter().zip(solution) {
+            assert!((x - known).abs() < 1e-10, "{x} {known}");
+        }
+    }
+}
