@@ -2,7 +2,7 @@ use std::ops::Range;
 
 use super::lexer::{Lexer, is_blank};
 use super::lines::{PhysicalLine, logical_lines, physical_line};
-use super::statements::{BOM, one, parse_lines, starts_line};
+use super::statements::{BOM, one, parse_lines};
 use super::{Statement, Token, TokenKind};
 use crate::diagnostic::Checked;
 use crate::grammar::{Lookup, Role, find_statement};
@@ -129,15 +129,6 @@ impl CommandFile {
         one(TokenKind::Blank, Span::new(0, bom))
             .chain(head)
             .chain(Lexer::new(bytes, Span::new(at, bytes.len()), at == bom))
-    }
-
-    /// The tokens of one command of this file, trivia between them included.
-    pub fn command_tokens(&self, command: &Statement) -> impl Iterator<Item = Token> + '_ {
-        Lexer::new(
-            self.bytes(),
-            command.span,
-            starts_line(self.bytes(), command.span.start()),
-        )
     }
 }
 

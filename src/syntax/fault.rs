@@ -50,21 +50,8 @@ impl Statement {
         mut found: impl FnMut(Fault<'s>),
     ) {
         let Some(def) = self.def else { return };
-        let mut tell = |wrong, place| {
-            found(Fault {
-                statement: self,
-                wrong,
-                place,
-            });
-        };
-        for argument in def.arguments.iter().filter(|argument| argument.required) {
-            if !self.has(argument.name) {
-                tell(Wrong::Missing(argument), self.head());
-            }
-        }
-        for rule in def.presence {
-            self.breaches(rule, &mut tell);
-        }
+        self.presence_faults(&mut found);
+        let mut tell = |wrong, place| found(self.fault(wrong, place));
         for argument in &self.arguments {
             let Some(own) = argument.def else { continue };
             if let Some(given) = wrong_count(argument, own) {
@@ -100,6 +87,28 @@ impl Statement {
                 }
                 _ => {}
             }
+        }
+    }
+
+    /// Finds which arguments are missing, and which cannot stand together.
+    pub(crate) fn presence_faults<'s>(&'s self, mut found: impl FnMut(Fault<'s>)) {
+        let Some(def) = self.def else { return };
+        let mut tell = |wrong, place| found(self.fault(wrong, place));
+        for argument in def.arguments.iter().filter(|argument| argument.required) {
+            if !self.has(argument.name) {
+                tell(Wrong::Missing(argument), self.head());
+            }
+        }
+        for rule in def.presence {
+            self.breaches(rule, &mut tell);
+        }
+    }
+
+    fn fault(&self, wrong: Wrong, place: Span) -> Fault<'_> {
+        Fault {
+            statement: self,
+            wrong,
+            place,
         }
     }
 

@@ -61,6 +61,16 @@ impl Overlay {
         }
     }
 
+    /// All its arguments in one statement, with keyword and id of the command that was put over it last. Of its arguments only what they
+    /// are means anything: they were read from several texts.
+    pub(crate) fn under(&self, command: &Statement) -> Statement {
+        let arguments = self.stated().arguments();
+        Statement {
+            arguments: arguments.map(|(argument, _)| argument.clone()).collect(),
+            ..command.clone()
+        }
+    }
+
     /// The statement as it stands now.
     pub(crate) fn stated(&self) -> Stated<'_> {
         Stated {

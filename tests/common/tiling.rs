@@ -56,6 +56,8 @@ pub fn assert_commands(file: &CommandFile, bytes: &[u8]) {
     assert_eq!(file.bytes(), bytes);
     let tokens: Vec<Token> = file.tokens().collect();
     assert_tiled(bytes, &tokens, file.commands(), |command| {
-        file.command_tokens(command).collect()
+        let (start, end) = (command.span.start(), command.span.end());
+        let within = |token: &&Token| (start..end).contains(&token.span.start());
+        tokens.iter().filter(within).copied().collect()
     });
 }

@@ -234,3 +234,25 @@ fn columns_of_variables_states_and_requests_stay_when_others_become_solved() {
     near(&results.column("VARIABLE_1", "Q")[1..], &[11.0]);
     near(&results.column("DIFF_1", "Q"), &[5.0, 3.0]);
 }
+
+/// A motion at a joint that gets a marker and no other one would move nothing: it stays as it was, and that is said.
+#[test]
+fn a_command_that_leaves_an_object_without_what_it_needs_is_refused() {
+    let deck = format!(
+        "{HEAD}PART/2, MASS=1, CM=20, IP=1,1,1\nMARKER/20, PART=2\nMARKER/21, PART=2\n\
+         JOINT/1, TRANSLATIONAL, I=20, J=1\nMOTION/1, JOINT=1, TRANSLATIONAL, FUNCTION=2\n{TAIL}"
+    );
+    let run = |command: &str| {
+        let acf = format!("\nfile/model=deck\n{command}\nSIM/STAT\nSTOP\n");
+        let folder = folder(&[("deck.adm", &deck), ("run.acf", &acf)]);
+        let ran = mdi(folder.path(), &["ru-s", "run"]);
+        let z = Results::read(folder.path(), "deck.res").column("PART_2_XFORM", "Z");
+        (ran.stdout, z)
+    };
+    let (said, z) = run("MOTION/1, I=20");
+    assert!(said.contains("MOTION/1 needs all of I, J"), "{said}");
+    near(&z, &[2.0]);
+    let (said, z) = run("MOTION/1, I=21, J=1, Z, FUNCTION=3");
+    assert!(!said.contains("needs"), "{said}");
+    near(&z, &[3.0]);
+}

@@ -77,6 +77,13 @@ impl Definitions {
             return diagnostics;
         };
         overlay.put(command, source);
+        if def.id.is_some() {
+            let whole = overlay.under(command);
+            rules::check_redefined(source, &whole, dataset, &mut diagnostics);
+            if has_errors(&diagnostics) {
+                return diagnostics;
+            }
+        }
         let before = self.over.insert(key, overlay);
         let mut complaints = Vec::new();
         self.lower_again(model, def, key.1, &mut complaints);

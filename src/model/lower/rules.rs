@@ -39,6 +39,20 @@ pub(super) fn check(
     );
 }
 
+/// Complaints about what an object lacks once a command was put over it; `whole` is the object under the name of the command.
+pub(super) fn check_redefined(
+    source: &Source,
+    whole: &Statement,
+    dataset: &Source,
+    diagnostics: &mut Vec<Diagnostic>,
+) {
+    whole.presence_faults(|fault| {
+        if is_absence(&fault) && !is_harmless(&fault) {
+            diagnostics.push(fault.diagnostic(source, dataset.name()));
+        }
+    });
+}
+
 /// True if something is not there.
 fn is_absence(fault: &Fault<'_>) -> bool {
     matches!(
