@@ -20,7 +20,7 @@ use super::sought::{Sought, as_it_is, probability};
 use super::stiffness::{CorrectedStiffness, corrected};
 use super::structure::{ALL, StructureTest, structure};
 use super::subject::{Data, Subject};
-use super::unseen::{Blindfolded, Unseen};
+use super::unseen::Unseen;
 use crate::identify::{IdentifyError, Problem};
 use crate::rig::{Measurement, Study};
 use crate::tolerance::{Group, Scale};
@@ -94,18 +94,14 @@ pub fn diagnose_watched<'a>(
     let no_cases = || IdentifyError::NoCases(None);
     let unfitted = subject.clone();
     let is_blind = check != GainCheck::Quick;
-    let mut blind = is_blind
-        .then(|| Blindfolded::new(&unfitted, progress))
-        .flatten();
     progress.begin("fitting the model as it is");
-    let known = blind.as_ref().map(|blind| &*blind.none);
-    let none = as_it_is(&mut subject, known, Data::All).ok_or_else(no_cases)?;
+    let none = as_it_is(&mut subject, Data::All).ok_or_else(no_cases)?;
     progress.begin("searching causes");
     let mut search = Search::new(&subject, Arc::new(none), Data::All);
     // The search without the held-out cases says what is gained. Where a cause acts for sure it comes first: this one begins where it ends.
-    let mut unseen = blind
-        .take_if(|_| search.is_sure())
-        .and_then(|blind| blind.search(progress));
+    let mut unseen = (is_blind && search.is_sure())
+        .then(|| Unseen::new(&unfitted, progress))
+        .flatten();
     let is_first = unseen.is_some();
     if is_first {
         progress.renew();
@@ -123,8 +119,7 @@ pub fn diagnose_watched<'a>(
     let mut tested = structure(&subject, &sought.leading);
     let is_explained = !unexplained(&tested).structured;
     if !is_first && (!is_explained || (is_blind && !sought.leading.chosen.is_empty())) {
-        let begun = blind.or_else(|| Blindfolded::new(&unfitted, progress));
-        unseen = begun.and_then(|blind| blind.search(progress));
+        unseen = Unseen::new(&unfitted, progress);
     }
     // Else it gives a second start.
     if is_second

@@ -167,7 +167,7 @@ pub fn plan(problem: &Problem<'_>, aim: Aim, progress: &Progress) -> Result<Plan
     let mut subject = Subject::new(problem, held_out);
     subject.watched_by(progress);
     progress.begin("fitting the model as it is");
-    let fitted = as_it_is(&mut subject, None, Data::Fitted).ok_or_else(no_cases)?;
+    let fitted = as_it_is(&mut subject, Data::Fitted).ok_or_else(no_cases)?;
     progress.begin("weighing what could be measured");
     let programme = problem.programme;
     let mut candidates = Candidates::loads(programme, &[1.0, BEYOND]);

@@ -21,15 +21,9 @@ pub(super) struct Sought {
     pub leading: Arc<Fitted>,
 }
 
-/// Fits the model without any cause, from a fit to other cases if there is one, and weighs the readings by what it leaves. `None` where
-/// the deck cannot be solved.
-pub(super) fn as_it_is(
-    subject: &mut Subject<'_>,
-    known: Option<&Fitted>,
-    data: Data,
-) -> Option<Fitted> {
-    let from = known.map(|known| (known, known.x.as_slice()));
-    let none = fit(subject, &[], from, data)?;
+/// Fits the model without any cause, and weighs the readings by what it leaves. `None` where the deck cannot be solved.
+pub(super) fn as_it_is(subject: &mut Subject<'_>, data: Data) -> Option<Fitted> {
+    let none = fit(subject, &[], None, data)?;
     let judged = subject.judge_suspects(&none.misfit);
     subject.weigh(Some(&none.misfit));
     if judged || subject.is_reweighed() {
@@ -40,9 +34,16 @@ pub(super) fn as_it_is(
 
 /// Fits the model as it is, and searches causes. `None` where the deck cannot be solved.
 pub(super) fn seek(subject: &mut Subject<'_>, data: Data, progress: &Progress) -> Option<Sought> {
-    progress.begin("fitting the model as it is");
-    let none = as_it_is(subject, None, data)?;
-    progress.begin("searching causes");
+    let (fitting, searching) = match data {
+        Data::All => ("fitting the model as it is", "searching causes"),
+        Data::Fitted => (
+            "fitting without the cases held out",
+            "searching causes without the cases held out",
+        ),
+    };
+    progress.begin(fitting);
+    let none = as_it_is(subject, data)?;
+    progress.begin(searching);
     let search = Search::new(subject, Arc::new(none), data);
     Some(Sought::new(search.ended()))
 }

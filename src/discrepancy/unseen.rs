@@ -10,8 +10,7 @@ use super::folds::{Blind, HeldOutTest, compared};
 use super::hypothesis::Hypothesis;
 use super::jackknife::{Squares, fall};
 use super::progress::Progress;
-use super::search::Search;
-use super::sought::{Sought, as_it_is};
+use super::sought::seek;
 use super::subject::{Data, Subject};
 use crate::backend::BackendError;
 
@@ -58,46 +57,20 @@ pub struct HoldOut {
     pub p_value: f64,
 }
 
-/// The model as it is, fitted without the cases held out: the first step of a search that does not see them.
-pub(super) struct Blindfolded<'a> {
-    subject: Subject<'a>,
-    /// The fit.
-    pub none: Arc<Fitted>,
-}
-
-impl<'a> Blindfolded<'a> {
-    /// Of a study that nothing was fitted to yet; `None` without cases held out.
-    pub(super) fn new(subject: &Subject<'a>, progress: &Progress) -> Option<Self> {
-        if !subject.holds_out() {
-            return None;
-        }
-        progress.begin("fitting without the cases held out");
-        let mut subject = subject.clone();
-        let none = Arc::new(as_it_is(&mut subject, None, Data::Fitted)?);
-        Some(Self { subject, none })
-    }
-
-    /// Searches causes; `None` where the search may not begin.
-    pub(super) fn search(self, progress: &Progress) -> Option<Unseen> {
-        if !progress.extend() {
-            return None;
-        }
-        progress.begin("searching causes without the cases held out");
-        let search = Search::new(&self.subject, self.none, Data::Fitted);
-        let sought = Sought::new(search.ended());
-        let cut_short = sought.found.cut_short;
-        Unseen::of(
-            &self.subject,
-            [sought.found.none, sought.leading],
-            (true, cut_short),
-        )
-    }
-}
-
 impl Unseen {
     /// Of a study that nothing was fitted to yet; `None` without cases held out, or where the search may not begin.
     pub fn new(subject: &Subject<'_>, progress: &Progress) -> Option<Self> {
-        Blindfolded::new(subject, progress)?.search(progress)
+        if !subject.holds_out() || !progress.extend() {
+            return None;
+        }
+        let mut subject = subject.clone();
+        let sought = seek(&mut subject, Data::Fitted, progress)?;
+        let cut_short = sought.found.cut_short;
+        Self::of(
+            &subject,
+            [sought.found.none, sought.leading],
+            (true, cut_short),
+        )
     }
 
     /// Of models that were chosen with these cases, refitted without them in their linear models.
