@@ -121,7 +121,7 @@ pub fn diagnose_watched<'a>(
     if !is_first && (!is_explained || (is_blind && !sought.leading.chosen.is_empty())) {
         unseen = Unseen::new(&unfitted, progress);
     }
-    // Else it gives a second start.
+    // Where this search did not begin there, that one gives a second start.
     if is_second
         && let Some(unseen) = &unseen
         && sought.resume(&subject, unseen.models(), Data::All)

@@ -152,13 +152,13 @@ impl<'a, 'b> Search<'a, 'b> {
             .is_some_and(|(_, weighed)| weighed.ln_posterior > least)
     }
 
-    /// To its end.
+    /// Searches to the end, from no cause.
     pub(super) fn ended(mut self) -> Found {
         let best = self.climbed(Arc::clone(&self.none));
         self.into_found(best)
     }
 
-    /// To its end from the causes that a search of some of the cases chose; from none, too, if what that would begin with is not
+    /// Searches to the end from the causes that a search of some of the cases chose; from none, too, if what that would begin with is not
     /// among the causes this one comes to.
     pub(super) fn ended_from(mut self, chosen: &Fitted) -> Found {
         let none = Arc::clone(&self.none);
