@@ -86,6 +86,16 @@ impl CaseSweeper {
         self.answers[case].as_ref()
     }
 
+    /// The last answers of all cases.
+    pub(crate) fn answers(&self) -> &[Option<State>] {
+        &self.answers
+    }
+
+    /// Returns to earlier answers of all cases.
+    pub(crate) fn return_to(&mut self, answers: &[Option<State>]) {
+        self.answers.clone_from_slice(answers);
+    }
+
     /// Keeps an answer of a case: the next solution starts there.
     pub(crate) fn keep(&mut self, case: usize, state: State) {
         self.answers[case] = Some(state);

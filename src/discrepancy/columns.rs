@@ -1,5 +1,7 @@
 //! First-order effects of hypotheses on all rows, from the tangent of each case: nothing is solved again.
 
+use std::vec::IntoIter;
+
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -13,16 +15,76 @@ use crate::statics::Tangents;
 use crate::syntax::Address;
 use crate::system::{Parameters, Scratch, Slot, State, System};
 
-impl Survey<'_> {
-    /// Effect of each of these numbers on every row, per unit of its prior standard deviation: on prediction minus reading, in units of
-    /// the declared noise. A number without an effect of its own has a column of zeros.
+/// How all cases respond to some numbers, which become columns of rows one after the other: a few at a time stay in a processor's cache.
+pub(super) struct Responses<'a> {
+    observations: Observations<'a>,
+    /// Where the cases are; what changes there is moved in before its rows are asked for.
+    prediction: Vec<CasePrediction>,
+    /// Of each case what is left of its changes along the numbers that the solver answers for.
+    changes: Vec<IntoIter<CaseChange>>,
+    /// Numbers that are left.
+    numbers: &'a [&'a Number],
+}
+
+impl Responses<'_> {
+    /// Effect of each of the next numbers on every row, per unit of its prior standard deviation: on prediction minus reading, in units
+    /// of the declared noise. A number without an effect of its own has a column of zeros.
+    pub(super) fn columns(&mut self, count: usize) -> DMatrix<f64> {
+        let (numbers, rest) = self.numbers.split_at(count);
+        self.numbers = rest;
+        let asked: Vec<usize> = (0..count).filter(|k| is_asked(numbers[*k])).collect();
+        let mut prediction = Vec::with_capacity(self.prediction.len());
+        for (case, changes) in self.prediction.drain(..).zip(&mut self.changes) {
+            let by_unknown = changes.by_ref().take(asked.len()).collect();
+            prediction.push(Some(CasePrediction { by_unknown, ..case }));
+        }
+        let x = vec![0.0; asked.len()];
+        let mut out = DMatrix::zeros(self.observations.rows.len(), count);
+        let layout = NuisanceLayout::default();
+        let evaluated = self
+            .observations
+            .evaluate(&prediction, &layout, &x, x.len());
+        if let Some(evaluated) = evaluated {
+            for (from, &to) in evaluated.jacobian.column_iter().zip(&asked) {
+                let sd = numbers[to].sd;
+                for (to, from) in out.column_mut(to).iter_mut().zip(from.iter()) {
+                    *to = from * sd;
+                }
+            }
+        }
+        self.prediction.extend(prediction.into_iter().flatten());
+        for (k, number) in numbers.iter().enumerate() {
+            if let Column::Rows(rows) = &number.column {
+                for (row, value) in rows {
+                    out[(*row, k)] += value * number.sd;
+                }
+            }
+        }
+        out
+    }
+}
+
+/// True for a number whose effect only the solver knows.
+fn is_asked(number: &Number) -> bool {
+    !matches!(number.column, Column::Rows(_) | Column::None)
+}
+
+impl<'a> Survey<'a> {
+    /// Effects of these numbers, see [`Responses::columns`].
     pub(super) fn columns(&self, numbers: &[&Number]) -> DMatrix<f64> {
+        self.responses(numbers).columns(numbers.len())
+    }
+
+    /// How all cases respond to these numbers.
+    pub(super) fn responses<'b>(&self, numbers: &'b [&'b Number]) -> Responses<'b>
+    where
+        'a: 'b,
+    {
         let system = &self.fitted.deck.prepared.system;
         let catalogue = system.catalogue();
         let slot = |address: &Address| catalogue.slot(address);
-        // Only what the solver has to answer.
         let asked: Vec<usize> = (0..numbers.len())
-            .filter(|k| !matches!(numbers[*k].column, Column::Rows(_) | Column::None))
+            .filter(|k| is_asked(numbers[*k]))
             .collect();
         let direction = |k: &usize| {
             let mut direction = Direction::default();
@@ -48,7 +110,7 @@ impl Survey<'_> {
         {
             let _ = known.at(system, theta, state);
         }
-        let prediction: Vec<_> = cases
+        let found: Vec<_> = cases
             .par_iter()
             .map_init(
                 || Scratch::new(system),
@@ -57,39 +119,28 @@ impl Survey<'_> {
                     let tools = (&mut *scratch, known.clone());
                     let changes = self.changes(case, at, tools, (&asked, &directions), numbers);
                     let channels = self.fitted.deck.prepared.channels;
-                    Some(CasePrediction {
+                    let changes: Vec<CaseChange> = changes
+                        .into_iter()
+                        .map(|six| share(system, &observations, six))
+                        .collect();
+                    let here = CasePrediction {
                         poses: at.1.poses.clone(),
                         channels: channels
                             .values(system, at.0, at.1, scratch)
                             .unwrap_or_default(),
-                        by_unknown: changes
-                            .into_iter()
-                            .map(|six| share(system, &observations, six))
-                            .collect(),
-                    })
+                        by_unknown: Vec::new(),
+                    };
+                    (here, changes.into_iter())
                 },
             )
             .collect();
-        let x = vec![0.0; asked.len()];
-        let mut out = DMatrix::zeros(self.rows().len(), numbers.len());
-        if let Some(evaluated) =
-            observations.evaluate(&prediction, &NuisanceLayout::default(), &x, x.len())
-        {
-            for (from, &to) in evaluated.jacobian.column_iter().zip(&asked) {
-                let sd = numbers[to].sd;
-                for (to, from) in out.column_mut(to).iter_mut().zip(from.iter()) {
-                    *to = from * sd;
-                }
-            }
+        let (prediction, changes) = found.into_iter().unzip();
+        Responses {
+            observations,
+            prediction,
+            changes,
+            numbers,
         }
-        for (k, number) in numbers.iter().enumerate() {
-            if let Column::Rows(rows) = &number.column {
-                for (row, value) in rows {
-                    out[(*row, k)] += value * number.sd;
-                }
-            }
-        }
-        out
     }
 
     /// How the system's unknowns and the channels of a case change along each direction.

@@ -108,11 +108,11 @@ pub fn diagnose_watched<'a>(
         progress.begin("searching causes");
     }
     // Beside a law that was met badly it would begin with what that law leaves.
-    let start = unseen.as_ref().map(|unseen| &*unseen.chosen);
-    let start = start.filter(|start| start.chosen.iter().all(Hypothesis::is_plain));
+    let is_plain = |unseen: &&Unseen| unseen.chosen.chosen.iter().all(Hypothesis::is_plain);
+    let start = unseen.as_ref().filter(is_plain);
     let is_second = start.is_none();
     let mut sought = Sought::new(match start {
-        Some(start) => search.ended_from(start),
+        Some(start) => search.ended_from(&start.chosen, start.fits()),
         None => search.ended(),
     });
     progress.begin("testing what was found");

@@ -400,8 +400,8 @@ pub(super) fn aimed(
         let known = first.as_ref().and_then(End::own);
         let to_beat = known.map_or(f64::NEG_INFINITY, Settled::reached);
         let aim = Aim {
+            lead: to_beat,
             known: known.map(|known| known.point.x.as_slice()),
-            ..Aim::NONE
         };
         let better = |(_, end, _): &(Sweep<'_>, Option<End>, bool)| {
             let own = end.as_ref().and_then(End::own);

@@ -85,10 +85,12 @@ impl<'a> Influence<'a> {
     /// Score test of these contrasts, which say how readings would move: whether the residuals have a component along any of them that
     /// noise and tolerances do not explain.
     pub(super) fn test(&self, contrasts: &[Contrast]) -> Option<Statistic> {
+        self.along(contrasts).statistic()
+    }
+
+    /// What the residuals have along these contrasts.
+    fn along(&self, contrasts: &[Contrast]) -> Along {
         let k = contrasts.len();
-        if k == 0 {
-            return None;
-        }
         let mut s = DVector::zeros(k);
         let mut QX = DMatrix::zeros(self.Q.nrows(), k);
         let mut dense: Vec<std::collections::BTreeMap<usize, f64>> = Vec::with_capacity(k);
@@ -104,7 +106,7 @@ impl<'a> Influence<'a> {
             }
             dense.push(own);
         }
-        let mut A = -QX.tr_mul(&QX);
+        let mut own = DMatrix::zeros(k, k);
         for a in 0..k {
             for b in 0..=a {
                 let (small, large) = if dense[a].len() < dense[b].len() {
@@ -116,22 +118,74 @@ impl<'a> Influence<'a> {
                     .iter()
                     .filter_map(|(row, w)| Some(w * large.get(row)?))
                     .sum();
-                A[(a, b)] += sum;
-                if a != b {
-                    A[(b, a)] += sum;
+                own[(a, b)] = sum;
+                own[(b, a)] = sum;
+            }
+        }
+        Along { s, QX, own }
+    }
+
+    /// Contrasts of each case by itself, to be added up with weights.
+    pub(super) fn by_case(&self, cases: &[Vec<Contrast>]) -> ByCase {
+        ByCase(cases.iter().map(|case| self.along(case)).collect())
+    }
+}
+
+/// Residuals and the fit's share along contrasts `X` of whitened rows: `X'r`, `Q'X` and `X'X`.
+struct Along {
+    s: DVector<f64>,
+    QX: DMatrix<f64>,
+    own: DMatrix<f64>,
+}
+
+impl Along {
+    /// Score test of the contrasts that reach a row which is used.
+    fn statistic(&self) -> Option<Statistic> {
+        let used: Vec<usize> = (0..self.s.len())
+            .filter(|c| self.own[(*c, *c)] > 0.0)
+            .collect();
+        if used.is_empty() {
+            return None;
+        }
+        let QX = self.QX.select_columns(&used);
+        let mut A = self.own.select_rows(&used).select_columns(&used) - QX.tr_mul(&QX);
+        let mut s = self.s.select_rows(&used);
+        // Columns to one scale, so that what is absorbed can be told.
+        for (c, at) in used.iter().enumerate() {
+            let norm = self.own[(*at, *at)].sqrt();
+            s[c] /= norm;
+            A.column_mut(c).scale_mut(1.0 / norm);
+            A.row_mut(c).scale_mut(1.0 / norm);
+        }
+        statistic(A, &s)
+    }
+}
+
+/// The same contrasts in every case. Rows of different cases are independent, so that weighted sums of them take no look at the rows.
+pub(super) struct ByCase(Vec<Along>);
+
+impl ByCase {
+    /// Score test of their sums, weighted by a number of each case.
+    pub(super) fn test(&self, weights: &[f64]) -> Option<Statistic> {
+        let first = self.0.first()?;
+        let mut sum = Along {
+            s: DVector::zeros(first.s.len()),
+            QX: DMatrix::zeros(first.QX.nrows(), first.s.len()),
+            own: DMatrix::zeros(first.s.len(), first.s.len()),
+        };
+        for (case, weight) in self.0.iter().zip(weights) {
+            sum.s.axpy(*weight, &case.s, 1.0);
+            for (to, from) in [
+                (&mut sum.QX, (&case.QX, *weight)),
+                (&mut sum.own, (&case.own, weight * weight)),
+            ] {
+                let (values, weight) = from;
+                for (to, value) in to.iter_mut().zip(values.iter()) {
+                    *to += weight * value;
                 }
             }
         }
-        // Columns to one scale, so that what is absorbed can be told.
-        for c in 0..k {
-            let norm = dense[c].values().map(|w| w * w).sum::<f64>().sqrt();
-            if norm > 0.0 {
-                s[c] /= norm;
-                A.column_mut(c).scale_mut(1.0 / norm);
-                A.row_mut(c).scale_mut(1.0 / norm);
-            }
-        }
-        statistic(A, &s)
+        sum.statistic()
     }
 }
 

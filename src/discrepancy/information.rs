@@ -7,6 +7,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::fit::Fitted;
 use super::prospect::Readings;
+use crate::tolerance::transposed;
 
 /// Information about the unknowns of a fit.
 #[derive(Clone, Debug)]
@@ -22,7 +23,7 @@ impl Information {
         let (_, J) = fitted.whitened();
         let priors = fitted.priors.iter().map(|p| p.prior_sd(&fitted.sizes));
         Self {
-            H: J.tr_mul(&J),
+            H: transposed(&J, &J),
             S: DVector::from_iterator(fitted.priors.len(), priors),
         }
     }

@@ -206,7 +206,12 @@ impl<'a, 'b> Prospect<'a, 'b> {
         let count = subject.problem.measurement.cases.len();
         let cases: Vec<usize> = (count..count + further.len()).collect();
         let observations = Observations::new(&measurement, &fitted.deck.model, &cases);
-        let mut prediction = self.forecast.here.clone();
+        // Only channels compare with other cases.
+        let mut prediction = if measurement.channels.is_empty() {
+            vec![None; count]
+        } else {
+            self.forecast.here.clone()
+        };
         prediction.extend(further.iter().cloned().map(Some));
         let inner = fitted.unknowns.len() + fitted.layout.sd.len();
         let x = &fitted.x[..inner];

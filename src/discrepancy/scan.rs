@@ -50,11 +50,8 @@ impl Catalogue {
             count == 0
         });
         let seen: Vec<&Number> = hypotheses.iter().flat_map(seen).collect();
-        let columns = survey.columns(&seen);
-        let turned = |range: Range<usize>| {
-            let some = columns.columns(range.start, range.len()).into_owned();
-            fitted.whitening.apply(&some)
-        };
+        let mut responses = survey.responses(&seen);
+        let turned = |range: Range<usize>| fitted.whitening.apply(&responses.columns(range.len()));
         let residual = fitted.turned_residual();
         let by_class = ByClass::new(&fitted.whitening, &fitted.turned);
         let mut next = 0;

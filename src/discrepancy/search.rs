@@ -123,8 +123,8 @@ pub(super) struct Search<'a, 'b> {
     none: Arc<Fitted>,
     tried: Tried<'a, 'b>,
     stand_ins: StandIns,
-    /// Models, and what was weighed beside each.
-    weighed: Vec<(Arc<Fitted>, Arc<Vec<Candidate>>)>,
+    /// Models, what was weighed beside each, and what that had to come near to.
+    weighed: Vec<(Arc<Fitted>, Arc<Vec<Candidate>>, f64)>,
     places: usize,
 }
 
@@ -146,7 +146,7 @@ impl<'a, 'b> Search<'a, 'b> {
     pub(super) fn is_sure(&mut self) -> bool {
         let least = self.none.ln_posterior() + SURE;
         let none = Arc::clone(&self.none);
-        let candidates = self.candidates(&none);
+        let candidates = self.candidates(&none, f64::NEG_INFINITY);
         candidates
             .first()
             .is_some_and(|(_, weighed)| weighed.ln_posterior > least)
@@ -159,12 +159,13 @@ impl<'a, 'b> Search<'a, 'b> {
     }
 
     /// Searches to the end from the causes that a search of some of the cases chose; from none, too, if what that would begin with is not
-    /// among the causes this one comes to.
-    pub(super) fn ended_from(mut self, chosen: &Fitted) -> Found {
+    /// among the causes this one comes to. `fits` are all that search fitted.
+    pub(super) fn ended_from(mut self, chosen: &Fitted, fits: &[Arc<Fitted>]) -> Found {
         let none = Arc::clone(&self.none);
         let mut ends = Vec::new();
         let from = Some((chosen, chosen.x.as_slice()));
         let causes = unguessed(chosen);
+        self.tried.elsewhere = fits.to_vec();
         let start = fit(self.tried.subject, &causes, from, self.tried.data);
         if let Some(start) = start.filter(|start| start.ln_posterior() > none.ln_posterior()) {
             let start = Arc::new(start);
@@ -172,7 +173,7 @@ impl<'a, 'b> Search<'a, 'b> {
             let start = self.pruned(start, 0);
             ends.push(self.climbed(start));
         }
-        let candidates = self.candidates(&none);
+        let candidates = self.candidates(&none, f64::NEG_INFINITY);
         let is_held = |end: &Arc<Fitted>| {
             candidates
                 .first()
@@ -221,9 +222,11 @@ impl<'a, 'b> Search<'a, 'b> {
         }
     }
 
-    /// Candidates for one more cause, weighed with their own sizes, best first.
-    fn candidates(&mut self, base: &Arc<Fitted>) -> Arc<Vec<Candidate>> {
-        if let Some((_, known)) = self.weighed.iter().find(|(of, _)| Arc::ptr_eq(of, base)) {
+    /// Candidates for one more cause, weighed with their own sizes, best first. What promises far less than `least` is left out.
+    fn candidates(&mut self, base: &Arc<Fitted>, least: f64) -> Arc<Vec<Candidate>> {
+        let known = self.weighed.iter();
+        let mut known = known.filter(|(of, _, held)| Arc::ptr_eq(of, base) && *held <= least);
+        if let Some((_, known, _)) = known.next() {
             return Arc::clone(known);
         }
         let catalogue = Catalogue::new(self.tried.subject, base);
@@ -237,10 +240,11 @@ impl<'a, 'b> Search<'a, 'b> {
         for k in 0..union.len() {
             let (promise, at) = &union[k];
             let h = &catalogue.hypotheses[promise.at];
-            if promise.ln_posterior < best - ASIDE && h.memory.is_none() {
+            let is_first = out.is_empty();
+            let is_far = promise.ln_posterior < best - ASIDE && h.memory.is_none();
+            if is_far || (!is_first && promise.ln_posterior < least - ASIDE) {
                 continue;
             }
-            let is_first = out.is_empty();
             let from = if is_first { &start } else { at };
             let Some(weighed) = catalogue.weigh(base, promise.at, from) else {
                 continue;
@@ -272,7 +276,8 @@ impl<'a, 'b> Search<'a, 'b> {
             });
         }
         let out = Arc::new(out);
-        self.weighed.push((Arc::clone(base), Arc::clone(&out)));
+        let known = (Arc::clone(base), Arc::clone(&out), least);
+        self.weighed.push(known);
         out
     }
 
@@ -313,7 +318,13 @@ impl<'a, 'b> Search<'a, 'b> {
         let mut reached: Vec<(&Hypothesis, f64)> = Vec::new();
         let mut winner: Option<Arc<Fitted>> = None;
         for (h, weighed) in forms.into_iter().flatten() {
-            let leads = winner.as_ref().map_or(least, |w| w.ln_posterior());
+            let leads = winner
+                .as_ref()
+                .map_or(least, |w| w.ln_posterior().max(least));
+            // Of a further slider the linear model knows well what it promises.
+            if h.part > 0 && weighed.ln_posterior < leads - LINEAR {
+                continue;
+            }
             let far =
                 |(other, ln): &(&Hypothesis, f64)| other.same_place(h) && *ln < leads - BEHIND;
             // What a slider of the winner would come to from another first guess is seen when that is fitted anew.
@@ -341,7 +352,7 @@ impl<'a, 'b> Search<'a, 'b> {
 
     /// The best model with one more cause, if it is better.
     fn grown(&mut self, base: &Arc<Fitted>) -> Option<Arc<Fitted>> {
-        let candidates = self.candidates(base);
+        let candidates = self.candidates(base, f64::NEG_INFINITY);
         let least = base.ln_posterior();
         let all: Vec<&Candidate> = candidates.iter().collect();
         let winner = self.refitted(base, &all, (least, HOPELESS))?;
@@ -381,7 +392,7 @@ impl<'a, 'b> Search<'a, 'b> {
             }
             let from = Some((&*winner, winner.x.as_slice()));
             let target = Target {
-                lead: winner.ln_posterior() - base.ln_prior() - h.ln_prior,
+                lead: winner.ln_posterior().max(base.ln_posterior()) - base.ln_prior() - h.ln_prior,
                 known: None,
             };
             let found = aimed(
@@ -439,10 +450,10 @@ impl<'a, 'b> Search<'a, 'b> {
                 at += 1;
                 continue;
             };
-            let candidates = self.candidates(&base);
+            let least = current.ln_posterior();
+            let candidates = self.candidates(&base, least);
             let is_other = |(h, _): &&Candidate| !h.same(&current.chosen[at]);
             let others: Vec<&Candidate> = candidates.iter().filter(is_other).collect();
-            let least = current.ln_posterior();
             match self.refitted(&base, &others, (least, (-LINEAR, -LINEAR))) {
                 Some(found) if found.ln_posterior() > least + BETTER => {
                     let found = self.tried.restarted(found);

@@ -98,27 +98,25 @@ pub(super) struct Aim<'a> {
 }
 
 impl Aim<'_> {
-    /// Every end is welcome.
-    pub(super) const NONE: Self = Self {
-        lead: f64::NEG_INFINITY,
-        known: None,
-    };
-
     /// True where a fit that has so much evidence, and so many nats to gain, will not come near.
     pub(super) fn is_beaten(&self, ln_z: f64, gain: f64) -> bool {
         ln_z < self.lead - BEHIND || ln_z + CLOSE.1 * gain < self.lead - CLOSE.0
     }
 
-    /// True where a fit that goes on as in its last steps will not come near in those it has left.
+    /// True where a fit that gains as much as in its last steps will not come near in those it has left.
     fn is_out_of_reach(&self, course: &[f64], steps: usize) -> bool {
         let count = course.len();
         if count <= HELD {
             return false;
         }
-        let here = course[count - 1];
-        let pace = (here - course[count - 1 - PACE]) / PACE as f64;
+        let (here, recent) = (course[count - 1], &course[count - 1 - PACE..count - 1]);
+        // Where new sizes or derivatives set it back, its pace says nothing.
+        if recent.iter().any(|before| here < *before) {
+            return false;
+        }
+        let pace = (here - recent[0]) / PACE as f64;
         let left = (steps + 1).saturating_sub(count) as f64;
-        here + left * pace.max(0.0) < self.lead - CLOSE.0
+        here + left * pace < self.lead - CLOSE.0
     }
 
     fn is_known(&self, here: &Point, reached: &Reached) -> bool {
@@ -414,7 +412,8 @@ impl Sweep<'_> {
                 here.is_exact || confirmed.is_some_and(|at| at - objective < 2.0 * TRUSTED);
             let reach = REACH[step_number.min(1)];
             let mut next = None;
-            for _ in 0..TRIALS {
+            self.predictor.keep();
+            for trial in 0..TRIALS {
                 let other;
                 let damped = if damping == 0.0 {
                     &reached
@@ -452,10 +451,15 @@ impl Sweep<'_> {
                         let small = objective - value < LITTLE;
                         slow = if small { slow + 1 } else { 0 };
                         next = Some(further);
-                        damping = if damping < EASED { 0.0 } else { damping / EASE };
+                        // Where a step had to be damped more than the last one the next will need as much.
+                        if trial == 0 {
+                            damping = if damping < EASED { 0.0 } else { damping / EASE };
+                        }
                         break;
                     }
                 }
+                // The answers are those of the trial, and a further one would follow where it led.
+                self.predictor.go_back();
                 if !is_sure {
                     break;
                 }
@@ -469,8 +473,9 @@ impl Sweep<'_> {
                 here = next;
                 continue;
             }
-            // Where no step leads down the answers are those of the last trial; go back.
-            here = self.at(here.x)?;
+            if !here.is_exact {
+                here = self.at(here.x)?;
+            }
             if is_sure {
                 return Settled::end(here, sizes);
             }
@@ -504,6 +509,14 @@ impl LeastSquares for Alone<'_, '_> {
             residual: self.sweep.whitening.apply_vector(&out.residual),
             jacobian: self.sweep.whitening.apply(&out.jacobian),
         })
+    }
+
+    fn keep(&mut self) {
+        self.sweep.predictor.keep();
+    }
+
+    fn go_back(&mut self) {
+        self.sweep.predictor.go_back();
     }
 
     fn moved(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {

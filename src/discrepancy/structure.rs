@@ -1,7 +1,7 @@
 //! Whether residuals still have structure, and where.
 
 use super::fit::Fitted;
-use super::influence::{Contrast, Influence};
+use super::influence::{ByCase, Contrast, Influence};
 use super::subject::Subject;
 use super::survey::Survey;
 use crate::identify::global::Row;
@@ -31,6 +31,7 @@ pub(super) fn structure(subject: &Subject<'_>, fitted: &Fitted) -> Vec<Structure
     let influence = Influence::new(fitted);
     let mut tests = Tests {
         subject,
+        by_case: influence.by_case(&by_case(subject)),
         influence: &influence,
         out: Vec::new(),
     };
@@ -46,6 +47,8 @@ pub(super) fn structure(subject: &Subject<'_>, fitted: &Fitted) -> Vec<Structure
 struct Tests<'a> {
     subject: &'a Subject<'a>,
     influence: &'a Influence<'a>,
+    /// One contrast for each direction of each part, for the wheel and for each channel.
+    by_case: ByCase,
     out: Vec<StructureTest>,
 }
 
@@ -63,8 +66,9 @@ impl Tests<'_> {
         });
     }
 
-    fn put(&mut self, what: String, contrasts: &[Contrast]) {
-        if let Some(statistic) = self.influence.test(contrasts) {
+    /// Contrasts of every case, weighted by a number of each.
+    fn put(&mut self, what: String, weights: &[f64]) {
+        if let Some(statistic) = self.by_case.test(weights) {
             self.out.push(StructureTest {
                 what,
                 value: statistic.value,
@@ -133,27 +137,6 @@ impl Tests<'_> {
         }
     }
 
-    /// One column for each direction of each part, for the wheel and for each channel, weighted by a number of each case.
-    fn weighted(&self, by_case: &[f64]) -> Vec<Contrast> {
-        let measurement = self.subject.problem.measurement;
-        let parts = measurement.parts.len();
-        let mut columns = vec![Contrast::new(); 3 * parts + 5 + measurement.channels.len()];
-        for (at, row) in self.subject.rows.iter().enumerate() {
-            let column = match *row {
-                Row::Mark {
-                    case,
-                    reading,
-                    axis,
-                } => 3 * measurement.cases[case].marks[reading].part + axis,
-                Row::Wheel { component, .. } => 3 * parts + component,
-                Row::Channel { channel, .. } => 3 * parts + 5 + channel,
-            };
-            columns[column].push((at, by_case[row.case()]));
-        }
-        columns.retain(|column| column.iter().any(|(_, weight)| *weight != 0.0));
-        columns
-    }
-
     fn trend(&mut self, what: String, by_case: &[f64]) {
         let mean = by_case.iter().sum::<f64>() / by_case.len().max(1) as f64;
         let centred: Vec<f64> = by_case.iter().map(|v| v - mean).collect();
@@ -161,8 +144,7 @@ impl Tests<'_> {
         if size <= 1e-9 * mean.abs() || size == 0.0 {
             return;
         }
-        let columns = self.weighted(&centred);
-        self.put(what, &columns);
+        self.put(what, &centred);
     }
 
     fn trends(&mut self, fitted: &Fitted) {
@@ -171,10 +153,9 @@ impl Tests<'_> {
             let values: Vec<f64> = programme.cases.iter().map(|c| c.values[k]).collect();
             self.trend(format!("trend with {}", load.target), &values);
             if let Some(ways) = both_ways(&values) {
-                let columns = self.weighted(&ways);
                 self.put(
                     format!("loading against unloading of {}", load.target),
-                    &columns,
+                    &ways,
                 );
             }
         }
@@ -239,6 +220,27 @@ impl Tests<'_> {
         self.worst(constants.collect());
         self.worst(single);
     }
+}
+
+/// One contrast in each case for each direction of each part, for the wheel and for each channel.
+fn by_case(subject: &Subject<'_>) -> Vec<Vec<Contrast>> {
+    let measurement = subject.problem.measurement;
+    let parts = measurement.parts.len();
+    let count = 3 * parts + 5 + measurement.channels.len();
+    let mut out = vec![vec![Contrast::new(); count]; measurement.cases.len()];
+    for (at, row) in subject.rows.iter().enumerate() {
+        let column = match *row {
+            Row::Mark {
+                case,
+                reading,
+                axis,
+            } => 3 * measurement.cases[case].marks[reading].part + axis,
+            Row::Wheel { component, .. } => 3 * parts + component,
+            Row::Channel { channel, .. } => 3 * parts + 5 + channel,
+        };
+        out[row.case()][column].push((at, 1.0));
+    }
+    out
 }
 
 /// One for each case to which a load has risen and minus one for each to which it has fallen, as far as both ways met the same loads;

@@ -19,6 +19,8 @@ pub(super) struct Tried<'a, 'b> {
     pub data: Data,
     /// All models that were looked at.
     pub visited: Vec<Visited>,
+    /// Models as a search of other cases fitted them.
+    pub elsewhere: Vec<Arc<Fitted>>,
     /// Fits that began at others, and those.
     begun: Vec<(Arc<Fitted>, Arc<Fitted>)>,
     /// Models, a cause more, and the fit with it.
@@ -34,6 +36,7 @@ impl<'a, 'b> Tried<'a, 'b> {
             subject,
             data,
             visited: Vec::new(),
+            elsewhere: Vec::new(),
             begun: Vec::new(),
             added: Vec::new(),
             halved: Vec::new(),
@@ -70,8 +73,9 @@ impl<'a, 'b> Tried<'a, 'b> {
         };
         // Forms of a slider that differ in their first guess come to the same here.
         let halves = halved(base, h).filter(|(half, ..)| {
-            let same =
-                |(of, known): &(Arc<Fitted>, Hypothesis)| Arc::ptr_eq(of, base) && known == half;
+            let same = |(of, known): &(Arc<Fitted>, Hypothesis)| {
+                Arc::ptr_eq(of, base) && known.is_law_of(half)
+            };
             !self.halved.iter().any(same)
         });
         if let Some((half, ..)) = &halves {
@@ -243,7 +247,8 @@ impl<'a, 'b> Tried<'a, 'b> {
         Some(again)
     }
 
-    /// The model of some of the causes of a fit, fitted from where that ended where it is not known.
+    /// The model of some of the causes of a fit. Where it is not known it is fitted from where a fit of the same causes to other cases
+    /// ended, or from where that of all of them did.
     pub(super) fn of(
         &mut self,
         fitted: &Arc<Fitted>,
@@ -256,8 +261,10 @@ impl<'a, 'b> Tried<'a, 'b> {
             let count = h.numbers.len();
             (h, vec![0.0; count])
         };
+        let elsewhere = self.elsewhere.iter().find(|f| same_set(&f.chosen, &causes));
+        let start = elsewhere.filter(|f| f.is_settled()).unwrap_or(fitted);
         let all: Vec<_> = causes.into_iter().map(zeros).collect();
-        let from = Some((&**fitted, fitted.x.as_slice()));
+        let from = Some((&**start, start.x.as_slice()));
         let found = Arc::new(fit(self.subject, &all, from, self.data)?);
         self.note(&found);
         self.begun.push((Arc::clone(&found), Arc::clone(fitted)));

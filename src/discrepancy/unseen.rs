@@ -29,6 +29,8 @@ pub struct Unseen {
     pub searched: bool,
     /// The search was asked to end before it did.
     cut_short: bool,
+    /// All models that it fitted.
+    fits: Vec<Arc<Fitted>>,
 }
 
 /// What it says, for `diagnosis.json`.
@@ -65,12 +67,14 @@ impl Unseen {
         }
         let mut subject = subject.clone();
         let sought = seek(&mut subject, Data::Fitted, progress)?;
-        let cut_short = sought.found.cut_short;
-        Self::of(
-            &subject,
-            [sought.found.none, sought.leading],
-            (true, cut_short),
-        )
+        let found = sought.found;
+        let models = [found.none, sought.leading];
+        let new = Self::of(&subject, models, (true, found.cut_short))?;
+        let fits = found.models.into_iter();
+        Some(Self {
+            fits: fits.filter_map(|(model, _)| model.fitted).collect(),
+            ..new
+        })
     }
 
     /// Of models that were chosen with these cases, refitted without them in their linear models.
@@ -98,6 +102,7 @@ impl Unseen {
             predicted: [before.0, after.0],
             searched,
             cut_short,
+            fits: Vec::new(),
         })
     }
 
@@ -118,6 +123,11 @@ impl Unseen {
     /// The models without and with causes behind it.
     pub fn models(&self) -> [&Arc<Fitted>; 2] {
         [&self.none, &self.chosen]
+    }
+
+    /// All models that its search fitted.
+    pub(super) fn fits(&self) -> &[Arc<Fitted>] {
+        &self.fits
     }
 
     /// The model that was chosen and fitted without these cases; `None` if it was only refitted.

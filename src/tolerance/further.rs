@@ -44,11 +44,11 @@ struct Set {
 
 impl Further {
     /// Of turned rows: the columns of the model, its residual (reading minus prediction), and sets of further columns that follow one
-    /// another, with what gives those of a range.
+    /// another, with what gives those of a range; it is asked once for each, in order.
     pub(crate) fn new(
         whitening: &Whitening,
         (jacobian, residual): (&ByClass, &DVector<f64>),
-        (sets, turned): (&[Range<usize>], impl Fn(Range<usize>) -> DMatrix<f64>),
+        (sets, mut turned): (&[Range<usize>], impl FnMut(Range<usize>) -> DMatrix<f64>),
     ) -> Self {
         let classes = whitening.classes.iter().zip(&jacobian.classes);
         let share = |(class, A): (&Class, &Columns)| FurtherShare {

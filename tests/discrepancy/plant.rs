@@ -42,6 +42,7 @@ pub enum FrictionLaw {
 }
 
 /// Friction along an axis of J.
+#[derive(Clone, Copy)]
 pub struct Friction {
     pub law: FrictionLaw,
     pub force: f64,

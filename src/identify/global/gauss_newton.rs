@@ -12,6 +12,12 @@ pub trait LeastSquares {
     /// Residuals, with the Jacobian when asked for. `None` where the model has no answer.
     fn evaluate(&mut self, x: &[f64], with_jacobian: bool) -> Option<Evaluation>;
 
+    /// Remembers what the last evaluation ended with, for the next ones to begin there.
+    fn keep(&mut self) {}
+
+    /// Lets the next evaluation begin with what was remembered last: that of a trial may be of another equilibrium.
+    fn go_back(&mut self) {}
+
     /// Weight of each residual at these residuals; 1 for a Gaussian likelihood.
     fn weights(&self, residual: &DVector<f64>) -> DVector<f64> {
         DVector::from_element(residual.len(), 1.0)
@@ -289,6 +295,7 @@ pub fn minimise(
         }
     };
     let evaluation = problem.evaluate(start, true)?;
+    problem.keep();
     let mut best = point(problem, start.to_vec(), evaluation);
     let mut reach = REACH;
     let mut missing = Missing(DMatrix::zeros(start.len(), start.len()));
@@ -330,6 +337,7 @@ pub fn minimise(
             }
             if late && gained <= 0.0 && retries < RETRIES {
                 retries += 1;
+                problem.go_back();
                 continue 'steps;
             }
             if gained <= 0.0 {
@@ -343,6 +351,7 @@ pub fn minimise(
                 reach = 0.5 * first;
             }
             best = next;
+            problem.keep();
             retries = 0;
             iterations += 1;
             if !problem.progress(iterations, &best.x, best.value) {
@@ -351,6 +360,7 @@ pub fn minimise(
             }
             continue 'steps;
         }
+        problem.go_back();
         reach = SHRINK * reach.min(first);
         if reach < LEAST_REACH {
             // Round-off hides any further gain: at a minimum this is convergence.
@@ -450,6 +460,14 @@ impl LeastSquares for Louder<'_> {
         })
     }
 
+    fn keep(&mut self) {
+        self.problem.keep();
+    }
+
+    fn go_back(&mut self) {
+        self.problem.go_back();
+    }
+
     fn moved(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
         self.problem.moved(x, step)
     }
@@ -477,107 +495,4 @@ fn longest(from: &[f64], to: &[f64], scale: &[f64]) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Rosenbrock's valley as residuals: minimum 0 at (1, 1).
-    struct Valley;
-
-    impl LeastSquares for Valley {
-        fn evaluate(&mut self, x: &[f64], _with_jacobian: bool) -> Option<Evaluation> {
-            Some(Evaluation {
-                residual: DVector::from_vec(vec![10.0 * (x[1] - x[0] * x[0]), 1.0 - x[0]]),
-                jacobian: DMatrix::from_row_slice(2, 2, &[-20.0 * x[0], 10.0, -1.0, 0.0]),
-            })
-        }
-    }
-
-    const NO_PRIOR: Prior = Prior {
-        mean: 0.0,
-        sd: f64::INFINITY,
-    };
-
-    #[test]
-    fn a_curved_valley_is_followed_to_its_end() {
-        let found = minimise(
-            &mut Valley,
-            &[-1.2, 1.0],
-            &[NO_PRIOR; 2],
-            &[1.0; 2],
-            &[false; 2],
-            Tolerances::default(),
-        )
-        .unwrap();
-        assert_eq!(found.ending, Ending::Converged);
-        assert!(
-            (found.x[0] - 1.0).abs() < 1e-4 && (found.x[1] - 1.0).abs() < 1e-4,
-            "{:?}",
-            found.x
-        );
-    }
-
-    /// Deflections of two springs in a row under unit loads, at places where the second counts by `share`. They were read with an error
-    /// that looks like a second spring pushed instead of pulled; the noise is a thousandth.
-    struct Springs;
-
-    impl LeastSquares for Springs {
-        fn evaluate(&mut self, x: &[f64], _with_jacobian: bool) -> Option<Evaluation> {
-            let (soft, other) = ((-x[0]).exp(), (-x[1]).exp());
-            let shares: Vec<f64> = (0..5).map(|k| 0.1 * f64::from(k)).collect();
-            let read = |share: f64| (-1.0_f64).exp() - 0.5 * share;
-            Some(Evaluation {
-                residual: DVector::from_fn(5, |k, _| {
-                    1e3 * (soft + shares[k] * other - read(shares[k]))
-                }),
-                jacobian: DMatrix::from_fn(5, 2, |k, j| {
-                    -1e3 * if j == 0 { soft } else { shares[k] * other }
-                }),
-            })
-        }
-    }
-
-    #[test]
-    fn what_is_hardly_seen_does_not_run_off_on_the_way() {
-        let (start, scale, held) = ([0.0; 2], [1.0; 2], [false; 2]);
-        let prior = Prior { mean: 0.0, sd: 3.0 };
-        let straight = minimise(
-            &mut Springs,
-            &start,
-            &[prior; 2],
-            &scale,
-            &held,
-            Tolerances::default(),
-        )
-        .unwrap();
-        assert!(straight.x[1] > 6.0, "{:?}", straight.x);
-        let led = approach(&mut Springs, &start, &scale, &held);
-        assert!(led[1] < 3.0 && (led[0] - 1.2).abs() < 0.5, "{led:?}");
-    }
-
-    #[test]
-    fn a_held_unknown_stays_and_a_prior_pulls() {
-        let held = minimise(
-            &mut Valley,
-            &[0.5, 1.0],
-            &[NO_PRIOR; 2],
-            &[1.0; 2],
-            &[true, false],
-            Tolerances::default(),
-        )
-        .unwrap();
-        assert_eq!(held.x[0], 0.5);
-        assert!((held.x[1] - 0.25).abs() < 1e-6);
-        // With x0 held at 0.5 the data say x1 = 0.25 with information 100; a prior of mean 1 and information 100 meets half-way.
-        let priors = [NO_PRIOR, Prior { mean: 1.0, sd: 0.1 }];
-        let pulled = minimise(
-            &mut Valley,
-            &[0.5, 1.0],
-            &priors,
-            &[1.0; 2],
-            &[true, false],
-            Tolerances::default(),
-        )
-        .unwrap();
-        assert!((pulled.x[1] - 0.625).abs() < 1e-6);
-    }
-}
+mod tests;

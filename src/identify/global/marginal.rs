@@ -286,6 +286,14 @@ impl LeastSquares for MarginalProblem<'_> {
         Some(Evaluation { residual, jacobian })
     }
 
+    fn keep(&mut self) {
+        self.predictor.keep();
+    }
+
+    fn go_back(&mut self) {
+        self.predictor.go_back();
+    }
+
     fn moved(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
         self.unknowns.moved(x, step)
     }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
+use std::sync::Arc;
 
 use super::memory::{Carried, Memory};
 use super::predictor::{CaseChange, CasePrediction, Observed, Prediction, Predictor};
@@ -21,6 +22,13 @@ struct Answer {
     response: Vec<(usize, Vec<f64>)>,
 }
 
+/// The answers of all cases at some time.
+#[derive(Clone, Debug, Default)]
+struct Kept {
+    states: Vec<Option<State>>,
+    answers: Vec<Option<Arc<Answer>>>,
+}
+
 /// Predicts with the built-in solver.
 #[derive(Debug)]
 pub struct NativePredictor<'a> {
@@ -29,7 +37,8 @@ pub struct NativePredictor<'a> {
     observed: Observed,
     channels: Channels,
     scratch: Scratch,
-    answers: Vec<Option<Answer>>,
+    answers: Vec<Option<Arc<Answer>>>,
+    kept: Kept,
     memories: Vec<Memory>,
     sweeps: usize,
     runs: usize,
@@ -46,6 +55,7 @@ impl<'a> NativePredictor<'a> {
         Self {
             scratch: Scratch::new(system),
             answers: vec![None; loads.cases.len()],
+            kept: Kept::default(),
             memories: Vec::new(),
             sweeper: CaseSweeper::new(system, loads, Settings::tight()),
             system,
@@ -74,11 +84,11 @@ impl<'a> NativePredictor<'a> {
     /// Lets the first solve of a case start from this state of the same system.
     pub(crate) fn start_from(&mut self, case: usize, state: State, theta: Parameters) {
         self.sweeper.keep(case, state);
-        self.answers[case] = Some(Answer {
+        self.answers[case] = Some(Arc::new(Answer {
             theta,
             x: Vec::new(),
             response: Vec::new(),
-        });
+        }));
     }
 
     /// The last answer of a case with the numbers it was solved at.
@@ -221,11 +231,11 @@ impl<'a> NativePredictor<'a> {
             carried.advance(theta, &prediction.channels, (&[], &[]));
         }
         self.sweeper.keep(case, state);
-        self.answers[case] = Some(Answer {
+        self.answers[case] = Some(Arc::new(Answer {
             theta: theta.clone(),
             x: numbers.x.clone(),
             response,
-        });
+        }));
         Some(prediction)
     }
 }
@@ -285,6 +295,19 @@ impl Predictor for NativePredictor<'_> {
             out.push((theta.get(spring.stiffness) * deflection).abs());
         }
         Some(out)
+    }
+
+    fn keep(&mut self) {
+        self.kept.states.clear();
+        self.kept.states.extend_from_slice(self.sweeper.answers());
+        self.kept.answers.clone_from(&self.answers);
+    }
+
+    fn go_back(&mut self) {
+        if self.kept.answers.len() == self.answers.len() {
+            self.sweeper.return_to(&self.kept.states);
+            self.answers.clone_from(&self.kept.answers);
+        }
     }
 
     fn sweeps(&self) -> usize {

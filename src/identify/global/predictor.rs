@@ -53,6 +53,12 @@ pub trait Predictor {
         None
     }
 
+    /// Remembers the last answers of all cases.
+    fn keep(&mut self) {}
+
+    /// Lets the next solve of each case start from what was remembered last: a trial may have led to another equilibrium.
+    fn go_back(&mut self) {}
+
     /// How often all load cases were solved so far.
     fn sweeps(&self) -> usize;
 

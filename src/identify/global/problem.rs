@@ -101,6 +101,14 @@ impl LeastSquares for GlobalProblem<'_> {
             .evaluate(&prediction, &self.layout, x, columns)
     }
 
+    fn keep(&mut self) {
+        self.predictor.keep();
+    }
+
+    fn go_back(&mut self) {
+        self.predictor.go_back();
+    }
+
     /// Huber's weights on the length of each mark's residual, so that a wrong mark counts less as a whole.
     fn weights(&self, residual: &DVector<f64>) -> DVector<f64> {
         let mut weights = DVector::from_element(residual.len(), 1.0);

@@ -1,0 +1,147 @@
+use super::*;
+
+/// Rosenbrock's valley as residuals: minimum 0 at (1, 1).
+struct Valley;
+
+impl LeastSquares for Valley {
+    fn evaluate(&mut self, x: &[f64], _with_jacobian: bool) -> Option<Evaluation> {
+        Some(Evaluation {
+            residual: DVector::from_vec(vec![10.0 * (x[1] - x[0] * x[0]), 1.0 - x[0]]),
+            jacobian: DMatrix::from_row_slice(2, 2, &[-20.0 * x[0], 10.0, -1.0, 0.0]),
+        })
+    }
+}
+
+const NO_PRIOR: Prior = Prior {
+    mean: 0.0,
+    sd: f64::INFINITY,
+};
+
+#[test]
+fn a_curved_valley_is_followed_to_its_end() {
+    let found = minimise(
+        &mut Valley,
+        &[-1.2, 1.0],
+        &[NO_PRIOR; 2],
+        &[1.0; 2],
+        &[false; 2],
+        Tolerances::default(),
+    )
+    .unwrap();
+    assert_eq!(found.ending, Ending::Converged);
+    assert!(
+        (found.x[0] - 1.0).abs() < 1e-4 && (found.x[1] - 1.0).abs() < 1e-4,
+        "{:?}",
+        found.x
+    );
+}
+
+/// Deflections of two springs in a row under unit loads, at places where the second counts by `share`. They were read with an error
+/// that looks like a second spring pushed instead of pulled; the noise is a thousandth.
+struct Springs;
+
+impl LeastSquares for Springs {
+    fn evaluate(&mut self, x: &[f64], _with_jacobian: bool) -> Option<Evaluation> {
+        let (soft, other) = ((-x[0]).exp(), (-x[1]).exp());
+        let shares: Vec<f64> = (0..5).map(|k| 0.1 * f64::from(k)).collect();
+        let read = |share: f64| (-1.0_f64).exp() - 0.5 * share;
+        Some(Evaluation {
+            residual: DVector::from_fn(5, |k, _| {
+                1e3 * (soft + shares[k] * other - read(shares[k]))
+            }),
+            jacobian: DMatrix::from_fn(5, 2, |k, j| {
+                -1e3 * if j == 0 { soft } else { shares[k] * other }
+            }),
+        })
+    }
+}
+
+#[test]
+fn what_is_hardly_seen_does_not_run_off_on_the_way() {
+    let (start, scale, held) = ([0.0; 2], [1.0; 2], [false; 2]);
+    let prior = Prior { mean: 0.0, sd: 3.0 };
+    let straight = minimise(
+        &mut Springs,
+        &start,
+        &[prior; 2],
+        &scale,
+        &held,
+        Tolerances::default(),
+    )
+    .unwrap();
+    assert!(straight.x[1] > 6.0, "{:?}", straight.x);
+    let led = approach(&mut Springs, &start, &scale, &held);
+    assert!(led[1] < 3.0 && (led[0] - 1.2).abs() < 0.5, "{led:?}");
+}
+
+#[test]
+fn a_held_unknown_stays_and_a_prior_pulls() {
+    let held = minimise(
+        &mut Valley,
+        &[0.5, 1.0],
+        &[NO_PRIOR; 2],
+        &[1.0; 2],
+        &[true, false],
+        Tolerances::default(),
+    )
+    .unwrap();
+    assert_eq!(held.x[0], 0.5);
+    assert!((held.x[1] - 0.25).abs() < 1e-6);
+    // With x0 held at 0.5 the data say x1 = 0.25 with information 100; a prior of mean 1 and information 100 meets half-way.
+    let priors = [NO_PRIOR, Prior { mean: 1.0, sd: 0.1 }];
+    let pulled = minimise(
+        &mut Valley,
+        &[0.5, 1.0],
+        &priors,
+        &[1.0; 2],
+        &[true, false],
+        Tolerances::default(),
+    )
+    .unwrap();
+    assert!((pulled.x[1] - 0.625).abs() < 1e-6);
+}
+
+/// An arc tangent of steep ends, where a whole step goes too far, with a second answer: who has once been beyond 1.5 meets that until
+/// he returns.
+struct Snapping {
+    there: bool,
+    kept: bool,
+}
+
+impl LeastSquares for Snapping {
+    fn evaluate(&mut self, x: &[f64], _with_jacobian: bool) -> Option<Evaluation> {
+        self.there |= x[0].abs() > 1.5;
+        let far = if self.there { 3.0 } else { 0.0 };
+        Some(Evaluation {
+            residual: DVector::from_element(1, 10.0 * (x[0].atan() + far)),
+            jacobian: DMatrix::from_element(1, 1, 10.0 / (1.0 + x[0] * x[0])),
+        })
+    }
+
+    fn keep(&mut self) {
+        self.kept = self.there;
+    }
+
+    fn go_back(&mut self) {
+        self.there = self.kept;
+    }
+}
+
+#[test]
+fn a_refused_trial_does_not_lead_the_next_one_astray() {
+    let mut problem = Snapping {
+        there: false,
+        kept: false,
+    };
+    let found = minimise(
+        &mut problem,
+        &[1.45],
+        &[NO_PRIOR],
+        &[10.0],
+        &[false],
+        Tolerances::default(),
+    )
+    .unwrap();
+    assert!(found.objective < 1e-4 && !problem.there, "{found:?}");
+    assert_eq!(found.ending, Ending::Converged);
+}
