@@ -1,7 +1,7 @@
 //! Initial conditions: positions, velocities, then accelerations and forces that satisfy the constraints, as near to the data as they can be.
 
 use super::bordered::plain_weight;
-use super::consistent::Consistent;
+use super::consistent::{Consistent, largest_speed};
 use super::error::{MotionError, Reason};
 use crate::mechanics::{Mat3, Mat6, Pose, Vec3, Vec6, psi_theta_phi, skew};
 use crate::system::{Parameters, Rates, State, System};
@@ -85,7 +85,7 @@ fn attempt(
     memory.find_redundant(system, parameters, state)?;
     memory.positions(system, parameters, state, None)?;
     memory
-        .check_removed(system, parameters, state)
+        .check_removed(system, parameters, state, |k| !system.of_velocities[k])
         .map_err(at_the_start)?;
     system.accept(parameters, state, &mut memory.scratch);
     system.settle_variables(parameters, state, &mut memory.scratch)?;
@@ -157,11 +157,7 @@ fn velocities(
         }
     }
     let (equation, violation) = memory.worst_rate(system, state);
-    let scale = state
-        .velocities
-        .iter()
-        .map(|v| v.linear.norm().max(v.angular.norm() * system.length))
-        .fold(system.length, f64::max);
+    let scale = largest_speed(system, state);
     if violation > CONFLICT * scale {
         return Err(Reason::VelocityConflict {
             equation: system.constraint_equation_name(equation).to_string(),

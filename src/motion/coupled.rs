@@ -95,7 +95,7 @@ impl Coupled {
                 if by_k {
                     put(y(i, row), y(i, column), k);
                 }
-                if constraints.contains(&row) {
+                if constraints.contains(&row) && !system.of_velocities[row - n] {
                     continue;
                 }
                 let of_a_body = column < n;
@@ -135,6 +135,11 @@ impl Coupled {
             };
             for &(row, column, value) in &rows.entries {
                 let (row, column) = (row as usize, column as usize);
+                let value = if system.holds_places(start, row) {
+                    value
+                } else {
+                    0.0
+                };
                 put(mu(i, row), w(i, column), value);
                 let part = body_of(column);
                 let first = system.bodies[part].first;
@@ -153,7 +158,7 @@ impl Coupled {
                 }
             }
             for k in 0..count {
-                let out = start.redundant.get(k) == Some(&true) || !system.equation_is_active(k);
+                let out = !system.holds_places(start, k);
                 put(mu(i, k), mu(i, k), f64::from(u8::from(out)));
             }
         }

@@ -1,7 +1,8 @@
 //! The derivatives of the equations of motion at a state, and a stage of a step solved with them.
 //!
 //! A stage whose rates are z times what changes: `z dd - dW + D G' dmu = -r1`, `K dd + C dW + z N dW + ... = -g`, `G dd = -r3`,
-//! `G dW = -r4` (what stands for what: [`super::newton`]).
+//! `G dW = -r4` (what stands for what: [`super::newton`]). A constraint of velocities alone has neither of the last two but a row like those
+//! of the balances, `f_q dd + f_V dW = -f`.
 
 use std::ops::{Div, Mul};
 
@@ -47,7 +48,8 @@ impl Linearisation {
         self.levels.finish();
         system.constraints_and_rows(parameters, state, scratch, g, &mut self.rows)?;
         let plain = plain_weight(system);
-        self.bordered.factor(system, state, &self.rows, |_| plain);
+        let holds = |k: usize| system.holds_places(state, k);
+        self.bordered.factor(system, &self.rows, holds, |_| plain);
         Ok(())
     }
 
@@ -65,7 +67,16 @@ impl Linearisation {
         let square = inverse * inverse;
         self.levels.combined(values, |row, column| {
             if (n..variable).contains(&row) {
-                if column < variable {
+                if system.of_velocities[row - n] {
+                    // Its row times z.
+                    if column < n {
+                        [inverse, one, zero]
+                    } else if column < variable {
+                        [one, zero, zero]
+                    } else {
+                        [z, zero, zero]
+                    }
+                } else if column < variable {
                     [one, zero, zero]
                 } else {
                     [z * z, zero, zero]
@@ -124,14 +135,14 @@ impl Linearisation {
             border[n + row as usize] += T::of(value) * r1[column as usize];
         }
         for k in 0..system.equations {
-            if start.redundant.get(k) == Some(&true) || !system.equation_is_active(k) {
+            if !system.holds_places(start, k) {
                 border[n + k] = T::default();
             }
         }
         border
     }
 
-    /// `-g - (C + z N) e`; of the constraints `-z^2 r3`, of removed ones as they are.
+    /// `-g - (C + z N) e`; of the constraints `-z^2 r3`, of those of velocities `-z (f + f_V e)`, of removed ones as they are.
     fn right_side<T: Scalar>(
         &self,
         system: &System,
@@ -143,13 +154,20 @@ impl Linearisation {
         let (n, variable) = (system.first_equation, system.first_variable);
         let mut b: Vec<T> = g.iter().map(|g| -*g).collect();
         for k in 0..system.equations {
-            if start.redundant.get(k) != Some(&true) && system.equation_is_active(k) {
+            if system.holds_places(start, k) {
                 b[n + k] = b[n + k] * z * z;
+            } else if system.takes_part(start, k) {
+                b[n + k] = b[n + k] * z;
             }
         }
         for (row, column, [by_rate, by_second]) in self.levels.rates() {
-            if column < n && !(n..variable).contains(&row) {
+            if column >= n {
+                continue;
+            }
+            if !(n..variable).contains(&row) {
                 b[row] -= (T::of(by_rate) + z * T::of(by_second)) * e[column];
+            } else if system.of_velocities[row - n] {
+                b[row] -= z * T::of(by_rate) * e[column];
             }
         }
         b

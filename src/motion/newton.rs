@@ -358,7 +358,7 @@ impl Equations {
                 }
             }
             for k in 0..system.equations {
-                if start.redundant.get(k) == Some(&true) || !system.equation_is_active(k) {
+                if !system.holds_places(start, k) {
                     r4[k] = 0.0;
                 }
             }
