@@ -332,7 +332,7 @@ impl<'a> Integrator<'a> {
     }
 
     /// Derivatives and factors for a step.
-    fn prepare(&mut self, h: f64) -> Result<(), Reason> {
+    pub(super) fn prepare(&mut self, h: f64) -> Result<(), Reason> {
         if self.factored.is_some_and(|f| (h / f - 1.0).abs() < SAME) {
             return Ok(());
         }
@@ -351,7 +351,7 @@ impl<'a> Integrator<'a> {
     }
 
     /// Begins the iteration with the polynomial of the last step.
-    fn predict(&mut self, h: f64) {
+    pub(super) fn predict(&mut self, h: f64) {
         let (system, n) = (self.system, self.system.first_equation);
         let old = &self.polynomial;
         for stage in &mut self.unknowns.mu {

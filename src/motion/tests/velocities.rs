@@ -141,3 +141,228 @@ SPRINGDAMPER/1, TRANSLATIONAL, I=20, J=1, K=20, C=0.3, LENGTH=0.4
         assert!((a.multipliers[0] - b.multipliers[0]).abs() < 1e3 * error * 10.0);
     }
 }
+
+/// A disc that rolls on the plane z = 0: mass, radius, inertia across, the function names of its markers. The contact is where the rim is lowest.
+fn rolling(disc: u32, radius: f64) -> String {
+    let (cm, axis) = (disc * 10, disc * 10 + 1);
+    // With a the axis of the disc, the lowest point is the centre less R (z - a_z a)/s, s^2 = 1 - a_z^2.
+    let a = |k: char| format!("D{k}({axis},{cm})");
+    let s = format!("SQRT(1-{z}**2)", z = a('Z'));
+    let arm = |k: char| match k {
+        'Z' => format!("(-{radius}*{s})"),
+        _ => format!("({radius}*{}*{}/{s})", a('Z'), a(k)),
+    };
+    let (x, y, z) = (arm('X'), arm('Y'), arm('Z'));
+    format!(
+        "GCON/{disc}1, I={cm}, FUNCTION=DZ({cm})+{z}
+GCON/{disc}2, I={cm}, FUNCTION=VX({cm})+WY({cm})*{z}-WZ({cm})*{y}
+GCON/{disc}3, I={cm}, FUNCTION=VY({cm})+WZ({cm})*{x}-WX({cm})*{z}"
+    )
+}
+
+/// A thin disc that wobbles as it rolls keeps its energy; its contact keeps at rest.
+#[test]
+fn a_rolling_disc_keeps_its_energy() {
+    let deck = deck(&format!(
+        "ACCGRAV/KGRAV=-9.81
+PART/2, MASS=2, CM=20, IP=0.045,0.045,0.09, QG=0,0,0.28, REULER=0.2,1.2,0, VX=0.2, WX=0.5, WZ=-8
+MARKER/20, PART=2
+MARKER/21, PART=2, QP=0,0,1
+{}",
+        rolling(2, 0.3)
+    ));
+    let energy = |state: &State| {
+        let spin = state.poses[1].R.transpose() * state.velocities[1].angular;
+        let turning = 0.045 * (spin.x * spin.x + spin.y * spin.y) + 0.09 * spin.z * spin.z;
+        let v = state.velocities[1].linear;
+        0.5 * (2.0 * v.norm_squared() + turning) + 2.0 * 9.81 * state.poses[1].p.z
+    };
+    let mut before = f64::INFINITY;
+    for error in [1e-5, 1e-7] {
+        let mut integrator = begun(&deck, error, 0.1);
+        let start = integrator.output().unwrap();
+        let mut most = 0.0_f64;
+        let mut tilt = Vec::new();
+        for step in 1..=50 {
+            integrator.advance_to(0.1 * f64::from(step)).unwrap();
+            let state = integrator.output().unwrap();
+            most = most.max((energy(&state) - energy(&start)).abs());
+            tilt.push(state.poses[1].R[(2, 2)]);
+        }
+        println!("{error:e}: {most:e} of {}", energy(&start));
+        let range = |x: f64, y: f64| {
+            tilt.iter()
+                .copied()
+                .fold(x, if x > y { f64::min } else { f64::max })
+        };
+        assert!(
+            range(-1.0, 1.0) - range(1.0, -1.0) > 0.1,
+            "it wobbles: {tilt:?}"
+        );
+        assert!(most < 100.0 * error, "{most}");
+        assert!(most < 0.2 * before);
+        before = most;
+    }
+}
+
+/// Whichever derivatives the iteration of a step takes, it finds the same step.
+#[test]
+fn every_iteration_finds_the_same_step() {
+    use crate::motion::derivatives::Derivatives;
+    let deck = sleigh("GCON/1, FUNCTION=VY(21,1,21)-0.2*DX(20,1)*TIME+0.1*WZ(20)*DY(20)");
+    let h = 0.05;
+    let mut found: Vec<Vec<f64>> = Vec::new();
+    let kinds = [
+        Derivatives::Single,
+        Derivatives::Sequence,
+        Derivatives::Kept,
+        Derivatives::Renewed,
+    ];
+    for derivatives in kinds {
+        let mut integrator = begun(&deck, 1e-9, 0.1);
+        integrator.predict(h);
+        integrator.prepare(h).unwrap();
+        let iterations = integrator
+            .solve(h, derivatives)
+            .map_err(|not| not.why)
+            .unwrap();
+        println!("{derivatives:?} {iterations}");
+        assert!(iterations <= 10, "{derivatives:?}");
+        let unknowns = &integrator.unknowns;
+        let all = unknowns.z.iter().chain(&unknowns.w).flatten().copied();
+        found.push(all.collect());
+    }
+    for other in &found[1..] {
+        for (a, b) in other.iter().zip(&found[0]) {
+            assert!((a - b).abs() < 1e-9, "{a} {b}");
+        }
+    }
+}
+
+/// A constraint of velocities that others hold already is redundant, wherever it stands; of two of velocities the later.
+#[test]
+fn what_says_nothing_new_is_left_out() {
+    let deck = sleigh(
+        "GCON/1, FUNCTION=VX(21)-0.1
+GCON/2, FUNCTION=WX(21)
+GCON/3, FUNCTION=2*VX(21)-0.2
+MOTION/1, I=21, J=1, X, FUNCTION=0.1*TIME",
+    );
+    let (state, _) = integrated(&deck, 1e-6, 0.1, 1.0);
+    let out: Vec<String> = (0..deck.system.equations)
+        .filter(|k| state.redundant[*k])
+        .map(|k| deck.system.constraint_equation_name(k).to_string())
+        .collect();
+    assert_eq!(out, ["GCON/1", "GCON/2", "GCON/3"]);
+    assert!((state.velocities[1].linear.x - 0.1).abs() < 1e-9);
+    // One that contradicts is told.
+    let other = sleigh("GCON/1, FUNCTION=VX(21)-0.2\nMOTION/1, I=21, J=1, X, FUNCTION=0.1*TIME");
+    let mut state = other.state.clone();
+    let mut memory = Consistent::new(&other.system);
+    let (system, parameters) = (&other.system, &other.parameters);
+    let told = assemble(
+        system,
+        parameters,
+        &mut state,
+        &mut memory,
+        Kept::Data,
+        1e-3,
+    );
+    assert!(told.unwrap_err().to_string().contains("GCON/1"));
+}
+
+/// An upright disc that rolls at the rate O: `s^2 = -(C (C + m R^2) O^2 - A m g R)/(A (A + m R^2))`, A across, C about the axis; all other
+/// small motions drift (E. J. Routh, Dynamics of a System of Rigid Bodies, part II, 244).
+#[test]
+fn an_upright_disc_is_stable_at_speed() {
+    let (m, R, across, along) = (2.0, 0.3, 0.05, 0.08);
+    for spin in [0.5, 3.0, 6.0, 20.0] {
+        let deck = deck(&format!(
+            "ACCGRAV/KGRAV=-9.81
+PART/2, MASS={m}, CM=20, IP={across},{across},{along}, QG=0,0,{R}, REULER=0,90D,0, VX={}, WZ={}
+MARKER/20, PART=2
+MARKER/21, PART=2, QP=0,0,1
+{}",
+            spin * R,
+            -spin,
+            rolling(2, R)
+        ));
+        let (state, _) = integrated(&deck, 1e-8, 0.1, 1e-6);
+        let modes = crate::motion::modes(&deck.system, &deck.parameters, &state, true).unwrap();
+        assert_eq!(modes.len(), 8);
+        let whole = m * R * R;
+        let square = -(along * (along + whole) * spin * spin - across * m * 9.81 * R)
+            / (across * (across + whole));
+        for mode in &modes[..6] {
+            assert!(mode.value.norm() < 2e-3, "{}", mode.value);
+        }
+        for mode in &modes[6..] {
+            let off = mode.value * mode.value - square;
+            assert!(
+                off.norm() < 1e-5 * square.abs(),
+                "{spin}: {} {square}",
+                mode.value
+            );
+        }
+    }
+}
+
+/// The bicycle of the benchmark of Meijaard, Papadopoulos, Ruina and Schwab (Proc. R. Soc. A 463, 2007): its table of eigenvalues at 5 m/s, and the
+/// speeds at which the weave and the capsize change their sign.
+#[test]
+fn a_bicycle_has_the_eigenvalues_of_the_benchmark() {
+    let (wheelbase, trail, tilt) = (1.02, 0.08, std::f64::consts::PI / 10.0);
+    let (rear, front) = (0.3, 0.35);
+    let modes = |v: f64| {
+        let steer = wheelbase + trail;
+        let deck = deck(&format!(
+            "ACCGRAV/KGRAV=-9.81
+PART/2, MASS=2, CM=20, IP=0.0603,0.12,0.0603, QG=0,0,{rear}, VX={v}, WY={}
+MARKER/20, PART=2
+MARKER/21, PART=2, QP=0,1,0
+MARKER/22, PART=2, REULER=0,90D,0
+PART/3, MASS=3, CM=30, IP=0.1405,0.28,0.1405, QG={wheelbase},0,{front}, VX={v}, WY={}
+MARKER/30, PART=3
+MARKER/31, PART=3, QP=0,1,0
+MARKER/32, PART=3, REULER=0,90D,0
+PART/4, MASS=85, CM=40, IP=9.2,11,2.8,0,2.4,0, VX={v}
+MARKER/40, PART=4, QP=0.3,0,0.9
+MARKER/41, PART=4, QP=0,0,{rear}, REULER=0,90D,0
+MARKER/42, PART=4, QP={steer},0,0, REULER=-90D,{tilt},0
+PART/5, MASS=4, CM=50, IP=0.05892,0.06,0.00708,0,-0.00756,0, VX={v}
+MARKER/50, PART=5, QP=0.9,0,0.7
+MARKER/51, PART=5, QP={wheelbase},0,{front}, REULER=0,90D,0
+MARKER/52, PART=5, QP={steer},0,0, REULER=-90D,{tilt},0
+JOINT/1, REVOLUTE, I=22, J=41
+JOINT/2, REVOLUTE, I=32, J=51
+JOINT/3, REVOLUTE, I=52, J=42
+{}
+{}",
+            v / rear,
+            v / front,
+            rolling(2, rear),
+            rolling(3, front)
+        ));
+        let (state, _) = integrated(&deck, 1e-8, 0.1, 1e-6);
+        let modes = crate::motion::modes(&deck.system, &deck.parameters, &state, true).unwrap();
+        assert_eq!(modes.len(), 10);
+        // Six are motions that neither grow nor swing.
+        let values: Vec<_> = modes.iter().map(|mode| mode.value).collect();
+        values
+    };
+    let has = |values: &[nalgebra::Complex<f64>], re: f64, im: f64| {
+        let near = |value: &nalgebra::Complex<f64>| {
+            (value.re - re).abs() < 1e-6 && (value.im - im).abs() < 1e-6
+        };
+        assert!(values.iter().any(near), "{re} {im}: {values:?}");
+    };
+    let at = modes(5.0);
+    has(&at, -0.775341882195845, 4.46486771378823);
+    has(&at, -0.775341882195845, -4.46486771378823);
+    has(&at, -0.322866429004087, 0.0);
+    has(&at, -14.0783896927982, 0.0);
+    let weave = modes(4.29238253634111);
+    let swings = weave.iter().filter(|value| value.im > 1.0);
+    let swings: Vec<f64> = swings.map(|value| value.re).collect();
+    assert!(matches!(swings[..], [re] if re.abs() < 1e-6), "{weave:?}");
+}
