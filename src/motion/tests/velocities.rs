@@ -23,7 +23,7 @@ JOINT/1, PLANAR, I=21, J=1
 fn a_sleigh_turns_until_it_glides_straight() {
     let deck = sleigh("GCON/1, I=21, FUNCTION=VY(21,1,21)");
     let mut integrator = begun(&deck, 1e-8, 0.1);
-    let start = integrator.output().unwrap();
+    let start = integrator.output().expect("an output");
     let along = |state: &State| {
         let x: Vec3 = state.poses[1].R.column(0).into();
         (
@@ -38,8 +38,8 @@ fn a_sleigh_turns_until_it_glides_straight() {
     assert!(w < -0.5, "{u} {w}");
     for step in 1..=50 {
         let time = 0.1 * f64::from(step);
-        integrator.advance_to(time).unwrap();
-        let state = integrator.output().unwrap();
+        integrator.advance_to(time).expect("no error");
+        let state = integrator.output().expect("an output");
         let (u, w) = along(&state);
         let tau = A * c * time / k2 + s;
         let (known_u, known_w) = (c * tau.tanh(), -c / k2.sqrt() / tau.cosh());
@@ -49,7 +49,7 @@ fn a_sleigh_turns_until_it_glides_straight() {
         let here = deck
             .system
             .look(&deck.parameters, &state, &mut scratch)
-            .unwrap();
+            .expect("no error");
         let marker = crate::model::MarkerIx(2);
         let (force, torque) = here.read_condition(1, marker);
         let across = state.poses[1].R.transpose() * force;
@@ -77,7 +77,7 @@ GCON/1, I=20, FUNCTION=VX(20)-{R}*WY(20)+{O}*DY(20,1)
 GCON/2, I=20, FUNCTION=VY(20)+{R}*WX(20)-{O}*DX(20,1)"
     ));
     let mut integrator = begun(&deck, 1e-7, 0.1);
-    let start = integrator.output().unwrap();
+    let start = integrator.output().expect("an output");
     let (p, v) = (start.poses[1].p, start.velocities[1].linear);
     assert!((start.velocities[1].linear.z).abs() < 1e-12);
     let rate = 2.0 / 7.0 * O;
@@ -85,8 +85,8 @@ GCON/2, I=20, FUNCTION=VY(20)+{R}*WX(20)-{O}*DX(20,1)"
     let centre = p + Vec3::z().cross(&v) / rate;
     for step in 1..=40 {
         let time = 0.25 * f64::from(step);
-        integrator.advance_to(time).unwrap();
-        let state = integrator.output().unwrap();
+        integrator.advance_to(time).expect("no error");
+        let state = integrator.output().expect("an output");
         let known = centre + exp(&(Vec3::z() * rate * time)) * (p - centre);
         assert!(
             (state.poses[1].p - known).norm() < 1e-6,
@@ -180,12 +180,14 @@ MARKER/21, PART=2, QP=0,0,1
     let mut before = f64::INFINITY;
     for error in [1e-5, 1e-7] {
         let mut integrator = begun(&deck, error, 0.1);
-        let start = integrator.output().unwrap();
+        let start = integrator.output().expect("an output");
         let mut most = 0.0_f64;
         let mut tilt = Vec::new();
         for step in 1..=50 {
-            integrator.advance_to(0.1 * f64::from(step)).unwrap();
-            let state = integrator.output().unwrap();
+            integrator
+                .advance_to(0.1 * f64::from(step))
+                .expect("no error");
+            let state = integrator.output().expect("an output");
             most = most.max((energy(&state) - energy(&start)).abs());
             tilt.push(state.poses[1].R[(2, 2)]);
         }
@@ -221,11 +223,11 @@ fn every_iteration_finds_the_same_step() {
     for derivatives in kinds {
         let mut integrator = begun(&deck, 1e-9, 0.1);
         integrator.predict(h);
-        integrator.prepare(h).unwrap();
+        integrator.prepare(h).expect("no error");
         let iterations = integrator
             .solve(h, derivatives)
             .map_err(|not| not.why)
-            .unwrap();
+            .expect("no error");
         println!("{derivatives:?} {iterations}");
         assert!(iterations <= 10, "{derivatives:?}");
         let unknowns = &integrator.unknowns;
@@ -288,7 +290,8 @@ MARKER/21, PART=2, QP=0,0,1
             rolling(2, R)
         ));
         let (state, _) = integrated(&deck, 1e-8, 0.1, 1e-6);
-        let modes = crate::motion::modes(&deck.system, &deck.parameters, &state, true).unwrap();
+        let modes =
+            crate::motion::modes(&deck.system, &deck.parameters, &state, true).expect("no error");
         assert_eq!(modes.len(), 8);
         let whole = m * R * R;
         let square = -(along * (along + whole) * spin * spin - across * m * 9.81 * R)
@@ -344,7 +347,8 @@ JOINT/3, REVOLUTE, I=52, J=42
             rolling(3, front)
         ));
         let (state, _) = integrated(&deck, 1e-8, 0.1, 1e-6);
-        let modes = crate::motion::modes(&deck.system, &deck.parameters, &state, true).unwrap();
+        let modes =
+            crate::motion::modes(&deck.system, &deck.parameters, &state, true).expect("no error");
         assert_eq!(modes.len(), 10);
         // Six are motions that neither grow nor swing.
         let values: Vec<_> = modes.iter().map(|mode| mode.value).collect();
