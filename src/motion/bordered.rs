@@ -61,14 +61,12 @@ impl Bordered {
         self.factors.solve(b);
     }
 
-    /// The same for numbers of another kind.
-    pub(crate) fn solve_into<T>(&self, b: &mut [T])
+    /// The same for numbers of another kind, with the solution in `x`; what is in `b` is used up.
+    pub(crate) fn solve_into<T>(&self, b: &mut [T], x: &mut [T])
     where
         T: Scalar + Mul<f64, Output = T> + Div<f64, Output = T>,
     {
-        let mut x = vec![T::default(); b.len()];
-        self.factors.solve_into(b, &mut x);
-        b.copy_from_slice(&x);
+        self.factors.solve_into(b, x);
     }
 }
 

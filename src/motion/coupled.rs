@@ -14,7 +14,7 @@
 //! ```
 
 use super::bordered::plain_weight;
-use super::newton::{Equations, Unknowns, add, turns};
+use super::newton::{Equations, Unknowns, turns};
 use crate::linear::{Levels, Lu, Matrix, Sink, by_groups};
 use crate::mechanics::{Mat3, Vec3};
 use crate::system::{NoValue, Parameters, Rows, State, System};
@@ -169,15 +169,14 @@ impl Coupled {
         Ok(())
     }
 
-    /// One iteration with the factors there are; gives the correction for its size.
-    pub(crate) fn iterate(
+    /// Corrections from the residuals of the stages, with the factors there are.
+    pub(crate) fn correct(
         &mut self,
-        equations: &mut Equations,
-        (system, parameters): (&System, &Parameters),
-        (start, h): (&State, f64),
-        unknowns: &mut Unknowns,
-    ) -> Result<Unknowns, NoValue> {
-        equations.stage_residuals(system, parameters, start, h, unknowns)?;
+        equations: &Equations,
+        system: &System,
+        unknowns: &Unknowns,
+        change: &mut Unknowns,
+    ) {
         let (n, all, count) = (
             system.first_equation,
             system.moving_unknowns,
@@ -199,7 +198,6 @@ impl Coupled {
             }
         }
         factors.solve(&mut b);
-        let mut change = Unknowns::new(system);
         for i in 0..3 {
             change.z[i].copy_from_slice(&b[y(i, 0)..y(i, all)]);
             change.w[i].copy_from_slice(&b[w(i, 0)..w(i, n)]);
@@ -213,10 +211,6 @@ impl Coupled {
                 let turned = turns[i][part] * Vec3::new(z[0], z[1], z[2]);
                 z.copy_from_slice(turned.as_slice());
             }
-            add(&mut unknowns.z[i], &change.z[i]);
-            add(&mut unknowns.w[i], &change.w[i]);
-            add(&mut unknowns.mu[i], &change.mu[i]);
         }
-        Ok(change)
     }
 }

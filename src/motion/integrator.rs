@@ -46,6 +46,8 @@ pub struct Integrator<'a> {
     pub(super) coupled: Option<Box<Coupled>>,
     pub(super) consistent: Consistent,
     pub(super) unknowns: Unknowns,
+    /// The corrections of an iteration.
+    pub(super) change: Unknowns,
     /// The unknowns of the last step: what the next one begins with.
     pub(super) polynomial: Unknowns,
     pub(super) sizes: Sizes,
@@ -91,6 +93,7 @@ impl<'a> Integrator<'a> {
             coupled: None,
             consistent: Consistent::new(system),
             unknowns: Unknowns::new(system),
+            change: Unknowns::new(system),
             polynomial: Unknowns::new(system),
             sizes: Sizes::new(system),
             sizes_before: Sizes::new(system),
