@@ -31,10 +31,13 @@ impl Build<'_> {
                 .map(|argument| self.node(argument))
                 .collect::<Result<Vec<_>, _>>()?;
             let place = self.step(kind, &places);
-            // Where the time alone chooses the piece, when is known beforehand. A piece is a number of one byte.
-            let timed = |argument| linear(self.expression, argument).is_some();
+            // Where the time alone chooses the piece, when is known beforehand, if it does not do so over and over.
+            let timed = |argument| {
+                linear(self.expression, argument)
+                    .is_some_and(|(slope, _)| slope == 0.0 || !kind.repeats())
+            };
             let known = !matches!(kind, Kind::Impact | Kind::Bistop) && arguments.iter().all(timed);
-            let stepped = matches!(place, Place::Target(_)) && places.len() <= 256;
+            let stepped = matches!(place, Place::Target(_));
             if kind.has_pieces() && stepped && !known {
                 self.switch();
             }
