@@ -32,13 +32,9 @@ impl Build<'_> {
                 .collect::<Result<Vec<_>, _>>()?;
             let place = self.step(kind, &places);
             // Where the time alone chooses the piece, when is known beforehand, if it does not do so over and over.
-            let timed = |argument| {
-                linear(self.expression, argument)
-                    .is_some_and(|(slope, _)| slope == 0.0 || !kind.repeats())
-            };
-            let known = !matches!(kind, Kind::Impact | Kind::Bistop) && arguments.iter().all(timed);
-            let stepped = matches!(place, Place::Target(_));
-            if kind.has_pieces() && stepped && !known {
+            let slope = |argument| linear(self.expression, argument).map(|(slope, _)| slope);
+            let watched = kind.is_watched(arguments.iter().map(slope));
+            if watched && matches!(place, Place::Target(_)) {
                 self.switch();
             }
             return Ok(place);

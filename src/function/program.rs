@@ -81,25 +81,21 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    /// True for functions of several formulas, of which the arguments choose one.
-    pub(super) fn has_pieces(self) -> bool {
-        matches!(
-            self,
-            Self::Impact
-                | Self::Bistop
-                | Self::Max
-                | Self::Min
-                | Self::Unary(Unary::Abs, _)
-                | Self::Binary(Binary::Dim | Binary::Sign, _)
-        ) || self.repeats()
-    }
-
-    /// True for those of which a steady argument passes one piece after the other.
-    pub(super) fn repeats(self) -> bool {
-        matches!(
-            self,
-            Self::Unary(Unary::Nearest | Unary::Truncate, _) | Self::Binary(Binary::Modulo, _)
-        )
+    /// True for functions of several formulas of which the arguments choose one, but for those that change it at times known beforehand. The
+    /// slopes are those of arguments that are linear in the time.
+    pub(super) fn is_watched(self, mut slopes: impl Iterator<Item = Option<f64>>) -> bool {
+        match self {
+            Self::Impact | Self::Bistop => true,
+            Self::Max
+            | Self::Min
+            | Self::Unary(Unary::Abs, _)
+            | Self::Binary(Binary::Dim | Binary::Sign, _) => slopes.any(|slope| slope.is_none()),
+            // A steady argument passes one piece after the other.
+            Self::Unary(Unary::Nearest | Unary::Truncate, _) | Self::Binary(Binary::Modulo, _) => {
+                slopes.any(|slope| slope != Some(0.0))
+            }
+            _ => false,
+        }
     }
 
     fn failed(self, fault: Fault) -> EvalError {

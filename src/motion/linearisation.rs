@@ -169,7 +169,7 @@ impl Linearisation {
     ) {
         let all = system.moving_unknowns;
         for (e, x) in of.w.iter_mut().zip(&of.found) {
-            *e = *e - *x;
+            *e -= *x;
         }
         of.mu.copy_from_slice(&of.found[system.first_equation..]);
         self.right_side(system, start, z, of);

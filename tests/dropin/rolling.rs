@@ -180,3 +180,33 @@ fn it_is_switched_off_and_on() {
     }
     assert!(mdi(folder.path(), &["ru-s", "none"]).code != 0);
 }
+
+/// A spring of 1 N/mm on the centre: k over 7/5 of the mass, by EIGENSOL and in the state matrices, whose rates are those of three freedoms of five.
+#[test]
+fn a_ball_on_a_spring_swings_as_it_rolls() {
+    let deck = BALL.replace("FUNCTION=7\n", "FUNCTION=VARVAL(1)\n")
+        + "SPRINGDAMPER/1, TRANSLATIONAL, I=20, J=6, K=1, C=0, LENGTH=100
+MARKER/6, PART=1, QP=-100,0,50
+VARIABLE/1, FUNCTION=0
+VARIABLE/2, FUNCTION=DX(20)
+PINPUT/1, VARIABLES=1
+POUTPUT/1, VARIABLES=2
+";
+    let commands =
+        "SIM/STAT\nLINEAR/EIGENSOL\nLINEAR/STATEMAT, PINPUT=1, POUTPUT=1, FILE=mat, FORMAT=MATLAB";
+    let (folder, ran) = run(&deck, commands, false);
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    let square = 1000.0 / (1.4 * 2.0);
+    let modes: serde_json::Value =
+        serde_json::from_str(&text(folder.path(), "ball.modes.json")).unwrap();
+    let rates = modes["modes"].as_array().unwrap().iter();
+    let rates: Vec<f64> = rates.map(|m| m["imaginary"].as_f64().unwrap()).collect();
+    let last = rates.last().unwrap();
+    assert!((last - f64::sqrt(square)).abs() < 1e-9, "{rates:?}");
+    let states = text(folder.path(), "matst");
+    assert_eq!(states.lines().count(), 8, "{states}");
+    let a = text(folder.path(), "mata");
+    let numbers = a.split_whitespace().map(|x| x.parse::<f64>().unwrap());
+    let least = numbers.fold(0.0, f64::min);
+    assert!((least + square).abs() < 1e-9, "{a}");
+}

@@ -121,10 +121,7 @@ SPRINGDAMPER/1, TRANSLATIONAL, I=20, J=1, K=20, C=0.3, LENGTH=0.4
     for error in [1e-4, 1e-6, 1e-8] {
         // The length begins where the other does.
         let (start, _) = integrated(&places, error, 0.05, 1e-9);
-        let held = with(&format!(
-            "GCON/1, FUNCTION=VR(21,2)-0.2*VX(20,21)*TIME-0.2*DX(20,21)"
-        ));
-        let mut held = held;
+        let mut held = with("GCON/1, FUNCTION=VR(21,2)-0.2*VX(20,21)*TIME-0.2*DX(20,21)");
         held.state.poses = start.poses.clone();
         let (a, _) = integrated(&places, error, 0.05, 2.0);
         let (b, _) = integrated(&held, error, 0.05, 2.0);
