@@ -157,6 +157,33 @@ GCON/{disc}3, I={cm}, FUNCTION=VY({cm})+WZ({cm})*{x}-WX({cm})*{z}"
     )
 }
 
+/// The loads on part 2, whose mass centre is its origin, make what its momentum and its spin change by.
+fn loads_make_the_motion(deck: &Deck, state: &State) {
+    let mut scratch = Scratch::new(&deck.system);
+    let look = deck.system.look(&deck.parameters, state, &mut scratch);
+    let loads = look.expect("a value").loads().expect("no error");
+    let (pose, v, a) = (
+        state.poses[1],
+        &state.velocities[1],
+        &state.accelerations[1],
+    );
+    let (mut force, mut torque) = (Vec3::zeros(), Vec3::zeros());
+    for load in loads.iter().filter(|load| load.part.0 == 1) {
+        force += load.force;
+        torque += load.torque_about(&pose.p);
+    }
+    let inertia = pose.R
+        * crate::mechanics::Mat3::from_diagonal(&Vec3::new(0.045, 0.045, 0.09))
+        * pose.R.transpose();
+    let spun = inertia * a.angular + v.angular.cross(&(inertia * v.angular));
+    assert!(
+        (force - a.linear * 2.0).norm() < 1e-9 * 20.0,
+        "{force} {}",
+        a.linear
+    );
+    assert!((torque - spun).norm() < 1e-9 * 5.0, "{torque} {spun}");
+}
+
 /// A thin disc that wobbles as it rolls keeps its energy; its contact keeps at rest.
 #[test]
 fn a_rolling_disc_keeps_its_energy() {
@@ -186,6 +213,7 @@ MARKER/21, PART=2, QP=0,0,1
                 .expect("no error");
             let state = integrator.output().expect("an output");
             most = most.max((energy(&state) - energy(&start)).abs());
+            loads_make_the_motion(&deck, &state);
             tilt.push(state.poses[1].R[(2, 2)]);
         }
         println!("{error:e}: {most:e} of {}", energy(&start));
