@@ -31,11 +31,10 @@ impl Build<'_> {
                 .map(|argument| self.node(argument))
                 .collect::<Result<Vec<_>, _>>()?;
             let place = self.step(kind, &places);
-            // Where the time alone chooses the piece, when is known beforehand. A piece is a number of one byte.
-            let timed = |argument| linear(self.expression, argument).is_some();
-            let known = !matches!(kind, Kind::Impact | Kind::Bistop) && arguments.iter().all(timed);
-            let stepped = matches!(place, Place::Target(_)) && places.len() <= 256;
-            if kind.has_pieces() && stepped && !known {
+            // Where the time alone chooses the piece, when is known beforehand, if it does not do so over and over.
+            let slope = |argument| linear(self.expression, argument).map(|(slope, _)| slope);
+            let watched = kind.is_watched(arguments.iter().map(slope));
+            if watched && matches!(place, Place::Target(_)) {
                 self.switch();
             }
             return Ok(place);

@@ -10,6 +10,7 @@ mod build;
 mod call;
 mod compiler;
 mod cubic;
+mod degree;
 mod error;
 mod euler;
 mod impact;
@@ -27,6 +28,7 @@ mod tests;
 
 pub(crate) use breaks::time_breaks;
 pub use compiler::Compiler;
+pub(crate) use degree::Degree;
 pub(crate) use error::{EvalError, Fault};
 pub(crate) use input::{
     ElementIx, ForceComponent, ForceMeasure, MeasureKind, RateAxis, RateKind, RateMeasure, Sequence,

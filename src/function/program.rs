@@ -3,7 +3,10 @@ use std::sync::Arc;
 use super::interpolant::Interpolant;
 use super::intrinsic::{self, Binary, Unary};
 use super::step::{Shape, step};
-use super::switch::{Piece, Seen, Switched, abs_on, dim_on, extreme_on, part_of, sign_on, stop_on};
+use super::switch::{
+    Piece, Seen, Switched, abs_on, dim_on, extreme_on, modulo_on, part_of, sign_on, stop_on,
+    whole_on,
+};
 use super::{EvalError, Fault, Input, impact, series};
 
 /// A FUNCTION expression compiled to a flat list of steps over numbered slots.
@@ -78,17 +81,21 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    /// True for functions of several formulas, of which the arguments choose one.
-    pub(super) fn has_pieces(self) -> bool {
-        matches!(
-            self,
-            Self::Impact
-                | Self::Bistop
-                | Self::Max
-                | Self::Min
-                | Self::Unary(Unary::Abs, _)
-                | Self::Binary(Binary::Dim | Binary::Sign, _)
-        )
+    /// True for functions of several formulas of which the arguments choose one, but for those that change it at times known beforehand. The
+    /// slopes are those of arguments that are linear in the time.
+    pub(super) fn is_watched(self, mut slopes: impl Iterator<Item = Option<f64>>) -> bool {
+        match self {
+            Self::Impact | Self::Bistop => true,
+            Self::Max
+            | Self::Min
+            | Self::Unary(Unary::Abs, _)
+            | Self::Binary(Binary::Dim | Binary::Sign, _) => slopes.any(|slope| slope.is_none()),
+            // A steady argument passes one piece after the other.
+            Self::Unary(Unary::Nearest | Unary::Truncate, _) | Self::Binary(Binary::Modulo, _) => {
+                slopes.any(|slope| slope != Some(0.0))
+            }
+            _ => false,
+        }
     }
 
     fn failed(self, fault: Fault) -> EvalError {
@@ -160,8 +167,8 @@ impl Program {
         self.branches
     }
 
-    /// How many steps a motion can be held on pieces of: those of IMPACT, BISTOP, and where not the time alone chooses, ABS, SIGN, DIM,
-    /// MAX, MIN and IF.
+    /// How many steps a motion can be held on pieces of: those of IMPACT, BISTOP, AINT, ANINT, MOD, and where not the time alone chooses, ABS,
+    /// SIGN, DIM, MAX, MIN and IF.
     pub(crate) fn switches(&self) -> usize {
         self.switches as usize
     }
@@ -415,7 +422,10 @@ fn held_on(kind: Kind, a: &[f64], held: Piece, by: &mut [f64]) -> Result<Switche
     Ok(match kind {
         Kind::Max => extreme_on(true, a, held, by),
         Kind::Min => extreme_on(false, a, held, by),
+        Kind::Unary(Unary::Nearest, _) => whole_on(true, a[0], held, by),
+        Kind::Unary(Unary::Truncate, _) => whole_on(false, a[0], held, by),
         Kind::Unary(..) => abs_on(a[0], held, by),
+        Kind::Binary(Binary::Modulo, _) => modulo_on(a[0], a[1], held, by),
         Kind::Binary(Binary::Dim, _) => dim_on(a[0], a[1], held, by),
         Kind::Binary(..) => sign_on(a[0], a[1], held, by),
         _ => return stop_on(a, held, by),

@@ -1,14 +1,14 @@
 //! Pieces of functions that are not smooth: on which one a motion is, and how far it is from the end of it.
 //!
 //! A step of an integrator is smooth only if every function stays on one formula in it. So a motion holds each IMPACT, BISTOP, ABS, SIGN,
-//! DIM, MAX, MIN and IF on the piece it began with, beyond its end too, and looks after each step whether that end was passed.
+//! DIM, MAX, MIN, AINT, ANINT, MOD and IF on the piece it began with, beyond its end too, and looks after each step whether that end was passed.
 
 use super::Fault;
 use super::impact::Stop;
 use super::intrinsic::extreme;
 
 /// The piece that a function is held on; none: that of its arguments.
-pub(crate) type Piece = Option<u8>;
+pub(crate) type Piece = Option<i64>;
 
 /// What was seen of a function that has pieces.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -34,12 +34,12 @@ pub(super) struct Switched {
 }
 
 /// IF: negative, zero, positive. ABS and DIM: negative, positive.
-const NEGATIVE: u8 = 0;
-const ZERO: u8 = 1;
-const POSITIVE: u8 = 2;
+const NEGATIVE: i64 = 0;
+const ZERO: i64 = 1;
+const POSITIVE: i64 = 2;
 
 /// The part of an IF: that of the sign of its test, or the one it is held on.
-pub(super) fn part_of(test: f64, held: Piece) -> (u8, Seen) {
+pub(super) fn part_of(test: f64, held: Piece) -> (i64, Seen) {
     let piece = match test {
         test if test < 0.0 => NEGATIVE,
         test if test > 0.0 => POSITIVE,
@@ -55,9 +55,9 @@ pub(super) fn part_of(test: f64, held: Piece) -> (u8, Seen) {
 }
 
 /// IMPACT and BISTOP: no contact, pressed against the lower stop, in it without a force (the damping would pull), the same of the upper.
-const APART: u8 = 0;
-const PRESSED: [u8; 2] = [1, 3];
-const LEAVING: [u8; 2] = [2, 4];
+const APART: i64 = 0;
+const PRESSED: [i64; 2] = [1, 3];
+const LEAVING: [i64; 2] = [2, 4];
 
 /// IMPACT(x, xdot, x1, k, e, cmax, d) or BISTOP(x, xdot, x1, x2, k, e, cmax, d) on the piece it is held on, with partial derivatives.
 ///
@@ -107,7 +107,7 @@ pub(super) fn stop_on(a: &[f64], held: Piece, by: &mut [f64]) -> Result<Switched
 }
 
 /// What is seen of a function held on a piece, of which `excess` is zero at the end.
-fn seen(piece: u8, held: Piece, excess: f64) -> Seen {
+fn seen(piece: i64, held: Piece, excess: f64) -> Seen {
     Seen {
         piece: Some(piece),
         excess: held.map_or(f64::NEG_INFINITY, |_| excess),
@@ -150,7 +150,7 @@ pub(super) fn dim_on(a: f64, b: f64, held: Piece, by: &mut [f64]) -> Switched {
 
 /// SIGN(a, b) on the piece it is held on. A piece is which of the two are negative: 1 for a, 2 for b.
 pub(super) fn sign_on(a: f64, b: f64, held: Piece, by: &mut [f64]) -> Switched {
-    let piece = u8::from(a < 0.0) + 2 * u8::from(b < 0.0);
+    let piece = i64::from(a < 0.0) + 2 * i64::from(b < 0.0);
     let on = held.unwrap_or(piece);
     let of_a = if on & 1 == 0 { 1.0 } else { -1.0 };
     let of_b = if on & 2 == 0 { 1.0 } else { -1.0 };
@@ -161,11 +161,48 @@ pub(super) fn sign_on(a: f64, b: f64, held: Piece, by: &mut [f64]) -> Switched {
     }
 }
 
+/// AINT(x), or ANINT(x), on the piece it is held on: a whole number.
+pub(super) fn whole_on(nearest: bool, x: f64, held: Piece, by: &mut [f64]) -> Switched {
+    let piece = if nearest { x.round() } else { x.trunc() } as i64;
+    let on = held.unwrap_or(piece);
+    by[0] = 0.0;
+    Switched {
+        value: on as f64,
+        seen: seen(piece, held, beyond_whole(nearest, x, on as f64)),
+    }
+}
+
+/// MOD(a, b) on the piece it is held on: the whole part of a/b.
+pub(super) fn modulo_on(a: f64, b: f64, held: Piece, by: &mut [f64]) -> Switched {
+    let quotient = a / b;
+    let piece = quotient.trunc() as i64;
+    let on = held.unwrap_or(piece);
+    let whole = on as f64;
+    by.copy_from_slice(&[1.0, -whole]);
+    Switched {
+        // Its own value has no round-off, and none where b is zero.
+        value: if on == piece { a % b } else { a - b * whole },
+        seen: seen(piece, held, beyond_whole(false, quotient, whole)),
+    }
+}
+
+/// How far x is beyond the numbers that a whole one stands for.
+fn beyond_whole(nearest: bool, x: f64, whole: f64) -> f64 {
+    let (below, above) = match (nearest, whole) {
+        (true, _) => (0.5, 0.5),
+        (false, whole) if whole > 0.0 => (0.0, 1.0),
+        (false, whole) if whole < 0.0 => (1.0, 0.0),
+        (false, _) => (1.0, 1.0),
+    };
+    let (lower, upper) = (whole - below, whole + above);
+    (lower - x - rounding(lower, x)).max(x - upper - rounding(upper, x))
+}
+
 /// MAX, or MIN, on the piece it is held on: which of its arguments it is.
 pub(super) fn extreme_on(largest: bool, a: &[f64], held: Piece, by: &mut [f64]) -> Switched {
     extreme(largest, a, by);
     let piece = by.iter().position(|partial| *partial != 0.0).unwrap_or(0);
-    let on = held.map_or(piece, usize::from);
+    let on = held.map_or(piece, |held| held as usize);
     by.fill(0.0);
     by[on] = 1.0;
     let others = a.iter().enumerate().filter(|(k, _)| *k != on);
@@ -180,7 +217,7 @@ pub(super) fn extreme_on(largest: bool, a: &[f64], held: Piece, by: &mut [f64]) 
     let excess = beyond.fold(f64::NEG_INFINITY, f64::max);
     Switched {
         value: a[on],
-        seen: seen(piece as u8, held, excess),
+        seen: seen(piece as i64, held, excess),
     }
 }
 

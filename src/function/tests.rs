@@ -177,6 +177,33 @@ fn near(text: &str, expected: f64) {
 }
 
 #[test]
+fn the_degree_in_some_inputs_is_that_of_the_text() {
+    use super::Degree::{self, Higher, Linear, Nothing};
+    for (text, expected) in [
+        ("TIME", Nothing),
+        ("VARVAL(1)", Linear),
+        ("3", Nothing),
+        ("2*VARVAL(1)/(1+TIME)-SIN(VARVAL(3))*(VARVAL(2)+1)", Linear),
+        ("-(VARVAL(1)-VARVAL(2))*TIME**2", Linear),
+        ("IF(TIME-1:VARVAL(1),2*VARVAL(2),3)", Linear),
+        ("IF(TIME-1:0,VARVAL(1)**2,3)", Higher),
+        ("IF(VARVAL(1):0,0,1)", Higher),
+        ("VARVAL(1)*VARVAL(2)", Higher),
+        ("TIME/VARVAL(1)", Higher),
+        ("ABS(VARVAL(1))", Higher),
+        ("MAX(TIME,VARVAL(3))", Nothing),
+        ("STEP(TIME,0,0,1,VARVAL(1))", Higher),
+    ] {
+        let case = compile(text);
+        let of = |input: &Input| match input {
+            Input::Variable(0 | 1) => Degree::Linear,
+            _ => Degree::Nothing,
+        };
+        assert_eq!(case.program.degree(of), expected, "{text}");
+    }
+}
+
+#[test]
 fn operators_are_those_of_fortran() {
     near("-2**2", -4.0);
     near("2**3**2", 512.0);

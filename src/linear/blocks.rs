@@ -18,22 +18,22 @@ pub(super) struct Blocks {
 
 /// An elimination written down step by step: values and their columns or rows, as of [`Step::at`], and where the products go.
 pub(super) struct Written<'a> {
+    /// With [`Step::below`] counted from the first of all L.
     pub steps: &'a [Step],
-    /// (value, column or row) of pivot, U and L of all steps.
-    pub order: &'a mut [(u32, u32)],
+    /// (value, column) of pivot and U of all steps, (value, row) of L.
+    pub across: &'a mut [(u32, u32)],
+    pub down: &'a mut [(u32, u32)],
     /// For every step, row by row of L.
     pub targets: &'a [u32],
 }
 
 impl Written<'_> {
     fn upper(&self, step: &Step) -> &[(u32, u32)] {
-        let at = step.at as usize + 1;
-        &self.order[at..at + step.upper as usize]
+        &self.across[step.across()]
     }
 
     fn lower(&self, step: &Step) -> &[(u32, u32)] {
-        let at = step.at as usize + 1 + step.upper as usize;
-        &self.order[at..at + step.lower as usize]
+        &self.down[step.down()]
     }
 
     /// True if a step has what the next one has, and that one's pivot.
@@ -114,10 +114,12 @@ impl Written<'_> {
                 targets.extend(moved.map(|column| self.targets[begin + *column as usize]));
             }
             from += width * step.lower as usize;
-            let at = step.at as usize + 1;
-            for (begin, moved) in [(at, across), (at + width, down)] {
-                let before: Vec<(u32, u32)> = self.order[begin..begin + moved.len()].to_vec();
-                for (to, old) in self.order[begin..].iter_mut().zip(moved) {
+            for (order, moved) in [
+                (&mut self.across[step.across()], across),
+                (&mut self.down[step.down()], down),
+            ] {
+                let before = order.to_vec();
+                for (to, old) in order.iter_mut().zip(moved) {
                     *to = before[old as usize];
                 }
             }
@@ -159,15 +161,14 @@ impl Blocks {
             let (steps, later) = left.split_at(*size as usize);
             left = later;
             for (at, step) in steps.iter().enumerate() {
-                let (from, upper) = (step.at as usize, step.upper as usize);
-                let lower = from + 1 + upper;
+                let (upper, lower) = (step.upper as usize, step.below as usize);
                 // Blocks are of factors that only steps of an iteration come from.
                 if !step.holds(values, index, scales, true) {
                     return false;
                 }
-                let inverse = values[from].inverse();
+                let inverse = values[step.at as usize].inverse();
                 row.clear();
-                row.extend_from_slice(&values[from + 1..lower]);
+                row.extend_from_slice(&values[step.across()]);
                 let inside = steps.len() - 1 - at;
                 for k in 0..step.lower as usize {
                     let multiplier = values[lower + k] * inverse;
@@ -195,13 +196,11 @@ impl Blocks {
                 row.extend(now.iter().map(|target| values[*target as usize]));
                 for (at, step) in steps.iter().enumerate() {
                     let inside = steps.len() - 1 - at;
-                    let upper = step.at as usize + 1;
-                    let lower = upper + step.upper as usize;
-                    let multiplier = values[lower + inside + k];
+                    let multiplier = values[step.below as usize + inside + k];
                     if multiplier == T::default() {
                         continue;
                     }
-                    let factors = &values[upper + inside..lower];
+                    let factors = &values[step.across()][inside..];
                     for (sum, &factor) in row.iter_mut().zip(factors) {
                         *sum -= multiplier * factor;
                     }

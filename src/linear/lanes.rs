@@ -4,14 +4,17 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 use super::scalar::Scalar;
 
-/// How many.
-pub(crate) const WIDTH: usize = 8;
+/// One number of each of N right sides.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(crate) struct Lanes<const N: usize>(pub [f64; N]);
 
-/// One number of each of [`WIDTH`] right sides.
-#[derive(Clone, Copy, PartialEq, Debug, Default)]
-pub(crate) struct Lanes(pub [f64; WIDTH]);
+impl<const N: usize> Default for Lanes<N> {
+    fn default() -> Self {
+        Self([0.0; N])
+    }
+}
 
-impl Lanes {
+impl<const N: usize> Lanes<N> {
     #[inline]
     fn with(mut self, other: &Self, operation: impl Fn(&mut f64, f64)) -> Self {
         for (own, other) in self.0.iter_mut().zip(&other.0) {
@@ -27,7 +30,7 @@ impl Lanes {
     }
 }
 
-impl Add for Lanes {
+impl<const N: usize> Add for Lanes<N> {
     type Output = Self;
 
     #[inline]
@@ -36,7 +39,7 @@ impl Add for Lanes {
     }
 }
 
-impl Sub for Lanes {
+impl<const N: usize> Sub for Lanes<N> {
     type Output = Self;
 
     #[inline]
@@ -45,7 +48,7 @@ impl Sub for Lanes {
     }
 }
 
-impl Mul for Lanes {
+impl<const N: usize> Mul for Lanes<N> {
     type Output = Self;
 
     #[inline]
@@ -54,7 +57,7 @@ impl Mul for Lanes {
     }
 }
 
-impl Div for Lanes {
+impl<const N: usize> Div for Lanes<N> {
     type Output = Self;
 
     #[inline]
@@ -63,7 +66,7 @@ impl Div for Lanes {
     }
 }
 
-impl Mul<f64> for Lanes {
+impl<const N: usize> Mul<f64> for Lanes<N> {
     type Output = Self;
 
     #[inline]
@@ -72,7 +75,7 @@ impl Mul<f64> for Lanes {
     }
 }
 
-impl Div<f64> for Lanes {
+impl<const N: usize> Div<f64> for Lanes<N> {
     type Output = Self;
 
     #[inline]
@@ -81,7 +84,7 @@ impl Div<f64> for Lanes {
     }
 }
 
-impl Neg for Lanes {
+impl<const N: usize> Neg for Lanes<N> {
     type Output = Self;
 
     #[inline]
@@ -90,22 +93,22 @@ impl Neg for Lanes {
     }
 }
 
-impl AddAssign for Lanes {
+impl<const N: usize> AddAssign for Lanes<N> {
     #[inline]
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
     }
 }
 
-impl SubAssign for Lanes {
+impl<const N: usize> SubAssign for Lanes<N> {
     #[inline]
     fn sub_assign(&mut self, other: Self) {
         *self = *self - other;
     }
 }
 
-impl Scalar for Lanes {
-    const ONE: Self = Self([1.0; WIDTH]);
+impl<const N: usize> Scalar for Lanes<N> {
+    const ONE: Self = Self([1.0; N]);
 
     fn size(self) -> f64 {
         self.0.iter().fold(0.0, |most: f64, x| {
@@ -122,6 +125,6 @@ impl Scalar for Lanes {
     }
 
     fn of(real: f64) -> Self {
-        Self([real; WIDTH])
+        Self([real; N])
     }
 }

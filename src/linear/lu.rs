@@ -13,12 +13,15 @@ use std::ops::{Div, Mul};
 
 use super::blocks::Blocks;
 use super::entries::Entries;
-use super::lanes::{Lanes, WIDTH};
+use super::lanes::Lanes;
 use super::matrix::Matrix;
 use super::ordering::columns_of;
 use super::pivoting::{Eliminated, eliminated};
 use super::scalar::Scalar;
 use super::step::Step;
+
+/// How many right sides are solved for side by side.
+const WIDTH: usize = 8;
 
 /// Sparse LU factors, of real numbers or of complex ones.
 #[derive(Clone, Debug, Default)]
@@ -130,17 +133,14 @@ impl<T: Scalar> Lu<T> {
         }
         let mut targets = self.targets.as_slice();
         for step in &self.steps {
-            let at = step.at as usize;
-            let upper = step.upper as usize;
-            let lower = at + 1 + upper;
             if !step.holds(&self.values, &self.index, scales, self.for_steps) {
                 return false;
             }
-            let inverse = self.values[at].inverse();
+            let inverse = self.values[step.at as usize].inverse();
             self.row.clear();
-            self.row.extend_from_slice(&self.values[at + 1..lower]);
-            for k in lower..lower + step.lower as usize {
-                let (now, later) = targets.split_at(upper);
+            self.row.extend_from_slice(&self.values[step.across()]);
+            for k in step.down() {
+                let (now, later) = targets.split_at(step.upper as usize);
                 targets = later;
                 let multiplier = self.values[k] * inverse;
                 self.values[k] = multiplier;
@@ -166,11 +166,11 @@ impl<T: Scalar> Lu<T> {
     /// The same for many right sides, one after the other in `all`: what one alone would have, to the bit.
     pub(crate) fn solve_many(&self, all: &mut [Vec<f64>])
     where
-        Lanes: Mul<T, Output = Lanes> + Div<T, Output = Lanes>,
+        Lanes<WIDTH>: Mul<T, Output = Lanes<WIDTH>> + Div<T, Output = Lanes<WIDTH>>,
     {
         let (mut b, mut x) = (
-            vec![Lanes::default(); self.n],
-            vec![Lanes::default(); self.n],
+            vec![Lanes::<WIDTH>::default(); self.n],
+            vec![Lanes::<WIDTH>::default(); self.n],
         );
         for some in all.chunks_mut(WIDTH) {
             b.fill(Lanes::default());
@@ -198,9 +198,8 @@ impl<T: Scalar> Lu<T> {
             if value == R::default() {
                 continue;
             }
-            let from = step.at as usize + 1 + step.upper as usize;
-            let to = from + step.lower as usize;
-            for (&row, &multiplier) in self.index[from..to].iter().zip(&self.values[from..to]) {
+            let down = step.down();
+            for (&row, &multiplier) in self.index[down.clone()].iter().zip(&self.values[down]) {
                 b[row as usize] -= value * multiplier;
             }
         }
@@ -208,13 +207,12 @@ impl<T: Scalar> Lu<T> {
             x[column as usize] = R::default();
         }
         for step in self.steps.iter().rev() {
-            let at = step.at as usize;
-            let to = at + 1 + step.upper as usize;
+            let across = step.across();
             let mut value = b[step.row as usize];
-            for (&column, &factor) in self.index[at + 1..to].iter().zip(&self.values[at + 1..to]) {
+            for (&column, &factor) in self.index[across.clone()].iter().zip(&self.values[across]) {
                 value -= x[column as usize] * factor;
             }
-            x[step.column as usize] = value / self.values[at];
+            x[step.column as usize] = value / self.values[step.at as usize];
         }
     }
 
@@ -226,22 +224,20 @@ impl<T: Scalar> Lu<T> {
             y[row as usize] = T::default();
         }
         for step in &self.steps {
-            let at = step.at as usize;
-            let to = at + 1 + step.upper as usize;
-            let value = b[step.column as usize] / self.values[at];
+            let value = b[step.column as usize] / self.values[step.at as usize];
             y[step.row as usize] = value;
             if value == T::default() {
                 continue;
             }
-            for (&column, &factor) in self.index[at + 1..to].iter().zip(&self.values[at + 1..to]) {
+            let across = step.across();
+            for (&column, &factor) in self.index[across.clone()].iter().zip(&self.values[across]) {
                 b[column as usize] -= factor * value;
             }
         }
         for step in self.steps.iter().rev() {
-            let from = step.at as usize + 1 + step.upper as usize;
-            let to = from + step.lower as usize;
+            let down = step.down();
             let mut value = y[step.row as usize];
-            for (&row, &multiplier) in self.index[from..to].iter().zip(&self.values[from..to]) {
+            for (&row, &multiplier) in self.index[down.clone()].iter().zip(&self.values[down]) {
                 value -= multiplier * y[row as usize];
             }
             y[step.row as usize] = value;
@@ -259,13 +255,12 @@ impl<T: Scalar> Lu<T> {
         let mut x = vec![T::default(); self.n];
         x[self.free[m] as usize] = T::ONE;
         for step in self.steps.iter().rev() {
-            let at = step.at as usize;
-            let to = at + 1 + step.upper as usize;
+            let across = step.across();
             let mut value = T::default();
-            for (&column, &factor) in self.index[at + 1..to].iter().zip(&self.values[at + 1..to]) {
+            for (&column, &factor) in self.index[across.clone()].iter().zip(&self.values[across]) {
                 value -= factor * x[column as usize];
             }
-            x[step.column as usize] = value / self.values[at];
+            x[step.column as usize] = value / self.values[step.at as usize];
         }
         x
     }

@@ -17,6 +17,7 @@ mod step;
 
 pub(crate) use dependent::dependent_columns;
 pub(crate) use entries::Entries;
+pub(crate) use lanes::Lanes;
 pub(crate) use levels::Levels;
 pub(crate) use lu::Lu;
 pub(crate) use matrix::Matrix;

@@ -52,8 +52,9 @@ struct Elimination<'a, T> {
     row_scale: &'a [f64],
     column_scale: &'a [f64],
     steps: Vec<Step>,
-    /// Value indices of pivot, U and L of all steps; columns or rows beside them.
-    order: Vec<(u32, u32)>,
+    /// Value indices of pivot and U of all steps, columns beside them; of L, rows beside them.
+    across: Vec<(u32, u32)>,
+    down: Vec<(u32, u32)>,
     targets: Vec<u32>,
     free: Vec<u32>,
 }
@@ -85,7 +86,8 @@ pub(super) fn eliminated<T: Scalar>(
         row_scale: &row_scale,
         column_scale: &column_scale,
         steps: Vec::with_capacity(n),
-        order: Vec::new(),
+        across: Vec::new(),
+        down: Vec::new(),
         targets: Vec::new(),
         free: Vec::new(),
     };
@@ -101,8 +103,9 @@ pub(super) fn eliminated<T: Scalar>(
     }
     let Elimination {
         values,
-        steps,
-        mut order,
+        mut steps,
+        across: mut order,
+        mut down,
         mut targets,
         mut free,
         ..
@@ -112,12 +115,17 @@ pub(super) fn eliminated<T: Scalar>(
     if in_blocks {
         let mut written = Written {
             steps: &steps,
-            order: &mut order,
+            across: &mut order,
+            down: &mut down,
             targets: &targets,
         };
         blocks = written.blocks(n);
         targets = Vec::new();
     }
+    for step in &mut steps {
+        step.below += order.len() as u32;
+    }
+    order.extend(down);
     // Values move to where a step finds its own side by side; what no step owns is dropped at the end.
     let mut moved = vec![NOWHERE; values.len()];
     for (new, (old, _)) in order.iter().enumerate() {
@@ -249,14 +257,15 @@ impl<T: Scalar> Elimination<'_, T> {
         self.steps.push(Step {
             row,
             column,
-            at: self.order.len() as u32,
+            at: self.across.len() as u32,
             upper: upper.len() as u32,
+            below: self.down.len() as u32,
             lower: lower.len() as u32,
             size: size.size(),
         });
-        self.order.push((pivot, column));
+        self.across.push((pivot, column));
         for &(other, value) in &upper {
-            self.order.push((value, other));
+            self.across.push((value, other));
             let rows = &mut self.columns[other as usize];
             let at = rows
                 .iter()
@@ -270,7 +279,7 @@ impl<T: Scalar> Elimination<'_, T> {
                 .position(|entry| entry.0 == column)
                 .expect("columns list the rows of their entries");
             self.rows[other as usize].swap_remove(at);
-            self.order.push((value, other));
+            self.down.push((value, other));
             let multiplier = self.values[value as usize] / size;
             self.values[value as usize] = multiplier;
             for &(c, v) in &self.rows[other as usize] {

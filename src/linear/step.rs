@@ -1,5 +1,7 @@
 //! A step of an elimination, and whether its pivot still serves.
 
+use std::ops::Range;
+
 use super::scalar::Scalar;
 
 /// A pivot may shrink by this against the one it was when the order was chosen, whatever stands below it.
@@ -11,20 +13,37 @@ const SMALL: f64 = 1e-8;
 const GROWTH: f64 = 1e3;
 const GROWTH_OF_STEPS: f64 = 1e7;
 
-/// One step of the elimination. Its pivot, row of U and column of L stand one after the other in the values.
+/// One step of the elimination. Its pivot and row of U stand one after the other in the values, its column of L with those of the others
+/// behind: what goes forwards through a large system reads nothing of U, what goes backwards nothing of L.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step {
     pub row: u32,
     pub column: u32,
-    /// Place of the pivot; U follows, then L.
+    /// Place of the pivot; U follows.
     pub at: u32,
     pub upper: u32,
+    /// Place of L.
+    pub below: u32,
     pub lower: u32,
     /// Size of the pivot when it was chosen.
     pub size: f64,
 }
 
 impl Step {
+    /// Where its row of U stands, without the pivot.
+    #[inline]
+    pub(super) fn across(&self) -> Range<usize> {
+        let from = self.at as usize + 1;
+        from..from + self.upper as usize
+    }
+
+    /// Where its column of L stands.
+    #[inline]
+    pub(super) fn down(&self) -> Range<usize> {
+        let from = self.below as usize;
+        from..from + self.lower as usize
+    }
+
     /// Whether the pivot has not shrunk, or still is large enough against what stands below it.
     pub(super) fn holds<T: Scalar>(
         &self,
@@ -41,11 +60,7 @@ impl Step {
         let scaled = |at: usize, row: u32| values[at].size() * row_scale[row as usize];
         let pivot = scaled(at, self.row);
         let growth = if for_steps { GROWTH_OF_STEPS } else { GROWTH };
-        let lower = at + 1 + self.upper as usize;
-        let below = lower..lower + self.lower as usize;
         pivot * column_scale[self.column as usize] >= SMALL * GROWTH / growth
-            && below
-                .into_iter()
-                .all(|k| scaled(k, index[k]) <= growth * pivot)
+            && self.down().all(|k| scaled(k, index[k]) <= growth * pivot)
     }
 }

@@ -1,7 +1,7 @@
 //! Initial conditions: positions, velocities, then accelerations and forces that satisfy the constraints, as near to the data as they can be.
 
 use super::bordered::plain_weight;
-use super::consistent::Consistent;
+use super::consistent::{Consistent, difference, largest_speed};
 use super::error::{MotionError, Reason};
 use crate::mechanics::{Mat3, Mat6, Pose, Vec3, Vec6, psi_theta_phi, skew};
 use crate::system::{Parameters, Rates, State, System};
@@ -10,6 +10,8 @@ use crate::system::{Parameters, Rates, State, System};
 const STATED: f64 = 1e8;
 /// Passes in which what may adapt follows what is stated, so that it pulls at it no longer.
 const PASSES: usize = 3;
+/// Positions that move by less, in lengths of the model and radians, have not moved.
+const ROUND_OFF: f64 = 1e-11;
 /// Rates of violation beyond this, in lengths of the model per time, are a conflict.
 const CONFLICT: f64 = 1e-6;
 
@@ -81,11 +83,21 @@ fn attempt(
             Some((&anchors, &|part| weights[part])),
         )
         .map_err(at_the_start)?;
-    // The rank is that of the assembled positions.
-    memory.find_redundant(system, parameters, state)?;
+    // The rank is that of the assembled positions, which a deck most often has from the beginning.
+    let moved = anchors.iter().zip(&state.poses).any(|(from, pose)| {
+        let apart = difference(pose, from);
+        let (place, turn) = (
+            apart.fixed_rows::<3>(0).amax(),
+            apart.fixed_rows::<3>(3).amax(),
+        );
+        !(place <= ROUND_OFF * system.length && turn <= ROUND_OFF)
+    });
+    if moved {
+        memory.find_redundant(system, parameters, state)?;
+    }
     memory.positions(system, parameters, state, None)?;
     memory
-        .check_removed(system, parameters, state)
+        .check_removed(system, parameters, state, |k| !system.of_velocities[k])
         .map_err(at_the_start)?;
     system.accept(parameters, state, &mut memory.scratch);
     system.settle_variables(parameters, state, &mut memory.scratch)?;
@@ -157,11 +169,7 @@ fn velocities(
         }
     }
     let (equation, violation) = memory.worst_rate(system, state);
-    let scale = state
-        .velocities
-        .iter()
-        .map(|v| v.linear.norm().max(v.angular.norm() * system.length))
-        .fold(system.length, f64::max);
+    let scale = largest_speed(system, state);
     if violation > CONFLICT * scale {
         return Err(Reason::VelocityConflict {
             equation: system.constraint_equation_name(equation).to_string(),

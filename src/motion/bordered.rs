@@ -4,7 +4,7 @@ use std::ops::{Div, Mul};
 
 use crate::linear::{Lu, Matrix, Scalar, Sink};
 use crate::mechanics::Mat6;
-use crate::system::{Rows, State, System};
+use crate::system::{Rows, System};
 
 /// Factors of a projection.
 #[derive(Clone, Debug)]
@@ -24,12 +24,12 @@ impl Bordered {
         }
     }
 
-    /// Factors the system; removed equations keep their multiplier at zero.
+    /// Factors the system; equations that take no part keep their multiplier at zero.
     pub(crate) fn factor(
         &mut self,
         system: &System,
-        state: &State,
         rows: &Rows,
+        takes_part: impl Fn(usize) -> bool,
         weight: impl Fn(usize) -> Mat6,
     ) {
         self.matrix.clear();
@@ -42,11 +42,12 @@ impl Bordered {
             }
         }
         for k in 0..system.equations {
-            let out = state.redundant.get(k) == Some(&true) || !system.equation_is_active(k);
             let row = self.bodies + k;
-            self.matrix.add(row, row, f64::from(u8::from(out)));
+            let out = f64::from(u8::from(!takes_part(k)));
+            self.matrix.add(row, row, out);
         }
         for &(row, column, value) in &rows.entries {
+            let value = if takes_part(row as usize) { value } else { 0.0 };
             let row = self.bodies + row as usize;
             self.matrix.add(row, column as usize, value);
             self.matrix.add(column as usize, row, value);
@@ -60,14 +61,12 @@ impl Bordered {
         self.factors.solve(b);
     }
 
-    /// The same for numbers of another kind.
-    pub(crate) fn solve_into<T>(&self, b: &mut [T])
+    /// The same for numbers of another kind, with the solution in `x`; what is in `b` is used up.
+    pub(crate) fn solve_into<T>(&self, b: &mut [T], x: &mut [T])
     where
         T: Scalar + Mul<f64, Output = T> + Div<f64, Output = T>,
     {
-        let mut x = vec![T::default(); b.len()];
-        self.factors.solve_into(b, &mut x);
-        b.copy_from_slice(&x);
+        self.factors.solve_into(b, x);
     }
 }
 

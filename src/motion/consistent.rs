@@ -105,6 +105,7 @@ impl Consistent {
                 return Ok(());
             }
             self.border.fill(0.0);
+            let holds = |k: usize| system.holds_places(state, k);
             if let Some((poses, weight)) = anchors {
                 for (part, body) in system.bodies.iter().enumerate() {
                     let apart = difference(&state.poses[part], &poses[part]);
@@ -113,9 +114,9 @@ impl Consistent {
                         self.border[body.first + k] = -pull[k];
                     }
                 }
-                self.bordered.factor(system, state, &self.rows, weight);
+                self.bordered.factor(system, &self.rows, holds, weight);
             } else {
-                self.bordered.factor(system, state, &self.rows, |_| plain);
+                self.bordered.factor(system, &self.rows, holds, |_| plain);
             }
             for k in 0..system.equations {
                 self.border[n + k] = -self.g[n + k];
@@ -156,13 +157,12 @@ impl Consistent {
         })
     }
 
-    /// The equation that is violated most, of those that take part.
+    /// The equation that is violated most, of those that hold places.
     fn worst(&self, system: &System, state: &State) -> (usize, f64) {
         let mut worst = (0, 0.0);
         for k in 0..system.equations {
             let violation = self.g[system.first_equation + k].abs();
-            let counts = state.redundant.get(k) != Some(&true) && system.equation_is_active(k);
-            if counts && !(violation <= worst.1) {
+            if system.holds_places(state, k) && !(violation <= worst.1) {
                 worst = (k, violation);
             }
         }
@@ -185,7 +185,8 @@ impl Consistent {
             scratch, g, rows, ..
         } = self;
         system.constraints_and_rows(parameters, state, scratch, g, rows)?;
-        self.bordered.factor(system, state, &self.rows, weight);
+        let takes_part = |k: usize| system.takes_part(state, k);
+        self.bordered.factor(system, &self.rows, takes_part, weight);
         // Twice: what the first solution leaves is round-off of its own size.
         for _ in 0..2 {
             self.border.fill(0.0);
@@ -193,8 +194,8 @@ impl Consistent {
             let mut rates = self.rows.time.clone();
             self.rows.times(&self.v, &mut rates);
             for k in 0..system.equations {
-                let out = state.redundant.get(k) == Some(&true) || !system.equation_is_active(k);
-                self.border[n + k] = if out { 0.0 } else { -rates[k] };
+                let takes_part = system.takes_part(state, k);
+                self.border[n + k] = if takes_part { -rates[k] } else { 0.0 };
             }
             self.bordered.solve(&mut self.border);
             for (v, change) in self.v.iter_mut().zip(&self.border[..n]) {
@@ -211,7 +212,7 @@ impl Consistent {
         let mut rates = self.rows.time.clone();
         self.rows.times(&self.v, &mut rates);
         let all = rates.iter().enumerate();
-        all.filter(|(k, _)| state.redundant.get(*k) != Some(&true) && system.equation_is_active(*k))
+        all.filter(|(k, _)| system.takes_part(state, *k))
             .fold((0, 0.0), |worst, (k, rate)| {
                 if rate.abs() <= worst.1 {
                     worst
@@ -250,7 +251,10 @@ impl Consistent {
             self.levels.finish();
             let matrix = self.levels.combined(&mut self.values, |row, column| {
                 if equations.contains(&row) {
-                    if column < system.first_variable {
+                    let of_velocities = system.of_velocities[row - n];
+                    if column < n && of_velocities {
+                        [0.0, 1.0, 0.0]
+                    } else if column < system.first_variable {
                         [1.0, 0.0, 0.0]
                     } else {
                         [0.0; 3]
@@ -266,14 +270,15 @@ impl Consistent {
             self.factors.factor_entries(&matrix);
             system.gathered(&state.accelerations, &mut self.v);
             for k in 0..system.equations {
-                let out = state.redundant.get(k) == Some(&true) || !system.equation_is_active(k);
-                if !out {
+                if system.takes_part(state, k) {
                     self.g[n + k] = self.gamma[k];
                 }
             }
-            for (row, column, [gradient, _, _]) in self.levels.entries() {
+            for (row, column, [by_place, by_rate, _]) in self.levels.entries() {
                 if equations.contains(&row) && column < n {
-                    self.g[row] += gradient * self.v[column];
+                    let of_velocities = system.of_velocities[row - n];
+                    let by = if of_velocities { by_rate } else { by_place };
+                    self.g[row] += by * self.v[column];
                 }
             }
             for (dx, g) in self.dx.iter_mut().zip(&self.g) {
@@ -337,22 +342,29 @@ impl Consistent {
         self.positions(system, parameters, state, None)?;
         self.velocities(system, parameters, state, &|_| plain)?;
         self.accelerations(system, parameters, state, step)?;
-        self.check_removed(system, parameters, state)
+        self.check_removed(system, parameters, state, |_| true)
     }
 
-    /// Equations that were taken out must hold all the same.
+    /// Those equations that were taken out and are looked at must hold all the same.
     pub(super) fn check_removed(
         &mut self,
         system: &System,
         parameters: &Parameters,
         state: &State,
+        looked_at: impl Fn(usize) -> bool,
     ) -> Result<(), Reason> {
         if !self.look_at_removed(system, parameters, state)? {
             return Ok(());
         }
-        for (k, _) in state.redundant.iter().enumerate().filter(|(_, out)| **out) {
+        let out = |k: &usize| state.redundant[*k] && looked_at(*k);
+        for k in (0..state.redundant.len()).filter(out) {
             let violation = self.g[system.first_equation + k].abs();
-            if violation > REMOVED * system.length.max(1.0) {
+            let size = if system.of_velocities[k] {
+                largest_speed(system, state)
+            } else {
+                system.length
+            };
+            if violation > REMOVED * size.max(1.0) {
                 return Err(Reason::RedundantViolated {
                     equation: system.constraint_equation_name(k).to_string(),
                     violation,
@@ -404,6 +416,13 @@ impl Consistent {
         system.constraints_and_rows(parameters, &whole, scratch, g, rows)?;
         Ok(true)
     }
+}
+
+/// The largest velocity, rotations times the length of the model; at least one length per time.
+pub(super) fn largest_speed(system: &System, state: &State) -> f64 {
+    let speeds = state.velocities.iter();
+    let speeds = speeds.map(|v| v.linear.norm().max(v.angular.norm() * system.length));
+    speeds.fold(system.length, f64::max)
 }
 
 /// How far a pose is from another: translation, and rotation vector.

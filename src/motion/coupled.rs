@@ -14,7 +14,7 @@
 //! ```
 
 use super::bordered::plain_weight;
-use super::newton::{Equations, Unknowns, add, turns};
+use super::newton::{Equations, Unknowns, turns};
 use crate::linear::{Levels, Lu, Matrix, Sink, by_groups};
 use crate::mechanics::{Mat3, Vec3};
 use crate::system::{NoValue, Parameters, Rows, State, System};
@@ -95,7 +95,7 @@ impl Coupled {
                 if by_k {
                     put(y(i, row), y(i, column), k);
                 }
-                if constraints.contains(&row) {
+                if constraints.contains(&row) && !system.of_velocities[row - n] {
                     continue;
                 }
                 let of_a_body = column < n;
@@ -135,6 +135,11 @@ impl Coupled {
             };
             for &(row, column, value) in &rows.entries {
                 let (row, column) = (row as usize, column as usize);
+                let value = if system.holds_places(start, row) {
+                    value
+                } else {
+                    0.0
+                };
                 put(mu(i, row), w(i, column), value);
                 let part = body_of(column);
                 let first = system.bodies[part].first;
@@ -153,7 +158,7 @@ impl Coupled {
                 }
             }
             for k in 0..count {
-                let out = start.redundant.get(k) == Some(&true) || !system.equation_is_active(k);
+                let out = !system.holds_places(start, k);
                 put(mu(i, k), mu(i, k), f64::from(u8::from(out)));
             }
         }
@@ -164,15 +169,14 @@ impl Coupled {
         Ok(())
     }
 
-    /// One iteration with the factors there are; gives the correction for its size.
-    pub(crate) fn iterate(
+    /// Corrections from the residuals of the stages, with the factors there are.
+    pub(crate) fn correct(
         &mut self,
-        equations: &mut Equations,
-        (system, parameters): (&System, &Parameters),
-        (start, h): (&State, f64),
-        unknowns: &mut Unknowns,
-    ) -> Result<Unknowns, NoValue> {
-        equations.stage_residuals(system, parameters, start, h, unknowns)?;
+        equations: &Equations,
+        system: &System,
+        unknowns: &Unknowns,
+        change: &mut Unknowns,
+    ) {
         let (n, all, count) = (
             system.first_equation,
             system.moving_unknowns,
@@ -194,7 +198,6 @@ impl Coupled {
             }
         }
         factors.solve(&mut b);
-        let mut change = Unknowns::new(system);
         for i in 0..3 {
             change.z[i].copy_from_slice(&b[y(i, 0)..y(i, all)]);
             change.w[i].copy_from_slice(&b[w(i, 0)..w(i, n)]);
@@ -208,10 +211,6 @@ impl Coupled {
                 let turned = turns[i][part] * Vec3::new(z[0], z[1], z[2]);
                 z.copy_from_slice(turned.as_slice());
             }
-            add(&mut unknowns.z[i], &change.z[i]);
-            add(&mut unknowns.w[i], &change.w[i]);
-            add(&mut unknowns.mu[i], &change.mu[i]);
         }
-        Ok(change)
     }
 }

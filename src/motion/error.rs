@@ -85,6 +85,14 @@ pub enum Reason {
         /// How many.
         freedoms: usize,
     },
+    /// A constraint of velocities takes a freedom: its place follows from no constraint.
+    #[error(
+        "{equation} holds velocities: the positions follow from an integration alone, as DYNAMIC and TRANSIENT make it"
+    )]
+    HeldVelocities {
+        /// The constraint.
+        equation: String,
+    },
     /// Positions could not be found.
     #[error("no positions satisfy the constraints: {equation} is violated by {violation:.3e}")]
     NoPosition {

@@ -27,7 +27,7 @@ impl Integrator<'_> {
             rates[at] = self.state.state_rates[k] + sum(&unknowns.z, at);
         }
         let g = self.equations.inertia_of(system, &a, &rates);
-        let first = self.equations.filtered(system, &self.state, h, (&r1, &g));
+        let first = self.equations.filtered(system, &self.state, h, (r1, g));
         let found = self.measured(&first.z, &first.w, false);
         let start = self.anew || self.within || again;
         if found.0 < 1.0 || !start {
@@ -59,7 +59,7 @@ impl Integrator<'_> {
         let r1: Vec<f64> = (0..n)
             .map(|k| -(v[k] + first.w[k] + sum(&unknowns.z, k)))
             .collect();
-        let second = self.equations.filtered(system, &self.state, h, (&r1, &g));
+        let second = self.equations.filtered(system, &self.state, h, (r1, g));
         let found = self.measured(&second.z, &second.w, false);
         self.worst = format!("the error is that of {}", self.told(found));
         Ok(found.0.max(1e-10))

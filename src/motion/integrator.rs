@@ -46,6 +46,8 @@ pub struct Integrator<'a> {
     pub(super) coupled: Option<Box<Coupled>>,
     pub(super) consistent: Consistent,
     pub(super) unknowns: Unknowns,
+    /// The corrections of an iteration.
+    pub(super) change: Unknowns,
     /// The unknowns of the last step: what the next one begins with.
     pub(super) polynomial: Unknowns,
     pub(super) sizes: Sizes,
@@ -91,6 +93,7 @@ impl<'a> Integrator<'a> {
             coupled: None,
             consistent: Consistent::new(system),
             unknowns: Unknowns::new(system),
+            change: Unknowns::new(system),
             polynomial: Unknowns::new(system),
             sizes: Sizes::new(system),
             sizes_before: Sizes::new(system),
@@ -332,7 +335,7 @@ impl<'a> Integrator<'a> {
     }
 
     /// Derivatives and factors for a step.
-    fn prepare(&mut self, h: f64) -> Result<(), Reason> {
+    pub(super) fn prepare(&mut self, h: f64) -> Result<(), Reason> {
         if self.factored.is_some_and(|f| (h / f - 1.0).abs() < SAME) {
             return Ok(());
         }
@@ -351,7 +354,7 @@ impl<'a> Integrator<'a> {
     }
 
     /// Begins the iteration with the polynomial of the last step.
-    fn predict(&mut self, h: f64) {
+    pub(super) fn predict(&mut self, h: f64) {
         let (system, n) = (self.system, self.system.first_equation);
         let old = &self.polynomial;
         for stage in &mut self.unknowns.mu {

@@ -4,8 +4,8 @@ use super::coupled::Coupled;
 use super::derivatives::Derivatives;
 use super::error::NotSettled;
 use super::integrator::Integrator;
-use super::newton::Unknowns;
 use super::sequence::Sequence;
+use crate::system::NoValue;
 
 /// The iteration ends when what is left is this share of the tolerance.
 const KAPPA: f64 = 1e-2;
@@ -24,46 +24,14 @@ impl Integrator<'_> {
         let mut before = 0.0;
         // Whether the derivatives of all stages are to be made anew.
         let mut renew = several;
-        let tolerance = self.tolerance();
         let limit = KAPPA * self.settings.corrector * (1.0 + self.settings.adaptivity / h);
         for iteration in 1..=self.settings.maxit {
-            let (equations, unknowns) = (&mut self.equations, &mut self.unknowns);
-            let (system, parameters, start) = (self.system, self.parameters, &self.state);
-            let (model, step) = ((system, parameters), (start, h));
-            let done = match derivatives {
-                Derivatives::Single => equations.iterate(system, parameters, start, h, unknowns),
-                Derivatives::Sequence => {
-                    let new = || Box::new(Sequence::new(system, equations));
-                    let sequence = self.sequence.get_or_insert_with(new);
-                    let factored = if renew {
-                        let weights = self.sizes.weights(system, tolerance);
-                        sequence.factor(equations, model, step, unknowns, weights)
-                    } else {
-                        Ok(())
-                    };
-                    factored.and_then(|()| sequence.iterate(equations, model, step, unknowns))
-                }
-                Derivatives::Kept | Derivatives::Renewed => {
-                    let coupled = &mut self.coupled;
-                    let coupled = coupled.get_or_insert_with(|| Box::new(Coupled::new(system)));
-                    let factored = if renew {
-                        coupled.factor(equations, model, step, unknowns)
-                    } else {
-                        Ok(())
-                    };
-                    factored.and_then(|()| coupled.iterate(equations, model, step, unknowns))
-                }
-            };
-            let change = match done {
-                Ok(change) => change,
-                Err(reason) => {
-                    return Err(NotSettled {
-                        why: reason.to_string(),
-                        no_value: true,
-                    });
-                }
-            };
-            let worst = self.worst_of(&change);
+            let worst = self
+                .corrected(h, derivatives, renew)
+                .map_err(|reason| NotSettled {
+                    why: reason.to_string(),
+                    no_value: true,
+                })?;
             let size = worst.0;
             if !size.is_finite() {
                 return Err(NotSettled::at("the iteration leaves all bounds"));
@@ -104,11 +72,11 @@ impl Integrator<'_> {
         Err(NotSettled::at("the iteration does not settle"))
     }
 
-    /// The largest component of a correction, as [`Sizes::measured`] has it.
-    fn worst_of(&self, change: &Unknowns) -> (f64, usize, bool) {
+    /// The largest component of the last correction, as [`Sizes::measured`] has it.
+    fn largest_change(&self) -> (f64, usize, bool) {
         let mut worst = (0.0, 0, false);
-        for i in 0..3 {
-            let found = self.measured(&change.z[i], &change.w[i], true);
+        for (z, w) in self.change.z.iter().zip(&self.change.w) {
+            let found = self.measured(z, w, true);
             if !(found.0 <= worst.0) {
                 worst = found;
             }
@@ -121,5 +89,48 @@ impl Integrator<'_> {
             "the iteration does not settle {}",
             self.told(worst)
         ))
+    }
+
+    /// One iteration, with derivatives made anew where they are asked for; gives its largest correction.
+    fn corrected(
+        &mut self,
+        h: f64,
+        derivatives: Derivatives,
+        renew: bool,
+    ) -> Result<(f64, usize, bool), NoValue> {
+        let tolerance = self.tolerance();
+        let (system, parameters, start) = (self.system, self.parameters, &self.state);
+        let (model, step) = ((system, parameters), (start, h));
+        let (equations, unknowns, change) =
+            (&mut self.equations, &mut self.unknowns, &mut self.change);
+        match derivatives {
+            Derivatives::Single => {
+                equations.stage_residuals(system, parameters, start, h, unknowns)?;
+                equations.correct(system, start, h, change);
+                unknowns.add(1.0, change);
+            }
+            Derivatives::Sequence => {
+                let new = || Box::new(Sequence::new(system, equations));
+                let sequence = self.sequence.get_or_insert_with(new);
+                if renew {
+                    let weights = self.sizes.weights(system, tolerance);
+                    sequence.factor(equations, model, step, unknowns, weights)?;
+                }
+                equations.stage_residuals(system, parameters, start, h, unknowns)?;
+                let taken = sequence.correct(equations, system, step, change);
+                unknowns.add(1.0, &taken);
+            }
+            Derivatives::Kept | Derivatives::Renewed => {
+                let new = || Box::new(Coupled::new(system));
+                let coupled = self.coupled.get_or_insert_with(new);
+                if renew {
+                    coupled.factor(equations, model, step, unknowns)?;
+                }
+                equations.stage_residuals(system, parameters, start, h, unknowns)?;
+                coupled.correct(equations, system, unknowns, change);
+                unknowns.add(1.0, change);
+            }
+        }
+        Ok(self.largest_change())
     }
 }

@@ -76,14 +76,19 @@ fn place(
     Ok(())
 }
 
-/// Refuses a mechanism that can move by itself.
+/// Refuses a mechanism that can move by itself, or whose places only an integration gives.
 ///
 /// # Errors
-/// [`Reason::NotKinematic`].
+/// [`Reason::NotKinematic`], [`Reason::HeldVelocities`].
 pub(crate) fn check_determined(system: &System, state: &State) -> Result<(), MotionError> {
-    let freedoms = system.freedoms_left(&state.redundant);
+    let freedoms = system.freedoms_left(state);
     if freedoms > 0 {
         return Err(Reason::NotKinematic { freedoms }.at(state.time));
+    }
+    let of_velocities = |&k: &usize| system.of_velocities[k] && system.takes_part(state, k);
+    if let Some(k) = (0..system.equations).find(of_velocities) {
+        let equation = system.constraint_equation_name(k).to_string();
+        return Err(Reason::HeldVelocities { equation }.at(state.time));
     }
     Ok(())
 }

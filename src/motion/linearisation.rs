@@ -1,19 +1,48 @@
 //! The derivatives of the equations of motion at a state, and a stage of a step solved with them.
 //!
 //! A stage whose rates are z times what changes: `z dd - dW + D G' dmu = -r1`, `K dd + C dW + z N dW + ... = -g`, `G dd = -r3`,
-//! `G dW = -r4` (what stands for what: [`super::newton`]).
+//! `G dW = -r4` (what stands for what: [`super::newton`]). A constraint of velocities alone has neither of the last two but a row like those
+//! of the balances, `f_q dd + f_V dW = -f`.
 
-use std::ops::{Div, Mul};
+use nalgebra::Complex;
 
 use super::bordered::{Bordered, plain_weight};
-use crate::linear::{Entries, Levels, Lu, Scalar};
+use crate::linear::{Entries, Lanes, Levels, Lu, Scalar};
 use crate::system::{NoValue, Parameters, Rows, Scratch, State, System};
 
-/// What a correction changes.
+/// What is left of the equations of a stage, and in its place what the unknowns change by.
+#[derive(Clone, Debug, Default)]
 pub(super) struct Correction<T> {
+    /// Residuals of balances, constraints and states; changes of displacements, multipliers, variables and states.
     pub z: Vec<T>,
+    /// Residuals of the rates of displacements; changes of velocities.
     pub w: Vec<T>,
+    /// Residuals of the rates of constraints; changes of their multipliers.
     pub mu: Vec<T>,
+    border: Vec<T>,
+    found: Vec<T>,
+}
+
+impl<T: Scalar> Correction<T> {
+    /// Of these residuals: g, r1 and r4.
+    pub(crate) fn of(z: Vec<T>, w: Vec<T>, mu: Vec<T>) -> Self {
+        Self {
+            z,
+            w,
+            mu,
+            ..Self::default()
+        }
+    }
+}
+
+/// A number of the complex pair.
+pub(super) type Pair = Complex<f64>;
+
+/// Memory of the velocities of three stages.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Together {
+    border: Vec<Lanes<3>>,
+    found: Vec<Lanes<3>>,
 }
 
 /// Derivatives of all equations, gradients of the constraints and the factors of their projection.
@@ -47,7 +76,8 @@ impl Linearisation {
         self.levels.finish();
         system.constraints_and_rows(parameters, state, scratch, g, &mut self.rows)?;
         let plain = plain_weight(system);
-        self.bordered.factor(system, state, &self.rows, |_| plain);
+        let holds = |k: usize| system.holds_places(state, k);
+        self.bordered.factor(system, &self.rows, holds, |_| plain);
         Ok(())
     }
 
@@ -65,7 +95,16 @@ impl Linearisation {
         let square = inverse * inverse;
         self.levels.combined(values, |row, column| {
             if (n..variable).contains(&row) {
-                if column < variable {
+                if system.of_velocities[row - n] {
+                    // Its row times z.
+                    if column < n {
+                        [inverse, one, zero]
+                    } else if column < variable {
+                        [one, zero, zero]
+                    } else {
+                        [z, zero, zero]
+                    }
+                } else if column < variable {
                     [one, zero, zero]
                 } else {
                     [z * z, zero, zero]
@@ -80,31 +119,68 @@ impl Linearisation {
         })
     }
 
-    /// The correction by z over the step, with the factors of its matrix.
-    pub(crate) fn solve<T>(
+    /// From residuals to corrections by z over the step, with the factors of its matrix.
+    pub(crate) fn solve(
         &self,
         (system, start): (&System, &State),
+        z: f64,
+        of: &mut Correction<f64>,
+        factors: &Lu,
+    ) {
+        self.velocity_side(system, start, z, of);
+        of.found.clear();
+        of.found.resize(of.border.len(), 0.0);
+        self.bordered.solve_into(&mut of.border, &mut of.found);
+        self.go_on(system, start, z, of, factors);
+    }
+
+    /// The same for the real stage and the complex pair, whose velocities are found together.
+    pub(crate) fn solve_all(
+        &self,
+        (system, start): (&System, &State),
+        (alone, z, factors): (&mut Correction<f64>, f64, &Lu),
+        (paired, z_pair, pair): (&mut Correction<Pair>, Pair, &Lu<Pair>),
+        Together { border, found }: &mut Together,
+    ) {
+        self.velocity_side(system, start, z, alone);
+        self.velocity_side(system, start, z_pair, paired);
+        border.clear();
+        let both = alone.border.iter().zip(&paired.border);
+        border.extend(both.map(|(x, p)| Lanes([*x, p.re, p.im])));
+        found.resize(border.len(), Lanes::default());
+        self.bordered.solve_into(border, found);
+        alone.found.clear();
+        alone.found.extend(found.iter().map(|x| x.0[0]));
+        paired.found.clear();
+        let pairs = found.iter().map(|x| Pair::new(x.0[1], x.0[2]));
+        paired.found.extend(pairs);
+        self.go_on(system, start, z, alone, factors);
+        self.go_on(system, start, z_pair, paired, pair);
+    }
+
+    /// With the solution of [`Self::velocity_side`] found.
+    fn go_on<T: Scalar>(
+        &self,
+        system: &System,
+        start: &State,
         z: T,
-        (r1, g, r4): (&[T], &[T], &[T]),
-        factors: &mut Lu<T>,
-    ) -> Correction<T>
-    where
-        T: Scalar + Mul<f64, Output = T> + Div<f64, Output = T>,
-    {
-        let n = system.first_equation;
-        let mut border = self.velocity_side(system, start, z, (r1, g, r4));
-        self.bordered.solve_into(&mut border);
-        let e: Vec<T> = r1.iter().zip(&border).map(|(r, x)| *r - *x).collect();
-        let mut b = self.right_side(system, start, z, g, &e);
-        factors.solve(&mut b);
-        let inverse = T::ONE / (z * z);
-        let mut w = Vec::with_capacity(n);
-        for k in 0..n {
-            b[k] = b[k] * inverse;
-            w.push(z * b[k] + e[k]);
+        of: &mut Correction<T>,
+        factors: &Lu<T>,
+    ) {
+        let all = system.moving_unknowns;
+        for (e, x) in of.w.iter_mut().zip(&of.found) {
+            *e -= *x;
         }
-        let mu = border[n..].to_vec();
-        Correction { z: b, w, mu }
+        of.mu.copy_from_slice(&of.found[system.first_equation..]);
+        self.right_side(system, start, z, of);
+        of.found.resize(all, T::default());
+        factors.solve_into(&mut of.z, &mut of.found);
+        let inverse = T::ONE / (z * z);
+        of.z.copy_from_slice(&of.found);
+        for (x, e) in of.z.iter_mut().zip(&mut of.w) {
+            *x = *x * inverse;
+            *e = z * *x + *e;
+        }
     }
 
     /// The right side of `[ D^-1, G'; G, 0 ] [ -D G' dmu; dmu ] = [ 0; -(z r3 - r4 - G r1) ]`.
@@ -113,45 +189,47 @@ impl Linearisation {
         system: &System,
         start: &State,
         z: T,
-        (r1, g, r4): (&[T], &[T], &[T]),
-    ) -> Vec<T> {
+        of: &mut Correction<T>,
+    ) {
         let n = system.first_equation;
-        let mut border = vec![T::default(); n + system.equations];
+        of.border.clear();
+        of.border.resize(n + system.equations, T::default());
         for k in 0..system.equations {
-            border[n + k] = r4[k] - z * g[n + k];
+            of.border[n + k] = of.mu[k] - z * of.z[n + k];
         }
         for &(row, column, value) in &self.rows.entries {
-            border[n + row as usize] += T::of(value) * r1[column as usize];
+            of.border[n + row as usize] += T::of(value) * of.w[column as usize];
         }
         for k in 0..system.equations {
-            if start.redundant.get(k) == Some(&true) || !system.equation_is_active(k) {
-                border[n + k] = T::default();
+            if !system.holds_places(start, k) {
+                of.border[n + k] = T::default();
             }
         }
-        border
     }
 
-    /// `-g - (C + z N) e`; of the constraints `-z^2 r3`, of removed ones as they are.
-    fn right_side<T: Scalar>(
-        &self,
-        system: &System,
-        start: &State,
-        z: T,
-        g: &[T],
-        e: &[T],
-    ) -> Vec<T> {
+    /// `-g - (C + z N) e`; of the constraints `-z^2 r3`, of those of velocities `-z (f + f_V e)`, of removed ones as they are.
+    fn right_side<T: Scalar>(&self, system: &System, start: &State, z: T, of: &mut Correction<T>) {
         let (n, variable) = (system.first_equation, system.first_variable);
-        let mut b: Vec<T> = g.iter().map(|g| -*g).collect();
+        let (b, e) = (&mut of.z, &of.w);
+        for g in b.iter_mut() {
+            *g = -*g;
+        }
         for k in 0..system.equations {
-            if start.redundant.get(k) != Some(&true) && system.equation_is_active(k) {
+            if system.holds_places(start, k) {
                 b[n + k] = b[n + k] * z * z;
+            } else if system.takes_part(start, k) {
+                b[n + k] = b[n + k] * z;
             }
         }
         for (row, column, [by_rate, by_second]) in self.levels.rates() {
-            if column < n && !(n..variable).contains(&row) {
+            if column >= n {
+                continue;
+            }
+            if !(n..variable).contains(&row) {
                 b[row] -= (T::of(by_rate) + z * T::of(by_second)) * e[column];
+            } else if system.of_velocities[row - n] {
+                b[row] -= z * T::of(by_rate) * e[column];
             }
         }
-        b
     }
 }

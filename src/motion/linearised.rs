@@ -27,6 +27,7 @@ pub(super) enum Basis {
 /// With Z a basis of the motions that the gradients G leave free, H the derivative of the rates G V + Phi_t by the places and X = -G^+ H,
 /// small motions are d = Z y, dV = Z x + X d, `y' = Z'(X + W) Z y + x`, W the angular velocities as matrices of cross products
 /// (`dphi' = dw + w x dphi`), and the balance along what no multiplier reaches gives x'. VARIABLEs follow, dynamic states s are appended.
+/// Constraints of velocities are rows of G beside dV alone: they leave fewer velocities free than places, x has a basis R of its own.
 pub(super) struct Linearised {
     pub E: DMatrix<f64>,
     pub F: DMatrix<f64>,
@@ -38,10 +39,14 @@ pub(super) struct Linearised {
     pub by_input: DMatrix<f64>,
     /// Motions of the parts by y.
     pub Z: DMatrix<f64>,
+    /// How many numbers x has.
+    pub rates: usize,
     /// One for translations, the length of the model for rotations.
     pub lengths: DVector<f64>,
     /// The unknowns of the parts that y is, in a basis of coordinates.
     pub chosen: Vec<usize>,
+    /// The unknowns of the parts whose rates x is, in a basis of coordinates.
+    pub chosen_rates: Vec<usize>,
 }
 
 impl Linearised {
@@ -83,16 +88,20 @@ impl Linearised {
             J[1].view_range_mut(view.0, view.1).fill(0.0);
         }
         let lengths = DVector::from_fn(n, |k, _| length_of(system, k));
-        let (mut Z, X) = free_motions(system, parameters, &state, &lengths)?;
-        let r = Z.ncols();
+        let Free { mut Z, R, X } = Free::of(system, parameters, &state, &lengths)?;
         let mut chosen = Vec::new();
-        if basis == Basis::Coordinates && r > 0 {
-            chosen = coordinates(&Z, &lengths);
-            let square = DMatrix::from_fn(r, r, |i, j| Z[(chosen[i], j)]);
-            if let Some(inverse) = square.try_inverse() {
-                Z *= inverse;
-            }
+        if basis == Basis::Coordinates {
+            chosen = in_coordinates(&mut Z, &lengths);
         }
+        let mut chosen_rates = chosen.clone();
+        let R = R.map(|mut R| {
+            if basis == Basis::Coordinates {
+                chosen_rates = in_coordinates(&mut R, &lengths);
+            }
+            R
+        });
+        // y are as many as places, x as velocities are free.
+        let (p, r) = (Z.ncols(), R.as_ref().unwrap_or(&Z).ncols());
         let part = |level: usize, rows: (usize, usize), columns: (usize, usize)| {
             J[level]
                 .view((rows.0, columns.0), (rows.1, columns.1))
@@ -119,12 +128,13 @@ impl Linearised {
         // What no multiplier reaches: with friction that is not what the constraints leave free.
         let by_multipliers = reduced(0, B, (n, variable - n));
         let N = if system.has_friction() {
-            unreached(&by_multipliers, r, &lengths).unwrap_or_else(|| Z.clone())
+            unreached(&by_multipliers, r, &lengths)
         } else {
-            Z.clone()
+            None
         };
-        let Nt = N.transpose();
-        let size = 2 * r + states;
+        let free = R.as_ref().unwrap_or(&Z);
+        let Nt = N.as_ref().unwrap_or(free).transpose();
+        let size = p + r + states;
         let (mut E, mut F) = (DMatrix::identity(size, size), DMatrix::zeros(size, size));
         let mut input = DMatrix::zeros(size, variables);
         let put = |to: &mut DMatrix<f64>, row: usize, column: usize, block: &DMatrix<f64>| {
@@ -133,39 +143,44 @@ impl Linearised {
         let left = match basis {
             // The left inverse of Z, which is orthonormal where rotations are taken times the length.
             Basis::Orthonormal => {
-                DMatrix::from_fn(r, n, |i, j| Z[(j, i)] * lengths[j] * lengths[j])
+                DMatrix::from_fn(p, n, |i, j| Z[(j, i)] * lengths[j] * lengths[j])
             }
             Basis::Coordinates => {
-                DMatrix::from_fn(r, n, |i, j| f64::from(u8::from(chosen[i] == j)))
+                DMatrix::from_fn(p, n, |i, j| f64::from(u8::from(chosen[i] == j)))
             }
         };
+        let of_rates = match &R {
+            Some(R) => &left * R,
+            None => DMatrix::identity(p, r),
+        };
         put(&mut F, 0, 0, &(left * (&X + W) * &Z));
-        put(&mut F, 0, r, &DMatrix::identity(r, r));
-        put(&mut E, r, 0, &(&Nt * &M * &XZ));
-        put(&mut E, r, r, &(&Nt * &M * &Z));
-        put(&mut F, r, 0, &(&Nt * (&K * &Z + &C * &XZ)));
-        put(&mut F, r, r, &(&Nt * &C * &Z));
-        put(&mut input, r, 0, &(&Nt * part(0, B, V) * &follow));
+        put(&mut F, 0, p, &of_rates);
+        put(&mut E, p, 0, &(&Nt * &M * &XZ));
+        put(&mut E, p, p, &(&Nt * &M * free));
+        put(&mut F, p, 0, &(&Nt * (&K * &Z + &C * &XZ)));
+        put(&mut F, p, p, &(&Nt * &C * free));
+        put(&mut input, p, 0, &(&Nt * part(0, B, V) * &follow));
+        let s = p + r;
         if states > 0 {
-            put(&mut F, r, 2 * r, &(&Nt * reduced(0, B, S)));
+            put(&mut F, p, s, &(&Nt * reduced(0, B, S)));
             let (by_place, by_rate) = (reduced(0, S, B), reduced(1, S, B));
-            put(&mut F, 2 * r, 0, &(&by_place * &Z + &by_rate * &XZ));
-            put(&mut F, 2 * r, r, &(&by_rate * &Z));
-            put(&mut F, 2 * r, 2 * r, &reduced(0, S, S));
-            put(&mut E, 2 * r, 2 * r, &-part(1, S, S));
-            put(&mut input, 2 * r, 0, &(part(0, S, V) * &follow));
+            put(&mut F, s, 0, &(&by_place * &Z + &by_rate * &XZ));
+            put(&mut F, s, p, &(&by_rate * free));
+            put(&mut F, s, s, &reduced(0, S, S));
+            put(&mut E, s, s, &-part(1, S, S));
+            put(&mut input, s, 0, &(part(0, S, V) * &follow));
         }
         // dv = follow (dw - J_v by places, velocities, accelerations, states and their rates).
         let mut by_u = DMatrix::zeros(variables, size);
         let mut by_rate = DMatrix::zeros(variables, size);
         let along = |level: usize| -(&follow * part(level, V, B));
         put(&mut by_u, 0, 0, &(along(0) * &Z + along(1) * &XZ));
-        put(&mut by_u, 0, r, &(along(1) * &Z));
+        put(&mut by_u, 0, p, &(along(1) * free));
         put(&mut by_rate, 0, 0, &(along(2) * &XZ));
-        put(&mut by_rate, 0, r, &(along(2) * &Z));
+        put(&mut by_rate, 0, p, &(along(2) * free));
         if states > 0 {
-            put(&mut by_u, 0, 2 * r, &-(&follow * part(0, V, S)));
-            put(&mut by_rate, 0, 2 * r, &-(&follow * part(1, V, S)));
+            put(&mut by_u, 0, s, &-(&follow * part(0, V, S)));
+            put(&mut by_rate, 0, s, &-(&follow * part(1, V, S)));
         }
         Ok(Self {
             E,
@@ -174,11 +189,27 @@ impl Linearised {
             by_u,
             by_rate,
             by_input: follow,
+            rates: r,
             Z,
             lengths,
             chosen,
+            chosen_rates,
         })
     }
+}
+
+/// Makes the columns those of which each moves one of some coordinates; gives these.
+fn in_coordinates(Z: &mut DMatrix<f64>, lengths: &DVector<f64>) -> Vec<usize> {
+    let r = Z.ncols();
+    if r == 0 {
+        return Vec::new();
+    }
+    let chosen = coordinates(Z, lengths);
+    let square = DMatrix::from_fn(r, r, |i, j| Z[(chosen[i], j)]);
+    if let Some(inverse) = square.try_inverse() {
+        *Z *= inverse;
+    }
+    chosen
 }
 
 /// As many rows of Z as it has columns, as independent as can be: coordinates that describe every free motion.
@@ -235,78 +266,119 @@ fn length_of(system: &System, unknown: usize) -> f64 {
     }
 }
 
-/// Z and X. Rotations are taken times the length of the model while the basis is made orthonormal.
-fn free_motions(
-    system: &System,
-    parameters: &Parameters,
-    state: &State,
+/// What the constraints leave free.
+struct Free {
+    /// Motions by the places.
+    Z: DMatrix<f64>,
+    /// Motions by the velocities, where constraints of velocities leave fewer of them.
+    R: Option<DMatrix<f64>>,
+    X: DMatrix<f64>,
+}
+
+impl Free {
+    /// Rotations are taken times the length of the model while the bases are made orthonormal.
+    fn of(
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+        lengths: &DVector<f64>,
+    ) -> Result<Self, Reason> {
+        let (n, equations) = (system.first_equation, system.equations);
+        let mut scratch = Scratch::new(system);
+        let mut g = vec![0.0; system.moving_unknowns];
+        let mut rows = Rows::new(system);
+        system.constraints_and_rows(parameters, state, &mut scratch, &mut g, &mut rows)?;
+        let gradients = |counts: &dyn Fn(usize) -> bool| {
+            let mut G = DMatrix::<f64>::zeros(n.max(equations), n);
+            for &(row, column, value) in &rows.entries {
+                if counts(row as usize) {
+                    G[(row as usize, column as usize)] += value / lengths[column as usize];
+                }
+            }
+            G
+        };
+        let G = gradients(&|_| true);
+        if G.is_empty() {
+            return Ok(Self {
+                Z: DMatrix::zeros(n, 0),
+                R: None,
+                X: DMatrix::zeros(n, n),
+            });
+        }
+        let svd = singular_values(G, true, true).ok_or(Reason::NoEigenvalues)?;
+        let most = svd.singular_values.iter().fold(0.0_f64, |a, b| a.max(*b));
+        let (U, Vt) = (svd.u.expect("asked for"), svd.v_t.expect("asked for"));
+        let free = left_free(&svd.singular_values, &Vt, lengths);
+        let of_velocities = |&k: &usize| system.of_velocities[k] && system.takes_part(state, k);
+        let (Z, R) = if (0..equations).any(|k| of_velocities(&k)) {
+            let G = gradients(&|k| !system.of_velocities[k]);
+            let svd = singular_values(G, false, true).ok_or(Reason::NoEigenvalues)?;
+            let Vt = svd.v_t.expect("asked for");
+            (left_free(&svd.singular_values, &Vt, lengths), Some(free))
+        } else {
+            (free, None)
+        };
+        // H by differences of the rates along each freedom.
+        let moves = state
+            .velocities
+            .iter()
+            .any(|v| v.linear != Vec3::zeros() || v.angular != Vec3::zeros())
+            || rows.time.iter().any(|t| *t != 0.0);
+        if !moves {
+            let X = DMatrix::zeros(n, n);
+            return Ok(Self { Z, R, X });
+        }
+        let mut v = Vec::new();
+        system.velocity_vector(state, &mut v);
+        let mut H = DMatrix::<f64>::zeros(equations, n);
+        let mut step = vec![0.0; system.moving_unknowns];
+        for column in 0..n {
+            let h = STEP
+                * if lengths[column] == 1.0 {
+                    system.length
+                } else {
+                    1.0
+                };
+            for (weight, side) in [(8.0, 1.0), (-8.0, -1.0), (-1.0, 2.0), (1.0, -2.0)] {
+                step[column] = side * h;
+                let mut near = state.clone();
+                system.advance(&mut near, &step);
+                system.constraints_and_rows(parameters, &near, &mut scratch, &mut g, &mut rows)?;
+                let mut rate = rows.time.clone();
+                rows.times(&v, &mut rate);
+                for (k, rate) in rate.iter().enumerate() {
+                    H[(k, column)] += weight * rate / (12.0 * h);
+                }
+            }
+            step[column] = 0.0;
+        }
+        // X = -L^-1 (G L^-1)^+ H, L the lengths.
+        let mut X = DMatrix::<f64>::zeros(n, n);
+        for (k, value) in svd.singular_values.iter().enumerate() {
+            if *value <= NO_GRADIENT * most {
+                continue;
+            }
+            let along: RowDVector<f64> = U.column(k).rows(0, equations).transpose() * &H / *value;
+            for i in 0..n {
+                for j in 0..n {
+                    X[(i, j)] -= Vt[(k, i)] / lengths[i] * along[j];
+                }
+            }
+        }
+        Ok(Self { Z, R, X })
+    }
+}
+
+/// A basis of the motions along which no gradient has a value, from the singular values of the gradients.
+fn left_free(
+    singular_values: &DVector<f64>,
+    Vt: &DMatrix<f64>,
     lengths: &DVector<f64>,
-) -> Result<(DMatrix<f64>, DMatrix<f64>), Reason> {
-    let (n, equations) = (system.first_equation, system.equations);
-    let mut scratch = Scratch::new(system);
-    let mut g = vec![0.0; system.moving_unknowns];
-    let mut rows = Rows::new(system);
-    system.constraints_and_rows(parameters, state, &mut scratch, &mut g, &mut rows)?;
-    let size = n.max(equations);
-    let mut G = DMatrix::<f64>::zeros(size, n);
-    for &(row, column, value) in &rows.entries {
-        G[(row as usize, column as usize)] += value / lengths[column as usize];
-    }
-    if G.is_empty() {
-        return Ok((DMatrix::zeros(n, 0), DMatrix::zeros(n, n)));
-    }
-    let svd = singular_values(G, true, true).ok_or(Reason::NoEigenvalues)?;
-    let most = svd.singular_values.iter().fold(0.0_f64, |a, b| a.max(*b));
-    let (U, Vt) = (svd.u.expect("asked for"), svd.v_t.expect("asked for"));
+) -> DMatrix<f64> {
+    let n = lengths.len();
+    let most = singular_values.iter().fold(0.0_f64, |a, b| a.max(*b));
     let free: Vec<usize> = (0..n)
-        .filter(|&k| svd.singular_values[k] <= NO_GRADIENT * most)
+        .filter(|&k| singular_values[k] <= NO_GRADIENT * most)
         .collect();
-    let Z = DMatrix::from_fn(n, free.len(), |i, j| Vt[(free[j], i)] / lengths[i]);
-    // H by differences of the rates along each freedom.
-    let moves = state
-        .velocities
-        .iter()
-        .any(|v| v.linear != Vec3::zeros() || v.angular != Vec3::zeros())
-        || rows.time.iter().any(|t| *t != 0.0);
-    if !moves {
-        return Ok((Z, DMatrix::zeros(n, n)));
-    }
-    let mut v = Vec::new();
-    system.velocity_vector(state, &mut v);
-    let mut H = DMatrix::<f64>::zeros(equations, n);
-    let mut step = vec![0.0; system.moving_unknowns];
-    for column in 0..n {
-        let h = STEP
-            * if lengths[column] == 1.0 {
-                system.length
-            } else {
-                1.0
-            };
-        for (weight, side) in [(8.0, 1.0), (-8.0, -1.0), (-1.0, 2.0), (1.0, -2.0)] {
-            step[column] = side * h;
-            let mut near = state.clone();
-            system.advance(&mut near, &step);
-            system.constraints_and_rows(parameters, &near, &mut scratch, &mut g, &mut rows)?;
-            let mut rate = rows.time.clone();
-            rows.times(&v, &mut rate);
-            for (k, rate) in rate.iter().enumerate() {
-                H[(k, column)] += weight * rate / (12.0 * h);
-            }
-        }
-        step[column] = 0.0;
-    }
-    // X = -L^-1 (G L^-1)^+ H, L the lengths.
-    let mut X = DMatrix::<f64>::zeros(n, n);
-    for (k, value) in svd.singular_values.iter().enumerate() {
-        if *value <= NO_GRADIENT * most {
-            continue;
-        }
-        let along: RowDVector<f64> = U.column(k).rows(0, equations).transpose() * &H / *value;
-        for i in 0..n {
-            for j in 0..n {
-                X[(i, j)] -= Vt[(k, i)] / lengths[i] * along[j];
-            }
-        }
-    }
-    Ok((Z, X))
+    DMatrix::from_fn(n, free.len(), |i, j| Vt[(free[j], i)] / lengths[i])
 }

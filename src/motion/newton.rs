@@ -11,10 +11,8 @@
 //!
 //! The unknown of the second system is z^2 dd: its entries stay of one size as the step goes to zero.
 
-use nalgebra::Complex;
-
 use super::bordered::plain_weight;
-use super::linearisation::{Correction, Linearisation};
+use super::linearisation::{Correction, Linearisation, Pair, Together};
 use super::tableau::{ALPHA_BETA, C, GAMMA, Tableau};
 use crate::linear::Lu;
 use crate::mechanics::{Mat3, Vec3, turning_rate};
@@ -109,13 +107,18 @@ pub(super) struct Equations {
     pub(super) linear: Linearisation,
     stage_rows: Rows,
     pub(super) real: Lu,
-    pair: Lu<Complex<f64>>,
+    pair: Lu<Pair>,
     values: Vec<f64>,
-    pair_values: Vec<Complex<f64>>,
+    pair_values: Vec<Pair>,
     pub scratch: Scratch,
     pub(super) stage: State,
     pub(super) residuals: Residuals,
     v: Vec<f64>,
+    pull: Vec<f64>,
+    /// Residuals and corrections of the transformed stages: the real one, and the two of the complex pair.
+    alone: Correction<f64>,
+    paired: Correction<Pair>,
+    together: Together,
     pub evaluations: usize,
     pub jacobians: usize,
     pub factorisations: usize,
@@ -140,6 +143,10 @@ impl Equations {
                 r4: stages(system.equations),
             },
             v: Vec::new(),
+            pull: Vec::new(),
+            alone: Correction::default(),
+            paired: Correction::default(),
+            together: Together::default(),
             evaluations: 0,
             jacobians: 0,
             factorisations: 0,
@@ -197,61 +204,48 @@ impl Equations {
         self.factorisations += 1;
     }
 
-    /// One iteration: residuals of the stages, corrections of the unknowns; gives the correction for its size.
-    pub(crate) fn iterate(
+    /// Corrections of the unknowns from the residuals of the stages.
+    pub(crate) fn correct(
         &mut self,
         system: &System,
-        parameters: &Parameters,
         start: &State,
         h: f64,
-        unknowns: &mut Unknowns,
-    ) -> Result<Unknowns, NoValue> {
-        self.stage_residuals(system, parameters, start, h, unknowns)?;
+        change: &mut Unknowns,
+    ) {
         let T = self.tableau.T;
         let U = self.tableau.T_inverse;
-        let transformed = |r: &Stages, row: usize| -> Vec<f64> {
-            (0..r[0].len())
-                .map(|k| U[row][0] * r[0][k] + U[row][1] * r[1][k] + U[row][2] * r[2][k])
-                .collect()
-        };
-        let residuals = &self.residuals;
-        let of = |row: usize| {
-            (
-                transformed(&residuals.r1, row),
-                transformed(&residuals.g, row),
-                transformed(&residuals.r4, row),
-            )
-        };
-        let (a, b, c) = (of(0), of(1), of(2));
-        let (z, by) = ((GAMMA / h, ALPHA_BETA / h), (system, start));
-        let first = (self.linear).solve(by, z.0, (&a.0, &a.1, &a.2), &mut self.real);
-        let both = |x: Vec<f64>, y: Vec<f64>| -> Vec<Complex<f64>> {
-            x.into_iter()
-                .zip(y)
-                .map(|(re, im)| Complex::new(re, im))
-                .collect()
-        };
-        let (r1, g, r4) = (both(b.0, c.0), both(b.1, c.1), both(b.2, c.2));
-        let second = (self.linear).solve(by, z.1, (&r1, &g, &r4), &mut self.pair);
-        let back = |x: &[f64], pair: &[Complex<f64>]| -> Stages {
-            std::array::from_fn(|i| {
-                x.iter()
-                    .zip(pair)
-                    .map(|(x, p)| T[i][0] * x + T[i][1] * p.re + T[i][2] * p.im)
-                    .collect()
-            })
-        };
-        let change = Unknowns {
-            z: back(&first.z, &second.z),
-            w: back(&first.w, &second.w),
-            mu: back(&first.mu, &second.mu),
-        };
-        for i in 0..3 {
-            add(&mut unknowns.z[i], &change.z[i]);
-            add(&mut unknowns.w[i], &change.w[i]);
-            add(&mut unknowns.mu[i], &change.mu[i]);
+        let (real, pair) = (&mut self.alone, &mut self.paired);
+        let Residuals { r1, g, r4 } = &self.residuals;
+        for (from, to, both) in [
+            (g, &mut real.z, &mut pair.z),
+            (r1, &mut real.w, &mut pair.w),
+            (r4, &mut real.mu, &mut pair.mu),
+        ] {
+            let stages = from[0].iter().zip(&from[1]).zip(&from[2]);
+            let stages =
+                stages.map(|((a, b), c)| U.map(|row| row[0] * a + row[1] * b + row[2] * c));
+            to.clear();
+            both.clear();
+            for [alone, re, im] in stages {
+                to.push(alone);
+                both.push(Pair::new(re, im));
+            }
         }
-        Ok(change)
+        let of_real = (&mut *real, GAMMA / h, &self.real);
+        let of_pair = (&mut *pair, ALPHA_BETA / h, &self.pair);
+        let memory = &mut self.together;
+        (self.linear).solve_all((system, start), of_real, of_pair, memory);
+        for (to, alone, both) in [
+            (&mut change.z, &real.z, &pair.z),
+            (&mut change.w, &real.w, &pair.w),
+            (&mut change.mu, &real.mu, &pair.mu),
+        ] {
+            for (k, (x, p)) in alone.iter().zip(both).enumerate() {
+                for (to, row) in to.iter_mut().zip(&T) {
+                    to[k] = row[0] * x + row[1] * p.re + row[2] * p.im;
+                }
+            }
+        }
     }
 
     /// The state of a stage, with its rates.
@@ -335,8 +329,10 @@ impl Equations {
             r4.copy_from_slice(&rows.time);
             rows.times(&self.v, r4);
             // V - D G' mu.
-            let mut pull = vec![0.0; n];
-            rows.transposed_times(&unknowns.mu[i], &mut pull);
+            let pull = &mut self.pull;
+            pull.clear();
+            pull.resize(n, 0.0);
+            rows.transposed_times(&unknowns.mu[i], pull);
             let r1 = &mut self.residuals.r1[i];
             for body in &system.bodies {
                 let at = |k: usize| {
@@ -358,7 +354,7 @@ impl Equations {
                 }
             }
             for k in 0..system.equations {
-                if start.redundant.get(k) == Some(&true) || !system.equation_is_active(k) {
+                if !system.holds_places(start, k) {
                     r4[k] = 0.0;
                 }
             }
@@ -373,13 +369,12 @@ impl Equations {
         system: &System,
         start: &State,
         h: f64,
-        (r1, g): (&[f64], &[f64]),
+        (r1, mut g): (Vec<f64>, Vec<f64>),
     ) -> Correction<f64> {
-        let r4 = vec![0.0; system.equations];
-        let mut g = g.to_vec();
         g[system.first_equation..system.first_variable].fill(0.0);
-        let residuals = (r1, &g[..], &r4[..]);
-        (self.linear).solve((system, start), GAMMA / h, residuals, &mut self.real)
+        let mut of = Correction::of(g, r1, vec![0.0; system.equations]);
+        (self.linear).solve((system, start), GAMMA / h, &mut of, &self.real);
+        of
     }
 
     /// `g` of the error estimate at the start of the step: minus the inertia of accelerations and of rates of states.
@@ -395,12 +390,6 @@ impl Equations {
             }
         }
         g
-    }
-}
-
-pub(super) fn add(to: &mut [f64], change: &[f64]) {
-    for (x, dx) in to.iter_mut().zip(change) {
-        *x += dx;
     }
 }
 

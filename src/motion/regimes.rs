@@ -16,7 +16,7 @@ pub(super) enum Change {
     /// A friction, by its number.
     Grip(usize),
     /// A function with pieces, and the piece it goes on with.
-    Switch(usize, u8),
+    Switch(usize, i64),
 }
 
 /// What is known of one function with pieces.
@@ -27,7 +27,7 @@ struct History {
     /// Changes since the last output.
     count: usize,
     /// It changes too often: its piece is that of its arguments. The piece seen last, and since which step that is so.
-    loose: Option<(Option<u8>, usize)>,
+    loose: Option<(Option<i64>, usize)>,
 }
 
 /// The regimes of a motion. Which they are stands in its state.

@@ -8,7 +8,7 @@
 //! SIAM J. Sci. Comput. 18, 1997.) Near a singular position it settles where the derivatives of one stage do not serve all three,
 //! and costs a fraction of what [`super::coupled`] does.
 
-use super::linearisation::Linearisation;
+use super::linearisation::{Correction, Linearisation};
 use super::mixing::Mixing;
 use super::newton::{Equations, Unknowns, turns};
 use super::tableau::A;
@@ -68,18 +68,16 @@ impl Sequence {
         Ok(())
     }
 
-    /// One iteration with the factors there are; gives the correction for its size.
-    pub(crate) fn iterate(
+    /// Corrections from the residuals of the stages, with the factors there are; gives the step to take.
+    pub(crate) fn correct(
         &mut self,
-        equations: &mut Equations,
-        (system, parameters): (&System, &Parameters),
+        equations: &Equations,
+        system: &System,
         (start, h): (&State, f64),
-        unknowns: &mut Unknowns,
-    ) -> Result<Unknowns, NoValue> {
-        equations.stage_residuals(system, parameters, start, h, unknowns)?;
+        change: &mut Unknowns,
+    ) -> Unknowns {
         let (n, all) = (system.first_equation, system.moving_unknowns);
         let first_state = system.first_variable + system.variables.len();
-        let mut change = Unknowns::new(system);
         for i in 0..3 {
             // What the stages before have changed, as rates of this one.
             let (mut moved, mut quickened) = (vec![0.0; all], vec![0.0; n]);
@@ -93,33 +91,31 @@ impl Sequence {
                 }
             }
             let (r1, g, r4) = equations.residuals.at(i);
-            let mut r1: Vec<f64> = r1.iter().zip(&moved).map(|(r, d)| r + d).collect();
-            let mut g = g.to_vec();
+            let r1 = r1.iter().zip(&moved).map(|(r, d)| r + d).collect();
+            let mut of = Correction::of(g.to_vec(), r1, r4.to_vec());
             for (row, column, [by_rate, by_second]) in self.linear[i].levels.rates() {
                 if (n..system.first_variable).contains(&row) {
                     continue;
                 }
                 if column < n {
-                    g[row] += by_second * quickened[column];
+                    of.z[row] += by_second * quickened[column];
                 } else if column >= first_state {
-                    g[row] += by_rate * moved[column];
+                    of.z[row] += by_rate * moved[column];
                 }
             }
             // In the displacements at the stage: dd = P y.
             let turns = &self.turns[i];
-            each_turn(system, &mut r1, |part, turn| {
+            each_turn(system, &mut of.w, |part, turn| {
                 turns[part].try_inverse().unwrap_or(Mat3::identity()) * turn
             });
             let z = self.lower[i][i] / h;
-            let residuals = (&r1[..], &g[..], r4);
-            let found = self.linear[i].solve((system, start), z, residuals, &mut self.factors[i]);
-            change.z[i] = found.z;
-            change.w[i] = found.w;
-            change.mu[i] = found.mu;
+            self.linear[i].solve((system, start), z, &mut of, &self.factors[i]);
+            change.z[i] = of.z;
+            change.w[i] = of.w;
+            change.mu[i] = of.mu;
             each_turn(system, &mut change.z[i], |part, turn| turns[part] * turn);
         }
-        unknowns.add(1.0, &self.mixing.mixed(&change));
-        Ok(change)
+        self.mixing.mixed(change)
     }
 }
 

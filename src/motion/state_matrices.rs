@@ -39,39 +39,37 @@ pub(crate) fn state_matrices(
     (inputs, outputs): (&[usize], &[usize]),
 ) -> Result<StateMatrices, Reason> {
     let about = Linearised::new(system, parameters, state, true, Basis::Coordinates)?;
-    let r = about.chosen.len();
+    let (p, r) = (about.chosen.len(), about.rates);
     // A coordinate and its rate have inertia where the rate of the rate does.
-    let by_rate = about.E.rows(r, about.E.nrows() - r);
+    let by_rate = about.E.rows(p, about.E.nrows() - p);
     let weight: Vec<f64> = by_rate.column_iter().map(|column| column.amax()).collect();
-    let most = weight
-        .iter()
-        .skip(r)
-        .take(r)
-        .fold(0.0_f64, |a, b| a.max(*b));
-    let is_light = |k: usize| !(weight[if k < r { k + r } else { k }] > NO_MASS * most);
+    let most = weight[p..p + r].iter().fold(0.0_f64, |a, b| a.max(*b));
+    let rate_of = |k: usize| {
+        let mut rates = about.chosen_rates.iter();
+        let at = rates.position(|rate| *rate == about.chosen[k]);
+        at.map(|at| p + at)
+    };
+    let is_light = |k: usize| !(weight[k] > NO_MASS * most);
     // Rates without inertia go first: what damping holds is a place.
     let lightness: Vec<u8> = (0..weight.len())
         .map(|k| match k {
-            k if k >= 2 * r || !is_light(k) => 0,
-            k if k < r => 1,
-            _ => 2,
+            k if k < p => u8::from(rate_of(k).is_some_and(is_light)),
+            k if k < p + r && is_light(k) => 2,
+            _ => 0,
         })
         .collect();
     let by_inputs = about.B.select_columns(inputs);
-    let mut names: Vec<String> = about
-        .chosen
-        .iter()
-        .map(|&unknown| system.freedom_name(unknown))
-        .collect();
-    let rates: Vec<String> = names.iter().map(|name| format!("rate of {name}")).collect();
-    names.extend(rates);
+    let of = |unknown: &usize| system.freedom_name(*unknown);
+    let mut names: Vec<String> = about.chosen.iter().map(of).collect();
+    let rates = about.chosen_rates.iter().map(of);
+    names.extend(rates.map(|name| format!("rate of {name}")));
     let mut states: Vec<_> = system.states.iter().collect();
     states.sort_by_key(|equation| equation.moving_unknown);
     names.extend(states.iter().map(|equation| equation.name.to_string()));
     let reduced = Reduced::new((&about.E, &about.F, &by_inputs), &lightness);
     let reduced = reduced.map_err(|why| match why {
         Irreducible::Undetermined => {
-            let light = (0..r).find(|k| lightness[*k] > 0).unwrap_or(0);
+            let light = (0..p).find(|k| lightness[*k] > 0).unwrap_or(0);
             let freedom = about.chosen.get(light).copied().unwrap_or(0);
             Reason::MassSingular {
                 freedom: system.freedom_name(freedom),

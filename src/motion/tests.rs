@@ -10,6 +10,7 @@ use crate::text::Source;
 
 mod events;
 mod passages;
+mod velocities;
 
 struct Deck {
     system: System,
@@ -218,7 +219,7 @@ fn stick(deck: &Deck, state: &mut State) {
 
 #[test]
 fn derivatives_by_places_velocities_and_accelerations_are_those_of_differences() {
-    let joints = "JOINT/1, UNIVERSAL, I=20, J=30\nJPRIM/1, INPLANE, I=40, J=21\nMOTION/1, I=21, J=1, B3, FUNCTION=0.3*TIME\nMOTION/2, I=31, J=1, X, VELOCITY, FUNCTION=0.2*TIME\n";
+    let joints = "JOINT/1, UNIVERSAL, I=20, J=30\nJPRIM/1, INPLANE, I=40, J=21\nMOTION/1, I=21, J=1, B3, FUNCTION=0.3*TIME\nMOTION/2, I=31, J=1, X, VELOCITY, FUNCTION=0.2*TIME\nGCON/1, FUNCTION=VX(20,31,21)*DZ(40,1)+IF(TIME-1:WZ(31,20),0,0)-VR(40,21)/(1+TIME)+SIN(DX(30,21,20))\nGCON/2, FUNCTION=VY(21,40,30,31)-0.3*VARVAL(5)\nVARIABLE/5, FUNCTION=TIME**2\n";
     for (statements, sticking) in [
         (EVERYTHING.to_string(), false),
         (format!("{EVERYTHING}{joints}"), false),

@@ -26,7 +26,12 @@ pub(super) fn redundant_equations(system: &System, J: &Matrix) -> Vec<bool> {
         .filter(|(row, column, _)| *column < first && (first..system.first_variable).contains(row))
         .map(|(row, column, value)| ((row - first) as u32, column as u32, value))
         .collect();
-    system.redundant_rows(&rows)
+    let mut redundant = system.redundant_rows(&rows);
+    // What holds velocities has no row in statics, and says something new all the same.
+    for (redundant, of_velocities) in redundant.iter_mut().zip(&system.of_velocities) {
+        *redundant &= !of_velocities;
+    }
+    redundant
 }
 
 /// How motions are told.

@@ -1,7 +1,7 @@
 //! What a FUNCTION reads, with its indices resolved.
 
 use super::Name;
-use crate::function::{ForceComponent, Measure, Program, RateMeasure};
+use crate::function::{ForceComponent, Input, Measure, Program, RateKind, RateMeasure};
 
 /// What exerts a wrench.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -64,4 +64,16 @@ pub(crate) struct CompiledFunction {
     pub apart: bool,
     /// Its IMPACTs, BISTOPs and IFs among those of the system that a motion is held on pieces of.
     pub switches: std::ops::Range<usize>,
+}
+
+impl CompiledFunction {
+    /// True if velocities of markers are among its inputs; those that other functions read do not count.
+    pub(super) fn reads_velocities(&self) -> bool {
+        let velocity = |input: &Input| {
+            matches!(input, Input::Rate(measure)
+                if matches!(measure.kind, RateKind::Velocity | RateKind::AngularVelocity))
+        };
+        let inputs = self.program.iter().flat_map(|program| &program.inputs);
+        inputs.into_iter().any(velocity)
+    }
 }

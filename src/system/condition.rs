@@ -3,7 +3,7 @@
 use super::NoValue;
 use super::scratch::Beside;
 use super::structure::Condition;
-use super::{Configuration, Scratch, State};
+use super::{Configuration, Scratch, State, System};
 use crate::linear::Sink;
 use crate::mechanics::Vec3;
 use crate::model::MarkerIx;
@@ -17,18 +17,15 @@ impl Configuration<'_> {
     pub(crate) fn read_condition(&self, id: u32, marker: MarkerIx) -> (Vec3, Vec3) {
         let (system, state, scratch) = (self.system, self.state, &*self.scratch);
         let place = system.place(system.owners[marker.0]);
-        let is_it = |c: &&Condition| {
-            c.name.id == id && c.active && state.redundant.get(c.equation) != Some(&true)
-        };
+        let is_it = |c: &&Condition| c.name.id == id && !self.is_out(c);
         let Some(condition) = system.conditions.iter().find(is_it) else {
             return (Vec3::zeros(), Vec3::zeros());
         };
         let lambda = state.multipliers[condition.equation];
-        let value = scratch.functions[condition.function];
         // Generalised forces of a constraint: minus multiplier times gradient.
         let on = |first: usize, freedoms: usize| {
             let mut reaction = [0.0; 6];
-            for &(unknown, derivative) in &scratch.gradient[value.first..value.last] {
+            for (unknown, derivative) in held_by(system, condition, scratch) {
                 if (first..first + freedoms).contains(&unknown) {
                     reaction[unknown - first] -= lambda * derivative;
                 }
@@ -55,6 +52,27 @@ impl Configuration<'_> {
         (force, torque)
     }
 
+    /// True if a GCON takes no part here: in statics that is also what holds velocities.
+    pub(super) fn is_out(&self, condition: &Condition) -> bool {
+        let at_rest = self.system.of_velocities[condition.equation] && !self.moving();
+        at_rest || !self.system.takes_part(self.state, condition.equation)
+    }
+
+    /// Adds what the GCONs of velocities ask for besides `G V`: `f(q, V, t) - G V`.
+    pub(super) fn add_asked(&self, rates: &mut [f64]) {
+        let (system, scratch) = (self.system, &*self.scratch);
+        for condition in &system.conditions {
+            if !system.of_velocities[condition.equation] || self.is_out(condition) {
+                continue;
+            }
+            let mut asked = scratch.functions[condition.function].value;
+            for (column, by) in held_by(system, condition, scratch) {
+                asked -= by * self.velocity_of(column);
+            }
+            rates[condition.equation] += asked;
+        }
+    }
+
     /// Adds residuals, gradients and reactions of the GCONs.
     pub(crate) fn add_conditions<S: Sink>(
         &mut self,
@@ -65,20 +83,19 @@ impl Configuration<'_> {
         for condition in &system.conditions {
             let row = system.first_equation + condition.equation;
             let lambda = state.multipliers[condition.equation];
-            let out = !condition.active || state.redundant.get(condition.equation) == Some(&true);
+            let out = self.is_out(condition);
             if S::ROWS {
                 sink.add(row, row, f64::from(u8::from(out)));
             }
             let value = self.scratch.functions[condition.function];
             g[row] = if out { lambda } else { value.value };
             let on = f64::from(u8::from(!out));
-            for at in value.first..value.last {
-                let (unknown, derivative) = self.scratch.gradient[at];
-                sink.add(row, unknown, on * derivative);
-                if unknown < system.first_equation {
-                    g[unknown] -= on * lambda * derivative;
-                    sink.add(unknown, row, -on * derivative);
-                }
+            for &(column, derivative) in &self.scratch.gradient[value.first..value.last] {
+                sink.add(row, column, on * derivative);
+            }
+            for (unknown, derivative) in held_by(system, condition, self.scratch) {
+                g[unknown] -= on * lambda * derivative;
+                sink.add(unknown, row, -on * derivative);
             }
             if S::WANTED {
                 self.add_curvature(condition, on * lambda, sink)?;
@@ -128,16 +145,33 @@ impl Configuration<'_> {
                     result = Err(error);
                     break;
                 }
-                let moved = near.scratch.functions[condition.function];
-                for &(unknown, derivative) in &near.scratch.gradient[moved.first..moved.last] {
-                    if unknown < system.first_equation {
-                        let change = sign * derivative / (2.0 * h);
-                        sink.add(unknown, column, -lambda * change);
-                    }
+                for (unknown, derivative) in held_by(system, condition, &near.scratch) {
+                    let change = sign * derivative / (2.0 * h);
+                    sink.add(unknown, column, -lambda * change);
                 }
             }
         }
         scratch.beside = Some(beside);
         result
     }
+}
+
+/// What the multiplier of a GCON acts on, as (unknown of the parts, derivative): the gradient of its function by the places, or by the
+/// velocities where it holds these. After [`Configuration::look`].
+pub(super) fn held_by<'a>(
+    system: &'a System,
+    condition: &Condition,
+    scratch: &'a Scratch,
+) -> impl Iterator<Item = (usize, f64)> + 'a {
+    let first = if system.of_velocities[condition.equation] {
+        system.moving_unknowns
+    } else {
+        0
+    };
+    let columns = first..first + system.first_equation;
+    let value = scratch.functions[condition.function];
+    let gradient = scratch.gradient[value.first..value.last].iter();
+    gradient
+        .filter(move |(column, _)| columns.contains(column))
+        .map(move |(column, by)| (column - first, *by))
 }

@@ -248,7 +248,7 @@ impl Configuration<'_> {
 
     /// Variables, rates and GCONs change with a function at this rate.
     fn data_by_function(&self, (function, rate): (usize, f64), dg: &mut [f64]) {
-        let (system, state) = (self.system, self.state);
+        let system = self.system;
         for (k, variable) in system.variables.iter().enumerate() {
             if variable.active && variable.function == function {
                 dg[system.first_variable + k] -= rate;
@@ -262,8 +262,7 @@ impl Configuration<'_> {
             }
         }
         for condition in &system.conditions {
-            let out = state.redundant.get(condition.equation) == Some(&true);
-            if condition.active && condition.function == function && !out {
+            if condition.function == function && !self.is_out(condition) {
                 dg[system.first_equation + condition.equation] += rate;
             }
         }

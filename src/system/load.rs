@@ -1,5 +1,6 @@
 use super::Name;
 use super::compiled_function::Exerted;
+use super::condition::held_by;
 use super::forces::Ask;
 use super::structure::Action;
 use super::{Configuration, NoValue, Reading};
@@ -133,15 +134,11 @@ impl<'s> Configuration<'s> {
     /// GCONs: minus multiplier times the gradient of the function, about the part origins.
     fn reactions_of_conditions(&self, mut show: impl FnMut(Load<'s>)) {
         let (system, state, scratch) = (self.system, self.state, &*self.scratch);
-        for condition in system.conditions.iter().filter(|c| c.active) {
-            if state.redundant.get(condition.equation) == Some(&true) {
-                continue;
-            }
+        for condition in system.conditions.iter().filter(|c| !self.is_out(c)) {
             let lambda = state.multipliers[condition.equation];
-            let value = scratch.functions[condition.function];
             for (part, body) in system.bodies.iter().enumerate() {
                 let mut on = [0.0; 6];
-                for &(unknown, by) in &scratch.gradient[value.first..value.last] {
+                for (unknown, by) in held_by(system, condition, scratch) {
                     if (body.first..body.first + body.freedoms).contains(&unknown) {
                         on[unknown - body.first] -= lambda * by;
                     }

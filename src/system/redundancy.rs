@@ -52,16 +52,32 @@ impl System {
         out
     }
 
-    /// The same by an elimination, which may take out others.
+    /// The same by an elimination, which may take out others; again what holds places goes before what holds velocities.
     fn dependent_rows(&self, rows: &[Vec<(usize, f64)>]) -> Vec<bool> {
+        let mut out = self.dependent_among(rows, &self.of_velocities);
+        for equation in (0..self.equations).filter(|&k| self.of_velocities[k]) {
+            out[equation] = false;
+            let mut whole = out.clone();
+            whole[equation + 1..]
+                .iter_mut()
+                .zip(&self.of_velocities[equation + 1..])
+                .for_each(|(out, later)| *out |= later);
+            // Those before depend on none of each other: with one more that does, one is left over.
+            out[equation] = self.dependent_among(rows, &whole) != whole;
+        }
+        out
+    }
+
+    /// Which rows depend on others, those left aside among them.
+    fn dependent_among(&self, rows: &[Vec<(usize, f64)>], aside: &[bool]) -> Vec<bool> {
         let mut matrix = Matrix::new(self.equations.max(self.first_equation));
-        for (equation, row) in rows.iter().enumerate() {
+        for (equation, row) in rows.iter().enumerate().filter(|(k, _)| !aside[*k]) {
             for &(column, value) in row {
                 matrix.add(column, equation, value);
             }
         }
         matrix.finish();
-        let mut out = vec![false; self.equations];
+        let mut out = aside.to_vec();
         for equation in dependent_columns(&matrix.view()) {
             // The matrix is square: columns behind the equations are empty.
             if let Some(out) = out.get_mut(equation as usize) {
@@ -72,7 +88,7 @@ impl System {
     }
 
     /// The equations in the order in which they are taken: distances of joints; scalar products of joints, the last of each joint first;
-    /// all others, as motions and couplers.
+    /// all others, as motions and couplers, at last those of velocities.
     fn in_order(&self) -> [Vec<usize>; 3] {
         let [mut distances, mut products] = [Vec::new(), Vec::new()];
         let mut other = vec![true; self.equations];
@@ -93,7 +109,11 @@ impl System {
                 }
             }
         }
-        let others = (0..self.equations).filter(|&k| other[k]).collect();
+        // What holds places goes before what holds velocities: that one of both is left out that leaves the places as they are.
+        let (of_velocities, mut others): (Vec<usize>, Vec<usize>) = (0..self.equations)
+            .filter(|&k| other[k])
+            .partition(|&k| self.of_velocities[k]);
+        others.extend(of_velocities);
         [distances, products, others]
     }
 

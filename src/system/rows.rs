@@ -13,9 +13,13 @@ pub(crate) struct Rows {
     first_equation: usize,
     first_variable: usize,
     time_column: usize,
+    /// The first column of velocities, and of each row whether it is one of velocities: its gradient is that by these.
+    first_velocity: usize,
+    of_velocities: Vec<bool>,
     /// (row, column, derivative), rows counted from the first equation.
     pub entries: Vec<(u32, u32, f64)>,
-    /// Derivative by the time; with [`Configuration::row_rates`] also by what else changes with it.
+    /// Derivative by the time; with [`Configuration::row_rates`] also by what else changes with it. With G the entries every row asks
+    /// for `G V + time = 0`.
     pub time: Vec<f64>,
     /// Derivatives by variables: (row, variable, derivative).
     others: Vec<(u32, u32, f64)>,
@@ -28,6 +32,8 @@ impl Rows {
             first_equation: system.first_equation,
             first_variable: system.first_variable,
             time_column: 3 * system.moving_unknowns,
+            first_velocity: system.moving_unknowns,
+            of_velocities: system.of_velocities.clone(),
             time: vec![0.0; system.equations],
             ..Self::default()
         }
@@ -65,7 +71,13 @@ impl Sink for Rows {
             return;
         }
         let row = row - self.first_equation;
-        if column < self.first_equation {
+        if self.of_velocities[row] {
+            let velocities = self.first_velocity..self.first_velocity + self.first_equation;
+            if velocities.contains(&column) {
+                let column = column - self.first_velocity;
+                self.entries.push((row as u32, column as u32, value));
+            }
+        } else if column < self.first_equation {
             self.entries.push((row as u32, column as u32, value));
         } else if column >= self.time_column {
             self.time[row] += value;
@@ -156,8 +168,9 @@ impl System {
 }
 
 impl Configuration<'_> {
-    /// Adds to the time derivatives of the rows what comes through variables.
+    /// Adds to the time derivatives of the rows what comes through variables; of rows of velocities all of it.
     fn row_rates(&mut self, rows: &mut Rows) -> Result<(), NoValue> {
+        self.add_asked(&mut rows.time);
         if rows.others.is_empty() {
             return Ok(());
         }
@@ -191,9 +204,22 @@ impl Configuration<'_> {
         rates
     }
 
-    /// The rate of a function along the motion, those of the variables given.
+    /// The velocity of an unknown of the parts.
+    pub(super) fn velocity_of(&self, unknown: usize) -> f64 {
+        let bodies = &self.system.bodies;
+        let body = bodies.partition_point(|b| b.first + b.freedoms <= unknown);
+        let velocity = &self.state.velocities[body];
+        let k = unknown - bodies[body].first;
+        if k < 3 {
+            velocity.linear[k]
+        } else {
+            velocity.angular[k - 3]
+        }
+    }
+
+    /// The rate of a function along the motion, the velocities constant and those of the variables given.
     fn rate_along(&self, function: usize, variables: &[f64]) -> f64 {
-        let (system, state) = (self.system, self.state);
+        let system = self.system;
         let n = system.moving_unknowns;
         let value = self.scratch.functions[function];
         let mut rate = 0.0;
@@ -201,17 +227,7 @@ impl Configuration<'_> {
             if column >= 3 * n {
                 rate += by;
             } else if column < system.first_equation {
-                let body = system
-                    .bodies
-                    .partition_point(|b| b.first + b.freedoms <= column);
-                let k = column - system.bodies[body].first;
-                let velocity = &state.velocities[body];
-                rate += by
-                    * if k < 3 {
-                        velocity.linear[k]
-                    } else {
-                        velocity.angular[k - 3]
-                    };
+                rate += by * self.velocity_of(column);
             } else if (system.first_variable..n).contains(&column) {
                 let k = column - system.first_variable;
                 rate += by * variables.get(k).copied().unwrap_or(0.0);
@@ -225,7 +241,7 @@ impl Configuration<'_> {
     /// Of one term, with u the rates of I in J (J axes), row r, C the derivative of the row along the motion, s its parameter:
     /// `r . b + u_t' C u_t + 2 s' r_s . u + f_s s''`, where b is what of the second rates of p_ij_j and of the rotation no acceleration enters:
     /// `b_p = R_j' (a_i - a_j - 2 w_j x (v_i - v_j) + w_j x (w_j x d))`, `b_t = -R_j' (w_j x w_i)`, a of the arms alone. Functions: differences
-    /// of their exact rates along the motion, `step` apart, of fourth order.
+    /// of their exact rates along the motion, `step` apart, of fourth order. Of a GCON of velocities it is the first rate of its function.
     ///
     /// # Errors
     /// [`NoValue`] if a function has no value next to here.
@@ -272,13 +288,10 @@ impl Configuration<'_> {
                 }
             }
         }
-        for condition in system.conditions.iter().filter(|c| c.active) {
-            let out = self.state.redundant.get(condition.equation) == Some(&true);
-            gamma[condition.equation] = if out {
-                0.0
-            } else {
-                found(condition.function)[1]
-            };
+        for condition in system.conditions.iter().filter(|c| !self.is_out(c)) {
+            let [first, second] = found(condition.function);
+            let of_velocities = system.of_velocities[condition.equation];
+            gamma[condition.equation] = if of_velocities { first } else { second };
         }
         Ok(())
     }

@@ -249,6 +249,8 @@ pub struct System {
     pub(crate) not_in_motion: Vec<Diagnostic>,
     /// The joint of each constraint equation.
     pub(crate) joint_of: Vec<Option<usize>>,
+    /// Of each constraint equation whether it holds velocities: `f(q, V, t) = 0`, linear in V, which no place satisfies or violates.
+    pub(crate) of_velocities: Vec<bool>,
     /// The mean mass and length that motions are measured by.
     pub(crate) reference_mass: f64,
     /// A length of the size of the model.
@@ -398,12 +400,20 @@ impl System {
         }
     }
 
-    /// Degrees of freedom of the parts less the equations that take part.
-    pub(crate) fn freedoms_left(&self, redundant: &[bool]) -> usize {
-        let held = (0..self.equations)
-            .filter(|&k| self.equation_is_active(k) && redundant.get(k) != Some(&true))
-            .count();
-        self.first_equation.saturating_sub(held)
+    /// True for an equation that is switched on and not redundant.
+    pub(crate) fn takes_part(&self, state: &State, equation: usize) -> bool {
+        state.redundant.get(equation) != Some(&true) && self.equation_is_active(equation)
+    }
+
+    /// True for an equation that takes part and holds places; all others hold velocities or nothing.
+    pub(crate) fn holds_places(&self, state: &State, equation: usize) -> bool {
+        !self.of_velocities[equation] && self.takes_part(state, equation)
+    }
+
+    /// Degrees of freedom of the parts less the equations that take part: of the velocities, where some hold these.
+    pub(crate) fn freedoms_left(&self, state: &State) -> usize {
+        let held = (0..self.equations).filter(|&k| self.takes_part(state, k));
+        self.first_equation.saturating_sub(held.count())
     }
 
     /// What an unknown of a part moves, for messages: `PART/4 'KNUCKLE' along x`.

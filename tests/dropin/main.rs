@@ -26,6 +26,7 @@ mod parsers;
 mod random_models;
 mod redefinitions;
 mod reference;
+mod rolling;
 mod run;
 mod run_files;
 mod security;

@@ -3,7 +3,7 @@
 use super::{Scratch, compile};
 
 /// Value, derivatives by VARIABLE/1 and /2, the piece of the arguments and the excess.
-fn on(text: &str, at: [f64; 2], held: Option<u8>) -> (f64, [f64; 2], u8, f64) {
+fn on(text: &str, at: [f64; 2], held: Option<i64>) -> (f64, [f64; 2], i64, f64) {
     let case = compile(text);
     assert_eq!(case.program.switches(), 1, "{text}");
     let mut scratch = Scratch::default();
@@ -30,7 +30,7 @@ fn on(text: &str, at: [f64; 2], held: Option<u8>) -> (f64, [f64; 2], u8, f64) {
 #[test]
 fn held_functions_follow_the_formula_of_their_piece() {
     type Formula = fn(f64, f64) -> (f64, [f64; 2]);
-    let cases: [(&str, [f64; 2], [f64; 2], Formula, f64); 8] = [
+    let cases: [(&str, [f64; 2], [f64; 2], Formula, f64); 13] = [
         (
             "ABS(VARVAL(1))",
             [2.0, 0.0],
@@ -87,6 +87,41 @@ fn held_functions_follow_the_formula_of_their_piece() {
             |a, _| (a, [1.0, 0.0]),
             2.0,
         ),
+        (
+            "AINT(VARVAL(1))",
+            [2.25, 0.0],
+            [-1.5, 0.0],
+            |_, _| (2.0, [0.0, 0.0]),
+            3.5,
+        ),
+        (
+            "INT(VARVAL(1))",
+            [-0.75, 0.0],
+            [1.5, 0.0],
+            |_, _| (0.0, [0.0, 0.0]),
+            0.5,
+        ),
+        (
+            "ANINT(VARVAL(1))",
+            [-2.25, 0.0],
+            [-2.75, 0.0],
+            |_, _| (-2.0, [0.0, 0.0]),
+            0.25,
+        ),
+        (
+            "MOD(VARVAL(1),VARVAL(2))",
+            [5.5, 2.0],
+            [7.0, 2.0],
+            |a, b| (a - 2.0 * b, [1.0, -2.0]),
+            0.5,
+        ),
+        (
+            "MOD(VARVAL(1),VARVAL(2))",
+            [-5.5, 2.0],
+            [-3.0, 2.0],
+            |a, b| (a + 2.0 * b, [1.0, 2.0]),
+            0.5,
+        ),
     ];
     for (text, here, beyond, formula, excess) in cases {
         let free = compile(text)
@@ -128,6 +163,8 @@ fn functions_of_the_time_alone_have_no_pieces() {
             0,
         ),
         ("MAX(0,VARVAL(1)-TIME)+ABS(SIN(TIME))", 2),
+        // But for what repeats.
+        ("MOD(TIME,3)+AINT(2*TIME)+ANINT(2)", 2),
     ] {
         assert_eq!(compile(text).program.switches(), switches, "{text}");
     }

@@ -121,6 +121,42 @@ fn the_error_of_motions_with_kinks_is_what_is_asked_for() {
     }
 }
 
+/// Forces in steps: parabolas, which the method has exactly, if no step goes over a jump.
+#[test]
+fn no_step_goes_over_a_jump_of_whole_numbers() {
+    let root = f64::sqrt;
+    let stairs = Known {
+        deck: along_z(0.0, (0.0, 1.0), "AINT(2*DZ(20))"),
+        end: 0.5 + (root(2.0) - 1.0) + (2.0 - root(2.0)) / 2.0 + (root(5.5) - 2.0) / 3.0,
+        place: (1.75, 1.75),
+        velocity: (root(5.5), root(5.5)),
+        changes: 3,
+    };
+    let across = Known {
+        deck: along_z(0.0, (2.2, 0.0), "-ANINT(DZ(20))"),
+        end: root(2.8) / 2.0 + (root(4.8) - root(2.8)) + 1.0 / root(4.8) + (root(4.8) - root(3.8)),
+        place: (-1.0, 2.2),
+        velocity: (-root(3.8), root(4.8)),
+        changes: 3,
+    };
+    let saw = Known {
+        deck: along_z(0.0, (0.0, 0.0), "MOD(TIME,0.3)"),
+        end: 1.0,
+        place: (0.203 / 3.0, 1.0),
+        velocity: (0.14, 1.0),
+        changes: 3,
+    };
+    for (k, known) in [stairs, across, saw].iter().enumerate() {
+        let mut integrator = begun(&known.deck, 1e-3, known.end);
+        integrator.advance_to(known.end).expect("a motion");
+        let off = known.off(&integrator.output().expect("an output"));
+        let done = integrator.statistics();
+        println!("{k}: {off:e} {done:?}");
+        assert!(off < 1e-12, "{k}: {off:e}");
+        assert!(done.rejected <= 5 * known.changes, "{k}: {done:?}");
+    }
+}
+
 /// At the end of a step that ends at a change the function is at it to the last digits, from either side.
 #[test]
 fn a_step_ends_where_the_contact_begins_and_where_it_ends() {

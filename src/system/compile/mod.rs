@@ -414,6 +414,11 @@ impl<'a> Compiler<'a> {
         for (number, joint) in self.joints.iter().enumerate() {
             joint_of[joint.first..joint.first + joint.count].fill(Some(number));
         }
+        let mut of_velocities = vec![false; self.equations];
+        for condition in &self.conditions {
+            let function = &self.functions[condition.function];
+            of_velocities[condition.equation] = function.reads_velocities();
+        }
         let mut moving_unknowns = unknowns;
         for state in &mut states {
             state.moving_unknown = state.unknown.unwrap_or_else(|| {
@@ -476,6 +481,7 @@ impl<'a> Compiler<'a> {
             moving_unknowns,
             not_in_motion: Vec::new(),
             joint_of,
+            of_velocities,
             reference_mass: reference_mass(model),
             length,
             breaks: self.breaks,

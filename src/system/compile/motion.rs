@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::diagnostic::{Code, Diagnostic};
+use crate::function::{Degree, Input, RateAxis, RateKind};
 use crate::model::{Model, PartKind};
 use crate::system::compiled_function::Source;
 use crate::system::structure::Drive;
@@ -40,7 +41,7 @@ pub(super) fn not_in_motion(system: &System) -> Vec<Diagnostic> {
                 ),
             ),
             Drive::Function(function) => {
-                if let Some(what) = unsteady(system, function) {
+                if let Some(what) = unsteady(system, function, false) {
                     refuse(&joint.name, reading(&joint.name, what));
                 }
             }
@@ -48,8 +49,19 @@ pub(super) fn not_in_motion(system: &System) -> Vec<Diagnostic> {
         }
     }
     for condition in system.conditions.iter().filter(|c| c.active) {
-        if let Some(what) = unsteady(system, condition.function) {
+        let of_velocities = system.of_velocities[condition.equation];
+        if let Some(what) = unsteady(system, condition.function, of_velocities) {
             refuse(&condition.name, reading(&condition.name, what));
+        } else if of_velocities
+            && degree_in_velocities(system, condition.function) != Degree::Linear
+        {
+            refuse(
+                &condition.name,
+                format!(
+                    "the function of {} is not linear in the velocities",
+                    condition.name
+                ),
+            );
         }
     }
     found
@@ -57,7 +69,7 @@ pub(super) fn not_in_motion(system: &System) -> Vec<Diagnostic> {
 
 fn reading(owner: &Name, what: &str) -> String {
     format!(
-        "the function of {owner} reads {what}: in motion it may know places, the time and variables of the time"
+        "the function of {owner} reads {what}: in motion it may know places, the time and variables of the time, that of a GCON velocities too"
     )
 }
 
@@ -71,8 +83,20 @@ fn only_of_time(system: &System, function: usize) -> bool {
     })
 }
 
-/// What a constrained function reads, itself or through variables, whose rates do not follow from those of the parts.
-fn unsteady(system: &System, function: usize) -> Option<&'static str> {
+/// How a function depends on the velocities that it reads: VM and WM are not linear.
+fn degree_in_velocities(system: &System, function: usize) -> Degree {
+    let of = |input: &Input| match input {
+        Input::Rate(measure) if measure.axis == RateAxis::Magnitude => Degree::Higher,
+        Input::Rate(_) => Degree::Linear,
+        _ => Degree::Nothing,
+    };
+    let program = system.functions[function].program.as_ref();
+    program.map_or(Degree::Nothing, |program| program.degree(of))
+}
+
+/// What a constrained function reads, itself or through variables, whose rates do not follow from those of the parts; velocities are allowed
+/// where it constrains these.
+fn unsteady(system: &System, function: usize, of_velocities: bool) -> Option<&'static str> {
     let mut seen = BTreeSet::new();
     let mut open = vec![(function, false)];
     while let Some((function, inside)) = open.pop() {
@@ -81,7 +105,17 @@ fn unsteady(system: &System, function: usize) -> Option<&'static str> {
         }
         for source in &system.functions[function].sources {
             match source {
-                Source::Moved(_) => return Some("a velocity or an acceleration"),
+                Source::Moved(measure) => {
+                    let velocity =
+                        matches!(measure.kind, RateKind::Velocity | RateKind::AngularVelocity);
+                    match (velocity, inside) {
+                        (true, false) if of_velocities => {}
+                        (true, true) if of_velocities => {
+                            return Some("a variable of velocities");
+                        }
+                        _ => return Some("a velocity or an acceleration"),
+                    }
+                }
                 Source::Force(_) | Source::Friction(..) => return Some("a force"),
                 Source::State(_) | Source::StateRate(..) | Source::Output(_) => {
                     return Some("a dynamic state");

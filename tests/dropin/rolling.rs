@@ -1,0 +1,212 @@
+//! GCONs of velocities through `mdi`: what rolls or slides without slip, in millimetres, by closed forms; what is refused, by name.
+
+use std::path::Path;
+
+use admire::results::RequestFile;
+use admire::text::Source;
+
+use crate::run::{Ran, Results, folder, mdi, mdi_with, text};
+
+/// A uniform ball of 2 kg and 50 mm on a plane, pulled with 7 N along x.
+const BALL: &str = "ball
+UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND
+ACCGRAV/KGRAV=-9810
+PART/1, GROUND
+MARKER/1, PART=1
+MARKER/2, PART=1, QP=0,0,50
+PART/2, MASS=2, CM=20, IP=2000,2000,2000, QG=0,0,50
+MARKER/20, PART=2
+JPRIM/1, INPLANE, I=20, J=2
+!                            adams_view_name='roll'
+GCON/1, I=20, FUNCTION=VX(20)-50*WY(20)
+GCON/2, I=20, FUNCTION=VY(20)+50*WX(20)
+SFORCE/1, TRANSLATIONAL, ACTIONONLY, I=20, J=3, FUNCTION=7
+MARKER/3, PART=1, QP=0,0,50, REULER=90D,90D,0
+REQUEST/1, FORCE, I=20, J=1
+RESULTS/FORMATTED, XRF
+OUTPUT/REQSAVE
+";
+
+fn run(deck: &str, commands: &str, strict: bool) -> (tempfile::TempDir, Ran) {
+    let acf = format!("\nfile/model=ball\n{commands}\nstop\n");
+    let folder = folder(&[("ball.adm", &format!("{deck}END\n")), ("run.acf", &acf)]);
+    let strict: &[_] = if strict { &[("MDI_STRICT", "1")] } else { &[] };
+    let ran = mdi_with(folder.path(), &["ru-s", "run"], "", strict);
+    (folder, ran)
+}
+
+fn requests(folder: &Path) -> Vec<Vec<[f64; 6]>> {
+    let source = Source::new("ball.req", std::fs::read(folder.join("ball.req")).unwrap());
+    RequestFile::parse(&source).value.values
+}
+
+/// 5 F / 7 m, and 2 F / 7 of friction that turns the ball: in the results, and in the request of the marker with what the plane adds.
+#[test]
+fn a_ball_rolls_as_the_closed_form_has_it() {
+    let (folder, ran) = run(
+        BALL,
+        "INTEGRATOR/ERROR=1E-7\nSIM/DYN, END=1, STEPS=20",
+        true,
+    );
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    let results = Results::read_all(folder.path(), "ball.res");
+    let acceleration = 5.0 / 7.0 * 7000.0 / 2.0;
+    let times = results.column("time", "TIME");
+    let part = |component: &str| results.column("PART_2_XFORM", component);
+    let (x, vx, wy, ax) = (part("X"), part("VX"), part("WY"), part("ACCX"));
+    let friction = results.column("roll", "FX");
+    let torque = results.column("roll", "TY");
+    assert_eq!(times.len(), 21);
+    for (k, t) in times.iter().enumerate() {
+        let near = |found: f64, known: f64, error: f64| {
+            assert!((found - known).abs() < error, "{t}: {found} {known}");
+        };
+        near(x[k], 0.5 * acceleration * t * t, 1e-3);
+        near(vx[k], acceleration * t, 1e-3);
+        near(wy[k] * 50.0, vx[k], 1e-6);
+        near(ax[k], acceleration, 1e-6);
+        near(friction[k], -2.0, 1e-9);
+        // 2 N at 50 mm below.
+        near(torque[k], 100.0, 1e-7);
+    }
+    // The request of marker 20 shows what its GCONs do to it.
+    for row in requests(folder.path()) {
+        let [fx, fy, _, _, ty, _] = row[0];
+        assert!(
+            (fx + 2.0).abs() < 1e-4 && fy.abs() < 1e-4 && (ty - 100.0).abs() < 1e-3,
+            "{row:?}"
+        );
+    }
+}
+
+/// A driven wheel: its turn is given, its way is not. No freedom is left, and the way is integrated.
+#[test]
+fn a_driven_wheel_goes_its_way() {
+    let wheel = BALL.replace(
+        "SFORCE/1, TRANSLATIONAL, ACTIONONLY, I=20, J=3, FUNCTION=7\n",
+        "",
+    ) + "JPRIM/2, INPLANE, I=20, J=4\nMARKER/4, PART=1, REULER=0,90D,0\nMARKER/5, PART=2, REULER=0,90D,0\nJPRIM/3, PARALLEL, I=5, J=4\nMOTION/1, I=5, J=4, B3, FUNCTION=-TIME**2\n";
+    for kind in ["DYN", "TRANS"] {
+        let commands = format!("INTEGRATOR/ERROR=1E-6\nSIM/{kind}, END=2, STEPS=10");
+        let (folder, ran) = run(&wheel, &commands, true);
+        assert_eq!(ran.code, 0, "{}", ran.stdout);
+        let results = Results::read_all(folder.path(), "ball.res");
+        let x = results.column("PART_2_XFORM", "X");
+        let friction = results.column("roll", "FX");
+        for ((t, x), friction) in results.column("time", "TIME").iter().zip(x).zip(friction) {
+            assert!((x - 50.0 * t * t).abs() < 1e-3, "{t}: {x}");
+            assert!(
+                (friction - 2.0 * 100.0 * 1e-3).abs() < 1e-9,
+                "{t}: {friction}"
+            );
+        }
+    }
+    let (folder, ran) = run(&wheel, "SIM/KIN, END=2, STEPS=10", true);
+    assert_eq!(ran.code, 3, "{}", ran.stdout);
+    let told = text(folder.path(), "ball.msg");
+    assert!(told.contains("holds velocities"), "{told}");
+}
+
+/// In an equilibrium it is left out and said to be; a motion after it has it again.
+#[test]
+fn statics_leaves_it_out_by_name() {
+    let held = BALL.to_string()
+        + "SPRINGDAMPER/1, TRANSLATIONAL, I=20, J=6, K=1, C=0, LENGTH=100\nMARKER/6, PART=1, QP=-100,0,50\nBUSHING/1, I=20, J=2, K=0,1,0, KT=1E5,1E5,1E5\n";
+    let (folder, ran) = run(&held, "SIM/STAT\nSIM/DYN, END=0.1, STEPS=10", false);
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    assert!(
+        ran.stdout.contains("GCON/1 'roll' holds velocities"),
+        "{}",
+        ran.stdout
+    );
+    let results = Results::read_all(folder.path(), "ball.res");
+    let x = results.column("PART_2_XFORM", "X");
+    assert!((x[0] - 7.0).abs() < 1e-6, "{x:?}");
+    let friction = results.column("roll", "FX");
+    for friction in friction {
+        assert!(friction.abs() < 1e-6, "at rest: {friction}");
+    }
+}
+
+/// What is not linear in the velocities, or reads more than places, velocities and the time, is refused by name.
+#[test]
+fn others_are_refused_by_name() {
+    for (function, told) in [
+        ("VM(20)-3", "is not linear in the velocities"),
+        ("VX(20)*WY(20)", "is not linear in the velocities"),
+        ("1/(2+VX(20))-0.5", "is not linear in the velocities"),
+        ("STEP(VX(20),0,0,1,1)", "is not linear in the velocities"),
+        ("IF(VX(20):0,0,1)", "is not linear in the velocities"),
+        ("VX(20)-ACCX(20)", "reads a velocity or an acceleration"),
+        ("VX(20)-VARVAL(9)", "reads a variable of velocities"),
+        ("VX(20)-DIF(9)", "reads a dynamic state"),
+        ("VX(20)-SFORCE(1,0,3,0)", "reads a force"),
+    ] {
+        let deck = BALL.to_string()
+            + &format!(
+                "GCON/3, FUNCTION={function}\nVARIABLE/9, FUNCTION=WY(20)\nDIFF/9, IC=0, FUNCTION=1\n"
+            );
+        let (folder, ran) = run(&deck, "SIM/DYN, END=1, STEPS=10", true);
+        assert_eq!(ran.code, 1, "{}", ran.stdout);
+        let message = text(folder.path(), "ball.msg") + &ran.stdout;
+        assert!(
+            message.contains("GCON/3") && message.contains(told),
+            "{function}: {message}"
+        );
+    }
+}
+
+/// Switched off it holds nothing; on again, the velocities follow it at once.
+#[test]
+fn it_is_switched_off_and_on() {
+    let commands = "DEACT/GCON, ID=1\nDEACT/GCON, ID=2\nSIM/DYN, END=0.5, STEPS=5\nACT/GCON, ID=1\nACT/GCON, ID=2\nSIM/DYN, END=1, STEPS=5";
+    let (folder, ran) = run(BALL, commands, true);
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    let results = Results::read_all(folder.path(), "ball.res");
+    let part = |component: &str| results.column("PART_2_XFORM", component);
+    let (time, vx, wy) = (results.column("time", "TIME"), part("VX"), part("WY"));
+    let free = 7000.0 / 2.0 * 0.5;
+    // The jump keeps m v r + I w about the contact: 2 m r^2 / 5.
+    let after = free / 1.4;
+    for (k, t) in time.iter().enumerate() {
+        let (v, w) = if *t < 0.5 + 1e-9 {
+            (7000.0 / 2.0 * t, 0.0)
+        } else {
+            let v = after + 2500.0 * (t - 0.5);
+            (v, v / 50.0)
+        };
+        assert!((vx[k] - v).abs() < 1e-2, "{t}: {} {v}", vx[k]);
+        assert!((wy[k] - w).abs() < 1e-3, "{t}: {} {w}", wy[k]);
+    }
+    assert!(mdi(folder.path(), &["ru-s", "none"]).code != 0);
+}
+
+/// A spring of 1 N/mm on the centre: k over 7/5 of the mass, by EIGENSOL and in the state matrices, whose rates are those of three freedoms of five.
+#[test]
+fn a_ball_on_a_spring_swings_as_it_rolls() {
+    let deck = BALL.replace("FUNCTION=7\n", "FUNCTION=VARVAL(1)\n")
+        + "SPRINGDAMPER/1, TRANSLATIONAL, I=20, J=6, K=1, C=0, LENGTH=100
+MARKER/6, PART=1, QP=-100,0,50
+VARIABLE/1, FUNCTION=0
+VARIABLE/2, FUNCTION=DX(20)
+PINPUT/1, VARIABLES=1
+POUTPUT/1, VARIABLES=2
+";
+    let commands =
+        "SIM/STAT\nLINEAR/EIGENSOL\nLINEAR/STATEMAT, PINPUT=1, POUTPUT=1, FILE=mat, FORMAT=MATLAB";
+    let (folder, ran) = run(&deck, commands, false);
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    let square = 1000.0 / (1.4 * 2.0);
+    let modes: serde_json::Value =
+        serde_json::from_str(&text(folder.path(), "ball.modes.json")).unwrap();
+    let rates = modes["modes"].as_array().unwrap().iter();
+    let rates: Vec<f64> = rates.map(|m| m["imaginary"].as_f64().unwrap()).collect();
+    let last = rates.last().unwrap();
+    assert!((last - f64::sqrt(square)).abs() < 1e-9, "{rates:?}");
+    let states = text(folder.path(), "matst");
+    assert_eq!(states.lines().count(), 8, "{states}");
+    let a = text(folder.path(), "mata");
+    let numbers = a.split_whitespace().map(|x| x.parse::<f64>().unwrap());
+    let least = numbers.fold(0.0, f64::min);
+    assert!((least + square).abs() < 1e-9, "{a}");
+}
