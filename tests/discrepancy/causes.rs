@@ -191,44 +191,49 @@ fn a_bushing_that_sticks_and_slips() {
 }
 
 /// By the law of Dahl, which no hypothesis has: friction at its place is named first, and nothing at another element with more than even odds.
-fn gives_way_by_degrees(friction: Friction, place: &'static str) {
-    for seed in [27, 28] {
-        let plant = Plant {
-            truth: ("dry-friction", place),
-            friction: Some(friction),
-            ..nothing()
-        };
-        let folder = study("pseudo-mcpherson", &plant, 0.02, seed, Some(UP_AND_DOWN));
-        let loaded = LoadedStudy::read(folder.path()).value.unwrap();
-        let held = held_out(&loaded.study, &loaded.measurement);
-        let diagnosis = diagnose(&loaded.problem(), held).unwrap().diagnosis;
-        let named: Vec<_> = diagnosis
-            .findings
-            .iter()
-            .map(|f| (f.cause, f.address.as_str(), f.probability))
-            .collect();
-        println!("{place} {seed}: {:?} {named:?}", diagnosis.verdict);
-        let (cause, at, _) = named[0];
-        assert_eq!((cause, at), (Cause::DryFriction, place));
-        let elsewhere = named.iter().any(|(_, at, p)| *at != place && *p > 0.5);
-        assert!(!elsewhere, "{named:?}");
-        assert!(named.iter().all(|(_, _, p)| *p <= 1.0), "{named:?}");
-        assert_eq!(diagnosis.verdict, Verdict::Discrepancy);
-    }
+fn gives_way_by_degrees(friction: Friction, place: &'static str, seed: u64) {
+    let plant = Plant {
+        truth: ("dry-friction", place),
+        friction: Some(friction),
+        ..nothing()
+    };
+    let folder = study("pseudo-mcpherson", &plant, 0.02, seed, Some(UP_AND_DOWN));
+    let loaded = LoadedStudy::read(folder.path()).value.unwrap();
+    let held = held_out(&loaded.study, &loaded.measurement);
+    let diagnosis = diagnose(&loaded.problem(), held).unwrap().diagnosis;
+    let named: Vec<_> = diagnosis
+        .findings
+        .iter()
+        .map(|f| (f.cause, f.address.as_str(), f.probability))
+        .collect();
+    println!("{place} {seed}: {:?} {named:?}", diagnosis.verdict);
+    let (cause, at, _) = named[0];
+    assert_eq!((cause, at), (Cause::DryFriction, place));
+    let elsewhere = named.iter().any(|(_, at, p)| *at != place && *p > 0.5);
+    assert!(!elsewhere, "{named:?}");
+    assert!(named.iter().all(|(_, _, p)| *p <= 1.0), "{named:?}");
+    assert_eq!(diagnosis.verdict, Verdict::Discrepancy);
+}
+
+const STRUT: Friction = Friction {
+    law: FrictionLaw::Dahl,
+    force: 150.0,
+    stiffness: 300.0,
+    i: 11,
+    j: 12,
+    part_of_j: 4,
+    axis: 2,
+};
+
+// One test for each seed: they run side by side.
+#[test]
+fn friction_of_a_strut_that_gives_way_by_degrees() {
+    gives_way_by_degrees(STRUT, "JOINT/3", 27);
 }
 
 #[test]
-fn friction_of_a_strut_that_gives_way_by_degrees() {
-    let friction = Friction {
-        law: FrictionLaw::Dahl,
-        force: 150.0,
-        stiffness: 300.0,
-        i: 11,
-        j: 12,
-        part_of_j: 4,
-        axis: 2,
-    };
-    gives_way_by_degrees(friction, "JOINT/3");
+fn friction_of_a_strut_that_gives_way_by_degrees_in_other_noise() {
+    gives_way_by_degrees(STRUT, "JOINT/3", 28);
 }
 
 #[test]
@@ -242,7 +247,9 @@ fn friction_of_a_bushing_that_gives_way_by_degrees() {
         part_of_j: 1,
         axis: 0,
     };
-    gives_way_by_degrees(friction, "BUSHING/2.K.1");
+    for seed in [27, 28] {
+        gives_way_by_degrees(friction, "BUSHING/2.K.1", seed);
+    }
 }
 
 /// Both ends of the rod yield.

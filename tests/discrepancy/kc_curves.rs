@@ -19,6 +19,8 @@ fn a_wrong_hardpoint_and_friction_are_found_from_curves_of_the_wheel() {
     let planted = truth
         .lines()
         .filter(|line| line.starts_with("hardpoint-error@") || line.starts_with("dry-friction@"));
+    // The search without the held-out cases chooses them, too.
+    let held_out = diagnosis.hold_out.as_ref().unwrap();
     let mut count = 0;
     for line in planted {
         let (cause, rest) = line.split_once('@').unwrap();
@@ -32,8 +34,11 @@ fn a_wrong_hardpoint_and_friction_are_found_from_curves_of_the_wheel() {
             "{line}: {:?}",
             diagnosis.findings
         );
+        let found = format!("{cause} {}", named.unwrap().address);
+        assert!(held_out.causes.contains(&found), "{:?}", held_out.causes);
         count += 1;
     }
+    assert_eq!(held_out.causes.len(), 2, "{:?}", held_out.causes);
     assert_eq!(count, 2);
     assert_eq!(diagnosis.findings.len(), 2, "{:?}", diagnosis.findings);
     // The loops come out: every curve is met to its noise in the cases no fit saw.
