@@ -163,11 +163,13 @@ pub(super) fn sign_on(a: f64, b: f64, held: Piece, by: &mut [f64]) -> Switched {
 
 /// AINT(x), or ANINT(x), on the piece it is held on: a whole number.
 pub(super) fn whole_on(nearest: bool, x: f64, held: Piece, by: &mut [f64]) -> Switched {
-    let piece = if nearest { x.round() } else { x.trunc() } as i64;
+    let own = if nearest { x.round() } else { x.trunc() };
+    let piece = own as i64;
     let on = held.unwrap_or(piece);
     by[0] = 0.0;
     Switched {
-        value: on as f64,
+        // Beyond the range of whole numbers, and where x is none, its own value.
+        value: if on == piece { own } else { on as f64 },
         seen: seen(piece, held, beyond_whole(nearest, x, on as f64)),
     }
 }

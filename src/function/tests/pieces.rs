@@ -169,3 +169,13 @@ fn functions_of_the_time_alone_have_no_pieces() {
         assert_eq!(compile(text).program.switches(), switches, "{text}");
     }
 }
+
+#[test]
+fn numbers_too_large_for_a_whole_number_keep_their_value() {
+    for function in ["AINT", "ANINT"] {
+        let text = format!("{function}(VARVAL(1))");
+        for x in [1e20, -1e300] {
+            assert_eq!(on(&text, [x, 0.0], None).0, x, "{text}");
+        }
+    }
+}

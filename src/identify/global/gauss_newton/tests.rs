@@ -101,8 +101,8 @@ fn a_held_unknown_stays_and_a_prior_pulls() {
     assert!((pulled.x[1] - 0.625).abs() < 1e-6);
 }
 
-/// An arc tangent of steep ends, where a whole step goes too far, with a second answer: who has once been beyond 1.5 meets that until
-/// he returns.
+/// An arc tangent, on which a whole step from 1.45 goes too far, with a second branch: an evaluation beyond 1.5 changes to it, and later
+/// ones stay there until `go_back`.
 struct Snapping {
     there: bool,
     kept: bool,
