@@ -18,15 +18,13 @@ use super::remainder::{predicted, remainder};
 use super::search::Search;
 use super::sought::{Sought, as_it_is, probability};
 use super::stiffness::{CorrectedStiffness, corrected};
-use super::structure::{ALL, StructureTest, structure};
+use super::structure::{StructureTest, is_significant, is_structured, least, structure};
 use super::subject::{Data, Subject};
 use super::unseen::Unseen;
 use crate::identify::{IdentifyError, Problem};
 use crate::rig::{Measurement, Study};
 use crate::tolerance::{Group, Scale};
 
-/// Structure is there when the hardest of all tests, corrected for their number, has a p-value below this.
-const STRUCTURED: f64 = 0.005;
 /// Held-out readings less probable than this under the extended model speak against its causes.
 const SURPRISED: f64 = 0.002;
 
@@ -308,19 +306,14 @@ pub(super) fn tolerances(
 }
 
 fn unexplained(after: &[StructureTest]) -> Unexplained {
-    let count = after.len() as f64;
-    // Whether all readings together agree is one question; where they do not, one of many.
-    let corrected = |test: &StructureTest| {
-        let asked = if test.what == ALL { 1.0 } else { count };
-        (test.p_value * asked).min(1.0)
-    };
-    let worst = after.iter().map(corrected).fold(1.0, f64::min);
+    let worst = least(after);
+    let significant = after
+        .iter()
+        .filter(|test| is_significant(test, after.len()));
     Unexplained {
-        structured: worst < STRUCTURED,
+        structured: is_structured(after),
         p_value: worst,
-        places: after
-            .iter()
-            .filter(|test| corrected(test) < STRUCTURED)
+        places: significant
             .map(|test| format!("{} (p = {:.1e})", test.what, test.p_value))
             .collect(),
         remainder: None,

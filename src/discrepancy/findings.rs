@@ -226,7 +226,7 @@ pub(super) fn faults_of_marks(subject: &Subject<'_>) -> Vec<Finding> {
     };
     let noise = &subject.noise;
     if let (true, Some(declared), Some(estimated)) =
-        (noise.contradicts(), noise.declared, noise.estimated)
+        (subject.contradicts_noise(), noise.declared, noise.estimated)
     {
         let one = |value: f64| BTreeMap::from([("sigma".to_string(), value)]);
         let z = libm::log(estimated / declared) / noise.ln_sd;

@@ -131,22 +131,30 @@ pub(super) fn compared(subject: &Subject<'_>) -> Vec<usize> {
 }
 
 /// By how much two models differ in their readings: rms of marks and channels in units of their noise, and of wheel angles in degrees.
+/// Where there are neither marks nor channels all readings of the wheel stand for them.
 pub(super) fn moved(subject: &Subject<'_>, a: &DVector<f64>, b: &DVector<f64>) -> (f64, f64) {
-    let (mut marks, mut angles) = ((0.0, 0), (0.0, 0));
-    let wheel = subject.problem.measurement.wheel.as_ref();
-    let angle = wheel.map_or(0.0, |w| w.sigma_angle_deg);
+    let (mut marks, mut angles, mut wheel) = ((0.0, 0), (0.0, 0), (0.0, 0));
+    let sigmas = subject.problem.measurement.wheel.as_ref();
+    let angle = sigmas.map_or(0.0, |w| w.sigma_angle_deg);
     let unit = subject.sigma / subject.mark_sigma();
+    let add = |(sum, count): &mut (f64, i32), change: f64| {
+        *sum += change * change;
+        *count += 1;
+    };
     for (k, row) in subject.rows.iter().enumerate() {
         let change = a[k] - b[k];
-        let (sum, scale) = match row {
-            Row::Mark { .. } => (&mut marks, unit),
-            Row::Channel { .. } => (&mut marks, 1.0),
-            Row::Wheel { component: 3.., .. } => (&mut angles, angle),
-            Row::Wheel { .. } => continue,
-        };
-        sum.0 += (change * scale).powi(2);
-        sum.1 += 1;
+        match row {
+            Row::Mark { .. } => add(&mut marks, change * unit),
+            Row::Channel { .. } => add(&mut marks, change),
+            Row::Wheel { component, .. } => {
+                add(&mut wheel, change);
+                if *component >= 3 {
+                    add(&mut angles, change * angle);
+                }
+            }
+        }
     }
     let rms = |(sum, count): (f64, i32)| (sum / f64::from(count.max(1))).sqrt();
-    (rms(marks), rms(angles))
+    let readings = if marks.1 > 0 { marks } else { wheel };
+    (rms(readings), rms(angles))
 }

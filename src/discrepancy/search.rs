@@ -33,6 +33,8 @@ const FORMS: usize = 3;
 const BEHIND: f64 = 50.0;
 /// A model has to be better by so many nats to be another place than the one a fit of the same causes came to.
 const ELSEWHERE: f64 = 2.0;
+/// Friction within so many nats of the best is fitted from other slip lengths as that is.
+const NEAR: f64 = 10.0;
 /// Some cause acts where the linear model promises so many nats of one.
 const SURE: f64 = 10.0;
 
@@ -193,7 +195,7 @@ impl<'a, 'b> Search<'a, 'b> {
                 let Some(next) = self.grown(&best) else {
                     break;
                 };
-                let next = self.tried.restarted(next);
+                let next = self.restarted(&best, next);
                 best = self.pruned(next, 1);
                 best = self
                     .stand_ins
@@ -360,6 +362,21 @@ impl<'a, 'b> Search<'a, 'b> {
         (winner.ln_posterior() > least + BETTER).then_some(winner)
     }
 
+    /// The best of a winner and what came near it beside `base`, friction fitted anew from other slip lengths: with the winner's alone
+    /// its place would look certain.
+    fn restarted(&mut self, base: &Arc<Fitted>, winner: Arc<Fitted>) -> Arc<Fitted> {
+        let least = winner.ln_posterior() - NEAR;
+        let rivals = self.tried.beside(base, &winner, least);
+        let mut best = self.tried.restarted(winner);
+        for rival in rivals {
+            let rival = self.tried.restarted(rival);
+            if rival.ln_posterior() > best.ln_posterior() {
+                best = rival;
+            }
+        }
+        best
+    }
+
     /// Fits a law without memory at the next places that promise it, from what the winner found, unless a fit there has come to its end:
     /// the guesses of the linear model may lead astray, and the winner's place would look certain.
     fn beside_winner(
@@ -456,7 +473,7 @@ impl<'a, 'b> Search<'a, 'b> {
             let others: Vec<&Candidate> = candidates.iter().filter(is_other).collect();
             match self.refitted(&base, &others, (least, (-LINEAR, -LINEAR))) {
                 Some(found) if found.ln_posterior() > least + BETTER => {
-                    let found = self.tried.restarted(found);
+                    let found = self.restarted(&base, found);
                     current = self.pruned(found, 1);
                     at = 0;
                 }

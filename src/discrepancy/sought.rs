@@ -6,6 +6,7 @@ use super::fit::{Fitted, fit, refit};
 use super::hypothesis::Hypothesis;
 use super::progress::Progress;
 use super::search::{Search, resume};
+use super::structure::{is_of_far_readings, is_structured, structure};
 use super::subject::{Data, Subject};
 use super::visited::Found;
 
@@ -23,13 +24,37 @@ pub(super) struct Sought {
 
 /// Fits the model without any cause, and weighs the readings by what it leaves. `None` where the deck cannot be solved.
 pub(super) fn as_it_is(subject: &mut Subject<'_>, data: Data) -> Option<Fitted> {
-    let none = fit(subject, &[], None, data)?;
+    let mut none = fit(subject, &[], None, data)?;
+    if subject.suspect_rest(&none.misfit) {
+        subject.weigh(None);
+        none = refit(subject, &none, data)?;
+    }
     let judged = subject.judge_suspects(&none.misfit);
     subject.weigh(Some(&none.misfit));
     if judged || subject.is_reweighed() {
-        return refit(subject, &none, data);
+        none = refit(subject, &none, data)?;
+    }
+    // Far readings of a model that is wrong may look like tails: they have to be all that there is.
+    if let Some(tailed) = tailed(subject, &none)
+        && let Some(again) = refit(&tailed, &none, data)
+        && !is_structured(&structure(&tailed, &again))
+    {
+        *subject = tailed;
+        return Some(again);
     }
     Some(none)
+}
+
+/// The readings weighed by tails, where that may explain what a fit leaves.
+fn tailed<'a>(subject: &Subject<'a>, fitted: &Fitted) -> Option<Subject<'a>> {
+    if subject.tails.is_some() || !subject.has_few_far(&fitted.misfit) {
+        return None;
+    }
+    let left = structure(subject, fitted);
+    if !is_structured(&left) {
+        return None;
+    }
+    subject.with_tails(&fitted.misfit, is_of_far_readings(&left))
 }
 
 /// Fits the model as it is, and searches causes. `None` where the deck cannot be solved.

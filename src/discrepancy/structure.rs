@@ -8,12 +8,27 @@ use crate::identify::global::Row;
 use crate::mechanics::Vec3;
 use crate::rig::orientation::chi_square_p_value;
 
-/// What the test over all readings looks at.
-pub(super) const ALL: &str = "all readings";
+/// Structure is there when the hardest of all tests, corrected for their number, has a p-value below this.
+const STRUCTURED: f64 = 0.005;
+
+/// What kind of structure a test looks for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Aspect {
+    /// Whether all readings together scatter as they should.
+    All,
+    /// The same of a case, a part or a channel: one far reading makes it fail.
+    Scatter,
+    /// One reading of one mark.
+    Mark,
+    /// What goes through several readings.
+    Pattern,
+}
 
 /// One test of structure.
 #[derive(Clone, PartialEq, Debug)]
 pub struct StructureTest {
+    /// What it looks for.
+    pub aspect: Aspect,
     /// What it looks at, as a person would say it.
     pub what: String,
     /// Chi-square.
@@ -44,6 +59,42 @@ pub(super) fn structure(subject: &Subject<'_>, fitted: &Fitted) -> Vec<Structure
     out
 }
 
+/// The p-value of one of so many tests, corrected for their number. Whether all readings together agree is one question; where they do not,
+/// one of many.
+fn corrected(test: &StructureTest, count: usize) -> f64 {
+    let asked = match test.aspect {
+        Aspect::All => 1.0,
+        _ => count as f64,
+    };
+    (test.p_value * asked).min(1.0)
+}
+
+/// True where one of so many tests shows structure.
+pub(super) fn is_significant(test: &StructureTest, count: usize) -> bool {
+    corrected(test, count) < STRUCTURED
+}
+
+/// The least p-value, corrected for the number of tests.
+pub(super) fn least(tests: &[StructureTest]) -> f64 {
+    let values = tests.iter().map(|test| corrected(test, tests.len()));
+    values.fold(1.0, f64::min)
+}
+
+/// True where something is left that noise does not make.
+pub(super) fn is_structured(tests: &[StructureTest]) -> bool {
+    least(tests) < STRUCTURED
+}
+
+/// True where single readings of marks are too far off, and nothing goes through several.
+pub(super) fn is_of_far_readings(tests: &[StructureTest]) -> bool {
+    let significant = tests
+        .iter()
+        .filter(|test| is_significant(test, tests.len()));
+    let mut aspects = significant.map(|test| test.aspect);
+    aspects.clone().any(|aspect| aspect == Aspect::Mark)
+        && aspects.all(|aspect| aspect != Aspect::Pattern)
+}
+
 struct Tests<'a> {
     subject: &'a Subject<'a>,
     influence: &'a Influence<'a>,
@@ -54,12 +105,13 @@ struct Tests<'a> {
 
 impl Tests<'_> {
     fn overall(&mut self, fitted: &Fitted) {
-        let value = fitted.posterior.chi_square * self.subject.normal();
+        let value = fitted.posterior.chi_square * self.subject.normal(0..self.subject.rows.len());
         let dof = (fitted.posterior.count - fitted.posterior.effective)
             .max(1.0)
             .round() as usize;
         self.out.push(StructureTest {
-            what: ALL.to_string(),
+            aspect: Aspect::All,
+            what: "all readings".to_string(),
             value,
             dof,
             p_value: chi_square_p_value(value, dof),
@@ -70,6 +122,7 @@ impl Tests<'_> {
     fn put(&mut self, what: String, weights: &[f64]) {
         if let Some(statistic) = self.by_case.test(weights) {
             self.out.push(StructureTest {
+                aspect: Aspect::Pattern,
                 what,
                 value: statistic.value,
                 dof: statistic.dof,
@@ -79,11 +132,12 @@ impl Tests<'_> {
     }
 
     /// The worst of several, its p-value corrected for their number.
-    fn worst(&mut self, named: Vec<(String, Vec<Contrast>)>) {
+    fn worst(&mut self, aspect: Aspect, named: Vec<(String, Vec<Contrast>)>) {
         let count = named.len() as f64;
         let tests = named.into_iter().filter_map(|(what, contrasts)| {
             let statistic = self.influence.test(&contrasts)?;
             Some(StructureTest {
+                aspect,
                 what,
                 value: statistic.value,
                 dof: statistic.dof,
@@ -105,8 +159,9 @@ impl Tests<'_> {
             .map(|(k, _)| k)
             .collect();
         if let Some(statistic) = self.influence.test_rows(&rows) {
-            let value = statistic.value * self.subject.normal();
+            let value = statistic.value * self.subject.normal(rows);
             self.out.push(StructureTest {
+                aspect: Aspect::Scatter,
                 what,
                 value,
                 dof: statistic.dof,
@@ -211,14 +266,14 @@ impl Tests<'_> {
             }
         }
         motions.retain(|(_, columns)| !columns[0].is_empty());
-        self.worst(motions);
+        self.worst(Aspect::Pattern, motions);
         let constants = constants.into_iter().map(|((part, mark), columns)| {
             let part = &measurement.parts[part];
             let what = format!("mark {} {} in all cases", part.name, part.marks[mark].label);
             (what, columns)
         });
-        self.worst(constants.collect());
-        self.worst(single);
+        self.worst(Aspect::Pattern, constants.collect());
+        self.worst(Aspect::Mark, single);
     }
 }
 

@@ -8,10 +8,14 @@ use crate::identify::global::{Observations, Row};
 use crate::mechanics::Vec3;
 use crate::rig::settings::Loss;
 use crate::rig::{Measurement, ToleranceSettings};
-use crate::tolerance::{Layer, LayerOf, MarkBlock, Noise, Scale, Sizes, Tails, Whitening};
+use crate::tolerance::{Layer, LayerOf, MarkBlock, Noise, Scale, Sizes, Tails, Whitening, spread};
 
 /// Precision of a reading whose residual Huber's loss weighs down: beyond so many standard deviations.
 const HUBER: f64 = 1.345;
+/// A reading is far out from so many standard deviations on; few are less than this part.
+const FAR: f64 = 4.0;
+const FEW: f64 = 0.03;
+
 /// A study under diagnosis: what was read, how exact it is, and the tolerances it stands among.
 #[derive(Clone, Debug)]
 pub struct Subject<'a> {
@@ -93,6 +97,16 @@ impl<'a> Subject<'a> {
 
     /// Weighs all rows: marks by their own noise, outliers not at all; with the residuals of a fit also by their tails.
     pub fn weigh(&mut self, misfit: Option<&DVector<f64>>) {
+        let least = if self.noise.has_tails() {
+            Tails::BETTER
+        } else {
+            f64::INFINITY
+        };
+        self.weigh_by(misfit, least);
+    }
+
+    /// The same, with tails that are better than the Gaussian by so many nats.
+    fn weigh_by(&mut self, misfit: Option<&DVector<f64>>, least: f64) {
         let relative = self.noise.sigma().map_or(1.0, |sigma| self.sigma / sigma);
         let relative = if relative.is_finite() { relative } else { 1.0 };
         let measurement = self.problem.measurement;
@@ -110,7 +124,8 @@ impl<'a> Subject<'a> {
             let pairs = misfit.iter().zip(&self.rows).filter(marks);
             pairs.map(|(r, _)| *r).collect()
         });
-        self.tails = Tails::of(&used).filter(|_| self.noise.has_tails());
+        let best = Tails::best(&used).filter(|(_, gain)| *gain > least);
+        self.tails = best.map(|(tails, _)| tails);
         let huber = self.problem.settings.loss == Loss::Huber;
         let precision = |(at, row): (usize, &Row)| {
             if dropped(row) {
@@ -133,27 +148,78 @@ impl<'a> Subject<'a> {
         self.precision = self.rows.iter().enumerate().map(precision).collect();
     }
 
+    /// Puts under suspicion what a fit shows to be wrong among the marks of a part that lost an outlier; true if there is any.
+    pub fn suspect_rest(&mut self, misfit: &DVector<f64>) -> bool {
+        if self.noise.outliers.is_empty() {
+            return false;
+        }
+        let marks = self.rows.iter().zip(misfit.iter());
+        let marks = marks.filter(|(row, _)| matches!(row, Row::Mark { .. }));
+        let usual = spread(marks.map(|(_, r)| r * self.sigma).collect());
+        let off = off(&self.rows, misfit, self.sigma);
+        self.noise
+            .suspect_rest(self.problem.measurement, &off, usual)
+    }
+
     /// Judges marks under suspicion by a fit that has not seen them; true if there were any.
     pub fn judge_suspects(&mut self, misfit: &DVector<f64>) -> bool {
         if self.noise.suspects.is_empty() {
             return false;
         }
-        let rows = &self.rows;
-        let sigma = self.sigma;
-        let of = |case: usize, reading: usize| {
-            let first = rows.iter().position(
-                |row| matches!(*row, Row::Mark { case: c, reading: r, axis: 0 } if (c, r) == (case, reading)),
-            )?;
-            Some(Vec3::from_fn(|axis, _| -misfit[first + axis] * sigma))
-        };
-        self.noise.judge(self.problem.measurement, &of);
+        let off = off(&self.rows, misfit, self.sigma);
+        self.noise.judge(self.problem.measurement, &off);
         true
     }
 
-    /// What a mean square of whitened residuals is multiplied by to be one on average: weights of heavy tails make it smaller.
-    pub fn normal(&self) -> f64 {
-        self.tails
-            .map_or(1.0, |tails| (tails.nu + 3.0) / (tails.nu + 1.0))
+    /// The same with readings weighed by tails that the marks alone are too few to show; `None` where nothing speaks for them. Single far
+    /// readings that are all the structure there is speak for them.
+    pub fn with_tails(&self, misfit: &DVector<f64>, far: bool) -> Option<Self> {
+        if self.tails.is_some() || !(far || self.noise.may_have_tails()) {
+            return None;
+        }
+        let mut tailed = self.clone();
+        tailed.weigh_by(Some(misfit), if far { Tails::HINT } else { Tails::BETTER });
+        tailed.tails.is_some().then_some(tailed)
+    }
+
+    /// True if a fit leaves few mark coordinates that are far out, and some: what a wrong model leaves is spread.
+    pub fn has_few_far(&self, misfit: &DVector<f64>) -> bool {
+        let sigma = self.mark_sigma() / self.sigma;
+        let marks = self.rows.iter().zip(&self.precision).zip(misfit.iter());
+        let used = marks
+            .filter(|((row, precision), _)| matches!(row, Row::Mark { .. }) && **precision > 0.0);
+        let (mut all, mut far) = (0.0, 0.0);
+        for (_, r) in used {
+            all += 1.0;
+            if r.abs() > FAR * sigma {
+                far += 1.0;
+            }
+        }
+        far > 0.0 && far < FEW * all
+    }
+
+    /// True if the declared noise of marks is not that of the readings.
+    pub fn contradicts_noise(&self) -> bool {
+        let tailed = self.tails.is_some() || self.noise.has_tails();
+        self.noise.contradicts(tailed)
+    }
+
+    /// What a mean square of whitened residuals of these rows is multiplied by to be one on average: weights of heavy tails make that of
+    /// marks smaller.
+    pub fn normal(&self, rows: impl IntoIterator<Item = usize>) -> f64 {
+        let Some(tails) = self.tails else {
+            return 1.0;
+        };
+        let of_marks = (tails.nu + 1.0) / (tails.nu + 3.0);
+        let (mut count, mut sum) = (0.0, 0.0);
+        for row in rows {
+            if self.precision[row] > 0.0 {
+                count += 1.0;
+                let is_of_marks = matches!(self.rows[row], Row::Mark { .. });
+                sum += if is_of_marks { of_marks } else { 1.0 };
+            }
+        }
+        if sum > 0.0 { count / sum } else { 1.0 }
     }
 
     /// True if residuals changed the weights of rows.
@@ -358,6 +424,20 @@ fn placed(
         }
     }
     (blocks.into_iter().map(|(_, block)| block).collect(), single)
+}
+
+/// How far a mark of a case was read from where a fit has it, from the fit's misfit in units of `sigma`.
+fn off<'a>(
+    rows: &'a [Row],
+    misfit: &'a DVector<f64>,
+    sigma: f64,
+) -> impl Fn(usize, usize) -> Option<Vec3> + 'a {
+    move |case, reading| {
+        let first = rows.iter().position(
+            |row| matches!(*row, Row::Mark { case: c, reading: r, axis: 0 } if (c, r) == (case, reading)),
+        )?;
+        Some(Vec3::from_fn(|axis, _| -misfit[first + axis] * sigma))
+    }
 }
 
 /// What a fit sees.

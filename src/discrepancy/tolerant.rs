@@ -49,7 +49,7 @@ pub fn tolerant(problem: &Problem<'_>) -> Option<Tolerant> {
         .collect();
     let posterior = &found.posterior;
     let chi_square = (
-        posterior.chi_square * subject.normal(),
+        posterior.chi_square * subject.normal(0..subject.rows.len()),
         posterior.count - posterior.effective,
     );
     let sizes = tolerances(&subject, &found);

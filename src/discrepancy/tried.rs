@@ -169,6 +169,32 @@ impl<'a, 'b> Tried<'a, 'b> {
         (!found.has_wrong_sign(last)).then(|| Fit::New(Box::new(found)))
     }
 
+    /// The best fits with friction at other places beside a model than a winner's, if no worse than `least`.
+    pub(super) fn beside(
+        &self,
+        base: &Arc<Fitted>,
+        winner: &Fitted,
+        least: f64,
+    ) -> Vec<Arc<Fitted>> {
+        let mut out: Vec<(&Hypothesis, Arc<Fitted>)> = Vec::new();
+        for (of, h, found) in &self.added {
+            let is_winner = winner.chosen.last().is_some_and(|own| own.same_place(h));
+            if !Arc::ptr_eq(of, base)
+                || h.memory.is_none()
+                || is_winner
+                || found.ln_posterior() < least
+            {
+                continue;
+            }
+            match out.iter_mut().find(|(known, _)| known.same_place(h)) {
+                Some((_, known)) if known.ln_posterior() >= found.ln_posterior() => {}
+                Some((_, known)) => *known = Arc::clone(found),
+                None => out.push((h, Arc::clone(found))),
+            }
+        }
+        out.into_iter().map(|(_, found)| found).collect()
+    }
+
     /// Fits models with friction anew from slip lengths on both sides of where they ended: sliders that stick or slip in another case
     /// lie beyond kinks that no step crosses.
     pub(super) fn restarted(&mut self, mut current: Arc<Fitted>) -> Arc<Fitted> {
@@ -256,6 +282,13 @@ impl<'a, 'b> Tried<'a, 'b> {
     ) -> Option<Arc<Fitted>> {
         if let Some(known) = self.known(&causes) {
             return Some(known);
+        }
+        // One that did not come to an end would not do so from the same start.
+        let is_again = |(found, from): &&(Arc<Fitted>, Arc<Fitted>)| {
+            Arc::ptr_eq(from, fitted) && same_set(&found.chosen, &causes)
+        };
+        if let Some((known, _)) = self.begun.iter().find(is_again) {
+            return Some(Arc::clone(known));
         }
         let zeros = |h: Hypothesis| {
             let count = h.numbers.len();

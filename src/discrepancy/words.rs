@@ -304,7 +304,7 @@ impl Outcome<'_> {
         let mut out = Vec::new();
         let noise = &self.diagnosis.noise;
         if let (true, Some(declared), Some(estimated)) = (
-            self.subject.noise.contradicts(),
+            self.subject.contradicts_noise(),
             noise.declared,
             noise.estimated,
         ) {

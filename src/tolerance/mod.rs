@@ -33,7 +33,7 @@ pub(crate) use group::{Group, Scale};
 pub(crate) use layer::acts_at;
 pub(crate) use layer::{Effect, Layer, LayerOf};
 pub(crate) use linear::{Linear, Posterior, Unknown};
-pub(crate) use noise::Noise;
+pub(crate) use noise::{Noise, spread};
 pub(crate) use point::Point;
 pub(crate) use product::transposed;
 pub(crate) use reached::Reached;

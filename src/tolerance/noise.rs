@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::DVector;
 
+use super::tails::Tails;
 use crate::mechanics::Vec3;
 use crate::rig::Measurement;
 use crate::rig::orientation::absolute_orientation;
@@ -23,6 +24,8 @@ const AGREE: f64 = 12.0;
 const CONTRADICTED: f64 = 4.0;
 /// With heavy tails its logarithm may be off by so much more.
 const TAILED: f64 = 0.3;
+/// Marks are sorted so often at most.
+const PASSES: usize = 4;
 /// Scale of the median of absolute values for a Gaussian.
 const MAD: f64 = 1.4826;
 
@@ -46,10 +49,8 @@ pub struct Noise {
     pub estimated: Option<f64>,
     /// Standard deviation of the logarithm of the estimate.
     pub ln_sd: f64,
-    /// Fourth moment of the residuals over the square of the second; three for a Gaussian.
-    pub kurtosis: f64,
-    /// How many residuals that was taken from.
-    pub count: usize,
+    /// By how many nats Student's t is a better distribution of what is left of the marks than the Gaussian.
+    pub tails: f64,
     /// Readings that are plainly wrong.
     pub outliers: Vec<MarkOutlier>,
     /// Case and part of marks of which several are wrong, so that they do not tell themselves which: a model has to.
@@ -57,6 +58,7 @@ pub struct Noise {
 }
 
 /// Marks of one part in one case.
+#[derive(Clone, PartialEq)]
 struct Block {
     case: usize,
     part: usize,
@@ -68,44 +70,33 @@ impl Noise {
     /// From the marks of a measurement.
     pub(crate) fn of(measurement: &Measurement) -> Self {
         let declared = (!measurement.sigma_estimated).then_some(measurement.sigma);
-        let mut blocks = blocks(measurement);
-        let (mut outliers, mut suspects) = (Vec::new(), Vec::new());
+        let all = blocks(measurement);
         let none = BTreeMap::new();
-        // Robust first: what is plainly wrong must not decide what plain is.
-        let rough = residuals(measurement, &blocks, &none);
-        let centre = centres(&rough, true);
-        let mut sizes: Vec<f64> = coordinates(measurement, &rough, &centre)
-            .into_iter()
-            .map(f64::abs)
-            .collect();
-        sizes.sort_by(f64::total_cmp);
-        let sigma = MAD * sizes.get(sizes.len() / 2).copied().unwrap_or(0.0);
-        if sigma > 0.0 {
-            blocks.retain_mut(|block| {
-                loop {
-                    match worst(measurement, block, &centre, sigma) {
-                        Looks::Fine => return true,
-                        Looks::Wrong(at, error) => outliers.push(MarkOutlier {
-                            case: block.case,
-                            reading: block.readings.remove(at),
-                            error,
-                        }),
-                        Looks::Mixed => {
-                            suspects.push((block.case, block.part));
-                            return false;
-                        }
-                    }
-                }
-            });
+        // Robust first: what is plainly wrong must not decide what plain is. In few cases it does, until it is left out.
+        let mut sorted = Sorted {
+            blocks: all.clone(),
+            ..Sorted::default()
+        };
+        for _ in 0..PASSES {
+            let rough = residuals(measurement, &sorted.blocks, &none);
+            let centre = centres(&rough, true);
+            let sigma = spread(coordinates(measurement, &rough, &centre));
+            let again = sort(measurement, all.clone(), &centre, sigma);
+            let is_same = again.is_same(&sorted);
+            sorted = again;
+            if is_same {
+                break;
+            }
         }
+        let Sorted {
+            blocks,
+            outliers,
+            suspects,
+        } = sorted;
         let clean = residuals(measurement, &blocks, &none);
         let centre = centres(&clean, false);
-        let (mut squares, mut fourths, mut count) = (0.0, 0.0, 0usize);
-        for value in coordinates(measurement, &clean, &centre) {
-            squares += value * value;
-            fourths += value.powi(4);
-            count += 1;
-        }
+        let left = coordinates(measurement, &clean, &centre);
+        let squares: f64 = left.iter().map(|value| value * value).sum();
         // Six of each block told its pose, and as many coordinates of each part as are left its mean.
         let mut dof: f64 = blocks
             .iter()
@@ -120,17 +111,11 @@ impl Noise {
             dof -= parts.values().sum::<f64>();
         }
         let usable = dof >= 6.0 && squares > 0.0;
-        let mean = squares / count.max(1) as f64;
         Self {
             declared,
             estimated: usable.then(|| (squares / dof).sqrt()),
             ln_sd: (1.0 / (2.0 * dof.max(1.0))).sqrt(),
-            kurtosis: if mean > 0.0 {
-                fourths / count as f64 / (mean * mean)
-            } else {
-                3.0
-            },
-            count,
+            tails: Tails::best(&left).map_or(0.0, |(_, gain)| gain),
             outliers,
             suspects,
         }
@@ -168,21 +153,111 @@ impl Noise {
         self.estimated.or(self.declared)
     }
 
-    /// True if the declared noise is not the noise of the readings.
-    pub(crate) fn contradicts(&self) -> bool {
+    /// True if the declared noise is not the noise of the readings, which may have heavy tails.
+    pub(crate) fn contradicts(&self, tailed: bool) -> bool {
         match (self.declared, self.estimated) {
             (Some(declared), Some(estimated)) if declared > 0.0 => {
                 // With heavy tails a standard deviation says little.
-                let loose = if self.has_tails() { TAILED } else { 0.0 };
+                let loose = if tailed { TAILED } else { 0.0 };
                 libm::log(estimated / declared).abs() > CONTRADICTED * self.ln_sd + loose
             }
             _ => false,
         }
     }
 
-    /// True if the residuals are further out than those of a Gaussian, by four standard deviations of the kurtosis.
+    /// True if the residuals are further out than those of a Gaussian.
     pub(crate) fn has_tails(&self) -> bool {
-        self.count > 50 && self.kurtosis > 3.0 + 4.0 * (24.0 / self.count as f64).sqrt()
+        self.tails > Tails::BETTER
+    }
+
+    /// True if they may be: marks in few cases do not tell.
+    pub(crate) fn may_have_tails(&self) -> bool {
+        self.tails > Tails::HINT
+    }
+
+    /// Puts under suspicion what is left of marks that lost an outlier, where a model of which most marks are `usual` far off says so:
+    /// three marks fit a rigid part if one of them is off across the others. True if there are any.
+    pub(crate) fn suspect_rest(
+        &mut self,
+        measurement: &Measurement,
+        misfit: &dyn Fn(usize, usize) -> Option<Vec3>,
+        usual: f64,
+    ) -> bool {
+        let least = OUTLIER * usual.max(self.sigma().unwrap_or(0.0));
+        let part =
+            |outlier: &MarkOutlier| measurement.cases[outlier.case].marks[outlier.reading].part;
+        let mut blocks: Vec<(usize, usize)> =
+            self.outliers.iter().map(|o| (o.case, part(o))).collect();
+        blocks.dedup();
+        for (case, of) in blocks {
+            let is_here = |o: &MarkOutlier| o.case == case && part(o) == of;
+            let is_out = |reading: usize| {
+                let mut known = self.outliers.iter().filter(|o| is_here(o));
+                known.any(|o| o.reading == reading)
+            };
+            let readings = measurement.cases[case].marks.iter().enumerate();
+            let mut rest = readings.filter(|(k, mark)| mark.part == of && !is_out(*k));
+            if rest.any(|(k, _)| misfit(case, k).is_some_and(|e| e.amax() > least)) {
+                self.suspects.push((case, of));
+                self.outliers.retain(|o| !is_here(o));
+            }
+        }
+        !self.suspects.is_empty()
+    }
+}
+
+/// Standard deviation by the median of absolute values.
+pub(crate) fn spread(mut values: Vec<f64>) -> f64 {
+    values.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+    MAD * values
+        .get(values.len() / 2)
+        .map_or(0.0, |value| value.abs())
+}
+
+/// Marks sorted into those that fit rigid parts and others.
+#[derive(Default)]
+struct Sorted {
+    blocks: Vec<Block>,
+    outliers: Vec<MarkOutlier>,
+    suspects: Vec<(usize, usize)>,
+}
+
+impl Sorted {
+    fn is_same(&self, other: &Self) -> bool {
+        self.blocks == other.blocks && self.suspects == other.suspects
+    }
+}
+
+/// Sorts the marks of all blocks by what the others of each say.
+fn sort(
+    measurement: &Measurement,
+    mut blocks: Vec<Block>,
+    centre: &BTreeMap<(usize, usize), Vec3>,
+    sigma: f64,
+) -> Sorted {
+    let (mut outliers, mut suspects) = (Vec::new(), Vec::new());
+    if sigma > 0.0 {
+        blocks.retain_mut(|block| {
+            loop {
+                match worst(measurement, block, centre, sigma) {
+                    Looks::Fine => return true,
+                    Looks::Wrong(at, error) => outliers.push(MarkOutlier {
+                        case: block.case,
+                        reading: block.readings.remove(at),
+                        error,
+                    }),
+                    Looks::Mixed => {
+                        suspects.push((block.case, block.part));
+                        return false;
+                    }
+                }
+            }
+        });
+    }
+    Sorted {
+        blocks,
+        outliers,
+        suspects,
     }
 }
 

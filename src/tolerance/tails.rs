@@ -4,8 +4,6 @@ use statrs::function::gamma::ln_gamma;
 
 /// Degrees of freedom that are tried; the Gaussian comes beside them.
 const GRID: [f64; 9] = [2.0, 2.5, 3.0, 4.0, 5.0, 7.0, 10.0, 15.0, 30.0];
-/// So many nats better than the Gaussian it has to be.
-const BETTER: f64 = 4.0;
 /// Steps of the fixed point for the scale.
 const STEPS: usize = 40;
 
@@ -19,8 +17,13 @@ pub struct Tails {
 }
 
 impl Tails {
-    /// The distribution of greatest likelihood, if it beats the Gaussian.
-    pub(crate) fn of(residuals: &[f64]) -> Option<Self> {
+    /// Tails are there where the distribution is better than the Gaussian by so many nats: of Gaussian noise one study in 400 has as much.
+    pub(crate) const BETTER: f64 = 4.0;
+    /// They may be there from so many on: of Gaussian noise one study in 13 has as much.
+    pub(crate) const HINT: f64 = 1.0;
+
+    /// The distribution of greatest likelihood, and by how many nats it is better than the Gaussian.
+    pub(crate) fn best(residuals: &[f64]) -> Option<(Self, f64)> {
         let n = residuals.len() as f64;
         let variance = residuals.iter().map(|r| r * r).sum::<f64>() / n;
         if n < 30.0 || variance <= 0.0 {
@@ -50,7 +53,7 @@ impl Tails {
             })
             .max_by(|a, b| a.0.total_cmp(&b.0))?;
         let (value, nu, scale) = best;
-        (value > gauss + BETTER).then_some(Self { nu, scale })
+        Some((Self { nu, scale }, value - gauss))
     }
 
     /// Precision of a coordinate with this residual: `kappa w / s^2` with `w = (nu + 1)/(nu + (r/s)^2)` and Fisher's information

@@ -6,6 +6,7 @@ mod causes;
 #[path = "../common/mod.rs"]
 mod common;
 mod extension;
+mod few;
 mod found;
 mod hidden;
 mod kc_curves;

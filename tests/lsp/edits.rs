@@ -5,7 +5,7 @@ use admire::diagnostic::Checked;
 use admire::lsp::Document;
 use admire::syntax::files::Files;
 use admire::syntax::lint::Options;
-use admire::syntax::{Dataset, Statement};
+use admire::syntax::{Argument, Dataset, Statement};
 use admire::text::{Source, Span};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -156,42 +156,55 @@ fn edit(random: &mut Pcg64, text: &str, original: &str) -> (usize, usize, String
     }
 }
 
+type Place = (usize, usize);
+
 /// A statement with all its places.
-fn shown(statement: &Statement, base: usize) -> String {
+#[derive(PartialEq, Debug)]
+struct Shown {
+    kind: Option<&'static str>,
+    id: Option<(u32, Place)>,
+    keyword: Place,
+    span: Place,
+    name: Option<Place>,
+    arguments: Vec<ShownArgument>,
+}
+
+#[derive(PartialEq, Debug)]
+struct ShownArgument {
+    kind: Option<&'static str>,
+    places: [Place; 3],
+    /// Bits, whether in degrees, and where.
+    numbers: Vec<(u64, bool, Place)>,
+}
+
+fn shown(statement: &Statement, base: usize) -> Shown {
     let shift = |span: Span| (base + span.start(), base + span.end());
-    let arguments: Vec<_> = statement
-        .arguments
-        .iter()
-        .map(|argument| {
-            let numbers = argument
-                .numbers()
-                .iter()
-                .map(|n| (n.value, n.degrees, shift(n.span)));
-            (
-                argument.kind(),
-                shift(argument.name),
-                shift(argument.span),
-                shift(argument.value_span()),
-                numbers.collect::<Vec<_>>(),
-            )
-        })
-        .collect();
-    let id = statement.id.map(|(id, span)| (id, shift(span)));
-    let name = statement.view_name.map(shift);
-    format!(
-        "{:?} {id:?} {:?} {:?} {name:?} {arguments:?}",
-        statement.kind(),
-        shift(statement.keyword),
-        shift(statement.span)
-    )
+    let argument = |argument: &Argument| {
+        let numbers = argument.numbers().iter();
+        ShownArgument {
+            kind: argument.kind(),
+            places: [argument.name, argument.span, argument.value_span()].map(shift),
+            numbers: numbers
+                .map(|n| (n.value.to_bits(), n.degrees, shift(n.span)))
+                .collect(),
+        }
+    };
+    Shown {
+        kind: statement.kind(),
+        id: statement.id.map(|(id, span)| (id, shift(span))),
+        keyword: shift(statement.keyword),
+        span: shift(statement.span),
+        name: statement.view_name.map(shift),
+        arguments: statement.arguments.iter().map(argument).collect(),
+    }
 }
 
 fn same_statements(document: &Document, fresh: &Dataset, place: &str) {
-    let held: Vec<String> = document
+    let held: Vec<Shown> = document
         .statements()
         .map(|(_, base, statement)| shown(statement, base))
         .collect();
-    let read: Vec<String> = fresh
+    let read: Vec<Shown> = fresh
         .statements()
         .iter()
         .map(|statement| shown(statement, 0))

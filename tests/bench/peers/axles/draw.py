@@ -199,21 +199,23 @@ def wheel(world, poses, rng):
     return read + rng.normal(size=read.shape) * np.array([SIGMA_WHEEL[0]] * 3 + [SIGMA_WHEEL[1]] * 2)
 
 
-def study(path, kind, axle_name, seed, instruments, with_bound=False):
+def study(path, kind, axle_name, seed, instruments, with_bound=False, cases=None):
     """One study: folder and truth. The axle, its tolerances and the noise depend on the seed alone; a seed whose axle does not stand
     draws again."""
     for attempt in range(20):
         streams = [np.random.default_rng([seed, attempt, k, sorted(KINDS).index(axle_name)]) for k in range(4)]
         try:
-            return drawn(path, kind, axle_name, seed, instruments, streams, with_bound)
+            return drawn(path, kind, axle_name, seed, instruments, streams, with_bound, cases)
         except (NoEquilibrium, TooFar):
             continue
     raise SystemExit(f"no axle of kind {axle_name} stands with seed {seed}")
 
 
-def drawn(path, kind, axle_name, seed, instruments, streams, with_bound):
+def drawn(path, kind, axle_name, seed, instruments, streams, with_bound, cases):
     of_axle, of_background, of_causes, of_noise = streams
     axle = KINDS[axle_name](of_axle)
+    if cases:
+        axle.cases = [axle.cases[k] for k in np.linspace(0, len(axle.cases) - 1, cases).round().astype(int)]
     sigma = float(of_axle.choice([0.02, 0.03, 0.05]))
     deck = Deck(axle, unknown=(1e4, 1e4))
     nominal = World(axle)
@@ -272,6 +274,7 @@ def main():
     parser.add_argument("--count", type=int, default=1, help="of each kind")
     parser.add_argument("--seed", type=int, default=1, help="the first one")
     parser.add_argument("--instruments", default="marks", help="marks, wheel or marks,wheel")
+    parser.add_argument("--cases", type=int, help="so few of the 31 load cases, in their order")
     parser.add_argument("--bound", action="store_true", help="also the least standard deviations the marks allow, for the widths of intervals")
     options = parser.parse_args()
     kinds = [k for k in CONDITIONS if k != "calibration"] if options.kind == "all" else options.kind.split(",")
@@ -283,7 +286,7 @@ def main():
         for k in range(options.count):
             seed, axle = options.seed + k, axles[k % len(axles)]
             name = f"{kind}-{axle}-{seed}"
-            said = study(os.path.join(options.out, name), kind, axle, seed, options.instruments.split(","), options.bound)
+            said = study(os.path.join(options.out, name), kind, axle, seed, options.instruments.split(","), options.bound, options.cases)
             causes = ", ".join(c["cause"] + " " + c["addresses"][0] for c in said["causes"][:2]) or "nothing"
             print(f"{name}: {causes}; {said['effect_shift_mm_rms']:.3f} mm rms of {said['total_shift_mm_rms']:.3f}", flush=True)
     return 0

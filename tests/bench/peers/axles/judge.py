@@ -63,6 +63,9 @@ def judged(truth, said, seconds):
     statements = [(f["probability"], any(same(f, c) for c in planted)) for f in names if f.get("probability") is not None]
     for f in names:
         statements += [(r["probability"], any(same(r, c) for c in planted)) for r in f.get("indistinguishable_from", []) if r.get("probability") is not None]
+    blind = [dict(zip(("cause", "address"), c.split(" ", 1))) for c in (said.get("hold_out") or {}).get("causes", [])]
+    members = {(f["cause"], f["address"]): f.get("members", []) for f in names}
+    blind = [f | {"members": members.get((f["cause"], f["address"]), [])} for f in blind]
     none = [(said["none_of_these"], not planted)] if said.get("none_of_these") is not None else []
     covered, widths, ratios, identified = [], [], [], 0
     for p in said.get("parameters", []):
@@ -79,7 +82,8 @@ def judged(truth, said, seconds):
                 ratios.append((high - low) / (2 * 1.96 * least * abs(p["value"])))
     return dict(verdict=said["verdict"], planted=len(planted), hits=sum(hits), with_rivals=sum(rivals), false=false, wrong_marks=len(wrong_marks),
                 listed=sum(any(same(f, c) for f in listed) for c in wrong_marks), invented=sum(not any(same(f, c) for c in wrong_marks) for f in listed),
-                statements=statements, none=none, effect=truth.get("effect_shift_mm_rms", 0.0) / (truth.get("sigma_mm") or 1.0), covered=covered, widths=widths, ratios=ratios, identified=identified, seconds=seconds,
+                statements=statements, none=none, blind=len(blind),
+                blind_hits=sum(any(same(f, c) for f in blind) for c in planted), blind_false=sum(not any(same(f, c) for c in planted) for f in blind), effect=truth.get("effect_shift_mm_rms", 0.0) / (truth.get("sigma_mm") or 1.0), covered=covered, widths=widths, ratios=ratios, identified=identified, seconds=seconds,
                 first=bool(planted) and bool(names) and any(same(names[0], c) for c in planted))
 
 
@@ -118,6 +122,11 @@ def tables(lines, failed):
     if every:
         out += ["", f"{len(every)} studies: {percent(sum(line['hits'] for line in every), planted)} of {planted} planted causes named with place; a false name in "
                     f"{percent(sum(bool(line['false']) for line in every), len(every))} of the studies; 95 % intervals hold in {percent(sum(covered), len(covered))}."]
+        if any(line["blind"] for line in every):
+            searched = [line for line in every if line["blind"]]
+            out.append(f"The searches without the cases held out chose {sum(line['blind'] for line in searched)} causes in {len(searched)} studies: "
+                       f"{sum(line['blind_hits'] for line in searched)} of the {sum(line['planted'] for line in searched)} planted there, and "
+                       f"{sum(line['blind_false'] for line in searched)} others.")
     statements = [s for line in every for s in line["statements"]]
     if statements:
         out += ["", "| stated probability | times | mean stated | came true |", "|---|---|---|---|"]
