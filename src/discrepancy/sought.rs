@@ -13,6 +13,9 @@ use super::visited::Found;
 /// A place is named from this probability on.
 pub(super) const NAMED: f64 = 0.5;
 
+/// Readings under suspicion are judged so often at most.
+const JUDGED: usize = 3;
+
 /// What a search ended with.
 #[derive(Debug)]
 pub(super) struct Sought {
@@ -25,14 +28,20 @@ pub(super) struct Sought {
 /// Fits the model without any cause, and weighs the readings by what it leaves. `None` where the deck cannot be solved.
 pub(super) fn as_it_is(subject: &mut Subject<'_>, data: Data) -> Option<Fitted> {
     let mut none = fit(subject, &[], None, data)?;
-    if subject.suspect_rest(&none.misfit) {
-        subject.weigh(None);
-        none = refit(subject, &none, data)?;
-    }
-    let judged = subject.judge_suspects(&none.misfit);
-    subject.weigh(Some(&none.misfit));
-    if judged || subject.is_reweighed() {
-        none = refit(subject, &none, data)?;
+    // What is wrong hides other wrong readings until it is left out.
+    for _ in 0..JUDGED {
+        if subject.suspect_three(&none.misfit) {
+            subject.weigh(None);
+            none = refit(subject, &none, data)?;
+        }
+        let judged = subject.judge_suspects(&none.misfit);
+        subject.weigh(Some(&none.misfit));
+        if judged || subject.is_reweighed() {
+            none = refit(subject, &none, data)?;
+        }
+        if !judged {
+            break;
+        }
     }
     // Far readings of a model that is wrong may look like tails: they have to be all that there is.
     if let Some(tailed) = tailed(subject, &none)

@@ -148,17 +148,14 @@ impl<'a> Subject<'a> {
         self.precision = self.rows.iter().enumerate().map(precision).collect();
     }
 
-    /// Puts under suspicion what a fit shows to be wrong among the marks of a part that lost an outlier; true if there is any.
-    pub fn suspect_rest(&mut self, misfit: &DVector<f64>) -> bool {
-        if self.noise.outliers.is_empty() {
-            return false;
-        }
+    /// Puts under suspicion what a fit shows to be wrong among three marks of a part, all it has or what outliers left; true if any are.
+    pub fn suspect_three(&mut self, misfit: &DVector<f64>) -> bool {
         let marks = self.rows.iter().zip(misfit.iter());
         let marks = marks.filter(|(row, _)| matches!(row, Row::Mark { .. }));
         let usual = spread(marks.map(|(_, r)| r * self.sigma).collect());
         let off = off(&self.rows, misfit, self.sigma);
         self.noise
-            .suspect_rest(self.problem.measurement, &off, usual)
+            .suspect_three(self.problem.measurement, &off, usual)
     }
 
     /// Judges marks under suspicion by a fit that has not seen them; true if there were any.

@@ -81,10 +81,12 @@ impl<'a, 'b> Tried<'a, 'b> {
         if let Some((half, ..)) = &halves {
             self.halved.push((Arc::clone(base), half.clone()));
         }
-        let found = match self.added_to(base, (h, weighed), halves, target)? {
-            Fit::New(found) => Arc::from(found),
-            Fit::Known => known?,
+        let found = match self.added_to(base, (h, weighed), halves, target) {
+            Some(Fit::New(found)) => Some(Arc::from(found)),
+            Some(Fit::Known) => known,
+            None => None,
         };
+        let found = self.from_elsewhere(base, h, found, lead)?;
         if found.is_settled() {
             let known = (Arc::clone(base), h.clone(), Arc::clone(&found));
             self.added.push(known);
@@ -95,6 +97,48 @@ impl<'a, 'b> Tried<'a, 'b> {
             fitted: Some(Arc::clone(&found)),
         });
         Some(found)
+    }
+
+    /// The better of a fit of `base` with friction and one that begins where a search of other cases ended with the same causes: that one
+    /// may have crossed kinks for it.
+    fn from_elsewhere(
+        &self,
+        base: &Fitted,
+        h: &Hypothesis,
+        found: Option<Arc<Fitted>>,
+        lead: f64,
+    ) -> Option<Arc<Fitted>> {
+        // Forms of a slider differ in their first guess.
+        let own = |fit: &Fitted| fit.chosen.iter().position(|other| other.is_law_of(h));
+        let is_same = |fit: &&Arc<Fitted>| {
+            let is_held = |h: &Hypothesis| fit.chosen.iter().any(|other| other.same(h));
+            h.memory.is_some()
+                && fit.is_settled()
+                && fit.chosen.len() == base.chosen.len() + 1
+                && base.chosen.iter().all(is_held)
+                && own(fit).is_some()
+        };
+        let same = self.elsewhere.iter().filter(is_same);
+        let start = same.max_by(|a, b| a.ln_posterior().total_cmp(&b.ln_posterior()));
+        let Some((start, at)) = start.and_then(|start| Some((start, own(start)?))) else {
+            return found;
+        };
+        let mut all = unguessed(base);
+        let h = &start.chosen[at];
+        all.push((h.clone(), vec![0.0; h.numbers.len()]));
+        let target = Target {
+            lead: lead - base.ln_prior() - h.ln_prior,
+            known: found.as_deref(),
+        };
+        let from = Some((&**start, start.x.as_slice()));
+        let again = match aimed(self.subject, &all, from, None, self.data, target) {
+            Some(Fit::New(again)) if !again.has_wrong_sign(all.len() - 1) => again,
+            _ => return found,
+        };
+        match found {
+            Some(found) if found.ln_posterior() >= again.ln_posterior() => Some(found),
+            _ => Some(Arc::from(again)),
+        }
     }
 
     /// The same fit, begun where the linear model puts it.

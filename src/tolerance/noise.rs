@@ -18,6 +18,8 @@ const SUSPECT: f64 = 6.0;
 const OUTLIER: f64 = 8.0;
 /// A model shows a mark to be wrong that is off by this part of the worst of its part.
 const APART: f64 = 0.4;
+/// Of three marks one stands alone if the others are off by less than this part of it.
+const ALONE: f64 = 0.25;
 /// Marks agree when the sum of their squares per degree of freedom is below this.
 const AGREE: f64 = 12.0;
 /// The declared noise is contradicted from so many standard deviations of its logarithm on.
@@ -175,34 +177,44 @@ impl Noise {
         self.tails > Tails::HINT
     }
 
-    /// Puts under suspicion what is left of marks that lost an outlier, where a model of which most marks are `usual` far off says so:
-    /// three marks fit a rigid part if one of them is off across the others. True if there are any.
-    pub(crate) fn suspect_rest(
+    /// Puts three marks of a part under suspicion where a model of which most marks are `usual` far off says so: they fit a rigid part if one
+    /// of them is off across the others. Of a part that has no more, one has to stand alone. True if there are any.
+    pub(crate) fn suspect_three(
         &mut self,
         measurement: &Measurement,
         misfit: &dyn Fn(usize, usize) -> Option<Vec3>,
         usual: f64,
     ) -> bool {
         let least = OUTLIER * usual.max(self.sigma().unwrap_or(0.0));
-        let part =
-            |outlier: &MarkOutlier| measurement.cases[outlier.case].marks[outlier.reading].part;
-        let mut blocks: Vec<(usize, usize)> =
-            self.outliers.iter().map(|o| (o.case, part(o))).collect();
-        blocks.dedup();
-        for (case, of) in blocks {
-            let is_here = |o: &MarkOutlier| o.case == case && part(o) == of;
-            let is_out = |reading: usize| {
+        let before = self.suspects.len();
+        for block in blocks(measurement) {
+            let (case, part) = (block.case, block.part);
+            if self.suspects.contains(&(case, part)) {
+                continue;
+            }
+            let is_here = |o: &MarkOutlier| o.case == case && block.readings.contains(&o.reading);
+            let lost = self.outliers.iter().filter(|o| is_here(o)).count();
+            if block.readings.len() - lost > 3 {
+                continue;
+            }
+            let is_out = |k: &&usize| {
                 let mut known = self.outliers.iter().filter(|o| is_here(o));
-                known.any(|o| o.reading == reading)
+                known.any(|o| o.reading == **k)
             };
-            let readings = measurement.cases[case].marks.iter().enumerate();
-            let mut rest = readings.filter(|(k, mark)| mark.part == of && !is_out(*k));
-            if rest.any(|(k, _)| misfit(case, k).is_some_and(|e| e.amax() > least)) {
-                self.suspects.push((case, of));
+            let rest = block.readings.iter().filter(|k| !is_out(k));
+            let mut off: Vec<f64> = rest
+                .filter_map(|k| Some(misfit(case, *k)?.amax()))
+                .collect();
+            off.sort_by(|a, b| b.total_cmp(a));
+            let [largest, next, ..] = off[..] else {
+                continue;
+            };
+            if largest > least && (lost > 0 || next < ALONE * largest) {
                 self.outliers.retain(|o| !is_here(o));
+                self.suspects.push((case, part));
             }
         }
-        !self.suspects.is_empty()
+        self.suspects.len() > before
     }
 }
 
@@ -434,7 +446,7 @@ fn worst(
     sigma: f64,
 ) -> Looks {
     let count = block.readings.len();
-    if count < 4 {
+    if count < 3 {
         return Looks::Fine;
     }
     let marks = &measurement.cases[block.case].marks;
@@ -449,7 +461,16 @@ fn worst(
         return Looks::Fine;
     };
     let largest = all.residuals.iter().map(Vec3::amax).fold(0.0, f64::max);
-    if largest < SUSPECT * sigma * (1.0 - 6.0 / (3.0 * count as f64)).sqrt() {
+    let usual = sigma * (1.0 - 6.0 / (3.0 * count as f64)).sqrt();
+    if count == 3 {
+        // Three marks show that one is wrong along their plane, but not which.
+        return if largest > 2.0 * SUSPECT * usual {
+            Looks::Mixed
+        } else {
+            Looks::Fine
+        };
+    }
+    if largest < SUSPECT * usual {
         return Looks::Fine;
     }
     let mut best: Option<(f64, usize, Vec3)> = None;
