@@ -32,7 +32,10 @@ pub(super) struct Build<'a> {
     pub(super) interpolants: Vec<(Arc<Interpolant>, usize)>,
     targets: usize,
     branches: bool,
-    switches: u32,
+    /// Of each switch whether the time alone chooses its piece.
+    switches: Vec<bool>,
+    /// How often something else than the time was read.
+    pub(super) readings: usize,
 }
 
 impl<'a> Build<'a> {
@@ -48,7 +51,8 @@ impl<'a> Build<'a> {
             interpolants: Vec::new(),
             targets: 0,
             branches: false,
-            switches: 0,
+            switches: Vec::new(),
+            readings: 0,
         }
     }
 
@@ -108,7 +112,9 @@ impl<'a> Build<'a> {
         self.branches = true;
         // Where the time alone decides, the times of its zeros are known beforehand.
         let known = linear(self.expression, test).is_some();
+        let before = self.readings;
         let test = self.node(test)?;
+        let of_time = self.readings == before;
         let branch = self.steps.len();
         self.push(
             Kind::Branch {
@@ -119,7 +125,7 @@ impl<'a> Build<'a> {
             0,
         );
         if !known {
-            self.switch();
+            self.switch(of_time);
         }
         let target = self.target();
         let mut starts = [0; 3];
@@ -143,6 +149,7 @@ impl<'a> Build<'a> {
     }
 
     pub(super) fn input(&mut self, input: Input) -> Place {
+        self.readings += usize::from(input != Input::Time);
         Place::Input(position(&mut self.inputs, input))
     }
 
@@ -162,11 +169,11 @@ impl<'a> Build<'a> {
         self.operands.extend_from_slice(operands);
     }
 
-    /// The last step has pieces that a motion can be held on.
-    pub(super) fn switch(&mut self) {
+    /// The last step has pieces that a motion can be held on; the time alone may choose among them.
+    pub(super) fn switch(&mut self, of_time: bool) {
         let step = self.steps.last_mut().expect("a step was pushed");
-        step.switch = self.switches;
-        self.switches += 1;
+        step.switch = self.switches.len() as u32;
+        self.switches.push(of_time);
     }
 
     /// A step with a result of its own; computed now if all operands are constants and the value exists.
@@ -255,7 +262,7 @@ fn fold(kind: Kind, constants: &[f64], interpolants: &[(Arc<Interpolant>, usize)
         slots: constants.len() + 1,
         result: count,
         branches: false,
-        switches: 0,
+        switches: Vec::new(),
     };
     program.eval(&[], &[], &mut Scratch::default()).ok()
 }

@@ -26,16 +26,18 @@ impl Build<'_> {
     ) -> Result<Place, Diagnostic> {
         let name = function.name;
         if let Some(kind) = plain_kind(name) {
+            let before = self.readings;
             let places = arguments
                 .iter()
                 .map(|argument| self.node(argument))
                 .collect::<Result<Vec<_>, _>>()?;
+            let of_time = self.readings == before;
             let place = self.step(kind, &places);
             // Where the time alone chooses the piece, when is known beforehand, if it does not do so over and over.
             let slope = |argument| linear(self.expression, argument).map(|(slope, _)| slope);
             let watched = kind.is_watched(arguments.iter().map(slope));
             if watched && matches!(place, Place::Target(_)) {
-                self.switch();
+                self.switch(of_time);
             }
             return Ok(place);
         }
@@ -227,11 +229,7 @@ impl Build<'_> {
         let array = self.object(function, arguments, 0, Space::Array)?;
         let component = self.code_or_id(function, arguments, 1)?;
         let data = &self.compiler.model.arrays[array];
-        let size = match &data.kind {
-            ArrayKind::Numbers(numbers) => numbers.len(),
-            ArrayKind::Variables(variables) => variables.len(),
-            ArrayKind::States(size) | ArrayKind::Outputs(size) => *size,
-        };
+        let size = self.compiler.model.array_size(data);
         let element = (component as usize).wrapping_sub(1);
         if element >= size {
             return Err(wrong(

@@ -28,7 +28,7 @@ pub struct Program {
     pub(super) result: u32,
     pub(super) branches: bool,
     /// How many of its steps have pieces that a motion is held on.
-    pub(super) switches: u32,
+    pub(super) switches: Vec<bool>,
 }
 
 /// The number of a step that is no switch.
@@ -168,9 +168,9 @@ impl Program {
     }
 
     /// How many steps a motion can be held on pieces of: those of IMPACT, BISTOP, AINT, ANINT, MOD, and where not the time alone chooses, ABS,
-    /// SIGN, DIM, MAX, MIN and IF.
-    pub(crate) fn switches(&self) -> usize {
-        self.switches as usize
+    /// SIGN, DIM, MAX, MIN and IF. Of each, whether the time alone chooses its piece.
+    pub(crate) fn switches(&self) -> &[bool] {
+        &self.switches
     }
 
     /// The value at the given inputs (in the order of `inputs`) and literals (all of the expression, angles in radians).

@@ -168,8 +168,12 @@ pub(super) fn whole_on(nearest: bool, x: f64, held: Piece, by: &mut [f64]) -> Sw
     let on = held.unwrap_or(piece);
     by[0] = 0.0;
     Switched {
-        // Beyond the range of whole numbers, and where x is none, its own value.
-        value: if on == piece { own } else { on as f64 },
+        // Beyond the range of whole numbers, and where x is no number, its own value.
+        value: if on == piece || own.is_nan() {
+            own
+        } else {
+            on as f64
+        },
         seen: seen(piece, held, beyond_whole(nearest, x, on as f64)),
     }
 }

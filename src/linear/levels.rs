@@ -40,6 +40,21 @@ impl Sink for Levels {
                 .push((column as u32, row as u32, level as u8, value));
         }
     }
+
+    #[inline]
+    fn add_column(&mut self, row: usize, column: usize, values: &[f64]) {
+        if self.known && column < 3 * self.n {
+            let end = self.next + values.len();
+            for ((at, level), value) in self.slots[self.next..end].iter().zip(values) {
+                self.values[*level as usize][*at as usize] += value;
+            }
+            self.next = end;
+        } else {
+            for (k, value) in values.iter().enumerate() {
+                self.add(row + k, column, *value);
+            }
+        }
+    }
 }
 
 impl Levels {

@@ -26,6 +26,21 @@ impl Sink for Matrix {
             self.first.push((column as u32, row as u32, value));
         }
     }
+
+    #[inline]
+    fn add_column(&mut self, row: usize, column: usize, values: &[f64]) {
+        if self.known {
+            let end = self.next + values.len();
+            for (slot, value) in self.slots[self.next..end].iter().zip(values) {
+                self.values[*slot as usize] += value;
+            }
+            self.next = end;
+        } else {
+            for (k, value) in values.iter().enumerate() {
+                self.add(row + k, column, *value);
+            }
+        }
+    }
 }
 
 impl Matrix {

@@ -8,6 +8,13 @@ pub(crate) trait Sink {
 
     /// Adds to one entry.
     fn add(&mut self, row: usize, column: usize, value: f64);
+
+    /// Adds to entries below each other, from a row on.
+    fn add_column(&mut self, row: usize, column: usize, values: &[f64]) {
+        for (k, value) in values.iter().enumerate() {
+            self.add(row + k, column, *value);
+        }
+    }
 }
 
 /// No matrix is wanted.

@@ -163,6 +163,22 @@ impl Model {
         }))
     }
 
+    /// How many elements an array has. Those of states and outputs have as many as the equations that they belong to (state_array).
+    pub fn array_size(&self, array: &ArrayData) -> usize {
+        let id = array.header.id;
+        let mut equations = self.linear_states.iter();
+        match &array.kind {
+            ArrayKind::Numbers(numbers) => numbers.len(),
+            ArrayKind::Variables(variables) => variables.len(),
+            ArrayKind::States(size) => equations
+                .find(|of| of.x == id)
+                .map_or(*size, |of| of.a.len()),
+            ArrayKind::Outputs(size) => equations
+                .find(|of| of.y == Some(id))
+                .map_or(*size, |of| of.c.len().max(of.d.len())),
+        }
+    }
+
     /// The ground part.
     pub fn ground(&self) -> Option<PartIx> {
         self.parts

@@ -2,6 +2,8 @@
 
 use super::consistent::Consistent;
 use super::error::{MotionError, Reason};
+use super::passage::{EXACT, PLACES, Watched};
+use super::root::narrowed;
 use crate::system::{Parameters, State, System};
 
 /// A step that fails is halved at most so often.
@@ -58,6 +60,57 @@ pub fn advance(
             }
         }
     }
+}
+
+/// The same with an eye on what is watched: true if it passes its mark before the time, where the state then stands.
+///
+/// # Errors
+/// [`MotionError`] as of [`advance`].
+pub(crate) fn advance_watched(
+    (system, parameters): (&System, &Parameters),
+    state: &mut State,
+    memory: &mut Consistent,
+    (end, largest): (f64, f64),
+    watched: &mut impl Watched,
+) -> Result<(usize, bool), MotionError> {
+    let from = state.time;
+    watched.begin(state);
+    let mut steps = 0;
+    for part in PLACES {
+        let before = state.clone();
+        let to = if part < 1.0 {
+            from + part * (end - from)
+        } else {
+            end
+        };
+        steps += advance(system, parameters, state, memory, to, largest)?;
+        let excess = watched.excess(state);
+        if excess > 0.0 {
+            let start = (before.time, watched.excess(&before));
+            let mut failed = None;
+            let at = |time: f64| {
+                let mut there = before.clone();
+                match advance(system, parameters, &mut there, memory, time, largest) {
+                    Ok(_) => watched.excess(&there),
+                    Err(error) => {
+                        failed = Some(error);
+                        f64::NAN
+                    }
+                }
+            };
+            let (_, after) = narrowed(at, start, (to, excess), EXACT * (end - from));
+            if let Some(error) = failed {
+                return Err(error);
+            }
+            if after < to {
+                *state = before;
+                steps += advance(system, parameters, state, memory, after, largest)?;
+            }
+            return Ok((steps, after < end));
+        }
+        watched.go_on();
+    }
+    Ok((steps, false))
 }
 
 fn place(

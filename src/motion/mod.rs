@@ -38,7 +38,7 @@ pub use consistent::Consistent;
 pub(crate) use error::{MotionError, Reason};
 pub use integrator::Integrator;
 pub use kinematic::advance;
-pub(crate) use kinematic::check_determined;
+pub(crate) use kinematic::{advance_watched, check_determined};
 pub(crate) use modes::Mode;
 pub use modes::modes;
 pub(crate) use passage::Watched;

@@ -6,9 +6,9 @@ use super::root::narrowed;
 use crate::system::State;
 
 /// Places of a step at which is looked.
-const PLACES: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
+pub(super) const PLACES: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 /// A passage is looked for so exactly, as a share of the step.
-const EXACT: f64 = 1e-13;
+pub(super) const EXACT: f64 = 1e-13;
 /// The step is solved again so often at most.
 const SOLUTIONS: usize = 5;
 /// The end of a step is looked at so closely first, as a share of it, and so many times less closely then.

@@ -129,6 +129,10 @@ impl Regimes {
             }
         }
         self.last = Some((time, k));
+        // The time goes on whatever the function does: what it alone chooses does not chatter.
+        if system.switches[k].of_time {
+            return Ok(());
+        }
         let history = &mut self.switches[k];
         history.count += 1;
         if history.count > MOST {
@@ -164,5 +168,6 @@ impl Regimes {
 
 /// The statement of a function with pieces.
 fn owner(system: &System, k: usize) -> String {
-    system.functions[system.switches[k]].owner.to_string()
+    let function = system.switches[k].function;
+    system.functions[function].owner.to_string()
 }

@@ -5,6 +5,7 @@ use super::loaded::{Beginning, Compiled, Loaded};
 use super::measures::Measures;
 use super::message::{Progress, Row, equation_as_adams};
 use super::run_state::{Flow, Locate, Place, Session};
+use super::sensing::Sensed;
 use super::simulate::{Asked, OutputTimes, Phases, too_many};
 use super::watching::Watch;
 use crate::diagnostic::{Code, Diagnostic};
@@ -152,9 +153,6 @@ impl Session<'_> {
         place: Place<'_>,
     ) -> Result<Option<bool>, Stop> {
         let mut progress = Progress::new(&times);
-        let mut memory = Consistent::new(&self.model().compiled().value.system);
-        let mut k = 1;
-        let mut steps = 0;
         let first = Row {
             time: times.start,
             step: times.at(1) - times.start,
@@ -162,43 +160,93 @@ impl Session<'_> {
             steps: 0,
         };
         self.messages.progress(&mut progress, first);
+        let largest = self.model().model.kinematics.hmax;
+        let model = self.model().model.clone();
+        let mut compiled = self
+            .model()
+            .compiled
+            .take()
+            .expect("a motion has begun with its equations");
+        let Compiled {
+            system,
+            parameters,
+            state,
+            solver,
+            ..
+        } = &mut compiled;
+        state.mode = if kind == StepKind::Kinematic {
+            MODE_KINEMATIC
+        } else {
+            MODE_DYNAMIC
+        };
+        let mut memory = Consistent::new(system);
+        let mut watch = Watch::new(&model, system, parameters);
+        let (mut k, mut steps) = (1, 0);
+        let mut ended = Ok(Some(false));
         while k <= times.count {
             let time = times.at(k);
             k += 1;
-            let largest = self.model().model.kinematics.hmax;
-            let Compiled {
-                system,
-                parameters,
-                state,
-                ..
-            } = self.model().compiled().value;
-            state.mode = if kind == StepKind::Kinematic {
-                MODE_KINEMATIC
-            } else {
-                MODE_DYNAMIC
-            };
             let largest = largest.unwrap_or(time - state.time);
-            match motion::advance(system, parameters, state, &mut memory, time, largest) {
-                Ok(taken) => steps += taken,
+            let to = (time, largest);
+            let reached = if watch.is_idle() {
+                let taken = motion::advance(system, parameters, state, &mut memory, time, largest);
+                taken.map(|taken| (taken, false))
+            } else {
+                motion::advance_watched((system, parameters), state, &mut memory, to, &mut watch)
+            };
+            let event = match reached {
+                Ok((taken, event)) => {
+                    steps += taken;
+                    event
+                }
                 Err(error) => {
                     self.motion_failed(&error, place);
-                    return Ok(None);
+                    ended = Ok(None);
+                    break;
+                }
+            };
+            let sensed = watch.fire(state);
+            if event {
+                // The time of an event is no output time: what is left of the interval follows.
+                k -= 1;
+            } else {
+                let row = Row {
+                    time,
+                    step: largest,
+                    evaluations: steps,
+                    steps,
+                };
+                self.messages.progress(&mut progress, row);
+                let loaded = self.model();
+                let scratch = solver.scratch();
+                let mut measures = Measures::new(system, parameters, state, scratch);
+                let (model, outputs) = (&loaded.model, &mut loaded.outputs);
+                if let Err(diagnostic) = outputs.step(kind, model, &mut measures) {
+                    return self.unwritable(&diagnostic).map(|()| None);
+                }
+                if let Err(stop) = self.tell(times.moment(time, times.at(1) - times.start)) {
+                    ended = Err(stop);
+                    break;
                 }
             }
-            let row = Row {
-                time,
-                step: largest,
-                evaluations: steps,
-                steps,
-            };
-            self.messages.progress(&mut progress, row);
-            match self.after_output(kind, time, &mut times, &mut k, place)? {
-                After::On => {}
-                After::Ended(halted) => return Ok(Some(halted)),
-                After::Failed => return Ok(None),
+            match self.follow(&sensed, state.time, (&mut times, &mut k), place) {
+                Ok(After::On) => {}
+                Ok(After::Ended(halted)) => {
+                    ended = Ok(Some(halted));
+                    break;
+                }
+                Ok(After::Failed) => {
+                    ended = Ok(None);
+                    break;
+                }
+                Err(stop) => {
+                    ended = Err(stop);
+                    break;
+                }
             }
         }
-        Ok(Some(false))
+        self.model().compiled = Some(compiled);
+        ended
     }
 
     /// Motion to the output times.
@@ -283,27 +331,26 @@ impl Session<'_> {
                     break;
                 }
             }
-            if !sensed.said.is_empty() {
-                self.messages.say(&sensed.said);
-            }
-            self.messages.flush();
-            if sensed.halts || sensed.returns {
-                ended = Ok(Some(sensed.halts));
-                break;
+            match self.follow(&sensed, last.time, (&mut times, &mut k), place) {
+                Ok(After::On) => {}
+                Ok(After::Ended(halted)) => {
+                    ended = Ok(Some(halted));
+                    break;
+                }
+                Ok(After::Failed) => {
+                    ended = Ok(None);
+                    break;
+                }
+                Err(stop) => {
+                    ended = Err(stop);
+                    break;
+                }
             }
             if event {
                 integrator.restart();
             }
             if let Some(h) = sensed.stepsize {
                 integrator.set_step(h);
-            }
-            if let Some(dt) = sensed.dt.filter(|_| last.time < times.end) {
-                let Some(other) = times.every(dt, last.time) else {
-                    self.refused(too_many(dt), Some(place))?;
-                    ended = Ok(None);
-                    break;
-                };
-                (times, k) = (other, 1);
             }
         }
         drop(integrator);
@@ -312,18 +359,17 @@ impl Session<'_> {
         ended
     }
 
-    /// Writes an output step and looks at the sensors.
-    fn after_output(
+    /// Says what the sensors found; what one asks for follows.
+    fn follow(
         &mut self,
-        kind: StepKind,
+        sensed: &Sensed,
         time: f64,
-        times: &mut OutputTimes,
-        k: &mut usize,
+        (times, k): (&mut OutputTimes, &mut usize),
         place: Place<'_>,
     ) -> Result<After, Stop> {
-        self.write_step(kind)?;
-        self.tell(times.moment(time, times.at(1) - times.start))?;
-        let sensed = self.sense();
+        if !sensed.said.is_empty() {
+            self.messages.say(&sensed.said);
+        }
         self.messages.flush();
         if sensed.halts || sensed.returns {
             return Ok(After::Ended(sensed.halts));
@@ -382,7 +428,7 @@ fn reach(
     Ok(false)
 }
 
-/// What follows an output step.
+/// What follows the sensors.
 enum After {
     On,
     /// By a sensor; whether it halts the run.

@@ -60,9 +60,9 @@ pub(super) fn moved_columns(M: &Mat6, r: &Mat3) -> Mat6 {
 
 /// Adds a block to the Jacobian, cut to the freedoms of the bodies.
 pub(crate) fn add_block<S: Sink>(sink: &mut S, row: Place, column: Place, block: &Mat6) {
-    for j in 0..column.freedoms {
-        for i in 0..row.freedoms {
-            sink.add(row.first + i, column.first + j, block[(i, j)]);
+    for (j, values) in block.as_slice().chunks_exact(6).enumerate() {
+        if j < column.freedoms {
+            sink.add_column(row.first, column.first + j, &values[..row.freedoms]);
         }
     }
 }

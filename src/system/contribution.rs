@@ -268,18 +268,28 @@ impl Contribution {
                 add_block(sink, place, on_a, &block);
             }
         }
+        // What the frame's part does to that of the reaction; where both are one, with what turns the arms there.
+        let mut arms = b.map(|(place, _)| {
+            let mut block = Mat6::zeros();
+            add33(&mut block, 3, 0, &-Fx);
+            (place, block)
+        });
         if let Some((place, s)) = c {
             let N = self.by_frame(&skew(&s));
             if a_moves {
                 add_block(sink, on_a, place, &moved_rows(&r, &N));
             }
             if let Some((row, _)) = b {
-                add_block(sink, row, place, &-moved_rows(&s_b, &N));
+                let mut block = -moved_rows(&s_b, &N);
+                if row.first == place.first
+                    && let Some((_, arms)) = arms.take()
+                {
+                    block += arms;
+                }
+                add_block(sink, row, place, &block);
             }
         }
-        if let Some((place, _)) = b {
-            let mut block = Mat6::zeros();
-            add33(&mut block, 3, 0, &-Fx);
+        if let Some((place, block)) = arms {
             add_block(sink, place, place, &block);
         }
         if let Some(rate) = &self.rate {

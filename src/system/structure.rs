@@ -257,8 +257,17 @@ pub struct System {
     pub(crate) length: f64,
     /// Times at which functions of the time are not smooth, increasing.
     pub(crate) breaks: Vec<f64>,
-    /// The function of each switch: of what [`State::pieces`] holds a motion on.
-    pub(crate) switches: Vec<usize>,
+    /// What [`State::pieces`] holds a motion on.
+    pub(crate) switches: Vec<Switch>,
+}
+
+/// A function of several pieces within the one of a statement.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Switch {
+    /// Which of the functions of the system.
+    pub function: usize,
+    /// The time alone chooses its piece.
+    pub of_time: bool,
 }
 
 impl System {

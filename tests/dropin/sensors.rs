@@ -75,6 +75,33 @@ fn return_ends_the_simulation_and_halt_the_run() {
     }
 }
 
+/// Motion that follows from its drive alone goes on from where the sensor fired, between two outputs.
+#[test]
+fn a_sensor_fires_at_its_time_in_kinematics() {
+    let sensor = "SENSOR/1, GE, VALUE=0.0625, ERROR=1E-9, RETURN, FUNCTION=DZ(20,1)**2\nMOTION/1, JOINT=1, FUNCTION=TIME";
+    for command in ["KINEMATIC", "DYNAMIC"] {
+        let commands = format!(
+            "SIM/{command}, END=1, STEPS=10\nDEACTIVATE/SENSOR, ID=1\nSIM/{command}, END=1, STEPS=3\nSTOP"
+        );
+        let deck = SLIDER.replacen("REQUEST/1", &format!("{sensor}\nREQUEST/1"), 1);
+        let acf = format!("\nfile/model=slider\n{commands}\n");
+        let folder = folder(&[("slider.adm", &deck), ("run.acf", &acf)]);
+        let ran = mdi(folder.path(), &["ru-s", "run"]);
+        let results = Results::read_all(folder.path(), "slider.res");
+        assert!(
+            ran.stdout
+                .contains("Sensor/1 has become active at time = 0.250000"),
+            "{}",
+            ran.stdout
+        );
+        let (found, z) = (times(&results), results.column("block_XFORM", "Z"));
+        assert!(found.ends_with(&[0.5, 0.75, 1.0]), "{command}: {found:?}");
+        for (time, z) in results.column("time", "TIME").iter().zip(z) {
+            assert!((time - z).abs() < 1e-12, "{command}: {time} {z}");
+        }
+    }
+}
+
 #[test]
 fn a_sensor_that_is_switched_off_senses_nothing() {
     let sensor = "SENSOR/1, GE, VALUE=0.5, ERROR=0.001, HALT, FUNCTION=TIME";

@@ -1,11 +1,11 @@
 //! Functions held on a piece: their formula goes on beyond its end, and how far the arguments are beyond is seen.
 
-use super::{Scratch, compile};
+use super::{Fault, Scratch, compile};
 
 /// Value, derivatives by VARIABLE/1 and /2, the piece of the arguments and the excess.
 fn on(text: &str, at: [f64; 2], held: Option<i64>) -> (f64, [f64; 2], i64, f64) {
     let case = compile(text);
-    assert_eq!(case.program.switches(), 1, "{text}");
+    assert_eq!(case.program.switches().len(), 1, "{text}");
     let mut scratch = Scratch::default();
     let inputs = case.inputs([at[0], at[1], 0.0, 0.0]);
     let (mut by, mut by_literal) = (vec![0.0; inputs.len()], vec![0.0; case.literals.len()]);
@@ -154,19 +154,41 @@ fn arguments_that_are_equal_but_for_round_off_are_not_beyond() {
     }
 }
 
-/// Whether the time alone chooses is known beforehand, and nothing is held.
+/// Where the time alone chooses, when is known beforehand and nothing is held, but for what repeats.
 #[test]
-fn functions_of_the_time_alone_have_no_pieces() {
-    for (text, switches) in [
+fn what_the_time_alone_chooses_is_known() {
+    for (text, of_time) in [
         (
             "MAX(0,TIME-1)+ABS(2*TIME)+SIGN(1,TIME)+DIM(1,TIME)+MIN(1,2)",
-            0,
+            &[][..],
         ),
-        ("MAX(0,VARVAL(1)-TIME)+ABS(SIN(TIME))", 2),
-        // But for what repeats.
-        ("MOD(TIME,3)+AINT(2*TIME)+ANINT(2)", 2),
+        ("MAX(0,VARVAL(1)-TIME)+ABS(SIN(TIME))", &[false, true]),
+        ("MOD(TIME,3)+AINT(2*TIME)+ANINT(2)", &[true, true]),
+        ("VARVAL(1)*MOD(TIME,VARVAL(1))+MOD(TIME,2)", &[false, true]),
+        ("IF(SIN(TIME):1,AINT(VARVAL(1)),2)", &[true, false]),
     ] {
-        assert_eq!(compile(text).program.switches(), switches, "{text}");
+        assert_eq!(compile(text).program.switches(), of_time, "{text}");
+    }
+}
+
+/// What is no number has no whole part, whatever piece the function is held on.
+#[test]
+fn no_number_has_no_whole_part() {
+    for function in ["AINT", "ANINT", "INT", "NINT"] {
+        for held in [None, Some(0), Some(2)] {
+            let case = compile(&format!("{function}(VARVAL(1))"));
+            let (mut by, mut scratch) = ([0.0], Scratch::default());
+            let inputs = case.inputs([f64::NAN, 0.0, 0.0, 0.0]);
+            let value = case.program.eval_on_pieces(
+                &inputs,
+                &case.literals,
+                &[held],
+                &mut scratch,
+                (&mut by, &mut vec![0.0; case.literals.len()]),
+            );
+            let error = value.expect_err("no value");
+            assert_eq!(error.fault, Fault::NotDefined, "{function}");
+        }
     }
 }
 

@@ -226,6 +226,21 @@ fn a_thousand_changes_between_two_outputs_are_too_many() {
     integrator.advance_to(1.0).expect("a motion");
 }
 
+/// A saw of 5,000 teeth between two outputs: the time chooses them, which is no chatter. N teeth of T with N T = 1 give the velocity T/2.
+#[test]
+fn jumps_of_the_time_may_be_many() {
+    let tooth = 2e-4;
+    let deck = along_z(0.0, (0.0, 0.0), "MOD(TIME,0.0002)");
+    let mut integrator = begun(&deck, 1e-4, 1.0);
+    integrator.advance_to(1.0).expect("a motion");
+    let state = integrator.output().expect("an output");
+    let place = tooth / 4.0 * (1.0 - tooth) + tooth * tooth / 6.0;
+    let (z, speed) = (state.poses[1].p.z, state.velocities[1].linear.z);
+    assert!((speed / (tooth / 2.0) - 1.0).abs() < 1e-9, "{speed:e}");
+    assert!((z / place - 1.0).abs() < 1e-9, "{z:e}");
+    assert!(integrator.statistics().steps >= 5000);
+}
+
 /// A root that is taken above the ground only, from 1 m at -2 m/s: below it moves on with `v^2 = 4 - 4/3`.
 #[test]
 fn a_piece_that_ends_where_its_function_ends_is_left() {

@@ -6,7 +6,7 @@ use crate::function::{ElementIx, ForceMeasure, Input, MeasureKind, Program, time
 use crate::model::{ArrayKind, MarkerIx, RequestKind, effect_of};
 use crate::system::catalogue::{Quantity, Role};
 use crate::system::compiled_function::{CompiledFunction, Exerted, Force, LinearRow, Source};
-use crate::system::structure::{Action, Drive, Element, Rate};
+use crate::system::structure::{Action, Drive, Element, Rate, Switch};
 use crate::units::Dimension;
 
 impl Compiler<'_> {
@@ -59,8 +59,11 @@ impl Compiler<'_> {
             .start;
         let first = self.switches.len();
         if !read_only {
-            let count = program.as_ref().map_or(0, Program::switches);
-            self.switches.extend(std::iter::repeat_n(at, count));
+            let known = program.as_ref().map_or(&[][..], Program::switches);
+            self.switches.extend(known.iter().map(|&of_time| Switch {
+                function: at,
+                of_time,
+            }));
         }
         self.functions.push(CompiledFunction {
             owner: owner.clone(),

@@ -15,7 +15,7 @@ use self::motion::{not_in_motion, reference_mass};
 use super::catalogue::{Catalogue, Group, Quantity, Role};
 use super::compiled_function::{CompiledFunction, Exerted};
 use super::structure::{
-    Algebraic, Body, Condition, Element, Joint, Multi, Rate, Start, StateEquation, System,
+    Algebraic, Body, Condition, Element, Joint, Multi, Rate, Start, StateEquation, Switch, System,
 };
 use super::surface::Friction;
 use super::{Driven, Grip, Name, Parameters, Scratch, State};
@@ -93,8 +93,7 @@ struct Compiler<'a> {
     driven: Vec<Driven>,
     /// Times at which functions of the time are not smooth.
     breaks: Vec<f64>,
-    /// The function of each switch.
-    switches: Vec<usize>,
+    switches: Vec<Switch>,
 }
 
 /// An argument of a statement as the grammar has it.
