@@ -86,7 +86,7 @@ impl<'a, 'b> Tried<'a, 'b> {
             Some(Fit::Known) => known,
             None => None,
         };
-        let found = self.from_elsewhere(base, h, found, lead)?;
+        let found = self.continued(base, h, found, lead)?;
         if found.is_settled() {
             let known = (Arc::clone(base), h.clone(), Arc::clone(&found));
             self.added.push(known);
@@ -101,7 +101,7 @@ impl<'a, 'b> Tried<'a, 'b> {
 
     /// The better of a fit of `base` with friction and one that begins where a search of other cases ended with the same causes: that one
     /// may have crossed kinks for it.
-    fn from_elsewhere(
+    fn continued(
         &self,
         base: &Fitted,
         h: &Hypothesis,

@@ -104,12 +104,8 @@ fn wrong_marks_of_parts_with_three_are_listed() {
     let three_marks = |rig: &Path| {
         let path = rig.join("marks_on_parts.csv");
         let text = std::fs::read_to_string(&path).unwrap();
-        let kept = text.lines().filter(|line| !line.contains(",4,"));
-        std::fs::write(
-            path,
-            kept.map(|line| format!("{line}\n")).collect::<String>(),
-        )
-        .unwrap();
+        let kept: Vec<&str> = text.lines().filter(|line| !line.contains(",4,")).collect();
+        std::fs::write(path, kept.join("\n") + "\n").unwrap();
     };
     let effects = [
         "mark-outlier@case 3 FRONT_ARM 3:x=-0.1611,y=-0.1758,z=1.9857",
