@@ -10,6 +10,9 @@ use super::visited::{Visited, same_set};
 
 /// Slip lengths are tried again at these parts of themselves.
 const SLIPS: [f64; 2] = [0.4, 2.0];
+/// A fit that ends so many nats below the model without the cause went astray; it begins again with so much of the guesses.
+const ASTRAY: f64 = 30.0;
+const SMALL: f64 = 0.1;
 /// A model has to be better by so many nats.
 pub(super) const BETTER: f64 = 0.05;
 
@@ -173,22 +176,37 @@ impl<'a, 'b> Tried<'a, 'b> {
             Some(Fit::New(found)) => Some(*found),
             None => None,
         };
+        // With the cause in the model it cannot be far worse than without.
+        let least = base.ln_posterior() - ASTRAY;
         let is_done = |found: &Fitted| {
             found.is_settled()
                 || found.ln_posterior() > base.ln_posterior()
-                || target.is_beaten(found)
+                || (target.is_beaten(found) && found.ln_posterior() > least)
         };
+        let reached = |f: &Option<Fitted>| f.as_ref().map(Fitted::ln_posterior);
         let found = match found {
             Some(found) if is_done(&found) => Some(found),
             astray => {
                 let again = from(guesses, &base.x);
-                let reached = |f: &Option<Fitted>| f.as_ref().map(Fitted::ln_posterior);
                 if reached(&again) > reached(&astray) {
                     again
                 } else {
                     astray
                 }
             }
+        };
+        // What the linear model promises of a large effect may be out of its reach.
+        let found = match found {
+            Some(found) if found.ln_posterior() < least => {
+                let small: Vec<f64> = guesses.iter().map(|guess| SMALL * guess).collect();
+                let again = from(&small, &base.x);
+                if reached(&again) > Some(found.ln_posterior()) {
+                    again
+                } else {
+                    Some(found)
+                }
+            }
+            found => found,
         };
         // A further slider takes over a part of what the first one does.
         let halved = halved.and_then(|(h, guesses, x)| anew(&h, &guesses, &x));
