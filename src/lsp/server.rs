@@ -58,7 +58,11 @@ impl Server {
             queue: VecDeque::new(),
             shut_down: false,
         };
-        let ended = server.serve(&connection.receiver, &answers);
+        // The connection hands over one message at a time: what was said while another was worked on has to be here when that is done.
+        let (said, messages) = crossbeam_channel::unbounded();
+        let receiver = connection.receiver.clone();
+        std::thread::spawn(move || receiver.iter().try_for_each(|message| said.send(message)));
+        let ended = server.serve(&messages, &answers);
         drop(server);
         // A check under way is not waited for.
         drop(worker);
