@@ -231,16 +231,8 @@ impl Session<'_> {
             }
             match self.follow(&sensed, state.time, (&mut times, &mut k), place) {
                 Ok(After::On) => {}
-                Ok(After::Ended(halted)) => {
-                    ended = Ok(Some(halted));
-                    break;
-                }
-                Ok(After::Failed) => {
-                    ended = Ok(None);
-                    break;
-                }
-                Err(stop) => {
-                    ended = Err(stop);
+                after => {
+                    ended = after.map(After::halted);
                     break;
                 }
             }
@@ -333,16 +325,8 @@ impl Session<'_> {
             }
             match self.follow(&sensed, last.time, (&mut times, &mut k), place) {
                 Ok(After::On) => {}
-                Ok(After::Ended(halted)) => {
-                    ended = Ok(Some(halted));
-                    break;
-                }
-                Ok(After::Failed) => {
-                    ended = Ok(None);
-                    break;
-                }
-                Err(stop) => {
-                    ended = Err(stop);
+                after => {
+                    ended = after.map(After::halted);
                     break;
                 }
             }
@@ -434,6 +418,16 @@ enum After {
     /// By a sensor; whether it halts the run.
     Ended(bool),
     Failed,
+}
+
+impl After {
+    /// Whether a sensor halts the run; `None` where none ended the simulation.
+    fn halted(self) -> Option<bool> {
+        match self {
+            Self::Ended(halts) => Some(halts),
+            Self::On | Self::Failed => None,
+        }
+    }
 }
 
 impl Loaded {
