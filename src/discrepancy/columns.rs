@@ -1,6 +1,6 @@
 //! First-order effects of hypotheses on all rows, from the tangent of each case: nothing is solved again.
 
-use std::vec::IntoIter;
+use std::collections::BTreeMap;
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -8,20 +8,20 @@ use rayon::prelude::*;
 use super::hypothesis::{Column, Number};
 use super::survey::Survey;
 use crate::identify::global::{
-    CaseChange, CasePrediction, Direction, NuisanceLayout, Observations,
+    CaseChanges, CasePrediction, Direction, NuisanceLayout, Observations,
 };
-use crate::model::PartIx;
 use crate::statics::Tangents;
 use crate::syntax::Address;
-use crate::system::{Parameters, Scratch, Slot, State, System};
+use crate::system::{Parameters, Scratch, Slot, State};
 
 /// How all cases respond to some numbers, which become columns of rows one after the other: a few at a time stay in a processor's cache.
 pub(super) struct Responses<'a> {
     observations: Observations<'a>,
-    /// Where the cases are; what changes there is moved in before its rows are asked for.
+    /// Where the cases are; what changes there is put in before its rows are asked for.
     prediction: Vec<CasePrediction>,
-    /// Of each case what is left of its changes along the numbers that the solver answers for.
-    changes: Vec<IntoIter<CaseChange>>,
+    /// Of each case its changes along the numbers that the solver answers for, and how many of them were asked for.
+    changes: Vec<CaseChanges>,
+    done: usize,
     /// Numbers that are left.
     numbers: &'a [&'a Number],
 }
@@ -34,8 +34,10 @@ impl Responses<'_> {
         self.numbers = rest;
         let asked: Vec<usize> = (0..count).filter(|k| is_asked(numbers[*k])).collect();
         let mut prediction = Vec::with_capacity(self.prediction.len());
-        for (case, changes) in self.prediction.drain(..).zip(&mut self.changes) {
-            let by_unknown = changes.by_ref().take(asked.len()).collect();
+        let range = self.done..self.done + asked.len();
+        self.done = range.end;
+        for (case, changes) in self.prediction.drain(..).zip(&self.changes) {
+            let by_unknown = changes.range(range.clone());
             prediction.push(Some(CasePrediction { by_unknown, ..case }));
         }
         let x = vec![0.0; asked.len()];
@@ -119,18 +121,17 @@ impl<'a> Survey<'a> {
                     let tools = (&mut *scratch, known.clone());
                     let changes = self.changes(case, at, tools, (&asked, &directions), numbers);
                     let channels = self.fitted.deck.prepared.channels;
-                    let changes: Vec<CaseChange> = changes
-                        .into_iter()
-                        .map(|six| share(system, &observations, six))
-                        .collect();
+                    let changes = observations
+                        .observed
+                        .changes(system, &changes.0, &changes.1);
                     let here = CasePrediction {
                         poses: at.1.poses.clone(),
                         channels: channels
                             .values(system, at.0, at.1, scratch)
                             .unwrap_or_default(),
-                        by_unknown: Vec::new(),
+                        by_unknown: CaseChanges::default(),
                     };
-                    (here, changes.into_iter())
+                    (here, changes)
                 },
             )
             .collect();
@@ -139,11 +140,12 @@ impl<'a> Survey<'a> {
             observations,
             prediction,
             changes,
+            done: 0,
             numbers,
         }
     }
 
-    /// How the system's unknowns and the channels of a case change along each direction.
+    /// How the system's unknowns and the channels of a case change along each direction, one column each.
     fn changes(
         &self,
         case: usize,
@@ -151,24 +153,29 @@ impl<'a> Survey<'a> {
         (scratch, mut tangents): (&mut Scratch, Tangents),
         (asked, directions): (&[usize], &[Direction]),
         numbers: &[&Number],
-    ) -> Vec<(Vec<f64>, Vec<f64>)> {
+    ) -> (DMatrix<f64>, DMatrix<f64>) {
         let system = &self.fitted.deck.prepared.system;
         let n = system.unknowns();
-        let zero = || vec![(vec![0.0; n], vec![0.0; self.measurement.channels.len()]); asked.len()];
+        let zero = || {
+            let channels = self.measurement.channels.len();
+            (
+                DMatrix::zeros(n, asked.len()),
+                DMatrix::zeros(channels, asked.len()),
+            )
+        };
         let Ok(tangent) = tangents.at(system, theta, state) else {
             return zero();
         };
         let mut by_slot = vec![0.0; n];
-        let mut known: std::collections::BTreeMap<Slot, Vec<f64>> =
-            std::collections::BTreeMap::new();
+        let (mut known, mut columns) = (BTreeMap::<Slot, usize>::new(), Vec::<f64>::new());
         // A unit force along each component of a pair serves every wrench between its markers.
-        let mut units: std::collections::BTreeMap<(usize, usize, usize), Vec<f64>> =
-            std::collections::BTreeMap::new();
-        let mut responses = Vec::with_capacity(asked.len());
-        let mut open = Vec::new();
-        for (k, direction) in asked.iter().zip(directions) {
+        let mut units: BTreeMap<(usize, usize, usize), Vec<f64>> = BTreeMap::new();
+        let mut responses = DMatrix::zeros(n, asked.len());
+        let mut open: Vec<usize> = Vec::new();
+        let asked = asked.iter().zip(directions).enumerate();
+        for (at, (k, direction)) in asked {
+            let mut dg = responses.column_mut(at);
             if let Column::Wrench(pair, wrenches) = &numbers[*k].column {
-                let mut dx = vec![0.0; n];
                 for (axis, size) in wrenches[case].iter().enumerate() {
                     if *size == 0.0 {
                         continue;
@@ -180,61 +187,37 @@ impl<'a> Survey<'a> {
                         tangent.respond(&mut dg);
                         dg
                     });
-                    for (sum, value) in dx.iter_mut().zip(unit.iter()) {
+                    for (sum, value) in dg.iter_mut().zip(unit.iter()) {
                         *sum += size * value;
                     }
                 }
-                responses.push(dx);
                 continue;
             }
-            let mut dg = vec![0.0; n];
             for (slot, weight) in direction.in_case(case).filter(|(_, weight)| *weight != 0.0) {
-                let column = known.entry(slot).or_insert_with(|| {
+                let from = *known.entry(slot).or_insert_with(|| {
                     let done = system.residual_by_slot(theta, state, scratch, slot, &mut by_slot);
                     if done.is_err() {
                         by_slot.fill(0.0);
                     }
-                    by_slot.clone()
+                    columns.extend_from_slice(&by_slot);
+                    columns.len() - n
                 });
-                for (sum, value) in dg.iter_mut().zip(column.iter()) {
+                for (sum, value) in dg.iter_mut().zip(&columns[from..]) {
                     *sum += weight * value;
                 }
             }
-            open.push(responses.len());
-            responses.push(dg);
+            open.push(at);
         }
-        let mut changes: Vec<Vec<f64>> = open
-            .iter()
-            .map(|at| std::mem::take(&mut responses[*at]))
-            .collect();
-        tangent.respond_to_all(&mut changes);
-        for (at, response) in open.into_iter().zip(changes) {
-            responses[at] = response;
+        let mut changes = responses.select_columns(&open);
+        tangent.respond_to_all(changes.as_mut_slice());
+        for (at, response) in open.into_iter().zip(changes.column_iter()) {
+            responses.set_column(at, &response);
         }
         let channels = self.fitted.deck.prepared.channels;
-        let along = (directions, responses.as_slice());
-        let Ok(changed) = channels.changes(system, (theta, case), state, scratch, along) else {
-            return zero();
-        };
-        responses.into_iter().zip(changed).collect()
-    }
-}
-
-/// The observed parts' share of a change.
-fn share(
-    system: &System,
-    observations: &Observations<'_>,
-    (dx, channels): (Vec<f64>, Vec<f64>),
-) -> CaseChange {
-    let six = |part: &PartIx| {
-        let mut six = [0.0; 6];
-        for (to, from) in six.iter_mut().zip(&dx[system.part_unknowns(*part)]) {
-            *to = *from;
+        let along = (directions, &responses);
+        match channels.changes(system, (theta, case), state, scratch, along) {
+            Ok(changed) => (responses, changed),
+            Err(_) => zero(),
         }
-        six
-    };
-    CaseChange {
-        parts: observations.observed.parts.iter().map(six).collect(),
-        channels,
     }
 }

@@ -15,7 +15,7 @@ use super::subject::{Data, Subject};
 use crate::backend::{
     Backend, BackendError, Load, LoadCase, LoadProgramme, NativeBackend, SweepRequest,
 };
-use crate::identify::global::{CasePrediction, NuisanceLayout, Observations, Row};
+use crate::identify::global::{CaseChanges, CasePrediction, NuisanceLayout, Observations, Row};
 use crate::mechanics::Pose;
 use crate::syntax::Address;
 use crate::system::Scratch;
@@ -197,7 +197,7 @@ fn residuals(
                     .into_iter()
                     .map(Option::unwrap_or_default)
                     .collect(),
-                by_unknown: Vec::new(),
+                by_unknown: CaseChanges::default(),
             })
         })
         .collect();

@@ -284,7 +284,7 @@ impl<'a, 'b> Prospect<'a, 'b> {
             let arm = pose.R * place;
             for axis in 0..3 {
                 let mut row = vec![0.0; n];
-                for (to, change) in row.iter_mut().zip(&predicted.by_unknown) {
+                for (to, change) in row.iter_mut().zip(predicted.by_unknown.iter()) {
                     *to = moved(change, at, &arm)[axis] / sigma;
                 }
                 let by_place = Vec3::from_fn(|k, _| pose.R[(axis, k)] / sigma);
@@ -340,7 +340,7 @@ impl<'a, 'b> Prospect<'a, 'b> {
         &self,
         sigma: f64,
         value: &dyn Fn(&CasePrediction) -> f64,
-        change: &dyn Fn(&CasePrediction, &CaseChange) -> f64,
+        change: &dyn Fn(&CasePrediction, CaseChange<'_>) -> f64,
     ) -> Option<Readings> {
         if !(sigma > 0.0) {
             return None;
@@ -434,7 +434,7 @@ fn continued(subject: &Subject<'_>, further: &[Vec<f64>]) -> Measurement {
 }
 
 /// How a point with this arm moves.
-fn moved(change: &CaseChange, at: usize, arm: &Vec3) -> Vec3 {
+fn moved(change: CaseChange<'_>, at: usize, arm: &Vec3) -> Vec3 {
     let [x, y, z, a, b, c] = change.parts[at];
     Vec3::new(x, y, z) + Vec3::new(a, b, c).cross(arm)
 }

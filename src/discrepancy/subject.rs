@@ -1,4 +1,4 @@
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use nalgebra::DVector;
 
@@ -37,6 +37,8 @@ pub struct Subject<'a> {
     pub precision: Vec<f64>,
     blocks: Vec<MarkBlock>,
     single: Vec<(usize, Option<Scale>)>,
+    /// What brings rows to independence, without the cases held out and of all, once it was asked for.
+    whitenings: [OnceLock<Arc<Whitening>>; 2],
     held_out: Vec<bool>,
     /// Whether the curves that the study holds out are.
     holds_curves: bool,
@@ -79,6 +81,7 @@ impl<'a> Subject<'a> {
             precision: vec![1.0; rows.len()],
             blocks: Vec::new(),
             single: Vec::new(),
+            whitenings: Default::default(),
             tails: None,
             layer: Arc::new(layer),
             progress: Progress::default(),
@@ -146,6 +149,7 @@ impl<'a> Subject<'a> {
             }
         };
         self.precision = self.rows.iter().enumerate().map(precision).collect();
+        self.whitenings = Default::default();
     }
 
     /// Puts under suspicion what a fit shows to be wrong among three marks of a part, all it has or what outliers left; true if any are.
@@ -225,8 +229,21 @@ impl<'a> Subject<'a> {
     }
 
     /// What brings rows to independence, over the cases of this data.
-    pub fn whitening(&self, data: Data) -> Whitening {
-        self.whitening_of_rows(&|row| data == Data::All || !self.is_held_out_row(row))
+    pub fn whitening(&self, data: Data) -> Arc<Whitening> {
+        let known = &self.whitenings[usize::from(data == Data::All)];
+        let new = || {
+            let is_seen = |row: &Row| data == Data::All || !self.is_held_out_row(row);
+            let rows = self.rows.iter().zip(&self.precision);
+            let seen = rows.map(|(row, precision)| if is_seen(row) { *precision } else { 0.0 });
+            let precision: Vec<f64> = seen.collect();
+            Arc::new(Whitening::new(
+                &self.blocks,
+                &self.single,
+                &precision,
+                &self.sizes,
+            ))
+        };
+        Arc::clone(known.get_or_init(new))
     }
 
     /// Whether a row is one of a case that is seen; a summary is if all its cases are.
@@ -248,20 +265,6 @@ impl<'a> Subject<'a> {
         let channels = &self.problem.measurement.channels;
         let curve = matches!(*row, Row::Channel { channel, .. } if channels[channel].held_out);
         self.holds_curves && curve || !self.sees(row, &|case| !self.held_out[case])
-    }
-
-    fn whitening_of_rows(&self, is_seen: &dyn Fn(&Row) -> bool) -> Whitening {
-        let precision: Vec<f64> = self
-            .rows
-            .iter()
-            .zip(&self.precision)
-            .map(
-                |(row, precision)| {
-                    if is_seen(row) { *precision } else { 0.0 }
-                },
-            )
-            .collect();
-        Whitening::new(&self.blocks, &self.single, &precision, &self.sizes)
     }
 
     /// What brings rows that nobody has read yet to independence: they are taken for as exact as those of their kind are on average.
@@ -344,6 +347,7 @@ impl<'a> Subject<'a> {
     /// Holds these cases out, and nothing else.
     pub fn hold_out(&mut self, cases: &[usize]) {
         self.holds_curves = false;
+        self.whitenings[0] = OnceLock::new();
         for (case, held) in self.held_out.iter_mut().enumerate() {
             *held = cases.contains(&case);
         }

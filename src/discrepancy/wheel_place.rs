@@ -83,7 +83,7 @@ impl WheelPlace {
     }
 
     /// How that changes with an unknown; `at` is the place of the carrier among the parts observed.
-    pub(super) fn change(&self, case: &CasePrediction, change: &CaseChange, at: usize) -> Five {
+    pub(super) fn change(&self, case: &CasePrediction, change: CaseChange<'_>, at: usize) -> Five {
         let pose = &case.poses[self.part.0];
         let [x, y, z, a, b, c] = change.parts[at];
         let turn = Vec3::new(a, b, c);
@@ -104,6 +104,7 @@ impl WheelPlace {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::identify::global::CaseChanges;
     use crate::mechanics::{Pose, exp};
 
     #[test]
@@ -123,14 +124,14 @@ mod tests {
                     R,
                 }],
                 channels: Vec::new(),
-                by_unknown: Vec::new(),
+                by_unknown: CaseChanges::default(),
             }
         };
         let change = CaseChange {
-            parts: vec![[-1.0, 0.5, 2.0, 0.4, -0.3, 0.2]],
-            channels: Vec::new(),
+            parts: &[[-1.0, 0.5, 2.0, 0.4, -0.3, 0.2]],
+            channels: &[],
         };
-        let exact = wheel.change(&at(0.0), &change, 0);
+        let exact = wheel.change(&at(0.0), change, 0);
         let step = 1e-5;
         let (up, down) = (wheel.place(&at(step)), wheel.place(&at(-step)));
         for k in 0..5 {

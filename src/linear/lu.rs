@@ -163,8 +163,8 @@ impl<T: Scalar> Lu<T> {
         self.work = x;
     }
 
-    /// The same for many right sides, one after the other in `all`: what one alone would have, to the bit.
-    pub(crate) fn solve_many(&self, all: &mut [Vec<f64>])
+    /// The same for many right sides, which follow one another in `all`: what one alone would have, to the bit.
+    pub(crate) fn solve_many(&self, all: &mut [f64])
     where
         Lanes<WIDTH>: Mul<T, Output = Lanes<WIDTH>> + Div<T, Output = Lanes<WIDTH>>,
     {
@@ -172,15 +172,16 @@ impl<T: Scalar> Lu<T> {
             vec![Lanes::<WIDTH>::default(); self.n],
             vec![Lanes::<WIDTH>::default(); self.n],
         );
-        for some in all.chunks_mut(WIDTH) {
+        let width = self.n.max(1);
+        for some in all.chunks_mut(WIDTH * width) {
             b.fill(Lanes::default());
-            for (lane, right) in some.iter().enumerate() {
+            for (lane, right) in some.chunks_exact(width).enumerate() {
                 for (to, from) in b.iter_mut().zip(right) {
                     to.0[lane] = *from;
                 }
             }
             self.solve_into(&mut b, &mut x);
-            for (lane, solution) in some.iter_mut().enumerate() {
+            for (lane, solution) in some.chunks_exact_mut(width).enumerate() {
                 for (to, from) in solution.iter_mut().zip(&x) {
                     *to = from.0[lane];
                 }
@@ -324,12 +325,12 @@ mod tests {
         let mut lu = Lu::new(3);
         lu.factor(&matrix(rows));
         let side = |k: usize| vec![k as f64 - 4.0, 0.0, 1.0 / (1.0 + k as f64)];
-        let mut many: Vec<Vec<f64>> = (0..19).map(side).collect();
+        let mut many: Vec<f64> = (0..19).flat_map(side).collect();
         lu.solve_many(&mut many);
-        for (k, found) in many.iter().enumerate() {
+        for (k, found) in many.chunks_exact(3).enumerate() {
             let mut one = side(k);
             lu.solve(&mut one);
-            assert_eq!(*found, one);
+            assert_eq!(found, one);
         }
     }
 

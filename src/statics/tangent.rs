@@ -71,9 +71,9 @@ impl Tangent {
         self.factors.solve(dg);
     }
 
-    /// The same for many changes.
-    pub(crate) fn respond_to_all(&self, changes: &mut [Vec<f64>]) {
-        for value in changes.iter_mut().flatten() {
+    /// The same for many changes that follow one another.
+    pub(crate) fn respond_to_all(&self, changes: &mut [f64]) {
+        for value in changes.iter_mut() {
             *value = -*value;
         }
         self.factors.solve_many(changes);

@@ -5,8 +5,8 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 
 use super::columns::{ByClass, Columns};
-use super::product::{gram, transposed};
-use super::share::Block;
+use super::product::transposed;
+use super::share::{Block, dot};
 use super::whitening::{Class, Whitening};
 
 /// So many columns are looked at together: few enough to stay in a processor's cache.
@@ -24,22 +24,26 @@ struct FurtherShare {
     class: Class,
     /// Columns of `A` that these rows depend on.
     known: Vec<usize>,
-    /// Those of `E`, set by set.
+    /// Sets of columns of `E`.
     sets: Vec<Set>,
-}
-
-/// A set of columns of `E` in the rows of one class.
-struct Set {
-    /// The first of them.
-    first: usize,
-    /// Those that these rows depend on, counted from the first.
+    /// Columns of `E` that these rows depend on, set by set.
     active: Vec<usize>,
     /// `A'E` of those and the known ones, column by column.
     cross: Vec<f64>,
     /// `E'z` of those.
     g: Vec<f64>,
-    /// `E'E` of those, its lower triangle.
-    own: DMatrix<f64>,
+    /// `E'E` of each set, the lower triangle row by row.
+    own: Vec<f64>,
+}
+
+/// Where a set is in a share.
+struct Set {
+    /// The first column.
+    first: usize,
+    /// Among the active columns.
+    active: Range<usize>,
+    /// Where its triangle begins.
+    own: usize,
 }
 
 impl Further {
@@ -55,6 +59,10 @@ impl Further {
             class: *class,
             known: A.active.clone(),
             sets: Vec::with_capacity(sets.len()),
+            active: Vec::new(),
+            cross: Vec::new(),
+            g: Vec::new(),
+            own: Vec::new(),
         };
         let mut shares: Vec<FurtherShare> = classes.map(share).collect();
         let rows = whitening.rows_of.iter();
@@ -71,9 +79,13 @@ impl Further {
             for (k, share) in shares.iter_mut().enumerate() {
                 let (A, E) = (&jacobian.classes[k], &E.classes[k]);
                 let cross = transposed(&A.values, &E.values);
-                let g = E.along(&z[k]);
-                let set = |set: &Range<usize>| Set::new(E, (&cross, &g), set, from);
-                share.sets.extend(here.iter().map(set));
+                let before = share.active.len();
+                share.active.extend(E.active.iter().map(|k| from + k));
+                share.cross.extend_from_slice(cross.as_slice());
+                share.g.extend(E.along(&z[k]));
+                for set in here {
+                    share.add(set, E, before);
+                }
             }
         }
         Self {
@@ -89,20 +101,19 @@ impl Further {
         for share in &self.shares {
             let precision = 1.0 / share.class.variance(ln);
             let is_dense = share.known.len() == n;
-            for set in &share.sets {
-                let columns = set.cross.chunks_exact(share.known.len().max(1));
-                for ((at, own), from) in set.active.iter().zip(&set.g).zip(columns) {
-                    let column = set.first + at;
-                    g[column] += precision * own;
-                    let to = &mut cross.as_mut_slice()[column * n..(column + 1) * n];
-                    if is_dense {
-                        for (sum, value) in to.iter_mut().zip(from) {
-                            *sum += precision * value;
-                        }
-                    } else {
-                        for (unknown, value) in share.known.iter().zip(from) {
-                            to[*unknown] += precision * value;
-                        }
+            let columns = share.cross.chunks_exact(share.known.len().max(1));
+            for (column, own) in share.active.iter().zip(&share.g) {
+                g[*column] += precision * own;
+            }
+            for (column, from) in share.active.iter().zip(columns) {
+                let to = &mut cross.as_mut_slice()[column * n..(column + 1) * n];
+                if is_dense {
+                    for (sum, value) in to.iter_mut().zip(from) {
+                        *sum += precision * value;
+                    }
+                } else {
+                    for (unknown, value) in share.known.iter().zip(from) {
+                        to[*unknown] += precision * value;
                     }
                 }
             }
@@ -117,12 +128,14 @@ impl Further {
         for share in &self.shares {
             let precision = 1.0 / share.class.variance(ln);
             let set = &share.sets[set];
-            for (a, row) in set.active.iter().enumerate() {
-                for (b, column) in set.active[..=a].iter().enumerate() {
-                    let value = precision * set.own[(a, b)];
-                    out[(*row, *column)] += value;
+            let mut own = share.own[set.own..].iter();
+            let active = &share.active[set.active.clone()];
+            for (a, row) in active.iter().enumerate() {
+                for (column, value) in active[..=a].iter().zip(&mut own) {
+                    let (row, column) = (row - set.first, column - set.first);
+                    out[(row, column)] += precision * value;
                     if row != column {
-                        out[(*column, *row)] += value;
+                        out[(column, row)] += precision * value;
                     }
                 }
             }
@@ -134,44 +147,51 @@ impl Further {
     pub(super) fn blocks(&self, set: usize) -> impl Iterator<Item = Block> {
         self.shares.iter().map(move |share| {
             let set = &share.sets[set];
-            let count = set.active.len();
-            let mut cross = DMatrix::zeros(count, self.count[0]);
-            let columns = set.cross.chunks_exact(share.known.len().max(1));
-            for (at, column) in columns.enumerate() {
+            let range = set.active.clone();
+            let mut cross = DMatrix::zeros(range.len(), self.count[0]);
+            let columns = share.cross.chunks_exact(share.known.len().max(1));
+            for (at, column) in columns.skip(range.start).take(range.len()).enumerate() {
                 for (unknown, value) in share.known.iter().zip(column) {
                     cross[(at, *unknown)] = *value;
                 }
             }
+            let mut triangle = share.own[set.own..].iter();
+            let mut own = DMatrix::zeros(range.len(), range.len());
+            for a in 0..range.len() {
+                for (b, value) in (0..=a).zip(&mut triangle) {
+                    own[(a, b)] = *value;
+                }
+            }
             Block {
-                places: set.active.clone(),
+                places: share.active[range.clone()]
+                    .iter()
+                    .map(|k| k - set.first)
+                    .collect(),
                 cross,
-                own: set.own.clone(),
-                g: set.g.clone(),
+                own,
+                g: share.g[range].to_vec(),
             }
         })
     }
 }
 
-impl Set {
-    /// Of columns `E` from `from` on and their products.
-    fn new(
-        E: &Columns,
-        (cross, g): (&DMatrix<f64>, &[f64]),
-        set: &Range<usize>,
-        from: usize,
-    ) -> Self {
-        let place = |column: usize| E.active.partition_point(|k| from + k < column);
-        let (first, end) = (place(set.start), place(set.end));
-        let known = cross.nrows();
-        Self {
-            first: set.start,
-            active: E.active[first..end]
-                .iter()
-                .map(|k| from + k - set.start)
-                .collect(),
-            cross: cross.as_slice()[first * known..end * known].to_vec(),
-            g: g[first..end].to_vec(),
-            own: gram(&E.values.columns(first, end - first).into_owned()),
+impl FurtherShare {
+    /// Adds a set, whose columns are among the last ones, from the active one `before` on.
+    fn add(&mut self, set: &Range<usize>, E: &Columns, before: usize) {
+        let place = |column: usize| self.active[before..].partition_point(|k| *k < column);
+        let here = place(set.start)..place(set.end);
+        let own = self.own.len();
+        let height = E.values.nrows();
+        let column = |k: usize| &E.values.as_slice()[k * height..(k + 1) * height];
+        for a in here.clone() {
+            for b in here.start..=a {
+                self.own.push(dot(column(a), column(b)));
+            }
         }
+        self.sets.push(Set {
+            first: set.start,
+            active: before + here.start..before + here.end,
+            own,
+        });
     }
 }

@@ -339,7 +339,7 @@ fn internal(places: &[Vec3], e: &DVector<f64>) -> Vec<f64> {
         for _ in 0..2 {
             for known in &basis {
                 let along = known.dot(&column);
-                column -= known * along;
+                column.axpy(-along, known, 1.0);
             }
         }
         let left = column.norm();

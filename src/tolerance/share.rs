@@ -205,7 +205,7 @@ impl Share {
 }
 
 /// Sums in eight parts, which processors add side by side.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 8];
     let (a_blocks, b_blocks) = (a.chunks_exact(8), b.chunks_exact(8));
     let rest = a_blocks.remainder().iter().zip(b_blocks.remainder());

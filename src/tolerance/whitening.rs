@@ -255,7 +255,7 @@ fn turned(block: &MarkBlock, precision: &[f64]) -> (Vec<usize>, DMatrix<f64>, Ve
         let mut turn = column(3 + k);
         for shift in &basis {
             let along = shift.dot(&turn);
-            turn -= shift * along;
+            turn.axpy(-along, shift, 1.0);
         }
         turns.set_column(k, &turn);
     }
@@ -279,7 +279,7 @@ fn turned(block: &MarkBlock, precision: &[f64]) -> (Vec<usize>, DMatrix<f64>, Ve
         for _ in 0..2 {
             for known in &basis {
                 let along = known.dot(&unit);
-                unit -= known * along;
+                unit.axpy(-along, known, 1.0);
             }
         }
         let norm = unit.norm();

@@ -1,5 +1,7 @@
 //! How the scalar sensors of a study change with the unknowns of a fit.
 
+use nalgebra::DMatrix;
+
 use crate::rig::Channels;
 use crate::system::{NoValue, Parameters, Scratch, State, System};
 
@@ -9,7 +11,7 @@ use super::unknown::Direction;
 const STEP: f64 = 1e-5;
 
 impl Channels {
-    /// Changes along each direction, given how the system's unknowns respond to it.
+    /// Changes of all channels along each direction, one column each, given how the system's unknowns respond to it.
     ///
     /// # Errors
     /// [`NoValue`] if a function is undefined there.
@@ -19,9 +21,9 @@ impl Channels {
         (theta, case): (&Parameters, usize),
         state: &State,
         scratch: &mut Scratch,
-        (directions, responses): (&[Direction], &[Vec<f64>]),
-    ) -> Result<Vec<Vec<f64>>, NoValue> {
-        let mut out = vec![Vec::with_capacity(self.count); directions.len()];
+        (directions, responses): (&[Direction], &DMatrix<f64>),
+    ) -> Result<DMatrix<f64>, NoValue> {
+        let mut out = DMatrix::zeros(self.count, directions.len());
         if self.count == 0 {
             return Ok(out);
         }
@@ -30,18 +32,16 @@ impl Channels {
             let Some((_, gradient)) = here.read_function((self.first + k, 1))? else {
                 continue;
             };
-            for (changes, response) in out.iter_mut().zip(responses) {
-                changes.push(
-                    gradient
-                        .iter()
-                        .map(|(unknown, by)| by * response[*unknown])
-                        .sum(),
-                );
+            for (change, response) in out.row_mut(k).iter_mut().zip(responses.column_iter()) {
+                *change = gradient
+                    .iter()
+                    .map(|(unknown, by)| by * response[*unknown])
+                    .sum();
             }
         }
         // A spring's force depends on its stiffness, a place on a part on its marker, even where nothing moves.
         let mut near = theta.clone();
-        for (changes, direction) in out.iter_mut().zip(directions) {
+        for (mut changes, direction) in out.column_iter_mut().zip(directions) {
             if !self.read(system, direction, case) {
                 continue;
             }

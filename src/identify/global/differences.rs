@@ -1,6 +1,6 @@
 //! Any backend as a predictor: sensitivities by central differences of whole runs.
 
-use super::predictor::{CaseChange, CasePrediction, Observed, Prediction, Predictor};
+use super::predictor::{CaseChange, CaseChanges, CasePrediction, Observed, Prediction, Predictor};
 use super::prepared::Prepared;
 use super::unknown::{Direction, Numbers};
 use crate::backend::{Backend, BackendError, Load, LoadProgramme, SweepRequest, slot};
@@ -206,7 +206,7 @@ impl Predictor for DifferencePredictor<'_> {
                 Some(CasePrediction {
                     poses: answer.poses,
                     channels: answer.channels,
-                    by_unknown: Vec::new(),
+                    by_unknown: CaseChanges::default(),
                 })
             })
             .collect();
@@ -222,22 +222,22 @@ impl Predictor for DifferencePredictor<'_> {
                     [dp.x, dp.y, dp.z, dr.x, dr.y, dr.z].map(|value| value / (2.0 * STEP))
                 };
                 if let Some(prediction) = prediction {
-                    let parts = self.observed.parts.iter().map(change).collect();
-                    let channels = match (up, down) {
+                    let parts = self.observed.parts.iter().map(change);
+                    let channel = |k: usize| match (up, down) {
                         (Some(up), Some(down)) => {
-                            let both = up.channels.iter().zip(&down.channels);
-                            both.map(|(up, down)| (up - down) / (2.0 * STEP)).collect()
+                            (up.channels[k] - down.channels[k]) / (2.0 * STEP)
                         }
-                        _ => vec![f64::NAN; prediction.channels.len()],
+                        _ => f64::NAN,
                     };
-                    prediction.by_unknown.push(CaseChange { parts, channels });
+                    let channels = (0..prediction.channels.len()).map(channel);
+                    prediction.by_unknown.push(parts, channels);
                 }
             }
         }
         // A case whose neighbours have no equilibrium has no derivative and so no use.
         let usable = |p: &CasePrediction| {
-            let values = |c: &CaseChange| {
-                let mut all = c.parts.iter().flatten().chain(&c.channels);
+            let values = |c: CaseChange<'_>| {
+                let mut all = c.parts.iter().flatten().chain(c.channels);
                 all.all(|value| value.is_finite())
             };
             p.by_unknown.iter().all(values)

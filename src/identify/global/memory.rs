@@ -3,7 +3,7 @@
 //! The force law itself is an ordinary FUNCTION of the deck; only where its spring is unstretched is carried along here, with its
 //! derivatives, so that a fit of a whole load sequence has exact sensitivities.
 
-use std::borrow::Cow;
+use nalgebra::DMatrix;
 
 use super::unknown::Direction;
 use crate::element::Slip;
@@ -71,43 +71,38 @@ impl<'a> Carried<'a> {
         }
     }
 
-    /// The directions of one case with the anchors' share.
+    /// The directions of one case with the anchors' share, made in `room`.
     pub(super) fn directions<'d>(
         &self,
         directions: &'d [Direction],
         case: usize,
-    ) -> Cow<'d, [Direction]> {
+        room: &'d mut Vec<Direction>,
+    ) -> &'d [Direction] {
         if self.memories.is_empty() {
-            return Cow::Borrowed(directions);
+            return directions;
         }
         let is_anchor = |slot: Slot| self.memories.iter().any(|m| m.anchor == slot);
-        let of = |(k, direction): (usize, &Direction)| {
-            let own = direction
-                .in_case(case)
-                .filter(|(slot, _)| !is_anchor(*slot));
-            let carried = self
-                .memories
-                .iter()
-                .zip(&self.by)
-                .map(|(memory, by)| (memory.anchor, by[k]))
-                .filter(|(_, by)| *by != 0.0);
-            Direction {
-                unknown: direction.unknown,
-                always: own.chain(carried).collect(),
-                turns: direction.turns.clone(),
-                ..Direction::default()
-            }
-        };
-        Cow::Owned(directions.iter().enumerate().map(of).collect())
+        room.resize_with(directions.len(), Direction::default);
+        for (k, (direction, out)) in directions.iter().zip(&mut *room).enumerate() {
+            out.unknown = direction.unknown;
+            out.turns.clone_from(&direction.turns);
+            let own = direction.in_case(case);
+            let memories = self.memories.iter().zip(&self.by);
+            let carried = memories.map(|(memory, by)| (memory.anchor, by[k]));
+            out.always.clear();
+            out.always.extend(own.filter(|(slot, _)| !is_anchor(*slot)));
+            out.always.extend(carried.filter(|(_, by)| *by != 0.0));
+        }
+        room
     }
 
-    /// Moves the anchors on after a case: `channels` are its values, `changes` their change along each of the case's `directions`;
-    /// empty if nobody asked.
+    /// Moves the anchors on after a case: `channels` are its values, the columns of `changes` their change along each of the case's
+    /// `directions`; empty if nobody asked.
     pub(super) fn advance(
         &mut self,
         theta: &Parameters,
         channels: &[f64],
-        (directions, changes): (&[Direction], &[Vec<f64>]),
+        (directions, changes): (&[Direction], &DMatrix<f64>),
     ) {
         for (k, memory) in self.memories.iter().enumerate() {
             let (u, number) = (channels[memory.channel], theta.get(memory.by));
@@ -129,6 +124,7 @@ impl<'a> Carried<'a> {
                 }
             };
             self.anchors[k] = after;
+            let changes = changes.column_iter();
             for ((by, direction), change) in self.by[k].iter_mut().zip(directions).zip(changes) {
                 let own = direction.always.iter();
                 let of_number: f64 = own

@@ -29,7 +29,9 @@ pub use memory::Memory;
 pub(crate) use native::NativePredictor;
 pub(crate) use observation::{Evaluation, NuisanceLayout};
 pub use observation::{Observations, Row};
-pub(crate) use predictor::{CaseChange, CasePrediction, Observed, Prediction, Predictor};
+pub(crate) use predictor::{
+    CaseChange, CaseChanges, CasePrediction, Observed, Prediction, Predictor,
+};
 pub use prepared::Prepared;
 pub use problem::Watch;
 pub use profile::profile_interval;

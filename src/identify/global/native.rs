@@ -4,8 +4,10 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::sync::Arc;
 
+use nalgebra::DMatrix;
+
 use super::memory::{Carried, Memory};
-use super::predictor::{CaseChange, CasePrediction, Observed, Prediction, Predictor};
+use super::predictor::{CaseChanges, CasePrediction, Observed, Prediction, Predictor};
 use super::unknown::{Component, Direction, Numbers};
 use crate::backend::{CaseSweeper, Loads};
 use crate::rig::Channels;
@@ -18,8 +20,8 @@ struct Answer {
     theta: Parameters,
     /// The unknowns of the fit.
     x: Vec<f64>,
-    /// Some of those, and the change of the unknowns of the system by each.
-    response: Vec<(usize, Vec<f64>)>,
+    /// Some of those, and the change of the unknowns of the system by each, one column for each.
+    response: (Vec<usize>, DMatrix<f64>),
 }
 
 /// The answers of all cases at some time.
@@ -37,6 +39,8 @@ pub struct NativePredictor<'a> {
     observed: Observed,
     channels: Channels,
     scratch: Scratch,
+    /// Directions of one case.
+    directions: Vec<Direction>,
     answers: Vec<Option<Arc<Answer>>>,
     kept: Kept,
     memories: Vec<Memory>,
@@ -54,6 +58,7 @@ impl<'a> NativePredictor<'a> {
     ) -> Self {
         Self {
             scratch: Scratch::new(system),
+            directions: Vec::new(),
             answers: vec![None; loads.cases.len()],
             kept: Kept::default(),
             memories: Vec::new(),
@@ -87,7 +92,7 @@ impl<'a> NativePredictor<'a> {
         self.answers[case] = Some(Arc::new(Answer {
             theta,
             x: Vec::new(),
-            response: Vec::new(),
+            response: Default::default(),
         }));
     }
 
@@ -109,14 +114,14 @@ impl<'a> NativePredictor<'a> {
         self.sweeper.solve(self.system, theta, case, own).ok()
     }
 
-    /// Changes of the unknowns of the system along each direction.
+    /// Changes of the unknowns of the system along each direction, one column each.
     fn responses(
         &mut self,
         case: usize,
         theta: &Parameters,
         state: &State,
         directions: &[Direction],
-    ) -> Option<Vec<Vec<f64>>> {
+    ) -> Option<DMatrix<f64>> {
         let tangent = self
             .sweeper
             .solver()
@@ -126,19 +131,20 @@ impl<'a> NativePredictor<'a> {
         let mut column = vec![0.0; n];
         let mut here = self.system.look(theta, state, &mut self.scratch).ok()?;
         // Directions share numbers: a marker that moves along x and one that moves along y on a part that stands askew.
-        let mut known: BTreeMap<Slot, Vec<f64>> = BTreeMap::new();
-        let mut out = Vec::with_capacity(directions.len());
-        for direction in directions {
-            let mut dg = vec![0.0; n];
+        let mut known: BTreeMap<Slot, usize> = BTreeMap::new();
+        let mut by_slot: Vec<f64> = Vec::new();
+        let mut out = DMatrix::zeros(n, directions.len());
+        for (direction, mut dg) in directions.iter().zip(out.column_iter_mut()) {
             for (slot, weight) in direction.in_case(case).filter(|(_, weight)| *weight != 0.0) {
-                let by_slot = match known.entry(slot) {
-                    Entry::Occupied(found) => found.into_mut(),
+                let from = match known.entry(slot) {
+                    Entry::Occupied(found) => *found.get(),
                     Entry::Vacant(place) => {
                         here.residual_by_slot(slot, &mut column).ok()?;
-                        place.insert(column.clone())
+                        by_slot.extend_from_slice(&column);
+                        *place.insert(by_slot.len() - n)
                     }
                 };
-                for (sum, value) in dg.iter_mut().zip(&*by_slot) {
+                for (sum, value) in dg.iter_mut().zip(&by_slot[from..]) {
                     *sum += weight * value;
                 }
             }
@@ -148,9 +154,8 @@ impl<'a> NativePredictor<'a> {
                     *sum += value;
                 }
             }
-            out.push(dg);
         }
-        tangent.respond_to_all(&mut out);
+        tangent.respond_to_all(out.as_mut_slice());
         self.sweeper.solver().give_back(tangent);
         Some(out)
     }
@@ -208,27 +213,24 @@ impl<'a> NativePredictor<'a> {
         let mut prediction = CasePrediction {
             poses: state.poses.clone(),
             channels: values,
-            by_unknown: Vec::new(),
+            by_unknown: CaseChanges::default(),
         };
-        let mut response = Vec::new();
+        let mut response = Default::default();
         if let Some(directions) = directions {
-            let here = carried.directions(directions, case);
-            let directions: &[Direction] = &here;
+            let mut room = std::mem::take(&mut self.directions);
+            let directions = carried.directions(directions, case, &mut room);
             let responses = self.responses(case, theta, &state, directions)?;
-            let along = (directions, responses.as_slice());
+            let along = (directions, &responses);
             let changes = channels
                 .changes(self.system, (theta, case), &state, &mut self.scratch, along)
                 .ok()?;
             carried.advance(theta, &prediction.channels, (directions, &changes));
-            prediction.by_unknown = responses
-                .iter()
-                .zip(changes)
-                .map(|(dx, channels)| observed_change(self.system, &self.observed, dx, channels))
-                .collect();
+            prediction.by_unknown = self.observed.changes(self.system, &responses, &changes);
             let unknowns = directions.iter().map(|direction| direction.unknown);
-            response = unknowns.zip(responses).collect();
+            response = (unknowns.collect(), responses);
+            self.directions = room;
         } else {
-            carried.advance(theta, &prediction.channels, (&[], &[]));
+            carried.advance(theta, &prediction.channels, (&[], &DMatrix::zeros(0, 0)));
         }
         self.sweeper.keep(case, state);
         self.answers[case] = Some(Arc::new(Answer {
@@ -243,18 +245,18 @@ impl<'a> NativePredictor<'a> {
 /// First-order change of the unknowns of the system since the last answer; `None` where the unknowns of the fit are not the same
 /// ones.
 fn predicted(answer: &Answer, x: &[f64]) -> Option<Vec<f64>> {
-    let (_, first) = answer.response.first()?;
-    if answer.x.len() != x.len() {
+    let (unknowns, responses) = &answer.response;
+    if unknowns.is_empty() || answer.x.len() != x.len() {
         return None;
     }
-    let mut correction = vec![0.0; first.len()];
-    for (unknown, response) in &answer.response {
+    let mut correction = vec![0.0; responses.nrows()];
+    for (unknown, response) in unknowns.iter().zip(responses.column_iter()) {
         let step = x[*unknown] - answer.x[*unknown];
         // Far steps are better started from the old answer than from a wild extrapolation.
         if !step.is_finite() || step.abs() > 0.5 {
             return None;
         }
-        for (c, r) in correction.iter_mut().zip(response) {
+        for (c, r) in correction.iter_mut().zip(response.iter()) {
             *c += step * r;
         }
     }
@@ -320,25 +322,5 @@ impl Predictor for NativePredictor<'_> {
 
     fn balance(&self) -> Option<&Balance> {
         self.sweeper.balance()
-    }
-}
-
-/// The observed parts' share of a change of the system's unknowns.
-fn observed_change(
-    system: &System,
-    observed: &Observed,
-    dx: &[f64],
-    channels: Vec<f64>,
-) -> CaseChange {
-    let share = |part: &crate::model::PartIx| {
-        let mut six = [0.0; 6];
-        for (to, from) in six.iter_mut().zip(&dx[system.part_unknowns(*part)]) {
-            *to = *from;
-        }
-        six
-    };
-    CaseChange {
-        parts: observed.parts.iter().map(share).collect(),
-        channels,
     }
 }

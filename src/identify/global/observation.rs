@@ -256,7 +256,7 @@ impl<'a> Observations<'a> {
                     let zero = other.map_or(0.0, |p| p.channels[channel]);
                     residual[at] = (predicted.channels[channel] - zero - reading) / info.sigma;
                     for (k, change) in predicted.by_unknown.iter().enumerate().take(columns) {
-                        let zero = other.map_or(0.0, |p| p.by_unknown[k].channels[channel]);
+                        let zero = other.map_or(0.0, |p| p.by_unknown.get(k).channels[channel]);
                         jacobian[(at, k)] = (change.channels[channel] - zero) / info.sigma;
                     }
                 }

@@ -2,6 +2,10 @@
 //!
 //! Knows neither measurements nor fits.
 
+use std::ops::Range;
+
+use nalgebra::DMatrix;
+
 use super::unknown::{Component, Direction, Numbers};
 use crate::mechanics::Pose;
 use crate::model::PartIx;
@@ -16,17 +20,87 @@ pub struct CasePrediction {
     /// One value per channel.
     pub channels: Vec<f64>,
     /// One per unknown; empty unless asked for.
-    pub by_unknown: Vec<CaseChange>,
+    pub by_unknown: CaseChanges,
 }
 
 /// How one load case changes per unit of an unknown.
-#[derive(Clone, PartialEq, Debug, Default)]
-pub struct CaseChange {
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct CaseChange<'a> {
     /// (translation of the part origin, rotation vector) of each observed part, ground axes; in the order of
     /// [`Observed::parts`].
-    pub parts: Vec<[f64; 6]>,
+    pub parts: &'a [[f64; 6]],
     /// Change of each channel.
-    pub channels: Vec<f64>,
+    pub channels: &'a [f64],
+}
+
+/// Changes of one load case, one after the other.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct CaseChanges {
+    count: usize,
+    parts: Vec<[f64; 6]>,
+    channels: Vec<f64>,
+}
+
+impl CaseChanges {
+    /// None yet, with room for so many of so many parts and channels.
+    pub(crate) fn with_capacity(count: usize, parts: usize, channels: usize) -> Self {
+        Self {
+            count: 0,
+            parts: Vec::with_capacity(count * parts),
+            channels: Vec::with_capacity(count * channels),
+        }
+    }
+
+    /// Adds one; each has as many parts and channels as the first.
+    pub(crate) fn push(
+        &mut self,
+        parts: impl IntoIterator<Item = [f64; 6]>,
+        channels: impl IntoIterator<Item = f64>,
+    ) {
+        self.count += 1;
+        self.parts.extend(parts);
+        self.channels.extend(channels);
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    /// True if there are none.
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// The one of unknown `k`.
+    pub fn get(&self, k: usize) -> CaseChange<'_> {
+        let (parts, channels) = self.each();
+        CaseChange {
+            parts: &self.parts[k * parts..(k + 1) * parts],
+            channels: &self.channels[k * channels..(k + 1) * channels],
+        }
+    }
+
+    /// In the order of the unknowns.
+    pub fn iter(&self) -> impl Iterator<Item = CaseChange<'_>> {
+        (0..self.count).map(|k| self.get(k))
+    }
+
+    /// Some that follow one another.
+    pub(crate) fn range(&self, range: Range<usize>) -> Self {
+        let (parts, channels) = self.each();
+        Self {
+            count: range.len(),
+            parts: self.parts[range.start * parts..range.end * parts].to_vec(),
+            channels: self.channels[range.start * channels..range.end * channels].to_vec(),
+        }
+    }
+
+    /// Numbers of parts and channels of each.
+    fn each(&self) -> (usize, usize) {
+        let count = self.count.max(1);
+        (self.parts.len() / count, self.channels.len() / count)
+    }
 }
 
 /// What of a model is compared with measurements.
@@ -34,6 +108,35 @@ pub struct CaseChange {
 pub struct Observed {
     /// Parts whose pose matters.
     pub parts: Vec<PartIx>,
+}
+
+impl Observed {
+    /// What is observed of changes of the system's unknowns and of the channels, columns of both.
+    pub(crate) fn changes(
+        &self,
+        system: &System,
+        responses: &DMatrix<f64>,
+        channels: &DMatrix<f64>,
+    ) -> CaseChanges {
+        let (parts, sensors) = (self.parts.len(), channels.nrows());
+        let mut out = CaseChanges::with_capacity(responses.ncols(), parts, sensors);
+        let places: Vec<Range<usize>> = self
+            .parts
+            .iter()
+            .map(|part| system.part_unknowns(*part))
+            .collect();
+        for (dx, channels) in responses.column_iter().zip(channels.column_iter()) {
+            let share = |place: &Range<usize>| {
+                let mut six = [0.0; 6];
+                for (to, from) in six.iter_mut().zip(place.clone()) {
+                    *to = dx[from];
+                }
+                six
+            };
+            out.push(places.iter().map(share), channels.iter().copied());
+        }
+        out
+    }
 }
 
 /// Every load case in the order of application; `None` where there is no equilibrium.

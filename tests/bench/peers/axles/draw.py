@@ -54,6 +54,17 @@ CONDITIONS = {
 SIGMA_WHEEL = (0.02, 0.005)
 
 
+def condition(kind):
+    """What is planted, the tolerances, and how it is measured: of a kind, or of several at once, joined with +."""
+    planted, tolerances, how = (), {}, {}
+    for name in kind.split("+"):
+        more = CONDITIONS[name]
+        if more[0] is None:
+            return more
+        planted, tolerances, how = planted + more[0], {**tolerances, **more[1]}, {**how, **more[2]}
+    return planted, tolerances, how
+
+
 class TooFar(Exception):
     """A drawn axle that does not stand, or a cause that does nothing on it."""
 
@@ -220,7 +231,7 @@ def drawn(path, kind, axle_name, seed, instruments, streams, with_bound, cases):
     deck = Deck(axle, unknown=(1e4, 1e4))
     nominal = World(axle)
     design = nominal.sweep()
-    planted, sizes, how = CONDITIONS[kind]
+    planted, sizes, how = condition(kind)
     near = planted is None
     if near:
         size = log_uniform(of_background, 0.03, 0.4)
@@ -269,7 +280,7 @@ def drawn(path, kind, axle_name, seed, instruments, streams, with_bound, cases):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--out", required=True)
-    parser.add_argument("--kind", default="all", help=", ".join(CONDITIONS) + "; several with commas, or all")
+    parser.add_argument("--kind", default="all", help=", ".join(CONDITIONS) + "; several with commas, or all; joined with + at once")
     parser.add_argument("--axle", default="mcpherson", help=", ".join(KINDS) + "; several with commas take turns, or all")
     parser.add_argument("--count", type=int, default=1, help="of each kind")
     parser.add_argument("--seed", type=int, default=1, help="the first one")
@@ -279,7 +290,7 @@ def main():
     options = parser.parse_args()
     kinds = [k for k in CONDITIONS if k != "calibration"] if options.kind == "all" else options.kind.split(",")
     axles = list(KINDS) if options.axle == "all" else options.axle.split(",")
-    unknown = [k for k in kinds if k not in CONDITIONS] + [a for a in axles if a not in KINDS]
+    unknown = [k for kind in kinds for k in kind.split("+") if k not in CONDITIONS] + [a for a in axles if a not in KINDS]
     if unknown:
         parser.error(f"unknown: {', '.join(unknown)}")
     for kind in kinds:
