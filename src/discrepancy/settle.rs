@@ -28,17 +28,15 @@ const NEAR: f64 = 30.0;
 const LITTLE: f64 = 0.2;
 const SLOW: usize = 3;
 /// Steps that led uphill are damped so often: at first by so much, then by so many times more; what led down is damped less by so
-/// many times, and below a limit no more. From another limit on no step leads on from where a fit
-/// went astray.
+/// many times, and below a limit no more. From another limit on no step leads on from where a fit went astray.
 const TRIALS: usize = 10;
 const FIRST: f64 = 0.3;
 const HARDER: f64 = 6.0;
 const EASE: f64 = 6.0;
 const HELPLESS: f64 = 10.0;
 const EASED: f64 = 0.3;
-/// Parts of a whole step are tried so often, each no shorter than this part of the last.
-const PARTS: usize = 1;
-const WORTH: f64 = 10.0;
+/// Parts of a whole step that leads uphill are tried first, so many, each no shorter than this part of the last.
+const PARTS: usize = 2;
 const SHORTEST: f64 = 0.1;
 /// Derivatives by small errors stay as they are while a step lowers the objective by this part of what was promised.
 const FAITHFUL: f64 = 0.5;
@@ -344,10 +342,18 @@ impl Sweep<'_> {
     ) -> Option<Point> {
         let count = list.len();
         let (low, high) = list.limits(&vec![1.0; count], reach);
-        let limits = low.into_iter().zip(high).enumerate();
-        let limits = limits.filter(|(k, _)| self.unknowns.is_logarithm(*k));
-        let limits: Vec<(usize, (f64, f64))> = limits.collect();
-        let step = reached.step_within(&limits) * part;
+        let limited: Vec<(usize, f64)> = (0..count)
+            .filter(|k| self.unknowns.is_logarithm(*k))
+            .map(|k| (k, reached.step[k].clamp(low[k], high[k])))
+            .filter(|(k, step)| *step != reached.step[*k])
+            .collect();
+        let mut step = reached.step_with(&limited);
+        for (k, (low, high)) in low.iter().zip(&high).enumerate() {
+            if self.unknowns.is_logarithm(k) {
+                step[k] = step[k].clamp(*low, *high);
+            }
+        }
+        step *= part;
         let mut there = list.moved(&from.x, &step.rows(0, count).into_owned());
         let rest = from.x.iter().zip(step.iter()).skip(count);
         there.extend(rest.map(|(x, s)| x + s));
@@ -413,7 +419,7 @@ impl Sweep<'_> {
                 here.is_exact || confirmed.is_some_and(|at| at - objective < 2.0 * TRUSTED);
             let reach = REACH[step_number.min(1)];
             let mut next = None;
-            // Where a whole step leads uphill parts of it come first: what damping holds back most is not what bends most.
+            // What damping holds back most is not what bends most.
             let (mut part, mut parts) = (1.0, 0);
             self.predictor.keep();
             for trial in 0..TRIALS {
@@ -474,7 +480,6 @@ impl Sweep<'_> {
                 }
                 if damping == 0.0
                     && parts < PARTS
-                    && reached.gain > WORTH
                     && let Some(led) = led
                 {
                     // The lowest point of the parabola with the slope here that goes through what was found.
