@@ -159,7 +159,7 @@ fn refuse(taken: Vec<PathBuf>, replacing: Replacing, shell: &Shell) -> Result<()
     Err(shell.fail(
         Diagnostic::error(
             Code::CannotWrite,
-            format!("nothing is written: no earlier run wrote {names}, or it was changed since"),
+            format!("nothing is written: {names} is there already, and no list of outputs beside it has it as it is"),
         )
         .help("name another folder, or replace it with --force"),
     ))

@@ -61,7 +61,7 @@ pub(super) fn bistop(a: &[f64], by: &mut [f64]) -> Result<f64, Fault> {
     Ok(sign * stop.force)
 }
 
-/// `k p^e - c(p) rate` for a penetration p, where c grows from 0 at p = 0 to cmax at p = d. Below p = 0 `p^e` is odd.
+/// `k p^e - c(p) rate` for a penetration p, where c grows from 0 at p = 0 to cmax at p = d. Below p = 0 `p^e` is odd, with e = 0 one as above.
 pub(super) struct Stop {
     pub force: f64,
     pub by_p: f64,
@@ -72,7 +72,12 @@ pub(super) struct Stop {
 
 impl Stop {
     pub(super) fn at(p: f64, rate: f64, k: f64, e: f64, cmax: f64, d: f64) -> Result<Self, Fault> {
-        let power = libm::copysign(libm::pow(p.abs(), e), p);
+        let (power, slope) = if e == 0.0 {
+            (1.0, 0.0)
+        } else {
+            let power = libm::copysign(libm::pow(p.abs(), e), p);
+            (power, e * libm::pow(p.abs(), e - 1.0))
+        };
         let mut by = [0.0; 5];
         let c = if d == 0.0 {
             by[4] = 1.0;
@@ -82,7 +87,7 @@ impl Stop {
         };
         Ok(Self {
             force: k * power - c * rate,
-            by_p: k * e * libm::pow(p.abs(), e - 1.0) - by[0] * rate,
+            by_p: k * slope - by[0] * rate,
             by_rate: -c,
             by_law: [
                 power,

@@ -12,13 +12,15 @@ pub(crate) struct Levels {
     n: usize,
     /// (column, row) of every entry, sorted.
     places: Vec<(u32, u32)>,
-    values: [Vec<f64>; 3],
-    /// The entries that stand at the first or the second rate.
+    /// The entries that stand at the first or the second rate, in their order, and (column, row) of these.
     rates: Vec<u32>,
+    rated: Vec<(u32, u32)>,
+    /// Derivatives of every entry by the unknown; behind them two for each of [`Self::rates`]: few, and next to each other.
+    values: Vec<f64>,
     /// Derivative of every row by the time.
     pub time: Vec<f64>,
-    /// Entry of the k-th addition, and its level.
-    slots: Vec<(u32, u8)>,
+    /// Value of the k-th addition.
+    slots: Vec<u32>,
     next: usize,
     /// Additions of the first assembly: column, row, level, value.
     first: Vec<(u32, u32, u8, f64)>,
@@ -31,8 +33,7 @@ impl Sink for Levels {
         if column >= 3 * self.n {
             self.time[row] += value;
         } else if self.known {
-            let (at, level) = self.slots[self.next];
-            self.values[level as usize][at as usize] += value;
+            self.values[self.slots[self.next] as usize] += value;
             self.next += 1;
         } else {
             let (level, column) = (column / self.n, column % self.n);
@@ -45,8 +46,8 @@ impl Sink for Levels {
     fn add_column(&mut self, row: usize, column: usize, values: &[f64]) {
         if self.known && column < 3 * self.n {
             let end = self.next + values.len();
-            for ((at, level), value) in self.slots[self.next..end].iter().zip(values) {
-                self.values[*level as usize][*at as usize] += value;
+            for (at, value) in self.slots[self.next..end].iter().zip(values) {
+                self.values[*at as usize] += value;
             }
             self.next = end;
         } else {
@@ -69,9 +70,7 @@ impl Levels {
 
     /// Makes ready for an assembly.
     pub(crate) fn clear(&mut self) {
-        for values in &mut self.values {
-            values.fill(0.0);
-        }
+        self.values.fill(0.0);
         self.time.fill(0.0);
         self.next = 0;
         if !self.known {
@@ -87,23 +86,36 @@ impl Levels {
         }
         let mut order: Vec<u32> = (0..self.first.len() as u32).collect();
         order.sort_by_key(|&k| (self.first[k as usize].0, self.first[k as usize].1));
-        self.slots = vec![(0, 0); self.first.len()];
-        for k in order {
-            let (column, row, level, value) = self.first[k as usize];
+        for &k in &order {
+            let (column, row, level, _) = self.first[k as usize];
             if self.places.last() != Some(&(column, row)) {
                 self.places.push((column, row));
-                for values in &mut self.values {
-                    values.push(0.0);
-                }
             }
-            let at = self.places.len() - 1;
-            self.values[level as usize][at] += value;
-            self.slots[k as usize] = (at as u32, level);
+            let at = self.places.len() as u32 - 1;
+            if level > 0 && self.rates.last() != Some(&at) {
+                self.rates.push(at);
+                self.rated.push((column, row));
+            }
         }
-        let by_rate = self.slots.iter().filter(|slot| slot.1 > 0);
-        self.rates = by_rate.map(|slot| slot.0).collect();
-        self.rates.sort_unstable();
-        self.rates.dedup();
+        self.values = vec![0.0; self.places.len() + 2 * self.rates.len()];
+        self.slots = vec![0; self.first.len()];
+        let (mut at, mut rate) = (0, 0);
+        for k in order {
+            let (column, row, level, value) = self.first[k as usize];
+            while self.places[at] != (column, row) {
+                at += 1;
+            }
+            let slot = if level == 0 {
+                at
+            } else {
+                while (self.rates[rate] as usize) < at {
+                    rate += 1;
+                }
+                self.places.len() + 2 * rate + usize::from(level) - 1
+            };
+            self.values[slot] += value;
+            self.slots[k as usize] = slot as u32;
+        }
         self.first = Vec::new();
         self.known = true;
         self.next = self.slots.len();
@@ -112,8 +124,11 @@ impl Levels {
     /// At which levels each entry stands, whatever its value, in the order of [`Self::entries`].
     pub(crate) fn standing(&self) -> Vec<[bool; 3]> {
         let mut out = vec![[false; 3]; self.places.len()];
-        for &(at, level) in &self.slots {
-            out[at as usize][level as usize] = true;
+        for &slot in &self.slots {
+            match (slot as usize).checked_sub(self.places.len()) {
+                None => out[slot as usize][0] = true,
+                Some(k) => out[self.rates[k / 2] as usize][1 + k % 2] = true,
+            }
         }
         out
     }
@@ -125,13 +140,12 @@ impl Levels {
         weights: impl Fn(usize, usize) -> [T; 3],
     ) -> Entries<'a, T> {
         values.clear();
-        for (at, &(column, row)) in self.places.iter().enumerate() {
-            let [k, c, m] = weights(row as usize, column as usize);
-            values.push(
-                k * T::of(self.values[0][at])
-                    + c * T::of(self.values[1][at])
-                    + m * T::of(self.values[2][at]),
-            );
+        let weights = |&(column, row): &(u32, u32)| weights(row as usize, column as usize);
+        let places = self.places.iter().zip(&self.values);
+        values.extend(places.map(|(place, value)| weights(place)[0] * T::of(*value)));
+        for (at, [c, m]) in self.by_rates() {
+            let [_, by_rate, by_second] = weights(&self.places[at]);
+            values[at] = values[at] + by_rate * T::of(c) + by_second * T::of(m);
         }
         Entries {
             n: self.n,
@@ -142,20 +156,24 @@ impl Levels {
 
     /// (row, column, [by the unknown, by its rate, by its second rate]) of every entry, by columns.
     pub(crate) fn entries(&self) -> impl Iterator<Item = (usize, usize, [f64; 3])> + '_ {
-        let [k, c, m] = &self.values;
-        self.places
-            .iter()
-            .enumerate()
-            .map(move |(at, &(column, row))| (row as usize, column as usize, [k[at], c[at], m[at]]))
+        let mut rates = self.by_rates().peekable();
+        let places = self.places.iter().zip(&self.values).enumerate();
+        places.map(move |(at, (&(column, row), value))| {
+            let [c, m] = rates.next_if(|rate| rate.0 == at).unwrap_or_default().1;
+            (row as usize, column as usize, [*value, c, m])
+        })
     }
 
     /// (row, column, [by the rate, by the second rate]) of the entries that stand at one of them, by columns.
     pub(crate) fn rates(&self) -> impl Iterator<Item = (usize, usize, [f64; 2])> + '_ {
-        let [_, c, m] = &self.values;
-        self.rates.iter().map(move |&at| {
-            let at = at as usize;
-            let (column, row) = self.places[at];
-            (row as usize, column as usize, [c[at], m[at]])
-        })
+        let rates = self.rated.iter().zip(self.by_rates());
+        rates.map(|(&(column, row), (_, values))| (row as usize, column as usize, values))
+    }
+
+    /// Entry and values of [`Self::rates`].
+    fn by_rates(&self) -> impl Iterator<Item = (usize, [f64; 2])> + '_ {
+        let values = self.values[self.places.len()..].chunks_exact(2);
+        let rates = self.rates.iter().zip(values);
+        rates.map(|(at, values)| (*at as usize, [values[0], values[1]]))
     }
 }

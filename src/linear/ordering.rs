@@ -5,6 +5,7 @@ use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
 
 use super::entries::Entries;
+use super::postorder::rearranged;
 use super::scalar::Scalar;
 
 /// From so many unknowns on the order is worth more than the search for the next pivot, which sees only what is there now.
@@ -95,7 +96,7 @@ fn of_pattern(n: usize, places: impl Iterator<Item = (usize, usize)>) -> Vec<u32
         MemStack::new(&mut memory),
     );
     match found {
-        Ok(_) => order.iter().map(|&column| column as u32).collect(),
+        Ok(_) => rearranged(&order, &starts, &rows),
         // Too large for it: the pivots are searched for.
         Err(_) => Vec::new(),
     }

@@ -22,6 +22,12 @@ pub(crate) trait Scalar:
     /// A size that pivots are compared by; NaN where the number is.
     fn size(self) -> f64;
 
+    /// A size that multipliers are bounded by: of several numbers side by side the largest.
+    #[inline]
+    fn reach(self) -> f64 {
+        self.size()
+    }
+
     fn inverse(self) -> Self;
 
     fn of(real: f64) -> Self;

@@ -57,10 +57,10 @@ impl Step {
         if values[at].size() >= SHRUNK * self.size {
             return true;
         }
-        let scaled = |at: usize, row: u32| values[at].size() * row_scale[row as usize];
-        let pivot = scaled(at, self.row);
+        let pivot = values[at].size() * row_scale[self.row as usize];
+        let below = |k: usize| values[k].reach() * row_scale[index[k] as usize];
         let growth = if for_steps { GROWTH_OF_STEPS } else { GROWTH };
         pivot * column_scale[self.column as usize] >= SMALL * GROWTH / growth
-            && self.down().all(|k| scaled(k, index[k]) <= growth * pivot)
+            && self.down().all(|k| below(k) <= growth * pivot)
     }
 }

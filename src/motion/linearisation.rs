@@ -4,10 +4,10 @@
 //! `G dW = -r4` (what stands for what: [`super::newton`]). A constraint of velocities alone has neither of the last two but a row like those
 //! of the balances, `f_q dd + f_V dW = -f`.
 
-use nalgebra::Complex;
+use std::ops::{Div, Mul};
 
 use super::bordered::{Bordered, plain_weight};
-use crate::linear::{Entries, Lanes, Levels, Lu, Scalar};
+use crate::linear::{Entries, Levels, Lu, Scalar};
 use crate::system::{NoValue, Parameters, Rows, Scratch, State, System};
 
 /// What is left of the equations of a stage, and in its place what the unknowns change by.
@@ -33,16 +33,6 @@ impl<T: Scalar> Correction<T> {
             ..Self::default()
         }
     }
-}
-
-/// A number of the complex pair.
-pub(super) type Pair = Complex<f64>;
-
-/// Memory of the velocities of three stages.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Together {
-    border: Vec<Lanes<3>>,
-    found: Vec<Lanes<3>>,
 }
 
 /// Derivatives of all equations, gradients of the constraints and the factors of their projection.
@@ -120,60 +110,27 @@ impl Linearisation {
     }
 
     /// From residuals to corrections by z over the step, with the factors of its matrix.
-    pub(crate) fn solve(
+    pub(crate) fn solve<T, F>(
         &self,
         (system, start): (&System, &State),
-        z: f64,
-        of: &mut Correction<f64>,
-        factors: &Lu,
-    ) {
-        self.velocity_side(system, start, z, of);
-        of.found.clear();
-        of.found.resize(of.border.len(), 0.0);
-        self.bordered.solve_into(&mut of.border, &mut of.found);
-        self.go_on(system, start, z, of, factors);
-    }
-
-    /// The same for the real stage and the complex pair, whose velocities are found together.
-    pub(crate) fn solve_all(
-        &self,
-        (system, start): (&System, &State),
-        (alone, z, factors): (&mut Correction<f64>, f64, &Lu),
-        (paired, z_pair, pair): (&mut Correction<Pair>, Pair, &Lu<Pair>),
-        Together { border, found }: &mut Together,
-    ) {
-        self.velocity_side(system, start, z, alone);
-        self.velocity_side(system, start, z_pair, paired);
-        border.clear();
-        let both = alone.border.iter().zip(&paired.border);
-        border.extend(both.map(|(x, p)| Lanes([*x, p.re, p.im])));
-        found.resize(border.len(), Lanes::default());
-        self.bordered.solve_into(border, found);
-        alone.found.clear();
-        alone.found.extend(found.iter().map(|x| x.0[0]));
-        paired.found.clear();
-        let pairs = found.iter().map(|x| Pair::new(x.0[1], x.0[2]));
-        paired.found.extend(pairs);
-        self.go_on(system, start, z, alone, factors);
-        self.go_on(system, start, z_pair, paired, pair);
-    }
-
-    /// With the solution of [`Self::velocity_side`] found.
-    fn go_on<T: Scalar>(
-        &self,
-        system: &System,
-        start: &State,
         z: T,
         of: &mut Correction<T>,
-        factors: &Lu<T>,
-    ) {
-        let all = system.moving_unknowns;
+        factors: &Lu<F>,
+    ) where
+        T: Scalar + Mul<f64, Output = T> + Div<f64, Output = T>,
+        T: Mul<F, Output = T> + Div<F, Output = T>,
+        F: Scalar,
+    {
+        self.velocity_side(system, start, z, of);
+        of.found.clear();
+        of.found.resize(of.border.len(), T::default());
+        self.bordered.solve_into(&mut of.border, &mut of.found);
         for (e, x) in of.w.iter_mut().zip(&of.found) {
             *e -= *x;
         }
         of.mu.copy_from_slice(&of.found[system.first_equation..]);
         self.right_side(system, start, z, of);
-        of.found.resize(all, T::default());
+        of.found.resize(system.moving_unknowns, T::default());
         factors.solve_into(&mut of.z, &mut of.found);
         let inverse = T::ONE / (z * z);
         of.z.copy_from_slice(&of.found);

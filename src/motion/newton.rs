@@ -11,12 +11,19 @@
 //!
 //! The unknown of the second system is z^2 dd: its entries stay of one size as the step goes to zero.
 
+use nalgebra::Complex;
+
 use super::bordered::plain_weight;
-use super::linearisation::{Correction, Linearisation, Pair, Together};
+use super::linearisation::{Correction, Linearisation};
 use super::tableau::{ALPHA_BETA, C, GAMMA, Tableau};
-use crate::linear::Lu;
+use crate::linear::{Lu, Triple};
 use crate::mechanics::{Mat3, Vec3, turning_rate};
 use crate::system::{NoValue, Parameters, Rates, Rows, Scratch, State, System};
+
+/// The eigenvalues of B / h: the real one and one of the pair.
+fn eigenvalues(h: f64) -> Triple {
+    Triple::new(GAMMA / h, ALPHA_BETA / h)
+}
 
 /// Three vectors, one per stage.
 pub(super) type Stages = [Vec<f64>; 3];
@@ -106,19 +113,15 @@ pub(super) struct Equations {
     pub tableau: Tableau,
     pub(super) linear: Linearisation,
     stage_rows: Rows,
-    pub(super) real: Lu,
-    pair: Lu<Pair>,
-    values: Vec<f64>,
-    pair_values: Vec<Pair>,
+    pub(super) factors: Lu<Triple>,
+    values: Vec<Triple>,
     pub scratch: Scratch,
     pub(super) stage: State,
     pub(super) residuals: Residuals,
     v: Vec<f64>,
     pull: Vec<f64>,
-    /// Residuals and corrections of the transformed stages: the real one, and the two of the complex pair.
-    alone: Correction<f64>,
-    paired: Correction<Pair>,
-    together: Together,
+    /// Residuals and corrections of the transformed stages.
+    transformed: Correction<Triple>,
     pub evaluations: usize,
     pub jacobians: usize,
     pub factorisations: usize,
@@ -131,10 +134,8 @@ impl Equations {
             tableau: Tableau::new(),
             linear: Linearisation::new(system),
             stage_rows: Rows::new(system),
-            real: Lu::new(n),
-            pair: Lu::new(n),
+            factors: Lu::for_steps(n),
             values: Vec::new(),
-            pair_values: Vec::new(),
             scratch: Scratch::new(system),
             stage: system.state(),
             residuals: Residuals {
@@ -144,9 +145,7 @@ impl Equations {
             },
             v: Vec::new(),
             pull: Vec::new(),
-            alone: Correction::default(),
-            paired: Correction::default(),
-            together: Together::default(),
+            transformed: Correction::default(),
             evaluations: 0,
             jacobians: 0,
             factorisations: 0,
@@ -196,11 +195,8 @@ impl Equations {
 
     /// Factors both systems for a step.
     pub(crate) fn factor(&mut self, system: &System, h: f64) {
-        let real = self.linear.matrix(system, &mut self.values, GAMMA / h);
-        self.real.factor_entries(&real);
-        let pair = (self.linear).matrix(system, &mut self.pair_values, ALPHA_BETA / h);
-        self.pair.follow(&self.real);
-        self.pair.factor_entries(&pair);
+        let matrix = self.linear.matrix(system, &mut self.values, eigenvalues(h));
+        self.factors.factor_entries(&matrix);
         self.factorisations += 1;
     }
 
@@ -214,35 +210,26 @@ impl Equations {
     ) {
         let T = self.tableau.T;
         let U = self.tableau.T_inverse;
-        let (real, pair) = (&mut self.alone, &mut self.paired);
+        let of = &mut self.transformed;
         let Residuals { r1, g, r4 } = &self.residuals;
-        for (from, to, both) in [
-            (g, &mut real.z, &mut pair.z),
-            (r1, &mut real.w, &mut pair.w),
-            (r4, &mut real.mu, &mut pair.mu),
-        ] {
+        for (from, to) in [(g, &mut of.z), (r1, &mut of.w), (r4, &mut of.mu)] {
             let stages = from[0].iter().zip(&from[1]).zip(&from[2]);
-            let stages =
-                stages.map(|((a, b), c)| U.map(|row| row[0] * a + row[1] * b + row[2] * c));
             to.clear();
-            both.clear();
-            for [alone, re, im] in stages {
-                to.push(alone);
-                both.push(Pair::new(re, im));
-            }
+            to.extend(stages.map(|((a, b), c)| {
+                let [alone, re, im] = U.map(|row| row[0] * a + row[1] * b + row[2] * c);
+                Triple::new(alone, Complex::new(re, im))
+            }));
         }
-        let of_real = (&mut *real, GAMMA / h, &self.real);
-        let of_pair = (&mut *pair, ALPHA_BETA / h, &self.pair);
-        let memory = &mut self.together;
-        (self.linear).solve_all((system, start), of_real, of_pair, memory);
-        for (to, alone, both) in [
-            (&mut change.z, &real.z, &pair.z),
-            (&mut change.w, &real.w, &pair.w),
-            (&mut change.mu, &real.mu, &pair.mu),
+        let factors = &self.factors;
+        (self.linear).solve((system, start), eigenvalues(h), of, factors);
+        for (to, from) in [
+            (&mut change.z, &of.z),
+            (&mut change.w, &of.w),
+            (&mut change.mu, &of.mu),
         ] {
-            for (k, (x, p)) in alone.iter().zip(both).enumerate() {
+            for (k, Triple { alone, pair }) in from.iter().enumerate() {
                 for (to, row) in to.iter_mut().zip(&T) {
-                    to[k] = row[0] * x + row[1] * p.re + row[2] * p.im;
+                    to[k] = row[0] * alone + row[1] * pair.re + row[2] * pair.im;
                 }
             }
         }
@@ -373,7 +360,7 @@ impl Equations {
     ) -> Correction<f64> {
         g[system.first_equation..system.first_variable].fill(0.0);
         let mut of = Correction::of(g, r1, vec![0.0; system.equations]);
-        (self.linear).solve((system, start), GAMMA / h, &mut of, &self.real);
+        (self.linear).solve((system, start), GAMMA / h, &mut of, &self.factors);
         of
     }
 

@@ -60,7 +60,10 @@ impl Sequence {
             let z = self.lower[i][i] / h;
             let matrix = self.linear[i].matrix(system, &mut self.values, z);
             let (before, now) = self.factors.split_at_mut(i);
-            now[0].follow(before.last().unwrap_or(&equations.real));
+            match before.last() {
+                Some(last) => now[0].follow(last),
+                None => now[0].follow(&equations.factors),
+            }
             now[0].factor_entries(&matrix);
             self.turns[i] = turns(system, &unknowns.z[i]);
         }

@@ -28,6 +28,9 @@ impl Session<'_> {
                 Diagnostic::error(Code::MissingArgument, "SAVE names no FILE and no BUFFER");
             return self.misunderstood(nameless, place);
         };
+        if let Some(diagnostic) = with_a_comma("SAVE", &name) {
+            return self.misunderstood(diagnostic, place);
+        }
         let path = self.directory.join(native_spelling(&name));
         let written = if loaded.outputs.is_in_memory() {
             Ok(())
@@ -59,9 +62,10 @@ impl Session<'_> {
             })
         } else if let Some(name) = command.text("FILE", source) {
             let path = self.directory.join(native_spelling(&name));
-            match self.kept.files.get(&path) {
-                Some(saved) => Ok(saved.clone()),
-                None => self
+            match (with_a_comma("RELOAD", &name), self.kept.files.get(&path)) {
+                (Some(diagnostic), _) => Err(diagnostic),
+                (None, Some(saved)) => Ok(saved.clone()),
+                (None, None) => self
                     .policy
                     .check_read(&path)
                     .and_then(|()| Saved::read(&path, &loaded.model)),
@@ -92,4 +96,14 @@ impl Session<'_> {
         }
         Ok(())
     }
+}
+
+/// What stands behind the name of a file and is no argument belongs to the name as it is read; the names of ADAMS have no commas.
+fn with_a_comma(command: &str, name: &str) -> Option<Diagnostic> {
+    let (_, rest) = name.split_once(',')?;
+    let message = format!(
+        "the name of a file has no comma, and `{}` is no argument of {command}",
+        rest.trim()
+    );
+    Some(Diagnostic::error(Code::UnknownArgument, message))
 }

@@ -1,8 +1,8 @@
-use std::collections::BTreeMap;
 use std::ops::Range;
 
 use crate::grammar::{ArgumentDef, Components};
 use crate::syntax::Address;
+use crate::syntax::hash::QuickMap;
 use crate::units::Dimension;
 
 /// Index of one number of theta.
@@ -92,7 +92,9 @@ pub struct SlotInfo {
 #[derive(Clone, Debug, Default)]
 pub struct Catalogue {
     groups: Vec<Group>,
-    index: BTreeMap<(&'static str, Option<u32>, Option<&'static str>), usize>,
+    /// First and last group of each id, whatever the keyword, and of every group the next one of its id.
+    ids: QuickMap<Option<u32>, (usize, usize)>,
+    next: Vec<Option<usize>>,
 }
 
 impl Catalogue {
@@ -119,7 +121,10 @@ impl Catalogue {
         indexed: bool,
     ) -> Option<&Group> {
         // `SFORCE/3.FUNCTION.1` is a literal, `SFORCE/3` (or `GFORCE/1.FX`) the whole function: told apart by the index.
-        let first = *self.index.get(&(kind, id, argument))?;
+        let mut first = self.ids.get(&id)?.0;
+        while self.groups[first].kind != kind || self.groups[first].argument != argument {
+            first = self.next[first]?;
+        }
         self.groups[first..]
             .iter()
             .take_while(|g| g.kind == kind && g.id == id && g.argument == argument)
@@ -168,9 +173,13 @@ impl Catalogue {
     pub(crate) fn push(&mut self, mut group: Group) -> Range<usize> {
         group.first = self.len();
         let range = group.first..group.first + group.count;
-        self.index
-            .entry((group.kind, group.id, group.argument))
-            .or_insert(self.groups.len());
+        let at = self.groups.len();
+        let ends = self.ids.entry(group.id).or_insert((at, at));
+        if ends.1 < at {
+            self.next[ends.1] = Some(at);
+            ends.1 = at;
+        }
+        self.next.push(None);
         self.groups.push(group);
         range
     }

@@ -154,6 +154,15 @@ fn buffers_hold_states_without_the_model() {
     );
 }
 
+/// What ADAMS ends a name of a file at does not become a part of it.
+#[test]
+fn no_comma_in_the_name_of_a_saved_state() {
+    let (folder, ran) = run("SAVE/SYSTEM, FILE=here.sav, FORMATTED\nSIM/STAT");
+    assert!(ran.stdout.contains("`FORMATTED` is no argument of SAVE"));
+    assert_ne!(ran.code, 0);
+    assert!(!folder.path().join("here.sav, FORMATTED").exists());
+}
+
 #[test]
 fn saved_states_come_back() {
     let (folder, ran) = run(

@@ -252,3 +252,22 @@ fn a_piece_that_ends_where_its_function_ends_is_left() {
     assert!(speed.abs() < 1e-5, "{speed:e}");
     assert_eq!(integrator.state().pieces, [Some(0)]);
 }
+
+/// An exponent of zero: 500 N while the stop is pressed, none after.
+#[test]
+fn a_stop_of_constant_force_is_left() {
+    let fall = 19.62_f64.sqrt();
+    for force in [
+        "IMPACT(DZ(20),VZ(20),0,500,0,0,0)",
+        "BISTOP(DZ(20),VZ(20),0,9,500,0,0,0)",
+    ] {
+        let known = Known {
+            end: 4.0 * fall / 9.81 + 4.0 * fall / 490.19,
+            ..dropped(force)
+        };
+        let mut integrator = begun(&known.deck, 1e-6, known.end);
+        integrator.advance_to(known.end).expect("a motion");
+        let off = known.off(&integrator.output().expect("an output"));
+        assert!(off < 1e-7, "{force}: {off:e}");
+    }
+}
