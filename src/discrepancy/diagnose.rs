@@ -126,6 +126,9 @@ pub fn diagnose_watched<'a>(
     {
         tested = structure(&subject, &sought.leading);
     }
+    if unexplained(&tested).structured && sought.with_tails(&mut subject) {
+        tested = structure(&subject, &sought.leading);
+    }
     let Sought { found, leading } = sought;
     let none = Arc::clone(&found.none);
     let structures = [structure(&subject, &none), tested];

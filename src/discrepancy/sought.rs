@@ -43,15 +43,23 @@ pub(super) fn as_it_is(subject: &mut Subject<'_>, data: Data) -> Option<Fitted> 
             break;
         }
     }
-    // Far readings of a model that is wrong may look like tails: they have to be all that there is.
-    if let Some(tailed) = tailed(subject, &none)
-        && let Some(again) = refit(&tailed, &none, data)
-        && !is_structured(&structure(&tailed, &again))
-    {
+    if let Some((tailed, again)) = explained_by_tails(subject, &none, data) {
         *subject = tailed;
         return Some(again);
     }
     Some(none)
+}
+
+/// The readings weighed by tails, and a fit to them, where they explain what it leaves. Far readings of a model that is wrong may look
+/// like tails: they have to be all that there is.
+fn explained_by_tails<'a>(
+    subject: &Subject<'a>,
+    fitted: &Fitted,
+    data: Data,
+) -> Option<(Subject<'a>, Fitted)> {
+    let tailed = tailed(subject, fitted)?;
+    let again = refit(&tailed, fitted, data)?;
+    (!is_structured(&structure(&tailed, &again))).then_some((tailed, again))
 }
 
 /// The readings weighed by tails, where that may explain what a fit leaves.
@@ -83,6 +91,25 @@ pub(super) fn seek(subject: &mut Subject<'_>, data: Data, progress: &Progress) -
 }
 
 impl Sought {
+    /// Searches all cases again where tails of the readings explain what the leading model leaves: before its causes were known far
+    /// readings were not all that there was. False where they do not.
+    pub(super) fn with_tails(&mut self, subject: &mut Subject<'_>) -> bool {
+        let (leading, data) = (&self.leading, Data::All);
+        if leading.chosen.is_empty() || subject.is_spent() {
+            return false;
+        }
+        let Some((tailed, again)) = explained_by_tails(subject, leading, data) else {
+            return false;
+        };
+        let Some(none) = refit(&tailed, &self.found.none, data) else {
+            return false;
+        };
+        *subject = tailed;
+        let search = Search::new(subject, Arc::new(none), data);
+        *self = Self::new(search.ended_from(&again, &[]));
+        true
+    }
+
     /// Of the end of a search.
     pub(super) fn new(found: Found) -> Self {
         Self {

@@ -359,7 +359,7 @@ impl Outcome<'_> {
         let mut parts = Vec::new();
         if let (Some(a), Some(b)) = (before.marks_rms, after.marks_rms) {
             let by = match &self.diagnosis.hold_out {
-                Some(found) => format!(" (by {:.4} +- {:.4})", found.gain, found.gain_std_error),
+                Some(found) => format!(" ({})", fallen_by(found.gain, found.gain_std_error)),
                 None => String::new(),
             };
             parts.push(format!(
@@ -452,7 +452,7 @@ impl Outcome<'_> {
             _ => "the rms in units of the noise goes",
         };
         let mut out = vec![format!(
-            "In {} groups of cases, each predicted from the others with the causes {}, {what} from {:.4} to {:.4} (by {:.4} +- {:.4}).",
+            "In {} groups of cases, each predicted from the others with the causes {}, {what} from {:.4} to {:.4} ({}).",
             found.groups.len(),
             if found.searched {
                 "searched anew"
@@ -461,8 +461,7 @@ impl Outcome<'_> {
             },
             found.rms_before,
             found.rms_after,
-            found.gain,
-            found.gain_std_error
+            fallen_by(found.gain, found.gain_std_error)
         )];
         if let Some(groups) = found.spread() {
             let [least, most] = groups.map(|group| {
@@ -535,6 +534,15 @@ impl Outcome<'_> {
             })
             .collect();
         (!listed.is_empty()).then(|| format!("The wrong model had {}.", listed.join(", ")))
+    }
+}
+
+/// A gain with its standard error, which a single case does not have.
+fn fallen_by(gain: f64, std_error: f64) -> String {
+    if std_error.is_finite() {
+        format!("by {gain:.4} +- {std_error:.4}")
+    } else {
+        format!("by {gain:.4}, in one case")
     }
 }
 

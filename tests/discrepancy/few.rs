@@ -20,6 +20,11 @@ const SIX: &str = "case,vertical,lateral,longitudinal
 
 /// What the diagnosis says of the shipped strut axle as the rig measures it once the folder was changed.
 fn diagnosis(change: impl Fn(&Path), options: &RigOptions) -> Diagnosis {
+    told(change, options).0
+}
+
+/// The same with its sentences.
+fn told(change: impl Fn(&Path), options: &RigOptions) -> (Diagnosis, Vec<String>) {
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/pseudo-mcpherson");
     let rig = tempfile::tempdir().unwrap();
     for name in [
@@ -41,10 +46,16 @@ fn diagnosis(change: impl Fn(&Path), options: &RigOptions) -> Diagnosis {
     let held = held_out(&loaded.study, &loaded.measurement);
     let problem = loaded.problem();
     let found = diagnose_watched(&problem, held, GainCheck::Quick, &Progress::default());
-    found.unwrap().diagnosis
+    let outcome = found.unwrap();
+    let sentences = outcome.sentences();
+    (outcome.diagnosis, sentences)
 }
 
 fn nothing(_: &Path) {}
+
+fn six_cases(rig: &Path) {
+    std::fs::write(rig.join("load_cases.csv"), SIX).unwrap();
+}
 
 /// Marks of six cases are too few to show tails by themselves.
 #[test]
@@ -56,7 +67,6 @@ fn tails_are_no_structure_in_six_cases() {
             scatter: Scatter::parse("tails=3").unwrap(),
             ..RigOptions::default()
         };
-        let six_cases = |rig: &Path| std::fs::write(rig.join("load_cases.csv"), SIX).unwrap();
         let found = diagnosis(six_cases, &options);
         let names = found
             .findings
@@ -148,4 +158,21 @@ fn friction_that_the_wheel_alone_shows_matters() {
     assert_eq!(first.cause, Cause::DryFriction);
     assert!(!first.minor, "{first:?}");
     assert_eq!(found.verdict, Verdict::Discrepancy);
+}
+
+/// Of six cases one is held out: what it gains has no standard error.
+#[test]
+fn the_gain_of_one_case_is_told_without_an_error() {
+    let options = RigOptions {
+        effects: vec![EffectSpec::parse("link-compliance@PART/6:stiffness=2000").unwrap()],
+        ..RigOptions::default()
+    };
+    let (found, sentences) = told(six_cases, &options);
+    println!("{}", sentences.join("\n"));
+    assert_eq!(found.findings[0].cause, Cause::LinkCompliance);
+    let gain = found.hold_out.unwrap();
+    assert_eq!(gain.cases.len(), 1);
+    assert!(sentences.iter().all(|sentence| !sentence.contains("NaN")));
+    let by = format!("(by {:.4}, in one case)", gain.gain);
+    assert!(sentences.iter().any(|sentence| sentence.contains(&by)));
 }
