@@ -267,8 +267,6 @@ pub(super) struct Target<'a> {
     pub lead: f64,
     /// A fit of the same causes and laws, wherever their numbers begin: one that leads to its end stops.
     pub known: Option<&'a Fitted>,
-    /// Evidence in nats below which a fit that no step leads on from went astray.
-    pub astray: f64,
 }
 
 impl<'a> Target<'a> {
@@ -276,7 +274,6 @@ impl<'a> Target<'a> {
     pub(super) const NONE: Self = Self {
         lead: f64::NEG_INFINITY,
         known: None,
-        astray: f64::NEG_INFINITY,
     };
 
     /// Another fit of the same causes, or a better one of others.
@@ -284,7 +281,6 @@ impl<'a> Target<'a> {
         Self {
             lead: known.ln_posterior() - known.ln_prior(),
             known: Some(known),
-            astray: f64::NEG_INFINITY,
         }
     }
 
@@ -293,7 +289,6 @@ impl<'a> Target<'a> {
         let aim = Aim {
             lead: self.lead,
             known: None,
-            astray: self.astray,
         };
         aim.is_beaten(fitted.posterior.ln_z, fitted.posterior.gain)
     }
@@ -308,7 +303,6 @@ impl<'a> Target<'a> {
         Aim {
             lead: self.lead,
             known: self.known.filter(same).map(|known| known.x.as_slice()),
-            astray: self.astray,
         }
     }
 }
@@ -408,7 +402,6 @@ pub(super) fn aimed(
         let aim = Aim {
             lead: to_beat,
             known: known.map(|known| known.point.x.as_slice()),
-            astray: f64::NEG_INFINITY,
         };
         let better = |(_, end, _): &(Sweep<'_>, Option<End>, bool)| {
             let own = end.as_ref().and_then(End::own);

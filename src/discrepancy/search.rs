@@ -411,7 +411,6 @@ impl<'a, 'b> Search<'a, 'b> {
             let target = Target {
                 lead: winner.ln_posterior().max(base.ln_posterior()) - base.ln_prior() - h.ln_prior,
                 known: None,
-                astray: f64::NEG_INFINITY,
             };
             let found = aimed(
                 self.tried.subject,

@@ -28,16 +28,12 @@ const NEAR: f64 = 30.0;
 const LITTLE: f64 = 0.2;
 const SLOW: usize = 3;
 /// Steps that led uphill are damped so often: at first by so much, then by so many times more; what led down is damped less by so
-/// many times, and below a limit no more. From another limit on no step leads on from where a fit went astray.
-const TRIALS: usize = 10;
+/// many times, and below a limit no more.
+const TRIALS: usize = 8;
 const FIRST: f64 = 0.3;
 const HARDER: f64 = 6.0;
 const EASE: f64 = 6.0;
-const HELPLESS: f64 = 10.0;
 const EASED: f64 = 0.3;
-/// Parts of a whole step that leads uphill are tried first, so many, each no shorter than this part of the last.
-const PARTS: usize = 2;
-const SHORTEST: f64 = 0.1;
 /// Derivatives by small errors stay as they are while a step lowers the objective by this part of what was promised.
 const FAITHFUL: f64 = 0.5;
 /// Promises in nats that differ by less than this part are alike. Derivatives by small errors that promised what exact ones do are held
@@ -99,8 +95,6 @@ pub(super) struct Aim<'a> {
     pub lead: f64,
     /// Where another fit of the same unknowns ended. One that leads there ends.
     pub known: Option<&'a [f64]>,
-    /// Evidence below which a fit that is damped as much as this ends: it went astray.
-    pub astray: f64,
 }
 
 impl Aim<'_> {
@@ -332,13 +326,13 @@ impl Sweep<'_> {
         x[..count].copy_from_slice(&approach(&mut alone, &start, &scale, &held));
     }
 
-    /// The point that a part of a step leads to, logarithms moving within `reach` in the whole one.
+    /// The point a step leads to, logarithms moving within `reach`.
     fn stepped(
         &mut self,
         from: &Point,
         reached: &Reached,
         list: &FitUnknowns,
-        (reach, part): (f64, f64),
+        reach: f64,
     ) -> Option<Point> {
         let count = list.len();
         let (low, high) = list.limits(&vec![1.0; count], reach);
@@ -353,7 +347,6 @@ impl Sweep<'_> {
                 step[k] = step[k].clamp(*low, *high);
             }
         }
-        step *= part;
         let mut there = list.moved(&from.x, &step.rows(0, count).into_owned());
         let rest = from.x.iter().zip(step.iter()).skip(count);
         there.extend(rest.map(|(x, s)| x + s));
@@ -419,8 +412,6 @@ impl Sweep<'_> {
                 here.is_exact || confirmed.is_some_and(|at| at - objective < 2.0 * TRUSTED);
             let reach = REACH[step_number.min(1)];
             let mut next = None;
-            // What damping holds back most is not what bends most.
-            let (mut part, mut parts) = (1.0, 0);
             self.predictor.keep();
             for trial in 0..TRIALS {
                 let other;
@@ -430,11 +421,9 @@ impl Sweep<'_> {
                     other = here.linear.reached(&sizes, damping)?;
                     &other
                 };
-                let mut further = self.stepped(&here, damped, &list, (reach, part));
+                let mut further = self.stepped(&here, damped, &list, reach);
                 let value = |point: &Point| point.linear.objective(&sizes);
-                let led = further.as_ref().map(value);
                 if damping == 0.0
-                    && parts == 0
                     && let Some(uphill) = further.as_ref().filter(|f| value(f) > objective + ENOUGH)
                 {
                     // Along a valley that bends a whole step ends up on its side, and the next one leads back to the ground. Source:
@@ -442,7 +431,7 @@ impl Sweep<'_> {
                     let back = uphill.linear.reached(&sizes, 0.0);
                     let back = back.filter(|b| value(uphill) - 2.0 * b.gain < objective);
                     if let Some(back) = back {
-                        further = self.stepped(uphill, &back, &list, (reach, 1.0));
+                        further = self.stepped(uphill, &back, &list, reach);
                     }
                 }
                 if let Some(further) = further {
@@ -478,21 +467,6 @@ impl Sweep<'_> {
                 if reached.gain < KINKS {
                     break;
                 }
-                if damping == 0.0
-                    && parts < PARTS
-                    && let Some(led) = led
-                {
-                    // The lowest point of the parabola with the slope here that goes through what was found.
-                    let slope = 4.0 * reached.gain;
-                    let rise = led - objective + slope * part;
-                    part *= (0.5 * slope * part / rise).max(SHORTEST);
-                    parts += 1;
-                    continue;
-                }
-                if damping > HELPLESS && course.last().is_some_and(|here| *here < aim.astray) {
-                    return Settled::end(here, sizes);
-                }
-                part = 1.0;
                 damping = (damping * HARDER).max(FIRST);
             }
             if let Some(next) = next {

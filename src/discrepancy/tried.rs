@@ -28,8 +28,6 @@ pub(super) struct Tried<'a, 'b> {
     begun: Vec<(Arc<Fitted>, Arc<Fitted>)>,
     /// Models, a cause more, and the fit with it.
     added: Vec<(Arc<Fitted>, Hypothesis, Arc<Fitted>)>,
-    /// The same where a force that can only push came out pulling.
-    pulling: Vec<(Arc<Fitted>, Hypothesis, Arc<Fitted>)>,
     /// Models, and further sliders that began with half of a force there.
     halved: Vec<(Arc<Fitted>, Hypothesis)>,
 }
@@ -44,7 +42,6 @@ impl<'a, 'b> Tried<'a, 'b> {
             elsewhere: Vec::new(),
             begun: Vec::new(),
             added: Vec::new(),
-            pulling: Vec::new(),
             halved: Vec::new(),
         }
     }
@@ -73,14 +70,9 @@ impl<'a, 'b> Tried<'a, 'b> {
         }
         let known = of_base.find(|(added, _)| added.is_law_of(h));
         let known = known.map(|(_, found)| Arc::clone(found));
-        let pulling = self.pulling.iter();
-        let mut pulling = pulling.filter(|(of, ..)| Arc::ptr_eq(of, base));
-        let pulling = pulling.find(|(_, tried, _)| tried.is_law_of(h));
-        let pulling = pulling.map(|(.., found)| Arc::clone(found));
         let target = Target {
             lead: lead - base.ln_prior() - h.ln_prior,
-            known: known.as_deref().or(pulling.as_deref()),
-            astray: base.ln_posterior() - base.ln_prior() - ASTRAY,
+            known: known.as_deref(),
         };
         // Forms of a slider that differ in their first guess come to the same here.
         let halves = halved(base, h).filter(|(half, ..)| {
@@ -93,11 +85,6 @@ impl<'a, 'b> Tried<'a, 'b> {
             self.halved.push((Arc::clone(base), half.clone()));
         }
         let found = match self.added_to(base, (h, weighed), halves, target) {
-            Some(Fit::New(found)) if found.has_wrong_sign(base.chosen.len()) => {
-                let found = Arc::from(found);
-                self.pulling.push((Arc::clone(base), h.clone(), found));
-                None
-            }
             Some(Fit::New(found)) => Some(Arc::from(found)),
             Some(Fit::Known) => known,
             None => None,
@@ -145,7 +132,6 @@ impl<'a, 'b> Tried<'a, 'b> {
         let target = Target {
             lead: lead - base.ln_prior() - h.ln_prior,
             known: found.as_deref(),
-            astray: f64::NEG_INFINITY,
         };
         let from = Some((&**start, start.x.as_slice()));
         let again = match aimed(self.subject, &all, from, None, self.data, target) {
@@ -158,7 +144,7 @@ impl<'a, 'b> Tried<'a, 'b> {
         }
     }
 
-    /// The same fit, begun where the linear model puts it, whatever sign its force has.
+    /// The same fit, begun where the linear model puts it.
     fn added_to(
         &self,
         base: &Fitted,
@@ -193,28 +179,34 @@ impl<'a, 'b> Tried<'a, 'b> {
         // With the cause in the model it cannot be far worse than without.
         let least = base.ln_posterior() - ASTRAY;
         let is_done = |found: &Fitted| {
-            let ln = found.ln_posterior();
-            let is_over = found.is_settled() || target.is_beaten(found);
-            ln > base.ln_posterior() || (is_over && ln > least)
+            found.is_settled()
+                || found.ln_posterior() > base.ln_posterior()
+                || (target.is_beaten(found) && found.ln_posterior() > least)
         };
         let reached = |f: &Option<Fitted>| f.as_ref().map(Fitted::ln_posterior);
         let found = match found {
             Some(found) if is_done(&found) => Some(found),
-            mut found => {
-                let is_far = found.as_ref().is_some_and(|f| f.ln_posterior() < least);
-                let mut take = |again: Option<Fitted>| {
-                    if reached(&again) > reached(&found) {
-                        found = again;
-                    }
-                    found.as_ref().is_some_and(is_done)
-                };
-                // What the linear model promises of a large effect may be out of its reach.
-                let small: Vec<f64> = guesses.iter().map(|guess| SMALL * guess).collect();
-                if !(is_far && take(from(&small, &base.x))) {
-                    take(from(guesses, &base.x));
+            astray => {
+                let again = from(guesses, &base.x);
+                if reached(&again) > reached(&astray) {
+                    again
+                } else {
+                    astray
                 }
-                found
             }
+        };
+        // What the linear model promises of a large effect may be out of its reach.
+        let found = match found {
+            Some(found) if found.ln_posterior() < least => {
+                let small: Vec<f64> = guesses.iter().map(|guess| SMALL * guess).collect();
+                let again = from(&small, &base.x);
+                if reached(&again) > Some(found.ln_posterior()) {
+                    again
+                } else {
+                    Some(found)
+                }
+            }
+            found => found,
         };
         // A further slider takes over a part of what the first one does.
         let halved = halved.and_then(|(h, guesses, x)| anew(&h, &guesses, &x));
@@ -236,7 +228,7 @@ impl<'a, 'b> Tried<'a, 'b> {
                 return Some(Fit::New(Box::new(again)));
             }
         }
-        Some(Fit::New(Box::new(found)))
+        (!found.has_wrong_sign(last)).then(|| Fit::New(Box::new(found)))
     }
 
     /// The best fits with friction at other places beside a model than a winner's, if no worse than `least`.

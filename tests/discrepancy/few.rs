@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use admire::discrepancy::{
-    Cause, Diagnosis, GainCheck, Progress, Verdict, diagnose_watched, held_out,
+    Cause, Diagnosis, Finding, GainCheck, Progress, Verdict, diagnose_watched, held_out,
 };
 use admire::identify::LoadedStudy;
 use admire::rig::effect::EffectSpec;
@@ -158,6 +158,26 @@ fn friction_that_the_wheel_alone_shows_matters() {
     assert_eq!(first.cause, Cause::DryFriction);
     assert!(!first.minor, "{first:?}");
     assert_eq!(found.verdict, Verdict::Discrepancy);
+}
+
+/// Before its cause is known far readings are not all that a model leaves.
+#[test]
+fn tails_beside_a_cause_are_no_structure_in_six_cases() {
+    for seed in 0..8 {
+        let options = RigOptions {
+            seed,
+            scatter: Scatter::parse("tails=3").unwrap(),
+            effects: vec![EffectSpec::parse("link-compliance@PART/6:stiffness=2000").unwrap()],
+            ..RigOptions::default()
+        };
+        let found = diagnosis(six_cases, &options);
+        let of_the_axle = |f: &&Finding| !matches!(f.cause, Cause::NoiseLevel | Cause::MarkOutlier);
+        let named: Vec<_> = found.findings.iter().filter(of_the_axle).collect();
+        println!("{seed}: {:?} {:?}", found.verdict, found.unexplained.places);
+        assert_eq!(found.verdict, Verdict::Discrepancy, "{seed}");
+        assert_eq!(named.len(), 1, "{seed}: {named:?}");
+        assert_eq!(named[0].cause, Cause::LinkCompliance, "{seed}");
+    }
 }
 
 /// Of six cases one is held out: what it gains has no standard error.
