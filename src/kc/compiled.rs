@@ -63,7 +63,7 @@ impl Compiled {
             let message = error.to_string();
             BenchError::Deck(vec![Diagnostic::error(Code::NotSolvedNatively, message)])
         };
-        // In statics FRICTION is refused. Here it creeps from one equilibrium to the next.
+        // In statics FRICTION exerts nothing. Here it creeps from one equilibrium to the next.
         let mut rest = model.clone();
         let mut creeping = Vec::new();
         for friction in &mut rest.frictions {

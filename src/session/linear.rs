@@ -33,8 +33,7 @@ impl Session<'_> {
                 .help("FILE/MODEL=name reads one");
             return self.misunderstood(missing, Some(place));
         }
-        let mut errors = self.model().compiled().value.errors.clone();
-        errors.retain(|error| error.code != Code::NotSolvedInStatics);
+        let errors = self.model().compiled().value.errors.clone();
         if !errors.is_empty() {
             self.complain_once(errors);
             let refusal = Diagnostic::error(

@@ -50,6 +50,8 @@ pub(super) struct Compiled {
     pub solver: Solver,
     /// Why the equations are not the model's, if so.
     pub errors: Vec<Diagnostic>,
+    /// What the equations leave out, some of it in statics alone.
+    pub warnings: Vec<Diagnostic>,
     /// What a motion begins with.
     pub beginning: Beginning,
 }
@@ -285,7 +287,6 @@ impl Loaded {
                 .diagnostics
                 .into_iter()
                 .partition(|diagnostic| diagnostic.severity == Severity::Error);
-            diagnostics.extend(warnings);
             let system = checked.value;
             self.outputs.locate(&self.model, &system);
             let mut state = system.state();
@@ -303,6 +304,7 @@ impl Loaded {
                 system,
                 state,
                 errors,
+                warnings,
                 beginning: self.beginning,
             }
         });

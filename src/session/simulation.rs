@@ -54,20 +54,17 @@ impl Session<'_> {
             return Ok(());
         };
         let compiled = loaded.compiled();
-        let mut errors = compiled.value.errors.clone();
+        let errors = compiled.value.errors.clone();
         let mut complaints = compiled.diagnostics;
-        let statics = command.has("STATICS") || command.text("TYPE", source).is_some();
-        errors.retain(|error| statics || error.code != Code::NotSolvedInStatics);
+        complaints.extend(compiled.value.warnings.iter().cloned());
         complaints.extend(errors.iter().cloned());
         // What is still in statics moves in motion.
-        complaints.retain(|told| statics || told.code != Code::InactiveInStatics);
+        let statics = command.has("STATICS") || command.text("TYPE", source).is_some();
+        let of_statics = [Code::InactiveInStatics, Code::NotSolvedInStatics];
+        complaints.retain(|told| statics || !of_statics.contains(&told.code));
         self.complain_once(complaints);
-        let lacks = |d: &Diagnostic| {
-            matches!(
-                d.code,
-                Code::NotSolvedNatively | Code::NotSolvedInStatics | Code::UserSubroutine
-            )
-        };
+        let lacks =
+            |d: &Diagnostic| matches!(d.code, Code::NotSolvedNatively | Code::UserSubroutine);
         if !errors.iter().all(lacks) {
             return Err(Stop::Model);
         }

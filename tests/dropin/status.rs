@@ -20,12 +20,10 @@ fn status(folder: &std::path::Path) -> String {
 fn what_is_not_solved_ends_the_simulation_by_name() {
     let tyre = "TIRE/3, I=20, J=1\n";
     let user = "SFORCE/7, TRANSLATIONAL, I=21, J=11, FUNCTION=USER(1)\n";
-    let friction = "FRICTION/7, JOINT=1, MU_STATIC=0.5, MU_DYNAMIC=0.4\n";
     for (statements, names, effect) in [
         (CONTACT, "CONTACT/7 'stop'", "push the parts apart"),
         (tyre, "TIRE/3", "carry its wheel"),
         (user, "SFORCE/7", "exert a force"),
-        (friction, "FRICTION/7", "hold the joint"),
     ] {
         let acf =
             "\nfile/model=slider\nSFORCE/1, FUNCTION=5\nSIM/STAT\nSIM/STAT, END=1, STEPS=2\nSTOP\n";

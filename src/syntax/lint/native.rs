@@ -65,7 +65,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         found.push(
             context
                 .warning(Code::NotSolvedInStatics, first.head(), message)
-                .help("the built-in solver refuses a static solution with it, a motion has it"),
+                .help("the built-in solver has it in motion alone; in statics it exerts nothing"),
         );
     }
     for (kind, (count, first)) in inactive {

@@ -16,12 +16,12 @@ impl Compiler<'_> {
             };
             if f.header.active && f.in_statics {
                 self.diagnostics.push(
-                    Diagnostic::error(
+                    Diagnostic::warning(
                         Code::NotSolvedInStatics,
-                        format!("{owner} is not solved in statics: its stiction would hold the joint against forces"),
+                        format!("{owner} exerts nothing in statics: its surfaces are at rest, and its stiction is not deformed"),
                     )
                     .about(owner.object())
-                    .help(super::way_out("FRICTION", "real ADAMS solves it, a motion does too; INACTIVE=STATIC takes it out of statics")),
+                    .help("a motion has it, and begins with undeformed stiction after a static solution; what ADAMS exerts in statics is not documented; INACTIVE=STATIC says that it shall be nothing"),
                 );
             }
             let (i, j) = (joint.i.0, joint.j.0);
