@@ -14,7 +14,7 @@ use super::files::{folder_of, read_files};
 use super::measures::Measures;
 use super::output_options::not_written;
 use super::outputs::Outputs;
-use super::saved::Saved;
+use super::saved::{Kind, Saved};
 
 /// A model that was read, and where it stands.
 pub(super) struct Loaded {
@@ -250,9 +250,8 @@ impl Loaded {
     /// When the state is that of another model.
     pub(crate) fn restore(&mut self, saved: Saved) -> Result<(), Diagnostic> {
         self.changed();
-        if let Some((model, definitions)) = saved.model {
-            self.model = model;
-            self.definitions = definitions;
+        if let Some(Kind::Resolved(model)) = saved.model {
+            (self.model, self.definitions) = *model;
         }
         self.before = match saved.state {
             Some(placed) => {

@@ -105,6 +105,11 @@ impl Outputs {
         self.record.take()
     }
 
+    /// True once a simulation was asked for: the columns of the files are those of a model.
+    pub(crate) fn have_begun(&self) -> bool {
+        self.begun
+    }
+
     /// The path of the message file.
     pub(crate) fn message_file(&self) -> PathBuf {
         with_extension(&self.prefix, "msg")

@@ -339,12 +339,28 @@ impl<'a> Session<'a> {
     ) -> Flow {
         self.close_model()?;
         if let Some(deck) = self.given {
-            let prefix = default_prefix(deck.value.source().name());
-            return self.load(deck, Outputs::in_memory(self.directory.join(prefix)));
+            let outputs = self.outputs_for(deck.value.source().name(), None, place)?;
+            return self.load(deck, outputs);
         }
         let found = find_file(written, "adm", &self.folders).value;
         if let Some(model) = &found {
             self.policy.allow_beside(model);
+        }
+        let outputs = self.outputs_for(written, prefix, place)?;
+        let (source, _) = self.read(written, "adm", place)?;
+        self.load(&Dataset::parse(source), outputs)
+    }
+
+    /// Empties the output files of a model, and opens its message file.
+    pub(super) fn outputs_for(
+        &mut self,
+        written: &str,
+        prefix: Option<&str>,
+        place: Option<Place<'_>>,
+    ) -> Result<Outputs, Stop> {
+        if self.given.is_some() {
+            let prefix = default_prefix(written);
+            return Ok(Outputs::in_memory(self.directory.join(prefix)));
         }
         let prefix = self.directory.join(match prefix.map(str::trim) {
             Some(prefix) if !prefix.is_empty() => native_spelling(prefix),
@@ -355,7 +371,10 @@ impl<'a> Session<'a> {
         let owned = owned.and_then(|()| self.messages.own(&messages));
         let outputs = match owned.and_then(|()| Outputs::prepare(prefix, &self.policy)) {
             Ok(outputs) => outputs,
-            Err(diagnostic) => return self.unwritable(&place.label(diagnostic)),
+            Err(diagnostic) => {
+                self.unwritable(&place.label(diagnostic))?;
+                return Err(Stop::File);
+            }
         };
         let path = outputs.message_file();
         if let Err(error) = self.messages.open(&path) {
@@ -365,12 +384,11 @@ impl<'a> Session<'a> {
             );
             self.complain(&unwritable);
         }
-        let (source, _) = self.read(written, "adm", place)?;
-        self.load(&Dataset::parse(source), outputs)
+        Ok(outputs)
     }
 
     /// Resolves a dataset.
-    fn load(&mut self, deck: &Checked<Dataset>, outputs: Outputs) -> Flow {
+    pub(super) fn load(&mut self, deck: &Checked<Dataset>, outputs: Outputs) -> Flow {
         let loaded = Loaded::read(deck, outputs, &self.policy, &self.ignored);
         let mut errors = 0;
         if !loaded.diagnostics.is_empty() {
@@ -395,7 +413,7 @@ impl<'a> Session<'a> {
         Ok(())
     }
 
-    fn redefine(&mut self, command: &Statement, source: &Source) -> Flow {
+    pub(super) fn redefine(&mut self, command: &Statement, source: &Source) -> Flow {
         let Some(loaded) = &mut self.loaded else {
             return self.no_model(command, source);
         };

@@ -9,16 +9,38 @@ use crate::system::{Driven, Grip, Rates, State};
 
 use super::files::LARGEST;
 
-/// The first line of a file that SAVE writes.
-const MAGIC: &str = "admire saved state 1";
+/// The beginning of a file that SAVE writes, before the number of its form.
+const MAGIC: &str = "admire saved state ";
+/// Its form. Files of form 1 hold no model.
+const FORM: &str = "2";
 
-/// What SAVE keeps and RELOAD goes back to: where the model stands, and in the same run the model with its redefinitions too.
+/// What SAVE keeps and RELOAD goes back to: the model with its redefinitions, and where it stands.
 #[derive(Clone, Debug)]
 pub(super) struct Saved {
-    /// The model and the statements it stands for; a file does not hold them.
-    pub model: Option<(Model, Definitions)>,
+    /// Absent where states alone were saved.
+    pub model: Option<Kind>,
     /// Where it stands; absent before the first simulation.
     pub state: Option<Placed>,
+}
+
+/// A model that was saved.
+#[derive(Clone, Debug)]
+pub(super) enum Kind {
+    /// In this run, with the statements it stands for.
+    Resolved(Box<(Model, Definitions)>),
+    /// In a file.
+    Written(Written),
+}
+
+/// A model as a file holds it.
+#[derive(Clone, PartialEq, Debug)]
+pub(super) struct Written {
+    /// The path of the dataset it was read from: its outputs are named after it, and files are looked up beside it.
+    pub name: String,
+    /// The dataset.
+    pub dataset: Vec<u8>,
+    /// What commands have redefined, one a line.
+    pub commands: Vec<u8>,
 }
 
 /// What the SAVE commands of one run kept.
@@ -53,7 +75,10 @@ impl Saved {
     /// What there is to keep.
     pub(crate) fn of(model: &Model, definitions: &Definitions, state: Option<&State>) -> Self {
         Self {
-            model: Some((model.clone(), definitions.clone())),
+            model: Some(Kind::Resolved(Box::new((
+                model.clone(),
+                definitions.clone(),
+            )))),
             state: state.map(|state| Placed {
                 time: state.time,
                 poses: state.poses.clone(),
@@ -76,7 +101,7 @@ impl Saved {
         }
     }
 
-    /// Writes the state. A file that is there already is replaced only if SAVE wrote it.
+    /// Writes all of it. A file that is there already is replaced only if SAVE wrote it.
     ///
     /// # Errors
     /// When it is another file or cannot be written.
@@ -92,7 +117,7 @@ impl Saved {
         {
             return Err(cannot("it is there already and no saved state"));
         }
-        let mut text = format!("{MAGIC}\n");
+        let mut text = format!("{MAGIC}{FORM}\n");
         if let Some(placed) = &self.state {
             let mut line = |word: &str, values: &mut dyn Iterator<Item = f64>| {
                 text.push_str(word);
@@ -124,14 +149,27 @@ impl Saved {
                 line("grip", &mut before.chain(vectors).chain(grip.first));
             }
         }
-        std::fs::write(path, text).map_err(|error| cannot(&error.to_string()))
+        let mut bytes = text.into_bytes();
+        if let Some(Kind::Resolved(model)) = &self.model {
+            let definitions = &model.1;
+            let source = definitions.dataset().source();
+            let name = std::path::absolute(source.name());
+            let name = name.map_or(source.name().to_string(), |path| path.display().to_string());
+            let commands = definitions.commands();
+            bytes.extend_from_slice(format!("commands {}\n", commands.len()).as_bytes());
+            bytes.extend_from_slice(commands);
+            let head = format!("dataset {} {name}\n", source.bytes().len());
+            bytes.extend_from_slice(head.as_bytes());
+            bytes.extend_from_slice(source.bytes());
+        }
+        std::fs::write(path, bytes).map_err(|error| cannot(&error.to_string()))
     }
 
-    /// Reads the state of a model that was read before.
+    /// Reads a file that SAVE wrote.
     ///
     /// # Errors
-    /// When the file cannot be read or is the state of another model.
-    pub(crate) fn read(path: &Path, model: &Model) -> Result<Self, Diagnostic> {
+    /// When it cannot be read or is damaged.
+    pub(crate) fn read(path: &Path) -> Result<Self, Diagnostic> {
         let cannot = |why: &str| {
             Diagnostic::error(
                 Code::CannotRead,
@@ -143,11 +181,14 @@ impl Saved {
             // A device never ends.
             return Err(cannot("it is no saved state of this program"));
         }
-        let text = std::fs::read_to_string(path).map_err(|error| cannot(&error.to_string()))?;
-        let mut lines = text.lines();
-        if lines.next() != Some(MAGIC) {
+        let bytes = std::fs::read(path).map_err(|error| cannot(&error.to_string()))?;
+        let mut rest = bytes.as_slice();
+        let form = next_line(&mut rest).and_then(|line| line.strip_prefix(MAGIC));
+        if !matches!(form, Some("1" | FORM)) {
             return Err(cannot("it is no saved state of this program"));
         }
+        let mut commands = None;
+        let mut model = None;
         let mut placed = Placed {
             time: 0.0,
             poses: Vec::new(),
@@ -160,9 +201,27 @@ impl Saved {
             grips: Vec::new(),
         };
         let mut any = false;
-        for line in lines {
-            let mut words = line.split(' ');
-            let word = words.next().unwrap_or_default();
+        while !rest.is_empty() {
+            let line = next_line(&mut rest).ok_or_else(|| cannot("a line is damaged"))?;
+            let (word, behind) = line.split_once(' ').unwrap_or((line, ""));
+            if matches!(word, "commands" | "dataset") {
+                let (length, name) = behind.split_once(' ').unwrap_or((behind, ""));
+                let length = length.parse().ok().filter(|n: &usize| *n <= rest.len());
+                let length = length.ok_or_else(|| cannot("a line is damaged"))?;
+                let held = rest[..length].to_vec();
+                rest = &rest[length..];
+                if word == "commands" {
+                    commands = Some(held);
+                } else {
+                    model = Some(Kind::Written(Written {
+                        name: name.to_string(),
+                        dataset: held,
+                        commands: commands.take().unwrap_or_default(),
+                    }));
+                }
+                continue;
+            }
+            let words = behind.split(' ').filter(|word| !word.is_empty());
             let values: Vec<f64> = words
                 .map(str::parse)
                 .collect::<Result<_, _>>()
@@ -197,14 +256,19 @@ impl Saved {
                 _ => return Err(cannot("a line is damaged")),
             }
         }
-        if any && placed.poses.len() != model.parts.len() {
-            return Err(cannot("it is the state of another model"));
-        }
         Ok(Self {
-            model: None,
+            model,
             state: any.then_some(placed),
         })
     }
+}
+
+/// Takes a line off what is left of a file; `None` if there is none, or if it is no text.
+fn next_line<'a>(rest: &mut &'a [u8]) -> Option<&'a str> {
+    let end = rest.iter().position(|b| *b == b'\n')?;
+    let line = std::str::from_utf8(&rest[..end]).ok()?;
+    *rest = &rest[end + 1..];
+    Some(line)
 }
 
 impl Placed {

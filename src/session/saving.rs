@@ -1,12 +1,13 @@
 //! SAVE and RELOAD.
 
 use crate::diagnostic::{Code, Diagnostic};
-use crate::syntax::Statement;
+use crate::syntax::{CommandFile, Dataset, Statement};
 use crate::text::Source;
 
+use super::ending::Stop;
 use super::paths::native_spelling;
 use super::run_state::{Flow, Place, Session};
-use super::saved::Saved;
+use super::saved::{Kind, Saved, Written};
 
 impl Session<'_> {
     pub(super) fn save(
@@ -31,6 +32,11 @@ impl Session<'_> {
         if let Some(diagnostic) = with_a_comma("SAVE", &name) {
             return self.misunderstood(diagnostic, place);
         }
+        let saved = if command.has("STATES") {
+            saved.states()
+        } else {
+            saved
+        };
         let path = self.directory.join(native_spelling(&name));
         let written = if loaded.outputs.is_in_memory() {
             Ok(())
@@ -50,42 +56,37 @@ impl Session<'_> {
         source: &Source,
         place: Option<Place<'_>>,
     ) -> Flow {
+        let of_states = command.has("STATES") || command.has("BUFFER");
+        if self.loaded.is_none() && of_states {
+            return self.no_model(command, source);
+        }
+        let mut saved = match self.saved(command, source) {
+            Ok(saved) => saved,
+            Err(diagnostic) => return self.misunderstood(diagnostic, place),
+        };
+        if of_states {
+            // The model stays as it is now.
+            saved = saved.states();
+        }
+        let mut follows_prefix = false;
+        match saved.model.take() {
+            Some(Kind::Written(written)) => {
+                follows_prefix = self.loaded.is_none();
+                if !self.take_in(&written, command.text("OUTPUT_PREFIX", source), place)? {
+                    return Ok(());
+                }
+            }
+            resolved => saved.model = resolved,
+        }
         let Some(loaded) = &mut self.loaded else {
             return self.no_model(command, source);
         };
-        let restored = if let Some(name) = command.text("BUFFER", source) {
-            self.kept.buffers.get(&*name).cloned().ok_or_else(|| {
-                Diagnostic::error(
-                    Code::CannotRead,
-                    format!("no SAVE of this run filled the buffer `{name}`"),
-                )
-            })
-        } else if let Some(name) = command.text("FILE", source) {
-            let path = self.directory.join(native_spelling(&name));
-            match (with_a_comma("RELOAD", &name), self.kept.files.get(&path)) {
-                (Some(diagnostic), _) => Err(diagnostic),
-                (None, Some(saved)) => Ok(saved.clone()),
-                (None, None) => self
-                    .policy
-                    .check_read(&path)
-                    .and_then(|()| Saved::read(&path, &loaded.model)),
-            }
-        } else {
-            Err(Diagnostic::error(
-                Code::MissingArgument,
-                "RELOAD names no FILE and no BUFFER",
-            ))
-        };
-        let restored = restored.and_then(|saved| {
-            // STATES leaves the model as it is now.
-            let states = command.has("STATES");
-            loaded.restore(if states { saved.states() } else { saved })
-        });
-        if let Err(diagnostic) = restored {
+        if let Err(diagnostic) = loaded.restore(saved) {
             return self.misunderstood(diagnostic, place);
         }
         for name in ["OUTPUT_PREFIX", "TITLE"] {
-            if let Some(argument) = command.argument(name) {
+            let argument = command.argument(name);
+            if let Some(argument) = argument.filter(|_| !(follows_prefix && name != "TITLE")) {
                 let warning = Diagnostic::warning(
                     Code::OutputNotWritten,
                     format!("RELOAD/{name} is not followed; output goes on in the files of the model under its title"),
@@ -95,6 +96,77 @@ impl Session<'_> {
             }
         }
         Ok(())
+    }
+
+    /// What a RELOAD command names.
+    fn saved(&self, command: &Statement, source: &Source) -> Result<Saved, Diagnostic> {
+        if let Some(name) = command.text("BUFFER", source) {
+            return self.kept.buffers.get(&*name).cloned().ok_or_else(|| {
+                Diagnostic::error(
+                    Code::CannotRead,
+                    format!("no SAVE of this run filled the buffer `{name}`"),
+                )
+            });
+        }
+        let Some(name) = command.text("FILE", source) else {
+            return Err(Diagnostic::error(
+                Code::MissingArgument,
+                "RELOAD names no FILE and no BUFFER",
+            ));
+        };
+        if let Some(diagnostic) = with_a_comma("RELOAD", &name) {
+            return Err(diagnostic);
+        }
+        let path = self.directory.join(native_spelling(&name));
+        if let Some(saved) = self.kept.files.get(&path) {
+            return Ok(saved.clone());
+        }
+        self.policy.check_read(&path)?;
+        Saved::read(&path)
+    }
+
+    /// Puts the model of a file in the place of that of this run, which there may be none of. False, and nothing is changed, if the output
+    /// files have begun for another one.
+    fn take_in(
+        &mut self,
+        written: &Written,
+        prefix: Option<std::borrow::Cow<'_, str>>,
+        place: Option<Place<'_>>,
+    ) -> Result<bool, Stop> {
+        let (outputs, begun) = match self.loaded.take() {
+            Some(loaded) => {
+                let other = loaded.definitions.dataset().source().bytes() != written.dataset;
+                if other && loaded.outputs.have_begun() {
+                    self.loaded = Some(loaded);
+                    let other = Diagnostic::error(
+                        Code::CannotRead,
+                        "the file holds another model, and the output files of this one have begun",
+                    )
+                    .help("RELOAD/STATES keeps the model; a run that begins with RELOAD takes that of the file");
+                    self.misunderstood(other, place)?;
+                    return Ok(false);
+                }
+                (loaded.outputs, loaded.begun)
+            }
+            None => (
+                self.outputs_for(&written.name, prefix.as_deref(), place)?,
+                false,
+            ),
+        };
+        let dataset = Source::new(written.name.clone(), written.dataset.clone());
+        self.sources.add(dataset.clone());
+        self.load(&Dataset::parse(dataset), outputs)?;
+        let commands = [b"\n", written.commands.as_slice()].concat();
+        let commands = CommandFile::parse(Source::new("commands of the saved model", commands));
+        let file = &commands.value;
+        self.sources.add(file.source().clone());
+        for command in file.commands() {
+            self.redefine(command, file.source())?;
+        }
+        if let Some(loaded) = &mut self.loaded {
+            loaded.begun = begun;
+        }
+        Ok(true)
     }
 }
 

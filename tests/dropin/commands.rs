@@ -128,62 +128,6 @@ fn what_is_switched_off_exerts_nothing() {
     assert!(ran.stdout.contains("[undefined-id]"), "{}", ran.stdout);
 }
 
-/// A buffer holds states alone and ends with the run (`com_reload`): the model stays as it was redefined in between.
-#[test]
-fn buffers_hold_states_without_the_model() {
-    let (folder, ran) = run(
-        "SIM/STAT, END=1, STEPS=1\nSAVE/STATES, BUFFER=early\nSFORCE/1, FUNCTION=5\nSIM/STAT, END=2, STEPS=1\n\
-         RELOAD/STATES, BUFFER=early\nSIM/STAT",
-    );
-    assert_eq!(ran.code, 0, "{}", ran.stdout);
-    let results = Results::read(folder.path(), "slider.res");
-    // The redefined model begins with an output of its own; it stays redefined at the time that came back: z = F / K.
-    near(&results.column("time", "TIME"), &[0.0, 1.0, 1.0, 2.0, 1.0]);
-    near(
-        &results.column("block_XFORM", "Z"),
-        &[0.0, 1.0, 0.5, 0.5, 0.5],
-    );
-    let (_folder, ran) = run("SIM/STAT\nRELOAD/STATES, BUFFER=never");
-    assert!(ran.stdout.contains("buffer `never`"), "{}", ran.stdout);
-    let (_folder, ran) =
-        run("SAVE/FILE=here.sav\nRELOAD/SYSTEM, FILE=here.sav, OUTPUT_PREFIX=second\nSIM/STAT");
-    assert!(
-        ran.stdout.contains("RELOAD/OUTPUT_PREFIX is not followed"),
-        "{}",
-        ran.stdout
-    );
-}
-
-/// What ADAMS ends a name of a file at does not become a part of it.
-#[test]
-fn no_comma_in_the_name_of_a_saved_state() {
-    let (folder, ran) = run("SAVE/SYSTEM, FILE=here.sav, FORMATTED\nSIM/STAT");
-    assert!(ran.stdout.contains("`FORMATTED` is no argument of SAVE"));
-    assert_ne!(ran.code, 0);
-    assert!(!folder.path().join("here.sav, FORMATTED").exists());
-}
-
-#[test]
-fn saved_states_come_back() {
-    let (folder, ran) = run(
-        "SIM/STAT, END=1, STEPS=1\nSAVE/FILE=here.sav\nSIM/STAT, END=2, STEPS=1\nRELOAD/FILE=here.sav\nSIM/STAT",
-    );
-    assert_eq!(ran.code, 0, "{}", ran.stdout);
-    let results = Results::read(folder.path(), "slider.res");
-    near(&results.column("time", "TIME"), &[0.0, 1.0, 2.0, 1.0]);
-    std::fs::write(
-        folder.path().join("run.acf"),
-        "\nfile/model=slider\nRELOAD/FILE=here.sav\nSIM/STAT\n",
-    )
-    .unwrap();
-    let ran = mdi(folder.path(), &["ru-s", "run"]);
-    assert_eq!(ran.code, 0, "{}", ran.stdout);
-    near(
-        &Results::read(folder.path(), "slider.res").column("block_XFORM", "Z"),
-        &[1.0],
-    );
-}
-
 #[test]
 fn kinematics_without_freedoms_and_nothing_else() {
     let driven = SLIDER.replace("REQUEST/1", "MOTION/1, JOINT=1, FUNCTION=3*TIME\nREQUEST/1");

@@ -29,6 +29,7 @@ mod reference;
 mod rolling;
 mod run;
 mod run_files;
+mod saving;
 mod security;
 mod sensors;
 mod shims;

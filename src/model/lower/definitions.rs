@@ -19,6 +19,8 @@ pub struct Definitions {
     files: Files,
     ids: std::sync::Arc<Ids>,
     over: Overlays,
+    /// The commands that were put over the dataset, one a line, as they were written.
+    commands: Vec<u8>,
 }
 
 impl Definitions {
@@ -30,6 +32,7 @@ impl Definitions {
             files: files.clone(),
             ids: std::sync::Arc::new(lowering.ids),
             over: lowering.settings,
+            commands: Vec::new(),
         };
         Checked {
             value: (lowering.model, definitions),
@@ -37,10 +40,34 @@ impl Definitions {
         }
     }
 
+    /// The dataset itself.
+    pub(crate) fn dataset(&self) -> &Dataset {
+        &self.dataset
+    }
+
+    /// The commands that changed the model since it was resolved, a command file without its blank first line.
+    pub(crate) fn commands(&self) -> &[u8] {
+        &self.commands
+    }
+
     /// Applies a command that redefines an object (`SFORCE/3, FUNCTION=100`), changes settings (`EQUILIBRIUM/ERROR=1E-6`), or
     /// turns objects on and off (`DEACTIVATE/MOTION, ID=4`): its arguments are put over those of the statement, which is lowered
     /// again. `source` is the command file. With an error among the complaints nothing is changed.
     pub fn redefine(
+        &mut self,
+        model: &mut Model,
+        command: &Statement,
+        source: &Source,
+    ) -> Vec<Diagnostic> {
+        let complaints = self.put_over(model, command, source);
+        if !has_errors(&complaints) {
+            self.commands.extend_from_slice(source.slice(command.span));
+            self.commands.push(b'\n');
+        }
+        complaints
+    }
+
+    fn put_over(
         &mut self,
         model: &mut Model,
         command: &Statement,
