@@ -147,12 +147,12 @@ impl Sensor {
     }
 }
 
-/// PINPUT or POUTPUT: variables a plant is driven by, or that are read of it.
+/// PINPUT, POUTPUT or PSTATE: variables a plant is driven by, that are read of it, or that its states are.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PlantPort {
     /// Id, name, origin.
     pub header: Header,
-    /// Which statement it was: `PINPUT` or `POUTPUT`.
+    /// Which statement it was: `PINPUT`, `POUTPUT` or `PSTATE`.
     pub kind: &'static str,
     /// Ids of VARIABLEs.
     pub variables: Vec<u32>,

@@ -121,7 +121,7 @@ pub struct Model {
     pub strings: Vec<StringData>,
     /// SENSORs.
     pub sensors: Vec<Sensor>,
-    /// PINPUTs and POUTPUTs.
+    /// PINPUTs, POUTPUTs and PSTATEs.
     pub plant_ports: Vec<PlantPort>,
     /// FRICTIONs.
     pub frictions: Vec<Friction>,

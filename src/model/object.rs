@@ -51,7 +51,7 @@ objects! {
         VectorForceKind::Vforce => "VFORCE",
         VectorForceKind::Vtorque => "VTORQUE",
     };
-    PlantPort: "PINPUT" | "POUTPUT", |port, kind| port.kind == kind;
+    PlantPort: "PINPUT" | "POUTPUT" | "PSTATE", |port, kind| port.kind == kind;
     LinearStates: "LSE" | "TFSISO", |states, kind| states.kind == kind;
     Marker: "MARKER";
     Joint: "JOINT";

@@ -56,6 +56,14 @@ pub enum Reason {
         /// A state or an output.
         what: String,
     },
+    /// A VARIABLE of a PSTATE is not a function of places alone.
+    #[error(
+        "{what} is no coordinate: it reads velocities, forces, other states or no place of a part"
+    )]
+    NoCoordinate {
+        /// The variable.
+        what: String,
+    },
     /// The iteration for the eigenvalues does not converge.
     #[error("the eigenvalues of small motions are not found: the iteration does not converge")]
     NoEigenvalues,

@@ -6,11 +6,13 @@
 mod assembly;
 mod bordered;
 mod consistent;
+mod coordinates;
 mod coupled;
 mod dense;
 mod derivatives;
 mod error;
 mod estimate;
+mod freedoms;
 mod integrator;
 mod iteration;
 mod kinematic;
@@ -35,12 +37,14 @@ mod tests;
 
 pub use assembly::{Kept, assemble};
 pub use consistent::Consistent;
+pub(crate) use coordinates::Coordinates;
 pub(crate) use error::{MotionError, Reason};
 pub use integrator::Integrator;
 pub use kinematic::advance;
 pub(crate) use kinematic::{advance_watched, check_determined};
 pub(crate) use modes::Mode;
 pub use modes::modes;
+pub(crate) use modes::modes_in;
 pub(crate) use passage::Watched;
 pub use settings::Settings;
 pub(crate) use state_matrices::state_matrices;

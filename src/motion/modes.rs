@@ -2,10 +2,12 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
+use super::coordinates::Coordinates;
 use super::error::Reason;
-use super::linearised::{Basis, Linearised};
+use super::linearised::Linearised;
+use crate::mechanics::Vec3;
 use crate::mechanics::eigen::{eigenvalues, singular_values};
-use crate::system::{Parameters, State, System};
+use crate::system::{Parameters, Rates, State, System};
 
 /// A singular value of the mass matrix below this share of the largest is none.
 const NO_MASS: f64 = 1e-12;
@@ -40,7 +42,7 @@ impl Mode {
 /// The eigenvalues of the equations of motion linearised about a state, by frequency, those of a pair side by side.
 ///
 /// `state` is at rest in equilibrium, or moves and satisfies the constraints at all three levels. Motions without mass have no finite
-/// eigenvalue and are left out. `damped` false leaves the derivatives by velocities out.
+/// eigenvalue and are left out. `damped` false leaves the derivatives of forces by velocities out.
 ///
 /// # Errors
 /// [`Reason`] where an element has no value, or the eigenvalues are not found.
@@ -50,7 +52,23 @@ pub fn modes(
     state: &State,
     damped: bool,
 ) -> Result<Vec<Mode>, Reason> {
-    let about = Linearised::new(system, parameters, state, damped, Basis::Orthonormal)?;
+    modes_in(system, parameters, state, damped, &Coordinates::default())
+}
+
+/// The same in coordinates of the user. They matter where the state moves: the derivatives are those of the present time, and change with it in
+/// one set of coordinates when they do not in another.
+pub(crate) fn modes_in(
+    system: &System,
+    parameters: &Parameters,
+    state: &State,
+    damped: bool,
+    coordinates: &Coordinates,
+) -> Result<Vec<Mode>, Reason> {
+    // At rest all coordinates have the same eigenvalues.
+    let still = |v: &Rates| v.linear == Vec3::zeros() && v.angular == Vec3::zeros();
+    let moves = !state.velocities.iter().all(still);
+    let coordinates = moves.then_some(coordinates);
+    let about = Linearised::new(system, parameters, state, damped, coordinates)?;
     let (E, F) = (&about.E, &about.F);
     let shapes = Shapes {
         system,

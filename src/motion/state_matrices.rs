@@ -2,8 +2,9 @@
 
 use nalgebra::DMatrix;
 
+use super::coordinates::Coordinates;
 use super::error::Reason;
-use super::linearised::{Basis, Linearised};
+use super::linearised::Linearised;
 use super::reduced::{Irreducible, Reduced};
 use crate::system::{Parameters, State, System};
 
@@ -27,7 +28,7 @@ pub(crate) struct StateMatrices {
 
 /// The state matrices from some VARIABLEs to others, by their places in the model. An input is what is added to its variable.
 ///
-/// The displacements among the states are coordinates of parts, as many as there are freedoms; the others follow from the constraints.
+/// The displacements among the states are as many coordinates as there are freedoms, their rates are the derivatives of these by the time.
 /// Of motions without inertia those are states that damping makes so: the others follow from the stiffness.
 ///
 /// # Errors
@@ -37,8 +38,9 @@ pub(crate) fn state_matrices(
     parameters: &Parameters,
     state: &State,
     (inputs, outputs): (&[usize], &[usize]),
+    coordinates: &Coordinates,
 ) -> Result<StateMatrices, Reason> {
-    let about = Linearised::new(system, parameters, state, true, Basis::Coordinates)?;
+    let about = Linearised::new(system, parameters, state, true, Some(coordinates))?;
     let (p, r) = (about.chosen.len(), about.rates);
     // A coordinate and its rate have inertia where the rate of the rate does.
     let by_rate = about.E.rows(p, about.E.nrows() - p);
@@ -59,7 +61,7 @@ pub(crate) fn state_matrices(
         })
         .collect();
     let by_inputs = about.B.select_columns(inputs);
-    let of = |unknown: &usize| system.freedom_name(*unknown);
+    let of = |row: &usize| coordinates.name(system, *row);
     let mut names: Vec<String> = about.chosen.iter().map(of).collect();
     let rates = about.chosen_rates.iter().map(of);
     names.extend(rates.map(|name| format!("rate of {name}")));
@@ -70,9 +72,8 @@ pub(crate) fn state_matrices(
     let reduced = reduced.map_err(|why| match why {
         Irreducible::Undetermined => {
             let light = (0..p).find(|k| lightness[*k] > 0).unwrap_or(0);
-            let freedom = about.chosen.get(light).copied().unwrap_or(0);
             Reason::MassSingular {
-                freedom: system.freedom_name(freedom),
+                freedom: names.get(light).cloned().unwrap_or_default(),
             }
         }
         Irreducible::StateByInputRate(state) => Reason::InputRate {

@@ -315,7 +315,8 @@ impl Builder {
         for port in &model.plant_ports {
             let kind = match port.kind {
                 "PINPUT" => EntityKind::PlantInput,
-                _ => EntityKind::PlantOutput,
+                "POUTPUT" => EntityKind::PlantOutput,
+                _ => continue,
             };
             let ids = port.variables.clone();
             let (name, id) = (&port.header.name, port.header.id);

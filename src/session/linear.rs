@@ -9,7 +9,7 @@ use super::message::exponent;
 use super::paths::native_spelling;
 use super::run_state::{Flow, Locate, Place, Session};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::motion::{self, Mode, modes};
+use crate::motion::{self, Coordinates, Mode};
 use crate::syntax::Statement;
 
 /// What the six numbers of a part are called.
@@ -51,8 +51,15 @@ impl Session<'_> {
             self.motion_failed(&error, place);
             return self.simulation_failed();
         }
+        let coordinates = match self.coordinates(command) {
+            Ok(coordinates) => coordinates,
+            Err(why) => {
+                let diagnostic = Diagnostic::error(Code::UndefinedId, why);
+                return self.misunderstood(diagnostic, Some(place));
+            }
+        };
         if command.has("STATEMAT") {
-            return self.state_matrices(command, place);
+            return self.state_matrices(command, &coordinates, place);
         }
         let Compiled {
             system,
@@ -61,7 +68,8 @@ impl Session<'_> {
             ..
         } = self.model().compiled().value;
         let time = state.time;
-        let found = modes(system, parameters, state, !command.has("NODAMPIN"));
+        let damped = !command.has("NODAMPIN");
+        let found = motion::modes_in(system, parameters, state, damped, &coordinates);
         let found = match found {
             Ok(found) => found,
             Err(reason) => return self.not_linearised(time, &reason, place),
@@ -119,8 +127,28 @@ impl Session<'_> {
         port.variables.iter().map(variable).collect()
     }
 
+    /// What PSTATE and RM say of the states.
+    fn coordinates(&mut self, command: &Statement) -> Result<Coordinates, String> {
+        let variables = self.port(command, "PSTATE")?;
+        let seen_from = command.first("RM").filter(|id| *id != 0.0);
+        let seen_from = seen_from.map(|id| {
+            let mut markers = self.model().model.markers.iter();
+            let found = markers.position(|marker| f64::from(marker.header.id) == id);
+            found.ok_or_else(|| format!("there is no MARKER/{id}"))
+        });
+        Ok(Coordinates {
+            variables,
+            seen_from: seen_from.transpose()?,
+        })
+    }
+
     /// LINEAR/STATEMAT: the matrices as text that MATLAB loads, and the list of the states.
-    fn state_matrices(&mut self, command: &Statement, place: Place<'_>) -> Flow {
+    fn state_matrices(
+        &mut self,
+        command: &Statement,
+        coordinates: &Coordinates,
+        place: Place<'_>,
+    ) -> Flow {
         let ports = (self.port(command, "PINPUT"), self.port(command, "POUTPUT"));
         let (inputs, outputs) = match ports {
             (Ok(inputs), Ok(outputs)) => (inputs, outputs),
@@ -144,17 +172,6 @@ impl Session<'_> {
             .help("FORMAT=MATLAB asks for it");
             self.complain(&Some(place).label(warning));
         }
-        for word in ["PSTATE", "RM"] {
-            if command.has(word) {
-                let warning = Diagnostic::warning(
-                    Code::OutputNotWritten,
-                    format!(
-                        "{word} of LINEAR is not followed: the states are coordinates of parts in ground axes"
-                    ),
-                );
-                self.complain(&Some(place).label(warning));
-            }
-        }
         let Compiled {
             system,
             parameters,
@@ -162,7 +179,8 @@ impl Session<'_> {
             ..
         } = self.model().compiled().value;
         let time = state.time;
-        let found = motion::state_matrices(system, parameters, state, (&inputs, &outputs));
+        let found =
+            motion::state_matrices(system, parameters, state, (&inputs, &outputs), coordinates);
         let found = match found {
             Ok(found) => found,
             Err(reason) => return self.not_linearised(time, &reason, place),

@@ -367,6 +367,84 @@ END
     );
 }
 
+/// A block of 2 kg on a spring of 100 N/m and 0.4 Ns/m slides on an arm that turns at 3 rad/s, `r'' = -41 r - 0.2 r'` beside its rest. Along the arm,
+/// by RM or by PSTATE, that is what the state matrix has; by one coordinate in ground, `y = r sin(3 t)`, its derivatives hold for an instant:
+/// `y'' = (-50 + 0.2 q - 2 q^2) y + (-0.2 + 2 q) y'`, `q = 3 cot(3 t)`.
+#[test]
+fn states_of_a_moving_system_are_coordinates_and_their_rates() {
+    let deck = "arm
+UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=METER, TIME=SECOND
+PART/1, GROUND
+MARKER/1, PART=1
+PART/2, MASS=1, CM=20, IP=1,1,1, WZ=3
+MARKER/20, PART=2
+MARKER/25, PART=2, REULER=90D,90D,0D
+JOINT/1, REVOLUTE, I=20, J=1
+MOTION/1, JOINT=1, VELOCITY, FUNCTION=3
+PART/3, MASS=2, CM=30, IP=0.1,0.1,0.1, QG=0.7,0,0, VX=0.2, VY=2.1, WZ=3
+MARKER/30, PART=3
+MARKER/31, PART=3, REULER=90D,90D,0D
+JOINT/2, TRANSLATIONAL, I=31, J=25
+SPRINGDAMPER/1, TRANSLATIONAL, I=30, J=20, K=100, LENGTH=0.5, C=0.4
+SFORCE/1, TRANSLATIONAL, I=30, J=20, FUNCTION=VARVAL(1)
+VARIABLE/1, FUNCTION=0
+VARIABLE/2, FUNCTION=DX(30,20,20)
+VARIABLE/3, FUNCTION=ACCX(30,20,20,20)
+VARIABLE/4, FUNCTION=VX(30,20,20)
+PINPUT/1, VARIABLES=1
+POUTPUT/1, VARIABLES=2,3
+PSTATE/1, VARIABLES=2
+PSTATE/2, VARIABLES=4
+INTEGRATOR/GSTIFF, ERROR=1E-6
+END
+";
+    let q = 3.0 / 2.1f64.tan();
+    let (near, s) = (1e-6, 2.1f64.sin());
+    for (asked, by_place, by_rate, scale, of_place) in [
+        (
+            "",
+            -50.0 + 0.2 * q - 2.0 * q * q,
+            -0.2 + 2.0 * q,
+            s,
+            -41.0 + 0.2 * q,
+        ),
+        (", RM=20", -41.0, -0.2, 1.0, -41.0),
+        (", PSTATE=1", -41.0, -0.2, 1.0, -41.0),
+    ] {
+        let commands = format!(
+            "SIM/DYN, END=0.7, STEPS=7\nLINEAR/STATEMAT, PINPUT=1, POUTPUT=1, FILE=arm, FORMAT=MATLAB{asked}\nLINEAR/EIGENSOL{asked}"
+        );
+        let (_, ran, folder) = run(deck, &commands);
+        let read = |suffix: &str| matrix(folder.path(), &format!("arm{suffix}"));
+        let close = |found: Vec<Vec<f64>>, expected: &[[f64; 2]]| {
+            for (row, expected) in found.iter().zip(expected) {
+                for (a, b) in row.iter().zip(expected) {
+                    assert!((a - b).abs() < near, "{asked}: {found:?} {expected:?}");
+                }
+            }
+        };
+        close(read("a"), &[[0.0, 1.0], [by_place, by_rate]]);
+        close(
+            read("c"),
+            &[[1.0 / scale, 0.0], [of_place / scale, -0.2 / scale]],
+        );
+        assert!((read("b")[1][0] - 0.5 * scale).abs() < near);
+        // EIGENSOL has the same states.
+        let swing = (-by_place - 0.25 * by_rate * by_rate).sqrt() / std::f64::consts::TAU;
+        let table = ran.stdout.split("E I G E N").nth(1).unwrap();
+        let row = table.lines().nth(2).unwrap();
+        let found: f64 = row.rsplit(' ').next().unwrap().parse().unwrap();
+        assert!((found - swing).abs() < 1e-5, "{asked}: {row} {swing}");
+    }
+    let acf = "\nfile/model=deck\nSIM/DYN, END=0.7, STEPS=7\nLINEAR/EIGENSOL, PSTATE=2\nLINEAR/EIGENSOL, RM=99\nstop\n";
+    let folder = crate::run::folder(&[("deck.adm", deck), ("run.acf", acf)]);
+    let ran = mdi(folder.path(), &["ru-s", "run"]);
+    assert_eq!(ran.code, 1);
+    for told in ["VARIABLE/4 is no coordinate", "MARKER/99"] {
+        assert!(ran.stdout.contains(told), "{}", ran.stdout);
+    }
+}
+
 /// A ball in flight, saved and reloaded in another run, goes on as it flew.
 #[test]
 fn a_saved_motion_goes_on() {

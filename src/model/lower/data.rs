@@ -223,7 +223,7 @@ pub(super) fn sensor(reader: &mut Reader) -> Option<Sensor> {
     })
 }
 
-/// PINPUT and POUTPUT.
+/// PINPUT, POUTPUT and PSTATE.
 #[allow(clippy::unnecessary_wraps)] // All readers have one signature.
 pub(super) fn plant_port(reader: &mut Reader) -> Option<PlantPort> {
     Some(PlantPort {

@@ -28,7 +28,7 @@ pub(super) fn statement(reader: &mut Reader, body: Option<PartIx>, model: &mut M
         "SPLINE" => model.splines.extend(data::spline(reader)),
         "STRING" => model.strings.extend(data::string(reader)),
         "SENSOR" => model.sensors.extend(data::sensor(reader)),
-        "PINPUT" | "POUTPUT" => model.plant_ports.extend(data::plant_port(reader)),
+        "PINPUT" | "POUTPUT" | "PSTATE" => model.plant_ports.extend(data::plant_port(reader)),
         "REQUEST" => model.requests.extend(data::request(reader)),
         kind if force::is_pair_force(kind) => model.pair_forces.extend(force::pair_force(reader)),
         _ if is_body(reader.def) => model.parts.extend(frame::part(reader)),

@@ -1,0 +1,334 @@
+//! What the constraints leave free at a state, and how that changes as the state moves.
+
+use nalgebra::{DMatrix, DVector, RowDVector};
+
+use super::coordinates::Coordinates;
+use super::error::Reason;
+use crate::mechanics::eigen::singular_values;
+use crate::mechanics::{Vec3, skew};
+use crate::system::{Parameters, Rows, Scratch, State, System};
+
+/// Singular values of the gradients below this share of the largest count as zero.
+const NO_GRADIENT: f64 = 1e-9;
+/// Steps of the differences of rates of constraints, of order four.
+const STEP: f64 = 1e-3;
+/// Steps of the differences along the motion, of what it moves by in that time.
+const ALONG: f64 = 1e-4;
+
+/// Small motions of the parts by coordinates y and their rates v: `d = Z y`, `dV = V v + U y`, `y' = of_places y + of_rates v`.
+///
+/// Z and V are bases of the motions that the gradients leave free, by the places and by the velocities: the same, unless constraints of
+/// velocities leave fewer of these. Where the state moves, U is what velocities change by with the places alone.
+#[derive(Clone, Debug)]
+pub(super) struct Freedoms {
+    pub Z: DMatrix<f64>,
+    pub V: DMatrix<f64>,
+    pub U: DMatrix<f64>,
+    pub of_places: DMatrix<f64>,
+    pub of_rates: DMatrix<f64>,
+    /// Derivatives of V and U by the time: `dA = V v' + U y' + V' v + U' y`.
+    pub V_rate: DMatrix<f64>,
+    pub U_rate: DMatrix<f64>,
+    /// Which rows of the coordinates y are, and whose rates v is; none of an orthonormal basis.
+    pub chosen: Vec<usize>,
+    pub chosen_rates: Vec<usize>,
+}
+
+impl Freedoms {
+    /// In an orthonormal basis where `coordinates` are none, rotations times the length of the model: for a state at rest.
+    ///
+    /// With Y the coordinates by the motions of the parts, `Y Z = 1`, `Y V = 1`, X = -G^+ H, H the derivative of the rates G V + Phi_t by
+    /// the places, and W the angular velocities as matrices of cross products (`dphi' = dw + w x dphi`):
+    /// `y' = Y (dV + W d) + Y' d`, so that `U = X Z - V S`, `S = (Y X + Y W + Y') Z` of the rates.
+    ///
+    /// # Errors
+    /// [`Reason`] where an element has no value.
+    pub(super) fn of(
+        (system, parameters, state): (&System, &Parameters, &State),
+        coordinates: Option<&Coordinates>,
+        lengths: &DVector<f64>,
+    ) -> Result<Self, Reason> {
+        let whole = (system, parameters, state);
+        let bare = Bare::of(whole, lengths)?;
+        let n = lengths.len();
+        let (p, r) = (bare.Z.ncols(), bare.velocities().ncols());
+        let Some(coordinates) = coordinates else {
+            // The left inverse of Z, which is orthonormal where rotations are taken times the length.
+            let left = DMatrix::from_fn(p, n, |i, j| bare.Z[(j, i)] * lengths[j] * lengths[j]);
+            let V = bare.velocities().clone();
+            return Ok(Self {
+                of_rates: if bare.R.is_some() {
+                    left * &V
+                } else {
+                    DMatrix::identity(p, r)
+                },
+                U: DMatrix::zeros(n, p),
+                of_places: DMatrix::zeros(p, p),
+                V_rate: DMatrix::zeros(n, r),
+                U_rate: DMatrix::zeros(n, p),
+                chosen: Vec::new(),
+                chosen_rates: Vec::new(),
+                Z: bare.Z,
+                V,
+            });
+        };
+        let Y = coordinates.rows(system, parameters, state)?;
+        let chosen = coordinates.chosen(system, (&Y, &bare.Z), lengths);
+        let chosen_rates = match &bare.R {
+            Some(R) => coordinates.chosen(system, (&Y, R), lengths),
+            None => chosen.clone(),
+        };
+        let moves = bare.moves;
+        let seen = Seen {
+            coordinates,
+            chosen: &chosen,
+            chosen_rates: &chosen_rates,
+            lengths,
+        };
+        if !moves {
+            return Ok(seen.from(bare, &Y, &DMatrix::zeros(Y.nrows(), n), whole));
+        }
+        let h = ALONG / pace(system, state);
+        let near: Vec<State> = [-2.0, -1.0, 1.0, 2.0]
+            .map(|k| along(system, state, k * h))
+            .into();
+        let slope = |before: &DMatrix<f64>, after: &DMatrix<f64>| (after - before) / (2.0 * h);
+        let rows_of = |state: &State| coordinates.rows(system, parameters, state);
+        let Ys = [
+            rows_of(&near[0])?,
+            rows_of(&near[1])?,
+            Y,
+            rows_of(&near[2])?,
+            rows_of(&near[3])?,
+        ];
+        let at = |k: usize, state: &State, bare: Bare| {
+            let here = (system, parameters, state);
+            seen.from(bare, &Ys[k], &slope(&Ys[k - 1], &Ys[k + 1]), here)
+        };
+        let side = |k: usize, state: &State| {
+            Bare::of((system, parameters, state), lengths).map(|bare| at(k, state, bare))
+        };
+        let (before, after) = (side(1, &near[1])?, side(3, &near[2])?);
+        let mut here = at(2, state, bare);
+        if before.V.shape() == here.V.shape() && after.V.shape() == here.V.shape() {
+            here.V_rate = slope(&before.V, &after.V);
+            here.U_rate = slope(&before.U, &after.U);
+        }
+        Ok(here)
+    }
+}
+
+/// Coordinates that were chosen.
+struct Seen<'a> {
+    coordinates: &'a Coordinates,
+    chosen: &'a [usize],
+    chosen_rates: &'a [usize],
+    lengths: &'a DVector<f64>,
+}
+
+impl Seen<'_> {
+    /// From bases of any kind to those of the coordinates.
+    fn from(
+        &self,
+        bare: Bare,
+        Y: &DMatrix<f64>,
+        Y_rate: &DMatrix<f64>,
+        (system, _, state): (&System, &Parameters, &State),
+    ) -> Freedoms {
+        let n = self.lengths.len();
+        let of = |rows: &[usize], of: &DMatrix<f64>| of.select_rows(rows);
+        let scaled = |mut basis: DMatrix<f64>, rows: &[usize]| {
+            if let Some(inverse) = (of(rows, Y) * &basis).try_inverse() {
+                basis *= inverse;
+            }
+            basis
+        };
+        let holonomic = bare.R.is_none();
+        let V = scaled(bare.R.unwrap_or_else(|| bare.Z.clone()), self.chosen_rates);
+        let Z = scaled(bare.Z, self.chosen);
+        let (p, r) = (Z.ncols(), V.ncols());
+        let mut W = DMatrix::zeros(n, n);
+        for (body, velocity) in system.bodies.iter().zip(&state.velocities) {
+            if body.freedoms == 6 {
+                let at = body.first + 3;
+                W.view_mut((at, at), (3, 3))
+                    .copy_from(&skew(&velocity.angular));
+            }
+        }
+        let turned = if self.coordinates.are_plain() {
+            Y * W
+        } else {
+            Y * W + Y_rate
+        };
+        // y' by the places, of rates as they are.
+        let convected = (Y * &bare.X + turned) * &Z;
+        let S = of(self.chosen_rates, &convected);
+        let U = &bare.X * &Z - &V * &S;
+        let (of_places, of_rates) = if holonomic {
+            (DMatrix::zeros(p, p), DMatrix::identity(p, r))
+        } else {
+            let of_rates = of(self.chosen, Y) * &V;
+            (of(self.chosen, &convected) - &of_rates * &S, of_rates)
+        };
+        Freedoms {
+            V_rate: DMatrix::zeros(n, r),
+            U_rate: DMatrix::zeros(n, p),
+            Z,
+            V,
+            U,
+            of_places,
+            of_rates,
+            chosen: self.chosen.to_vec(),
+            chosen_rates: self.chosen_rates.to_vec(),
+        }
+    }
+}
+
+/// How fast a state moves: the largest angular velocity, or velocity over the length of the model; one where the time alone goes on.
+fn pace(system: &System, state: &State) -> f64 {
+    let pace = state.velocities.iter().fold(0.0_f64, |most, v| {
+        most.max(v.angular.norm())
+            .max(v.linear.norm() / system.length)
+    });
+    if pace > 0.0 { pace } else { 1.0 }
+}
+
+/// A state a little later, to second order.
+fn along(system: &System, state: &State, h: f64) -> State {
+    let (mut v, mut a) = (Vec::new(), Vec::new());
+    system.velocity_vector(state, &mut v);
+    system.gathered(&state.accelerations, &mut a);
+    let mut step = vec![0.0; system.moving_unknowns];
+    for ((step, v), a) in step.iter_mut().zip(&v).zip(&a) {
+        *step = h * v + 0.5 * h * h * a;
+    }
+    let mut next = state.clone();
+    system.advance(&mut next, &step);
+    next.time += h;
+    for (rates, more) in next.velocities.iter_mut().zip(&state.accelerations) {
+        rates.linear += more.linear * h;
+        rates.angular += more.angular * h;
+    }
+    next
+}
+
+/// Bases of any kind.
+struct Bare {
+    /// Motions by the places.
+    Z: DMatrix<f64>,
+    /// Motions by the velocities, where constraints of velocities leave fewer of them.
+    R: Option<DMatrix<f64>>,
+    X: DMatrix<f64>,
+    moves: bool,
+}
+
+impl Bare {
+    fn velocities(&self) -> &DMatrix<f64> {
+        self.R.as_ref().unwrap_or(&self.Z)
+    }
+
+    /// Rotations are taken times the length of the model while the bases are made orthonormal.
+    fn of(
+        (system, parameters, state): (&System, &Parameters, &State),
+        lengths: &DVector<f64>,
+    ) -> Result<Self, Reason> {
+        let (n, equations) = (system.first_equation, system.equations);
+        let mut scratch = Scratch::new(system);
+        let mut g = vec![0.0; system.moving_unknowns];
+        let mut rows = Rows::new(system);
+        system.constraints_and_rows(parameters, state, &mut scratch, &mut g, &mut rows)?;
+        let gradients = |counts: &dyn Fn(usize) -> bool| {
+            let mut G = DMatrix::<f64>::zeros(n.max(equations), n);
+            for &(row, column, value) in &rows.entries {
+                if counts(row as usize) {
+                    G[(row as usize, column as usize)] += value / lengths[column as usize];
+                }
+            }
+            G
+        };
+        let G = gradients(&|_| true);
+        if n == 0 {
+            return Ok(Self {
+                Z: DMatrix::zeros(n, 0),
+                R: None,
+                X: DMatrix::zeros(n, n),
+                moves: false,
+            });
+        }
+        let svd = singular_values(G, true, true).ok_or(Reason::NoEigenvalues)?;
+        let most = svd.singular_values.iter().fold(0.0_f64, |a, b| a.max(*b));
+        let (U, Vt) = (svd.u.expect("asked for"), svd.v_t.expect("asked for"));
+        let free = left_free(&svd.singular_values, &Vt, lengths);
+        let of_velocities = |&k: &usize| system.of_velocities[k] && system.takes_part(state, k);
+        let (Z, R) = if (0..equations).any(|k| of_velocities(&k)) {
+            let G = gradients(&|k| !system.of_velocities[k]);
+            let svd = singular_values(G, false, true).ok_or(Reason::NoEigenvalues)?;
+            let Vt = svd.v_t.expect("asked for");
+            (left_free(&svd.singular_values, &Vt, lengths), Some(free))
+        } else {
+            (free, None)
+        };
+        // H by differences of the rates along each freedom.
+        let moves = state
+            .velocities
+            .iter()
+            .any(|v| v.linear != Vec3::zeros() || v.angular != Vec3::zeros())
+            || rows.time.iter().any(|t| *t != 0.0);
+        if !moves {
+            let X = DMatrix::zeros(n, n);
+            return Ok(Self { Z, R, X, moves });
+        }
+        let mut v = Vec::new();
+        system.velocity_vector(state, &mut v);
+        let mut H = DMatrix::<f64>::zeros(equations, n);
+        let mut step = vec![0.0; system.moving_unknowns];
+        for column in 0..n {
+            let h = STEP
+                * if lengths[column] == 1.0 {
+                    system.length
+                } else {
+                    1.0
+                };
+            for (weight, side) in [(8.0, 1.0), (-8.0, -1.0), (-1.0, 2.0), (1.0, -2.0)] {
+                step[column] = side * h;
+                let mut near = state.clone();
+                system.advance(&mut near, &step);
+                system.constraints_and_rows(parameters, &near, &mut scratch, &mut g, &mut rows)?;
+                let mut rate = rows.time.clone();
+                rows.times(&v, &mut rate);
+                for (k, rate) in rate.iter().enumerate() {
+                    H[(k, column)] += weight * rate / (12.0 * h);
+                }
+            }
+            step[column] = 0.0;
+        }
+        // X = -L^-1 (G L^-1)^+ H, L the lengths.
+        let mut X = DMatrix::<f64>::zeros(n, n);
+        for (k, value) in svd.singular_values.iter().enumerate() {
+            if *value <= NO_GRADIENT * most {
+                continue;
+            }
+            let along: RowDVector<f64> = U.column(k).rows(0, equations).transpose() * &H / *value;
+            for i in 0..n {
+                for j in 0..n {
+                    X[(i, j)] -= Vt[(k, i)] / lengths[i] * along[j];
+                }
+            }
+        }
+        Ok(Self { Z, R, X, moves })
+    }
+}
+
+/// A basis of the motions along which no gradient has a value, from the singular values of the gradients.
+fn left_free(
+    singular_values: &DVector<f64>,
+    Vt: &DMatrix<f64>,
+    lengths: &DVector<f64>,
+) -> DMatrix<f64> {
+    let n = lengths.len();
+    let most = singular_values.iter().fold(0.0_f64, |a, b| a.max(*b));
+    let free: Vec<usize> = (0..n)
+        .filter(|&k| singular_values[k] <= NO_GRADIENT * most)
+        .collect();
+    DMatrix::from_fn(n, free.len(), |i, j| Vt[(free[j], i)] / lengths[i])
+}
