@@ -55,6 +55,8 @@ impl Linearised {
         let first_state = variable + system.variables.len();
         let (variables, states) = (first_state - variable, m - first_state);
         let mut scratch = Scratch::new(system);
+        // A motion from here begins like this: surfaces at rest stick.
+        system.grip_on(parameters, &mut state, &mut scratch);
         let mut levels = Levels::new(m);
         let mut g = vec![0.0; m];
         system.assemble(parameters, &state, &mut scratch, &mut g, &mut levels)?;

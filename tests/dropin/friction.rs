@@ -430,6 +430,33 @@ fn a_motion_after_statics_begins_with_undeformed_stiction() {
     assert_eq!(ran.stdout.matches(told).count(), 1, "{}", ran.stdout);
 }
 
+/// Small motions about rest stick: the slope of both quintic steps at zero is 15/8, by D for the creep and by VS for the velocity, right after
+/// statics as after a motion that goes nowhere.
+#[test]
+fn small_motions_about_rest_stick() {
+    let deck = format!("{HEAD}{}END\n", block("", "5-100*DX(20)"));
+    let grip = 15.0 / 8.0 * STATIC * 2.0 * G;
+    let (stiff, damp) = (100.0 + grip / D, grip / VS);
+    let half = damp / 4.0;
+    let apart = (half * half - stiff / 2.0).sqrt();
+    for before in [
+        "simulate/static",
+        "simulate/static\nsimulate/dynamic, end=0.1, steps=1",
+    ] {
+        let acf = format!("\nfile/model=joint\n{before}\nlinear/eigensol\nstop\n");
+        let folder = folder(&[("joint.adm", &deck), ("run.acf", &acf)]);
+        let ran = mdi(folder.path(), &["ru-s", "run"]);
+        assert_eq!(ran.code, 0, "{}", ran.stdout);
+        let text = std::fs::read(folder.path().join("joint.modes.json")).unwrap();
+        let value: serde_json::Value = serde_json::from_slice(&text).unwrap();
+        let modes = value["modes"].as_array().unwrap();
+        let found: Vec<f64> = modes.iter().map(|m| m["real"].as_f64().unwrap()).collect();
+        assert_eq!(found.len(), 2, "{found:?}");
+        near(found[0], -half + apart, 1e-4);
+        near(found[1], -half - apart, 1e-4);
+    }
+}
+
 /// INACTIVE=STATIC says of statics what is done anyway: nothing is told. Another formulation is refused.
 #[test]
 fn friction_may_be_off_in_statics() {
