@@ -4,13 +4,20 @@ use super::consistent::Consistent;
 use super::error::{MotionError, Reason};
 use super::passage::{EXACT, PLACES, Watched};
 use super::root::narrowed;
-use crate::system::{Parameters, State, System};
+use crate::system::{Parameters, Scratch, State, System};
 
 /// A step that fails is halved at most so often.
 const HALVINGS: i32 = 10;
+/// Frictions stick or let go so often on the way to one time at most; then without a look at when.
+const GRIPS: usize = 1000;
+
+type Going =
+    fn(&System, &Parameters, &mut State, &mut Consistent, f64, f64) -> Result<usize, MotionError>;
 
 /// Goes to a time from positions to positions; steps are at most `largest` long, and halved where positions are not found. Gives how many
 /// steps it took.
+///
+/// A step ends where a friction begins or ceases to stick: its creep counts from there.
 ///
 /// The next positions are sought from `q + h V + h^2 A / 2`, by Newton's method on the constraints with the least change; velocities,
 /// accelerations and multipliers follow by linear solutions.
@@ -18,6 +25,63 @@ const HALVINGS: i32 = 10;
 /// # Errors
 /// [`MotionError`]; the state is then that of the last positions that were found.
 pub fn advance(
+    system: &System,
+    parameters: &Parameters,
+    state: &mut State,
+    memory: &mut Consistent,
+    end: f64,
+    largest: f64,
+) -> Result<usize, MotionError> {
+    if !system.has_friction() {
+        return freely(system, parameters, state, memory, end, largest);
+    }
+    let mut slips = Slips {
+        system,
+        parameters,
+        scratch: Scratch::new(system),
+        sticking: Vec::new(),
+        over: Vec::new(),
+    };
+    let (of, to) = ((system, parameters), (end, largest));
+    let mut steps = 0;
+    for _ in 0..GRIPS {
+        let (taken, passed) = watching(freely, of, state, memory, to, &mut slips)?;
+        steps += taken;
+        if !passed {
+            return Ok(steps);
+        }
+    }
+    Ok(steps + freely(system, parameters, state, memory, end, largest)?)
+}
+
+/// What of the frictions sticks or lets go.
+struct Slips<'a> {
+    system: &'a System,
+    parameters: &'a Parameters,
+    scratch: Scratch,
+    /// At the beginning.
+    sticking: Vec<bool>,
+    over: Vec<f64>,
+}
+
+impl Watched for Slips<'_> {
+    fn begin(&mut self, state: &State) {
+        self.sticking.clear();
+        let grips = state.grips.iter().map(|grip| grip.sticking);
+        self.sticking.extend(grips);
+    }
+
+    fn excess(&mut self, state: &State) -> f64 {
+        let (parameters, scratch) = (self.parameters, &mut self.scratch);
+        self.system
+            .slips(parameters, state, scratch, &mut self.over);
+        let all = self.sticking.iter().zip(&self.over);
+        let all = all.map(|(sticking, slip)| if *sticking { *slip } else { -slip });
+        all.fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
+fn freely(
     system: &System,
     parameters: &Parameters,
     state: &mut State,
@@ -67,6 +131,17 @@ pub fn advance(
 /// # Errors
 /// [`MotionError`] as of [`advance`].
 pub(crate) fn advance_watched(
+    of: (&System, &Parameters),
+    state: &mut State,
+    memory: &mut Consistent,
+    to: (f64, f64),
+    watched: &mut impl Watched,
+) -> Result<(usize, bool), MotionError> {
+    watching(advance, of, state, memory, to, watched)
+}
+
+fn watching(
+    going: Going,
     (system, parameters): (&System, &Parameters),
     state: &mut State,
     memory: &mut Consistent,
@@ -83,14 +158,14 @@ pub(crate) fn advance_watched(
         } else {
             end
         };
-        steps += advance(system, parameters, state, memory, to, largest)?;
+        steps += going(system, parameters, state, memory, to, largest)?;
         let excess = watched.excess(state);
         if excess > 0.0 {
             let start = (before.time, watched.excess(&before));
             let mut failed = None;
             let at = |time: f64| {
                 let mut there = before.clone();
-                match advance(system, parameters, &mut there, memory, time, largest) {
+                match going(system, parameters, &mut there, memory, time, largest) {
                     Ok(_) => watched.excess(&there),
                     Err(error) => {
                         failed = Some(error);
@@ -104,7 +179,7 @@ pub(crate) fn advance_watched(
             }
             if after < to {
                 *state = before;
-                steps += advance(system, parameters, state, memory, after, largest)?;
+                steps += going(system, parameters, state, memory, after, largest)?;
             }
             return Ok((steps, after < end));
         }

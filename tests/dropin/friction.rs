@@ -457,6 +457,41 @@ fn small_motions_about_rest_stick() {
     }
 }
 
+/// A driven block, x = 0.004 sin 4t: it sticks while its speed is below VS, and its creep is the way since it fell below that, however far apart
+/// the outputs are. The motor carries inertia and friction.
+#[test]
+fn a_driven_block_creeps_from_where_it_began_to_stick() {
+    let deck = block("", "0") + "MOTION/1, JOINT=1, FUNCTION=0.004*SIN(4*TIME)\n";
+    let quarter = std::f64::consts::FRAC_PI_2;
+    for command in ["kinematic, end=2, dtout=0.1", "dynamic, end=2, dtout=0.01"] {
+        let found = run(&deck, &format!("simulate/{command}"));
+        let column = |name: &str| found.column("FRICTION_1", name);
+        let (creep, force, motor) = (
+            column("CREEP_Z"),
+            column("FX"),
+            found.column("MOTION_1", "FX"),
+        );
+        let mut stuck = 0;
+        for (k, t) in found.column("time", "TIME").iter().enumerate() {
+            let v = 0.016 * (4.0 * t).cos();
+            // The turning point next to it, and where the speed fell to VS before that.
+            let turn = quarter * (2.0 * ((4.0 * t - quarter) / (2.0 * quarter)).round() + 1.0);
+            let began = turn - (VS / 0.016).asin();
+            let sticks = v.abs() < VS;
+            let way = if sticks {
+                0.004 * ((4.0 * t).sin() - began.sin())
+            } else {
+                0.0
+            };
+            stuck += usize::from(sticks);
+            near(creep[k], way, 1e-9);
+            near(force[k], coefficient(v, way) * 2.0 * G, 1e-5);
+            near(motor[k] + force[k], 2.0 * -0.064 * (4.0 * t).sin(), 1e-5);
+        }
+        assert!(stuck > 5, "{stuck}");
+    }
+}
+
 /// INACTIVE=STATIC says of statics what is done anyway: nothing is told. Another formulation is refused.
 #[test]
 fn friction_may_be_off_in_statics() {
