@@ -14,6 +14,8 @@ pub enum Cause {
     Creep,
     /// A part deforms along the line of its two joints.
     LinkCompliance,
+    /// A joint of a part with two joints has play along their line.
+    FreePlay,
     /// The ground-side attachment of a joint or spring yields.
     BodyCompliance,
     /// The two sides of a bushing sit displaced from where the deck says.
@@ -54,6 +56,7 @@ impl Cause {
             Self::DryFriction => "dry-friction",
             Self::Creep => "creep",
             Self::LinkCompliance => "link-compliance",
+            Self::FreePlay => "free-play",
             Self::BodyCompliance => "body-compliance",
             Self::AssemblyOffset => "assembly-offset",
             Self::HardpointError => "hardpoint-error",

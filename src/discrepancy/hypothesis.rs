@@ -286,5 +286,5 @@ pub(super) fn component(axis: usize) -> String {
 pub(super) const SIX: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
 /// Components of a vector force.
 pub(super) const FORCES: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
-/// Stiffness of the directions in which a split part does not yield.
+/// Stiffness of the directions in which a split part does not yield, in newtons per millimetre and newton millimetres per radian.
 pub(super) const RIGID: [f64; 2] = [1e7, 1e11];

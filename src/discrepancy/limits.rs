@@ -74,7 +74,8 @@ fn outstanding(
 
 /// For each number of every other cause the size at which the cause is as probable as not, all else being sound: with `F` the information
 /// of the readings on it in units of its prior, to first order, `d^2 F^2 / (1 + F) = ln(1 + F) - 2 ln(prior odds)`. Of several forms
-/// of one cause at one place the one that is seen best. Faults of readings of single cases are left out.
+/// of one cause at one place the one that is seen worst, for any of them may act; of first guesses of one law the one that is seen best.
+/// Faults of readings of single cases are left out.
 pub(super) fn cause_limits(subject: &Subject<'_>, fitted: &Fitted) -> Vec<CauseLimit> {
     let catalogue = Catalogue::new(subject, fitted);
     let information = catalogue.information(fitted, &fitted.sizes);
@@ -107,7 +108,7 @@ fn alone(information: f64, ln_odds: f64) -> Option<f64> {
     (information > 1e-6).then(|| (evidence * (1.0 + information)).sqrt() / information)
 }
 
-/// Adds a limit, or betters that of another form of the same.
+/// Adds a limit, or joins it to that of another form of the same.
 fn take(out: &mut Vec<CauseLimit>, h: &Hypothesis, number: &Number, d: Option<f64>) {
     let size = d.map(|d| d * number.sd * number.unit);
     let same = |l: &&mut CauseLimit| {
@@ -115,8 +116,11 @@ fn take(out: &mut Vec<CauseLimit>, h: &Hypothesis, number: &Number, d: Option<f6
             == (h.cause, h.address.as_str(), number.name.as_str())
     };
     if let Some(known) = out.iter_mut().find(same) {
-        let least = size.into_iter().chain(known.size).reduce(f64::min);
-        known.size = least;
+        known.size = if h.cause.has_rough_law() {
+            size.into_iter().chain(known.size).reduce(f64::min)
+        } else {
+            size.zip(known.size).map(|(a, b)| a.max(b))
+        };
         return;
     }
     out.push(CauseLimit {

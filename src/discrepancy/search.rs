@@ -37,6 +37,8 @@ const ELSEWHERE: f64 = 2.0;
 const NEAR: f64 = 10.0;
 /// Some cause acts where the linear model promises so many nats of one.
 const SURE: f64 = 10.0;
+/// Causes that gain less than so many nats may only lead away from where the fit without them went astray.
+const MODEST: f64 = 100.0;
 
 /// Resumes a search from the models, without and with causes, that a search of some of the cases ended with. That one may have
 /// avoided a fit that went astray here, or a first cause that hides the true one. `None` where its models are no better.
@@ -157,7 +159,36 @@ impl<'a, 'b> Search<'a, 'b> {
     /// Searches to the end, from no cause.
     pub(super) fn ended(mut self) -> Found {
         let best = self.climbed(Arc::clone(&self.none));
+        let best = self.held_against_none(best);
         self.into_found(best)
+    }
+
+    /// The same, or a better one beside a fit without any cause that begins where the one with them ended, where that is better than the
+    /// one known: that one went astray.
+    fn held_against_none(&mut self, best: Arc<Fitted>) -> Arc<Fitted> {
+        let known = &self.none;
+        let gained = best.ln_posterior() - known.ln_posterior();
+        if best.chosen.is_empty() || gained > MODEST || self.tried.subject.is_spent() {
+            return best;
+        }
+        let from = Some((&*best, best.x.as_slice()));
+        let target = Target::beyond(known);
+        let again = aimed(self.tried.subject, &[], from, None, self.tried.data, target);
+        let Some(Fit::New(again)) = again else {
+            return best;
+        };
+        if again.ln_posterior() < known.ln_posterior() + ELSEWHERE {
+            return best;
+        }
+        self.none = Arc::from(again);
+        let none = Arc::clone(&self.none);
+        self.tried.note(&none);
+        let other = self.climbed(none);
+        if other.ln_posterior() > best.ln_posterior() {
+            other
+        } else {
+            best
+        }
     }
 
     /// Searches to the end from the causes that a search of some of the cases chose; from none, too, if what that would begin with is not
@@ -185,6 +216,7 @@ impl<'a, 'b> Search<'a, 'b> {
             ends.push(self.climbed(Arc::clone(&none)));
         }
         let best = ends.into_iter().max_by(by_evidence).unwrap_or(none);
+        let best = self.held_against_none(best);
         self.into_found(best)
     }
 

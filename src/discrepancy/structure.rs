@@ -8,8 +8,9 @@ use crate::identify::global::Row;
 use crate::mechanics::Vec3;
 use crate::rig::orientation::chi_square_p_value;
 
-/// Structure is there when the hardest of all tests, corrected for their number, has a p-value below this.
-const STRUCTURED: f64 = 0.005;
+/// Structure is there when the hardest of all tests, corrected for their number, has a p-value below this: of readings that are as the
+/// model says, one study in a thousand. What a wrong model leaves is mostly far beyond.
+const STRUCTURED: f64 = 0.001;
 
 /// What kind of structure a test looks for.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -85,13 +86,16 @@ pub(super) fn is_structured(tests: &[StructureTest]) -> bool {
     least(tests) < STRUCTURED
 }
 
-/// True where single readings of marks are too far off, and nothing goes through several.
+/// True where readings are too far off, each for itself: one of them, or those of a case, a part or a channel, and nothing goes through
+/// several.
 pub(super) fn is_of_far_readings(tests: &[StructureTest]) -> bool {
     let significant = tests
         .iter()
         .filter(|test| is_significant(test, tests.len()));
     let mut aspects = significant.map(|test| test.aspect);
-    aspects.clone().any(|aspect| aspect == Aspect::Mark)
+    aspects
+        .clone()
+        .any(|aspect| matches!(aspect, Aspect::Mark | Aspect::Scatter))
         && aspects.all(|aspect| aspect != Aspect::Pattern)
 }
 

@@ -256,12 +256,24 @@ impl<'a> Survey<'a> {
         axis: usize,
         function: &str,
     ) -> (u32, Vec<NewStatement>) {
-        let (id, floating) = (self.free_id("GFORCE"), self.free_id("MARKER"));
         let part = self.model.parts[self.model.markers[j.0].part.0].header.id;
+        let pair = [i, j].map(|marker| self.marker_id(marker));
+        self.force_between(pair, (part, self.free_id("MARKER")), axis, function)
+    }
+
+    /// The same between markers by their ids, J on this part, with the id of the floating marker.
+    pub(super) fn force_between(
+        &self,
+        [i, j]: [u32; 2],
+        (part, floating): (u32, u32),
+        axis: usize,
+        function: &str,
+    ) -> (u32, Vec<NewStatement>) {
+        let id = self.free_id("GFORCE");
         let mut arguments = vec![
-            ("I", self.marker_id(i).to_string()),
+            ("I", i.to_string()),
             ("JFLOAT", floating.to_string()),
-            ("RM", self.marker_id(j).to_string()),
+            ("RM", j.to_string()),
         ];
         for (k, word) in ["FX", "FY", "FZ", "TX", "TY", "TZ"].into_iter().enumerate() {
             let text = if k == axis { function } else { "0.0" };
@@ -275,14 +287,14 @@ impl<'a> Survey<'a> {
     }
 
     /// Changes that give a marker of a part to a new, massless part, held to the old one by a bushing at `place` (in axes of the
-    /// part) with these translational stiffnesses; and the id of the bushing.
+    /// part) with these translational stiffnesses; and the ids of the bushing and its two markers.
     pub(super) fn split(
         &self,
-        (part, _): (u32, PartIx),
+        part: u32,
         marker: u32,
         (place, angles): (Vec3, [f64; 3]),
         stiffness: [f64; 3],
-    ) -> (u32, Vec<Change>) {
+    ) -> (u32, [u32; 2], Vec<Change>) {
         let (new, first, bushing) = (
             self.free_id("PART"),
             self.free_id("MARKER"),
@@ -313,7 +325,7 @@ impl<'a> Survey<'a> {
                 ],
             )
         };
-        let rigid = super::hypothesis::RIGID[1];
+        let rigid = super::hypothesis::RIGID[1] * self.newton() * self.millimetre();
         let law = statement(
             "BUSHING",
             bushing,
@@ -337,7 +349,7 @@ impl<'a> Survey<'a> {
             Change::Add(law),
             Change::Text(whose, new.to_string()),
         ];
-        (bushing, changes)
+        (bushing, [first, first + 1], changes)
     }
 
     /// Everything that holds a part.

@@ -21,6 +21,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let Some(ground) = model.ground() else {
         return;
     };
+    let per_length = survey.newton() / survey.millimetre();
     let mut put =
         |address: String, (i, j): (MarkerIx, MarkerIx), forces: Vec<[Vec3; 2]>, sd: f64| {
             let sides = [i, j].map(|marker| model.markers[marker.0].part == ground);
@@ -40,8 +41,8 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 })
                 .collect();
             let place = (model.markers[marker.0].qp, [0.0; 3]);
-            let ground = (model.parts[ground.0].header.id, ground);
-            let (bushing, changes) = survey.split(ground, id, place, [1e6; 3]);
+            let ground = model.parts[ground.0].header.id;
+            let (bushing, _, changes) = survey.split(ground, id, place, [1e6 * per_length; 3]);
             let stiffnesses = (1..=3).map(|k| number("BUSHING", bushing, "K", Some(k)));
             out.push(Hypothesis {
                 cause: Cause::BodyCompliance,
@@ -57,7 +58,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                     column: Column::PerCase(column),
                     ..Number::new(
                         "compliance",
-                        sd * survey.millimetre() / survey.newton(),
+                        sd / per_length,
                         Unknown::Compliance(stiffnesses.collect()),
                     )
                 }],

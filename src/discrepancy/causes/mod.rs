@@ -11,6 +11,7 @@ mod creep;
 pub(super) mod dry_friction;
 mod element_parameter;
 mod frame_drift;
+mod free_play;
 mod hardpoint_error;
 mod link_compliance;
 mod load_crosstalk;
@@ -33,6 +34,7 @@ pub(super) fn all(survey: &Survey<'_>) -> Vec<Hypothesis> {
     dry_friction::hypotheses(survey, &mut out);
     creep::hypotheses(survey, &mut out);
     link_compliance::hypotheses(survey, &mut out);
+    free_play::hypotheses(survey, &mut out);
     body_compliance::hypotheses(survey, &mut out);
     assembly_offset::hypotheses(survey, &mut out);
     hardpoint_error::hypotheses(survey, &mut out);

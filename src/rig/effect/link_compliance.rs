@@ -15,19 +15,11 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diag
     let part = reality.object(spec, &["PART"])?.id.unwrap_or(0);
     let stiffness = spec.positive("stiffness")?;
     let both = spec.word("ends", &["one", "both"])? == "both";
-    let model = reality.model();
-    let ends = ends(&model, part);
-    let [near, far] = ends.as_slice() else {
-        return Err(spec.refuse(format!("PART/{part} has {} joints, not two", ends.len())));
-    };
-    let line = far.2 - near.2;
-    if line.norm() < 1e-9 {
-        return Err(spec.refuse(format!("both joints of PART/{part} are at one point")));
-    }
+    let ([near, far], line) = line(spec, reality, part)?;
     let each = if both { 2.0 * stiffness } else { stiffness };
-    let mut springs = vec![cut(spec, reality, part, far, &line, each)?];
+    let mut springs = vec![cut(spec, reality, part, &far, &line, each)?];
     if both {
-        springs.push(cut(spec, reality, part, near, &-line, each)?);
+        springs.push(cut(spec, reality, part, &near, &-line, each)?);
     }
     if let Some(rated) = spec.optional("rated")? {
         for pair in springs {
@@ -39,6 +31,24 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diag
 
 /// A joint or bushing on the part: its address, the argument that names the part's marker, and where that is on the part.
 type End = (Address, &'static str, Vec3);
+
+/// Both ends of a part, and the line from the first to the second.
+pub(super) fn line(
+    spec: &EffectSpec,
+    reality: &Reality,
+    part: u32,
+) -> Result<([End; 2], Vec3), Diagnostic> {
+    let found = ends(&reality.model(), part);
+    let count = found.len();
+    let Ok([near, far]) = <[End; 2]>::try_from(found) else {
+        return Err(spec.refuse(format!("PART/{part} has {count} joints, not two")));
+    };
+    let line = far.2 - near.2;
+    if line.norm() < 1e-9 {
+        return Err(spec.refuse(format!("both joints of PART/{part} are at one point")));
+    }
+    Ok(([near, far], line))
+}
 
 fn ends(model: &Model, part: u32) -> Vec<End> {
     let mut found = Vec::new();
@@ -67,7 +77,8 @@ fn ends(model: &Model, part: u32) -> Vec<End> {
     found
 }
 
-fn cut(
+/// Makes an end a part of its own that slides along the line on the rest, held by a spring; the spring's markers.
+pub(super) fn cut(
     spec: &EffectSpec,
     reality: &mut Reality,
     part: u32,

@@ -2,7 +2,7 @@
 //!
 //! The force laws of the effects live here, as edits of the deck: more statements, other numbers, other loads, faults of the
 //! readings, all before the deck is compiled. Only what remembers the path from case to case (friction, creep) is a law of its own,
-//! in `memory`. Knows nothing about how an effect is found again. Besides the causes of guide/study.md there are seven outside of that
+//! in `memory`. Knows nothing about how an effect is found again. Besides the causes of guide/study.md there are six outside of that
 //! catalogue, against which a diagnosis must not name a cause of it with confidence.
 
 mod assembly_offset;
@@ -49,6 +49,7 @@ const CAUSES: &[(&str, Plant)] = &[
     ("progressive-stiffness", progressive_stiffness::plant),
     ("dry-friction", dry_friction::plant),
     ("link-compliance", link_compliance::plant),
+    ("free-play", free_play::plant),
     ("body-compliance", body_compliance::plant),
     ("assembly-offset", assembly_offset::plant),
     ("hardpoint-error", hardpoint_error::plant),
@@ -67,7 +68,6 @@ const CAUSES: &[(&str, Plant)] = &[
 /// What a rig may meet besides.
 const OUTSIDE: &[(&str, Plant)] = &[
     ("creep", creep::plant),
-    ("free-play", free_play::plant),
     ("part-flexibility", part_flexibility::plant),
     ("asymmetric-friction", asymmetric_friction::plant),
     ("thermal-drift", thermal_drift::plant),

@@ -35,6 +35,8 @@ CONDITIONS = {
     "heavy-tails": ((), {}, dict(tails=3.0)),
     "outliers": ((), {}, dict(outliers=6)),
     "tolerances-friction": (("dry-friction",), LARGE, {}),
+    "play": (("free-play",), {}, {}),
+    "tolerances-play": (("free-play",), LARGE, {}),
     "tolerances-tie-rod": (("link-compliance",), LARGE, {}),
     "tolerances-progressive": (("progressive-stiffness",), LARGE, {}),
     "tolerances-hardpoint": (("hardpoint-error",), LARGE, {}),
@@ -154,6 +156,14 @@ class Causes:
         stiffness = log_uniform(self.rng, 1.2e4, 1.5e5) if self.near else self.rng.uniform(6e3, 1.2e4)
         reality.compliance[ball] = (link, inner, 1 / stiffness)
         return dict(cause="link-compliance", addresses=[f"PART/{self.deck.part[link]}"], stiffness=stiffness)
+
+    def free_play(self, reality):
+        links = list(self.axle.links)
+        link = links[self.rng.integers(len(links))]
+        inner, outer, ball = self.axle.links[link]
+        half = self.rng.uniform(0.1, 0.25)
+        reality.play = (ball, link, inner, half, 100.0)
+        return dict(cause="free-play", addresses=[f"PART/{self.deck.part[link]}"], play=2 * half)
 
     def load_gain(self, reality):
         k = int(self.rng.integers(len(self.axle.loads)))

@@ -52,6 +52,7 @@ class Reality:
     growing: dict = field(default_factory=dict)  # (bushing, component) -> length u0: K u0 sinh(u / u0)
     friction: dict = field(default_factory=dict)  # (bushing, component) -> (force, displacement at which half has slipped)
     compliance: dict = field(default_factory=dict)  # ball -> (body, other point, mm/N) along the line of the two
+    play: tuple = None  # (ball, body, other point, half the play in mm, force of its law): along the line half * tanh(force / that)
     load_matrix: np.ndarray = None  # acting loads = matrix @ stated loads
     springs: dict = field(default_factory=dict)  # spring -> (factor of K, factor of force)
     stiffness: dict = field(default_factory=dict)  # bushing -> (K, KT) instead of the axle's own
@@ -178,6 +179,8 @@ class World:
                     row(c, dot(z, across), r_i, r_i, none, cross(z, across))
             else:
                 basis, give = self.directions(c, batch, R)
+                if self.reality.play and self.reality.play[0] == c.name:
+                    self.playing = len(gaps)
                 for k in range(3):
                     # Where a link gives, its end is where the ball of the carrier is.
                     row(c, dot(basis[..., k, :], r_i - r_j), r_j, r_j, basis[..., k, :], None, give if k == 0 else 0.0)
@@ -197,6 +200,8 @@ class World:
     def directions(self, c, batch, R):
         """Along which a ball or a cross holds: ground's axes, or the line of a link that gives and two across."""
         soft = self.reality.compliance.get(c.name)
+        if self.reality.play and self.reality.play[0] == c.name:
+            soft = (*self.reality.play[1:3], 0.0)
         if not soft:
             return np.broadcast_to(np.eye(3), batch + (3, 3)), 0.0
         body, other, give = soft
@@ -206,6 +211,12 @@ class World:
         second /= np.linalg.norm(second)
         own = (line, second, np.cross(line, second))
         return np.stack([self.along(body, v, R) for v in own], -2), give
+
+    def taken(self, force):
+        """How far a joint with play has moved, and its derivative."""
+        half, of = self.reality.play[3:]
+        x = np.clip(force / of, -50.0, 50.0)
+        return half * np.tanh(x), half / of / np.cosh(x) ** 2
 
     def solve(self, loads, start=None):
         """Poses (cases, parts): origins and rotation matrices. `loads` (cases, loads) are those that act."""
@@ -241,11 +252,17 @@ class World:
                 J[:, 6 * n :, : 6 * n] = np.swapaxes(gaps - g[:, None], 1, 2) / h
                 J[:, : 6 * n, 6 * n :] = W
                 J[:, 6 * n :, 6 * n :] += np.diag(give)
+                if self.reality.play:
+                    k = self.playing
+                    J[:, 6 * n + k, 6 * n + k] += self.taken(reaction[:, k])[1]
                 try:
                     factor = np.linalg.inv(J * rows[:, None] * columns)
                 except np.linalg.LinAlgError as error:
                     raise NoEquilibrium(str(error)) from error
-            residual = np.concatenate([total, g + give * reaction], 1)
+            gap = g + give * reaction
+            if self.reality.play:
+                gap[:, self.playing] += self.taken(reaction[:, self.playing])[0]
+            residual = np.concatenate([total, gap], 1)
             step = -(factor @ (residual * rows)[..., None])[..., 0] * columns
             motion = step[:, : 6 * n].reshape(cases, n, 6)
             far = np.maximum(np.abs(motion[..., :3]).max((1, 2)) / 30.0, np.abs(motion[..., 3:]).max((1, 2)) / 0.1)
