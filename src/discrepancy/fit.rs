@@ -129,6 +129,7 @@ impl Fitted {
                 let (x, sd) = (self.x[at], covariance[(at, at)].max(0.0).sqrt());
                 let (value, std_error) = match number.unknown {
                     Unknown::Compliance(_) => (libm::exp(-x), libm::exp(-x) * sd),
+                    Unknown::Rate { .. } => (libm::exp(x), libm::exp(x) * sd),
                     Unknown::SlipLength { .. } => {
                         let first = self.places[chosen][0];
                         let force = self.x[first];

@@ -32,6 +32,13 @@ pub enum Unknown {
     Extended(Vec<(Address, f64)>),
     /// The number is a compliance: its inverse is each of these stiffnesses of the extended deck.
     Compliance(Vec<Address>),
+    /// The logarithm of a stiffness of the extended deck.
+    Rate {
+        /// Where the stiffness stands.
+        address: Address,
+        /// First guess, and median of its prior.
+        usual: f64,
+    },
     /// A displacement of the two sides of a bushing along one of its components: the preload follows the stiffness.
     Offset {
         /// K or KT.

@@ -92,7 +92,9 @@ pub(super) fn cause_limits(subject: &Subject<'_>, fitted: &Fitted) -> Vec<CauseL
                     tau.and_then(|tau| outstanding(fitted, member, (tau, number.sd), h.ln_prior))
                         .map(|d| d / number.sd)
                 }
-                Unknown::SlipLength { .. } | Unknown::Offset { .. } => continue,
+                Unknown::SlipLength { .. } | Unknown::Rate { .. } | Unknown::Offset { .. } => {
+                    continue;
+                }
                 _ => information.get(k).and_then(|f| alone(*f, h.ln_prior)),
             };
             let d = d.filter(|d| *d < BEYOND);

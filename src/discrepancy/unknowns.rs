@@ -160,6 +160,13 @@ impl Unknowns {
                         (mean, sd) = (-libm::log(number.sd), 2.0);
                         Meaning::Stiffness(components(addresses, &slot)?)
                     }
+                    (Unknown::Rate { address, usual }, _) => {
+                        if before.is_none() {
+                            guess = libm::log(*usual);
+                        }
+                        (mean, sd) = (libm::log(*usual), number.sd);
+                        Meaning::Stiffness(components(std::slice::from_ref(address), &slot)?)
+                    }
                     (Unknown::Offset { stiffness, preload }, _) => {
                         if before.is_none() {
                             guess *= number.sd;

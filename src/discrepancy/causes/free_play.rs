@@ -11,6 +11,8 @@ use super::link_compliance::link_ends;
 const SD: f64 = 0.2;
 /// The part of the largest force that uses up a play of this size: grease and friction hold what would rest anywhere.
 const HELD: f64 = 0.02;
+/// Sd of the logarithm of the stiffness within the play.
+const SPREAD: f64 = 1.5;
 /// Newtons per millimetre of the contact.
 const CONTACT: f64 = 1e6;
 
@@ -25,7 +27,8 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             continue;
         }
         let floating = survey.free_id("MARKER") + 2;
-        let (_, pair, mut changes) = end.split(survey, held / (0.5 * sd));
+        let within = held / (0.5 * sd);
+        let (bushing, pair, mut changes) = end.split(survey, within);
         let measure = format!("DZ({},{},{})", pair[0], pair[1], pair[1]);
         let contact = CONTACT * per_length;
         let half = format!("{contact:E}*MAX(0.0,{measure}-0.0)");
@@ -41,10 +44,20 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             members: Vec::new(),
             side: "",
             form: end.form,
-            numbers: vec![Number {
-                column: Column::PerCase(end.moved(|n| 0.5 * libm::tanh(n / held))),
-                ..Number::new("play", sd, Unknown::Extended(vec![slot(1), slot(2)]))
-            }],
+            numbers: vec![
+                Number {
+                    column: Column::PerCase(end.moved(|n| 0.5 * libm::tanh(n / held))),
+                    ..Number::new("play", sd, Unknown::Extended(vec![slot(1), slot(2)]))
+                },
+                Number::new(
+                    "stiffness",
+                    SPREAD,
+                    Unknown::Rate {
+                        address: number("BUSHING", bushing, "K", Some(3)),
+                        usual: within,
+                    },
+                ),
+            ],
             ln_prior: 0.0,
             one_sided: true,
             changes,
