@@ -1,8 +1,11 @@
 //! Whether an answer is right, now that the truth is open.
 
-use admire::discrepancy::{Diagnosis, Finding, Verdict};
+use std::path::Path;
 
-use super::draw::Kind;
+use admire::discrepancy::{Diagnosis, Finding, Verdict};
+use admire::identify::LoadedStudy;
+
+use super::draw::{Kind, Plan};
 use super::trial::{Planted, Trial};
 
 /// Rivals further behind than this are separated by the data.
@@ -79,7 +82,7 @@ pub fn score(trial: &Trial) -> Score {
         Kind::Clean => (quiet, quiet),
         Kind::Single | Kind::Pair => (all(false), all(true)),
         Kind::Outside => {
-            let fine = !confident || akin(diagnosis, &trial.planted[0]);
+            let fine = !confident || akin(diagnosis, &trial.plan, &trial.planted[0]);
             (fine, fine)
         }
     };
@@ -129,8 +132,9 @@ fn of_the_background(findings: &[Finding]) -> bool {
 }
 
 /// Friction that is stronger one way is dry friction all the same, and a gap in a bushing makes its force rise faster than in
-/// proportion: such a name at its place is no false one. Creep is known by name.
-fn akin(diagnosis: &Diagnosis, planted: &Planted) -> bool {
+/// proportion: such a name at its place is no false one. So is play of a link that the bushing holds: one after the other they are the
+/// same. Creep is known by name.
+fn akin(diagnosis: &Diagnosis, plan: &Plan, planted: &Planted) -> bool {
     let name = match planted.plant.cause {
         "asymmetric-friction" => "dry-friction",
         "free-play" => "progressive-stiffness",
@@ -138,7 +142,33 @@ fn akin(diagnosis: &Diagnosis, planted: &Planted) -> bool {
         _ => return false,
     };
     let mut first = diagnosis.findings.iter().take(1);
-    first.any(|f| f.cause.as_str() == name && f.address == planted.plant.address)
+    first.any(|f| {
+        (f.cause.as_str() == name && f.address == planted.plant.address)
+            || (f.cause.as_str() == planted.plant.cause && is_held(plan, f, planted))
+    })
+}
+
+/// True if the finding is at a part that the bushing holds.
+fn is_held(plan: &Plan, finding: &Finding, planted: &Planted) -> bool {
+    let id = |address: &str, kind: &str| {
+        let rest = address.strip_prefix(kind)?;
+        rest.split('.').next()?.parse::<u32>().ok()
+    };
+    let (Some(bushing), Some(part)) = (
+        id(&planted.plant.address, "BUSHING/"),
+        id(&finding.address, "PART/"),
+    ) else {
+        return false;
+    };
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus");
+    let loaded = LoadedStudy::read(&folder.join(plan.axle.name())).value;
+    let loaded = loaded.unwrap();
+    let model = loaded.problem().model;
+    let mut bushings = model.bushings.iter();
+    bushings.any(|b| {
+        let sides = [b.i, b.j].map(|marker| model.markers[marker.0].part);
+        b.header.id == bushing && sides.iter().any(|s| model.parts[s.0].header.id == part)
+    })
 }
 
 /// Many trials.
