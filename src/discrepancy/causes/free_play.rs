@@ -5,74 +5,64 @@
 use super::super::cause::Cause;
 use super::super::hypothesis::{Change, Column, Hypothesis, Number, Unknown, number};
 use super::super::survey::Survey;
-use super::link_compliance::{LinkEnd, link_ends};
+use super::link_compliance::link_ends;
 
 /// Millimetres of play that are nothing unusual in a joint that is worn.
 const SD: f64 = 0.2;
-/// Parts of the largest force that use up a play of this size: grease and friction hold what would rest anywhere.
-const HELD: [f64; 2] = [0.02, 0.2];
+/// The part of the largest force that uses up a play of this size: grease and friction hold what would rest anywhere.
+const HELD: f64 = 0.02;
 /// Sd of the logarithm of the stiffness within the play.
 const SPREAD: f64 = 1.5;
 /// Newtons per millimetre of the contact.
 const CONTACT: f64 = 1e6;
 
-/// Forms: the end, and whether little or more holds it.
-const FORMS: [[&str; 2]; 2] = [
-    ["first end", "first end, held"],
-    ["second end", "second end, held"],
-];
-
 /// Every movable part with exactly two attachments, at both ends.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
-    for end in link_ends(survey) {
-        let most = end.tension.iter().fold(0.0_f64, |m, n| m.max(n.abs()));
-        if most > 0.0 {
-            let forms = HELD.into_iter().zip(FORMS[end.at]);
-            out.extend(forms.map(|(part, form)| hypothesis(survey, &end, part * most, form)));
-        }
-    }
-}
-
-/// Play that so much force uses up.
-fn hypothesis(survey: &Survey<'_>, end: &LinkEnd, held: f64, form: &'static str) -> Hypothesis {
     let per_length = survey.newton() / survey.millimetre();
     let sd = SD * survey.millimetre();
-    let floating = survey.free_id("MARKER") + 2;
-    let within = held / (0.5 * sd);
-    let (bushing, pair, mut changes) = end.split(survey, within);
-    let measure = format!("DZ({},{},{})", pair[0], pair[1], pair[1]);
-    let contact = CONTACT * per_length;
-    let half = format!("{contact:E}*MAX(0.0,{measure}-0.0)");
-    let text = format!("-{half}+{contact:E}*MAX(0.0,-{measure}-0.0)");
-    let (force, added) = survey.force_between(pair, (end.part, floating), 2, &text);
-    changes.extend(added.into_iter().map(Change::Add));
-    // Half of the play is the last literal of both terms.
-    let each = crate::syntax::Expression::parse_str(&half).map_or(0, |e| e.literals.len());
-    let slot = |k: usize| (number("GFORCE", force, "FZ", Some(k * each)), 0.5);
-    Hypothesis {
-        cause: Cause::FreePlay,
-        address: format!("PART/{}", end.part),
-        members: Vec::new(),
-        side: "",
-        form,
-        numbers: vec![
-            Number {
-                column: Column::PerCase(end.moved(|n| 0.5 * libm::tanh(n / held))),
-                ..Number::new("play", sd, Unknown::Extended(vec![slot(1), slot(2)]))
-            },
-            Number::new(
-                "stiffness",
-                SPREAD,
-                Unknown::Rate {
-                    address: number("BUSHING", bushing, "K", Some(3)),
-                    usual: within,
+    for end in link_ends(survey) {
+        let most = end.tension.iter().fold(0.0_f64, |m, n| m.max(n.abs()));
+        let held = HELD * most;
+        if !(held > 0.0) {
+            continue;
+        }
+        let floating = survey.free_id("MARKER") + 2;
+        let within = held / (0.5 * sd);
+        let (bushing, pair, mut changes) = end.split(survey, within);
+        let measure = format!("DZ({},{},{})", pair[0], pair[1], pair[1]);
+        let contact = CONTACT * per_length;
+        let half = format!("{contact:E}*MAX(0.0,{measure}-0.0)");
+        let text = format!("-{half}+{contact:E}*MAX(0.0,-{measure}-0.0)");
+        let (force, added) = survey.force_between(pair, (end.part, floating), 2, &text);
+        changes.extend(added.into_iter().map(Change::Add));
+        // Half of the play is the last literal of both terms.
+        let each = crate::syntax::Expression::parse_str(&half).map_or(0, |e| e.literals.len());
+        let slot = |k: usize| (number("GFORCE", force, "FZ", Some(k * each)), 0.5);
+        out.push(Hypothesis {
+            cause: Cause::FreePlay,
+            address: format!("PART/{}", end.part),
+            members: Vec::new(),
+            side: "",
+            form: end.form,
+            numbers: vec![
+                Number {
+                    column: Column::PerCase(end.moved(|n| 0.5 * libm::tanh(n / held))),
+                    ..Number::new("play", sd, Unknown::Extended(vec![slot(1), slot(2)]))
                 },
-            ),
-        ],
-        ln_prior: 0.0,
-        one_sided: true,
-        changes,
-        memory: None,
-        part: 0,
+                Number::new(
+                    "stiffness",
+                    SPREAD,
+                    Unknown::Rate {
+                        address: number("BUSHING", bushing, "K", Some(3)),
+                        usual: within,
+                    },
+                ),
+            ],
+            ln_prior: 0.0,
+            one_sided: true,
+            changes,
+            memory: None,
+            part: 0,
+        });
     }
 }

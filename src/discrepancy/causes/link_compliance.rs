@@ -16,8 +16,8 @@ const SD: f64 = 1e-4;
 pub(super) struct LinkEnd {
     /// Id of the part.
     pub part: u32,
-    /// Which of the two: zero or one.
-    pub at: usize,
+    /// Which of the two.
+    pub form: &'static str,
     /// Id of its marker there.
     pub marker: u32,
     /// Where that is on the part.
@@ -42,7 +42,7 @@ pub(super) fn link_ends(survey: &Survey<'_>) -> Vec<LinkEnd> {
         if line.norm() < 1e-6 {
             continue;
         }
-        for end in 0..2 {
+        for (end, form) in ["first end", "second end"].into_iter().enumerate() {
             let outward: Vec3 = line.normalize() * if end == 1 { 1.0 } else { -1.0 };
             let tension = (0..survey.cases())
                 .map(|case| {
@@ -52,7 +52,7 @@ pub(super) fn link_ends(survey: &Survey<'_>) -> Vec<LinkEnd> {
                 .collect();
             out.push(LinkEnd {
                 part: body.header.id,
-                at: end,
+                form,
                 marker: survey.marker_id(ends[end].marker),
                 place: place(end),
                 outward,
@@ -105,7 +105,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             address: format!("PART/{}", end.part),
             members: Vec::new(),
             side: "",
-            form: ["first end", "second end"][end.at],
+            form: end.form,
             numbers: vec![Number {
                 column: Column::PerCase(end.moved(|n| n)),
                 ..Number::new(
