@@ -34,9 +34,6 @@ const FIRST: f64 = 0.3;
 const HARDER: f64 = 6.0;
 const EASE: f64 = 6.0;
 const EASED: f64 = 0.3;
-/// A part of a whole step that led uphill is tried where more than so many nats are promised, and is no shorter than this.
-const WORTH: f64 = 10.0;
-const SHORTEST: f64 = 0.1;
 /// Derivatives by small errors stay as they are while a step lowers the objective by this part of what was promised.
 const FAITHFUL: f64 = 0.5;
 /// Promises in nats that differ by less than this part are alike. Derivatives by small errors that promised what exact ones do are held
@@ -329,26 +326,27 @@ impl Sweep<'_> {
         x[..count].copy_from_slice(&approach(&mut alone, &start, &scale, &held));
     }
 
-    /// The point that a part of a step leads to, logarithms moving within `reach` in the whole one.
+    /// The point a step leads to, logarithms moving within `reach`.
     fn stepped(
         &mut self,
         from: &Point,
         reached: &Reached,
         list: &FitUnknowns,
-        (reach, part): (f64, f64),
+        reach: f64,
     ) -> Option<Point> {
         let count = list.len();
         let (low, high) = list.limits(&vec![1.0; count], reach);
-        let limits = low.into_iter().zip(high).enumerate();
-        let limits = limits.filter(|(k, _)| self.unknowns.is_logarithm(*k));
-        let limits: Vec<(usize, (f64, f64))> = limits.collect();
-        // A fit without causes that followed its valley so closely was seen to end behind the one that does not.
-        let step = if self.unknowns.has_causes() {
-            reached.step_within(&limits)
-        } else {
-            reached.step_clamped(&limits)
-        };
-        let step = step * part;
+        let limited: Vec<(usize, f64)> = (0..count)
+            .filter(|k| self.unknowns.is_logarithm(*k))
+            .map(|k| (k, reached.step[k].clamp(low[k], high[k])))
+            .filter(|(k, step)| *step != reached.step[*k])
+            .collect();
+        let mut step = reached.step_with(&limited);
+        for (k, (low, high)) in low.iter().zip(&high).enumerate() {
+            if self.unknowns.is_logarithm(k) {
+                step[k] = step[k].clamp(*low, *high);
+            }
+        }
         let mut there = list.moved(&from.x, &step.rows(0, count).into_owned());
         let rest = from.x.iter().zip(step.iter()).skip(count);
         there.extend(rest.map(|(x, s)| x + s));
@@ -414,8 +412,6 @@ impl Sweep<'_> {
                 here.is_exact || confirmed.is_some_and(|at| at - objective < 2.0 * TRUSTED);
             let reach = REACH[step_number.min(1)];
             let mut next = None;
-            // Where a whole step leads uphill a part of it comes first: what damping holds back most is not what bends most.
-            let (mut part, mut is_part) = (1.0, false);
             self.predictor.keep();
             for trial in 0..TRIALS {
                 let other;
@@ -425,11 +421,9 @@ impl Sweep<'_> {
                     other = here.linear.reached(&sizes, damping)?;
                     &other
                 };
-                let mut further = self.stepped(&here, damped, &list, (reach, part));
+                let mut further = self.stepped(&here, damped, &list, reach);
                 let value = |point: &Point| point.linear.objective(&sizes);
-                let led = further.as_ref().map(value);
                 if damping == 0.0
-                    && !is_part
                     && let Some(uphill) = further.as_ref().filter(|f| value(f) > objective + ENOUGH)
                 {
                     // Along a valley that bends a whole step ends up on its side, and the next one leads back to the ground. Source:
@@ -437,7 +431,7 @@ impl Sweep<'_> {
                     let back = uphill.linear.reached(&sizes, 0.0);
                     let back = back.filter(|b| value(uphill) - 2.0 * b.gain < objective);
                     if let Some(back) = back {
-                        further = self.stepped(uphill, &back, &list, (reach, 1.0));
+                        further = self.stepped(uphill, &back, &list, reach);
                     }
                 }
                 if let Some(further) = further {
@@ -473,19 +467,6 @@ impl Sweep<'_> {
                 if reached.gain < KINKS {
                     break;
                 }
-                if damping == 0.0
-                    && !is_part
-                    && self.unknowns.has_causes()
-                    && reached.gain > WORTH
-                    && let Some(led) = led
-                {
-                    // The lowest point of the parabola with the slope here that goes through what was found.
-                    let slope = 4.0 * reached.gain;
-                    let rise = led - objective + slope;
-                    (part, is_part) = ((0.5 * slope / rise).max(SHORTEST), true);
-                    continue;
-                }
-                part = 1.0;
                 damping = (damping * HARDER).max(FIRST);
             }
             if let Some(next) = next {
