@@ -132,3 +132,30 @@ fn take(out: &mut Vec<CauseLimit>, h: &Hypothesis, number: &Number, d: Option<f6
         size,
     });
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Limits of two forms of a cause, in units of their numbers.
+    fn joined(cause: Cause, sizes: [Option<f64>; 2]) -> Option<f64> {
+        let mut out = Vec::new();
+        for size in sizes {
+            let number = Number::new("size", 2.0, Unknown::Linear);
+            let h = Hypothesis::plain(cause, "PART/6".to_string(), "", Vec::new());
+            take(&mut out, &h, &number, size);
+        }
+        assert_eq!(out.len(), 1);
+        out[0].size
+    }
+
+    #[test]
+    fn the_limit_is_that_of_the_form_seen_worst_but_for_first_guesses() {
+        let link = Cause::LinkCompliance;
+        assert_eq!(joined(link, [Some(1.0), Some(3.0)]), Some(6.0));
+        assert_eq!(joined(link, [Some(3.0), None]), None);
+        let friction = Cause::DryFriction;
+        assert_eq!(joined(friction, [Some(1.0), Some(3.0)]), Some(2.0));
+        assert_eq!(joined(friction, [None, Some(3.0)]), Some(6.0));
+    }
+}
