@@ -17,7 +17,8 @@ type Going =
 /// Goes to a time from positions to positions; steps are at most `largest` long, and halved where positions are not found. Gives how many
 /// steps it took.
 ///
-/// A step ends where a friction begins or ceases to stick: its creep counts from there.
+/// A step ends where a friction begins or ceases to stick: its creep counts from there. A friction that sticks at the start creeps from the
+/// start.
 ///
 /// The next positions are sought from `q + h V + h^2 A / 2`, by Newton's method on the constraints with the least change; velocities,
 /// accelerations and multipliers follow by linear solutions.
@@ -44,11 +45,15 @@ pub fn advance(
     };
     let (of, to) = ((system, parameters), (end, largest));
     let mut steps = 0;
+    system.grip_on(parameters, state, &mut memory.scratch);
     for _ in 0..GRIPS {
         let (taken, passed) = watching(freely, of, state, memory, to, &mut slips)?;
         steps += taken;
         if !passed {
             return Ok(steps);
+        }
+        if taken == 0 {
+            break;
         }
     }
     Ok(steps + freely(system, parameters, state, memory, end, largest)?)

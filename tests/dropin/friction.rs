@@ -492,6 +492,23 @@ fn a_driven_block_creeps_from_where_it_began_to_stick() {
     }
 }
 
+/// A block that is driven slower than VS from the start creeps from the start, x = 0.0002 sin 4t. Held in place it does not creep.
+#[test]
+fn a_driven_block_creeps_from_the_start() {
+    for (size, command) in [
+        (0.0002, "kinematic, end=0.3, dtout=0.1"),
+        (0.0002, "dynamic, end=0.3, dtout=0.1"),
+        (0.0, "dynamic, end=0.3, dtout=0.1"),
+    ] {
+        let drive = format!("MOTION/1, JOINT=1, FUNCTION={size}*SIN(4*TIME)\n");
+        let found = run(&(block("", "0") + &drive), &format!("simulate/{command}"));
+        let creep = found.column("FRICTION_1", "CREEP_Z");
+        for (t, creep) in found.column("time", "TIME").iter().zip(creep) {
+            near(creep, size * (4.0 * t).sin(), 1e-12);
+        }
+    }
+}
+
 /// INACTIVE=STATIC says of statics what is done anyway: nothing is told. Another formulation is refused.
 #[test]
 fn friction_may_be_off_in_statics() {
