@@ -101,6 +101,13 @@ pub enum RateKind {
     AngularAcceleration,
 }
 
+impl RateKind {
+    /// True for accelerations.
+    pub(crate) const fn is_second(self) -> bool {
+        matches!(self, Self::Acceleration | Self::AngularAcceleration)
+    }
+}
+
 /// Which number of a vector.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub enum RateAxis {

@@ -20,6 +20,7 @@ mod intrinsic;
 pub mod measure;
 mod program;
 pub mod rate;
+mod second;
 mod series;
 mod step;
 mod switch;

@@ -135,12 +135,14 @@ impl Kind {
 /// Working memory of evaluations, shared by any number of programs. It grows to the largest and stays.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
-    values: Vec<f64>,
+    pub(super) values: Vec<f64>,
     adjoints: Vec<f64>,
-    partials: Vec<f64>,
+    pub(super) partials: Vec<f64>,
     arguments: Vec<f64>,
-    trace: Vec<u32>,
+    pub(super) trace: Vec<u32>,
     seen: Vec<Seen>,
+    /// Rates of all slots, from one call to the next.
+    pub(super) rates: Vec<[f64; 2]>,
 }
 
 impl Scratch {

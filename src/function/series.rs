@@ -19,6 +19,13 @@ pub(super) fn poly(a: &[f64], by: &mut [f64]) -> f64 {
     value
 }
 
+/// The second derivative of [`poly`] by x: `sum j (j - 1) a_j (x - x0)^(j-2)`.
+pub(super) fn poly_second(a: &[f64]) -> f64 {
+    let u = a[0] - a[1];
+    let terms = a[2..].iter().enumerate().skip(2).rev();
+    terms.fold(0.0, |sum, (j, a)| sum * u + (j * (j - 1)) as f64 * a)
+}
+
 /// CHEBY(x, x0, a0, ..., an): `sum a_j T_j(x - x0)` with `T_0 = 1, T_1 = u, T_j = 2 u T_(j-1) - T_(j-2)`.
 pub(super) fn cheby(a: &[f64], by: &mut [f64]) -> f64 {
     let u = a[0] - a[1];
@@ -36,6 +43,24 @@ pub(super) fn cheby(a: &[f64], by: &mut [f64]) -> f64 {
     by[0] = slope;
     by[1] = -slope;
     value
+}
+
+/// The second derivative of [`cheby`] by x, `T_j'' = 4 T_(j-1)' + 2 u T_(j-1)'' - T_(j-2)''`.
+pub(super) fn cheby_second(a: &[f64]) -> f64 {
+    let u = a[0] - a[1];
+    // T_j, T_j' and T_j'' of this and the next j.
+    let (mut t, mut next) = ([1.0, 0.0, 0.0], [u, 1.0, 0.0]);
+    let mut sum = 0.0;
+    for &coefficient in &a[2..] {
+        sum += coefficient * t[2];
+        let after = [
+            2.0 * u * next[0] - t[0],
+            2.0 * next[0] + 2.0 * u * next[1] - t[1],
+            4.0 * next[1] + 2.0 * u * next[2] - t[2],
+        ];
+        (t, next) = (next, after);
+    }
+    sum
 }
 
 /// FORCOS(x, x0, w, a0, ..., an): `a0 + sum_(j>0) a_j cos(j w (x - x0))`; FORSIN with sin instead. The term a0 is a constant in
@@ -56,6 +81,17 @@ pub(super) fn fourier(sine: bool, a: &[f64], by: &mut [f64]) -> f64 {
     by[1] = -w * by_phase;
     by[2] = u * by_phase;
     value
+}
+
+/// The second derivative of [`fourier`] by x: `-w^2 sum_(j>0) j^2 a_j cos(j w (x - x0))`, or sin.
+pub(super) fn fourier_second(sine: bool, a: &[f64]) -> f64 {
+    let (u, w) = (a[0] - a[1], a[2]);
+    let terms = a.iter().enumerate().skip(4).map(|(j, coefficient)| {
+        let order = (j - 3) as f64;
+        let (sin, cos) = libm::sincos(order * w * u);
+        coefficient * order * order * if sine { sin } else { cos }
+    });
+    -w * w * terms.sum::<f64>()
 }
 
 /// SHF(x, x0, a, w, phi[, b]): `a sin(w (x - x0) - phi) + b`.

@@ -13,7 +13,7 @@ pub(super) enum Shape {
 
 impl Shape {
     /// s(u) and its derivative for u in [0, 1].
-    fn at(self, u: f64) -> (f64, f64) {
+    pub(super) fn at(self, u: f64) -> (f64, f64) {
         match self {
             Self::Cubic => (u * u * (3.0 - 2.0 * u), 6.0 * u * (1.0 - u)),
             Self::Quintic => (
@@ -24,6 +24,16 @@ impl Shape {
                 let (sin, cos) = libm::sincos(std::f64::consts::PI * (u - 0.5));
                 (0.5 * (1.0 + sin), 0.5 * std::f64::consts::PI * cos)
             }
+        }
+    }
+
+    /// The second derivative for u in [0, 1].
+    pub(super) fn second(self, u: f64) -> f64 {
+        use std::f64::consts::PI;
+        match self {
+            Self::Cubic => 6.0 - 12.0 * u,
+            Self::Quintic => 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u),
+            Self::Haversine => -0.5 * PI * PI * libm::sin(PI * (u - 0.5)),
         }
     }
 }

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use super::compiled_function::{CompiledFunction, Source};
 use super::contribution::FunctionValue;
 use super::{Configuration, NoValue, Reason, Scratch, State, System};
-use crate::function::{Measure, MeasureKind, Piece, Program, RateKind, RateMeasure, measure, rate};
+use crate::function::{Measure, MeasureKind, Piece, Program, RateMeasure, measure, rate};
 use crate::mechanics::{Pose, Vec3, Vec6};
 use crate::model::MarkerIx;
 
@@ -97,6 +97,51 @@ impl Configuration<'_> {
         Ok(())
     }
 
+    /// First and second rate of a function of the time and of variables that are such functions, at most so many one after the other; none of
+    /// another function, and where a derivative does not exist.
+    pub(super) fn rates_by_time(
+        &mut self,
+        number: usize,
+        deep: usize,
+    ) -> Result<Option<[f64; 2]>, NoValue> {
+        let (system, state) = (self.system, self.state);
+        let function = &system.functions[number];
+        let replaced = !self.parameters.theta()[function.replacement].is_nan();
+        let (Some(program), false) = (&function.program, replaced) else {
+            return Ok(Some([0.0; 2]));
+        };
+        let mut inputs = Vec::with_capacity(function.sources.len());
+        for source in &function.sources {
+            inputs.push(match source {
+                Source::Time => (state.time, [1.0, 0.0]),
+                Source::Mode => (f64::from(state.mode), [0.0; 2]),
+                Source::Constant(value) => (*value, [0.0; 2]),
+                Source::Sensor(sensor) => {
+                    (state.sensors.get(*sensor).copied().unwrap_or(0.0), [0.0; 2])
+                }
+                Source::Variable(k) if !system.variables[*k].active => {
+                    (state.variables[*k], [0.0; 2])
+                }
+                Source::Variable(k) if deep > 0 => {
+                    let read = system.variables[*k].function;
+                    match self.rates_by_time(read, deep - 1)? {
+                        Some(rates) => (state.variables[*k], rates),
+                        None => return Ok(None),
+                    }
+                }
+                _ => return Ok(None),
+            });
+        }
+        let scratch = &mut *self.scratch;
+        scratch.inputs.clear();
+        scratch.inputs.extend(inputs.iter().map(|(value, _)| value));
+        let pieces = state.pieces.get(function.switches.clone());
+        let theta = self.parameters.theta();
+        function.run(program, theta, pieces.unwrap_or_default(), scratch)?;
+        let rates: Vec<[f64; 2]> = inputs.iter().map(|(_, rates)| *rates).collect();
+        Ok(program.rates_along(&rates, &mut scratch.program))
+    }
+
     /// Value of an input; its gradient is appended.
     fn source(&mut self, source: &Source) -> Result<f64, NoValue> {
         let (system, state, scratch) = (self.system, self.state, &mut *self.scratch);
@@ -179,10 +224,7 @@ impl Configuration<'_> {
         }
         let frames = measure.markers.map(|m| self.moving_frame(m.map(|m| m.0)));
         let found = rate::evaluate(measure, frames.each_ref());
-        let second = matches!(
-            measure.kind,
-            RateKind::Acceleration | RateKind::AngularAcceleration
-        );
+        let second = measure.kind.is_second();
         let n = self.system.moving_unknowns;
         for (marker, by) in measure.markers.iter().zip(&found.by) {
             let Some(marker) = marker.map(|m| m.0) else {

@@ -240,8 +240,9 @@ impl Configuration<'_> {
     ///
     /// Of one term, with u the rates of I in J (J axes), row r, C the derivative of the row along the motion, s its parameter:
     /// `r . b + u_t' C u_t + 2 s' r_s . u + f_s s''`, where b is what of the second rates of p_ij_j and of the rotation no acceleration enters:
-    /// `b_p = R_j' (a_i - a_j - 2 w_j x (v_i - v_j) + w_j x (w_j x d))`, `b_t = -R_j' (w_j x w_i)`, a of the arms alone. Functions: differences
-    /// of their exact rates along the motion, `step` apart, of fourth order. Of a GCON of velocities it is the first rate of its function.
+    /// `b_p = R_j' (a_i - a_j - 2 w_j x (v_i - v_j) + w_j x (w_j x d))`, `b_t = -R_j' (w_j x w_i)`, a of the arms alone. Functions of
+    /// the time alone: exact. Others: differences of their exact rates along the motion, `step` apart, of fourth order. Of a GCON of velocities
+    /// it is the first rate of its function.
     ///
     /// # Errors
     /// [`NoValue`] if a function has no value next to here.
@@ -333,10 +334,17 @@ impl Configuration<'_> {
         Vec6::new(p.x, p.y, p.z, t.x, t.y, t.z)
     }
 
-    /// First and second rates of functions along the motion, the accelerations zero.
+    /// First and second rates of functions along the motion, the accelerations zero: of the time alone exact, else as [`SIDES`] has it.
     fn function_rates(&mut self, functions: &[usize], step: f64) -> Result<Vec<[f64; 2]>, NoValue> {
         if functions.is_empty() {
             return Ok(Vec::new());
+        }
+        let mut exact = Vec::with_capacity(functions.len());
+        for &function in functions {
+            exact.push(self.rates_by_time(function, PASSES)?);
+        }
+        if let Some(rates) = exact.iter().copied().collect() {
+            return Ok(rates);
         }
         let variables = self.variable_rates();
         let mut rates: Vec<[f64; 2]> = functions
@@ -362,6 +370,9 @@ impl Configuration<'_> {
             for (rate, &function) in rates.iter_mut().zip(functions) {
                 rate[1] += weight / step * here.rate_along(function, &variables);
             }
+        }
+        for (rate, exact) in rates.iter_mut().zip(exact) {
+            *rate = exact.unwrap_or(*rate);
         }
         Ok(rates)
     }

@@ -192,6 +192,38 @@ fn a_slider_crank_is_where_its_drive_puts_it() {
     }
 }
 
+/// A MOTION of the time has its own second derivative, however far apart the outputs are: a fast sine, and a spline at the ends of its data,
+/// where the natural one has none. A variable between changes nothing.
+#[test]
+fn a_driven_acceleration_is_that_of_its_function() {
+    let deck = |statements: &str| {
+        format!(
+            "block\n{SI}PART/2, MASS=2, CM=20, IP=1,1,1\nMARKER/20, PART=2\nJOINT/1, TRANSLATIONAL, I=20, J=1\n\
+             {statements}RESULTS/FORMATTED, XRF\nEND\n"
+        )
+    };
+    let sine = "0.01*SIN(314*TIME)";
+    for statements in [
+        format!("MOTION/1, JOINT=1, FUNCTION={sine}\n"),
+        format!("VARIABLE/1, FUNCTION={sine}\nMOTION/1, JOINT=1, FUNCTION=VARVAL(1)\n"),
+    ] {
+        for command in ["KINEMATIC", "DYNAMIC"] {
+            let found = run(
+                &deck(&statements),
+                &format!("SIMULATE/{command}, END=2, STEPS=5"),
+            );
+            let second = |t: f64| -0.01 * 314.0 * 314.0 * (314.0 * t).sin();
+            all_near(&found, ("PART_2_XFORM", "ACCZ"), 1e-9, second);
+            all_near(&found, ("MOTION_1", "FZ"), 2e-9, |t| 2.0 * second(t));
+        }
+    }
+    // The natural spline through 0, 1, 0: half of it is 1.5 t - t^3 / 2.
+    let spline = "SPLINE/1, X=0,1,2, Y=0,1,0\nMOTION/1, JOINT=1, FUNCTION=CUBSPL(TIME,0,1)\n";
+    let found = run(&deck(spline), "SIMULATE/KINEMATIC, END=2, STEPS=8");
+    let second = |t: f64| -3.0 * (1.0 - (t - 1.0).abs());
+    all_near(&found, ("PART_2_XFORM", "ACCZ"), 1e-12, second);
+}
+
 /// An implicit DIFF, a TFSISO of second order, and an LSE beside the DIFFs of the same equations.
 #[test]
 fn dynamic_states_follow_their_equations() {

@@ -128,6 +128,79 @@ fn every_function_of_numbers_is_among_them() {
     }
 }
 
+/// Of these second rates are known wherever nothing but VARVAL(1) moves; of IMPACT, BISTOP and SWEEP they are not.
+const BENT: [&str; 8] = [
+    "CUBSPL(VARVAL(1)*5,0,1)*AKISPL(VARVAL(1)*5,0,1)",
+    "STEP(VARVAL(1),0.3,1,1.5,SIN(9*VARVAL(1)))*STEP5(VARVAL(1),0.1,1,2,5)+HAVSIN(VARVAL(1),0.1,1,2,5)",
+    "POLY(VARVAL(1),0.3,1,2,3,4,5)+CHEBY(VARVAL(1),0.3,1,2,3,4,5)",
+    "FORCOS(VARVAL(1),0.3,2,1,2,3)/FORSIN(VARVAL(1)+4,0.3,2,9,2,3)+SHF(VARVAL(1),0.3,2,3,40D,5)",
+    "ATAN2(VARVAL(1)**2,VARVAL(1)-1)*ACOS(VARVAL(1)/2)+ASIN(VARVAL(1)/2)*ATAN(VARVAL(1))",
+    "COSH(VARVAL(1))*SINH(VARVAL(1))/TAN(VARVAL(1)/2)+TANH(VARVAL(1))*EXP(VARVAL(1))",
+    "LOG(VARVAL(1))*LOG10(VARVAL(1))+SQRT(VARVAL(1))-(1/VARVAL(1))**VARVAL(1)+2**VARVAL(1)",
+    "IF(VARVAL(1)-1:COS(VARVAL(1)),0,VARVAL(1)**3)*VARVAL(1)",
+];
+
+/// Second rates along `x + x' t + x'' t^2 / 2` against differences of the first rates.
+#[test]
+fn second_rates_are_those_of_differences() {
+    let mut points = Points(5);
+    let mut scratch = Scratch::default();
+    let mut found = 0;
+    for (text, sure) in BENT
+        .iter()
+        .map(|text| (text, true))
+        .chain(SMOOTH.iter().map(|text| (text, false)))
+    {
+        let case = compile(text);
+        let program = &case.program;
+        for _ in 0..25 {
+            let along: Vec<[f64; 3]> = (0..program.inputs.len())
+                .map(|_| {
+                    [
+                        points.next(0.2, 1.8),
+                        points.next(0.5, 2.0),
+                        points.next(-1.0, 1.0),
+                    ]
+                })
+                .collect();
+            let mut at = |t: f64| {
+                let inputs: Vec<f64> = along
+                    .iter()
+                    .map(|[x, v, a]| x + t * (v + 0.5 * t * a))
+                    .collect();
+                let rates: Vec<[f64; 2]> = along.iter().map(|[_, v, a]| [v + t * a, *a]).collect();
+                let value = program.eval_with_derivatives(
+                    &inputs,
+                    &case.literals,
+                    &mut scratch,
+                    &mut vec![0.0; inputs.len()],
+                    &mut vec![0.0; case.literals.len()],
+                );
+                value.expect("it has a value here");
+                program.rates_along(&rates, &mut scratch)
+            };
+            let h = 1e-5;
+            let Some([_, exact]) = at(0.0) else {
+                assert!(!sure, "{text}");
+                continue;
+            };
+            let mut slope = |h: f64| Some((at(h)?[0] - at(-h)?[0]) / (2.0 * h));
+            let (Some(difference), Some(finer)) = (slope(h), slope(0.5 * h)) else {
+                continue;
+            };
+            let scale = 1.0 + exact.abs();
+            if (difference - finer).abs() < 1e-6 * scale {
+                found += 1;
+                assert!(
+                    (difference - exact).abs() < 1e-5 * scale,
+                    "{text}: {exact}, by differences {difference}"
+                );
+            }
+        }
+    }
+    assert!(found > 500, "{found}");
+}
+
 /// At the edges of domains and pieces the derivative is that of one side, or between both, or zero where a side is infinitely steep.
 #[test]
 fn derivatives_at_edges_are_those_of_a_side() {

@@ -1,0 +1,154 @@
+//! Second rates of programs along a motion of their inputs.
+
+use super::intrinsic::{Binary, Unary};
+use super::program::{Kind, Program, Scratch};
+use super::series;
+
+/// First and second rate of a quantity, by the time.
+pub(crate) type Rates = [f64; 2];
+
+impl Program {
+    /// First and second rate of the value where the inputs move with these, exact: after an evaluation of this program with the same scratch.
+    ///
+    /// Of a step `f(a, b, ..)` they are `f_a a' + ..` and `f_a a'' + .. + f_aa a' a' + 2 f_ab a' b' + ..`. At a kink they are those of the
+    /// side that the derivatives are of. `None` where a step has no second derivatives here.
+    pub(crate) fn rates_along(&self, inputs: &[Rates], scratch: &mut Scratch) -> Option<Rates> {
+        if self.steps.is_empty() {
+            return Some(
+                inputs
+                    .get(self.result as usize)
+                    .copied()
+                    .unwrap_or([0.0; 2]),
+            );
+        }
+        let mut slots = std::mem::take(&mut scratch.rates);
+        slots.clear();
+        slots.extend_from_slice(inputs);
+        slots.resize(self.slots, [0.0; 2]);
+        let mut arguments = Vec::new();
+        let mut found = true;
+        let mut pass = |at: usize| {
+            let step = &self.steps[at];
+            if matches!(step.kind, Kind::Branch { .. } | Kind::Jump(_)) {
+                return;
+            }
+            let range = step.first as usize..(step.first + step.count) as usize;
+            let operands = &self.operands[range.clone()];
+            let by = &scratch.partials[range];
+            arguments.clear();
+            let taken = operands.iter().map(|&slot| slot as usize);
+            arguments.extend(taken.map(|slot| (scratch.values[slot], slots[slot])));
+            let mut rates = [0.0; 2];
+            for (by, (_, [first, second])) in by.iter().zip(&arguments) {
+                // A derivative that is infinite counts where its argument moves.
+                for (rate, along) in rates.iter_mut().zip([first, second]) {
+                    *rate += if *along == 0.0 { 0.0 } else { by * along };
+                }
+            }
+            if arguments.iter().any(|(_, [first, _])| *first != 0.0) {
+                match self.bend(step.kind, &arguments) {
+                    Some(bend) => rates[1] += bend,
+                    None => found = false,
+                }
+            }
+            found &= rates[0].is_finite() && rates[1].is_finite();
+            slots[step.target as usize] = rates;
+        };
+        if self.branches {
+            scratch.trace.iter().for_each(|&at| pass(at as usize));
+        } else {
+            (0..self.steps.len()).for_each(&mut pass);
+        }
+        let rates = slots[self.result as usize];
+        scratch.rates = slots;
+        found.then_some(rates)
+    }
+
+    /// `f_aa a' a' + 2 f_ab a' b' + ..` of a step, from values and rates of its arguments.
+    fn bend(&self, kind: Kind, arguments: &[(f64, Rates)]) -> Option<f64> {
+        let (x, [dx, _]) = arguments[0];
+        let (y, [dy, _]) = arguments.get(1).copied().unwrap_or_default();
+        // True where all beyond the first stand still.
+        let alone = arguments[1..].iter().all(|(_, [first, _])| *first == 0.0);
+        let values = || -> Vec<f64> { arguments.iter().map(|(value, _)| *value).collect() };
+        let of_first = |second: f64| alone.then_some(second * dx * dx);
+        Some(match kind {
+            Kind::Negate | Kind::Add | Kind::Subtract | Kind::Move | Kind::Max | Kind::Min => 0.0,
+            Kind::Binary(Binary::Dim | Binary::Modulo | Binary::Sign, _) => 0.0,
+            Kind::Binary(Binary::Atan2, _) => {
+                let square = x * x + y * y;
+                if square == 0.0 {
+                    return None;
+                }
+                (2.0 * x * y * (dy * dy - dx * dx) + 2.0 * (x * x - y * y) * dx * dy)
+                    / (square * square)
+            }
+            Kind::Multiply => 2.0 * dx * dy,
+            Kind::Divide => 2.0 * dy * (x / y * dy - dx) / (y * y),
+            Kind::Power => {
+                let by_x = if dx == 0.0 || y == 0.0 || y == 1.0 {
+                    0.0
+                } else {
+                    y * (y - 1.0) * libm::pow(x, y - 2.0) * dx * dx
+                };
+                if dy == 0.0 {
+                    by_x
+                } else if x > 0.0 {
+                    let log = libm::log(x);
+                    let mixed = libm::pow(x, y - 1.0) * (1.0 + y * log);
+                    by_x + 2.0 * mixed * dx * dy + libm::pow(x, y) * log * log * dy * dy
+                } else {
+                    return None;
+                }
+            }
+            Kind::Unary(function, _) => second(function, x) * dx * dx,
+            Kind::Step(shape, _) => {
+                let ends_stand = arguments[1].1[0] == 0.0 && arguments[3].1[0] == 0.0;
+                let (x0, x1) = (arguments[1].0, arguments[3].0);
+                let width = x1 - x0;
+                let u = (x - x0) / width;
+                if !ends_stand {
+                    return None;
+                }
+                if u <= 0.0 || u >= 1.0 {
+                    return Some(0.0);
+                }
+                let rise = arguments[4].0 - arguments[2].0;
+                let rising = arguments[4].1[0] - arguments[2].1[0];
+                let along = dx / width;
+                rise * shape.second(u) * along * along + 2.0 * rising * shape.at(u).1 * along
+            }
+            Kind::Poly => return of_first(series::poly_second(&values())),
+            Kind::Cheby => return of_first(series::cheby_second(&values())),
+            Kind::Forcos => return of_first(series::fourier_second(false, &values())),
+            Kind::Forsin => return of_first(series::fourier_second(true, &values())),
+            Kind::Shf => {
+                let (a, w, phi) = (arguments[2].0, arguments[3].0, arguments[4].0);
+                return of_first(-a * w * w * libm::sin(w * (x - y) - phi));
+            }
+            Kind::Interpolate(index, _) => {
+                let (interpolant, order) = &self.interpolants[index as usize];
+                let (_, [by_x, by_z]) = interpolant.at(x, y, order + 1);
+                by_x * dx * dx + 2.0 * by_z * dx * dy
+            }
+            Kind::Sweep | Kind::Impact | Kind::Bistop => return None,
+            Kind::Branch { .. } | Kind::Jump(_) => 0.0,
+        })
+    }
+}
+
+/// The second derivative of a function of one argument; zero at kinks and jumps.
+fn second(function: Unary, x: f64) -> f64 {
+    let (value, slope) = function.at(x);
+    match function {
+        Unary::Abs | Unary::Nearest | Unary::Truncate => 0.0,
+        Unary::Acos | Unary::Asin => x * slope.powi(3),
+        Unary::Atan => -2.0 * x * slope * slope,
+        Unary::Cos | Unary::Sin => -value,
+        Unary::Cosh | Unary::Exp | Unary::Sinh => value,
+        Unary::Ln | Unary::Log10 => -slope / x,
+        Unary::Sqrt => -0.5 * slope / x,
+        Unary::Tan => 2.0 * value * slope,
+        Unary::Tanh => -2.0 * value * slope,
+    }
+}
