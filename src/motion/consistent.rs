@@ -331,7 +331,7 @@ impl Consistent {
     ///
     /// # Errors
     /// [`Reason`] as of the three levels; also where a removed constraint is violated.
-    pub(super) fn reconcile(
+    pub(crate) fn reconcile(
         &mut self,
         system: &System,
         parameters: &Parameters,

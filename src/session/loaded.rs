@@ -292,13 +292,15 @@ impl Loaded {
             if let Some(before) = self.before.take() {
                 carry_over(&system, &mut state, before);
             }
+            let parameters = system.parameters();
+            system.begin_drives(&parameters, &mut state, &mut Scratch::new(&system));
             for (value, sensor) in state.sensors.iter_mut().zip(&self.model.sensors) {
                 if !sensor.header.active {
                     *value = 0.0;
                 }
             }
             Compiled {
-                parameters: system.parameters(),
+                parameters,
                 solver: Solver::new(&system),
                 system,
                 state,
@@ -342,6 +344,11 @@ fn carry_over(system: &System, state: &mut State, before: Before) {
     }
     if state.driven.len() == before.driven.len() {
         state.driven = before.driven;
+    } else {
+        // They begin anew, where the parts are now.
+        for driven in &mut state.driven {
+            driven.time = f64::NAN;
+        }
     }
     if state.pair_angles.len() == before.pair_angles.len() {
         state.pair_angles = before.pair_angles;

@@ -205,7 +205,7 @@ impl Session<'_> {
                     break;
                 }
             };
-            let sensed = watch.fire(state);
+            let sensed = watch.fire(state, event);
             if event {
                 // The time of an event is no output time: what is left of the interval follows.
                 k -= 1;
@@ -267,6 +267,7 @@ impl Session<'_> {
         let interpolate = self.model().model.integrator.interpolate;
         let model = self.model().model.clone();
         let mut watch = Watch::new(&model, &compiled.system, &compiled.parameters);
+        watch.reconcile(1e-2 * settings.hmax);
         let mut integrator =
             Integrator::new(&compiled.system, &compiled.parameters, state, settings);
         let mut k = 1;
@@ -294,7 +295,7 @@ impl Session<'_> {
                 }
             };
             last = state;
-            let sensed = watch.fire(&mut last);
+            let sensed = watch.fire(&mut last, event);
             integrator.set_sensors(&last.sensors);
             if event {
                 // The time of an event is no output time: what is left of the interval follows.
@@ -548,6 +549,14 @@ impl Loaded {
         };
         let mode = std::mem::replace(&mut state.mode, MODE_INITIAL);
         let mut memory = Consistent::new(system);
+        if kept == Kept::Nothing {
+            // Statics has held what is driven by a rate, whatever time has passed.
+            for driven in &mut state.driven {
+                if !driven.time.is_nan() {
+                    driven.time = state.time;
+                }
+            }
+        }
         let done = motion::assemble(system, parameters, state, &mut memory, kept, step);
         if let Err(error) = done {
             state.mode = mode;

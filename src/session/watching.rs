@@ -2,7 +2,7 @@
 
 use super::sensing::Sensed;
 use crate::model::{Model, SensorCompare};
-use crate::motion::{Integrator, MotionError, Watched};
+use crate::motion::{Consistent, Integrator, MotionError, Watched};
 use crate::system::{Parameters, Scratch, State, System};
 
 /// The sensors of a model and which of them are active.
@@ -17,6 +17,9 @@ pub(super) struct Watch<'a> {
     armed: Vec<f64>,
     /// Sensors that have fired and are still beyond.
     active: Vec<bool>,
+    /// Brings states within a step onto their constraints where accelerations or forces of constraints are watched, which the polynomial
+    /// of a step does not have as exactly as its end; and how far apart functions are looked at for that.
+    reconciling: Option<(Consistent, f64)>,
 }
 
 impl<'a> Watch<'a> {
@@ -29,6 +32,16 @@ impl<'a> Watch<'a> {
             seen: vec![f64::NAN; model.sensors.len()],
             armed: vec![0.0; model.sensors.len()],
             active: vec![false; model.sensors.len()],
+            reconciling: None,
+        }
+    }
+
+    /// States within a step are to be brought onto their constraints before they are looked at, if what is watched asks for it.
+    pub(crate) fn reconcile(&mut self, step: f64) {
+        let sensors = self.model.sensors.iter().enumerate();
+        let mut active = sensors.filter(|(_, sensor)| sensor.header.active);
+        if active.any(|(k, _)| self.system.sensor_reads_balance(k)) {
+            self.reconciling = Some((Consistent::new(self.system), step));
         }
     }
 
@@ -41,6 +54,17 @@ impl<'a> Watch<'a> {
     fn values(&mut self, state: &State) -> Vec<f64> {
         let mut all = vec![f64::NAN; self.model.sensors.len()];
         let (system, parameters) = (self.system, self.parameters);
+        let mut reconciled = None;
+        if let Some((consistent, step)) = &mut self.reconciling {
+            let state = reconciled.insert(state.clone());
+            if consistent
+                .reconcile(system, parameters, state, *step)
+                .is_err()
+            {
+                return all;
+            }
+        }
+        let state = reconciled.as_ref().unwrap_or(state);
         if system.look(parameters, state, &mut self.scratch).is_err() {
             return all;
         }
@@ -84,15 +108,28 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// What the sensors ask for at a state: those that became active fire.
-    pub(crate) fn fire(&mut self, state: &mut State) -> Sensed {
+    /// What the sensors ask for at a state: those that became active fire. If it stands where a passage was found, the nearest to its value
+    /// does in any case.
+    pub(crate) fn fire(&mut self, state: &mut State, passage: bool) -> Sensed {
         let mut sensed = Sensed::default();
         if self.is_idle() {
             return sensed;
         }
         let values = self.values(state);
+        let sensors = self.model.sensors.iter().zip(&values);
+        let mut firing: Vec<bool> = sensors
+            .map(|(sensor, value)| !value.is_nan() && sensor.fires(value + sensor.value))
+            .collect();
+        let new = |k: usize| firing[k] && !self.active[k];
+        if passage && !(0..firing.len()).any(new) {
+            let armed = (0..firing.len()).filter(|&k| self.armed[k] != 0.0 && !values[k].is_nan());
+            let nearest = armed.min_by(|&a, &b| values[a].abs().total_cmp(&values[b].abs()));
+            if let Some(nearest) = nearest {
+                firing[nearest] = true;
+            }
+        }
         for (k, sensor) in self.model.sensors.iter().enumerate() {
-            let fires = !values[k].is_nan() && sensor.fires(values[k] + sensor.value);
+            let fires = firing[k];
             let was = std::mem::replace(&mut self.active[k], fires);
             if fires && !was {
                 let (system, parameters) = (self.system, self.parameters);

@@ -20,12 +20,47 @@ const HALVINGS: usize = 14;
 const AGREED: f64 = 1e-13;
 
 impl System {
-    /// The MOTIONs that prescribe a rate.
+    /// The MOTIONs that prescribe a rate and are switched on.
     pub(crate) fn rate_drives(&self) -> impl Iterator<Item = RateDrive> + '_ {
         self.joints.iter().filter_map(|joint| match joint.drive {
-            Drive::Rate(drive) => Some(drive),
+            Drive::Rate(drive) if joint.active => Some(drive),
             _ => None,
         })
+    }
+
+    /// Those of them that are switched on begin where the parts are, or at ICDISP, if they were off or never began; those that are off forget
+    /// where they were.
+    pub(crate) fn begin_drives(
+        &self,
+        parameters: &Parameters,
+        state: &mut State,
+        scratch: &mut Scratch,
+    ) {
+        for joint in &self.joints {
+            let Drive::Rate(drive) = joint.drive else {
+                continue;
+            };
+            if !joint.active {
+                state.driven[drive.index].time = f64::NAN;
+            } else if state.driven[drive.index].time.is_nan() {
+                let mut here = self.at(parameters, state, scratch);
+                here.place_markers();
+                let mut value = drive.start.unwrap_or(0.0);
+                if drive.start.is_none() {
+                    for term in &joint.terms {
+                        if let PairConstraint::Drive(law) = term.law {
+                            let motion = here.motion((term.i, term.j, term.pair), true);
+                            value = law.measure.evaluate(&motion, 0.0).value;
+                        }
+                    }
+                }
+                state.driven[drive.index] = Driven {
+                    time: state.time,
+                    value,
+                    rate: drive.start_rate,
+                };
+            }
+        }
     }
 
     /// Takes the angles of what MOTIONs drive nearest to what they prescribe: turns are counted from there.
@@ -72,11 +107,12 @@ impl System {
             return Ok(());
         }
         self.at(parameters, state, scratch).drive()?;
-        for (driven, now) in state.driven.iter_mut().zip(&scratch.driven) {
-            *driven = Driven {
+        for drive in self.rate_drives() {
+            let [value, rate, _] = scratch.driven[drive.index];
+            state.driven[drive.index] = Driven {
                 time: state.time,
-                value: now[0],
-                rate: now[1],
+                value,
+                rate,
             };
         }
         Ok(())

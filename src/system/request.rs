@@ -1,7 +1,7 @@
 //! What REQUESTs and SENSORs show of a configuration.
 
-use super::Configuration;
-use super::NoValue;
+use super::compiled_function::Source;
+use super::{Configuration, NoValue, System};
 use crate::mechanics::{Pose, Vec3, Vec6, psi_theta_phi};
 use crate::model::{MarkerIx, Request, RequestKind};
 
@@ -117,5 +117,30 @@ impl Configuration<'_> {
     fn value_of(&mut self, function: usize) -> Result<f64, NoValue> {
         self.evaluate_function(function)?;
         Ok(self.scratch.functions[function].value)
+    }
+}
+
+impl System {
+    /// Whether the FUNCTION of the model's sensor number `index` reads accelerations or forces, itself or by variables.
+    pub(crate) fn sensor_reads_balance(&self, index: usize) -> bool {
+        let mut seen = vec![false; self.functions.len()];
+        let mut open = vec![self.sensors[index].0];
+        while let Some(function) = open.pop() {
+            if std::mem::replace(&mut seen[function], true) {
+                continue;
+            }
+            for source in &self.functions[function].sources {
+                match source {
+                    Source::Force(_) | Source::Friction(..) => return true,
+                    Source::Moved(measure) if measure.kind.is_second() => return true,
+                    Source::Variable(k) => open.push(self.variables[*k].function),
+                    Source::Output((_, by_variable)) => {
+                        open.extend(by_variable.iter().map(|(k, _)| self.variables[*k].function));
+                    }
+                    _ => {}
+                }
+            }
+        }
+        false
     }
 }

@@ -129,6 +129,10 @@ pub(crate) struct RateDrive {
     pub second: bool,
     /// Index into [`State::driven`].
     pub index: usize,
+    /// ICDISP; where the parts are if absent.
+    pub start: Option<f64>,
+    /// ICVEL.
+    pub start_rate: f64,
 }
 
 /// JOINT, JPRIM, MOTION, COUPLER, GEAR: the scaled sum of its terms is zero.

@@ -167,3 +167,57 @@ fn a_sensor_fires_in_a_step_that_ends_at_a_kink_in_time() {
     let said = format!("Sensor/1 has become active at time = {fall:.6}.");
     assert!(ran.stdout.contains(&said), "{}", ran.stdout);
 }
+
+/// A pendulum of 1 m and 2 kg, 0.1 kg m2 about its centre, let go level: with `I = 2.1` about the pin the rate is `w^2 = 2 (2 g / I) sin q`, the force
+/// along the arm is `2 (w^2 + g sin q)` and across `2 g cos q (1 - 2 / I)`. Sensors find the angle at which the sum is 30 N, and at which the acceleration is
+/// 12 m/s2.
+#[test]
+fn a_sensor_of_a_reaction_or_an_acceleration_fires_at_its_time() {
+    let g = 9.81;
+    let along = |s: f64| 4.0 * g / 2.1 * s;
+    let force = |s: f64| {
+        let across = 2.0 * g * (1.0 - s * s).sqrt() * (1.0 - 2.0 / 2.1);
+        (2.0 * along(s) + 2.0 * g * s).hypot(across)
+    };
+    let acceleration = |s: f64| along(s).hypot(2.0 * g / 2.1 * (1.0 - s * s).sqrt());
+    let half = |f: &dyn Fn(f64) -> f64, value: f64| {
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if f(middle) < value {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        low
+    };
+    for (function, value, s) in [
+        ("FM(21,1)", 30.0, half(&force, 30.0)),
+        ("ACCM(20)", 12.0, half(&acceleration, 12.0)),
+        ("VARVAL(1)", 30.0, half(&force, 30.0)),
+    ] {
+        let deck = format!(
+            "pendulum\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=METER, TIME=SECOND\nPART/1, GROUND\nMARKER/1, PART=1\n\
+             PART/2, MASS=2, CM=20, IP=0.1,0.1,0.1, QG=1,0,0\nMARKER/20, PART=2\nMARKER/21, PART=2, QP=-1,0,0\n\
+             JOINT/1, REVOLUTE, I=21, J=1\nACCGRAV/JGRAV=-9.81\nVARIABLE/1, FUNCTION=FM(21,1)\n\
+             SENSOR/1, GE, VALUE={value}, ERROR=1E-6, RETURN, FUNCTION={function}\nREQUEST/1, F2=DY(20,1)\n\
+             INTEGRATOR/ERROR=1E-8\nRESULTS/FORMATTED, XRF\nEND\n"
+        );
+        let commands = "SIM/DYN, END=0.45, DTOUT=0.05\nSIM/INITIAL";
+        let folder = folder(&[
+            ("m.adm", &deck),
+            ("run.acf", &format!("\nfile/model=m\n{commands}\nstop\n")),
+        ]);
+        let ran = mdi(folder.path(), &["ru-s", "run"]);
+        assert_eq!(ran.code, 0, "{}", ran.stdout);
+        assert!(
+            ran.stdout.contains("Sensor/1 has become active"),
+            "{}",
+            ran.stdout
+        );
+        let found = Results::read_all(folder.path(), "m.res");
+        let y = *found.column("PART_2_XFORM", "Y").last().unwrap();
+        assert!((y + s).abs() < 1e-6, "{function}: {y} and {s}");
+    }
+}

@@ -198,15 +198,18 @@ impl Compiler<'_> {
                 );
                 let function = self.function(&m.function, &owner, None, Dimension::NONE);
                 self.functions[function].apart = true;
+                let start_rate = m.initial_velocity.unwrap_or(0.0);
                 self.driven.push(crate::system::Driven {
                     time: 0.0,
                     value: held,
-                    rate: m.initial_velocity.unwrap_or(0.0),
+                    rate: start_rate,
                 });
                 Drive::Rate(RateDrive {
                     function,
                     second: m.order == MotionOrder::Acceleration,
                     index: self.driven.len() - 1,
+                    start: m.initial_displacement,
+                    start_rate,
                 })
             };
             let law = PairConstraint::Drive(Driven { measure });
