@@ -73,8 +73,15 @@ impl Program {
         let values = || -> Vec<f64> { arguments.iter().map(|(value, _)| *value).collect() };
         let of_first = |second: f64| alone.then_some(second * dx * dx);
         Some(match kind {
-            Kind::Negate | Kind::Add | Kind::Subtract | Kind::Move | Kind::Max | Kind::Min => 0.0,
-            Kind::Binary(Binary::Dim | Binary::Modulo | Binary::Sign, _) => 0.0,
+            Kind::Negate
+            | Kind::Add
+            | Kind::Subtract
+            | Kind::Move
+            | Kind::Max
+            | Kind::Min
+            | Kind::Binary(Binary::Dim | Binary::Modulo | Binary::Sign, _)
+            | Kind::Branch { .. }
+            | Kind::Jump(_) => 0.0,
             Kind::Binary(Binary::Atan2, _) => {
                 let square = x * x + y * y;
                 if square == 0.0 {
@@ -132,7 +139,6 @@ impl Program {
                 by_x * dx * dx + 2.0 * by_z * dx * dy
             }
             Kind::Sweep | Kind::Impact | Kind::Bistop => return None,
-            Kind::Branch { .. } | Kind::Jump(_) => 0.0,
         })
     }
 }

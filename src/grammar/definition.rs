@@ -91,6 +91,37 @@ impl ArgumentDef {
         self.components.of(k).unwrap_or(self.dimension)
     }
 
+    /// True if a number lies between its bounds.
+    pub(crate) fn admits(&self, value: f64) -> bool {
+        let above = match self.lower {
+            Bound::Open => true,
+            Bound::Inclusive(bound) => value >= bound,
+            Bound::Exclusive(bound) => value > bound,
+        };
+        let below = match self.upper {
+            Bound::Open => true,
+            Bound::Inclusive(bound) => value <= bound,
+            Bound::Exclusive(bound) => value < bound,
+        };
+        above && below
+    }
+
+    /// Its bounds in words, `more than 0 and 1 or less`; empty without any.
+    pub(crate) fn wanted(&self) -> String {
+        let lower = match self.lower {
+            Bound::Open => None,
+            Bound::Inclusive(bound) => Some(format!("{bound} or more")),
+            Bound::Exclusive(bound) => Some(format!("more than {bound}")),
+        };
+        let upper = match self.upper {
+            Bound::Open => None,
+            Bound::Inclusive(bound) => Some(format!("{bound} or less")),
+            Bound::Exclusive(bound) => Some(format!("less than {bound}")),
+        };
+        let both: Vec<String> = lower.into_iter().chain(upper).collect();
+        both.join(" and ")
+    }
+
     /// The least value it may have; minus infinity if it has no lower bound.
     pub(crate) fn minimum(&self) -> f64 {
         match self.lower {

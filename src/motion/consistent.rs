@@ -2,7 +2,7 @@
 
 use super::bordered::{Bordered, plain_weight};
 use super::error::Reason;
-use crate::linear::{Levels, Lu};
+use crate::linear::{Entries, Levels, Lu};
 use crate::mechanics::{Mat6, Pose, Vec3, log};
 use crate::system::{Parameters, Rows, Scratch, State, System};
 
@@ -12,6 +12,8 @@ const CLOSED: f64 = 1e-12;
 const OPEN: f64 = 1e-8;
 /// A removed equation may be violated by so much.
 const REMOVED: f64 = 1e-6;
+/// Where the matrix is singular, an equation of a variable or a state may be left open by this share.
+const UNDETERMINED: f64 = 1e-9;
 /// Iterations of positions and accelerations.
 const ITERATIONS: usize = 50;
 const ALIMIT: f64 = std::f64::consts::FRAC_PI_6;
@@ -285,6 +287,11 @@ impl Consistent {
                 *dx = -g;
             }
             self.factors.solve(&mut self.dx);
+            if self.factors.deficiency() > 0
+                && let Some(what) = undetermined(system, &matrix, &self.dx, &self.g)
+            {
+                return Err(Reason::Undetermined { what });
+            }
             self.check_held(system, step)?;
             for (v, change) in self.v.iter_mut().zip(&self.dx[..n]) {
                 *v += change;
@@ -416,6 +423,26 @@ impl Consistent {
         system.constraints_and_rows(parameters, &whole, scratch, g, rows)?;
         Ok(true)
     }
+}
+
+/// The first variable or implicit state whose equation `A dx + g = 0` does not hold after a solution with a singular matrix. A state whose
+/// equation does not read its rate is a condition on places and states, which the acceleration is not asked to satisfy.
+fn undetermined(
+    system: &System,
+    matrix: &Entries<'_, f64>,
+    dx: &[f64],
+    g: &[f64],
+) -> Option<String> {
+    let first = system.first_variable;
+    let mut left = g.to_vec();
+    for (row, column, value) in matrix.iter().filter(|(row, ..)| *row >= first) {
+        left[row] += value * dx[column];
+    }
+    let violated = |row: &usize| left[*row].abs() > UNDETERMINED * g[*row].abs().max(1.0);
+    let variables = first..first + system.variables.len();
+    let states = (0..system.states.len()).filter(|&k| system.state_reads_rate(k));
+    let mut rows = variables.chain(states.map(|k| system.states[k].moving_unknown));
+    rows.find(violated).map(|row| system.equation_name(row))
 }
 
 /// The largest velocity, rotations times the length of the model; at least one length per time.

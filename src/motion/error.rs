@@ -50,6 +50,14 @@ pub enum Reason {
         /// Part and direction.
         freedom: String,
     },
+    /// A VARIABLE or the rate of an implicit DIFF does not follow from its equation.
+    #[error(
+        "{what} is not determined: its equation does not hold, and does not change with it here"
+    )]
+    Undetermined {
+        /// The statement.
+        what: String,
+    },
     /// An input moves something without mass: what depends on its velocity depends on the rate of the input.
     #[error("{what} depends on the rate of an input, which state matrices do not have")]
     InputRate {

@@ -95,6 +95,8 @@ const SIDES: [(f64, f64); 4] = [
     (1.0, 8.0 / 12.0),
     (2.0, -1.0 / 12.0),
 ];
+/// Between two such looks no part turns further, radians.
+const CLOSE: f64 = 5e-3;
 /// Passes in which variables that read each other settle.
 const PASSES: usize = 50;
 
@@ -241,7 +243,7 @@ impl Configuration<'_> {
     /// Of one term, with u the rates of I in J (J axes), row r, C the derivative of the row along the motion, s its parameter:
     /// `r . b + u_t' C u_t + 2 s' r_s . u + f_s s''`, where b is what of the second rates of p_ij_j and of the rotation no acceleration enters:
     /// `b_p = R_j' (a_i - a_j - 2 w_j x (v_i - v_j) + w_j x (w_j x d))`, `b_t = -R_j' (w_j x w_i)`, a of the arms alone. Functions of
-    /// the time alone: exact. Others: differences of their exact rates along the motion, `step` apart, of fourth order. Of a GCON of velocities
+    /// the time alone: exact. Others: differences of their exact rates along the motion, at most `step` apart, of fourth order. Of a GCON of velocities
     /// it is the first rate of its function.
     ///
     /// # Errors
@@ -346,6 +348,8 @@ impl Configuration<'_> {
         if let Some(rates) = exact.iter().copied().collect() {
             return Ok(rates);
         }
+        let turning = self.state.velocities.iter().map(|v| v.angular.norm());
+        let step = step.min(CLOSE / turning.fold(0.0, f64::max));
         let variables = self.variable_rates();
         let mut rates: Vec<[f64; 2]> = functions
             .iter()

@@ -1,6 +1,6 @@
 use std::ops::Range;
 
-use super::compiled_function::{CompiledFunction, Exerted};
+use super::compiled_function::{CompiledFunction, Exerted, Source};
 use super::surface::Friction;
 use super::{Catalogue, EquationName, Name, Parameters, State};
 use crate::constraint::{Constraint, PairConstraint};
@@ -421,6 +421,16 @@ impl System {
     /// True for an equation that takes part and holds places; all others hold velocities or nothing.
     pub(crate) fn holds_places(&self, state: &State, equation: usize) -> bool {
         !self.of_velocities[equation] && self.takes_part(state, equation)
+    }
+
+    /// Whether in motion the equation of this state reads its own rate.
+    pub(crate) fn state_reads_rate(&self, state: usize) -> bool {
+        let Rate::Function(function) = self.states[state].moving else {
+            return false;
+        };
+        let sources = self.functions[function].sources.iter();
+        let own = |source: &Source| matches!(source, Source::StateRate(k, _) if *k == state);
+        sources.into_iter().any(own)
     }
 
     /// Degrees of freedom of the parts less the equations that take part: of the velocities, where some hold these.

@@ -54,6 +54,19 @@ fn bad() -> Vec<Bad> {
             told: &["time 0:", "PART/3 along x", "mass matrix is singular"],
             ends: None,
         },
+        // Nothing moves a variable that is one more than itself, nor at rest a rate whose square is asked for.
+        Bad {
+            statements: format!("VARIABLE/7, FUNCTION=VARVAL(7)+1\n{FORCE}VARVAL(7)\n"),
+            commands: plain,
+            told: &["time 0:", "VARIABLE/7 is not determined"],
+            ends: None,
+        },
+        Bad {
+            statements: "DIFF/7, IC=1, IMPLICIT, FUNCTION=DIF1(7)**2-4\n".into(),
+            commands: plain,
+            told: &["time 0:", "DIFF/7 is not determined"],
+            ends: None,
+        },
         // 1,000 rad/s want steps that are shorter.
         Bad {
             statements: format!("{FORCE}-1E6*DZ(20)\n"),
@@ -138,4 +151,43 @@ fn a_least_step_is_one_of_the_error_control_alone() {
     let z = Results::read_all(folder.path(), "ball.res").column("PART_2_XFORM", "Z");
     let known = 1.0 + 0.5 - 0.5 * 9.81 * 0.25;
     assert!((z.last().unwrap() - known).abs() < 1e-6, "{z:?}");
+}
+
+/// Numbers out of the bounds of their arguments are told where they stand, in the dataset and in a command.
+#[test]
+fn numbers_out_of_bounds_are_input_errors() {
+    for (statement, command, told) in [
+        (
+            "FRICTION/1, JOINT=1, STICTION_TRANSITION_VELOCITY=0\n",
+            "",
+            "ball.adm:11:51: STICTION_TRANSITION_VELOCITY of FRICTION must be more than 0",
+        ),
+        (
+            "PART/3, MASS=-1, CM=30, IP=1,1,1\nMARKER/30, PART=3\n",
+            "",
+            "ball.adm:11:14: MASS of PART must be 0 or more",
+        ),
+        (
+            "",
+            "INTEGRATOR/ERROR=-1",
+            "run.acf:3:18: ERROR of INTEGRATOR must be more than 0",
+        ),
+        (
+            "",
+            "INTEGRATOR/ERROR=1E-3, HMAX=0",
+            "run.acf:3:29: HMAX of INTEGRATOR must be more than 0",
+        ),
+    ] {
+        let deck = format!("{BALL}{statement}END\n");
+        let acf = format!("\nfile/model=ball\n{command}\nSIM/DYN, END=0.1, STEPS=1\nstop\n");
+        let folder = folder(&[("ball.adm", &deck), ("run.acf", &acf)]);
+        let solved = Command::new(env!("CARGO_BIN_EXE_admire"))
+            .current_dir(folder.path())
+            .args(["solve", "run.acf"])
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&solved.stdout);
+        assert!(said.contains(told), "{said}");
+        assert_eq!(solved.status.code(), Some(1), "{said}");
+    }
 }

@@ -224,6 +224,46 @@ fn a_driven_acceleration_is_that_of_its_function() {
     all_near(&found, ("PART_2_XFORM", "ACCZ"), 1e-12, second);
 }
 
+/// A MOTION of a rate that is switched on later, or made of one of the displacement, begins where the parts are then.
+#[test]
+fn a_rate_begins_where_the_parts_are() {
+    for (motion, commands) in [
+        ("VELOCITY, FUNCTION=0.5", "ACTIVATE/MOTION, ID=1"),
+        (
+            "FUNCTION=0.1*TIME",
+            "ACTIVATE/MOTION, ID=1\nMOTION/1, VELOCITY, FUNCTION=0.5",
+        ),
+        (
+            "ACCELERATION, ICVEL=0.5, FUNCTION=0",
+            "ACTIVATE/MOTION, ID=1",
+        ),
+    ] {
+        let commands = format!(
+            "DEACTIVATE/MOTION, ID=1\nSIM/DYN, END=0.4, STEPS=4\n{commands}\nSIM/DYN, END=0.8, STEPS=4\n\
+             DEACTIVATE/MOTION, ID=1\nSIM/DYN, END=1.2, STEPS=4"
+        );
+        let deck = format!(
+            "ball\n{SI}PART/2, MASS=1, CM=20, IP=1,1,1, QG=0,0,1\nMARKER/20, PART=2\nJOINT/1, TRANSLATIONAL, I=20, J=1\n\
+             ACCGRAV/KGRAV=-9.81\nMOTION/1, JOINT=1, {motion}\nRESULTS/FORMATTED, XRF\nEND\n"
+        );
+        let results = run(&deck, &commands);
+        let at = |from: f64, v: f64, t: f64| from + v * t - 0.5 * 9.81 * t * t;
+        let caught = at(1.0, 0.0, 0.4);
+        for (t, z) in results
+            .column("time", "TIME")
+            .iter()
+            .zip(results.column("PART_2_XFORM", "Z"))
+        {
+            let expected = match *t {
+                t if t < 0.45 => at(1.0, 0.0, t),
+                t if t < 0.85 => caught + 0.5 * (t - 0.4),
+                t => at(caught + 0.2, 0.5, t - 0.8),
+            };
+            near(z, expected, 1e-8);
+        }
+    }
+}
+
 /// An implicit DIFF, a TFSISO of second order, and an LSE beside the DIFFs of the same equations.
 #[test]
 fn dynamic_states_follow_their_equations() {

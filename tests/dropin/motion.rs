@@ -378,43 +378,6 @@ fn rates_of_motions_are_integrated() {
     );
 }
 
-/// A MOTION of a rate that is switched on later, or made of one of the displacement, begins where the parts are then.
-#[test]
-fn a_rate_begins_where_the_parts_are() {
-    for (motion, commands) in [
-        ("VELOCITY, FUNCTION=0.5", "ACTIVATE/MOTION, ID=1"),
-        (
-            "FUNCTION=0.1*TIME",
-            "ACTIVATE/MOTION, ID=1\nMOTION/1, VELOCITY, FUNCTION=0.5",
-        ),
-        (
-            "ACCELERATION, ICVEL=0.5, FUNCTION=0",
-            "ACTIVATE/MOTION, ID=1",
-        ),
-    ] {
-        let commands = format!(
-            "DEACTIVATE/MOTION, ID=1\nSIM/DYN, END=0.4, STEPS=4\n{commands}\nSIM/DYN, END=0.8, STEPS=4\n\
-             DEACTIVATE/MOTION, ID=1\nSIM/DYN, END=1.2, STEPS=4"
-        );
-        let (results, ran) = ball(&format!("MOTION/1, JOINT=1, {motion}\n"), &commands);
-        assert_eq!(ran.code, 0, "{}", ran.stdout);
-        let at = |from: f64, v: f64, t: f64| from + v * t - 0.5 * 9.81 * t * t;
-        let caught = at(1.0, 0.0, 0.4);
-        for (t, z) in results
-            .column("time", "TIME")
-            .iter()
-            .zip(results.column("PART_2_XFORM", "Z"))
-        {
-            let expected = match *t {
-                t if t < 0.45 => at(1.0, 0.0, t),
-                t if t < 0.85 => caught + 0.5 * (t - 0.4),
-                t => at(caught + 0.2, 0.5, t - 0.8),
-            };
-            near(z, expected, 1e-8);
-        }
-    }
-}
-
 /// x'' = -g - c x' with an initial velocity, then a static solution on a spring, then motion from rest.
 #[test]
 fn simulations_follow_each_other() {

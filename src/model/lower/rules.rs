@@ -1,10 +1,39 @@
 //! Which faults of a statement keep a model from being solved.
 
 use super::ids::Ids;
-use crate::diagnostic::{Diagnostic, Severity};
+use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::grammar::{Solved, ValueKind, nearest};
 use crate::syntax::{Fault, Statement, Wrong};
 use crate::text::Source;
+
+/// Arguments whose numbers must lie within their bounds, all of a statement where none is named: out of them a motion means nothing.
+const BOUNDED: [(&str, &[&str]); 5] = [
+    ("FRICTION", &[]),
+    (
+        "INTEGRATOR",
+        &["ADAPTIVITY", "ERROR", "HINIT", "HMAX", "HMIN", "MAXIT"],
+    ),
+    ("KINEMATICS", &["HMAX", "MAXIT"]),
+    ("PART", &["MASS"]),
+    ("POINT_MASS", &["MASS"]),
+];
+
+/// Complaints about numbers of these that are out of bounds.
+fn check_bounds(source: &Source, statement: &Statement, diagnostics: &mut Vec<Diagnostic>) {
+    let kind = statement.kind();
+    let Some((kind, names)) = BOUNDED.iter().find(|(bounded, _)| kind == Some(*bounded)) else {
+        return;
+    };
+    let defined = statement.arguments.iter().filter_map(|a| Some((a, a.def?)));
+    for (argument, def) in defined.filter(|(_, def)| names.is_empty() || names.contains(&def.name))
+    {
+        for number in argument.numbers().iter().filter(|n| !def.admits(n.value)) {
+            let message = format!("{} of {kind} must be {}", def.name, def.wanted());
+            let complaint = Diagnostic::error(Code::OutOfRange, message);
+            diagnostics.push(complaint.label(source.name(), number.span, ""));
+        }
+    }
+}
 
 /// Complaints about one statement of a file. A command redefines only what it gives: `dataset` is what it is put over.
 pub(super) fn check(
@@ -14,6 +43,7 @@ pub(super) fn check(
     dataset: Option<&Source>,
     diagnostics: &mut Vec<Diagnostic>,
 ) {
+    check_bounds(source, statement, diagnostics);
     let of = dataset.map_or("this dataset", |dataset| dataset.name());
     statement.faults(
         |space, id| ids.defines(space, id),

@@ -1,6 +1,6 @@
 use super::context::{Context, known};
 use crate::diagnostic::{Code, Diagnostic, Severity};
-use crate::grammar::{ArgumentDef, Bound, Solved};
+use crate::grammar::{Bound, Solved};
 
 /// Numbers outside of the range of their argument: a warning in what has no effect on the solution, such as a picture's radius.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
@@ -14,12 +14,12 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
                 continue;
             }
             for number in argument.numbers() {
-                if !inside(def, number.value) {
+                if !def.admits(number.value) {
                     let message = format!(
                         "{} of {} must be {}",
                         def.name,
                         context.title(statement),
-                        wanted(def)
+                        def.wanted()
                     );
                     found.push(
                         context
@@ -30,36 +30,4 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
             }
         }
     }
-}
-
-fn inside(def: &ArgumentDef, value: f64) -> bool {
-    let above = match def.lower {
-        Bound::Open => true,
-        Bound::Inclusive(bound) => value >= bound,
-        Bound::Exclusive(bound) => value > bound,
-    };
-    let below = match def.upper {
-        Bound::Open => true,
-        Bound::Inclusive(bound) => value <= bound,
-        Bound::Exclusive(bound) => value < bound,
-    };
-    above && below
-}
-
-fn wanted(def: &ArgumentDef) -> String {
-    let lower = match def.lower {
-        Bound::Open => None,
-        Bound::Inclusive(bound) => Some(format!("{bound} or more")),
-        Bound::Exclusive(bound) => Some(format!("more than {bound}")),
-    };
-    let upper = match def.upper {
-        Bound::Open => None,
-        Bound::Inclusive(bound) => Some(format!("{bound} or less")),
-        Bound::Exclusive(bound) => Some(format!("less than {bound}")),
-    };
-    [lower, upper]
-        .into_iter()
-        .flatten()
-        .collect::<Vec<_>>()
-        .join(" and ")
 }
