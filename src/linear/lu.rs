@@ -16,6 +16,7 @@ use super::entries::Entries;
 use super::lanes::Lanes;
 use super::matrix::Matrix;
 use super::ordering::columns_of;
+use super::packed::Packed;
 use super::pivoting::{Eliminated, eliminated};
 use super::scalar::Scalar;
 use super::step::Step;
@@ -43,6 +44,8 @@ pub(crate) struct Lu<T = f64> {
     pub(crate) orders: usize,
     /// Only steps of an iteration come from it.
     for_steps: bool,
+    /// The factors without zeros, where many solutions follow one factorisation.
+    packed: Option<Packed<T>>,
 }
 
 impl Lu {
@@ -67,6 +70,14 @@ impl<T: Scalar> Lu<T> {
     pub(crate) fn for_steps(n: usize) -> Self {
         Self {
             for_steps: true,
+            ..Self::for_many(n)
+        }
+    }
+
+    /// Many solutions follow one factorisation: its zeros are left out.
+    pub(crate) fn for_many(n: usize) -> Self {
+        Self {
+            packed: Some(Packed::default()),
             ..Self::new(n)
         }
     }
@@ -99,9 +110,20 @@ impl<T: Scalar> Lu<T> {
         matrix: &Entries<'_, T>,
         order: impl FnOnce(&Entries<'_, T>) -> Vec<u32>,
     ) {
-        if self.orders > 0 && self.free.is_empty() && self.repeat(matrix) {
-            return;
+        if !(self.orders > 0 && self.free.is_empty() && self.repeat(matrix)) {
+            self.eliminate(matrix, order);
         }
+        if let Some(packed) = &mut self.packed {
+            packed.take(&self.steps, &self.index, &self.values);
+        }
+    }
+
+    /// Chooses the order of the operations.
+    fn eliminate(
+        &mut self,
+        matrix: &Entries<'_, T>,
+        order: impl FnOnce(&Entries<'_, T>) -> Vec<u32>,
+    ) {
         Eliminated {
             steps: self.steps,
             entries: self.entries,
@@ -194,6 +216,13 @@ impl<T: Scalar> Lu<T> {
     where
         R: Scalar + Mul<T, Output = R> + Div<T, Output = R>,
     {
+        if let Some(packed) = &self.packed {
+            for &column in &self.free {
+                x[column as usize] = R::default();
+            }
+            packed.solve_into(b, x);
+            return;
+        }
         for step in &self.steps {
             let value = b[step.row as usize];
             if value == R::default() {

@@ -10,6 +10,7 @@ mod levels;
 mod lu;
 mod matrix;
 mod ordering;
+mod packed;
 mod pivoting;
 mod postorder;
 mod scalar;

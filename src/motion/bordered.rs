@@ -12,6 +12,8 @@ pub(super) struct Bordered {
     matrix: Matrix,
     factors: Lu,
     bodies: usize,
+    /// Weights are diagonal.
+    plain: bool,
 }
 
 impl Bordered {
@@ -21,6 +23,17 @@ impl Bordered {
             matrix: Matrix::new(n),
             factors: Lu::new(n),
             bodies: system.first_equation,
+            plain: false,
+        }
+    }
+
+    /// For diagonal weights alone, and for many solutions after one factorisation.
+    pub(crate) fn plain(system: &System) -> Self {
+        let n = system.first_equation + system.equations;
+        Self {
+            factors: Lu::for_many(n),
+            plain: true,
+            ..Self::new(system)
         }
     }
 
@@ -36,7 +49,7 @@ impl Bordered {
         for (part, body) in system.bodies.iter().enumerate() {
             let S = weight(part);
             for j in 0..body.freedoms {
-                for i in 0..body.freedoms {
+                for i in (0..body.freedoms).filter(|i| !self.plain || *i == j) {
                     self.matrix.add(body.first + i, body.first + j, S[(i, j)]);
                 }
             }

@@ -48,7 +48,7 @@ impl Linearisation {
         Self {
             levels: Levels::new(system.moving_unknowns),
             rows: Rows::new(system),
-            bordered: Bordered::new(system),
+            bordered: Bordered::plain(system),
         }
     }
 
