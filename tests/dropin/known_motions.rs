@@ -224,6 +224,25 @@ fn a_driven_acceleration_is_that_of_its_function() {
     all_near(&found, ("PART_2_XFORM", "ACCZ"), 1e-12, second);
 }
 
+/// A slider that a GCON puts at the square of what a fast crank has along x, `0.01 cos(100 t)^2`, with outputs far apart.
+#[test]
+fn a_condition_on_a_fast_crank_has_its_acceleration() {
+    let deck = format!(
+        "crank\n{SI}PART/2, MASS=1, CM=20, IP=0.1,0.1,0.1, WZ=100\nMARKER/20, PART=2\nMARKER/21, PART=2, QP=0.1,0,0\n\
+         JOINT/1, REVOLUTE, I=20, J=1\nPART/3, MASS=1, CM=30, IP=1,1,1\nMARKER/30, PART=3, REULER=90D,90D,0\n\
+         MARKER/13, PART=1, REULER=90D,90D,0\nJOINT/2, TRANSLATIONAL, I=30, J=13\n\
+         GCON/1, FUNCTION=DX(30,1)-DX(21,1)**2\nMOTION/1, JOINT=1, VELOCITY, ICDISP=0, FUNCTION=100\n\
+         RESULTS/FORMATTED, XRF\nEND\n"
+    );
+    let found = run(&deck, "SIMULATE/KINEMATIC, END=2, STEPS=5");
+    all_near(&found, ("PART_3_XFORM", "X"), 1e-12, |t| {
+        0.01 * (100.0 * t).cos().powi(2)
+    });
+    all_near(&found, ("PART_3_XFORM", "ACCX"), 1e-5, |t| {
+        -200.0 * (200.0 * t).cos()
+    });
+}
+
 /// A MOTION of a rate that is switched on later, or made of one of the displacement, begins where the parts are then.
 #[test]
 fn a_rate_begins_where_the_parts_are() {
