@@ -19,8 +19,9 @@ const BEHIND: f64 = 50.0;
 const CLOSE: (f64, f64) = (7.0, 3.0);
 /// or, at the pace of so many steps, to within the first of these;
 const PACE: usize = 3;
-/// or, sizes of its own granted, to within so many nats after the first step.
+/// or, sizes of its own granted, to within so many nats after the first step. What a far way promises errs by this part of it.
 const LOST: f64 = 200.0;
+const ERRS: f64 = 0.2;
 /// Sizes of tolerances are held for so many steps of a fit that starts from another, unless a step promises less than so many nats.
 const HELD: usize = 5;
 const NEAR: f64 = 30.0;
@@ -34,6 +35,9 @@ const FIRST: f64 = 0.3;
 const HARDER: f64 = 6.0;
 const EASE: f64 = 6.0;
 const EASED: f64 = 0.3;
+/// A part of a whole step that led uphill is tried where more than so many nats are promised, and is no shorter than this.
+const WORTH: f64 = 10.0;
+const SHORTEST: f64 = 0.1;
 /// Derivatives by small errors stay as they are while a step lowers the objective by this part of what was promised.
 const FAITHFUL: f64 = 0.5;
 /// Promises in nats that differ by less than this part are alike. Derivatives by small errors that promised what exact ones do are held
@@ -117,6 +121,11 @@ impl Aim<'_> {
         let pace = (here - recent[0]) / PACE as f64;
         let left = (steps + 1).saturating_sub(count) as f64;
         here + left * pace < self.lead - CLOSE.0
+    }
+
+    /// True far behind, however much more the way may bring than it promises.
+    fn is_lost(&self, promised: &Reached) -> bool {
+        promised.ln_z + ERRS * promised.gain < self.lead - LOST
     }
 
     fn is_known(&self, here: &Point, reached: &Reached) -> bool {
@@ -326,27 +335,26 @@ impl Sweep<'_> {
         x[..count].copy_from_slice(&approach(&mut alone, &start, &scale, &held));
     }
 
-    /// The point a step leads to, logarithms moving within `reach`.
+    /// The point that a part of a step leads to, logarithms moving within `reach` in the whole one.
     fn stepped(
         &mut self,
         from: &Point,
         reached: &Reached,
         list: &FitUnknowns,
-        reach: f64,
+        (reach, part): (f64, f64),
     ) -> Option<Point> {
         let count = list.len();
         let (low, high) = list.limits(&vec![1.0; count], reach);
-        let limited: Vec<(usize, f64)> = (0..count)
-            .filter(|k| self.unknowns.is_logarithm(*k))
-            .map(|k| (k, reached.step[k].clamp(low[k], high[k])))
-            .filter(|(k, step)| *step != reached.step[*k])
-            .collect();
-        let mut step = reached.step_with(&limited);
-        for (k, (low, high)) in low.iter().zip(&high).enumerate() {
-            if self.unknowns.is_logarithm(k) {
-                step[k] = step[k].clamp(*low, *high);
-            }
-        }
+        let limits = low.into_iter().zip(high).enumerate();
+        let limits = limits.filter(|(k, _)| self.unknowns.is_logarithm(*k));
+        let limits: Vec<(usize, (f64, f64))> = limits.collect();
+        // A fit without causes that followed its valley so closely was seen to end behind the one that does not.
+        let step = if self.unknowns.has_causes() {
+            reached.step_within(&limits)
+        } else {
+            reached.step_clamped(&limits)
+        };
+        let step = step * part;
         let mut there = list.moved(&from.x, &step.rows(0, count).into_owned());
         let rest = from.x.iter().zip(step.iter()).skip(count);
         there.extend(rest.map(|(x, s)| x + s));
@@ -379,10 +387,10 @@ impl Sweep<'_> {
             if alone || step_number >= HELD || reached.gain < NEAR {
                 sizes = here.linear.sized(&sizes);
                 reached = here.linear.reached(&sizes, 0.0)?;
-            } else if step_number > 0 && reached.ln_z < aim.lead - LOST {
+            } else if step_number > 0 && aim.is_lost(&reached) {
                 let own = here.linear.sized(&sizes);
                 let granted = here.linear.reached(&own, 0.0)?;
-                if granted.ln_z < aim.lead - LOST {
+                if aim.is_lost(&granted) {
                     return Settled::end(here, own);
                 }
             }
@@ -412,6 +420,8 @@ impl Sweep<'_> {
                 here.is_exact || confirmed.is_some_and(|at| at - objective < 2.0 * TRUSTED);
             let reach = REACH[step_number.min(1)];
             let mut next = None;
+            // Where a whole step leads uphill a part of it comes first: what damping holds back most is not what bends most.
+            let (mut part, mut is_part) = (1.0, false);
             self.predictor.keep();
             for trial in 0..TRIALS {
                 let other;
@@ -421,9 +431,11 @@ impl Sweep<'_> {
                     other = here.linear.reached(&sizes, damping)?;
                     &other
                 };
-                let mut further = self.stepped(&here, damped, &list, reach);
+                let mut further = self.stepped(&here, damped, &list, (reach, part));
                 let value = |point: &Point| point.linear.objective(&sizes);
+                let led = further.as_ref().map(value);
                 if damping == 0.0
+                    && !is_part
                     && let Some(uphill) = further.as_ref().filter(|f| value(f) > objective + ENOUGH)
                 {
                     // Along a valley that bends a whole step ends up on its side, and the next one leads back to the ground. Source:
@@ -431,7 +443,7 @@ impl Sweep<'_> {
                     let back = uphill.linear.reached(&sizes, 0.0);
                     let back = back.filter(|b| value(uphill) - 2.0 * b.gain < objective);
                     if let Some(back) = back {
-                        further = self.stepped(uphill, &back, &list, reach);
+                        further = self.stepped(uphill, &back, &list, (reach, 1.0));
                     }
                 }
                 if let Some(further) = further {
@@ -467,6 +479,19 @@ impl Sweep<'_> {
                 if reached.gain < KINKS {
                     break;
                 }
+                if damping == 0.0
+                    && !is_part
+                    && self.unknowns.has_causes()
+                    && reached.gain > WORTH
+                    && let Some(led) = led
+                {
+                    // The lowest point of the parabola with the slope here that goes through what was found.
+                    let slope = 4.0 * reached.gain;
+                    let rise = led - objective + slope;
+                    (part, is_part) = ((0.5 * slope / rise).max(SHORTEST), true);
+                    continue;
+                }
+                part = 1.0;
                 damping = (damping * HARDER).max(FIRST);
             }
             if let Some(next) = next {

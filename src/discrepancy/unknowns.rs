@@ -240,6 +240,11 @@ impl Unknowns {
         })
     }
 
+    /// True of a model with causes.
+    pub(super) fn has_causes(&self) -> bool {
+        !self.places.is_empty()
+    }
+
     /// True for the logarithm of a stiffness.
     pub(super) fn is_logarithm(&self, k: usize) -> bool {
         matches!(self.list.list()[k].meaning, Meaning::Stiffness(_))

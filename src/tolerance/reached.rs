@@ -26,8 +26,48 @@ impl Reached {
         0.5 * self.factor.quadratic(&off)
     }
 
-    /// The step to the maximum with some unknowns moving by given amounts instead.
-    pub(crate) fn step_with(&self, given: &[(usize, f64)]) -> DVector<f64> {
+    /// The step to the maximum with some unknowns moving within limits: what goes furthest beyond them is held at its own first, and the
+    /// rest follows it. Held all at once, unknowns that only differ in sum would leave the valley they share.
+    pub(crate) fn step_within(&self, limits: &[(usize, (f64, f64))]) -> DVector<f64> {
+        let mut step = self.step.clone();
+        let mut held: Vec<(usize, f64)> = Vec::new();
+        while held.len() < limits.len() {
+            let beyond = |(place, (low, high)): &(usize, (f64, f64))| {
+                let (place, here) = (*place, step[*place]);
+                let limit = if here < 0.0 { *low } else { *high };
+                let is_free = held.iter().all(|(k, _)| *k != place);
+                let excess = here / limit;
+                (is_free && excess > 1.0).then_some((place, limit, excess))
+            };
+            let all = limits.iter().filter_map(beyond);
+            let Some((place, limit, _)) = all.max_by(|a, b| a.2.total_cmp(&b.2)) else {
+                break;
+            };
+            held.push((place, limit));
+            step = self.step_with(&held);
+        }
+        for (place, (low, high)) in limits {
+            step[*place] = step[*place].clamp(*low, *high);
+        }
+        step
+    }
+
+    /// The same with all beyond at once.
+    pub(crate) fn step_clamped(&self, limits: &[(usize, (f64, f64))]) -> DVector<f64> {
+        let limited: Vec<(usize, f64)> = limits
+            .iter()
+            .map(|(k, (low, high))| (*k, self.step[*k].clamp(*low, *high)))
+            .filter(|(k, step)| *step != self.step[*k])
+            .collect();
+        let mut step = self.step_with(&limited);
+        for (place, (low, high)) in limits {
+            step[*place] = step[*place].clamp(*low, *high);
+        }
+        step
+    }
+
+    /// The same with some unknowns moving by given amounts.
+    fn step_with(&self, given: &[(usize, f64)]) -> DVector<f64> {
         if given.is_empty() {
             return self.step.clone();
         }
@@ -48,5 +88,30 @@ impl Reached {
             Some(factor) => &self.step + across * factor.solve(&off),
             None => self.step.clone(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Half of the first number and the second are known in sum, far better than each: with the first held at its limit the second stays
+    /// on that line, within its own.
+    #[test]
+    fn a_step_within_limits_stays_in_its_valley() {
+        let valley = DMatrix::from_row_slice(2, 2, &[0.25, 0.5, 0.5, 1.0]) * 1e6;
+        let information = valley + DMatrix::identity(2, 2) * 1e-2;
+        let step = DVector::from_vec(vec![10.0, -5.0]);
+        let reached = Reached {
+            ln_z: 0.0,
+            gain: 0.0,
+            factor: Factor::new(information).unwrap(),
+            S: DVector::from_element(2, 1.0),
+            step,
+        };
+        let limits = [(0, (-1.2, 1.2)), (1, (-1.2, 1.2))];
+        let within = reached.step_within(&limits);
+        assert!((within[0] - 1.2).abs() < 1e-6, "{within}");
+        assert!((within[1] + 0.6).abs() < 1e-6, "{within}");
     }
 }

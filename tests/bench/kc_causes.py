@@ -43,6 +43,7 @@ def causes(draw):
         ("stop-contact", "JOINT/3", f"clearance={between(5, 25):.1f},stiffness={between(50, 300):.0f}"),
         ("body-compliance", "BUSHING/3", f"stiffness={between(1000, 5000):.0f}"),
         ("load-gain", gain, f"gain={1 + sign() * between(0.03, 0.08):.3f}"),
+        ("free-play", "PART/6", f"gap={between(0.1, 0.5):.2f}"),
     ]
 
 
@@ -81,6 +82,8 @@ def size(rest):
         return "gain", abs(float(given["gain"]) - 1)
     if "cubic" in given:
         return "cubic", float(given["cubic"])
+    if "gap" in given:
+        return "play", float(given["gap"])
     if "clearance" in given:
         return "stiffness", float(given["stiffness"])
     return "compliance", 1 / float(given["stiffness"])

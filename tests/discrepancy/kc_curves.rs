@@ -69,22 +69,41 @@ fn friction_of_a_strut_is_not_taken_for_that_of_an_arm() {
     ] {
         std::fs::copy(&from, with_marks.join(from.file_name().unwrap())).unwrap();
     }
-    for seed in [201, 401] {
-        let study = folder.path().join(format!("study-{seed}"));
+    let few: [(&str, f64); 4] = [
+        ("1.K.1", 1.2),
+        ("1.KT.3", 0.85),
+        ("2.K.1", 0.85),
+        ("2.KT.3", 1.15),
+    ];
+    let all: [(&str, f64); 12] = [
+        ("1.K.1", 1.23),
+        ("1.K.2", 1.227),
+        ("1.K.3", 0.825),
+        ("1.KT.1", 0.838),
+        ("1.KT.2", 1.176),
+        ("1.KT.3", 1.131),
+        ("2.K.1", 1.101),
+        ("2.K.2", 0.939),
+        ("2.K.3", 1.073),
+        ("2.KT.1", 1.073),
+        ("2.KT.2", 1.062),
+        ("2.KT.3", 0.871),
+    ];
+    let dahl = "dry-friction@JOINT/3:force=220,stiffness=3000,law=dahl";
+    // From this start the linear model promises 1,400 nats less than the friction of the strut gains, and that of an arm seems better.
+    let far = "dry-friction@JOINT/3:force=231,stiffness=3000";
+    for (seed, effect, force, rubber) in [
+        (201, dahl, 220.0, few.as_slice()),
+        (401, dahl, 220.0, few.as_slice()),
+        (201, far, 231.0, all.as_slice()),
+    ] {
+        let study = folder.path().join(format!("study-{seed}-{force}"));
         let mut command = Command::new(env!("CARGO_BIN_EXE_admire"));
         command.arg("rig").arg(&with_marks).arg("--out").arg(&study);
         command.args(["--seed", &seed.to_string(), "--tolerances"]);
         command.arg("hardpoints=0.2,load_gain=0.003,load_direction_deg=0.057,assembly_offset=0.05,bushing_axis_deg=0.1,preload=0.003");
-        command.args([
-            "--effect",
-            "dry-friction@JOINT/3:force=220,stiffness=3000,law=dahl",
-        ]);
-        for (component, factor) in [
-            ("1.K.1", 1.2),
-            ("1.KT.3", 0.85),
-            ("2.K.1", 0.85),
-            ("2.KT.3", 1.15),
-        ] {
+        command.args(["--effect", effect]);
+        for (component, factor) in rubber {
             command.arg("--effect");
             command.arg(format!(
                 "element-parameter@BUSHING/{component}:factor={factor}"
@@ -104,8 +123,8 @@ fn friction_of_a_strut_is_not_taken_for_that_of_an_arm() {
             .collect();
         assert_eq!(named, [("dry-friction", "JOINT/3")], "{seed}");
         assert_eq!(diagnosis.verdict, Verdict::Discrepancy);
-        let force = diagnosis.findings[0].parameters["force"];
-        assert!((force - 220.0).abs() < 10.0, "{force}");
+        let found = diagnosis.findings[0].parameters["force"];
+        assert!((found - force).abs() < 10.0, "{found}");
         let limit = diagnosis
             .cause_limits
             .iter()
