@@ -19,9 +19,8 @@ const BEHIND: f64 = 50.0;
 const CLOSE: (f64, f64) = (7.0, 3.0);
 /// or, at the pace of so many steps, to within the first of these;
 const PACE: usize = 3;
-/// or, sizes of its own granted, to within so many nats after the first step. What a far way promises errs by this part of it.
+/// or, sizes of its own granted, to within so many nats after the first step. What is promised of a far way may be half of what it brings.
 const LOST: f64 = 200.0;
-const ERRS: f64 = 0.2;
 /// Sizes of tolerances are held for so many steps of a fit that starts from another, unless a step promises less than so many nats.
 const HELD: usize = 5;
 const NEAR: f64 = 30.0;
@@ -104,7 +103,7 @@ pub(super) struct Aim<'a> {
 impl Aim<'_> {
     /// True where a fit that has so much evidence, and so many nats to gain, will not come near.
     pub(super) fn is_beaten(&self, ln_z: f64, gain: f64) -> bool {
-        ln_z < self.lead - BEHIND || ln_z + CLOSE.1 * gain < self.lead - CLOSE.0
+        ln_z + gain < self.lead - BEHIND || ln_z + CLOSE.1 * gain < self.lead - CLOSE.0
     }
 
     /// True where a fit that gains as much as in its last steps will not come near in those it has left.
@@ -123,9 +122,9 @@ impl Aim<'_> {
         here + left * pace < self.lead - CLOSE.0
     }
 
-    /// True far behind, however much more the way may bring than it promises.
+    /// True where a fit is far behind even if its way brings twice what it promises.
     fn is_lost(&self, promised: &Reached) -> bool {
-        promised.ln_z + ERRS * promised.gain < self.lead - LOST
+        promised.ln_z + promised.gain < self.lead - LOST
     }
 
     fn is_known(&self, here: &Point, reached: &Reached) -> bool {
