@@ -44,11 +44,11 @@ impl<'a> Influence<'a> {
     /// Of a fit. Rows it has not seen take no part.
     pub(super) fn new(fitted: &'a Fitted) -> Self {
         let (residual, J) = fitted.whitened();
-        let L = root(&fitted.posterior.covariance);
+        let (covariance, step) = with_wide_priors(fitted);
         Self {
             weights: fitted.whitening.weights(&fitted.sizes.ln),
-            Q: (J * L).transpose(),
-            residual,
+            residual: residual - &J * step,
+            Q: (J * root(&covariance)).transpose(),
             fitted,
         }
     }
@@ -199,6 +199,27 @@ fn statistic(A: DMatrix<f64>, s: &DVector<f64>) -> Option<Statistic> {
         value,
         dof: dof as usize,
     })
+}
+
+/// The covariance of a fit's unknowns, and the step to their maximum, with priors of the numbers of causes as wide as these came out: a
+/// cause that is larger than usual would look like structure along what it does itself. One prior after the other, by the formula of
+/// Sherman and Morrison.
+fn with_wide_priors(fitted: &Fitted) -> (DMatrix<f64>, DVector<f64>) {
+    let mut covariance = fitted.posterior.covariance.clone();
+    let mut step = DVector::zeros(covariance.nrows());
+    for at in fitted.places.iter().flatten() {
+        let prior = &fitted.priors[*at];
+        let off: f64 = fitted.x[*at] + fitted.posterior.step[*at] + step[*at] - prior.mean;
+        let precision = prior.prior_sd(&fitted.sizes).powi(-2);
+        let less = precision - off.powi(-2);
+        if less > 0.0 && less.is_finite() {
+            let column = covariance.column(*at).clone_owned();
+            let scale = less / (1.0 - less * column[*at]);
+            covariance.ger(scale, &column, &column, 1.0);
+            step.axpy(scale * off, &column, 1.0);
+        }
+    }
+    (covariance, step)
 }
 
 /// `L` with `L L^T = C`, by Cholesky where it is definite.

@@ -117,6 +117,25 @@ fn a_frame_that_was_knocked() {
     );
 }
 
+/// By fourteen times what a frame usually moves: its prior leaves a trace that is no structure.
+#[test]
+fn a_frame_that_moved_far() {
+    let reading = |case: usize, _: usize, _: usize, x: &mut [f64; 3]| {
+        if case == 6 {
+            x[0] += 2.8;
+            x[2] -= 1.4;
+        }
+    };
+    let plant = Plant {
+        truth: ("frame-drift", "case 7"),
+        reading,
+        ..nothing()
+    };
+    named("pseudo-mcpherson", &plant, 16, None, |outcome| {
+        assert_eq!(outcome.diagnosis.verdict, Verdict::Discrepancy);
+    });
+}
+
 /// The fourth case is held out by default: it is found all the same.
 #[test]
 fn a_frame_that_was_knocked_in_a_case_no_fit_saw() {
