@@ -231,6 +231,8 @@ pub(super) struct Unnamed {
     pub guesses: Vec<f64>,
     /// and of the unknowns of the fit.
     pub x: Vec<f64>,
+    /// By how many nats the linear model expects the evidence to rise, prior left out.
+    pub nats: f64,
     place: Place,
     root: DMatrix<f64>,
 }
@@ -328,6 +330,7 @@ fn as_hypothesis(fitted: &Fitted, found: Best) -> Unnamed {
         root,
         weights,
         mean,
+        nats,
         ..
     } = found.process.law;
     let mut hypothesis = Hypothesis::plain(
@@ -348,6 +351,7 @@ fn as_hypothesis(fitted: &Fitted, found: Best) -> Unnamed {
         hypothesis,
         guesses: weights.iter().copied().collect(),
         x: moved.collect(),
+        nats,
         place: found.place,
         root,
     }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::fit::{Fit, Fitted, Target, aimed, fit, unguessed};
 use super::hypothesis::Hypothesis;
 use super::scan::{Catalogue, Promise, Weighed};
-use super::stand_in::{StandIns, loosened};
+use super::stand_in::{StandIns, left_by_friction, loosened};
 use super::subject::{Data, Subject};
 use super::tried::{BETTER, Tried};
 use super::visited::{Found, LINEAR, Visited, distinct, probabilities};
@@ -224,6 +224,13 @@ impl<'a, 'b> Search<'a, 'b> {
     fn climbed(&mut self, mut best: Arc<Fitted>) -> Arc<Fitted> {
         loop {
             while best.chosen.len() < MOST && !self.tried.subject.is_spent() {
+                let candidates = self.candidates(&best, f64::NEG_INFINITY);
+                let first = candidates.first().map(|(_, weighed)| weighed.ln_posterior);
+                let first = first.map_or(best.ln_posterior(), |f| f.max(best.ln_posterior()));
+                if let Some(next) = left_by_friction(&mut self.tried, &best, first) {
+                    best = self.pruned(next, 1);
+                    continue;
+                }
                 let Some(next) = self.grown(&best) else {
                     break;
                 };

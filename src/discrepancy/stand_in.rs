@@ -127,6 +127,28 @@ pub(super) fn loosened(tried: &mut Tried<'_, '_>, current: &Arc<Fitted>) -> Opti
     best
 }
 
+/// The best model in which friction leaves something at its own element, where the linear model expects more of that than `first`, the
+/// evidence that it expects of the next cause, and what it comes to is more, too.
+pub(super) fn left_by_friction(
+    tried: &mut Tried<'_, '_>,
+    base: &Fitted,
+    first: f64,
+) -> Option<Arc<Fitted>> {
+    if base.chosen.iter().all(|h| h.memory.is_none()) {
+        return None;
+    }
+    let mut best: Option<Arc<Fitted>> = None;
+    for force in left_by_laws(tried.subject, base) {
+        let leads = best.as_ref().map_or(first, |found| found.ln_posterior());
+        if base.ln_posterior() + force.nats + force.hypothesis.ln_prior < leads {
+            continue;
+        }
+        let found = standing_in(tried, base, &force);
+        best = found.filter(|found| found.ln_posterior() > leads).or(best);
+    }
+    best
+}
+
 /// Fits a model with such a force, then once more with what the force does linearised where that ended.
 fn standing_in(tried: &mut Tried<'_, '_>, base: &Fitted, force: &Unnamed) -> Option<Arc<Fitted>> {
     let subject = tried.subject;
