@@ -131,9 +131,9 @@ fn unit(finding: &Finding, name: &str, units: &Units) -> String {
         "force" if turns => format!("{force}-{length}"),
         "force" => force.to_string(),
         "stiffness" if turns => format!("{force}-{length}/rad"),
-        "stiffness" => format!("{force}/{length}"),
+        "stiffness" | "contact" => format!("{force}/{length}"),
         "anchor" if turns => "rad".to_string(),
-        "anchor" | "clearance_shift" => length.to_string(),
+        "anchor" | "clearance_shift" | "play" => length.to_string(),
         "x" | "y" | "z" => match finding.cause {
             Cause::HardpointError
             | Cause::AssemblyOffset

@@ -26,7 +26,13 @@ pub const UP_AND_DOWN: &str = "case,vertical,lateral,longitudinal
 ";
 
 /// Plants, diagnoses the folder, then opens the truth; `check` looks closer.
-pub fn named(axle: &str, plant: &Plant, seed: u64, loads: Option<&str>, check: fn(&Outcome<'_>)) {
+pub fn named(
+    axle: &str,
+    plant: &Plant,
+    seed: u64,
+    loads: Option<&str>,
+    check: impl Fn(&Outcome<'_>),
+) {
     let folder = study(axle, plant, 0.02, seed, loads);
     let loaded = LoadedStudy::read(folder.path()).value.unwrap();
     let problem = loaded.problem();

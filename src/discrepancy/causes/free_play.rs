@@ -11,10 +11,10 @@ use super::link_compliance::link_ends;
 const SD: f64 = 0.2;
 /// The part of the largest force that uses up a play of this size: grease and friction hold what would rest anywhere.
 const HELD: f64 = 0.02;
-/// Sd of the logarithm of the stiffness within the play.
+/// Sd of the logarithms of the stiffnesses within the play and of the contact.
 const SPREAD: f64 = 1.5;
-/// Newtons per millimetre of the contact.
-const CONTACT: f64 = 1e6;
+/// Newtons per millimetre of the contact of a ball joint.
+const CONTACT: f64 = 1e5;
 
 /// Every movable part with exactly two attachments, at both ends.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
@@ -31,13 +31,15 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
         let (bushing, pair, mut changes) = end.split(survey, within);
         let measure = format!("DZ({},{},{})", pair[0], pair[1], pair[1]);
         let contact = CONTACT * per_length;
-        let half = format!("{contact:E}*MAX(0.0,{measure}-0.0)");
-        let text = format!("-{half}+{contact:E}*MAX(0.0,-{measure}-0.0)");
+        let half = format!("{contact:E}*(MAX(0.0,{measure}-0.0)");
+        let text = format!("-{half}-MAX(0.0,-{measure}-0.0))");
         let (force, added) = survey.force_between(pair, (end.part, floating), 2, &text);
         changes.extend(added.into_iter().map(Change::Add));
-        // Half of the play is the last literal of both terms.
-        let each = crate::syntax::Expression::parse_str(&half).map_or(0, |e| e.literals.len());
-        let slot = |k: usize| (number("GFORCE", force, "FZ", Some(k * each)), 0.5);
+        // The first literal is the stiffness of the contact, the last of both terms is half of the play.
+        let first = crate::syntax::Expression::parse_str(&format!("{half})"));
+        let first = first.map_or(0, |e| e.literals.len());
+        let slot = |k: usize| (number("GFORCE", force, "FZ", Some(k)), 0.5);
+        let halves = vec![slot(first), slot(2 * first - 1)];
         out.push(Hypothesis {
             cause: Cause::FreePlay,
             address: format!("PART/{}", end.part),
@@ -47,7 +49,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             numbers: vec![
                 Number {
                     column: Column::PerCase(end.moved(|n| 0.5 * libm::tanh(n / held))),
-                    ..Number::new("play", sd, Unknown::Extended(vec![slot(1), slot(2)]))
+                    ..Number::new("play", sd, Unknown::Extended(halves))
                 },
                 Number::new(
                     "stiffness",
@@ -55,6 +57,14 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                     Unknown::Rate {
                         address: number("BUSHING", bushing, "K", Some(3)),
                         usual: within,
+                    },
+                ),
+                Number::new(
+                    "contact",
+                    SPREAD,
+                    Unknown::Rate {
+                        address: number("GFORCE", force, "FZ", Some(1)),
+                        usual: contact,
                     },
                 ),
             ],
