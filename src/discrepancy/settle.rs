@@ -112,11 +112,12 @@ impl Aim<'_> {
         if count <= HELD {
             return false;
         }
-        let (here, recent) = (course[count - 1], &course[count - 1 - PACE..count - 1]);
+        let recent = &course[count - 1 - PACE..];
         // Where new sizes or derivatives set it back, its pace says nothing.
-        if recent.iter().any(|before| here < *before) {
+        if recent.windows(2).any(|pair| pair[1] < pair[0]) {
             return false;
         }
+        let here = course[count - 1];
         let pace = (here - recent[0]) / PACE as f64;
         let left = (steps + 1).saturating_sub(count) as f64;
         here + left * pace < self.lead - CLOSE.0

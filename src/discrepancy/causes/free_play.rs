@@ -11,10 +11,10 @@ use super::link_compliance::link_ends;
 const SD: f64 = 0.2;
 /// The part of the largest force that uses up a play of this size: grease and friction hold what would rest anywhere.
 const HELD: f64 = 0.02;
-/// Sd of the logarithms of the stiffnesses within the play and of the contact.
+/// Sd of the logarithm of the stiffness within the play.
 const SPREAD: f64 = 1.5;
-/// Newtons per millimetre of the contact of a ball joint.
-const CONTACT: f64 = 1e5;
+/// Newtons per millimetre of the contact of a ball joint, and sd of its logarithm.
+const CONTACT: (f64, f64) = (1e5, 1.0);
 
 /// Every movable part with exactly two attachments, at both ends.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
@@ -30,7 +30,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
         let within = held / (0.5 * sd);
         let (bushing, pair, mut changes) = end.split(survey, within);
         let measure = format!("DZ({},{},{})", pair[0], pair[1], pair[1]);
-        let contact = CONTACT * per_length;
+        let contact = CONTACT.0 * per_length;
         let half = format!("{contact:E}*(MAX(0.0,{measure}-0.0)");
         let text = format!("-{half}-MAX(0.0,-{measure}-0.0))");
         let (force, added) = survey.force_between(pair, (end.part, floating), 2, &text);
@@ -61,7 +61,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 ),
                 Number::new(
                     "contact",
-                    SPREAD,
+                    CONTACT.1,
                     Unknown::Rate {
                         address: number("GFORCE", force, "FZ", Some(1)),
                         usual: contact,
