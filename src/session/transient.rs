@@ -358,6 +358,7 @@ impl Session<'_> {
             }
         }
         drop(integrator);
+        last.pieces.clear();
         compiled.state = last;
         self.model().compiled = Some(compiled);
         ended
