@@ -463,9 +463,9 @@ fn dry_friction_holds_through_several_simulations() {
                 _ => ((time - 2.0).powi(2), -5.0, 2.0),
             };
             if time < 2.0 {
-                held += 1
+                held += 1;
             } else {
-                slid += 1
+                slid += 1;
             }
             assert!((z[k] - place).abs() < 1e-5, "{time} {}", z[k]);
             assert!((force[k] - brake).abs() < 1e-6, "{time} {}", force[k]);
