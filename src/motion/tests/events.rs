@@ -275,6 +275,28 @@ fn of_two_blocks_each_sticks_by_itself() {
     }
 }
 
+/// A relay of 5 N that acts on `v + 2 z` brings 1 kg onto `v = -2 z` and keeps it there: from the root of `5 t^2 + 5 t = 2` on `z` falls by `exp(-2 t)`,
+/// held by `4 z`.
+#[test]
+fn a_relay_slides_along_its_line() {
+    let deck = along_z(0.0, (1.0, 0.0), "-SIGN(5,VZ(20)+2*DZ(20))");
+    let reached = (65_f64.sqrt() - 5.0) / 10.0;
+    let there = 1.0 - 2.5 * reached * reached;
+    for error in [1e-3, 1e-6] {
+        let mut integrator = begun(&deck, error, 0.25);
+        for time in [1.0, 2.0, 4.0] {
+            integrator.advance_to(time).expect("a motion");
+            let state = integrator.output().expect("an output");
+            let z = there * (2.0 * (reached - time)).exp();
+            let (place, rate) = (state.poses[1].p.z, state.velocities[1].linear.z);
+            let off = (place - z).abs().max((rate + 2.0 * z).abs());
+            assert!(off < 0.1 * error, "{error:e} {time}: {off:e}");
+            let a = state.accelerations[1].linear.z;
+            assert!((a - 4.0 * z).abs() < 5.0 * error, "{error:e} {time}: {a}");
+        }
+    }
+}
+
 /// Steps of whole numbers that hold a block between them change over and over.
 #[test]
 fn a_function_that_chatters_is_named() {
