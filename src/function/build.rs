@@ -116,18 +116,18 @@ impl<'a> Build<'a> {
         let test = self.node(test)?;
         let of_time = self.readings == before;
         let branch = self.steps.len();
+        let target = self.target();
         self.push(
             Kind::Branch {
                 zero: 0,
                 positive: 0,
             },
             &[test],
-            0,
+            target,
         );
         if !known {
             self.switch(of_time);
         }
-        let target = self.target();
         let mut starts = [0; 3];
         let mut jumps = Vec::new();
         for (part, start) in [negative, zero, positive].into_iter().zip(&mut starts) {

@@ -38,4 +38,4 @@ pub use input::{Input, Measure};
 pub(crate) use program::Program;
 pub use program::Scratch;
 pub(crate) use rate::MovingFrame;
-pub(crate) use switch::{Piece, Seen};
+pub(crate) use switch::{Piece, Seen, between, half_width};

@@ -4,8 +4,8 @@ use super::interpolant::Interpolant;
 use super::intrinsic::{self, Binary, Unary};
 use super::step::{Shape, step};
 use super::switch::{
-    Piece, Seen, Switched, abs_on, dim_on, extreme_on, modulo_on, part_of, sign_on, stop_on,
-    whole_on,
+    Piece, Seen, Switched, abs_on, dim_on, extreme_on, half_width, modulo_on, part_of, sign_on,
+    stop_on, whole_on,
 };
 use super::{EvalError, Fault, Input, impact, series};
 
@@ -140,9 +140,25 @@ pub struct Scratch {
     pub(super) partials: Vec<f64>,
     arguments: Vec<f64>,
     pub(super) trace: Vec<u32>,
+    blends: Vec<Blend>,
     seen: Vec<Seen>,
     /// Rates of all slots, from one call to the next.
     pub(super) rates: Vec<[f64; 2]>,
+}
+
+/// An IF that is held between its negative and its positive part while it is evaluated.
+#[derive(Clone, Copy, Debug)]
+struct Blend {
+    /// Where its value goes, and where its derivative by the test.
+    target: u32,
+    by_test: usize,
+    /// Where the positive part begins; none once it has.
+    positive: Option<u32>,
+    /// What each part counts, and how that changes with the test.
+    weights: [f64; 2],
+    slope: f64,
+    /// The value of the negative part.
+    negative: f64,
 }
 
 impl Scratch {
@@ -173,6 +189,18 @@ impl Program {
     /// SIGN, DIM, MAX, MIN and IF. Of each, whether the time alone chooses its piece.
     pub(crate) fn switches(&self) -> &[bool] {
         &self.switches
+    }
+
+    /// Whether the value may jump where one of its switches changes, so that its sides can push against each other: SIGN and IF.
+    pub(crate) fn may_jump(&self, switch: usize) -> bool {
+        let steps = &self.steps;
+        steps.iter().any(|step| {
+            step.switch as usize == switch
+                && matches!(
+                    step.kind,
+                    Kind::Branch { .. } | Kind::Binary(Binary::Sign, _)
+                )
+        })
     }
 
     /// The value at the given inputs (in the order of `inputs`) and literals (all of the expression, angles in radians).
@@ -269,8 +297,10 @@ impl Program {
             arguments,
             trace,
             seen,
+            blends,
             ..
         } = scratch;
+        blends.clear();
         if !pieces.is_empty() {
             seen.clear();
             seen.resize(pieces.len(), Seen::NOTHING);
@@ -285,6 +315,7 @@ impl Program {
         while let Some(step) = self.steps.get(at) {
             let range = step.first as usize..(step.first + step.count) as usize;
             let operands = &self.operands[range.clone()];
+            let by_first = range.start;
             let by = &mut partials[range];
             let first = operands.first().map_or(0.0, |&slot| values[slot as usize]);
             if self.branches {
@@ -300,16 +331,49 @@ impl Program {
                         seen[step.switch as usize] = saw;
                     }
                     by[0] = 0.0;
+                    if let Some(width) = half_width(held.copied().flatten()) {
+                        let share = 0.5 * first / width;
+                        blends.push(Blend {
+                            target: step.target,
+                            by_test: by_first,
+                            positive: Some(positive),
+                            weights: [0.5 - share, 0.5 + share],
+                            slope: 0.5 / width,
+                            negative: 0.0,
+                        });
+                    }
                     continue;
                 }
                 Kind::Jump(to) => {
                     at = to as usize;
                     continue;
                 }
-                Kind::Move => {
-                    by[0] = 1.0;
-                    first
-                }
+                Kind::Move => match blends.last_mut() {
+                    Some(blend) if blend.target == step.target => {
+                        if let Some(positive) = blend.positive.take() {
+                            at = positive as usize;
+                            blend.negative = first;
+                            by[0] = blend.weights[0];
+                            blend.weights[0] * first
+                        } else {
+                            let Blend {
+                                by_test,
+                                weights: [_, weight],
+                                slope,
+                                negative,
+                                ..
+                            } = *blend;
+                            by[0] = weight;
+                            partials[by_test] = slope * (first - negative);
+                            blends.pop();
+                            values[step.target as usize] + weight * first
+                        }
+                    }
+                    _ => {
+                        by[0] = 1.0;
+                        first
+                    }
+                },
                 kind if (step.switch as usize) < pieces.len() => {
                     arguments.clear();
                     arguments.extend(operands.iter().map(|&slot| values[slot as usize]));
@@ -395,9 +459,9 @@ impl Program {
         adjoints[..self.slots].fill(0.0);
         adjoints[self.result as usize] = 1.0;
         let mut pull = |step: &Step| {
-            // A branch, and what the chosen result does not depend on, passes nothing back.
+            // What the chosen result does not depend on passes nothing back.
             let adjoint = adjoints[step.target as usize];
-            if adjoint == 0.0 || matches!(step.kind, Kind::Branch { .. } | Kind::Jump(_)) {
+            if adjoint == 0.0 || matches!(step.kind, Kind::Jump(_)) {
                 return;
             }
             let range = step.first as usize..(step.first + step.count) as usize;

@@ -138,7 +138,8 @@ impl Program {
                 let (_, [by_x, by_z]) = interpolant.at(x, y, order + 1);
                 by_x * dx * dx + 2.0 * by_z * dx * dy
             }
-            Kind::Sweep | Kind::Impact | Kind::Bistop => return None,
+            Kind::Sweep => return of_first(series::sweep_second(&values())),
+            Kind::Impact | Kind::Bistop => return None,
         })
     }
 }

@@ -167,3 +167,34 @@ pub(super) fn sweep(args: &[f64], by: &mut [f64]) -> Result<f64, Fault> {
     by[6] = grow * by_step[3];
     Ok(envelope * grow)
 }
+
+/// Second derivative of SWEEP by x.
+///
+/// With y = E sin p, p = 2 pi h: `y'' = (E'' - E p'^2) sin p + (2 E' p' + E p'') cos p`.
+pub(super) fn sweep_second(args: &[f64]) -> f64 {
+    let &[x, a, x0, f0, x1, f1, dx] = args else {
+        unreachable!("the grammar gives SWEEP seven arguments");
+    };
+    let starting = dx != 0.0 && (x - x0) / dx < 1.0;
+    let (envelope, rate, bend) = match (x - x0) / dx {
+        _ if !starting => (f64::from(u8::from(x > x0)), 0.0, 0.0),
+        u if u <= 0.0 => (0.0, 0.0, 0.0),
+        u => {
+            let (value, slope) = Shape::Quintic.at(u);
+            (value, slope / dx, Shape::Quintic.second(u) / (dx * dx))
+        }
+    };
+    let tau = std::f64::consts::TAU;
+    let u = x - x0;
+    let (h, frequency, chirp) = if x <= x0 {
+        (f0 * x, f0, 0.0)
+    } else if x < x1 {
+        let rise = (f1 - f0) / (x1 - x0);
+        (f0 * x + 0.5 * rise * u * u, f0 + rise * u, rise)
+    } else {
+        (f1 * x - 0.5 * (f1 - f0) * (x1 + x0), f1, 0.0)
+    };
+    let (sin, cos) = libm::sincos(tau * h);
+    let turn = tau * frequency;
+    a * ((bend - envelope * turn * turn) * sin + (2.0 * rate * turn + envelope * tau * chirp) * cos)
+}

@@ -33,18 +33,33 @@ pub(super) struct Switched {
     pub seen: Seen,
 }
 
+/// The piece of a function that is held between its two sides, which push against each other: its value goes from one to the other in a line
+/// over this half width of the argument, or the power of two below. What sticks creeps by less than that.
+pub(crate) fn between(width: f64) -> i64 {
+    (libm::log2(width).floor() as i64).clamp(-1000, -1)
+}
+
+/// The half width of a function that is held between its sides.
+pub(crate) fn half_width(held: Piece) -> Option<f64> {
+    let between = held.filter(|piece| *piece < 0)?;
+    Some(libm::exp2(between as f64))
+}
+
 /// IF: negative, zero, positive. ABS and DIM: negative, positive.
 const NEGATIVE: i64 = 0;
 const ZERO: i64 = 1;
 const POSITIVE: i64 = 2;
 
-/// The part of an IF: that of the sign of its test, or the one it is held on.
+/// The part of an IF: that of the sign of its test, or the one it is held on; the first of the two it is held between.
 pub(super) fn part_of(test: f64, held: Piece) -> (i64, Seen) {
     let piece = match test {
         test if test < 0.0 => NEGATIVE,
         test if test > 0.0 => POSITIVE,
         _ => ZERO,
     };
+    if let Some(width) = half_width(held) {
+        return (NEGATIVE, seen(piece, held, test.abs() - width));
+    }
     let on = held.unwrap_or(piece);
     let excess = match on {
         NEGATIVE => test,
@@ -151,6 +166,13 @@ pub(super) fn dim_on(a: f64, b: f64, held: Piece, by: &mut [f64]) -> Switched {
 /// SIGN(a, b) on the piece it is held on. A piece is which of the two are negative: 1 for a, 2 for b.
 pub(super) fn sign_on(a: f64, b: f64, held: Piece, by: &mut [f64]) -> Switched {
     let piece = i64::from(a < 0.0) + 2 * i64::from(b < 0.0);
+    if let Some(width) = half_width(held) {
+        by.copy_from_slice(&[a.signum() * b / width, a.abs() / width]);
+        return Switched {
+            value: a.abs() * b / width,
+            seen: seen(piece, held, b.abs() - width),
+        };
+    }
     let on = held.unwrap_or(piece);
     let of_a = if on & 1 == 0 { 1.0 } else { -1.0 };
     let of_b = if on & 2 == 0 { 1.0 } else { -1.0 };

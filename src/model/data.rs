@@ -133,6 +133,10 @@ pub struct Sensor {
     pub dt: Option<f64>,
     /// STEPSIZE: the integration step after it fired.
     pub stepsize: Option<f64>,
+    /// PRINT: an output step where it fired.
+    pub prints: bool,
+    /// What it also asks for, which only ADAMS does: CODGEN, YYDUMP.
+    pub without_effect: Vec<&'static str>,
 }
 
 impl Sensor {

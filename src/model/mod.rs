@@ -133,6 +133,8 @@ pub struct Model {
     pub integrator: IntegratorSettings,
     /// KINEMATICS.
     pub kinematics: KinematicsSettings,
+    /// Arguments of IC that are given: none of them has an effect, initial conditions are met to round-off.
+    pub initial_conditions: Vec<&'static str>,
     /// OUTPUT.
     pub output: OutputSettings,
     /// RESULTS.

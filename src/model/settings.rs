@@ -116,8 +116,8 @@ impl Default for IntegratorSettings {
 pub struct KinematicsSettings {
     /// HMAX.
     pub hmax: Option<f64>,
-    /// MAXIT.
-    pub maxit: Option<usize>,
+    /// What is given and has no effect: constraints are met to round-off, whatever the errors and iterations asked for.
+    pub without_effect: Vec<&'static str>,
 }
 
 /// OUTPUT.

@@ -67,7 +67,7 @@ impl Integrator<'_> {
         self.consistent
             .reconcile(self.system, self.parameters, &mut state, step)
             .map_err(|reason| reason.at(self.origin.time))?;
-        state.pieces.clear();
+        state.let_pieces_go();
         Ok(state)
     }
 

@@ -166,7 +166,7 @@ impl<'a> Integrator<'a> {
         self.consistent
             .reconcile(self.system, self.parameters, &mut state, step)
             .map_err(|reason| reason.at(self.state.time))?;
-        state.pieces.clear();
+        state.let_pieces_go();
         Ok(state)
     }
 

@@ -7,6 +7,7 @@ use super::error::{MotionError, Reason};
 use super::integrator::Integrator;
 use super::passage::Watched;
 use super::regimes::{Change, Regimes};
+use crate::function::between;
 use crate::mechanics::Vec3;
 use crate::system::{Parameters, State, System};
 
@@ -21,6 +22,10 @@ const FARTHER: f64 = 8.0;
 const BEGINNING: f64 = 5.0;
 /// And so often it is shortened for that.
 const TRIES: usize = 10;
+/// What is held between two sides creeps by this share of the tolerance at most.
+const CREEP: f64 = 1e-2;
+/// Whether it is pushed back is seen after this share of the step.
+const SOON: f64 = 1e-2;
 
 /// The regimes while they are watched.
 struct Watching<'a> {
@@ -113,13 +118,14 @@ impl Integrator<'_> {
             };
             let (from, to) = (self.origin.time, self.state.time);
             if passage.1 - from > AT_START * (to - from) {
+                let mut held = false;
                 if self.end_at_passage(&mut watching, passage)? {
                     let changes = self.beyond(&mut watching, self.state.time);
-                    self.change(regimes, &changes)?;
+                    held = self.change(regimes, &changes)?;
                 }
                 // The step was cut: how long it is says nothing of the next one.
                 self.set_step(self.h.max(to - from));
-                if self.anew {
+                if self.anew && !held {
                     self.h = self.first_step();
                 }
                 return Ok(());
@@ -128,9 +134,9 @@ impl Integrator<'_> {
             let changes = self.beyond(&mut watching, from);
             self.take_back();
             self.restart();
-            self.change(regimes, &changes)?;
+            let held = self.change(regimes, &changes)?;
             self.h = (to - from).min(self.h);
-            if self.anew {
+            if self.anew && !held {
                 self.h = self.first_step();
             }
             self.take_step(to - from, to)?;
@@ -162,11 +168,12 @@ impl Integrator<'_> {
         Vec::new()
     }
 
-    /// Surfaces that stuck slide, those that slid stick from here on; functions go on with other pieces.
-    fn change(&mut self, regimes: &mut Regimes, changes: &[Change]) -> Result<(), MotionError> {
+    /// Surfaces that stuck slide, those that slid stick from here on; functions go on with other pieces. True if one is held between its
+    /// sides: such a motion needs no short steps.
+    fn change(&mut self, regimes: &mut Regimes, changes: &[Change]) -> Result<bool, MotionError> {
         let (system, parameters) = (self.system, self.parameters);
         let (time, steps) = (self.state.time, self.statistics.steps);
-        let mut switched = false;
+        let (mut switched, mut held) = (false, false);
         for change in changes {
             match change {
                 Change::Grip(k) => {
@@ -177,6 +184,11 @@ impl Integrator<'_> {
                 Change::Switch(k, piece) => {
                     self.state.pieces[*k] = Some(*piece);
                     switched = true;
+                    if self.is_pushed_back(regimes, *k) {
+                        // Both sides push here: it stays between them (Filippov).
+                        self.state.pieces[*k] = Some(between(CREEP * self.tolerance()));
+                        held = true;
+                    }
                     let at = (time, self.settings.output);
                     regimes
                         .count(system, *k, at, steps)
@@ -185,7 +197,7 @@ impl Integrator<'_> {
             }
         }
         if !switched {
-            return Ok(());
+            return Ok(false);
         }
         regimes.hold(system, parameters, &mut self.state);
         // The forces may have jumped, and the accelerations with them.
@@ -198,7 +210,45 @@ impl Integrator<'_> {
             self.state = anew;
         }
         self.restart();
-        Ok(())
+        Ok(held)
+    }
+
+    /// True if a function, on the piece that it has just come to, at once goes back to where it came from: it jumps, and what it does there
+    /// pushes it back.
+    fn is_pushed_back(&mut self, regimes: &mut Regimes, k: usize) -> bool {
+        let (system, parameters) = (self.system, self.parameters);
+        let switch = system.switches[k];
+        if switch.of_time || !switch.jumps {
+            return false;
+        }
+        let step = SOON * self.h.min(self.settings.hmax);
+        let Some(ahead) = self.ahead(step) else {
+            return false;
+        };
+        system
+            .look(parameters, &ahead, &mut regimes.scratch)
+            .is_ok()
+            && regimes.scratch.seen[k].excess > 0.0
+    }
+
+    /// Where a short step from here leads. All is as it was after it, but the factors.
+    fn ahead(&mut self, step: f64) -> Option<State> {
+        let states = (self.state.clone(), self.origin.clone());
+        let polynomial = self.polynomial.clone();
+        let sizes = (self.sizes, self.sizes_before);
+        let steps = (self.last, self.within, self.before, self.h);
+        let statistics = self.statistics;
+        self.restart();
+        self.h = step;
+        let found = self.take_step(step, self.state.time + step);
+        let ahead = std::mem::replace(&mut self.state, states.0);
+        self.origin = states.1;
+        self.polynomial = polynomial;
+        (self.sizes, self.sizes_before) = sizes;
+        (self.last, self.within, self.before, self.h) = steps;
+        self.statistics = statistics;
+        self.restart();
+        found.is_ok().then_some(ahead)
     }
 
     /// A step that the method can do under forces that have just changed, at most the one at hand.

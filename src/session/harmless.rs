@@ -17,7 +17,6 @@ pub(super) fn is_harmless(kind: Option<&str>) -> bool {
                 | "ENVIRONMENT"
                 | "DEBUG"
                 | "LSOLVER"
-                | "IC"
                 | "TIME"
                 | "LIST"
                 | "NOLIST"

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use crate::diagnostic::{Code, Diagnostic, Severity};
-use crate::model::IntegratorSettings;
 use crate::model::lint::Apart;
+use crate::model::{IntegratorSettings, KinematicsSettings};
 use crate::results::Timestamp;
 use crate::system::{EquationName, Name};
 use crate::text::printable;
@@ -334,12 +334,7 @@ impl<'a> Messages<'a> {
             "\n  ****** Performing Dynamic Simulation using {asked} {} Integrator ******\n   ADMIRE: Radau IIA order 5, stabilised index 2 (deck asks for {} {})\n",
             settings.formulation, settings.method, settings.formulation
         ));
-        if !settings.without_effect.is_empty() {
-            self.say(&format!(
-                "   ADMIRE: without effect on this method: {}\n",
-                settings.without_effect.join(", ")
-            ));
-        }
+        self.without_effect("INTEGRATOR", &settings.without_effect);
         if let Some((time, equations)) = redundant {
             self.redundant(*time, equations);
         }
@@ -357,9 +352,24 @@ impl<'a> Messages<'a> {
         self.table_head();
     }
 
+    /// Arguments that are given and have no effect on the built-in methods.
+    pub(super) fn without_effect(&mut self, statement: &str, given: &[&str]) {
+        if !given.is_empty() {
+            let given = given.join(", ");
+            self.say(&format!(
+                "   ADMIRE: without effect in {statement}: {given}\n"
+            ));
+        }
+    }
+
     /// What a kinematic simulation says of itself, and the head of its table.
-    pub(crate) fn kinematic_head(&mut self, redundant: Option<&(f64, Vec<String>)>) {
+    pub(super) fn kinematic_head(
+        &mut self,
+        settings: &KinematicsSettings,
+        redundant: Option<&(f64, Vec<String>)>,
+    ) {
         self.say("\n  ****** Performing Kinematic Simulation ******\n");
+        self.without_effect("KINEMATICS", &settings.without_effect);
         if let Some((time, equations)) = redundant {
             self.redundant(*time, equations);
         }

@@ -32,6 +32,7 @@ mod saving;
 mod sensing;
 mod simulate;
 mod simulation;
+mod starting;
 mod transient;
 mod trial;
 mod watching;

@@ -20,13 +20,14 @@ pub(super) struct Sensed {
     pub dt: Option<f64>,
     /// STEPSIZE: the next integration step.
     pub stepsize: Option<f64>,
+    /// PRINT: an output step.
+    pub prints: bool,
 }
 
 impl Loaded {
     /// Looks at every active sensor at the state that was just written. One that fires keeps its EVALUATE for SENVAL.
     ///
-    /// CODGEN, RESTART, STEPSIZE and YYDUMP concern integrators and other solvers; what PRINT asks for is written at every output
-    /// step anyway.
+    /// RESTART and STEPSIZE concern integrators; what PRINT asks for is written at every output step anyway.
     pub(crate) fn sense(&mut self) -> Sensed {
         self.compiled();
         let Self {
@@ -71,16 +72,23 @@ impl Sensed {
                 _ = writeln!(self.said, "   Triggered action {word}={value}.");
             }
         }
+        if sensor.prints {
+            _ = writeln!(self.said, "   Triggered action PRINT.");
+        }
         if evaluated {
             _ = writeln!(self.said, "   Triggered action EVALUATE.");
+        }
+        for word in &sensor.without_effect {
+            _ = writeln!(self.said, "   Action {word} has no effect here.");
         }
         if sensor.stops {
             _ = writeln!(self.said, "  Dynamic Solution stopped.");
         }
         self.halts |= sensor.halts;
         self.returns |= sensor.stops;
-        self.dt = sensor.dt.filter(|dt| *dt > 0.0).or(self.dt);
-        self.stepsize = sensor.stepsize.filter(|h| *h > 0.0).or(self.stepsize);
+        self.prints |= sensor.prints;
+        self.dt = sensor.dt.or(self.dt);
+        self.stepsize = sensor.stepsize.or(self.stepsize);
     }
 
     /// What the sensors of a model say of a state; those that fire keep their value in it.
@@ -127,7 +135,7 @@ impl Sensed {
             );
             sensed.halts |= sensor.halts;
             sensed.returns |= sensor.stops;
-            sensed.dt = sensor.dt.filter(|dt| *dt > 0.0).or(sensed.dt);
+            sensed.dt = sensor.dt.or(sensed.dt);
         }
         sensed
     }

@@ -1,7 +1,7 @@
 //! Simulations over time: initial conditions, kinematics, dynamics.
 
 use super::ending::Stop;
-use super::loaded::{Beginning, Compiled, Loaded};
+use super::loaded::Compiled;
 use super::measures::Measures;
 use super::message::{Progress, Row, equation_as_adams};
 use super::run_state::{Flow, Locate, Place, Session};
@@ -9,15 +9,12 @@ use super::sensing::Sensed;
 use super::simulate::{Asked, OutputTimes, Phases, too_many};
 use super::watching::Watch;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::model::{Function, Header, Motion, MotionAxis, MotionOrder};
-use crate::motion::{self, Consistent, Integrator, Kept, MotionError, Settings};
+use crate::motion::{self, Consistent, Integrator, MotionError, Settings};
 use crate::results::StepKind;
-use crate::syntax::Expression;
-use crate::system::{EquationName, State, System};
+use crate::system::{EquationName, State};
 
 /// MODE in functions (guide/formats.md 3.1).
 const MODE_KINEMATIC: i32 = 1;
-const MODE_INITIAL: i32 = 3;
 const MODE_DYNAMIC: i32 = 4;
 
 /// More steps of the integrator than this to one end are refused: they would take hours, and a step far below the last digit of time
@@ -30,7 +27,7 @@ impl Session<'_> {
         if let Some(flow) = self.refuse_motion(place) {
             return flow;
         }
-        match self.model().begin(1e-3, true) {
+        match self.begin(1e-3, true) {
             Ok(redundant) => {
                 self.messages.initial_conditions(phases);
                 self.tell_redundant(&redundant);
@@ -74,8 +71,8 @@ impl Session<'_> {
         }
         self.messages.begin_motion();
         let output = times.at(1) - times.start;
-        let redundant = match self.model().begin(1e-2 * output, false) {
-            Ok(redundant) => self.new_redundant(&redundant),
+        let (redundant, sensed) = match self.begin_sensed(1e-2 * output) {
+            Ok((redundant, sensed)) => (self.new_redundant(&redundant), sensed),
             Err(error) => {
                 self.motion_failed(&error, place);
                 self.messages.end_simulation();
@@ -106,8 +103,12 @@ impl Session<'_> {
             self.write_step(StepKind::InitialConditions)?;
         }
         let integrator = self.model().model.integrator.clone();
-        let kinematics = self.model().model.kinematics.hmax;
-        let largest = if fixed { kinematics } else { integrator.hmax };
+        let kinematics = self.model().model.kinematics.clone();
+        let largest = if fixed {
+            kinematics.hmax
+        } else {
+            integrator.hmax
+        };
         if let Some(hmax) =
             largest.filter(|hmax| (times.end - times.start) / hmax > MOST_INNER_STEPS)
         {
@@ -121,7 +122,8 @@ impl Session<'_> {
             return refused;
         }
         if kind == StepKind::Kinematic {
-            self.messages.kinematic_head(redundant.as_ref());
+            self.messages
+                .kinematic_head(&kinematics, redundant.as_ref());
         } else {
             self.messages.dynamic_head(
                 &integrator,
@@ -130,9 +132,9 @@ impl Session<'_> {
             );
         }
         let done = if fixed {
-            self.kinematic_steps(times, kind, place)
+            self.kinematic_steps(times, kind, (sensed, place))
         } else {
-            self.dynamic_steps(times, place)
+            self.dynamic_steps(times, (sensed, place))
         };
         self.messages.end_simulation();
         let halted = done?;
@@ -150,7 +152,7 @@ impl Session<'_> {
         &mut self,
         mut times: OutputTimes,
         kind: StepKind,
-        place: Place<'_>,
+        (sensed, place): (Sensed, Place<'_>),
     ) -> Result<Option<bool>, Stop> {
         let mut progress = Progress::new(&times);
         let first = Row {
@@ -160,6 +162,10 @@ impl Session<'_> {
             steps: 0,
         };
         self.messages.progress(&mut progress, first);
+        let start = times.start;
+        let After::On = self.follow(&sensed, start, (&mut times, &mut 1), place)? else {
+            return Ok(None);
+        };
         let largest = self.model().model.kinematics.hmax;
         let model = self.model().model.clone();
         let mut compiled = self
@@ -181,6 +187,7 @@ impl Session<'_> {
         };
         let mut memory = Consistent::new(system);
         let mut watch = Watch::new(&model, system, parameters);
+        watch.go_on_from(state);
         let (mut k, mut steps) = (1, 0);
         let mut ended = Ok(Some(false));
         while k <= times.count {
@@ -209,7 +216,9 @@ impl Session<'_> {
             if event {
                 // The time of an event is no output time: what is left of the interval follows.
                 k -= 1;
-            } else {
+            }
+            if !event || sensed.prints {
+                let time = state.time;
                 let row = Row {
                     time,
                     step: largest,
@@ -245,7 +254,7 @@ impl Session<'_> {
     fn dynamic_steps(
         &mut self,
         mut times: OutputTimes,
-        place: Place<'_>,
+        (sensed, place): (Sensed, Place<'_>),
     ) -> Result<Option<bool>, Stop> {
         let output = times.at(1) - times.start;
         let settings = Settings::of(&self.model().model.integrator, output);
@@ -257,6 +266,10 @@ impl Session<'_> {
             steps: 0,
         };
         self.messages.progress(&mut progress, first);
+        let start = times.start;
+        let After::On = self.follow(&sensed, start, (&mut times, &mut 1), place)? else {
+            return Ok(None);
+        };
         let mut compiled = self
             .model()
             .compiled
@@ -268,8 +281,12 @@ impl Session<'_> {
         let model = self.model().model.clone();
         let mut watch = Watch::new(&model, &compiled.system, &compiled.parameters);
         watch.reconcile(1e-2 * settings.hmax);
+        watch.go_on_from(&state);
         let mut integrator =
             Integrator::new(&compiled.system, &compiled.parameters, state, settings);
+        if let Some(h) = sensed.stepsize {
+            integrator.set_step(h);
+        }
         let mut k = 1;
         let mut ended = Ok(Some(false));
         let mut last: State = integrator.state().clone();
@@ -300,7 +317,9 @@ impl Session<'_> {
             if event {
                 // The time of an event is no output time: what is left of the interval follows.
                 k -= 1;
-            } else {
+            }
+            if !event || sensed.prints {
+                let time = last.time;
                 let done = integrator.statistics();
                 let row = Row {
                     time,
@@ -339,6 +358,7 @@ impl Session<'_> {
             }
         }
         drop(integrator);
+        last.pieces.clear();
         compiled.state = last;
         self.model().compiled = Some(compiled);
         ended
@@ -429,148 +449,4 @@ impl After {
             Self::On | Self::Failed => None,
         }
     }
-}
-
-impl Loaded {
-    /// True if something has found where the model stands: an equilibrium, or initial conditions.
-    pub(super) fn stands(&mut self) -> bool {
-        let known = self.compiled().value.beginning == Beginning::Known;
-        known || self.outputs.last.is_some()
-    }
-
-    /// Joint initial conditions (IC, ICTRAN, ICROT): a state of the model with the joints held there, in place and in rate. `None` if there
-    /// are none.
-    fn joint_start(&self, state: &State, step: f64) -> Result<Option<State>, MotionError> {
-        let model = &self.model;
-        let mut held = Vec::new();
-        for (index, joint) in model.joints.iter().enumerate() {
-            for (axis, start) in [
-                (MotionAxis::Translation(2), joint.initial_translation),
-                (MotionAxis::RotationZ, joint.initial_rotation),
-            ] {
-                if let (Some((value, rate)), true) = (start, joint.header.active) {
-                    held.push((index, axis, value, rate));
-                }
-            }
-        }
-        if held.is_empty() {
-            return Ok(None);
-        }
-        let mut found = state.clone();
-        // First all of them in place, then those with a rate at that rate.
-        for rated in [false, true] {
-            let mut held_model = model.clone();
-            for (index, axis, value, rate) in &held {
-                if rated && rate.is_none() {
-                    continue;
-                }
-                let joint = &model.joints[*index];
-                let text = format!(
-                    "{value:e}+({:e})*(TIME-({:e}))",
-                    rate.unwrap_or(0.0),
-                    state.time
-                );
-                let Ok(function) = Expression::parse_str(&text) else {
-                    continue;
-                };
-                held_model.motions.push(Motion {
-                    header: Header {
-                        active: true,
-                        ..joint.header.clone()
-                    },
-                    joint: Some(*index),
-                    i: joint.i,
-                    j: joint.j,
-                    axis: *axis,
-                    order: MotionOrder::Displacement,
-                    initial_displacement: None,
-                    initial_velocity: None,
-                    function: Function::Expression(function.into()),
-                });
-            }
-            let system = System::compile(&held_model).value;
-            let mut there = system.state();
-            there.time = state.time;
-            there.mode = MODE_INITIAL;
-            there.poses.clone_from(&found.poses);
-            let mut memory = Consistent::new(&system);
-            let parameters = system.parameters();
-            motion::assemble(
-                &system,
-                &parameters,
-                &mut there,
-                &mut memory,
-                Kept::Data,
-                step,
-            )?;
-            found.poses = there.poses;
-            if rated {
-                found.velocities = there.velocities;
-                found.accelerations = there.accelerations;
-            }
-        }
-        Ok(Some(found))
-    }
-
-    /// Finds the initial conditions unless they are known; `anew` in any case. Gives the redundant equations.
-    pub(super) fn begin(
-        &mut self,
-        step: f64,
-        anew: bool,
-    ) -> Result<Vec<EquationName>, MotionError> {
-        let (fresh, start) = {
-            let compiled = self.compiled().value;
-            let fresh = compiled.beginning == Beginning::Dataset;
-            (fresh, compiled.state.clone())
-        };
-        let held = if fresh {
-            self.joint_start(&start, step)?
-        } else {
-            None
-        };
-        let Compiled {
-            system,
-            parameters,
-            state,
-            beginning,
-            ..
-        } = self.compiled().value;
-        if let Some(held) = held {
-            state.poses = held.poses;
-            state.velocities = held.velocities;
-            state.set_moving();
-            *beginning = Beginning::Changed;
-        }
-        let kept = match *beginning {
-            Beginning::Known if !anew => return Ok(redundant(system, state)),
-            Beginning::Dataset => Kept::Data,
-            Beginning::Rest => Kept::Nothing,
-            Beginning::Changed | Beginning::Known => Kept::Velocities,
-        };
-        let mode = std::mem::replace(&mut state.mode, MODE_INITIAL);
-        let mut memory = Consistent::new(system);
-        if kept == Kept::Nothing {
-            // Statics has held what is driven by a rate, whatever time has passed.
-            for driven in &mut state.driven {
-                if !driven.time.is_nan() {
-                    driven.time = state.time;
-                }
-            }
-        }
-        let done = motion::assemble(system, parameters, state, &mut memory, kept, step);
-        if let Err(error) = done {
-            state.mode = mode;
-            return Err(error);
-        }
-        *beginning = Beginning::Known;
-        Ok(redundant(system, state))
-    }
-}
-
-/// The names of the redundant equations of what is switched on.
-fn redundant(system: &crate::system::System, state: &State) -> Vec<EquationName> {
-    let all = state.redundant.iter().enumerate();
-    all.filter(|(k, out)| **out && system.equation_is_active(*k))
-        .map(|(k, _)| system.constraint_equation_name(k))
-        .collect()
 }

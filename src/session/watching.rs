@@ -17,6 +17,8 @@ pub(super) struct Watch<'a> {
     armed: Vec<f64>,
     /// Sensors that have fired and are still beyond.
     active: Vec<bool>,
+    /// One that ends the simulation was at its value when it began: it ends after the first step.
+    due: bool,
     /// Brings states within a step onto their constraints where accelerations or forces of constraints are watched, which the polynomial
     /// of a step does not have as exactly as its end; and how far apart functions are looked at for that.
     reconciling: Option<(Consistent, f64)>,
@@ -32,8 +34,35 @@ impl<'a> Watch<'a> {
             seen: vec![f64::NAN; model.sensors.len()],
             armed: vec![0.0; model.sensors.len()],
             active: vec![false; model.sensors.len()],
+            due: false,
             reconciling: None,
         }
+    }
+
+    /// The same where a motion begins, after [`Watch::fire_at_start`].
+    pub(crate) fn go_on_from(&mut self, state: &State) {
+        if !self.is_idle() {
+            self.active = {
+                let values = self.values(state);
+                self.firing(&values)
+            };
+            self.due = self.take_stops();
+        }
+    }
+
+    /// Sensors that end a simulation, among those that are active: they are not any longer. True if there are any.
+    fn take_stops(&mut self) -> bool {
+        let sensors = self.model.sensors.iter().zip(&mut self.active);
+        let stops = sensors.filter(|(sensor, active)| sensor.stops && **active);
+        stops.map(|(_, active)| *active = false).count() > 0
+    }
+
+    /// Which sensors are at their value or beyond.
+    fn firing(&self, values: &[f64]) -> Vec<bool> {
+        let sensors = self.model.sensors.iter().zip(values);
+        sensors
+            .map(|(sensor, value)| !value.is_nan() && sensor.fires(value + sensor.value))
+            .collect()
     }
 
     /// States within a step are to be brought onto their constraints before they are looked at, if what is watched asks for it.
@@ -87,6 +116,14 @@ impl<'a> Watch<'a> {
         if self.is_idle() {
             return Ok(false);
         }
+        if std::mem::take(&mut self.due) {
+            let values = self.values(integrator.state());
+            let firing = self.firing(&values);
+            let mut sensors = self.model.sensors.iter().zip(firing);
+            if sensors.any(|(sensor, fires)| sensor.stops && fires) {
+                return Ok(true);
+            }
+        }
         match integrator.first_passage(self) {
             Some(passage) => integrator.end_at_passage(self, passage),
             None => Ok(false),
@@ -111,15 +148,11 @@ impl<'a> Watch<'a> {
     /// What the sensors ask for at a state: those that became active fire. If it stands where a passage was found, the nearest to its value
     /// does in any case.
     pub(crate) fn fire(&mut self, state: &mut State, passage: bool) -> Sensed {
-        let mut sensed = Sensed::default();
         if self.is_idle() {
-            return sensed;
+            return Sensed::default();
         }
         let values = self.values(state);
-        let sensors = self.model.sensors.iter().zip(&values);
-        let mut firing: Vec<bool> = sensors
-            .map(|(sensor, value)| !value.is_nan() && sensor.fires(value + sensor.value))
-            .collect();
+        let mut firing = self.firing(&values);
         let new = |k: usize| firing[k] && !self.active[k];
         if passage && !(0..firing.len()).any(new) {
             let armed = (0..firing.len()).filter(|&k| self.armed[k] != 0.0 && !values[k].is_nan());
@@ -128,19 +161,36 @@ impl<'a> Watch<'a> {
                 firing[nearest] = true;
             }
         }
-        for (k, sensor) in self.model.sensors.iter().enumerate() {
-            let fires = firing[k];
-            let was = std::mem::replace(&mut self.active[k], fires);
-            if fires && !was {
-                let (system, parameters) = (self.system, self.parameters);
-                let mut here = system.at(parameters, state, &mut self.scratch);
-                let kept = here.read_sensor_evaluate(k).ok().flatten();
-                if let Some(kept) = kept {
-                    state.sensors[k] = kept;
-                }
-                sensed.activate(sensor, state.time, values[k] + sensor.value, kept.is_some());
-            }
+        self.act(state, &values, firing)
+    }
+
+    /// What the sensors ask for that are at their value before a motion has begun. Those that end it wait for its first step, as real
+    /// ADAMS has them.
+    pub(crate) fn fire_at_start(&mut self, state: &mut State) -> Sensed {
+        let values = self.values(state);
+        let mut firing = self.firing(&values);
+        for (sensor, fires) in self.model.sensors.iter().zip(&mut firing) {
+            *fires &= !sensor.stops;
         }
+        self.act(state, &values, firing)
+    }
+
+    /// Lets those fire that were not active.
+    fn act(&mut self, state: &mut State, values: &[f64], firing: Vec<bool>) -> Sensed {
+        let mut sensed = Sensed::default();
+        for (k, sensor) in self.model.sensors.iter().enumerate() {
+            if !firing[k] || self.active[k] {
+                continue;
+            }
+            let (system, parameters) = (self.system, self.parameters);
+            let mut here = system.at(parameters, state, &mut self.scratch);
+            let kept = here.read_sensor_evaluate(k).ok().flatten();
+            if let Some(kept) = kept {
+                state.sensors[k] = kept;
+            }
+            sensed.activate(sensor, state.time, values[k] + sensor.value, kept.is_some());
+        }
+        self.active = firing;
         sensed
     }
 }

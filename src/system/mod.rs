@@ -39,6 +39,7 @@ mod update;
 
 pub use catalogue::{Catalogue, Slot};
 pub use chain::Twist;
+pub(crate) use compile::name as name_of;
 pub(crate) use configuration::Configuration;
 pub use creeping::Grasp;
 pub(crate) use creeping::SlidingWith;

@@ -1,4 +1,4 @@
-use crate::function::Piece;
+use crate::function::{Piece, half_width};
 use crate::mechanics::{Mat3, Pose, Vec3};
 
 /// Velocity of a part, or its acceleration: of the origin and of the rotation, ground axes.
@@ -97,6 +97,13 @@ pub struct State {
 }
 
 impl State {
+    /// Functions are as their arguments have them; those held between two sides stay, which have no value of their own there.
+    pub(crate) fn let_pieces_go(&mut self) {
+        for piece in &mut self.pieces {
+            *piece = piece.filter(|_| half_width(*piece).is_some());
+        }
+    }
+
     /// No parts at all: a place holder that costs nothing.
     pub(crate) const fn empty() -> Self {
         Self {

@@ -272,6 +272,8 @@ pub(crate) struct Switch {
     pub function: usize,
     /// The time alone chooses its piece.
     pub of_time: bool,
+    /// Its value may jump where it changes.
+    pub jumps: bool,
 }
 
 impl System {

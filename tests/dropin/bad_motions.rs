@@ -81,9 +81,9 @@ fn bad() -> Vec<Bad> {
             told: &["time 0.", "SFORCE/1", "SQRT is not defined"],
             ends: Some((0.3, 0.5)),
         },
-        // 3 N cannot move what 5 N hold once it has come to rest, after 1/2 s.
+        // Steps of whole numbers push back from both sides once it has come to rest, after 1/2 s.
         Bad {
-            statements: format!("{FORCE}3+IF(VZ(20):5,0,-5)\n"),
+            statements: format!("{FORCE}8-10*AINT(VZ(20)/2+1)\n"),
             commands: plain,
             told: &["time 0.5", "SFORCE/1 switches over and over", "smaller than HMIN"],
             ends: Some((0.49, 0.51)),

@@ -427,3 +427,50 @@ fn a_falling_ball_falls_as_real_adams_has_it() {
         near(*theirs, *ours, 1.5e-4);
     }
 }
+
+/// Dry friction of 5 N as old decks write it holds a block that is pulled by 3 N, then pushed; what is written of the force is what holds. It lets go of 7 N.
+#[test]
+fn dry_friction_holds_through_several_simulations() {
+    for brake in ["-SIGN(5,VZ(20,1))", "IF(VZ(20,1):5,0,-5)"] {
+        let deck = format!(
+            "block\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=METER, TIME=SECOND\nPART/1, GROUND\nMARKER/1, PART=1\n\
+             PART/2, MASS=1, CM=20, IP=1,1,1\nMARKER/20, PART=2\nJOINT/1, TRANSLATIONAL, I=20, J=1\n\
+             SFORCE/1, TRANSLATIONAL, ACTIONONLY, I=20, J=1, FUNCTION={brake}\n\
+             SFORCE/2, TRANSLATIONAL, ACTIONONLY, I=20, J=1, FUNCTION=3\n\
+             REQUEST/1, F2=DZ(20,1)\\F3=SFORCE(1,0,4,1)\\F4=ACCZ(20,1)\nRESULTS/FORMATTED, XRF\nEND\n"
+        );
+        let acf = "\nfile/model=block\nSIM/DYN, END=1, STEPS=4\nSFORCE/2, FUNCTION=-3\nSIM/DYN, END=2, STEPS=4\n\
+                   SFORCE/2, FUNCTION=7\nSIM/DYN, END=3, STEPS=4\nstop\n";
+        let folder = folder(&[("block.adm", &deck), ("run.acf", acf)]);
+        let ran = mdi(folder.path(), &["ru-s", "run"]);
+        assert_eq!(ran.code, 0, "{}", ran.stdout);
+        assert!(!ran.stdout.contains("ERROR"), "{}", ran.stdout);
+        let found = Results::read_all(folder.path(), "block.res");
+        let [z, force, a] = ["U2", "U3", "U4"].map(|c| found.column("REQUEST_1", c));
+        let times = found.column("time", "TIME");
+        let (mut held, mut slid) = (0, 0);
+        for (k, &time) in times.iter().enumerate() {
+            // A simulation begins between the sides; its first row says what the function is there.
+            if [0.0, 1.0, 2.0]
+                .iter()
+                .any(|start| (time - start).abs() < 1e-9)
+            {
+                continue;
+            }
+            let (place, brake, rate) = match time {
+                time if time < 1.0 => (0.0, -3.0, 0.0),
+                time if time < 2.0 => (0.0, 3.0, 0.0),
+                _ => ((time - 2.0).powi(2), -5.0, 2.0),
+            };
+            if time < 2.0 {
+                held += 1;
+            } else {
+                slid += 1;
+            }
+            assert!((z[k] - place).abs() < 1e-5, "{time} {}", z[k]);
+            assert!((force[k] - brake).abs() < 1e-6, "{time} {}", force[k]);
+            assert!((a[k] - rate).abs() < 1e-6, "{time} {}", a[k]);
+        }
+        assert_eq!((held, slid), (6, 4));
+    }
+}

@@ -37,6 +37,7 @@ mod shims;
 mod solving;
 #[path = "../common/squeezer.rs"]
 mod squeezer;
+mod starting;
 mod status;
 #[cfg_attr(windows, allow(dead_code, unused_imports))] // Some of it needs a shell of Unix.
 mod study_solver;

@@ -221,3 +221,70 @@ fn a_sensor_of_a_reaction_or_an_acceleration_fires_at_its_time() {
         assert!((y + s).abs() < 1e-6, "{function}: {y} and {s}");
     }
 }
+
+/// A block that glides at 1 m/s from 0.5 m, in the SLIDER's place.
+fn glide(sensor: &str, commands: &str) -> (Results, Ran) {
+    let deck = format!(
+        "block\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=METER, TIME=SECOND\nPART/1, GROUND\nMARKER/1, PART=1\n\
+         PART/2, MASS=2, CM=20, IP=1,1,1, QG=0,0,0.5, VZ=1\nMARKER/20, PART=2\nJOINT/1, TRANSLATIONAL, I=20, J=1\n{sensor}\n\
+         REQUEST/1, F2=DZ(20,1)\\F3=DZ(20,1)-SENVAL(1)\nRESULTS/FORMATTED, XRF\nEND\n"
+    );
+    let acf = format!("\nfile/model=block\n{commands}\nstop\n");
+    let folder = folder(&[("block.adm", &deck), ("run.acf", &acf)]);
+    let ran = mdi(folder.path(), &["ru-s", "run"]);
+    (Results::read_all(folder.path(), "block.res"), ran)
+}
+
+/// `EVALUATE` where the time is zero keeps the place at the start, as a real deck has it; without `VALUE` the value is zero.
+#[test]
+fn a_sensor_that_is_at_its_value_acts_where_the_motion_begins() {
+    for value in ["VALUE=0, ", ""] {
+        let sensor = format!("SENSOR/1, {value}EQ, FUNCTION=TIME\\, EVALUATE=DZ(20,1)");
+        let (results, ran) = glide(&sensor, "SIM/DYN, END=1, STEPS=4");
+        assert!(
+            ran.stdout.contains("become active at time = 0.000000."),
+            "{}",
+            ran.stdout
+        );
+        let times = results.column("time", "TIME");
+        for (time, travel) in times.iter().zip(results.column("REQUEST_1", "U3")) {
+            assert!((time - travel).abs() < 1e-12, "{time} {travel}");
+        }
+    }
+    // One that ends the simulation lets it do its first step, again and again; it is not missed.
+    let run = "SIM/DYN, END=1, STEPS=4\nSIM/DYN, END=1, STEPS=4\nSIM/INITIAL";
+    let (results, ran) = glide("SENSOR/1, GE, RETURN, FUNCTION=DZ(20,1)", run);
+    assert_eq!(ran.stdout.matches("has become active").count(), 2);
+    let end = *results.column("time", "TIME").last().unwrap();
+    assert!(end > 0.0 && end < 0.25, "{end}");
+    // An interval between outputs holds from the start.
+    let (results, _) = glide("SENSOR/1, DT=0.5, FUNCTION=TIME", "SIM/DYN, END=1, STEPS=4");
+    assert_eq!(times(&results), [0.0, 0.5, 1.0]);
+}
+
+#[test]
+fn print_writes_the_step_at_which_a_sensor_fires() {
+    let sensor = "SENSOR/1, GE, VALUE=0.8, ERROR=1E-9, PRINT, YYDUMP, FUNCTION=DZ(20,1)";
+    let (results, ran) = glide(sensor, "SIM/DYN, END=1, STEPS=2");
+    assert_eq!(times(&results), [0.0, 0.3, 0.5, 1.0]);
+    assert!(ran.stdout.contains("Triggered action PRINT"));
+    assert!(ran.stdout.contains("Action YYDUMP has no effect"));
+}
+
+#[test]
+fn arguments_without_sense_are_refused() {
+    for (argument, name) in [
+        ("DT=-1", "DT"),
+        ("STEPSIZE=0", "STEPSIZE"),
+        ("ERROR=-1", "ERROR"),
+        ("BISECTION, TIME_ERROR=0", "TIME_ERROR"),
+    ] {
+        let (_, ran) = run_any(
+            &format!("SENSOR/1, VALUE=1, {argument}, FUNCTION=TIME"),
+            RUN,
+        );
+        assert_eq!(ran.code, 1, "{}", ran.stdout);
+        let said = format!("{name} of SENSOR must be more than 0");
+        assert!(ran.stdout.contains(&said), "{}", ran.stdout);
+    }
+}

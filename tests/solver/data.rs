@@ -223,7 +223,7 @@ fn initial_displacements_of_joints_are_told() {
     let solved = shown(&deck, "DZ(21,1)");
     close(solved.shown(0), 25.0);
     assert!(
-        solved.told[0].starts_with("the initial displacement of JOINT/1 is not applied"),
+        solved.told[0].starts_with("the initial displacement of JOINT/1 is not applied in statics"),
         "{:?}",
         solved.told
     );

@@ -128,8 +128,10 @@ fn every_function_of_numbers_is_among_them() {
     }
 }
 
-/// Of these second rates are known wherever nothing but VARVAL(1) moves; of IMPACT, BISTOP and SWEEP they are not.
-const BENT: [&str; 8] = [
+/// Of these second rates are known wherever nothing but VARVAL(1) moves; of IMPACT and BISTOP they are not.
+const BENT: [&str; 10] = [
+    "SWEEP(VARVAL(1),2,0.4,0.5,1.3,1.1,0.5)*VARVAL(1)",
+    "SWEEP(VARVAL(1),2,0.4,0.5,1.3,1.1,0)+SWEEP(VARVAL(1),2,0.9,5,1.3,1.1,0.6)",
     "CUBSPL(VARVAL(1)*5,0,1)*AKISPL(VARVAL(1)*5,0,1)",
     "STEP(VARVAL(1),0.3,1,1.5,SIN(9*VARVAL(1)))*STEP5(VARVAL(1),0.1,1,2,5)+HAVSIN(VARVAL(1),0.1,1,2,5)",
     "POLY(VARVAL(1),0.3,1,2,3,4,5)+CHEBY(VARVAL(1),0.3,1,2,3,4,5)",

@@ -201,3 +201,39 @@ fn numbers_too_large_for_a_whole_number_keep_their_value() {
         }
     }
 }
+
+/// Between its sides a function goes in a line from one to the other, over the width that it is held on; its end is that of the width.
+#[test]
+fn held_between_its_sides_a_function_is_a_line() {
+    use crate::function::{between, half_width};
+    let piece = between(0.3);
+    assert_eq!(half_width(Some(piece)), Some(0.25));
+    // x in -0.25..0.25 on -3 y .. 5 y.
+    let line = |x: f64, y: f64| (y * (1.0 + 16.0 * x), [16.0 * y, 1.0 + 16.0 * x]);
+    let text = "IF(VARVAL(1):-3*VARVAL(2),9,5*VARVAL(2))";
+    for x in [-0.25, -0.1, 0.0, 0.2, 0.3] {
+        let (value, by, _, excess) = on(text, [x, 2.0], Some(piece));
+        let (known, by_known) = line(x, 2.0);
+        assert!((value - known).abs() < 1e-14, "{x}: {value}");
+        assert!((by[0] - by_known[0]).abs() < 1e-13 && (by[1] - by_known[1]).abs() < 1e-14);
+        assert!((excess - (x.abs() - 0.25)).abs() < 1e-15);
+        let (value, by, side, excess) = on("SIGN(VARVAL(2),VARVAL(1))", [x, -2.0], Some(piece));
+        assert!((value - 8.0 * x).abs() < 1e-14);
+        assert_eq!(by, [-4.0 * x, 8.0]);
+        assert_eq!(side, if x < 0.0 { 3 } else { 1 });
+        assert!((excess - (x.abs() - 0.25)).abs() < 1e-15);
+    }
+    // One within a part of the other: the inner one is on its own side.
+    let case = compile("IF(VARVAL(1):IF(VARVAL(2):1,2,3),0,7)+VARVAL(2)");
+    let inputs = case.inputs([0.125, -1.0, 0.0, 0.0]);
+    let (mut by, mut by_literal) = (vec![0.0; inputs.len()], vec![0.0; case.literals.len()]);
+    let value = case.program.eval_on_pieces(
+        &inputs,
+        &case.literals,
+        &[Some(piece), None],
+        &mut Scratch::default(),
+        (&mut by, &mut by_literal),
+    );
+    // A quarter of 1, three quarters of 7, and -1.
+    assert_eq!(value, Ok(4.5));
+}

@@ -25,28 +25,43 @@ pub(super) fn joint(reader: &mut Reader) -> Option<Joint> {
         },
     ];
     let kind = reader.first_flag(&kinds.map(|kind| (kind.word(), kind)))?;
+    let slides = matches!(kind, JointKind::Translational | JointKind::Cylindrical);
+    let turns = matches!(kind, JointKind::Revolute | JointKind::Cylindrical);
+    let one = slides != turns;
+    for (argument, applies) in [("IC", one), ("ICTRAN", slides), ("ICROT", turns)] {
+        let Some(displacement) = reader.first(argument) else {
+            continue;
+        };
+        let owner = reader.called();
+        let complaint = if !applies {
+            let message = format!(
+                "{argument} of {owner} has no effect: a {} joint has no such displacement",
+                kind.word()
+            );
+            Diagnostic::warning(Code::ConflictingArguments, message).help(
+                "IC stands with REVOLUTE and TRANSLATIONAL, ICTRAN and ICROT with CYLINDRICAL",
+            )
+        } else if displacement != 0.0 {
+            let message = format!(
+                "the initial displacement of {owner} is not applied in statics, which looks for equilibrium from the positions of the parts; a motion begins there"
+            );
+            Diagnostic::warning(Code::InactiveInStatics, message).help(
+                "place the parts where the search is to start, or hold the joint with a MOTION",
+            )
+        } else {
+            continue;
+        };
+        let place = reader.place(argument);
+        reader.complain(complaint, place);
+    }
     let initial = |name: &str| {
         let numbers = reader.numbers(name);
         let value = |k: usize| numbers.get(k).map(|number| number.value);
         value(0).map(|displacement| (displacement, value(1)))
     };
-    let ic = initial("IC");
-    let slides = matches!(kind, JointKind::Translational);
-    let initial_translation = initial("ICTRAN").or(ic.filter(|_| slides));
-    let initial_rotation = initial("ICROT").or(ic.filter(|_| !slides));
-    for argument in ["IC", "ICTRAN", "ICROT"] {
-        if reader.first(argument).is_some_and(|ic| ic != 0.0) {
-            let message = format!(
-                "the initial displacement of {} is not applied: statics looks for equilibrium from the positions of the parts; a motion begins there",
-                reader.called()
-            );
-            let place = reader.place(argument);
-            let diagnostic = Diagnostic::warning(Code::InactiveInStatics, message).help(
-                "place the parts where the search is to start, or hold the joint with a MOTION",
-            );
-            reader.complain(diagnostic, place);
-        }
-    }
+    let ic = initial("IC").filter(|_| one);
+    let initial_translation = initial("ICTRAN").or(ic).filter(|_| slides);
+    let initial_rotation = initial("ICROT").or(ic).filter(|_| turns);
     Some(Joint {
         header: reader.header(),
         kind,

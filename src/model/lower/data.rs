@@ -220,6 +220,11 @@ pub(super) fn sensor(reader: &mut Reader) -> Option<Sensor> {
         halts,
         dt: reader.first("DT"),
         stepsize: reader.first("STEPSIZE"),
+        prints: reader.has("PRINT"),
+        without_effect: ["CODGEN", "YYDUMP"]
+            .into_iter()
+            .filter(|word| reader.has(word))
+            .collect(),
     })
 }
 

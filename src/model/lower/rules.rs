@@ -7,15 +7,16 @@ use crate::syntax::{Fault, Statement, Wrong};
 use crate::text::Source;
 
 /// Arguments whose numbers must lie within their bounds, all of a statement where none is named: out of them a motion means nothing.
-const BOUNDED: [(&str, &[&str]); 5] = [
+const BOUNDED: [(&str, &[&str]); 6] = [
     ("FRICTION", &[]),
     (
         "INTEGRATOR",
         &["ADAPTIVITY", "ERROR", "HINIT", "HMAX", "HMIN", "MAXIT"],
     ),
-    ("KINEMATICS", &["HMAX", "MAXIT"]),
+    ("KINEMATICS", &["HMAX"]),
     ("PART", &["MASS"]),
     ("POINT_MASS", &["MASS"]),
+    ("SENSOR", &[]),
 ];
 
 /// Complaints about numbers of these that are out of bounds.

@@ -14,6 +14,7 @@ pub(super) fn settings(reader: &mut Reader, model: &mut Model) {
         "EQUILIBRIUM" => model.equilibrium = equilibrium(reader),
         "INTEGRATOR" => model.integrator = integrator(reader),
         "KINEMATICS" => model.kinematics = kinematics(reader),
+        "IC" => model.initial_conditions = given_but(reader, &[]),
         "OUTPUT" => model.output = output(reader),
         "RESULTS" => model.results = results(reader),
         _ => {}
@@ -138,8 +139,18 @@ fn integrator(reader: &Reader) -> IntegratorSettings {
 fn kinematics(reader: &Reader) -> KinematicsSettings {
     KinematicsSettings {
         hmax: reader.first("HMAX"),
-        maxit: reader.first("MAXIT").map(|n| n as usize),
+        without_effect: given_but(reader, &["HMAX"]),
     }
+}
+
+/// The arguments that are given, other than these and what all commands know.
+fn given_but(reader: &Reader, used: &[&str]) -> Vec<&'static str> {
+    let names = reader.def.arguments.iter().map(|argument| argument.name);
+    let other = |name: &&str| !used.contains(name) && !["DEFAULT", "LIST"].contains(name);
+    names
+        .filter(other)
+        .filter(|name| reader.has(name))
+        .collect()
 }
 
 fn output(reader: &Reader) -> OutputSettings {

@@ -2,7 +2,7 @@
 
 use super::{Compiler, Function, Name, name, way_out};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::function::{ElementIx, ForceMeasure, Input, MeasureKind, Program, time_breaks};
+use crate::function::{ElementIx, ForceMeasure, Input, MeasureKind, time_breaks};
 use crate::model::{ArrayKind, MarkerIx, RequestKind, effect_of};
 use crate::system::catalogue::{Quantity, Role};
 use crate::system::compiled_function::{CompiledFunction, Exerted, Force, LinearRow, Source};
@@ -58,11 +58,12 @@ impl Compiler<'_> {
             .numbers(id, argument, &[f64::NAN], whole, Role::Override(at))
             .start;
         let first = self.switches.len();
-        if !read_only {
-            let known = program.as_ref().map_or(&[][..], Program::switches);
-            self.switches.extend(known.iter().map(|&of_time| Switch {
+        if let Some(program) = program.as_ref().filter(|_| !read_only) {
+            let all = program.switches().iter().enumerate();
+            self.switches.extend(all.map(|(k, &of_time)| Switch {
                 function: at,
                 of_time,
+                jumps: program.may_jump(k),
             }));
         }
         self.functions.push(CompiledFunction {

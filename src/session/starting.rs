@@ -1,0 +1,291 @@
+//! Where a motion begins: initial conditions, of joints too, and sensors that are at their value already.
+
+use super::loaded::{Beginning, Compiled, Loaded};
+use super::run_state::Session;
+use super::sensing::Sensed;
+use super::watching::Watch;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::model::{Function, Header, Joint, Model, Motion, MotionAxis, MotionOrder};
+use crate::motion::{self, Consistent, Kept, MotionError};
+use crate::syntax::Expression;
+use crate::system::{EquationName, Parameters, Scratch, State, System, name_of};
+
+/// MODE in functions (guide/formats.md 3.1).
+const MODE_INITIAL: i32 = 3;
+
+impl Session<'_> {
+    /// Finds the initial conditions unless they are known, and lets the sensors act that are at their value there. What these ask for is
+    /// followed once the motion has begun.
+    pub(super) fn begin_sensed(
+        &mut self,
+        step: f64,
+    ) -> Result<(Vec<EquationName>, Sensed), MotionError> {
+        let redundant = self.begin(step, false)?;
+        let model = &self.model().model;
+        if model.sensors.iter().all(|sensor| !sensor.header.active) {
+            return Ok((redundant, Sensed::default()));
+        }
+        let model = model.clone();
+        let Compiled {
+            system,
+            parameters,
+            state,
+            ..
+        } = self.model().compiled().value;
+        let before = state.sensors.clone();
+        let sensed = Watch::new(&model, system, parameters).fire_at_start(state);
+        let changed = state.sensors != before;
+        if changed {
+            // SENVAL has another value: accelerations and forces follow.
+            self.model().begin(step, true)?;
+        }
+        Ok((redundant, sensed))
+    }
+
+    /// Finds the initial conditions unless they are known; `anew` in any case. Gives the redundant equations.
+    pub(super) fn begin(
+        &mut self,
+        step: f64,
+        anew: bool,
+    ) -> Result<Vec<EquationName>, MotionError> {
+        let overridden = self.model().overridden_starts();
+        self.complain_once(overridden);
+        if !self.model().stands() || anew {
+            let given = self.model().model.initial_conditions.clone();
+            self.messages.without_effect("IC", &given);
+        }
+        self.model().begin(step, anew)
+    }
+}
+
+impl Loaded {
+    /// True if something has found where the model stands: an equilibrium, or initial conditions.
+    pub(super) fn stands(&mut self) -> bool {
+        let known = self.compiled().value.beginning == Beginning::Known;
+        known || self.outputs.last.is_some()
+    }
+
+    /// Initial conditions of joints that do not count because a MOTION drives the same freedom.
+    fn overridden_starts(&mut self) -> Vec<Diagnostic> {
+        match self.compiled().value.beginning {
+            Beginning::Dataset => joint_starts(&self.model).1,
+            _ => Vec::new(),
+        }
+    }
+
+    /// Joint initial conditions (IC, ICTRAN, ICROT): a state of the model with the joints held there, in place and in rate. `None` if there
+    /// are none.
+    fn joint_start(&self, state: &State, step: f64) -> Result<Option<State>, MotionError> {
+        let model = &self.model;
+        let (held, _) = joint_starts(model);
+        if held.is_empty() {
+            return Ok(None);
+        }
+        let mut found = state.clone();
+        // First all of them in place, then those with a rate at that rate.
+        for rated in [false, true] {
+            let mut held_model = model.clone();
+            for start in &held {
+                if rated && start.rate.is_none() {
+                    continue;
+                }
+                for k in start.drivers(model) {
+                    held_model.motions[k].header.active = false;
+                }
+                held_model.motions.extend(start.as_motion(state.time));
+            }
+            let system = System::compile(&held_model).value;
+            let mut there = system.state();
+            there.time = state.time;
+            there.mode = MODE_INITIAL;
+            there.poses.clone_from(&found.poses);
+            let mut memory = Consistent::new(&system);
+            let parameters = system.parameters();
+            drives_begin_here(&system, &parameters, &mut there);
+            motion::assemble(
+                &system,
+                &parameters,
+                &mut there,
+                &mut memory,
+                Kept::Data,
+                step,
+            )?;
+            found.poses = there.poses;
+            if rated {
+                found.velocities = there.velocities;
+                found.accelerations = there.accelerations;
+            }
+        }
+        Ok(Some(found))
+    }
+
+    /// The same without a word of what does not count.
+    pub(super) fn begin(
+        &mut self,
+        step: f64,
+        anew: bool,
+    ) -> Result<Vec<EquationName>, MotionError> {
+        let (fresh, start) = {
+            let compiled = self.compiled().value;
+            let fresh = compiled.beginning == Beginning::Dataset;
+            (fresh, compiled.state.clone())
+        };
+        let held = if fresh {
+            self.joint_start(&start, step)?
+        } else {
+            None
+        };
+        let Compiled {
+            system,
+            parameters,
+            state,
+            beginning,
+            ..
+        } = self.compiled().value;
+        if let Some(held) = held {
+            state.poses = held.poses;
+            state.velocities = held.velocities;
+            state.set_moving();
+            drives_begin_here(system, parameters, state);
+            *beginning = Beginning::Changed;
+        }
+        let kept = match *beginning {
+            Beginning::Known if !anew => return Ok(redundant(system, state)),
+            Beginning::Dataset => Kept::Data,
+            Beginning::Rest => Kept::Nothing,
+            Beginning::Changed | Beginning::Known => Kept::Velocities,
+        };
+        let mode = std::mem::replace(&mut state.mode, MODE_INITIAL);
+        let mut memory = Consistent::new(system);
+        if kept == Kept::Nothing {
+            // Statics has held what is driven by a rate, whatever time has passed.
+            for driven in &mut state.driven {
+                if !driven.time.is_nan() {
+                    driven.time = state.time;
+                }
+            }
+        }
+        let done = motion::assemble(system, parameters, state, &mut memory, kept, step);
+        if let Err(error) = done {
+            state.mode = mode;
+            return Err(error);
+        }
+        *beginning = Beginning::Known;
+        Ok(redundant(system, state))
+    }
+}
+
+/// The names of the redundant equations of what is switched on.
+fn redundant(system: &crate::system::System, state: &State) -> Vec<EquationName> {
+    let all = state.redundant.iter().enumerate();
+    all.filter(|(k, out)| **out && system.equation_is_active(*k))
+        .map(|(k, _)| system.constraint_equation_name(k))
+        .collect()
+}
+
+/// What is driven by a rate begins where the parts are.
+fn drives_begin_here(system: &System, parameters: &Parameters, state: &mut State) {
+    for driven in &mut state.driven {
+        driven.time = f64::NAN;
+    }
+    system.begin_drives(parameters, state, &mut Scratch::new(system));
+}
+
+/// What a joint begins with along or about its axis.
+struct JointStart<'m> {
+    joint: &'m Joint,
+    axis: MotionAxis,
+    value: f64,
+    rate: Option<f64>,
+}
+
+impl JointStart<'_> {
+    /// The MOTIONs that drive the same freedom.
+    fn drivers(&self, model: &Model) -> Vec<usize> {
+        let all = model.motions.iter().enumerate();
+        let same = |motion: &Motion| {
+            motion.header.active
+                && motion.axis == self.axis
+                && (motion.i, motion.j) == (self.joint.i, self.joint.j)
+        };
+        all.filter(|(_, motion)| same(motion))
+            .map(|(k, _)| k)
+            .collect()
+    }
+
+    /// A motion that holds it there at a time.
+    fn as_motion(&self, time: f64) -> Option<Motion> {
+        let joint = self.joint;
+        let rate = self.rate.unwrap_or(0.0);
+        let text = format!("{:e}+({rate:e})*(TIME-({time:e}))", self.value);
+        let function = Expression::parse_str(&text).ok()?;
+        Some(Motion {
+            header: Header {
+                name: format!("IC of {}", joint.header.name),
+                active: true,
+                ..joint.header.clone()
+            },
+            joint: None,
+            i: joint.i,
+            j: joint.j,
+            axis: self.axis,
+            order: MotionOrder::Displacement,
+            initial_displacement: None,
+            initial_velocity: None,
+            function: Function::Expression(function.into()),
+        })
+    }
+}
+
+/// The initial conditions of joints that count, and complaints about those that do not. Where a MOTION drives the same freedom, what it
+/// says counts; what it leaves open, the place where a rate begins, is the joint's.
+fn joint_starts(model: &Model) -> (Vec<JointStart<'_>>, Vec<Diagnostic>) {
+    let (mut starts, mut complaints) = (Vec::new(), Vec::new());
+    for joint in model.joints.iter().filter(|joint| joint.header.active) {
+        for (axis, start) in [
+            (MotionAxis::Translation(2), joint.initial_translation),
+            (MotionAxis::RotationZ, joint.initial_rotation),
+        ] {
+            let Some((value, rate)) = start else {
+                continue;
+            };
+            let mut start = JointStart {
+                joint,
+                axis,
+                value,
+                rate,
+            };
+            let Some(driver) = start.drivers(model).first().map(|k| &model.motions[*k]) else {
+                starts.push(start);
+                continue;
+            };
+            let placed =
+                driver.order != MotionOrder::Displacement && driver.initial_displacement.is_none();
+            let what = match (placed, rate) {
+                (true, None) => None,
+                (true, Some(_)) => Some("velocity"),
+                (false, None) => Some("displacement"),
+                (false, Some(_)) => Some("displacement and velocity"),
+            };
+            if let Some(what) = what {
+                let owner = name_of("JOINT", &joint.header);
+                let driver = name_of("MOTION", &driver.header);
+                let message = format!(
+                    "the initial {what} of {owner} does not count: {driver} drives the joint"
+                );
+                complaints.push(
+                    Diagnostic::warning(Code::ConflictingArguments, message)
+                        .about(owner.object())
+                        .help(
+                            "leave IC, ICTRAN or ICROT of the joint out, or deactivate the MOTION",
+                        ),
+                );
+            }
+            if placed {
+                start.rate = None;
+                starts.push(start);
+            }
+        }
+    }
+    (starts, complaints)
+}
