@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::cause::Cause;
 use super::extended_deck::{ExtendedDeck, deck_of, like};
 use super::hypothesis::{Hypothesis, Unknown};
 use super::settle::{Aim, End, Settled, Sweep};
@@ -153,7 +154,8 @@ impl Fitted {
             .collect()
     }
 
-    /// Whether the data contradict the sign a chosen hypothesis must have, by two standard errors; a further part of a law may not pull at all.
+    /// Whether the data contradict the sign a chosen hypothesis must have, by two standard errors. A further part of a law may not pull at
+    /// all; a play below zero is none, but a link that yields.
     pub fn has_wrong_sign(&self, chosen: usize) -> bool {
         let hypothesis = &self.chosen[chosen];
         let at = self.places[chosen][0];
@@ -161,7 +163,9 @@ impl Fitted {
             && !matches!(hypothesis.numbers[0].unknown, Unknown::Compliance(_))
             && self.x[at]
                 < match hypothesis.part {
-                    0 => -2.0 * self.posterior.covariance[(at, at)].max(0.0).sqrt(),
+                    0 if hypothesis.cause != Cause::FreePlay => {
+                        -2.0 * self.posterior.covariance[(at, at)].max(0.0).sqrt()
+                    }
                     _ => 0.0,
                 }
     }
