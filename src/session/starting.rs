@@ -119,7 +119,8 @@ impl Loaded {
         Ok(Some(found))
     }
 
-    /// The same without a word of what does not count.
+    /// Finds the initial conditions unless they are known; `anew` in any case. Gives the redundant equations. Tells nothing: see
+    /// [`Session::begin`].
     pub(super) fn begin(
         &mut self,
         step: f64,
