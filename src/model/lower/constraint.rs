@@ -113,20 +113,26 @@ pub(super) fn coupler(reader: &mut Reader) -> Option<Coupler> {
         reader.complain(diagnostic, place);
         return None;
     }
-    let words = reader.choices("TYPE").unwrap_or_default();
-    let terms = joints
-        .into_iter()
-        .zip(scales)
-        .enumerate()
-        .map(|(k, ((joint, kind), scale))| {
-            let kind = match words.get(k) {
-                Some(&"T") => CouplerKind::Translation,
-                Some(_) => CouplerKind::Rotation,
-                None => kind,
-            };
-            (joint, kind, scale)
+    let words: Vec<CouplerKind> = reader
+        .choices("TYPE")
+        .unwrap_or_default()
+        .iter()
+        .map(|word| match *word {
+            "T" => CouplerKind::Translation,
+            _ => CouplerKind::Rotation,
         })
         .collect();
+    let ids = reader.written_ids("JOINTS")?;
+    let mut terms = Vec::new();
+    for (k, ((joint, free), scale)) in joints.into_iter().zip(scales).enumerate() {
+        let kind = words.get(k).copied().unwrap_or(free);
+        let (_, of) = reader.joint(ids[k])?;
+        let of = of.kind;
+        if !leaves_free(of, kind) {
+            return refuse(reader, "TYPE", ids[k], of, Some(kind));
+        }
+        terms.push((joint, kind, scale));
+    }
     Some(Coupler {
         header: reader.header(),
         terms,
@@ -134,19 +140,57 @@ pub(super) fn coupler(reader: &mut Reader) -> Option<Coupler> {
 }
 
 /// The joints an argument names, with the displacement their type leaves free.
-fn joints(reader: &Reader, name: &str) -> Option<Vec<(usize, CouplerKind)>> {
-    reader
-        .written_ids(name)?
-        .into_iter()
-        .map(|id| {
-            let (index, joint) = reader.joint(id)?;
-            let free = match joint.kind {
-                JointKind::Translational => CouplerKind::Translation,
-                _ => CouplerKind::Rotation,
-            };
-            Some((index, free))
-        })
-        .collect()
+fn joints(reader: &mut Reader, name: &str) -> Option<Vec<(usize, CouplerKind)>> {
+    let mut joints = Vec::new();
+    for id in reader.written_ids(name)? {
+        let (index, joint) = reader.joint(id)?;
+        let kind = joint.kind;
+        let free = match kind {
+            JointKind::Translational => CouplerKind::Translation,
+            _ => CouplerKind::Rotation,
+        };
+        if !leaves_free(kind, free) {
+            return refuse(reader, name, id, kind, None);
+        }
+        joints.push((index, free));
+    }
+    Some(joints)
+}
+
+/// Whether a joint leaves a displacement along or about z of J free that a MOTION, a COUPLER or a GEAR may take hold of.
+fn leaves_free(kind: JointKind, displacement: CouplerKind) -> bool {
+    match kind {
+        JointKind::Cylindrical => true,
+        JointKind::Revolute => displacement == CouplerKind::Rotation,
+        JointKind::Translational => displacement == CouplerKind::Translation,
+        _ => false,
+    }
+}
+
+/// Complains about a joint that does not have the displacement asked for, or none at all.
+fn refuse<T>(
+    reader: &mut Reader,
+    argument: &str,
+    id: u32,
+    kind: JointKind,
+    displacement: Option<CouplerKind>,
+) -> Option<T> {
+    let what = match displacement {
+        Some(CouplerKind::Rotation) => "the rotation of ",
+        Some(CouplerKind::Translation) => "the translation of ",
+        None => "",
+    };
+    let message = format!(
+        "{} takes {what}JOINT/{id}, which is {}",
+        reader.called(),
+        kind.word()
+    );
+    let diagnostic = Diagnostic::error(Code::WrongType, message).help(
+        "it can take the rotation of a REVOLUTE or CYLINDRICAL joint, the translation of a TRANSLATIONAL or CYLINDRICAL one",
+    );
+    let place = reader.place(argument);
+    reader.complain(diagnostic, place);
+    None
 }
 
 /// GEAR.
@@ -175,17 +219,30 @@ pub(super) fn gcon(reader: &mut Reader) -> Option<Gcon> {
 pub(super) fn motion(reader: &mut Reader) -> Option<Motion> {
     let turn = reader.has("ROTATIONAL");
     let slide = reader.has("TRANSLATIONAL");
-    let along_joint = |kind: JointKind| match kind {
-        _ if turn => Some(MotionAxis::RotationZ),
-        _ if slide => Some(MotionAxis::Translation(2)),
-        JointKind::Revolute => Some(MotionAxis::RotationZ),
-        JointKind::Translational => Some(MotionAxis::Translation(2)),
+    let asked = match (turn, slide) {
+        (true, _) => Some(CouplerKind::Rotation),
+        (_, true) => Some(CouplerKind::Translation),
         _ => None,
     };
-    let driven: Option<(usize, MarkerIx, MarkerIx, Option<MotionAxis>)> = reader
-        .written_id("JOINT")
-        .and_then(|id| reader.joint(id))
-        .map(|(index, joint)| (index, joint.i, joint.j, along_joint(joint.kind)));
+    let mut driven: Option<(usize, MarkerIx, MarkerIx, Option<MotionAxis>)> = None;
+    if let Some(id) = reader.written_id("JOINT")
+        && let Some((index, joint)) = reader.joint(id)
+    {
+        let (kind, i, j) = (joint.kind, joint.i, joint.j);
+        let displacement = asked.or(match kind {
+            JointKind::Translational => Some(CouplerKind::Translation),
+            JointKind::Cylindrical => None,
+            _ => Some(CouplerKind::Rotation),
+        });
+        if displacement.is_some_and(|displacement| !leaves_free(kind, displacement)) {
+            return refuse(reader, "JOINT", id, kind, asked);
+        }
+        let axis = displacement.map(|displacement| match displacement {
+            CouplerKind::Rotation => MotionAxis::RotationZ,
+            CouplerKind::Translation => MotionAxis::Translation(2),
+        });
+        driven = Some((index, i, j, axis));
+    }
     let axis = reader.first_flag(&[
         ("X", MotionAxis::Translation(0)),
         ("Y", MotionAxis::Translation(1)),
