@@ -15,6 +15,14 @@ pub(crate) trait Sink {
             self.add(row + k, column, *value);
         }
     }
+
+    /// Adds what a multiplier does to the balances from `first` on, and the row of its equation, which is the opposite.
+    fn add_reaction(&mut self, multiplier: usize, first: usize, column: &[f64]) {
+        for (k, value) in column.iter().enumerate() {
+            self.add(multiplier, first + k, -value);
+            self.add(first + k, multiplier, *value);
+        }
+    }
 }
 
 /// No matrix is wanted.

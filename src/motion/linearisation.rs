@@ -68,6 +68,7 @@ impl Linearisation {
         let plain = plain_weight(system);
         let holds = |k: usize| system.holds_places(state, k);
         self.bordered.factor(system, &self.rows, holds, |_| plain);
+        self.rows.pack();
         Ok(())
     }
 

@@ -18,7 +18,7 @@ use super::linearisation::{Correction, Linearisation};
 use super::tableau::{ALPHA_BETA, C, GAMMA, Tableau};
 use crate::linear::{Lu, Triple};
 use crate::mechanics::{Mat3, Vec3, turning_rate};
-use crate::system::{NoValue, Parameters, Rates, Rows, Scratch, State, System};
+use crate::system::{NoValue, Parameters, Rates, RowProducts, Scratch, State, System};
 
 /// The eigenvalues of B / h: the real one and one of the pair.
 fn eigenvalues(h: f64) -> Triple {
@@ -112,14 +112,12 @@ impl Residuals {
 pub(super) struct Equations {
     pub tableau: Tableau,
     pub(super) linear: Linearisation,
-    stage_rows: Rows,
+    products: RowProducts,
     pub(super) factors: Lu<Triple>,
     values: Vec<Triple>,
     pub scratch: Scratch,
     pub(super) stage: State,
     pub(super) residuals: Residuals,
-    v: Vec<f64>,
-    pull: Vec<f64>,
     /// Residuals and corrections of the transformed stages.
     transformed: Correction<Triple>,
     pub evaluations: usize,
@@ -133,7 +131,7 @@ impl Equations {
         Self {
             tableau: Tableau::new(),
             linear: Linearisation::new(system),
-            stage_rows: Rows::new(system),
+            products: RowProducts::new(system),
             factors: Lu::for_steps(n),
             values: Vec::new(),
             scratch: Scratch::new(system),
@@ -143,8 +141,6 @@ impl Equations {
                 g: stages(n),
                 r4: stages(system.equations),
             },
-            v: Vec::new(),
-            pull: Vec::new(),
             transformed: Correction::default(),
             evaluations: 0,
             jacobians: 0,
@@ -299,7 +295,6 @@ impl Equations {
         h: f64,
         unknowns: &Unknowns,
     ) -> Result<(), NoValue> {
-        let n = system.first_equation;
         let d_inverse = plain_weight(system);
         for i in 0..3 {
             let B = self.tableau.B[i];
@@ -308,24 +303,20 @@ impl Equations {
             };
             self.place_stage(system, start, h, i, unknowns);
             let g = &mut self.residuals.g[i];
-            let (scratch, rows) = (&mut self.scratch, &mut self.stage_rows);
-            system.residual_and_rows(parameters, &self.stage, scratch, g, rows)?;
+            let (scratch, products) = (&mut self.scratch, &mut self.products);
+            let stage = (&self.stage, &unknowns.mu[i][..]);
+            system.residual_and_products(parameters, stage, scratch, g, products)?;
             self.evaluations += 1;
-            system.velocity_vector(&self.stage, &mut self.v);
             let r4 = &mut self.residuals.r4[i];
-            r4.copy_from_slice(&rows.time);
-            rows.times(&self.v, r4);
+            r4.copy_from_slice(&products.rates);
             // V - D G' mu.
-            let pull = &mut self.pull;
-            pull.clear();
-            pull.resize(n, 0.0);
-            rows.transposed_times(&unknowns.mu[i], pull);
+            let (v, pull) = (&products.v, &products.pull);
             let r1 = &mut self.residuals.r1[i];
             for body in &system.bodies {
                 let at = |k: usize| {
                     let k = body.first + k;
                     let weight = d_inverse[(k - body.first, k - body.first)];
-                    self.v[k] - pull[k] / weight
+                    v[k] - pull[k] / weight
                 };
                 for k in 0..body.freedoms.min(3) {
                     r1[body.first + k] = rate_of(&unknowns.z, body.first + k) - at(k);

@@ -156,10 +156,7 @@ impl Configuration<'_> {
                         continue;
                     };
                     for (place, column) in reaction.column(scalar) {
-                        for m in 0..place.freedoms {
-                            sink.add(row, place.first + m, -column[m]);
-                            sink.add(place.first + m, row, column[m]);
-                        }
+                        sink.add_reaction(row, place.first, &column[..place.freedoms]);
                     }
                 }
             }

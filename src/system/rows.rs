@@ -53,11 +53,9 @@ impl Rows {
         }
     }
 
-    /// Adds `G' mu` to one number per freedom of the parts.
-    pub(crate) fn transposed_times(&self, mu: &[f64], out: &mut [f64]) {
-        for &(row, column, value) in &self.entries {
-            out[column as usize] += value * mu[row as usize];
-        }
+    /// Leaves out derivatives that are zero.
+    pub(crate) fn pack(&mut self) {
+        self.entries.retain(|(_, _, value)| *value != 0.0);
     }
 }
 
@@ -129,23 +127,6 @@ impl System {
         }
     }
 
-    /// Residuals of everything with the rows of the constraints; rates included where the state moves.
-    ///
-    /// # Errors
-    /// [`NoValue`] if an element has no value here.
-    pub(crate) fn residual_and_rows(
-        &self,
-        parameters: &Parameters,
-        state: &State,
-        scratch: &mut Scratch,
-        g: &mut [f64],
-        rows: &mut Rows,
-    ) -> Result<(), NoValue> {
-        rows.clear();
-        self.assemble(parameters, state, scratch, g, rows)?;
-        self.at(parameters, state, scratch).row_rates(rows)
-    }
-
     /// Residuals and rows of the constraints alone.
     ///
     /// # Errors
@@ -165,23 +146,23 @@ impl System {
             here.add_joint(number, g, rows);
         }
         here.add_conditions(g, rows)?;
-        here.row_rates(rows)
+        here.row_rates(&mut rows.time, &rows.others);
+        Ok(())
     }
 }
 
 impl Configuration<'_> {
     /// Adds to the time derivatives of the rows what comes through variables; of rows of velocities all of it.
-    fn row_rates(&mut self, rows: &mut Rows) -> Result<(), NoValue> {
-        self.add_asked(&mut rows.time);
-        if rows.others.is_empty() {
-            return Ok(());
+    pub(super) fn row_rates(&mut self, time: &mut [f64], others: &[(u32, u32, f64)]) {
+        self.add_asked(time);
+        if others.is_empty() {
+            return;
         }
         let rates = self.variable_rates();
-        for &(row, variable, by) in &rows.others {
+        for &(row, variable, by) in others {
             let rate = rates.get(variable as usize);
-            rows.time[row as usize] += by * rate.copied().unwrap_or(0.0);
+            time[row as usize] += by * rate.copied().unwrap_or(0.0);
         }
-        Ok(())
     }
 
     /// The rates of the variables along the motion: `v' - e_v v' = e_q V + e_t`, by passes. Variables that MOTIONs and GCONs read know no

@@ -1,0 +1,110 @@
+//! What the rows of the constraints make of velocities and multipliers. The rows themselves are not kept: an iteration over time needs them at
+//! every stage, and no more of them than this.
+
+use super::{NoValue, Parameters, Scratch, State, System};
+use crate::linear::Sink;
+
+/// `G V + time` and `G' mu`, added up while the equations are assembled.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct RowProducts {
+    /// The velocities of the parts, in the order of the unknowns.
+    pub v: Vec<f64>,
+    /// A number per equation.
+    mu: Vec<f64>,
+    /// `G V + time`: the rate of every equation.
+    pub rates: Vec<f64>,
+    /// `G' mu`, a number per freedom of the parts.
+    pub pull: Vec<f64>,
+    first_equation: usize,
+    first_variable: usize,
+    unknowns: usize,
+    /// Of each row whether it is one of velocities: its gradient is that by these.
+    of_velocities: Vec<bool>,
+    /// Derivatives by variables: (row, variable, derivative).
+    others: Vec<(u32, u32, f64)>,
+}
+
+impl RowProducts {
+    /// Of a system.
+    pub(crate) fn new(system: &System) -> Self {
+        Self {
+            mu: vec![0.0; system.equations],
+            rates: vec![0.0; system.equations],
+            pull: vec![0.0; system.first_equation],
+            first_equation: system.first_equation,
+            first_variable: system.first_variable,
+            unknowns: system.moving_unknowns,
+            of_velocities: system.of_velocities.clone(),
+            ..Self::default()
+        }
+    }
+
+    fn take(&mut self, row: usize, column: usize, value: f64) {
+        self.rates[row] += value * self.v[column];
+        self.pull[column] += value * self.mu[row];
+    }
+}
+
+impl Sink for RowProducts {
+    const WANTED: bool = false;
+    const ROWS: bool = true;
+
+    fn add(&mut self, row: usize, column: usize, value: f64) {
+        if row < self.first_equation || row >= self.first_variable {
+            return;
+        }
+        let row = row - self.first_equation;
+        if self.of_velocities[row] {
+            let column = column.wrapping_sub(self.unknowns);
+            if column < self.first_equation {
+                self.take(row, column, value);
+            }
+        } else if column < self.first_equation {
+            self.take(row, column, value);
+        } else if column >= 3 * self.unknowns {
+            self.rates[row] += value;
+        } else if column >= self.first_variable && value != 0.0 {
+            let variable = column - self.first_variable;
+            self.others.push((row as u32, variable as u32, value));
+        }
+    }
+
+    #[inline]
+    fn add_reaction(&mut self, multiplier: usize, first: usize, column: &[f64]) {
+        let row = multiplier - self.first_equation;
+        let mu = self.mu[row];
+        let range = first..first + column.len();
+        let (v, pull) = (&self.v[range.clone()], &mut self.pull[range]);
+        let mut rate = 0.0;
+        for ((value, v), pull) in column.iter().zip(v).zip(pull) {
+            rate += value * v;
+            *pull -= value * mu;
+        }
+        self.rates[row] -= rate;
+    }
+}
+
+impl System {
+    /// Residuals of everything, rates included where the state moves, with what the rows make of its velocities and of `mu`.
+    ///
+    /// # Errors
+    /// [`NoValue`] if an element has no value here.
+    pub(crate) fn residual_and_products(
+        &self,
+        parameters: &Parameters,
+        (state, mu): (&State, &[f64]),
+        scratch: &mut Scratch,
+        g: &mut [f64],
+        products: &mut RowProducts,
+    ) -> Result<(), NoValue> {
+        self.velocity_vector(state, &mut products.v);
+        products.mu.copy_from_slice(mu);
+        products.rates.fill(0.0);
+        products.pull.fill(0.0);
+        products.others.clear();
+        self.assemble(parameters, state, scratch, g, products)?;
+        self.at(parameters, state, scratch)
+            .row_rates(&mut products.rates, &products.others);
+        Ok(())
+    }
+}
