@@ -186,6 +186,7 @@ impl Configuration<'_> {
         out.w = w;
         (out.F, out.T) = halves(&R, &w);
         out.D = None;
+        out.turns = false;
         out.rate = None;
         out.cross.clear();
         out.scalars.clear();

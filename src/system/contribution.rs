@@ -23,7 +23,8 @@
 //! further terms `D_k m_k` by the motions of its other markers in C.
 
 use super::chain::{
-    Place, Twist, add_block, add_wrench, add33, moved_columns, moved_rows, seen_motion,
+    Extent, Place, Twist, add_block, add_within, add_wrench, add33, moved_columns, moved_rows,
+    seen_motion,
 };
 use crate::linear::Sink;
 use crate::mechanics::{Mat3, Mat6, Pose, Vec3, Vec6, skew};
@@ -147,6 +148,8 @@ pub(crate) struct Contribution {
     pub T: Vec3,
     /// Derivative by the motion of I as C sees it; `None` if the wrench is fixed in C.
     pub D: Option<Mat6>,
+    /// D says no more than how the torque changes when I turns.
+    pub turns: bool,
     /// How it depends on the velocity of I as C sees it; `None` if it does not.
     pub rate: Option<ByRate>,
     pub cross: Vec<Cross>,
@@ -175,6 +178,7 @@ impl Default for Contribution {
             F: Vec3::zeros(),
             T: Vec3::zeros(),
             D: None,
+            turns: false,
             rate: None,
             cross: Vec::new(),
             scalars: Vec::new(),
@@ -248,6 +252,12 @@ impl Contribution {
         let c = self.c.filter(|(place, _)| place.freedoms > 0);
         let a_moves = on_a.freedoms > 0;
         let s_b = b.map_or_else(Mat3::zeros, |(_, s)| skew(&s));
+        // What is zero whatever the configuration, of the columns of A and of the frame.
+        let full = self.rate.is_some() || !(self.turns || self.D.is_none());
+        let on = |forces: bool, displacements: bool| Extent {
+            forces: full || forces,
+            displacements: full || displacements,
+        };
 
         // dw by q_A and the turning of the arms.
         if a_moves {
@@ -260,12 +270,12 @@ impl Contribution {
             }
             let mut block = moved_rows(&r, &N);
             add33(&mut block, 3, 3, &(Fx * r));
-            add_block(sink, on_a, on_a, &block);
+            add_within(sink, on_a, on_a, &block, on(false, false));
             if let Some((place, _)) = b {
                 let mut block = -moved_rows(&s_b, &N);
                 add33(&mut block, 3, 0, &Fx);
                 add33(&mut block, 3, 3, &(-Fx * r));
-                add_block(sink, place, on_a, &block);
+                add_within(sink, place, on_a, &block, on(false, true));
             }
         }
         // What the frame's part does to that of the reaction; where both are one, with what turns the arms there.
@@ -277,20 +287,24 @@ impl Contribution {
         if let Some((place, s)) = c {
             let N = self.by_frame(&skew(&s));
             if a_moves {
-                add_block(sink, on_a, place, &moved_rows(&r, &N));
+                add_within(sink, on_a, place, &moved_rows(&r, &N), on(true, false));
             }
             if let Some((row, _)) = b {
                 let mut block = -moved_rows(&s_b, &N);
                 if row.first == place.first
                     && let Some((_, arms)) = arms.take()
                 {
-                    block += arms;
+                    if full {
+                        block += arms;
+                    } else {
+                        add_within(sink, row, place, &arms, on(false, true));
+                    }
                 }
-                add_block(sink, row, place, &block);
+                add_within(sink, row, place, &block, on(true, false));
             }
         }
         if let Some((place, block)) = arms {
-            add_block(sink, place, place, &block);
+            add_within(sink, place, place, &block, on(false, true));
         }
         if let Some(rate) = &self.rate {
             let by_a = moved_columns(&rate.E, &r);

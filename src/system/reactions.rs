@@ -75,7 +75,7 @@ impl Configuration<'_> {
         let mut D = Mat6::zeros();
         let curvature = reaction.R * equations.curvature * reaction.R.transpose();
         D.fixed_view_mut::<3, 3>(3, 3).copy_from(&-curvature);
-        reaction.D = Some(D);
+        (reaction.D, reaction.turns) = (Some(D), true);
     }
 
     /// Evaluates one term of a constraint into `scratch.equations`.

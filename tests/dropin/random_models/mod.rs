@@ -5,6 +5,8 @@
 
 mod draw;
 mod loads;
+#[allow(non_snake_case, reason = "matrices, forces and torques")]
+mod moving;
 #[allow(non_snake_case, reason = "rotation matrices")]
 mod plain;
 #[allow(non_snake_case, reason = "rotation matrices")]
