@@ -69,6 +69,8 @@ pub struct Integrator<'a> {
     pub(super) factored: Option<f64>,
     /// The derivatives are those within this step.
     fresh: bool,
+    /// The multipliers of this step did not settle.
+    pub(super) loose: bool,
     pub(super) statistics: Statistics,
     /// What was worst in the last step that was given up.
     pub(super) worst: String,
@@ -105,6 +107,7 @@ impl<'a> Integrator<'a> {
             before: None,
             factored: None,
             fresh: false,
+            loose: false,
             statistics: Statistics::default(),
             worst: String::new(),
             regimes,
@@ -139,6 +142,11 @@ impl<'a> Integrator<'a> {
     /// The step that would be taken next.
     pub(crate) fn step(&self) -> f64 {
         self.h
+    }
+
+    /// What errs most in the last step: what its size follows.
+    pub(crate) fn governed_by(&self) -> &str {
+        &self.worst
     }
 
     /// How much was done.
@@ -255,6 +263,7 @@ impl<'a> Integrator<'a> {
                 .max(1.0);
             let h = left / count;
             let to = if count == 1.0 { end } else { time + h };
+            self.loose = false;
             self.predict(h);
             if let Err(reason) = self.prepare(h) {
                 if self.let_go() {
@@ -310,6 +319,7 @@ impl<'a> Integrator<'a> {
                     factor = 1.0;
                 }
                 self.accept(h, to).map_err(|reason| reason.at(time))?;
+                self.anew = std::mem::take(&mut self.loose);
                 self.before = Some((h, error.max(1e-2)));
                 // A step that was cut, as at an output, may be short without being too short.
                 self.h = (h * factor).max(self.settings.hmin).min(self.settings.hmax);

@@ -20,6 +20,8 @@ const MODE_DYNAMIC: i32 = 4;
 /// More steps of the integrator than this to one end are refused: they would take hours, and a step far below the last digit of time
 /// does not end at all.
 const MOST_INNER_STEPS: f64 = 1e9;
+/// As many steps between two outputs are told of, with what makes them short.
+const MANY_STEPS: usize = 20_000;
 
 impl Session<'_> {
     /// SIMULATE/INITIAL_CONDITIONS: assembles, and writes the step.
@@ -294,7 +296,12 @@ impl Session<'_> {
             let time = times.at(k);
             k += 1;
             let limit = if interpolate { times.end } else { time };
-            let reached = reach(&mut integrator, &mut watch, time, limit);
+            let begun = (last.time, integrator.statistics().steps + MANY_STEPS);
+            let reached = reach(&mut integrator, &mut watch, time, limit, |at| {
+                if at.statistics().steps == begun.1 {
+                    self.tell_slow(at, begun.0);
+                }
+            });
             let state = reached.and_then(|event| {
                 let state = if event || !interpolate {
                     integrator.output()
@@ -405,6 +412,15 @@ impl Session<'_> {
         }
     }
 
+    /// Says what the steps follow where many of them lead to no output.
+    fn tell_slow(&mut self, integrator: &Integrator<'_>, since: f64) {
+        let (step, why) = (integrator.step(), integrator.governed_by());
+        self.messages.say(&format!(
+            "\n   ADMIRE: {MANY_STEPS} steps since time {since} without an output, the next of {step:.1e}: {why}.\n   If that is stiff and light, damping or a larger ERROR makes the steps longer.\n\n"
+        ));
+        self.messages.flush();
+    }
+
     pub(super) fn motion_failed(&mut self, error: &MotionError, place: Place<'_>) {
         let diagnostic = Diagnostic::error(
             Code::NoMotion,
@@ -418,14 +434,16 @@ impl Session<'_> {
     }
 }
 
-/// Steps on to a time, or to the event of a sensor before it: true.
+/// Steps on to a time, or to the event of a sensor before it: true. `done` looks at every step.
 fn reach(
     integrator: &mut Integrator<'_>,
     watch: &mut Watch<'_>,
     time: f64,
     limit: f64,
+    mut done: impl FnMut(&Integrator<'_>),
 ) -> Result<bool, MotionError> {
     while integrator.state().time < time && integrator.step_towards(limit)? {
+        done(integrator);
         if watch.look(integrator)? {
             return Ok(true);
         }

@@ -153,9 +153,10 @@ fn a_least_step_is_one_of_the_error_control_alone() {
     assert!((z.last().unwrap() - known).abs() < 1e-6, "{z:?}");
 }
 
-/// Numbers out of the bounds of their arguments are told where they stand, in the dataset and in a command.
+/// Numbers out of the bounds of their arguments, and joints without the displacement that is asked for, are told where they stand, in
+/// the dataset and in a command.
 #[test]
-fn numbers_out_of_bounds_are_input_errors() {
+fn what_an_argument_cannot_be_is_an_input_error() {
     for (statement, command, told) in [
         (
             "FRICTION/1, JOINT=1, STICTION_TRANSITION_VELOCITY=0\n",
@@ -166,6 +167,26 @@ fn numbers_out_of_bounds_are_input_errors() {
             "PART/3, MASS=-1, CM=30, IP=1,1,1\nMARKER/30, PART=3\n",
             "",
             "ball.adm:11:14: MASS of PART must be 0 or more",
+        ),
+        (
+            "MOTION/1, JOINT=1, ROTATIONAL, FUNCTION=0\n",
+            "",
+            "ball.adm:11:17: MOTION/1 takes the rotation of JOINT/1, which is TRANSLATIONAL",
+        ),
+        (
+            "MARKER/21, PART=2\nJOINT/2, HOOKE, I=21, J=1\nMOTION/2, JOINT=2, FUNCTION=TIME\n",
+            "",
+            "ball.adm:13:17: MOTION/2 takes JOINT/2, which is HOOKE",
+        ),
+        (
+            "MARKER/21, PART=2\nJOINT/2, SPHERICAL, I=21, J=1\nGEAR/1, JOINTS=1,2, CV=1\n",
+            "",
+            "ball.adm:13:16: GEAR/1 takes JOINT/2, which is SPHERICAL",
+        ),
+        (
+            "MARKER/21, PART=2\nJOINT/2, REVOLUTE, I=21, J=1\nCOUPLER/1, JOINTS=1,2, TYPE=T:T, SCALES=1,1\n",
+            "",
+            "ball.adm:13:29: COUPLER/1 takes the translation of JOINT/2, which is REVOLUTE",
         ),
         (
             "",
@@ -190,4 +211,27 @@ fn numbers_out_of_bounds_are_input_errors() {
         assert!(said.contains(told), "{said}");
         assert_eq!(solved.status.code(), Some(1), "{said}");
     }
+}
+
+/// A ball of a milligram on a spring without damping, 100,000 rad/s: steps follow every swing, and what they follow is told while they do.
+#[test]
+fn many_steps_between_two_outputs_are_told_of() {
+    let deck = BALL.replace("MASS=1, CM=20, IP=1,1,1", "MASS=1E-6, CM=20, IP=1,1,1");
+    let run = |damping: &str| {
+        let deck = format!("{deck}{FORCE}-1E4*DZ(20){damping}\nEND\n");
+        let acf = "\nfile/model=ball\nSIM/DYN, END=0.1, STEPS=1\nstop\n";
+        let folder = folder(&[("ball.adm", &deck), ("run.acf", acf)]);
+        let ran = mdi(folder.path(), &["ru-s", "run"]);
+        assert_eq!(ran.code, 0, "{}", ran.stdout);
+        ran.stdout
+    };
+    let said = run("");
+    let told = "20000 steps since time 0 without an output";
+    assert_eq!(said.matches(told).count(), 1, "{said}");
+    assert!(
+        said.contains("the next of 3.0e-6: the error is that of PART/2 along z."),
+        "{said}"
+    );
+    let said = run("-0.1*VZ(20)");
+    assert!(!said.contains(told), "{said}");
 }

@@ -27,17 +27,6 @@ struct Moving {
 }
 
 impl Moving {
-    fn still(at: Frame) -> Self {
-        let zero = V::zeros();
-        Self {
-            at,
-            v: zero,
-            w: zero,
-            a: zero,
-            b: zero,
-        }
-    }
-
     /// A frame that is fixed in this one.
     fn then(&self, local: &Frame) -> Self {
         let r = self.at.R * local.p;
