@@ -1,8 +1,9 @@
 //! Cases no fit saw: what a model says of them, and how much better it says it with the causes found.
 
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 
 use super::fit::Fitted;
+use super::foreseen::Foreseen;
 use super::subject::{Data, Subject};
 use crate::identify::global::Row;
 use crate::rig::orientation::chi_square_p_value;
@@ -81,9 +82,8 @@ impl Blind {
             row *= *weight;
         }
         let (r, J) = (r.select_rows(&turned), J.select_rows(&turned));
-        let n = turned.len();
-        let S = &J * &self.covariance * J.transpose() + DMatrix::identity(n, n);
-        Some((r.dot(&Cholesky::new(S)?.solve(&r)), n))
+        let foreseen = Foreseen::new(J, &self.covariance);
+        Some((foreseen.chi_square(&r)?, turned.len()))
     }
 
     /// Rms of one mark coordinate held out, outliers left out.

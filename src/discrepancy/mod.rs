@@ -4,7 +4,7 @@
 //! the virtual rig are not known here.
 //!
 //! One direction: `subject` (what was read, and its tolerances) and `hypothesis` (data) <- `unknowns` <- `settle` <- `fit` <- `survey` <- `causes`,
-//! `columns` <- `scan` <- `search` (`stand_in` adds forces of unknown laws to it) <- `sought` <- `folds` <- `unseen` <- `cross_validation`,
+//! `columns` <- `scan` <- `search` (`stand_in` adds forces of unknown laws to it) <- `sought`, `foreseen` <- `folds` <- `unseen` <- `cross_validation`,
 //! `structure`, `gaussian_process` <- `remainder`, `averaged` <- `findings` <- `diagnose`, and what shows its outcome.
 //! What could be measured next goes beside: `candidate` <- `forecast` <- `prospect` <- `information` <- `rivals` <- `next_measurement`, `plan`.
 
@@ -23,6 +23,7 @@ mod findings;
 mod fit;
 mod folds;
 mod forecast;
+mod foreseen;
 mod gain_check;
 mod gaussian_process;
 mod hypothesis;

@@ -8,13 +8,14 @@
 //! [`unnamed`] makes it a hypothesis that a search holds against several causes of the catalogue: one effect that the catalogue lacks
 //! looks like many of those it has. Source: Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), chapters 2 and 5.
 
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use super::cause::Cause;
 use super::causes::PRESENT;
 use super::fit::Fitted;
 use super::folds::{compared, unseen};
+use super::foreseen::Foreseen;
 use super::gaussian_process::{LAWS, Law, Reach};
 use super::hypothesis::{Column, Hypothesis, LEFT_BY_LAW, Number, component};
 use super::subject::{Data, Subject};
@@ -207,12 +208,11 @@ pub(super) fn predicted(
     let r = whitening.apply_vector(&after).component_mul(&weights);
     let r = r.select_rows(&turned);
     let n = turned.len();
-    let S = &J * &found.posterior.covariance * J.transpose()
-        + &R * &found.process.law.covariance * R.transpose()
-        + DMatrix::identity(n, n);
-    let within = (0..n).filter(|k| r[*k].abs() < 1.96 * S[(*k, *k)].sqrt());
+    let foreseen = Foreseen::new(J, &found.posterior.covariance);
+    let foreseen = foreseen.with(&R, &found.process.law.covariance);
+    let within = (0..n).filter(|k| r[*k].abs() < 1.96 * foreseen.variance(*k).sqrt());
     let within95 = within.count() as f64 / n as f64;
-    let chi_square = r.dot(&Cholesky::new(S)?.solve(&r));
+    let chi_square = foreseen.chi_square(&r)?;
     Some(Predicted {
         address: found.address,
         rms_before: rms(&before),
