@@ -45,3 +45,17 @@ fn a_motion_that_is_switched_off_is_no_redundant_equation() {
         ran.stdout
     );
 }
+
+#[test]
+fn a_transfer_function_of_ids_says_that_it_wants_coefficients() {
+    let control = "vari/1,fu=time\narray/1,u,var=1\narray/2,x\narray/3,y\narray/4,num=1\narray/5,num=1,0.02\n\
+                   tfsiso/1,x=2,u=1,y=3,num=4,den=5";
+    let (_, ran) = arm(300.0, control, "sim/stat");
+    for said in [
+        "TFSISO/1 has no states: its denominator needs a power of s",
+        "they are no ids of ARRAYs",
+    ] {
+        assert!(ran.stdout.contains(said), "{}", ran.stdout);
+    }
+    assert_ne!(ran.code, 0);
+}
