@@ -31,16 +31,39 @@ impl Solver {
             imbalance: plain.imbalance.max(1e-6 * self.scratch.largest),
             ..plain
         };
-        let found = self.iterate(system, parameters, state, settings, damped);
+        let slowed = self.iterate(system, parameters, state, settings, damped);
         iterations += self.history.len();
-        if found.is_ok() {
+        if slowed.is_ok() {
             let found = self.iterate(system, parameters, state, settings, plain);
             iterations += self.history.len();
             if found.is_ok() {
                 return (Some(Continuation::Damped), iterations);
             }
         }
+        let on_its_way = matches!(slowed, Err(Failure::NotConverged)).then(|| state.clone());
         reset(state);
+        let (found, more) = self.release(system, parameters, state, settings, plain);
+        iterations += more;
+        let (None, Some(there)) = (&found, on_its_way) else {
+            return (found, iterations);
+        };
+        // An arm that begins level has far to go at the slow pace, and where it has fallen some way the plain one does.
+        state.clone_from(&there);
+        let found = self.iterate(system, parameters, state, settings, plain);
+        iterations += self.history.len();
+        (found.is_ok().then_some(Continuation::Damped), iterations)
+    }
+
+    /// Holds the imbalance of the start and releases it little by little. Gives that way if it led there, and the iterations used.
+    fn release(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &mut State,
+        settings: &Settings,
+        plain: Way,
+    ) -> (Option<Continuation>, usize) {
+        let mut iterations = 0;
         if system
             .residual(parameters, state, &mut self.scratch, &mut self.held)
             .is_err()

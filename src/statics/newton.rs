@@ -307,7 +307,10 @@ impl Solver {
                     violation,
                 });
             }
-            report.redundant.push(equation);
+            // What is switched off is not held, but says nothing about the others.
+            if system.equation_is_active(k) {
+                report.redundant.push(equation);
+            }
         }
         Ok(())
     }

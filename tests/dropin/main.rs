@@ -16,6 +16,7 @@ mod governor;
 mod kills;
 mod known_motions;
 mod launch;
+mod level_arm;
 mod massless;
 #[allow(non_snake_case, reason = "rotation matrices and inertias")]
 mod mechanisms;

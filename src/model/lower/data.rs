@@ -34,7 +34,16 @@ pub(super) fn linear_states(reader: &mut Reader) -> Option<LinearStates> {
         let numerator = reader.reals("NUMERATOR")?;
         let denominator = reader.reals("DENOMINATOR")?;
         let Some(form) = controllable_form(&numerator, &denominator) else {
-            return reader.missing("a denominator of higher order than its numerator, not zero");
+            let why = format!(
+                "{} has no states: its denominator needs a power of s, and one as high as its numerator has",
+                reader.called()
+            );
+            let diagnostic = Diagnostic::error(Code::OutOfRange, why).help(
+                "NUMERATOR and DENOMINATOR list coefficients, the constant one first; they are no ids of ARRAYs",
+            );
+            let place = reader.place("DENOMINATOR");
+            reader.complain(diagnostic, place);
+            return None;
         };
         form
     } else {
