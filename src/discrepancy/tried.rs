@@ -174,23 +174,7 @@ impl<'a, 'b> Tried<'a, 'b> {
         let guesses = &weighed.guesses;
         // With the cause in the model it cannot be far worse than without.
         let least = base.ln_posterior() - ASTRAY;
-        let is_astray = |f: &Option<Fitted>| f.as_ref().is_none_or(|f| f.ln_posterior() < least);
-        let is_done = |found: &Fitted| {
-            found.is_settled()
-                || found.ln_posterior() > base.ln_posterior()
-                || (target.is_beaten(found) && found.ln_posterior() > least)
-        };
-        let better = |found: Option<Fitted>, again: Option<Fitted>| {
-            let reached = |f: &Option<Fitted>| f.as_ref().map(Fitted::ln_posterior);
-            if reached(&again) > reached(&found) {
-                again
-            } else {
-                found
-            }
-        };
-        let small: Vec<f64> = guesses.iter().map(|guess| SMALL * guess).collect();
-        // A law that is known in kind only may begin so far below: then a part of its guess is tried before, and where the linear model
-        // promises nothing of the law that is all.
+        // A law that is known in kind only and begins so far below would hardly come back, but for friction, whose kinks are elsewhere.
         let is_rough = h.cause.has_rough_law() && h.memory.is_none();
         let first = if is_rough {
             Target {
@@ -205,24 +189,33 @@ impl<'a, 'b> Tried<'a, 'b> {
             Some(Fit::New(found)) => Some(*found),
             None => None,
         };
-        let mut of_part = None;
-        let mut is_left = true;
-        if is_rough && is_astray(&found) {
-            of_part = from(&small, &base.x);
-            is_left = weighed.ln_posterior > base.ln_posterior() || is_astray(&of_part);
-            if is_left {
-                found = from(guesses, &weighed.x);
+        let is_done = |found: &Fitted| {
+            found.is_settled()
+                || found.ln_posterior() > base.ln_posterior()
+                || (target.is_beaten(found) && found.ln_posterior() > least)
+        };
+        let better = |found: Option<Fitted>, again: Option<Fitted>| {
+            let reached = |f: &Option<Fitted>| f.as_ref().map(Fitted::ln_posterior);
+            if reached(&again) > reached(&found) {
+                again
+            } else {
+                found
             }
+        };
+        let is_astray = |f: &Option<Fitted>| f.as_ref().is_none_or(|f| f.ln_posterior() < least);
+        // What the linear model promises of a large effect may be out of its reach.
+        let small: Vec<f64> = guesses.iter().map(|guess| SMALL * guess).collect();
+        let is_far = is_rough && is_astray(&found);
+        if is_far {
+            found = better(found, from(&small, &base.x));
         }
-        // If the step of the linear model leads astray, begin where the fit without the cause ended.
-        if is_left && !found.as_ref().is_some_and(is_done) {
+        // If its step leads astray, begin where the fit without the cause ended.
+        if is_astray(&found) || (!is_far && !found.as_ref().is_some_and(is_done)) {
             found = better(found, from(guesses, &base.x));
         }
-        // What the linear model promises of a large effect may be out of its reach.
-        if of_part.is_none() && found.is_some() && is_astray(&found) {
-            of_part = from(&small, &base.x);
+        if !is_far && found.is_some() && is_astray(&found) {
+            found = better(found, from(&small, &base.x));
         }
-        let found = better(found, of_part);
         // A further slider takes over a part of what the first one does.
         let halved = halved.and_then(|(h, guesses, x)| anew(&h, &guesses, &x));
         let found = match (found, halved) {
