@@ -272,8 +272,6 @@ pub(super) struct Target<'a> {
     pub lead: f64,
     /// A fit of the same causes and laws, wherever their numbers begin: one that leads to its end stops.
     pub known: Option<&'a Fitted>,
-    /// Evidence in nats, prior left out: a fit that begins below goes no further.
-    pub least: f64,
 }
 
 impl<'a> Target<'a> {
@@ -281,7 +279,6 @@ impl<'a> Target<'a> {
     pub(super) const NONE: Self = Self {
         lead: f64::NEG_INFINITY,
         known: None,
-        least: f64::NEG_INFINITY,
     };
 
     /// Another fit of the same causes, or a better one of others.
@@ -289,7 +286,6 @@ impl<'a> Target<'a> {
         Self {
             lead: known.ln_posterior() - known.ln_prior(),
             known: Some(known),
-            ..Self::NONE
         }
     }
 
@@ -297,7 +293,7 @@ impl<'a> Target<'a> {
     pub(super) fn is_beaten(&self, fitted: &Fitted) -> bool {
         let aim = Aim {
             lead: self.lead,
-            ..Aim::NONE
+            known: None,
         };
         aim.is_beaten(fitted.posterior.ln_z, fitted.posterior.gain)
     }
@@ -312,7 +308,6 @@ impl<'a> Target<'a> {
         Aim {
             lead: self.lead,
             known: self.known.filter(same).map(|known| known.x.as_slice()),
-            least: self.least,
         }
     }
 }
@@ -382,15 +377,9 @@ pub(super) fn aimed(
                 .predictor
                 .start_from(case, state, unknowns.deck.clone());
         }
-        // The same model on other cases or with other weights has nearly the same sizes.
-        let is_same = x == warm.x && is_model_of(warm, chosen);
-        let first = if is_same {
-            sizes.clone()
-        } else {
-            sizes.at(sizes.modest(1.0))
-        };
+        let first = sizes.at(sizes.modest(1.0));
         let start = sweep.beside(x, (&warm.jacobian, warm.unknowns.len()));
-        let end = start.and_then(|start| sweep.settle(start, &first, (STEPS, aim), is_same));
+        let end = start.and_then(|start| sweep.settle(start, &first, (STEPS, aim), false));
         subject.spend(sweep.predictor.sweeps());
         (sweep, end)
     } else {
@@ -418,7 +407,6 @@ pub(super) fn aimed(
         let aim = Aim {
             lead: to_beat,
             known: known.map(|known| known.point.x.as_slice()),
-            ..Aim::NONE
         };
         let better = |(_, end, _): &(Sweep<'_>, Option<End>, bool)| {
             let own = end.as_ref().and_then(End::own);
@@ -460,12 +448,6 @@ pub(super) fn aimed(
         states,
         deck,
     })))
-}
-
-/// True if a fit has just these causes, in this order.
-fn is_model_of(fitted: &Fitted, chosen: &[(Hypothesis, Vec<f64>)]) -> bool {
-    let pairs = fitted.chosen.iter().zip(chosen);
-    fitted.chosen.len() == chosen.len() && pairs.into_iter().all(|(a, (b, _))| a.same(b))
 }
 
 /// A model as it is written for others: causes and stiffnesses, small errors of everything else left out.

@@ -363,7 +363,7 @@ impl<'a, 'b> Search<'a, 'b> {
                 .as_ref()
                 .map_or(least, |w| w.ln_posterior().max(least));
             // Of a further slider the linear model knows well what it promises.
-            if h.part > 0 && weighed.ln_posterior < leads + BETTER {
+            if h.part > 0 && weighed.ln_posterior < leads - LINEAR {
                 continue;
             }
             let far =
@@ -449,7 +449,7 @@ impl<'a, 'b> Search<'a, 'b> {
             let from = Some((&*winner, winner.x.as_slice()));
             let target = Target {
                 lead: winner.ln_posterior().max(base.ln_posterior()) - base.ln_prior() - h.ln_prior,
-                ..Target::NONE
+                known: None,
             };
             let found = aimed(
                 self.tried.subject,

@@ -98,18 +98,9 @@ pub(super) struct Aim<'a> {
     pub lead: f64,
     /// Where another fit of the same unknowns ended. One that leads there ends.
     pub known: Option<&'a [f64]>,
-    /// Evidence in nats, prior left out: a fit that begins below goes no further.
-    pub least: f64,
 }
 
 impl Aim<'_> {
-    /// Nothing else is known.
-    pub(super) const NONE: Self = Self {
-        lead: f64::NEG_INFINITY,
-        known: None,
-        least: f64::NEG_INFINITY,
-    };
-
     /// True where a fit that has so much evidence, and so many nats to gain, will not come near.
     pub(super) fn is_beaten(&self, ln_z: f64, gain: f64) -> bool {
         ln_z + gain < self.lead - BEHIND || ln_z + CLOSE.1 * gain < self.lead - CLOSE.0
@@ -409,9 +400,6 @@ impl Sweep<'_> {
             course.push(reached.ln_z - reached.gain);
             let hopeless = (is_beaten && (step_number >= HELD || reached.gain < KINKS))
                 || aim.is_out_of_reach(&course, steps);
-            if step_number == 0 && course[0] < aim.least {
-                return Settled::end(here, sizes);
-            }
             if aim.is_known(&here, &reached) {
                 return Some(End::Known);
             }

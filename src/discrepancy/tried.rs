@@ -73,7 +73,6 @@ impl<'a, 'b> Tried<'a, 'b> {
         let target = Target {
             lead: lead - base.ln_prior() - h.ln_prior,
             known: known.as_deref(),
-            ..Target::NONE
         };
         // Forms of a slider that differ in their first guess come to the same here.
         let halves = halved(base, h).filter(|(half, ..)| {
@@ -133,7 +132,6 @@ impl<'a, 'b> Tried<'a, 'b> {
         let target = Target {
             lead: lead - base.ln_prior() - h.ln_prior,
             known: found.as_deref(),
-            ..Target::NONE
         };
         let from = Some((&**start, start.x.as_slice()));
         let again = match aimed(self.subject, &all, from, None, self.data, target) {
@@ -172,50 +170,44 @@ impl<'a, 'b> Tried<'a, 'b> {
         };
         let from = |guesses: &[f64], x: &[f64]| anew(h, guesses, x);
         let guesses = &weighed.guesses;
-        // With the cause in the model it cannot be far worse than without.
-        let least = base.ln_posterior() - ASTRAY;
-        // A law that is known in kind only and begins so far below would hardly come back, but for friction, whose kinks are elsewhere.
-        let is_rough = h.cause.has_rough_law() && h.memory.is_none();
-        let first = if is_rough {
-            Target {
-                least: least - base.ln_prior(),
-                ..target
-            }
-        } else {
-            target
-        };
-        let mut found = match begun(h, guesses, &weighed.x, first) {
+        // If the step of the linear model leads astray, begin where the fit without the cause ended.
+        let found = match begun(h, guesses, &weighed.x, target) {
             Some(Fit::Known) => return Some(Fit::Known),
             Some(Fit::New(found)) => Some(*found),
             None => None,
         };
+        // With the cause in the model it cannot be far worse than without.
+        let least = base.ln_posterior() - ASTRAY;
         let is_done = |found: &Fitted| {
             found.is_settled()
                 || found.ln_posterior() > base.ln_posterior()
                 || (target.is_beaten(found) && found.ln_posterior() > least)
         };
-        let better = |found: Option<Fitted>, again: Option<Fitted>| {
-            let reached = |f: &Option<Fitted>| f.as_ref().map(Fitted::ln_posterior);
-            if reached(&again) > reached(&found) {
-                again
-            } else {
-                found
+        let reached = |f: &Option<Fitted>| f.as_ref().map(Fitted::ln_posterior);
+        let found = match found {
+            Some(found) if is_done(&found) => Some(found),
+            astray => {
+                let again = from(guesses, &base.x);
+                if reached(&again) > reached(&astray) {
+                    again
+                } else {
+                    astray
+                }
             }
         };
-        let is_astray = |f: &Option<Fitted>| f.as_ref().is_none_or(|f| f.ln_posterior() < least);
         // What the linear model promises of a large effect may be out of its reach.
-        let small: Vec<f64> = guesses.iter().map(|guess| SMALL * guess).collect();
-        let is_far = is_rough && is_astray(&found);
-        if is_far {
-            found = better(found, from(&small, &base.x));
-        }
-        // If its step leads astray, begin where the fit without the cause ended.
-        if is_astray(&found) || (!is_far && !found.as_ref().is_some_and(is_done)) {
-            found = better(found, from(guesses, &base.x));
-        }
-        if !is_far && found.is_some() && is_astray(&found) {
-            found = better(found, from(&small, &base.x));
-        }
+        let found = match found {
+            Some(found) if found.ln_posterior() < least => {
+                let small: Vec<f64> = guesses.iter().map(|guess| SMALL * guess).collect();
+                let again = from(&small, &base.x);
+                if reached(&again) > Some(found.ln_posterior()) {
+                    again
+                } else {
+                    Some(found)
+                }
+            }
+            found => found,
+        };
         // A further slider takes over a part of what the first one does.
         let halved = halved.and_then(|(h, guesses, x)| anew(&h, &guesses, &x));
         let found = match (found, halved) {
@@ -269,12 +261,7 @@ impl<'a, 'b> Tried<'a, 'b> {
     /// lie beyond kinks that no step crosses.
     pub(super) fn restarted(&mut self, mut current: Arc<Fitted>) -> Arc<Fitted> {
         for at in 0..current.chosen.len() {
-            let own = &current.chosen[at];
-            // Several sliders at a place share what it does: each begins where the linear model and the others put it.
-            if current.chosen.iter().filter(|h| h.same_place(own)).count() > 1 {
-                continue;
-            }
-            let numbers = own.numbers.iter();
+            let numbers = current.chosen[at].numbers.iter();
             let mut lengths = numbers.zip(&current.places[at]);
             let is_length =
                 |(n, _): &(&Number, &usize)| matches!(n.unknown, Unknown::SlipLength { .. });
