@@ -85,6 +85,8 @@ codes! {
     /// A part has no mass and no constraint holds it: its acceleration is not defined. Where only forces act on it, which is enough
     /// for statics, this is a note.
     FreeWithoutMass = "free-without-mass",
+    /// A force element exerts a torque on a POINT_MASS, which does not turn: the torque does nothing there.
+    LostTorque = "lost-torque",
     /// A MOTION on a joint that has no such freedom, such as a FIXED one, or a second MOTION on the same freedom.
     WrongMotion = "wrong-motion",
     /// The stiffness matrix of a FIELD is not symmetric. ADAMS accepts it; elastic forces then give or take energy.

@@ -408,6 +408,9 @@ impl<'a> Session<'a> {
         for apart in model::lint::apart(&loaded.value.model) {
             self.messages.apart(&apart);
         }
+        for lost in model::lint::lost_torques(&deck.value, &loaded.value.model) {
+            self.messages.diagnostic(&lost, &self.sources);
+        }
         self.messages.title(&loaded.value.model.title);
         self.loaded = Some(loaded.value);
         Ok(())

@@ -1,7 +1,7 @@
 //! What the message file says beside what was computed, compared with real message files where there are such.
 
 use crate::common::shared;
-use crate::run::{SLIDER, folder, generic_model, mdi, text};
+use crate::run::{Results, SLIDER, folder, generic_model, mdi, text};
 
 /// The frames of warnings in a message file, whose first lines hold a phrase.
 fn frames<'t>(messages: &'t str, phrases: &[&str]) -> Vec<&'t str> {
@@ -163,4 +163,33 @@ fn commands_print_what_they_are_asked_to() {
     );
     assert!(after("INFO/DISPLACEMENT, I=77", 0).contains("MARKER/77 is not in the model"));
     assert!(after("INFO/I=21", 0).contains("does not say what is asked for"));
+}
+
+/// `state_point_mass` has translational forces only on a POINT_MASS: what would turn it is told of where it stands.
+#[test]
+fn a_torque_that_nothing_feels_is_told() {
+    let deck = "ball\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\nPART/1, GROUND\nMARKER/10, PART=1\n\
+                POINT_MASS/2, MASS=2, CM=20\nMARKER/20, POINT_MASS=2\n\
+                BUSHING/1, I=20, J=10, K=100,100,100, KT=1E5,1E5,1E5\nBUSHING/2, I=20, J=10, K=100,100,100\n\
+                ACCGRAV/KGRAV=-9806.65\nRESULTS/XRF\nEND\n";
+    let acf = "\nfile/model=ball\nsimulate/static\nstop\n";
+    let folder = folder(&[("ball.adm", deck), ("run.acf", acf)]);
+    let ran = mdi(folder.path(), &["ru-s", "run"]);
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    assert_eq!(
+        ran.stdout.matches("the torque is lost").count(),
+        1,
+        "{}",
+        ran.stdout
+    );
+    assert!(
+        ran.stdout
+            .contains("BUSHING/1 exerts a torque on POINT_MASS/2"),
+        "{}",
+        ran.stdout
+    );
+    let results = Results::read_all(folder.path(), "ball.res");
+    let z = results.column("POINT_MASS_2_XFORM", "Z");
+    let low = z.iter().fold(0.0_f64, |low, z| low.min(*z));
+    assert!((low + 2.0 * 9.80665 / 200.0).abs() < 1e-9, "{low}");
 }

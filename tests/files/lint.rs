@@ -98,6 +98,7 @@ fn each_code_has_a_deck_that_shows_it() {
         Code::BushingAngle,
         Code::JointNotAligned,
         Code::ImplausibleUnits,
+        Code::LostTorque,
     ];
     for code in RULES
         .iter()

@@ -5,6 +5,7 @@
 mod bushing_angle;
 mod implausible_units;
 mod joint_aligned;
+mod lost_torque;
 
 pub(crate) use joint_aligned::Apart;
 pub use joint_aligned::apart;
@@ -20,8 +21,16 @@ pub fn check(dataset: &Dataset, model: &Model) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     bushing_angle::check(&design, &mut found);
     joint_aligned::check(&design, &mut found);
+    lost_torque::check(&design, &mut found);
     implausible_units::check(&design, &mut found);
     found.sort_by_key(|diagnostic| diagnostic.labels.first().map(|label| label.span.start()));
+    found
+}
+
+/// Torques that nothing feels.
+pub(crate) fn lost_torques(dataset: &Dataset, model: &Model) -> Vec<Diagnostic> {
+    let mut found = Vec::new();
+    lost_torque::check(&Design { dataset, model }, &mut found);
     found
 }
 
