@@ -67,34 +67,6 @@ pub(crate) fn add_block<S: Sink>(sink: &mut S, row: Place, column: Place, block:
     }
 }
 
-/// Which rows and columns of a block can be other than zero: the others are left out of the pattern.
-#[derive(Clone, Copy)]
-pub(super) struct Extent {
-    /// Forces are among the rows, not torques alone.
-    pub forces: bool,
-    /// Displacements are among the columns, not rotations alone.
-    pub displacements: bool,
-}
-
-/// Adds what of a block is within an extent.
-pub(super) fn add_within<S: Sink>(
-    sink: &mut S,
-    row: Place,
-    column: Place,
-    block: &Mat6,
-    extent: Extent,
-) {
-    let first = if extent.forces { 0 } else { 3 };
-    let from = if extent.displacements { 0 } else { 3 };
-    if first >= row.freedoms {
-        return;
-    }
-    for j in from..column.freedoms {
-        let values = &block.as_slice()[6 * j + first..6 * j + row.freedoms];
-        sink.add_column(row.first + first, column.first + j, values);
-    }
-}
-
 /// Adds a wrench at an arm to the balance of a body.
 pub(crate) fn add_wrench(g: &mut [f64], place: Place, sign: f64, F: &Vec3, T: &Vec3, arm: &Vec3) {
     if place.freedoms == 0 {

@@ -186,7 +186,6 @@ impl Configuration<'_> {
         out.w = w;
         (out.F, out.T) = halves(&R, &w);
         out.D = None;
-        out.turns = false;
         out.rate = None;
         out.cross.clear();
         out.scalars.clear();

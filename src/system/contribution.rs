@@ -23,8 +23,7 @@
 //! further terms `D_k m_k` by the motions of its other markers in C.
 
 use super::chain::{
-    Extent, Place, Twist, add_block, add_within, add_wrench, add33, moved_columns, moved_rows,
-    seen_motion,
+    Place, Twist, add_block, add_wrench, add33, moved_columns, moved_rows, seen_motion,
 };
 use crate::linear::Sink;
 use crate::mechanics::{Mat3, Mat6, Pose, Vec3, Vec6, skew};
@@ -148,8 +147,6 @@ pub(crate) struct Contribution {
     pub T: Vec3,
     /// Derivative by the motion of I as C sees it; `None` if the wrench is fixed in C.
     pub D: Option<Mat6>,
-    /// D says no more than how the torque changes when I turns.
-    pub turns: bool,
     /// How it depends on the velocity of I as C sees it; `None` if it does not.
     pub rate: Option<ByRate>,
     pub cross: Vec<Cross>,
@@ -178,7 +175,6 @@ impl Default for Contribution {
             F: Vec3::zeros(),
             T: Vec3::zeros(),
             D: None,
-            turns: false,
             rate: None,
             cross: Vec::new(),
             scalars: Vec::new(),
@@ -252,12 +248,6 @@ impl Contribution {
         let c = self.c.filter(|(place, _)| place.freedoms > 0);
         let a_moves = on_a.freedoms > 0;
         let s_b = b.map_or_else(Mat3::zeros, |(_, s)| skew(&s));
-        // What is zero whatever the configuration, of the columns of A and of the frame.
-        let full = self.rate.is_some() || !(self.turns || self.D.is_none());
-        let on = |forces: bool, displacements: bool| Extent {
-            forces: full || forces,
-            displacements: full || displacements,
-        };
 
         // dw by q_A and the turning of the arms.
         if a_moves {
@@ -270,12 +260,12 @@ impl Contribution {
             }
             let mut block = moved_rows(&r, &N);
             add33(&mut block, 3, 3, &(Fx * r));
-            add_within(sink, on_a, on_a, &block, on(false, false));
+            add_block(sink, on_a, on_a, &block);
             if let Some((place, _)) = b {
                 let mut block = -moved_rows(&s_b, &N);
                 add33(&mut block, 3, 0, &Fx);
                 add33(&mut block, 3, 3, &(-Fx * r));
-                add_within(sink, place, on_a, &block, on(false, true));
+                add_block(sink, place, on_a, &block);
             }
         }
         // What the frame's part does to that of the reaction; where both are one, with what turns the arms there.
@@ -287,24 +277,20 @@ impl Contribution {
         if let Some((place, s)) = c {
             let N = self.by_frame(&skew(&s));
             if a_moves {
-                add_within(sink, on_a, place, &moved_rows(&r, &N), on(true, false));
+                add_block(sink, on_a, place, &moved_rows(&r, &N));
             }
             if let Some((row, _)) = b {
                 let mut block = -moved_rows(&s_b, &N);
                 if row.first == place.first
                     && let Some((_, arms)) = arms.take()
                 {
-                    if full {
-                        block += arms;
-                    } else {
-                        add_within(sink, row, place, &arms, on(false, true));
-                    }
+                    block += arms;
                 }
-                add_within(sink, row, place, &block, on(true, false));
+                add_block(sink, row, place, &block);
             }
         }
         if let Some((place, block)) = arms {
-            add_within(sink, place, place, &block, on(false, true));
+            add_block(sink, place, place, &block);
         }
         if let Some(rate) = &self.rate {
             let by_a = moved_columns(&rate.E, &r);

@@ -75,7 +75,7 @@ impl Configuration<'_> {
         let mut D = Mat6::zeros();
         let curvature = reaction.R * equations.curvature * reaction.R.transpose();
         D.fixed_view_mut::<3, 3>(3, 3).copy_from(&-curvature);
-        (reaction.D, reaction.turns) = (Some(D), true);
+        reaction.D = Some(D);
     }
 
     /// Evaluates one term of a constraint into `scratch.equations`.
