@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::aim::Aim;
 use super::cause::Cause;
 use super::extended_deck::{ExtendedDeck, deck_of, like};
 use super::hypothesis::{Hypothesis, Unknown};
-use super::settle::{Aim, End, Settled, Sweep};
+use super::settle::{End, Settled, Sweep};
 use super::subject::{Data, Subject};
 use super::unknowns::{Known, Unknowns};
 use crate::identify::Problem;

@@ -3,11 +3,12 @@
 //! Knows no files: a study's problem comes in, a diagnosis and the fits behind it go out. The laws by which effects are planted on
 //! the virtual rig are not known here.
 //!
-//! One direction: `subject` (what was read, and its tolerances) and `hypothesis` (data) <- `unknowns` <- `settle` <- `fit` <- `survey` <- `causes`,
-//! `columns` <- `scan` <- `search` (`stand_in` adds forces of unknown laws to it) <- `sought`, `foreseen` <- `folds` <- `unseen` <- `cross_validation`,
+//! One direction: `subject` (what was read, and its tolerances) and `hypothesis` (data) <- `unknowns`, `aim` <- `settle` <- `fit` <- `survey` <-
+//! `causes`, `columns` <- `scan` <- `search` (`stand_in` adds forces of unknown laws to it) <- `sought`, `foreseen` <- `folds` <- `unseen` <- `cross_validation`,
 //! `structure`, `gaussian_process` <- `remainder`, `averaged` <- `findings` <- `diagnose`, and what shows its outcome.
 //! What could be measured next goes beside: `candidate` <- `forecast` <- `prospect` <- `information` <- `rivals` <- `next_measurement`, `plan`.
 
+mod aim;
 mod averaged;
 mod candidate;
 mod cause;

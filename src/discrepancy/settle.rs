@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::aim::Aim;
 use super::unknowns::Unknowns;
 use crate::identify::global::gauss_newton::{LeastSquares, approach};
 use crate::identify::global::{Evaluation, FitUnknowns, NativePredictor, Observations, Predictor};
@@ -13,14 +14,6 @@ use crate::tolerance::{ByClass, Linear, Posterior, Reached, Sizes, Whitening};
 const REACH: [f64; 2] = [0.8, 1.2];
 /// A step that promises less than so many nats was the last one.
 pub(super) const ENOUGH: f64 = 0.05;
-/// What the linear model promises has to come to within so many nats of the model that leads,
-const BEHIND: f64 = 50.0;
-/// or to so many, once what is left of the way is small: it may rise by so many times that.
-const CLOSE: (f64, f64) = (7.0, 3.0);
-/// or, at the pace of so many steps, to within the first of these;
-const PACE: usize = 3;
-/// or, sizes of its own granted, to within so many nats after the first step. What is promised of a far way may be half of what it brings.
-const LOST: f64 = 200.0;
 /// Sizes of tolerances are held for so many steps of a fit that starts from another, unless a step promises less than so many nats.
 const HELD: usize = 5;
 const NEAR: f64 = 30.0;
@@ -46,8 +39,8 @@ const TRUSTED: f64 = 10.0;
 /// A fit ends where a whole step leads uphill though it promises no more than so many nats: sliders that stick or slip in other cases
 /// make kinks.
 const KINKS: f64 = 0.5;
-/// A fit is on the way to a known end that its linear model puts within so many nats of its own.
-const SAME: f64 = 0.5;
+/// Where steps lead uphill over kinks so many of each step are made along them, before shorter ones.
+const ALONG: usize = 2;
 
 /// Derivatives by all unknowns.
 struct Derivatives {
@@ -75,6 +68,19 @@ pub(super) struct Point {
 }
 
 impl Point {
+    /// By how much the whitened derivatives by some unknowns there differ from those here: its Gram matrix.
+    fn bend(&self, there: &Self, places: &[usize], weights: &DVector<f64>) -> DMatrix<f64> {
+        let turned = |point: &Self| match &point.own {
+            Some((known, own)) if known == places => own[1].clone(),
+            _ => point.derivatives.turned.select_columns(places),
+        };
+        let mut change = turned(there) - turned(self);
+        for (mut row, weight) in change.row_iter_mut().zip(weights.iter()) {
+            row *= *weight;
+        }
+        change.tr_mul(&change)
+    }
+
     /// Unknowns, residual, its derivatives and those of turned rows, and the linear model.
     pub(super) fn into_parts(self) -> (Vec<f64>, DVector<f64>, [DMatrix<f64>; 2], Linear) {
         let (mut jacobian, mut turned) = match Arc::try_unwrap(self.derivatives) {
@@ -88,53 +94,6 @@ impl Point {
             }
         }
         (self.x, self.residual, [jacobian, turned], self.linear)
-    }
-}
-
-/// What a fit is measured by: where it need not go on.
-#[derive(Clone, Copy)]
-pub(super) struct Aim<'a> {
-    /// Evidence in nats, prior left out, that it has to come near to.
-    pub lead: f64,
-    /// Where another fit of the same unknowns ended. One that leads there ends.
-    pub known: Option<&'a [f64]>,
-}
-
-impl Aim<'_> {
-    /// True where a fit that has so much evidence, and so many nats to gain, will not come near.
-    pub(super) fn is_beaten(&self, ln_z: f64, gain: f64) -> bool {
-        ln_z + gain < self.lead - BEHIND || ln_z + CLOSE.1 * gain < self.lead - CLOSE.0
-    }
-
-    /// True where a fit that gains as much as in its last steps will not come near in those it has left.
-    fn is_out_of_reach(&self, course: &[f64], steps: usize) -> bool {
-        let count = course.len();
-        if count <= HELD {
-            return false;
-        }
-        let recent = &course[count - 1 - PACE..];
-        // Where new sizes or derivatives set it back, its pace says nothing.
-        if recent.windows(2).any(|pair| pair[1] < pair[0]) {
-            return false;
-        }
-        let here = course[count - 1];
-        let pace = (here - recent[0]) / PACE as f64;
-        let left = (steps + 1).saturating_sub(count) as f64;
-        here + left * pace < self.lead - CLOSE.0
-    }
-
-    /// True where a fit is far behind even if its way brings twice what it promises.
-    fn is_lost(&self, promised: &Reached) -> bool {
-        promised.ln_z + promised.gain < self.lead - LOST
-    }
-
-    fn is_known(&self, here: &Point, reached: &Reached) -> bool {
-        let known = self.known.filter(|known| known.len() == here.x.len());
-        known.is_some_and(|known| {
-            let there =
-                DVector::from_iterator(known.len(), known.iter().zip(&here.x).map(|(k, x)| k - x));
-            reached.above(&there) < SAME
-        })
     }
 }
 
@@ -399,8 +358,8 @@ impl Sweep<'_> {
             let is_beaten = aim.is_beaten(reached.ln_z, reached.gain);
             course.push(reached.ln_z - reached.gain);
             let hopeless = (is_beaten && (step_number >= HELD || reached.gain < KINKS))
-                || aim.is_out_of_reach(&course, steps);
-            if aim.is_known(&here, &reached) {
+                || aim.is_out_of_reach(&course, (HELD, steps));
+            if aim.is_known(&here.x, &reached) {
                 return Some(End::Known);
             }
             let is_over = step_number >= steps || slow == SLOW;
@@ -422,8 +381,17 @@ impl Sweep<'_> {
             let mut next = None;
             // Where a whole step leads uphill a part of it comes first: what damping holds back most is not what bends most.
             let (mut part, mut is_part) = (1.0, false);
+            // Sliders that begin to slip make kinks. Where steps over them led says where they are: beyond one the linear model is wrong by the
+            // change of the Jacobian times the step. With its square in the objective a step goes along the kink, where the minimum may be.
+            let along = if self.unknowns.memories.is_empty() {
+                0
+            } else {
+                ALONG
+            };
+            let (mut bend, mut bends): (Option<DMatrix<f64>>, usize) = (None, 0);
+            let mut held: Option<Reached> = None;
             self.predictor.keep();
-            for trial in 0..TRIALS {
+            for trial in 0..TRIALS + along {
                 let other;
                 let damped = if damping == 0.0 {
                     &reached
@@ -431,11 +399,15 @@ impl Sweep<'_> {
                     other = here.linear.reached(&sizes, damping)?;
                     &other
                 };
-                let mut further = self.stepped(&here, damped, &list, (reach, part));
+                let held_here = held.take();
+                let step = held_here.as_ref().unwrap_or(damped);
+                let mut further = self.stepped(&here, step, &list, (reach, part));
                 let value = |point: &Point| point.linear.objective(&sizes);
                 let led = further.as_ref().map(value);
+                let mut beyond = None;
                 if damping == 0.0
                     && !is_part
+                    && held_here.is_none()
                     && let Some(uphill) = further.as_ref().filter(|f| value(f) > objective + ENOUGH)
                 {
                     // Along a valley that bends a whole step ends up on its side, and the next one leads back to the ground. Source:
@@ -443,35 +415,48 @@ impl Sweep<'_> {
                     let back = uphill.linear.reached(&sizes, 0.0);
                     let back = back.filter(|b| value(uphill) - 2.0 * b.gain < objective);
                     if let Some(back) = back {
-                        further = self.stepped(uphill, &back, &list, (reach, 1.0));
+                        let returned = self.stepped(uphill, &back, &list, (reach, 1.0));
+                        beyond = std::mem::replace(&mut further, returned);
                     }
                 }
-                if let Some(further) = further {
+                let is_down = |point: &Point| value(point) <= objective + ENOUGH;
+                if let Some(further) = further.take_if(|further| is_down(further)) {
+                    // Where the model promised much more its derivatives have changed.
                     let value = value(&further);
-                    if value <= objective + ENOUGH {
-                        // Where the model promised much more its derivatives have changed.
-                        let is_less = objective - value < FAITHFUL * 2.0 * reached.gain;
-                        let further = if is_less && !is_sure {
-                            let near = further.linear.reached(&sizes, 0.0)?.gain;
-                            let exact = self.at(further.x)?;
-                            let gain = exact.linear.reached(&sizes, 0.0)?.gain;
-                            confirmed = is_alike(gain, near).then_some(value);
-                            exact
-                        } else {
-                            further
-                        };
-                        let small = objective - value < LITTLE;
-                        slow = if small { slow + 1 } else { 0 };
-                        next = Some(further);
-                        // Where a step had to be damped more than the last one the next will need as much.
-                        if trial == 0 {
-                            damping = if damping < EASED { 0.0 } else { damping / EASE };
-                        }
-                        break;
+                    let is_less = objective - value < FAITHFUL * 2.0 * reached.gain;
+                    let further = if is_less && !is_sure {
+                        let near = further.linear.reached(&sizes, 0.0)?.gain;
+                        let exact = self.at(further.x)?;
+                        let gain = exact.linear.reached(&sizes, 0.0)?.gain;
+                        confirmed = is_alike(gain, near).then_some(value);
+                        exact
+                    } else {
+                        further
+                    };
+                    let small = objective - value < LITTLE;
+                    slow = if small { slow + 1 } else { 0 };
+                    next = Some(further);
+                    // Where a step had to be damped more than the last one the next will need as much.
+                    if trial == 0 || held_here.is_some() {
+                        damping = if damping < EASED { 0.0 } else { damping / EASE };
                     }
+                    break;
                 }
                 // The answers are those of the trial, and a further one would follow where it led.
                 self.predictor.go_back();
+                if bends < along
+                    && reached.gain > KINKS
+                    && let Some(beyond) = beyond.or(further)
+                {
+                    let weights = self.whitening.weights(&sizes.ln);
+                    let crossed = here.bend(&beyond, &self.of_the_model, &weights);
+                    let all = bend.map_or(crossed.clone(), |known| known + &crossed);
+                    held = damped.held(&self.of_the_model, &all);
+                    (bend, bends) = (Some(all), bends + 1);
+                }
+                if held.is_some() {
+                    continue;
+                }
                 if !is_sure {
                     break;
                 }

@@ -66,20 +66,44 @@ impl Reached {
         step
     }
 
-    /// The same with some unknowns moving by given amounts.
-    fn step_with(&self, given: &[(usize, f64)]) -> DVector<f64> {
-        if given.is_empty() {
-            return self.step.clone();
-        }
+    /// The maximum if the objective also rose by `x' bend x`, where `x` are the steps of the unknowns at `places`. `None` where that has no
+    /// finite answer.
+    pub(crate) fn held(&self, places: &[usize], bend: &DMatrix<f64>) -> Option<Self> {
+        let across = self.across(places);
+        // (H + E B E')^-1 b = x - U B (1 + E'U B)^-1 E'x with U = H^-1 E and x = H^-1 b.
+        let inner = across.select_rows(places) * bend;
+        let inner = DMatrix::identity(places.len(), places.len()) + inner;
+        let kept = inner.lu().solve(&self.step.select_rows(places))?;
+        let step = &self.step - across * (bend * kept);
+        step.iter().all(|x| x.is_finite()).then(|| Self {
+            gain: self.gain - self.above(&step),
+            step,
+            ln_z: self.ln_z,
+            factor: self.factor.clone(),
+            S: self.S.clone(),
+        })
+    }
+
+    /// Columns of the covariance.
+    fn across(&self, places: &[usize]) -> DMatrix<f64> {
         let n = self.step.len();
-        let mut across = DMatrix::zeros(n, given.len());
-        for (k, (place, _)) in given.iter().enumerate() {
+        let mut across = DMatrix::zeros(n, places.len());
+        for (k, place) in places.iter().enumerate() {
             let mut unit = DVector::zeros(n);
             unit[*place] = self.S[*place];
             let column = self.factor.solve(&unit).component_mul(&self.S);
             across.set_column(k, &column);
         }
+        across
+    }
+
+    /// The same with some unknowns moving by given amounts.
+    fn step_with(&self, given: &[(usize, f64)]) -> DVector<f64> {
+        if given.is_empty() {
+            return self.step.clone();
+        }
         let places: Vec<usize> = given.iter().map(|(place, _)| *place).collect();
+        let across = self.across(&places);
         let off = DVector::from_iterator(
             given.len(),
             given.iter().map(|(place, value)| value - self.step[*place]),
@@ -94,6 +118,40 @@ impl Reached {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The normal equations with the further term in them, of three unknowns with priors of different widths.
+    #[test]
+    fn a_held_step_is_that_of_the_whole_objective() {
+        let jacobian =
+            DMatrix::from_row_slice(3, 3, &[2.0, 0.3, -1.0, 0.5, 1.5, 0.7, -0.2, 1.1, 3.0]);
+        let S = DVector::from_vec(vec![0.5, 2.0, 1.0]);
+        let scaled = &jacobian * DMatrix::from_diagonal(&S);
+        let information = scaled.tr_mul(&scaled) + DMatrix::identity(3, 3);
+        let residual = DVector::from_vec(vec![1.0, -2.0, 0.4]);
+        let b = scaled.tr_mul(&residual);
+        let factor = Factor::new(information.clone()).unwrap();
+        let mu = factor.solve(&b);
+        let reached = Reached {
+            ln_z: 0.0,
+            gain: 0.5 * b.dot(&mu),
+            step: mu.component_mul(&S),
+            factor,
+            S: S.clone(),
+        };
+        // One direction alone: singular.
+        let bend = DMatrix::from_row_slice(2, 2, &[4.0, -6.0, -6.0, 9.0]);
+        let held = reached.held(&[0, 2], &bend).unwrap();
+        let mut whole = information;
+        for (i, row) in [0, 2].into_iter().enumerate() {
+            for (j, column) in [0, 2].into_iter().enumerate() {
+                whole[(row, column)] += S[row] * bend[(i, j)] * S[column];
+            }
+        }
+        let expected = whole.lu().solve(&b).unwrap().component_mul(&S);
+        assert!((&held.step - expected).norm() < 1e-12);
+        let above = reached.gain - held.gain;
+        assert!(above > 0.0 && (above - reached.above(&held.step)).abs() < 1e-12);
+    }
 
     /// Half of the first number and the second are known in sum, far better than each: with the first held at its limit the second stays
     /// on that line, within its own.
