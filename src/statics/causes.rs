@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::Settings;
-use super::rank::{free_motion, free_motions, motion_of};
+use super::rank::{FREE, free_motion, free_motions, motion_of};
 use super::report::FreeMotion;
 use crate::function::Program;
 use crate::linear::{Lu, Matrix};
@@ -91,7 +91,7 @@ impl Ended<'_> {
                 };
                 let by = drivers.unwrap_or_else(|| "something drives it".to_string());
                 // An arm that begins level meets no stiffness there, and does as soon as it has fallen some way.
-                let level = if by.contains(WEIGHT) {
+                let level = if by.contains(WEIGHT) && motion.motion.starts_with(FREE.about) {
                     "; if that is so only where it begins, let it begin elsewhere"
                 } else {
                     ""
