@@ -43,6 +43,7 @@ pub(super) fn solvable(
     complaints.extend(implausible_units(&parsed.value, &lowered.value));
     complaints.extend(left_out.iter().cloned());
     complaints.extend(compiled.diagnostics);
+    parsed.value.locate(&mut complaints);
     shell.complain(&complaints);
     if complaints.iter().any(|d| d.severity == Severity::Error) {
         return Err(Exit::Findings);

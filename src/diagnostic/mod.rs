@@ -67,6 +67,8 @@ pub struct Fix {
 pub struct Object {
     /// Keyword in capitals.
     pub kind: &'static str,
+    /// Its number.
+    pub id: u32,
     /// As in the message: `CONTACT/1 'cam_to_pin'`.
     pub called: String,
     /// View name, where it says more than keyword and id.

@@ -409,6 +409,7 @@ impl Deck {
         let compiled = System::compile(&model);
         let mut found = compiled.diagnostics;
         found.extend(lint::implausible_units(self.dataset(), &model));
+        self.dataset().locate(&mut found);
         self.unless_errors(&found)?;
         Ok((model, compiled.value))
     }

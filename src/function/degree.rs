@@ -32,7 +32,7 @@ impl Degree {
 impl Program {
     /// The degree of its value, from those of its inputs. Sums, products, quotients and the parts of an IF are followed; in any other
     /// function an input is of higher degree.
-    pub(crate) fn degree(&self, of: impl Fn(&Input) -> Degree) -> Degree {
+    pub(crate) fn degree(&self, of: impl FnMut(&Input) -> Degree) -> Degree {
         let mut degrees: Vec<Degree> = self.inputs.iter().map(of).collect();
         let slots = self.slots.max(self.result as usize + 1);
         degrees.resize(slots.max(degrees.len()), Degree::Nothing);

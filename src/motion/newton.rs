@@ -349,8 +349,19 @@ impl Equations {
         h: f64,
         (r1, mut g): (Vec<f64>, Vec<f64>),
     ) -> Correction<f64> {
-        g[system.first_equation..system.first_variable].fill(0.0);
-        let mut of = Correction::of(g, r1, vec![0.0; system.equations]);
+        let constraints = system.first_equation..system.first_variable;
+        g[constraints.clone()].fill(0.0);
+        let mut r4 = vec![0.0; system.equations];
+        if !system.states.is_empty() {
+            // The rows of constraints that states drive see the same rates in place of theirs.
+            let first_state = system.first_variable + system.variables.len();
+            for (row, column, [by_place, ..]) in self.linear.levels.entries() {
+                if column >= first_state && constraints.contains(&row) {
+                    r4[row - constraints.start] -= by_place * g[column];
+                }
+            }
+        }
+        let mut of = Correction::of(g, r1, r4);
         (self.linear).solve((system, start), GAMMA / h, &mut of, &self.factors);
         of
     }

@@ -17,7 +17,11 @@ impl Session<'_> {
         if let Some(loaded) = &mut self.loaded {
             found.retain(|told| loaded.told.insert((told.severity, told.message.clone())));
         }
-        for diagnostic in gathered(found) {
+        let mut found = gathered(found);
+        if let Some(loaded) = &self.loaded {
+            loaded.definitions.dataset().locate(&mut found);
+        }
+        for diagnostic in found {
             self.complain(&diagnostic);
         }
     }
@@ -85,7 +89,12 @@ mod tests {
     fn many_alike_are_one_and_few_stay_apart() {
         let error = |kind: &'static str, called: String, view: Option<String>| {
             let message = format!("{called} is not solved: it would push");
-            let object = Object { kind, called, view };
+            let object = Object {
+                kind,
+                id: 0,
+                called,
+                view,
+            };
             Diagnostic::error(Code::NotSolvedNatively, message).about(object)
         };
         let contact = |k: usize| {

@@ -45,6 +45,12 @@ impl Session<'_> {
         if let Some(flow) = self.refuse_motion(place) {
             return flow;
         }
+        let system = &self.model().compiled().value.system;
+        if let Some(owner) = system.driven_by_states().cloned() {
+            let message = format!("{owner} reads dynamic states, and is not linearised");
+            let refusal = Diagnostic::error(Code::NotSolvedNatively, message);
+            return self.refused(refusal.about(owner.object()), Some(place));
+        }
         if !self.model().stands()
             && let Err(error) = self.model().begin(1e-3, false)
         {
@@ -157,6 +163,15 @@ impl Session<'_> {
                 return self.misunderstood(diagnostic, Some(place));
             }
         };
+        let system = &self.model().compiled().value.system;
+        if let Some(&input) = inputs.iter().find(|&&input| system.is_read_through(input)) {
+            let owner = system.variables[input].name.clone();
+            let message = format!(
+                "{owner} is an input, and what constrains reads it: that is not linearised"
+            );
+            let refusal = Diagnostic::error(Code::NotSolvedNatively, message);
+            return self.refused(refusal.about(owner.object()), Some(place));
+        }
         let asked = command.argument("FORMAT");
         let asked = asked.map_or("MATRIXX", |a| {
             a.choices(place.source)

@@ -32,8 +32,9 @@ impl Sources {
 
     /// The object a diagnostic is about, as ADAMS names it.
     fn object(&self, diagnostic: &Diagnostic) -> Option<String> {
-        if let Some(label) = diagnostic.labels.first() {
-            return self.names.as_ref()?.at(label).map(str::to_string);
+        let named = |label| self.names.as_ref()?.at(label).map(str::to_string);
+        if let Some(name) = diagnostic.labels.first().and_then(named) {
+            return Some(name);
         }
         let view = diagnostic.object.as_ref()?.view.as_deref()?;
         Some(qualified(None, view))

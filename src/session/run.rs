@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
 use crate::model;
-use crate::syntax::{CommandFile, Dataset, Statement};
+use crate::syntax::{CommandFile, Dataset, Statement, Wrong};
 use crate::text::{Source, read_at_most};
 
 use super::ending::{Ending, Stop};
@@ -279,6 +279,20 @@ impl<'a> Session<'a> {
             source,
             span: command.span,
         });
+        if !is_harmless(command.kind()) {
+            let mut fractions = Vec::new();
+            command.faults(
+                |_, _| true,
+                |fault| {
+                    if matches!(fault.wrong, Wrong::NotWhole(_)) {
+                        fractions.push(fault.diagnostic(source, ""));
+                    }
+                },
+            );
+            if let Some(first) = fractions.into_iter().next() {
+                return self.misunderstood(first, place);
+            }
+        }
         match command.kind().unwrap_or_default() {
             "FILE" => {
                 if let Some(argument) = command.argument("COMMAND") {

@@ -1,9 +1,9 @@
 //! The usual reasons why an iteration finds nothing, as far as they are present in this model. Knows no iteration.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::Settings;
-use super::rank::{free_motion, free_motions, motion_of};
+use super::rank::{FREE, free_motion, free_motions, motion_of};
 use super::report::FreeMotion;
 use crate::function::Program;
 use crate::linear::{Lu, Matrix};
@@ -17,6 +17,9 @@ const DRIVEN: f64 = 1e-9;
 const CLOSED: f64 = 1e-6;
 /// So many causes of a kind are told, the others counted.
 const TOLD: usize = 3;
+
+/// What a weight is told by.
+const WEIGHT: &str = "the weight of ";
 
 /// What is known when the iteration has ended.
 pub(super) struct Ended<'a> {
@@ -87,7 +90,13 @@ impl Ended<'_> {
                     None
                 };
                 let by = drivers.unwrap_or_else(|| "something drives it".to_string());
-                told.push(format!("{motion}, and {by}"));
+                // An arm that begins level meets no stiffness there, and does as soon as it has fallen some way.
+                let level = if by.contains(WEIGHT) && motion.motion.starts_with(FREE.about) {
+                    "; if that is so only where it begins, let it begin elsewhere"
+                } else {
+                    ""
+                };
+                told.push(format!("{motion}, and {by}{level}"));
             }
         }
         some(told, out);
@@ -101,7 +110,7 @@ impl Ended<'_> {
         let loads = here.loads().ok()?;
         let by = |load: &Load<'_>| match load.by {
             Some(name) => name.to_string(),
-            None => format!("the weight of {}", system.bodies[load.part.0].name),
+            None => format!("{WEIGHT}{}", system.bodies[load.part.0].name),
         };
         let speed = |load: &Load<'_>| {
             let (v, w) = motion_of(system, load.part.0, z);
@@ -170,12 +179,15 @@ impl Ended<'_> {
     }
 
     fn kinks(&self, out: &mut Vec<String>) {
+        // A variable's function may stand in for it in several places.
+        let mut owners = BTreeSet::new();
         let told = self
             .system
             .order
             .iter()
             .map(|&f| &self.system.functions[f])
             .filter(|f| f.program.as_ref().is_some_and(Program::has_branches))
+            .filter(|f| owners.insert(f.replacement))
             .map(|f| {
                 format!(
                     "the function of {} has an IF: where it jumps no tangent leads across",

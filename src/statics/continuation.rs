@@ -3,8 +3,12 @@
 use super::causes::Ended;
 use super::measures::largest;
 use super::newton::{Failure, Solver, Way};
+use super::settings::MOST_ITERATIONS;
 use super::{Continuation, Settings, SolveError};
 use crate::system::{Parameters, State, System};
+
+/// The way of an arm in a half turn, in its lengths, and some more.
+const HALF_TURN: f64 = 4.0;
 
 impl Solver {
     /// Ways to an equilibrium that plain iteration does not find. Gives the one that helped and the iterations used.
@@ -47,9 +51,15 @@ impl Solver {
         let (None, Some(there)) = (&found, on_its_way) else {
             return (found, iterations);
         };
-        // An arm that begins level has far to go at the slow pace, and where it has fallen some way the plain one does.
+        // An arm that begins level has far to go at the slow pace, and where it has fallen some way the plain one does, in as many steps
+        // of TLIMIT as a half turn of the model is long.
         state.clone_from(&there);
-        let found = self.iterate(system, parameters, state, settings, plain);
+        let steps = (HALF_TURN * system.length / settings.tlimit).ceil() as usize;
+        let patient = Way {
+            maxit: plain.maxit.max(steps.min(MOST_ITERATIONS)),
+            ..plain
+        };
+        let found = self.iterate(system, parameters, state, settings, patient);
         iterations += self.history.len();
         (found.is_ok().then_some(Continuation::Damped), iterations)
     }

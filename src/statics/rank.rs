@@ -35,15 +35,15 @@ pub(super) fn redundant_equations(system: &System, J: &Matrix) -> Vec<bool> {
 }
 
 /// How motions are told.
-struct Words {
+pub(super) struct Words {
     along: &'static str,
-    about: &'static str,
+    pub about: &'static str,
     screw: &'static str,
     /// Parts and rotations that have less than this share of the largest motion are passed over.
     share: f64,
 }
 
-const FREE: Words = Words {
+pub(super) const FREE: Words = Words {
     along: "is held by nothing along",
     about: "spins freely about",
     screw: "screws freely about",

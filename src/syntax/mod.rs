@@ -28,6 +28,7 @@ mod overlay;
 mod parser;
 mod pattern;
 pub mod pieces;
+mod places;
 pub mod property;
 mod removal;
 pub mod renumber;

@@ -34,8 +34,17 @@ impl StatementParser<'_> {
             (ValueKind::Flag, false) => Value::Flag,
             (ValueKind::Flag, true) => {
                 let value = self.unknown_value(cursor);
-                let diagnostic =
-                    Diagnostic::error(Code::WrongCount, format!("{} takes no value", def.name));
+                let word = def.name;
+                let function = statement.and_then(|statement| statement.argument("FUNCTION"));
+                let help = if function.is_some_and(|f| f.kind == ValueKind::Function) {
+                    format!(
+                        "{word} stands alone, and the expression is that of FUNCTION: write `{word}, FUNCTION=` before it"
+                    )
+                } else {
+                    format!("{word} stands alone, without `=`")
+                };
+                let message = format!("{word} takes no value");
+                let diagnostic = Diagnostic::error(Code::WrongCount, message).help(help);
                 self.complain(diagnostic, name, "");
                 value
             }

@@ -1,7 +1,7 @@
 //! What a FUNCTION reads, with its indices resolved.
 
 use super::Name;
-use crate::function::{ForceComponent, Input, Measure, Program, RateKind, RateMeasure};
+use crate::function::{ForceComponent, Measure, Program, RateKind, RateMeasure};
 
 /// What exerts a wrench.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -36,6 +36,11 @@ pub(crate) enum Source {
     /// A velocity or acceleration: zero in statics.
     Moved(RateMeasure),
     Variable(usize),
+    /// A variable whose function stands in for it: `function` is a copy of it for those that constrain.
+    Through {
+        variable: usize,
+        function: usize,
+    },
     State(usize),
     /// Rate of a state: in statics the value of its function if it is held, else zero.
     StateRate(usize, Option<usize>),
@@ -48,7 +53,7 @@ pub(crate) enum Source {
 }
 
 /// A FUNCTION of the model, ready to evaluate.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct CompiledFunction {
     /// The statement it belongs to.
     pub owner: Name,
@@ -66,14 +71,14 @@ pub(crate) struct CompiledFunction {
     pub switches: std::ops::Range<usize>,
 }
 
-impl CompiledFunction {
-    /// True if velocities of markers are among its inputs; those that other functions read do not count.
-    pub(super) fn reads_velocities(&self) -> bool {
-        let velocity = |input: &Input| {
-            matches!(input, Input::Rate(measure)
-                if matches!(measure.kind, RateKind::Velocity | RateKind::AngularVelocity))
-        };
-        let inputs = self.program.iter().flat_map(|program| &program.inputs);
-        inputs.into_iter().any(velocity)
-    }
+/// True if velocities of markers are among the inputs of a function, or of one that stands in for a variable it reads.
+pub(super) fn reads_velocities(functions: &[CompiledFunction], function: usize) -> bool {
+    let mut sources = functions[function].sources.iter();
+    sources.any(|source| match source {
+        Source::Moved(measure) => {
+            matches!(measure.kind, RateKind::Velocity | RateKind::AngularVelocity)
+        }
+        Source::Through { function, .. } => reads_velocities(functions, *function),
+        _ => false,
+    })
 }

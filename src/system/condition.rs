@@ -1,9 +1,10 @@
 //! GCONs: functions as constraints.
 
 use super::NoValue;
+use super::compiled_function::Source;
 use super::scratch::Beside;
-use super::structure::Condition;
-use super::{Configuration, Scratch, State, System};
+use super::structure::{Condition, Drive};
+use super::{Configuration, Name, Scratch, State, System};
 use crate::linear::Sink;
 use crate::mechanics::Vec3;
 use crate::model::MarkerIx;
@@ -153,6 +154,38 @@ impl Configuration<'_> {
         }
         scratch.beside = Some(beside);
         result
+    }
+}
+
+impl System {
+    /// A MOTION or GCON that takes part and reads dynamic states.
+    pub(crate) fn driven_by_states(&self) -> Option<&Name> {
+        let motions = self.joints.iter().filter(|joint| joint.active);
+        let motions = motions.filter_map(|joint| match joint.drive {
+            Drive::Function(function) => Some((&joint.name, function)),
+            _ => None,
+        });
+        let conditions = self.conditions.iter().filter(|c| c.active);
+        let conditions = conditions.map(|c| (&c.name, c.function));
+        let mut all = motions.chain(conditions);
+        all.find(|(_, function)| self.reads_states(*function))
+            .map(|(name, _)| name)
+    }
+
+    fn reads_states(&self, function: usize) -> bool {
+        let mut sources = self.functions[function].sources.iter();
+        sources.any(|source| match source {
+            Source::State(_) | Source::StateRate(..) | Source::Output(_) => true,
+            Source::Through { function, .. } => self.reads_states(*function),
+            _ => false,
+        })
+    }
+
+    /// True if the function of a variable stands in for it in what constrains.
+    pub(crate) fn is_read_through(&self, variable: usize) -> bool {
+        let mut sources = self.functions.iter().flat_map(|f| &f.sources);
+        sources
+            .any(|source| matches!(source, Source::Through { variable: v, .. } if *v == variable))
     }
 }
 

@@ -363,6 +363,7 @@ impl System {
             Source::Time
             | Source::Mode
             | Source::Variable(_)
+            | Source::Through { .. }
             | Source::State(_)
             | Source::Output(_)
             | Source::Constant(_)
@@ -389,7 +390,13 @@ impl System {
             Role::Literals(function) | Role::Override(function) => {
                 let measured =
                     sources().any(|s| matches!(s, Source::Force(_) | Source::StateRate(..)));
-                measured || self.conditions.iter().any(|c| c.function == function)
+                let replacement = self.functions[function].replacement;
+                let stands_in = sources().any(|s| {
+                    matches!(s, Source::Through { function, .. }
+                        if self.functions[*function].replacement == replacement)
+                });
+                let constrains = self.conditions.iter().any(|c| c.function == function);
+                measured || stands_in || constrains
             }
         }
     }

@@ -163,6 +163,19 @@ impl Configuration<'_> {
                     .push((system.first_variable + variable, 1.0));
                 state.variables[*variable]
             }
+            Source::Through { variable, function } => {
+                let value = scratch.functions[*function];
+                let at = scratch.gradient.len();
+                scratch.gradient.extend_from_within(value.first..value.last);
+                if !system.variables[*variable].active {
+                    // What is switched off is zero; the pattern of the gradient stays.
+                    for (_, by) in &mut scratch.gradient[at..] {
+                        *by = 0.0;
+                    }
+                    return Ok(0.0);
+                }
+                value.value
+            }
             Source::State(k) => {
                 if let Some(unknown) = system.state_unknown(*k, state.moves()) {
                     scratch.gradient.push((unknown, 1.0));

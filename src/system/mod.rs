@@ -23,6 +23,7 @@ mod inertia;
 mod load;
 mod multi;
 mod name;
+mod narrow_order;
 mod no_value;
 mod parameters;
 mod quantity;

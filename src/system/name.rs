@@ -24,6 +24,7 @@ impl Name {
     pub(crate) fn object(&self) -> Object {
         Object {
             kind: self.kind,
+            id: self.id,
             called: self.to_string(),
             view: self.telling().map(str::to_string),
         }

@@ -20,6 +20,9 @@ const LARGE: usize = 300_000_000;
 /// What is smaller than this beside a row is its round-off. Shares of far ends of a mechanism are: without them the rows stay short.
 const NOTHING: f64 = 1e-16;
 
+/// A row that keeps more than this of its length is orthogonal to the others but for round-off.
+const MOST: f64 = 0.7;
+
 impl System {
     /// Which constraint equations depend on those before them, from the entries of their gradients by the parts: (equation, freedom,
     /// derivative), those of one equation in the order of the freedoms or not. The order is that of real message files: distances
@@ -31,7 +34,7 @@ impl System {
         for &(row, column, value) in entries {
             rows[row as usize].push((column as usize, value / scale[column as usize]));
         }
-        let mut basis = Basis::of(columns);
+        let mut basis = Basis::of(columns, self.narrow_order(&rows), self.equations);
         let mut out = vec![false; self.equations];
         let [distances, products, others] = self.in_order();
         let mut weak = Vec::new();
@@ -46,7 +49,7 @@ impl System {
             // An equation without any gradient cannot be held by anything; the assembly reports it.
             out[row] = basis.take(&rows[row], REDUNDANT) != Taken::In;
         }
-        if basis.products > LARGE {
+        if basis.given_up {
             return self.dependent_rows(&rows);
         }
         out
@@ -143,38 +146,59 @@ enum Taken {
 /// Orthonormal rows, each from the first to the last of its numbers that is not zero.
 struct Basis {
     rows: Vec<(Range<usize>, Vec<f64>)>,
+    /// Where each column stands.
+    order: Vec<usize>,
     /// The row that is taken in.
     v: Vec<f64>,
-    /// How many products were made; beyond [`LARGE`] nothing is looked at any more.
+    /// How many rows are to come in all, and how many came.
+    all: usize,
+    came: usize,
+    /// How many products were made.
     products: usize,
+    /// It would take more than [`LARGE`]: nothing is looked at any more.
+    given_up: bool,
 }
 
 impl Basis {
-    /// Of rows with so many columns.
-    fn of(columns: usize) -> Self {
+    /// Of rows with so many columns in an order.
+    fn of(columns: usize, order: Vec<usize>, all: usize) -> Self {
         Self {
             rows: Vec::new(),
+            order,
             v: vec![0.0; columns],
+            all,
+            came: 0,
             products: 0,
+            given_up: false,
         }
     }
 
     /// Takes a row in that keeps more than a share of its length when its part in the basis is taken off.
     fn take(&mut self, row: &[(usize, f64)], share: f64) -> Taken {
-        if self.products > LARGE {
+        // Later rows take more products than those before, which more of the others overlap.
+        self.came += 1;
+        let many = self.products / self.came > LARGE / self.all.max(1);
+        self.given_up |= many && self.products > LARGE / 10;
+        if self.given_up {
             return Taken::In;
         }
-        let Self { rows, v, products } = self;
+        let Self {
+            rows,
+            order,
+            v,
+            products,
+            ..
+        } = self;
         v.fill(0.0);
         for &(column, value) in row {
-            v[column] += value;
+            v[order[column]] += value;
         }
         let mut within = support(v, 0.0);
         let before = norm(&v[within.clone()]);
         if before == 0.0 {
             return Taken::Nothing;
         }
-        // Twice is enough (Kahan).
+        // Twice is enough (Kahan), and once for a row that keeps most of its length.
         for _ in 0..2 {
             *products += rows.len();
             for (of, b) in rows.iter() {
@@ -195,6 +219,9 @@ impl Basis {
                     *x -= part * y;
                 }
                 within = within.start.min(of.start)..within.end.max(of.end);
+            }
+            if norm(&v[within.clone()]) > MOST * before {
+                break;
             }
         }
         let after = norm(&v[within.clone()]);

@@ -104,7 +104,7 @@ impl System {
         products.others.clear();
         self.assemble(parameters, state, scratch, g, products)?;
         self.at(parameters, state, scratch)
-            .row_rates(&mut products.rates, &products.others);
+            .stage_rates(&mut products.rates, &products.others);
         Ok(())
     }
 }

@@ -1,7 +1,7 @@
 //! The equations of the constraints along a motion: gradients, rates, and what of the second rates no acceleration enters.
 
 use super::NoValue;
-use super::structure::{Drive, Joint};
+use super::structure::{Drive, Joint, Rate, StateEquation};
 use super::{Configuration, Parameters, Scratch, State, System};
 use crate::constraint::Constraint;
 use crate::linear::Sink;
@@ -21,7 +21,7 @@ pub(crate) struct Rows {
     /// Derivative by the time; with [`Configuration::row_rates`] also by what else changes with it. With G the entries every row asks
     /// for `G V + time = 0`.
     pub time: Vec<f64>,
-    /// Derivatives by variables: (row, variable, derivative).
+    /// Derivatives by unknowns from the first variable on: (row, unknown, derivative).
     others: Vec<(u32, u32, f64)>,
 }
 
@@ -146,30 +146,58 @@ impl System {
             here.add_joint(number, g, rows);
         }
         here.add_conditions(g, rows)?;
-        here.row_rates(&mut rows.time, &rows.others);
+        if !rows.others.is_empty() {
+            let rates = here.data_rates();
+            here.row_rates(&mut rows.time, &rows.others, &rates);
+        }
+        here.add_asked(&mut rows.time);
         Ok(())
     }
 }
 
 impl Configuration<'_> {
-    /// Adds to the time derivatives of the rows what comes through variables; of rows of velocities all of it.
-    pub(super) fn row_rates(&mut self, time: &mut [f64], others: &[(u32, u32, f64)]) {
-        self.add_asked(time);
-        if others.is_empty() {
-            return;
-        }
-        let rates = self.variable_rates();
-        for &(row, variable, by) in others {
-            let rate = rates.get(variable as usize);
-            time[row as usize] += by * rate.copied().unwrap_or(0.0);
+    /// Adds to the time derivatives of the rows what comes through variables and states at these rates.
+    fn row_rates(&self, time: &mut [f64], others: &[(u32, u32, f64)], rates: &[f64]) {
+        for &(row, unknown, by) in others {
+            time[row as usize] += by * rates[unknown as usize];
         }
     }
 
-    /// The rates of the variables along the motion: `v' - e_v v' = e_q V + e_t`, by passes. Variables that MOTIONs and GCONs read know no
-    /// velocities: others are refused when the model is compiled.
-    fn variable_rates(&self) -> Vec<f64> {
+    /// The rates of the rows of a stage, from [`Configuration::row_rates`] and, of rows of velocities, all of them. Its states have the rates
+    /// that go with their changes: those the rows see, so that corrections of both agree.
+    pub(super) fn stage_rates(&self, rates: &mut [f64], others: &[(u32, u32, f64)]) {
+        self.add_asked(rates);
+        if !others.is_empty() {
+            let own = |k: usize, _: &StateEquation| self.state.state_rates[k];
+            self.row_rates(rates, others, &self.rates_of_data(own));
+        }
+    }
+
+    /// The rates of the unknowns from the first variable on along the motion: of the variables `v' - e_v v' = e_q V + e_t`, by passes, of
+    /// states that are given explicitly what they are given by. What MOTIONs and GCONs read knows no velocities: others are refused when the
+    /// model is compiled.
+    fn data_rates(&self) -> Vec<f64> {
+        let state = self.state;
+        self.rates_of_data(|k, equation| match &equation.moving {
+            Rate::Function(function) if !equation.implicit => {
+                self.scratch.functions[*function].value
+            }
+            Rate::Linear(by_state, by_variable) => {
+                let own: f64 = by_state.iter().map(|&(k, a)| a * state.states[k]).sum();
+                let input = by_variable.iter().map(|&(k, b)| b * state.variables[k]);
+                own + input.sum::<f64>()
+            }
+            Rate::Function(_) | Rate::Held => state.state_rates.get(k).copied().unwrap_or(0.0),
+        })
+    }
+
+    /// The same with these rates of the states.
+    fn rates_of_data(&self, of_state: impl Fn(usize, &StateEquation) -> f64) -> Vec<f64> {
         let system = self.system;
-        let mut rates = vec![0.0; system.variables.len()];
+        let mut rates = vec![0.0; system.moving_unknowns - system.first_variable];
+        for (k, equation) in system.states.iter().enumerate() {
+            rates[equation.moving_unknown - system.first_variable] = of_state(k, equation);
+        }
         for _ in 0..PASSES {
             let mut change = 0.0_f64;
             for (k, variable) in system.variables.iter().enumerate() {
@@ -200,7 +228,7 @@ impl Configuration<'_> {
         }
     }
 
-    /// The rate of a function along the motion, the velocities constant and those of the variables given.
+    /// The rate of a function along the motion, the velocities constant and the rates of variables and states given.
     fn rate_along(&self, function: usize, variables: &[f64]) -> f64 {
         let system = self.system;
         let n = system.moving_unknowns;
@@ -331,7 +359,7 @@ impl Configuration<'_> {
         }
         let turning = self.state.velocities.iter().map(|v| v.angular.norm());
         let step = step.min(CLOSE / turning.fold(0.0, f64::max));
-        let variables = self.variable_rates();
+        let variables = self.data_rates();
         let mut rates: Vec<[f64; 2]> = functions
             .iter()
             .map(|&f| [self.rate_along(f, &variables), 0.0])
@@ -346,12 +374,12 @@ impl Configuration<'_> {
                 pose.p += velocity.linear * h;
                 pose.R = exp(&(velocity.angular * h)) * pose.R;
             }
-            for (value, rate) in near.states.iter_mut().zip(&self.state.state_rates) {
-                *value += rate * h;
+            for (value, equation) in near.states.iter_mut().zip(&system.states) {
+                *value += variables[equation.moving_unknown - system.first_variable] * h;
             }
             system.settle_variables(self.parameters, &mut near, &mut scratch)?;
             let here = system.look(self.parameters, &near, &mut scratch)?;
-            let variables = here.variable_rates();
+            let variables = here.data_rates();
             for (rate, &function) in rates.iter_mut().zip(functions) {
                 rate[1] += weight / step * here.rate_along(function, &variables);
             }

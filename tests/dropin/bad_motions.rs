@@ -198,6 +198,26 @@ fn what_an_argument_cannot_be_is_an_input_error() {
             "INTEGRATOR/ERROR=1E-3, HMAX=0",
             "run.acf:3:29: HMAX of INTEGRATOR must be more than 0",
         ),
+        (
+            "",
+            "SIM/DYN, END=0.05, STEPS=2.5",
+            "run.acf:3:26: STEPS of SIMULATE takes a whole number, not 2.5",
+        ),
+        (
+            "",
+            "INTEGRATOR/MAXIT=7.5",
+            "run.acf:3:18: MAXIT of INTEGRATOR takes a whole number, not 7.5",
+        ),
+        (
+            "EQUILIBRIUM/MAXIT=30.5\n",
+            "",
+            "ball.adm:11:19: MAXIT of EQUILIBRIUM takes a whole number, not 30.5",
+        ),
+        (
+            "MOTION/1, JOINT=1, VELOCITY=3*TIME\n",
+            "",
+            "VELOCITY stands alone, and the expression is that of FUNCTION: write `VELOCITY, FUNCTION=` before it",
+        ),
     ] {
         let deck = format!("{BALL}{statement}END\n");
         let acf = format!("\nfile/model=ball\n{command}\nSIM/DYN, END=0.1, STEPS=1\nstop\n");
@@ -234,4 +254,42 @@ fn many_steps_between_two_outputs_are_told_of() {
     );
     let said = run("-0.1*VZ(20)");
     assert!(!said.contains(told), "{said}");
+}
+
+/// What is refused when a simulation asks for it is told at its statement, with its name as ADAMS has it.
+#[test]
+fn refusals_point_at_their_statements() {
+    let deck = format!(
+        "{BALL}!                 adams_view_name='string'
+BEAM/1, I=20, J=1, LENGTH=1, IXX=1, IYY=1, IZZ=1, AREA=1,
+, EMODULUS=1, GMODULUS=1, FORMULATION=STRING
+FIELD/1, I=20, J=1, FUNCTION=USER(1)
+GCON/1, FUNCTION=VM(20)-3
+END
+"
+    );
+    let acf = "\nfile/model=ball\nSIM/DYN, END=0.1, STEPS=1\nstop\n";
+    let folder = folder(&[("ball.adm", &deck), ("run.acf", acf)]);
+    let told = |deck: &str| {
+        std::fs::write(folder.path().join("ball.adm"), deck).unwrap();
+        mdi(folder.path(), &["ru-s", "run"]).stdout
+    };
+    let said = told(&deck);
+    for place in [
+        "ball.adm:12:1: BEAM/1 'string' is not solved",
+        "object: model.string",
+        "ball.adm:14:1: FIELD/1 is not solved",
+        "  14 | FIELD/1, I=20, J=1, FUNCTION=USER(1)\n     | ^^^^^^^\n",
+    ] {
+        assert!(said.contains(place), "{place}: {said}");
+    }
+    // What only a motion refuses.
+    let said = told(
+        &deck
+            .replace("BEAM/1", "!")
+            .replace("FIELD/1", "!")
+            .replace(", EM", "!"),
+    );
+    let place = "ball.adm:15:1: the function of GCON/1 'string' is not linear in the velocities";
+    assert!(said.contains(place), "{said}");
 }

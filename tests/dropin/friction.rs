@@ -349,6 +349,55 @@ ACCGRAV/KGRAV=-9.81
     }
 }
 
+/// A heavy body off its cross, both pins of which rub, stick and are pressed by force, axial force, moment and a preload. The numbers were made
+/// apart: Newton's and Euler's equations of two angles, loads by fixed point, integrated with SciPy's Radau and DOP853 between the events.
+#[test]
+fn a_body_on_a_cross_with_two_pins_follows_its_equations() {
+    let known = [
+        (
+            4,
+            [-2.01181079, -0.364157, 1.03973002],
+            [4.53442666, 2.53845208, 22.79817301],
+            [0.21855267, 0.31022068, -0.11295086],
+        ),
+        (
+            10,
+            [0.91700685, 0.92063478, -0.18406956],
+            [-0.25614649, -6.71146625, 18.32582933],
+            [-0.20210834, -0.22699257, 0.04056894],
+        ),
+        (
+            20,
+            [0.18698484, 0.22864151, -0.0497239],
+            [0.82484821, -5.41657082, 18.00024556],
+            [-0.24655595, -0.31978587, 0.06556534],
+        ),
+    ];
+    let universal = (", REULER=90D,90D,0D", ", REULER=180D,90D,0D");
+    for (joint, (i, j)) in [("HOOKE", ("", "")), ("UNIVERSAL", universal)] {
+        let deck = format!(
+            "MARKER/2, PART=1{j}
+PART/2, MASS=2, CM=20, IP=0.05,0.08,0.03, VX=-0.4, VY=0.8, VZ=0.2, WX=2, WY=1, WZ=0
+MARKER/20, PART=2, QP=0.1,0.15,-0.4
+MARKER/21, PART=2{i}
+JOINT/1, {joint}, I=21, J=2
+FRICTION/1, JOINT=1, I_YOKE, J_YOKE, MU_STATIC=0.5, MU_DYNAMIC=0.3, STICTION_TRANSITION_VELOCITY=0.01,
+, MAX_STICTION_DEFORMATION=0.001, PIN_RADIUS=0.02, FRICTION_ARM=0.03, BENDING_REACTION_ARM=0.05, FRICTION_TORQUE_PRELOAD=0.05
+ACCGRAV/KGRAV=-9.81
+"
+        );
+        let found = run(&deck, "simulate/dynamic, end=3, steps=20");
+        for (row, w, force, torque) in known {
+            for (k, axis) in ["X", "Y", "Z"].into_iter().enumerate() {
+                let at = |of: &str, what: &str| found.column(of, &format!("{what}{axis}"))[row];
+                near(at("PART_2_XFORM", "W"), w[k], 1e-5);
+                near(at("JOINT_1", "F"), force[k], 1e-4);
+                near(at("FRICTION_1", "T"), torque[k], 1e-4);
+            }
+        }
+    }
+}
+
 /// FRICTION(id, index) gives the numbers of the results, in the axes of J, to requests and to forces: what one block loses a second one gains.
 #[test]
 fn functions_read_friction() {

@@ -28,9 +28,21 @@ fn hangs(results: Option<Results>, length: f64, ran: &Ran) {
 
 #[test]
 fn its_equilibrium_is_found_from_there() {
-    for length in [300.0, 299.9999] {
+    for length in [300.0, 299.9999, 1000.0, 8000.0] {
         let (results, ran) = arm(length, "", "sim/stat");
         hangs(results, length, &ran);
+    }
+}
+
+/// A stated MAXIT ends the way: that is told, and that it may be so only where the arm begins.
+#[test]
+fn a_stated_limit_ends_its_way() {
+    let (_, ran) = arm(1000.0, "equi/maxit=20", "sim/stat");
+    for said in [
+        "MAXIT=20 ended the iteration",
+        "the weight of PART/2 drives it; if that is so only where it begins, let it begin elsewhere",
+    ] {
+        assert!(ran.stdout.contains(said), "{}", ran.stdout);
     }
 }
 

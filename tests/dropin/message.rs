@@ -67,9 +67,14 @@ fn what_many_objects_share_is_told_once() {
     let frames: Vec<&str> = ours.split("---- START: ERROR ----\n").skip(1).collect();
     let contacts = frames
         .iter()
-        .filter(|frame| frame.starts_with("CONTACT/") && frame.contains("contact detection"));
+        .filter(|frame| frame.contains(": CONTACT/") && frame.contains("contact detection"));
     let contacts: Vec<_> = contacts.collect();
     assert_eq!(contacts.len(), 1, "{contacts:#?}");
+    // At the statement of the first.
+    let place = contacts[0].split(": CONTACT/").next().unwrap();
+    let line = place.split(':').nth(1).unwrap().parse::<usize>().unwrap();
+    let stated = deck.lines().nth(line - 1).unwrap();
+    assert!(stated.starts_with("CONTACT/"), "{place}: {stated}");
     assert!(contacts[0].contains("; the same holds for "));
     assert!(contacts[0].contains("\n  object: model."));
     let refused = ours.matches("this simulation is not executed").count();

@@ -43,8 +43,56 @@ fn requests(folder: &Path) -> Vec<Vec<[f64; 6]>> {
 /// 5 F / 7 m, and 2 F / 7 of friction that turns the ball: in the results, and in the request of the marker with what the plane adds.
 #[test]
 fn a_ball_rolls_as_the_closed_form_has_it() {
+    rolls(BALL);
+}
+
+/// The same where variables read what is held: the reaction acts on what they read.
+#[test]
+fn variables_stand_for_what_they_read() {
+    let through = BALL
+        .replace("=VX(20)-50*WY(20)", "=VARVAL(1)-VARVAL(2)")
+        .replace("=VY(20)+50*WX(20)", "=VY(20)+VARVAL(3)");
+    assert_ne!(through, BALL);
+    let variables = "VARIABLE/1, FUNCTION=VX(20)\nVARIABLE/2, FUNCTION=50*VARVAL(4)\nVARIABLE/3, FUNCTION=50*WX(20)\nVARIABLE/4, FUNCTION=WY(20)\n";
+    rolls(&(through + variables));
+}
+
+/// In an equilibrium too: a block that a variable's GCON holds against its weight, and lets down with the time.
+#[test]
+fn a_variable_holds_its_place_in_statics_and_kinematics() {
+    let deck = "ball
+UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=METER, TIME=SECOND
+PART/1, GROUND
+MARKER/1, PART=1
+PART/2, MASS=1, CM=20, IP=1,1,1, QG=0,0,2.9
+MARKER/20, PART=2
+JOINT/1, TRANSLATIONAL, I=20, J=1
+VARIABLE/1, FUNCTION=DZ(20)+0.1*VARVAL(2)
+VARIABLE/2, FUNCTION=TIME
+GCON/1, I=20, FUNCTION=VARVAL(1)-3
+ACCGRAV/KGRAV=-9.81
+REQUEST/1, FORCE, I=20
+REQUEST/2, F2=DZ(20)
+OUTPUT/REQSAVE
+";
+    let commands = "SIM/STAT, END=1, STEPS=2\nSIM/KIN, END=2, STEPS=2";
+    let (folder, ran) = run(deck, commands, true);
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    let rows = requests(folder.path());
+    assert!(rows.len() >= 5, "{rows:?}");
+    for row in &rows {
+        assert!((row[0][2] - 9.81).abs() < 1e-4, "{row:?}");
+    }
+    let places: Vec<f64> = rows.iter().map(|row| row[1][0]).collect();
+    assert!((places[0] - 3.0).abs() < 1e-5, "{places:?}");
+    let last = places.last().unwrap();
+    assert!((last - 2.8).abs() < 1e-5, "{places:?}");
+}
+
+/// A ball of BALL that rolls from rest.
+fn rolls(deck: &str) {
     let (folder, ran) = run(
-        BALL,
+        deck,
         "INTEGRATOR/ERROR=1E-7\nSIM/DYN, END=1, STEPS=20",
         true,
     );
@@ -138,13 +186,28 @@ fn others_are_refused_by_name() {
         ("STEP(VX(20),0,0,1,1)", "is not linear in the velocities"),
         ("IF(VX(20):0,0,1)", "is not linear in the velocities"),
         ("VX(20)-ACCX(20)", "reads a velocity or an acceleration"),
-        ("VX(20)-VARVAL(9)", "reads a variable of velocities"),
-        ("VX(20)-DIF(9)", "reads a dynamic state"),
+        ("VX(20)*VARVAL(9)", "is not linear in the velocities"),
+        ("VX(20)-VARVAL(8)", "reads a variable that reads itself"),
+        ("VX(20)-DIF(9)", "reads a dynamic state of accelerations"),
+        ("DX(20)-DIF(8)", "reads a dynamic state of velocities"),
+        ("DX(20)-DIF(7)", "reads a dynamic state of forces"),
+        (
+            "DX(20)-DIF(6)",
+            "reads a dynamic state that is given implicitly",
+        ),
+        ("DX(20)-DIF1(8)", "reads the rate of a dynamic state"),
         ("VX(20)-SFORCE(1,0,3,0)", "reads a force"),
     ] {
         let deck = BALL.to_string()
             + &format!(
-                "GCON/3, FUNCTION={function}\nVARIABLE/9, FUNCTION=WY(20)\nDIFF/9, IC=0, FUNCTION=1\n"
+                "GCON/3, FUNCTION={function}
+VARIABLE/8, FUNCTION=DX(20)+0.5*VARVAL(8)
+VARIABLE/9, FUNCTION=WY(20)
+DIFF/6, IC=0, IMPLICIT, FUNCTION=DIF1(6)-DX(20)
+DIFF/7, IC=0, FUNCTION=SFORCE(1,0,3,0)
+DIFF/8, IC=0, FUNCTION=VARVAL(9)
+DIFF/9, IC=0, FUNCTION=ACCX(20)
+"
             );
         let (folder, ran) = run(&deck, "SIM/DYN, END=1, STEPS=10", true);
         assert_eq!(ran.code, 1, "{}", ran.stdout);
@@ -208,4 +271,75 @@ POUTPUT/1, VARIABLES=2
     let numbers = a.split_whitespace().map(|x| x.parse::<f64>().unwrap());
     let least = numbers.fold(0.0, f64::min);
     assert!((least + square).abs() < 1e-9, "{a}");
+}
+
+/// A controller's state prescribes a speed or a place, through a GCON or a MOTION: as its closed form has it, with the acceleration and the
+/// force; in few steps, since the error estimate sees the rate of the state. EIGENSOL refuses it by name.
+#[test]
+fn states_drive_what_is_held() {
+    let block = |constraint: &str| {
+        format!(
+            "ball
+UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND
+PART/1, GROUND
+MARKER/1, PART=1
+PART/2, MASS=2, CM=20, IP=1,1,1
+MARKER/20, PART=2
+JOINT/1, TRANSLATIONAL, I=20, J=1
+DIFF/1, IC=0, FUNCTION=2*VARVAL(1)
+DIFF/2, IC=30, FUNCTION=-2*DIF(1)
+VARIABLE/1, FUNCTION=DIF(2)
+VARIABLE/2, FUNCTION=DIF(1)
+!                            adams_view_name='drive'
+{constraint}
+RESULTS/FORMATTED, XRF
+"
+        )
+    };
+    let f = 2.0_f64;
+    for (constraint, rate) in [
+        ("MOTION/1, JOINT=1, FUNCTION=DIF(1)", 0),
+        ("MOTION/1, JOINT=1, FUNCTION=VARVAL(2)", 0),
+        ("GCON/1, I=20, FUNCTION=DZ(20)-VARVAL(2)", 0),
+        ("GCON/1, I=20, FUNCTION=VARVAL(2)-VZ(20)", 1),
+    ] {
+        let commands = "INTEGRATOR/ERROR=1E-6, HMAX=0.25\nSIM/DYN, END=1, STEPS=20";
+        let (folder, ran) = run(&block(constraint), commands, true);
+        assert_eq!(ran.code, 0, "{}", ran.stdout);
+        let results = Results::read_all(folder.path(), "ball.res");
+        let part = |component: &str| results.column("PART_2_XFORM", component);
+        let (z, v, a) = (part("Z"), part("VZ"), part("ACCZ"));
+        let force = results.column("drive", "FZ");
+        for (k, t) in results.column("time", "TIME").iter().enumerate() {
+            // 30 sin(f t) is the place, or the speed.
+            let (sin, cos) = (f * t).sin_cos();
+            let known = if rate == 0 {
+                [30.0 * sin, 30.0 * f * cos, -30.0 * f * f * sin]
+            } else {
+                [30.0 / f * (1.0 - cos), 30.0 * sin, 30.0 * f * cos]
+            };
+            for (found, known) in [z[k], v[k], a[k]].into_iter().zip(known) {
+                assert!(
+                    (found - known).abs() < 3e-4,
+                    "{constraint} {t}: {found} {known}"
+                );
+            }
+            assert!((force[k] - 2e-3 * a[k]).abs() < 1e-9, "{constraint} {t}");
+        }
+        let table = text(folder.path(), "ball.msg");
+        let last = table
+            .lines()
+            .find(|line| line.starts_with("   1.00000E+00"));
+        let steps = last.and_then(|line| line.split_whitespace().nth(3)?.parse::<u32>().ok());
+        assert!(
+            steps.is_some_and(|steps| steps < 80),
+            "{constraint}: {last:?}"
+        );
+        let (folder, ran) = run(&block(constraint), "LINEAR/EIGENSOL", true);
+        let told = text(folder.path(), "ball.msg");
+        assert!(
+            ran.code != 0 && told.contains("reads dynamic states"),
+            "{told}"
+        );
+    }
 }

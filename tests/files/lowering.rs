@@ -343,6 +343,7 @@ JOINT/2, REVOLUTE, PITCH=1, I=20, J=10
 JPRIM/1, I=20, J=10
 MOTION/1, I=20, Z, FUNCTION=0
 SPRINGDAMPER/1, TRANSLATIONAL, ROTATIONAL, I=20, J=10
+EQUILIBRIUM/MAXIT=25.5
 END
 ";
     let parsed = dataset(text).value;
@@ -362,10 +363,11 @@ END
         told
     };
     let lowered = told(Model::lower(&parsed).diagnostics);
-    assert_eq!(lowered.len(), 11, "{lowered:#?}");
+    assert_eq!(lowered.len(), 12, "{lowered:#?}");
     assert_eq!(lowered, told(lint::check(&parsed, &Options::default())));
-    // Texts, what is cut off a number and what is printed change no answer: only lint tells of them.
-    let harmless = text.replace("END", "EQUILIBRIUM/MAXIT=25.5\nDEBUG/EPRINT, NOEPRINT\nEND");
+    // Texts, fractions in what is drawn and what is printed change no answer: only lint tells of them.
+    let drawn = "GRAPHICS/1, CIRCLE, CM=10, RADIUS=1, SEG=2.5\nDEBUG/EPRINT, NOEPRINT\nEND";
+    let harmless = text.replace("END", drawn);
     let harmless = dataset(&harmless).value;
     assert_eq!(told(Model::lower(&harmless).diagnostics), lowered);
     assert_eq!(

@@ -92,11 +92,15 @@ fn is_absence(fault: &Fault<'_>) -> bool {
     )
 }
 
-/// True if the model is the same without it: how many texts there are, what is cut off a number, and which arguments stand together
-/// where they have no effect.
+/// True if the model is the same without it: how many texts there are, and what is cut off a number or which arguments stand
+/// together where they have no effect.
 fn is_harmless(fault: &Fault<'_>) -> bool {
     match fault.wrong {
-        Wrong::NoneOf(_) | Wrong::Partly(_) | Wrong::Without(..) | Wrong::Both(..) => {
+        Wrong::NoneOf(_)
+        | Wrong::Partly(_)
+        | Wrong::Without(..)
+        | Wrong::Both(..)
+        | Wrong::NotWhole(_) => {
             let solved = fault.statement.def.map(|def| def.solved);
             matches!(solved, Some(Solved::NoEffect(_)))
         }
@@ -104,7 +108,6 @@ fn is_harmless(fault: &Fault<'_>) -> bool {
             argument.kind,
             ValueKind::Text | ValueKind::TextList | ValueKind::File
         ),
-        Wrong::NotWhole(_) => true,
         Wrong::Missing(_) | Wrong::Undefined(..) | Wrong::Nothing(..) | Wrong::NoId(_) => false,
     }
 }

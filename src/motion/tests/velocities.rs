@@ -419,3 +419,109 @@ JOINT/3, REVOLUTE, I=52, J=42
     let swings: Vec<f64> = swings.map(|value| value.re).collect();
     assert!(matches!(swings[..], [re] if re.abs() < 1e-6), "{weave:?}");
 }
+
+/// The model of [`the_rate_of_a_constraint_is_the_constraint`] with one constraint.
+fn pulled(statements: &str) -> Deck {
+    deck(&format!(
+        "ACCGRAV/KGRAV=-9.81
+PART/2, MASS=1, CM=20, IP=0.04,0.1,0.2, REULER=0.3,0.9,0.1, WY=1
+MARKER/20, PART=2, QP=0.4,0.1,0
+MARKER/21, PART=2, QP=0,0.3,0.2
+MARKER/2, PART=1, QP=1.5,0,0.2
+SPRINGDAMPER/1, TRANSLATIONAL, I=20, J=1, K=20, C=0.3, LENGTH=0.4
+{statements}"
+    ))
+}
+
+/// A function that reads variables constrains what these read, with its reaction, as if it were written out.
+#[test]
+fn variables_of_places_and_velocities_stand_for_what_they_read() {
+    for (written, variables, function) in [
+        (
+            "DX(21,2)*DY(20,2)+DZ(20)**2-0.1*TIME",
+            "VARIABLE/1, FUNCTION=DX(21,2)*VARVAL(2)
+VARIABLE/2, FUNCTION=DY(20,2)
+VARIABLE/3, FUNCTION=VARVAL(1)-VARVAL(4)
+VARIABLE/4, FUNCTION=0.1*TIME",
+            "VARVAL(3)+DZ(20)**2",
+        ),
+        (
+            "VX(21,2)*DY(20,2)-0.2*WZ(20)+0.1*SIN(TIME)",
+            "ARRAY/1, U, SIZE=2, VARIABLES=1,2
+VARIABLE/1, FUNCTION=VX(21,2)*VARVAL(3)
+VARIABLE/2, FUNCTION=0.2*WZ(20)-0.1*SIN(TIME)
+VARIABLE/3, FUNCTION=DY(20,2)",
+            "ARYVAL(1,1)-ARYVAL(1,2)",
+        ),
+    ] {
+        // What is zero at the start.
+        let probe = pulled(&format!("VARIABLE/9, FUNCTION={written}"));
+        let mut state = probe.state.clone();
+        let mut scratch = Scratch::new(&probe.system);
+        let settled = probe
+            .system
+            .settle_variables(&probe.parameters, &mut state, &mut scratch);
+        settled.expect("no error");
+        let value = state.variables[0];
+        let direct = pulled(&format!("GCON/1, I=21, FUNCTION={written}-({value:e})"));
+        let through = pulled(&format!(
+            "{variables}\nGCON/1, I=21, FUNCTION={function}-({value:e})"
+        ));
+        let (a, _) = integrated(&direct, 1e-6, 0.05, 1.0);
+        let (b, _) = integrated(&through, 1e-6, 0.05, 1.0);
+        let apart = (a.poses[1].p - b.poses[1].p).norm();
+        let force = (a.multipliers[0] - b.multipliers[0]).abs();
+        assert!(a.multipliers[0].abs() > 0.1, "{}", a.multipliers[0]);
+        assert!(apart < 1e-8 && force < 1e-6, "{function}: {apart} {force}");
+    }
+}
+
+/// A constraint that reads states asks for the rates that these have.
+#[test]
+fn states_that_are_known_drive_constraints() {
+    // Of places: two states that turn, s1 = 0.3 sin(2 t); a third lags behind a place.
+    let sine = "DIFF/1, IC=0, FUNCTION=2*DIF(2)\nDIFF/2, IC=0.3, FUNCTION=-2*DIF(1)";
+    let held = pulled(
+        &format!("{sine}\nGCON/1, FUNCTION=DX(20)-DX(20)@0-DIF(1)").replace("DX(20)@0", &place(0)),
+    );
+    let known =
+        pulled(&"GCON/1, FUNCTION=DX(20)-DX(20)@0-0.3*SIN(2*TIME)".replace("DX(20)@0", &place(0)));
+    let (a, _) = integrated(&held, 1e-7, 0.05, 1.0);
+    let (b, _) = integrated(&known, 1e-7, 0.05, 1.0);
+    let apart = (a.poses[1].p - b.poses[1].p).norm();
+    let force = (a.multipliers[0] - b.multipliers[0]).abs();
+    assert!(apart < 1e-6 && force < 1e-5, "{apart} {force}");
+    assert!((a.states[0] - 0.3 * 2.0_f64.sin()).abs() < 1e-6);
+
+    // Of velocities: a speed that a state prescribes, and one whose state reads the speed.
+    for (state, speed, factor) in [
+        (
+            "IC=0, FUNCTION=2*(1-DIF(1))",
+            1.0 - (-2.0_f64).exp(),
+            2.0 * (-2.0_f64).exp(),
+        ),
+        (
+            "IC=0.5, FUNCTION=-3*VX(20)",
+            0.5 * (-3.0_f64).exp(),
+            -1.5 * (-3.0_f64).exp(),
+        ),
+    ] {
+        let driven = pulled(&format!("DIFF/1, {state}\nGCON/1, FUNCTION=VX(20)-DIF(1)"));
+        let (end, _) = integrated(&driven, 1e-7, 0.05, 1.0);
+        let r = end.poses[1].R * Vec3::new(0.4, 0.1, 0.0);
+        let w = end.velocities[1].angular;
+        let vx = (end.velocities[1].linear + w.cross(&r)).x;
+        assert!((vx - speed).abs() < 1e-6, "{state}: {vx} {speed}");
+        let turned = end.accelerations[1].angular.cross(&r) + w.cross(&w.cross(&r));
+        let ax = (end.accelerations[1].linear + turned).x;
+        assert!((ax - factor).abs() < 1e-5, "{state}: {ax} {factor}");
+    }
+}
+
+/// Where marker 20 is at the start on an axis of ground, as a literal.
+fn place(axis: usize) -> String {
+    let deck = pulled("");
+    let pose = &deck.state.poses[1];
+    let p = pose.p + pose.R * Vec3::new(0.4, 0.1, 0.0);
+    format!("({:e})", p[axis])
+}

@@ -140,16 +140,6 @@ impl Compiler<'_> {
                 self.used[i.0] = true;
             }
             let function = self.function(&g.function, &owner, None, Dimension::NONE);
-            if g.header.active && self.functions[function].reads_velocities() {
-                self.diagnostics.push(
-                    Diagnostic::warning(
-                        Code::InactiveInStatics,
-                        format!("{owner} holds velocities, which are zero in statics: it is left out there"),
-                    )
-                    .about(owner.object())
-                    .help("what it keeps from slipping in a motion is held by nothing in an equilibrium"),
-                );
-            }
             self.conditions.push(Condition {
                 name: owner,
                 i: g.i.map(|i| i.0),

@@ -390,7 +390,9 @@ impl Compiler<'_> {
         let mut out = Vec::new();
         for source in &self.functions[number].sources {
             match source {
-                Source::StateRate(_, Some(function)) => out.push(*function),
+                Source::StateRate(_, Some(function)) | Source::Through { function, .. } => {
+                    out.push(*function);
+                }
                 Source::Force(force) => {
                     for (who, _) in &force.by {
                         match who {

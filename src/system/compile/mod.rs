@@ -2,6 +2,7 @@
 //!
 //! Knows no equilibrium. What cannot be solved is said, with what leaving it out means; nothing is silently dropped.
 
+mod conditions;
 mod constraints;
 mod forces;
 mod friction;
@@ -13,7 +14,7 @@ use std::collections::BTreeMap;
 use self::motion::{not_in_motion, reference_mass};
 
 use super::catalogue::{Catalogue, Group, Quantity, Role};
-use super::compiled_function::{CompiledFunction, Exerted};
+use super::compiled_function::{CompiledFunction, Exerted, reads_velocities};
 use super::structure::{
     Algebraic, Body, Condition, Element, Joint, Multi, Rate, Start, StateEquation, Switch, System,
 };
@@ -379,6 +380,7 @@ impl<'a> Compiler<'a> {
 
     fn finish(mut self) -> Checked<System> {
         self.sources();
+        self.read_through_variables();
         let order = self.order();
         let model = self.model;
         let poses: Vec<Pose> = model
@@ -415,8 +417,8 @@ impl<'a> Compiler<'a> {
         }
         let mut of_velocities = vec![false; self.equations];
         for condition in &self.conditions {
-            let function = &self.functions[condition.function];
-            of_velocities[condition.equation] = function.reads_velocities();
+            of_velocities[condition.equation] =
+                reads_velocities(&self.functions, condition.function);
         }
         let mut moving_unknowns = unknowns;
         for state in &mut states {

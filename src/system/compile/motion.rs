@@ -3,10 +3,10 @@
 use std::collections::BTreeSet;
 
 use crate::diagnostic::{Code, Diagnostic};
-use crate::function::{Degree, Input, RateAxis, RateKind};
+use crate::function::{Degree, RateAxis};
 use crate::model::{Model, PartKind};
 use crate::system::compiled_function::Source;
-use crate::system::structure::Drive;
+use crate::system::structure::{Drive, Rate};
 use crate::system::{Name, System};
 
 /// The median mass of the bodies that have one; one if none has.
@@ -69,7 +69,7 @@ pub(super) fn not_in_motion(system: &System) -> Vec<Diagnostic> {
 
 fn reading(owner: &Name, what: &str) -> String {
     format!(
-        "the function of {owner} reads {what}: in motion it may know places, the time and variables of the time, that of a GCON velocities too"
+        "the function of {owner} reads {what}: in motion it may know places, the time, and dynamic states and variables of these, that of a GCON velocities too"
     )
 }
 
@@ -85,20 +85,25 @@ fn only_of_time(system: &System, function: usize) -> bool {
 
 /// How a function depends on the velocities that it reads: VM and WM are not linear.
 fn degree_in_velocities(system: &System, function: usize) -> Degree {
-    let of = |input: &Input| match input {
-        Input::Rate(measure) if measure.axis == RateAxis::Magnitude => Degree::Higher,
-        Input::Rate(_) => Degree::Linear,
-        _ => Degree::Nothing,
+    let function = &system.functions[function];
+    let Some(program) = function.program.as_ref() else {
+        return Degree::Nothing;
     };
-    let program = system.functions[function].program.as_ref();
-    program.map_or(Degree::Nothing, |program| program.degree(of))
+    let mut degrees = function.sources.iter().map(|source| match source {
+        Source::Moved(measure) if measure.axis == RateAxis::Magnitude => Degree::Higher,
+        Source::Moved(_) => Degree::Linear,
+        Source::Through { function, .. } => degree_in_velocities(system, *function),
+        _ => Degree::Nothing,
+    });
+    program.degree(|_| degrees.next().unwrap_or(Degree::Nothing))
 }
 
 /// What a constrained function reads, itself or through variables, whose rates do not follow from those of the parts; velocities are allowed
 /// where it constrains these.
 fn unsteady(system: &System, function: usize, of_velocities: bool) -> Option<&'static str> {
     let mut seen = BTreeSet::new();
-    let mut open = vec![(function, false)];
+    // What it is where places or velocities are read beside the function itself.
+    let mut open = vec![(function, None)];
     while let Some((function, inside)) = open.pop() {
         if !seen.insert(function) {
             continue;
@@ -106,22 +111,38 @@ fn unsteady(system: &System, function: usize, of_velocities: bool) -> Option<&'s
         for source in &system.functions[function].sources {
             match source {
                 Source::Moved(measure) => {
-                    let velocity =
-                        matches!(measure.kind, RateKind::Velocity | RateKind::AngularVelocity);
-                    match (velocity, inside) {
-                        (true, false) if of_velocities => {}
-                        (true, true) if of_velocities => {
-                            return Some("a variable of velocities");
-                        }
-                        _ => return Some("a velocity or an acceleration"),
+                    if inside.is_some() {
+                        return inside;
+                    }
+                    if !of_velocities || measure.kind.is_second() {
+                        return Some("a velocity or an acceleration");
                     }
                 }
                 Source::Force(_) | Source::Friction(..) => return Some("a force"),
-                Source::State(_) | Source::StateRate(..) | Source::Output(_) => {
-                    return Some("a dynamic state");
+                Source::StateRate(..) => return Some("the rate of a dynamic state"),
+                Source::State(k) => {
+                    if let Some(what) = unsteady_state(system, *k, of_velocities) {
+                        return Some(what);
+                    }
                 }
-                Source::Variable(k) => open.push((system.variables[*k].function, true)),
-                Source::Measure(..) if inside => return Some("a variable of places"),
+                Source::Output((by_state, by_variable)) => {
+                    for (k, _) in by_state {
+                        if let Some(what) = unsteady_state(system, *k, of_velocities) {
+                            return Some(what);
+                        }
+                    }
+                    let read = by_variable
+                        .iter()
+                        .map(|(k, _)| system.variables[*k].function);
+                    let inside = Some("an output that places or velocities reach at once");
+                    open.extend(read.map(|function| (function, inside)));
+                }
+                Source::Variable(k) => {
+                    let inside = inside.or(Some("a variable that reads itself"));
+                    open.push((system.variables[*k].function, inside));
+                }
+                Source::Through { function, .. } => open.push((*function, inside)),
+                Source::Measure(..) if inside.is_some() => return inside,
                 Source::Time
                 | Source::Mode
                 | Source::Measure(..)
@@ -131,4 +152,68 @@ fn unsteady(system: &System, function: usize, of_velocities: bool) -> Option<&'s
         }
     }
     None
+}
+
+/// What the rate of a state reads that is not known where the places, for a function of velocities also these, and the time are.
+fn unsteady_state(system: &System, state: usize, of_velocities: bool) -> Option<&'static str> {
+    let mut seen = BTreeSet::new();
+    let (mut states, mut functions) = (vec![state], Vec::new());
+    loop {
+        while let Some(state) = states.pop() {
+            let equation = &system.states[state];
+            if !seen.insert((state, true)) {
+                continue;
+            }
+            if equation.implicit {
+                return Some("a dynamic state that is given implicitly");
+            }
+            match &equation.moving {
+                Rate::Held => {}
+                Rate::Function(function) => functions.push(*function),
+                Rate::Linear(by_state, by_variable) => {
+                    states.extend(by_state.iter().map(|(k, _)| *k));
+                    let read = by_variable
+                        .iter()
+                        .map(|(k, _)| system.variables[*k].function);
+                    functions.extend(read);
+                }
+            }
+        }
+        let function = functions.pop()?;
+        if !seen.insert((function, false)) {
+            continue;
+        }
+        for source in &system.functions[function].sources {
+            match source {
+                Source::Moved(measure) => {
+                    if !of_velocities || measure.kind.is_second() {
+                        return Some(if of_velocities {
+                            "a dynamic state of accelerations"
+                        } else {
+                            "a dynamic state of velocities"
+                        });
+                    }
+                }
+                Source::Force(_) | Source::Friction(..) => {
+                    return Some("a dynamic state of forces");
+                }
+                Source::StateRate(..) => return Some("a dynamic state of the rate of another"),
+                Source::State(k) => states.push(*k),
+                Source::Output((by_state, by_variable)) => {
+                    states.extend(by_state.iter().map(|(k, _)| *k));
+                    let read = by_variable
+                        .iter()
+                        .map(|(k, _)| system.variables[*k].function);
+                    functions.extend(read);
+                }
+                Source::Variable(k) => functions.push(system.variables[*k].function),
+                Source::Through { function, .. } => functions.push(*function),
+                Source::Time
+                | Source::Mode
+                | Source::Measure(..)
+                | Source::Constant(_)
+                | Source::Sensor(_) => {}
+            }
+        }
+    }
 }
