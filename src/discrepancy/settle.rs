@@ -451,7 +451,8 @@ impl Sweep<'_> {
                     let weights = self.whitening.weights(&sizes.ln);
                     let crossed = here.bend(&beyond, &self.of_the_model, &weights);
                     let all = bend.map_or(crossed.clone(), |known| known + &crossed);
-                    held = damped.held(&self.of_the_model, &all);
+                    let step = damped.held(&self.of_the_model, &all);
+                    held = step.filter(|step| step.gain > KINKS);
                     (bend, bends) = (Some(all), bends + 1);
                 }
                 if held.is_some() {
