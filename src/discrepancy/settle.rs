@@ -37,7 +37,7 @@ const FAITHFUL: f64 = 0.5;
 const ALIKE: f64 = 0.1;
 const TRUSTED: f64 = 10.0;
 /// A fit ends where a whole step leads uphill though it promises no more than so many nats: sliders that stick or slip in other cases
-/// make kinks.
+/// make kinks. A step along them has to promise more.
 const KINKS: f64 = 0.5;
 /// Where steps lead uphill over kinks so many of each step are made along them, before shorter ones.
 const ALONG: usize = 2;
