@@ -57,6 +57,7 @@ impl Ended<'_> {
             ));
         }
         self.large_angles(scratch, &mut out);
+        self.steady_rates(&mut out);
         self.kinks(&mut out);
         Ok(out)
     }
@@ -176,6 +177,25 @@ impl Ended<'_> {
             }
         }
         some(told, out);
+    }
+
+    /// Statics seeks where the rates of states are zero.
+    fn steady_rates(&self, out: &mut Vec<String>) {
+        let system = self.system;
+        let mut depends = vec![false; self.g.len()];
+        for (row, _, value) in self.matrix.entries() {
+            depends[row] |= value != 0.0;
+        }
+        let states = system.first_variable + system.variables.len()..self.g.len();
+        let steady = states.filter(|&row| !depends[row] && self.g[row] != 0.0);
+        let told = steady.map(|row| {
+            format!(
+                "the rate of {} is {:.4e} and depends on nothing here, so it has no place of rest; STATIC_HOLD would keep the state as it is",
+                system.equation_name(row),
+                self.g[row]
+            )
+        });
+        some(told.collect(), out);
     }
 
     fn kinks(&self, out: &mut Vec<String>) {

@@ -161,6 +161,21 @@ fn no_equilibrium() {
     );
 }
 
+/// A state whose rate is constant has no place of rest: it grows for ever. With STATIC_HOLD it is no unknown.
+#[test]
+fn a_state_that_never_rests() {
+    let (_, _, result) = solve("DIFF/1, IC=0, FUNCTION=2.0\nDIFF/2, IC=1, FUNCTION=-DIF(2)");
+    let Err(SolveError::NotConverged { worst, causes, .. }) = result else {
+        panic!("{result:?}");
+    };
+    assert_eq!(worst, "DIFF/1");
+    let rate = "the rate of DIFF/1 is 2.0000e0 and depends on nothing here, ";
+    assert!(causes.iter().any(|c| c.starts_with(rate)), "{causes:?}");
+    assert!(!causes.iter().any(|c| c.contains("DIFF/2")), "{causes:?}");
+    let (_, _, held) = solve("DIFF/1, IC=0, STATIC_HOLD, FUNCTION=2.0");
+    assert!(held.is_ok(), "{held:?}");
+}
+
 /// What stands in the way is told as far as it is there: an open joint, a function that jumps, every iteration.
 #[test]
 fn causes_that_are_present() {
