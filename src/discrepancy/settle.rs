@@ -39,7 +39,7 @@ const TRUSTED: f64 = 10.0;
 /// A fit ends where a whole step leads uphill though it promises no more than so many nats: sliders that stick or slip in other cases
 /// make kinks. A step along them has to promise more.
 const KINKS: f64 = 0.5;
-/// Where steps lead uphill over kinks so many of each step are made along them, before shorter ones.
+/// Where a step leads uphill over a kink, so many steps along kinks are tried before shorter ones.
 const ALONG: usize = 2;
 
 /// Derivatives by all unknowns.
@@ -68,7 +68,7 @@ pub(super) struct Point {
 }
 
 impl Point {
-    /// By how much the whitened derivatives by some unknowns there differ from those here: its Gram matrix.
+    /// The Gram matrix of the change of the whitened derivatives by some unknowns, from here to there.
     fn bend(&self, there: &Self, places: &[usize], weights: &DVector<f64>) -> DMatrix<f64> {
         let turned = |point: &Self| match &point.own {
             Some((known, own)) if known == places => own[1].clone(),
@@ -381,8 +381,8 @@ impl Sweep<'_> {
             let mut next = None;
             // Where a whole step leads uphill a part of it comes first: what damping holds back most is not what bends most.
             let (mut part, mut is_part) = (1.0, false);
-            // Sliders that begin to slip make kinks. Where steps over them led says where they are: beyond one the linear model is wrong by the
-            // change of the Jacobian times the step. With its square in the objective a step goes along the kink, where the minimum may be.
+            // A slider that begins to slip makes a kink in the objective. Beyond it the linear model is wrong by the change of the Jacobian
+            // times the step. With the square of that added to the objective, a step goes along the kink instead of across it.
             let along = if self.unknowns.memories.is_empty() {
                 0
             } else {

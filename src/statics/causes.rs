@@ -190,7 +190,7 @@ impl Ended<'_> {
         let steady = states.filter(|&row| !depends[row] && self.g[row] != 0.0);
         let told = steady.map(|row| {
             format!(
-                "the rate of {} is {:.4e} and depends on nothing here, so it has no place of rest; STATIC_HOLD would keep the state as it is",
+                "the rate of {} is {:.4e} and depends on nothing here: the state never comes to rest; STATIC_HOLD keeps it at its value in statics",
                 system.equation_name(row),
                 self.g[row]
             )

@@ -1,5 +1,8 @@
 //! One study per cause, wherever it can by a law that no hypothesis uses.
 
+use std::path::Path;
+use std::process::Command;
+
 use super::extension::reproduces;
 use super::found::{UP_AND_DOWN, named};
 use super::plant::{Friction, FrictionLaw, Plant, gforce, study};
@@ -217,7 +220,11 @@ fn gives_way_by_degrees(friction: Friction, place: &'static str, seed: u64) {
         ..nothing()
     };
     let folder = study("pseudo-mcpherson", &plant, 0.02, seed, Some(UP_AND_DOWN));
-    let loaded = LoadedStudy::read(folder.path()).value.unwrap();
+    friction_alone(folder.path(), place);
+}
+
+fn friction_alone(study: &Path, place: &str) {
+    let loaded = LoadedStudy::read(study).value.unwrap();
     let held = held_out(&loaded.study, &loaded.measurement);
     let diagnosis = diagnose(&loaded.problem(), held).unwrap().diagnosis;
     let named: Vec<_> = diagnosis
@@ -225,7 +232,7 @@ fn gives_way_by_degrees(friction: Friction, place: &'static str, seed: u64) {
         .iter()
         .map(|f| (f.cause, f.address.as_str(), f.probability))
         .collect();
-    println!("{place} {seed}: {:?} {named:?}", diagnosis.verdict);
+    println!("{}: {:?} {named:?}", study.display(), diagnosis.verdict);
     let (cause, at, _) = named[0];
     assert_eq!((cause, at), (Cause::DryFriction, place));
     let elsewhere = named.iter().any(|(_, at, p)| *at != place && *p > 0.5);
@@ -268,6 +275,28 @@ fn friction_of_a_bushing_that_gives_way_by_degrees() {
     };
     for seed in [27, 28] {
         gives_way_by_degrees(friction, "BUSHING/2.K.1", seed);
+    }
+}
+
+/// The same on tolerances, by the deck that the rig writes. Fits that stop at a kink put it into a bushing, or see a coupling beside it.
+#[test]
+fn friction_of_a_strut_that_gives_way_by_degrees_on_tolerances() {
+    let base = study("pseudo-mcpherson", &nothing(), 0.02, 1, Some(UP_AND_DOWN));
+    let folder = tempfile::tempdir().unwrap();
+    for (force, stiffness, seed) in [("60", "41.5", "1026"), ("100", "219.2", "1086")] {
+        let out = folder.path().join(seed);
+        let mut rig = Command::new(env!("CARGO_BIN_EXE_admire"));
+        rig.arg("rig").arg(base.path()).arg("--out").arg(&out);
+        rig.args(["--seed", seed, "--tolerances"]);
+        rig.arg(
+            "hardpoints=0.2,load_gain=0.003,load_direction_deg=0.057,marks_on_parts=0.1,pose=0.02",
+        );
+        rig.arg("--effect").arg(format!(
+            "dry-friction@JOINT/3:force={force},stiffness={stiffness},law=dahl"
+        ));
+        let done = rig.output().unwrap();
+        assert!(done.status.success(), "{done:?}");
+        friction_alone(&out, "JOINT/3");
     }
 }
 

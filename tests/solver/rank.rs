@@ -161,7 +161,7 @@ fn no_equilibrium() {
     );
 }
 
-/// A state whose rate is constant has no place of rest: it grows for ever. With STATIC_HOLD it is no unknown.
+/// A state whose rate is constant never comes to rest. With STATIC_HOLD it is no unknown.
 #[test]
 fn a_state_that_never_rests() {
     let (_, _, result) = solve("DIFF/1, IC=0, FUNCTION=2.0\nDIFF/2, IC=1, FUNCTION=-DIF(2)");
@@ -169,7 +169,7 @@ fn a_state_that_never_rests() {
         panic!("{result:?}");
     };
     assert_eq!(worst, "DIFF/1");
-    let rate = "the rate of DIFF/1 is 2.0000e0 and depends on nothing here, ";
+    let rate = "the rate of DIFF/1 is 2.0000e0 and depends on nothing here: ";
     assert!(causes.iter().any(|c| c.starts_with(rate)), "{causes:?}");
     assert!(!causes.iter().any(|c| c.contains("DIFF/2")), "{causes:?}");
     let (_, _, held) = solve("DIFF/1, IC=0, STATIC_HOLD, FUNCTION=2.0");

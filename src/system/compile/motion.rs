@@ -131,10 +131,8 @@ fn unsteady(system: &System, function: usize, of_velocities: bool) -> Option<&'s
                             return Some(what);
                         }
                     }
-                    let read = by_variable
-                        .iter()
-                        .map(|(k, _)| system.variables[*k].function);
                     let inside = Some("an output that places or velocities reach at once");
+                    let read = functions_of(system, by_variable);
                     open.extend(read.map(|function| (function, inside)));
                 }
                 Source::Variable(k) => {
@@ -152,6 +150,12 @@ fn unsteady(system: &System, function: usize, of_velocities: bool) -> Option<&'s
         }
     }
     None
+}
+
+/// The functions of the variables of a linear combination.
+fn functions_of(system: &System, by_variable: &[(usize, f64)]) -> impl Iterator<Item = usize> {
+    let variables = by_variable.iter();
+    variables.map(|(k, _)| system.variables[*k].function)
 }
 
 /// What the rate of a state reads that is not known where the places, for a function of velocities also these, and the time are.
@@ -172,10 +176,7 @@ fn unsteady_state(system: &System, state: usize, of_velocities: bool) -> Option<
                 Rate::Function(function) => functions.push(*function),
                 Rate::Linear(by_state, by_variable) => {
                     states.extend(by_state.iter().map(|(k, _)| *k));
-                    let read = by_variable
-                        .iter()
-                        .map(|(k, _)| system.variables[*k].function);
-                    functions.extend(read);
+                    functions.extend(functions_of(system, by_variable));
                 }
             }
         }
@@ -201,10 +202,7 @@ fn unsteady_state(system: &System, state: usize, of_velocities: bool) -> Option<
                 Source::State(k) => states.push(*k),
                 Source::Output((by_state, by_variable)) => {
                     states.extend(by_state.iter().map(|(k, _)| *k));
-                    let read = by_variable
-                        .iter()
-                        .map(|(k, _)| system.variables[*k].function);
-                    functions.extend(read);
+                    functions.extend(functions_of(system, by_variable));
                 }
                 Source::Variable(k) => functions.push(system.variables[*k].function),
                 Source::Through { function, .. } => functions.push(*function),
