@@ -22,9 +22,23 @@ pub(super) struct Aim<'a> {
     pub lead: f64,
     /// Where another fit of the same unknowns ended. One that leads there ends.
     pub known: Option<&'a [f64]>,
+    /// Evidence in nats, prior left out: a fit that begins below goes no further.
+    pub least: f64,
 }
 
 impl Aim<'_> {
+    /// Every fit goes on to its end.
+    pub(super) const NONE: Self = Self {
+        lead: f64::NEG_INFINITY,
+        known: None,
+        least: f64::NEG_INFINITY,
+    };
+
+    /// True where a fit that begins with so much evidence begins astray.
+    pub(super) fn is_astray(&self, begun: f64) -> bool {
+        begun < self.least
+    }
+
     /// True where a fit that has so much evidence, and so many nats to gain, will not come near.
     pub(super) fn is_beaten(&self, ln_z: f64, gain: f64) -> bool {
         ln_z + gain < self.lead - BEHIND || ln_z + CLOSE.1 * gain < self.lead - CLOSE.0

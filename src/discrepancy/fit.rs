@@ -273,6 +273,8 @@ pub(super) struct Target<'a> {
     pub lead: f64,
     /// A fit of the same causes and laws, wherever their numbers begin: one that leads to its end stops.
     pub known: Option<&'a Fitted>,
+    /// Evidence in nats, prior left out: a fit that begins below goes no further.
+    pub least: f64,
 }
 
 impl<'a> Target<'a> {
@@ -280,6 +282,7 @@ impl<'a> Target<'a> {
     pub(super) const NONE: Self = Self {
         lead: f64::NEG_INFINITY,
         known: None,
+        least: f64::NEG_INFINITY,
     };
 
     /// Another fit of the same causes, or a better one of others.
@@ -287,14 +290,20 @@ impl<'a> Target<'a> {
         Self {
             lead: known.ln_posterior() - known.ln_prior(),
             known: Some(known),
+            ..Self::NONE
         }
+    }
+
+    /// The same; a fit that begins below so much evidence goes no further.
+    pub(super) const fn above(self, least: f64) -> Self {
+        Self { least, ..self }
     }
 
     /// True for a fit that stopped because it will not come near, or would have.
     pub(super) fn is_beaten(&self, fitted: &Fitted) -> bool {
         let aim = Aim {
             lead: self.lead,
-            known: None,
+            ..Aim::NONE
         };
         aim.is_beaten(fitted.posterior.ln_z, fitted.posterior.gain)
     }
@@ -309,6 +318,7 @@ impl<'a> Target<'a> {
         Aim {
             lead: self.lead,
             known: self.known.filter(same).map(|known| known.x.as_slice()),
+            least: self.least,
         }
     }
 }
@@ -408,6 +418,7 @@ pub(super) fn aimed(
         let aim = Aim {
             lead: to_beat,
             known: known.map(|known| known.point.x.as_slice()),
+            ..Aim::NONE
         };
         let better = |(_, end, _): &(Sweep<'_>, Option<End>, bool)| {
             let own = end.as_ref().and_then(End::own);

@@ -449,7 +449,7 @@ impl<'a, 'b> Search<'a, 'b> {
             let from = Some((&*winner, winner.x.as_slice()));
             let target = Target {
                 lead: winner.ln_posterior().max(base.ln_posterior()) - base.ln_prior() - h.ln_prior,
-                known: None,
+                ..Target::NONE
             };
             let found = aimed(
                 self.tried.subject,

@@ -356,8 +356,10 @@ impl Sweep<'_> {
             let objective = here.linear.objective(&sizes);
             // What the linear model promises counts for the fit here.
             let is_beaten = aim.is_beaten(reached.ln_z, reached.gain);
-            course.push(reached.ln_z - reached.gain);
-            let hopeless = (is_beaten && (step_number >= HELD || reached.gain < KINKS))
+            let own = reached.ln_z - reached.gain;
+            course.push(own);
+            let hopeless = (step_number == 0 && aim.is_astray(own))
+                || (is_beaten && (step_number >= HELD || reached.gain < KINKS))
                 || aim.is_out_of_reach(&course, (HELD, steps));
             if aim.is_known(&here.x, &reached) {
                 return Some(End::Known);

@@ -73,6 +73,7 @@ impl<'a, 'b> Tried<'a, 'b> {
         let target = Target {
             lead: lead - base.ln_prior() - h.ln_prior,
             known: known.as_deref(),
+            ..Target::NONE
         };
         // Forms of a slider that differ in their first guess come to the same here.
         let halves = halved(base, h).filter(|(half, ..)| {
@@ -132,6 +133,7 @@ impl<'a, 'b> Tried<'a, 'b> {
         let target = Target {
             lead: lead - base.ln_prior() - h.ln_prior,
             known: found.as_deref(),
+            ..Target::NONE
         };
         let from = Some((&**start, start.x.as_slice()));
         let again = match aimed(self.subject, &all, from, None, self.data, target) {
@@ -158,26 +160,34 @@ impl<'a, 'b> Tried<'a, 'b> {
             let (from, sizes) = (Some((base, x)), Some(&weighed.sizes));
             aimed(self.subject, &all, from, sizes, self.data, target)
         };
-        let anew = |h: &Hypothesis, guesses: &[f64], x: &[f64]| {
-            let alone = Target {
-                known: None,
-                ..target
-            };
-            match begun(h, guesses, x, alone)? {
+        let alone = Target {
+            known: None,
+            ..target
+        };
+        let anew = |h: &Hypothesis, guesses: &[f64], x: &[f64], target: Target<'_>| {
+            let found = begun(h, guesses, x, target)?;
+            match found {
                 Fit::New(fitted) => Some(*fitted),
                 Fit::Known => None,
             }
         };
-        let from = |guesses: &[f64], x: &[f64]| anew(h, guesses, x);
         let guesses = &weighed.guesses;
+        // With the cause in the model it cannot be far worse than without.
+        let least = base.ln_posterior() - ASTRAY;
+        // A law that promises nothing and begins so far below has a guess that is out of the reach of the linear model. Friction has kinks
+        // on its way.
+        let is_promised = weighed.ln_posterior > base.ln_posterior();
+        let begin = if h.cause.has_rough_law() && h.memory.is_none() && !is_promised {
+            least - base.ln_prior()
+        } else {
+            f64::NEG_INFINITY
+        };
         // If the step of the linear model leads astray, begin where the fit without the cause ended.
-        let found = match begun(h, guesses, &weighed.x, target) {
+        let found = match begun(h, guesses, &weighed.x, target.above(begin)) {
             Some(Fit::Known) => return Some(Fit::Known),
             Some(Fit::New(found)) => Some(*found),
             None => None,
         };
-        // With the cause in the model it cannot be far worse than without.
-        let least = base.ln_posterior() - ASTRAY;
         let is_done = |found: &Fitted| {
             found.is_settled()
                 || found.ln_posterior() > base.ln_posterior()
@@ -187,7 +197,7 @@ impl<'a, 'b> Tried<'a, 'b> {
         let found = match found {
             Some(found) if is_done(&found) => Some(found),
             astray => {
-                let again = from(guesses, &base.x);
+                let again = anew(h, guesses, &base.x, alone.above(begin));
                 if reached(&again) > reached(&astray) {
                     again
                 } else {
@@ -199,7 +209,7 @@ impl<'a, 'b> Tried<'a, 'b> {
         let found = match found {
             Some(found) if found.ln_posterior() < least => {
                 let small: Vec<f64> = guesses.iter().map(|guess| SMALL * guess).collect();
-                let again = from(&small, &base.x);
+                let again = anew(h, &small, &base.x, alone);
                 if reached(&again) > Some(found.ln_posterior()) {
                     again
                 } else {
@@ -209,7 +219,7 @@ impl<'a, 'b> Tried<'a, 'b> {
             found => found,
         };
         // A further slider takes over a part of what the first one does.
-        let halved = halved.and_then(|(h, guesses, x)| anew(&h, &guesses, &x));
+        let halved = halved.and_then(|(h, guesses, x)| anew(&h, &guesses, &x, alone));
         let found = match (found, halved) {
             (Some(a), Some(b)) if b.ln_posterior() > a.ln_posterior() => b,
             (a, b) => a.or(b)?,
@@ -218,9 +228,9 @@ impl<'a, 'b> Tried<'a, 'b> {
         let first = found.places[last].first().map_or(0.0, |at| found.x[*at]);
         if h.one_sided && first < 0.0 && guesses.len() > 1 {
             // A force that can only push came out pulling: a higher term took the place of the first. Begin with the first term alone.
-            let mut alone = vec![0.0; guesses.len()];
-            alone[0] = guesses.iter().map(|g| g.abs()).sum();
-            let again = from(&alone, &weighed.x).filter(|again| {
+            let mut one_term = vec![0.0; guesses.len()];
+            one_term[0] = guesses.iter().map(|g| g.abs()).sum();
+            let again = anew(h, &one_term, &weighed.x, alone).filter(|again| {
                 !again.has_wrong_sign(last)
                     && (found.has_wrong_sign(last) || again.ln_posterior() > found.ln_posterior())
             });
