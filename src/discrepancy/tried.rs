@@ -13,6 +13,8 @@ const SLIPS: [f64; 2] = [0.4, 2.0];
 /// A fit that ends so many nats below the model without the cause went astray; it begins again with so much of the guesses.
 const ASTRAY: f64 = 30.0;
 const SMALL: f64 = 0.1;
+/// A fit that could go no further though it promises so many nats is stuck; it begins anew from the deck.
+const STUCK: f64 = 10.0;
 /// A model has to be better by so many nats.
 pub(super) const BETTER: f64 = 0.05;
 
@@ -204,6 +206,20 @@ impl<'a, 'b> Tried<'a, 'b> {
                     astray
                 }
             }
+        };
+        // Stiffnesses that make up for the cause in the model without it may lead into a valley that does not lead back.
+        let found = match found {
+            Some(found) if found.posterior.gain > STUCK && !target.is_beaten(&found) => {
+                let mut all = unguessed(base);
+                all.push((h.clone(), guesses.clone()));
+                match aimed(self.subject, &all, None, None, self.data, alone) {
+                    Some(Fit::New(again)) if again.ln_posterior() > found.ln_posterior() => {
+                        Some(*again)
+                    }
+                    _ => Some(found),
+                }
+            }
+            found => found,
         };
         // What the linear model promises of a large effect may be out of its reach.
         let found = match found {
