@@ -46,7 +46,8 @@ impl Coupled {
             matrix: Matrix::new(size),
             occupied: Occupied::default(),
             values: Vec::new(),
-            factors: Lu::for_steps(size),
+            // An order for steps stays with pivots so small that next to a singular position its steps do not lead on.
+            factors: Lu::new(size),
             levels: Levels::new(system.moving_unknowns),
             rows: Rows::new(system),
             g: vec![0.0; system.moving_unknowns],
