@@ -27,28 +27,35 @@ pub(super) struct Factors<T> {
     upper: Vec<T>,
 }
 
-impl<T: Scalar> Factors<T> {
-    pub(super) fn clear(&mut self) {
-        self.ends.clear();
-        self.pivots.clear();
-        self.lower_rows.clear();
-        self.lower.clear();
-        self.upper_columns.clear();
-        self.upper.clear();
-    }
+/// Factors that are written row by row.
+pub(super) struct Written<'a, T> {
+    ends: &'a mut Vec<Ends>,
+    pivots: &'a mut Vec<T>,
+    lower_rows: &'a mut [u32],
+    lower: &'a mut [T],
+    upper_columns: &'a mut [u32],
+    upper: &'a mut [T],
+    /// How many there are of L and U.
+    counts: (usize, usize),
+}
 
+impl<T: Scalar> Written<'_, T> {
     /// Adds to L in the row that comes next.
     #[inline]
     pub(super) fn push_lower(&mut self, row: u32, multiplier: T) {
-        self.lower_rows.push(row);
-        self.lower.push(multiplier);
+        let at = self.counts.0;
+        self.lower_rows[at] = row;
+        self.lower[at] = multiplier;
+        self.counts.0 = at + 1;
     }
 
-    /// Adds to U in the row that comes next.
+    /// Adds to U in the row that comes next, unless it is zero: without a branch, which nobody could foretell.
     #[inline]
     pub(super) fn push_upper(&mut self, column: u32, value: T) {
-        self.upper_columns.push(column);
-        self.upper.push(value);
+        let at = self.counts.1;
+        self.upper_columns[at] = column;
+        self.upper[at] = value;
+        self.counts.1 = at + usize::from(value != T::default());
     }
 
     /// Ends a row.
@@ -57,19 +64,39 @@ impl<T: Scalar> Factors<T> {
         self.ends.push(Ends {
             row,
             column,
-            lower: self.lower.len() as u32,
-            upper: self.upper.len() as u32,
+            lower: self.counts.0 as u32,
+            upper: self.counts.1 as u32,
         });
         self.pivots.push(pivot);
     }
 
     /// Columns and values of U of the k-th row.
     #[inline]
-    pub(super) fn upper(&self, k: usize) -> impl Iterator<Item = (u32, T)> + '_ {
-        let from = if k == 0 { 0 } else { self.ends[k - 1].upper };
+    pub(super) fn upper(&self, k: usize) -> (&[u32], &[T]) {
+        let from = k.checked_sub(1).map_or(0, |k| self.ends[k].upper);
         let range = from as usize..self.ends[k].upper as usize;
-        let columns = self.upper_columns[range.clone()].iter().copied();
-        columns.zip(self.upper[range].iter().copied())
+        (&self.upper_columns[range.clone()], &self.upper[range])
+    }
+}
+
+impl<T: Scalar> Factors<T> {
+    /// Begins anew, with room for so many entries of L and U.
+    pub(super) fn begin(&mut self, lower: usize, upper: usize) -> Written<'_, T> {
+        self.ends.clear();
+        self.pivots.clear();
+        self.lower_rows.resize(lower, 0);
+        self.lower.resize(lower, T::default());
+        self.upper_columns.resize(upper, 0);
+        self.upper.resize(upper, T::default());
+        Written {
+            ends: &mut self.ends,
+            pivots: &mut self.pivots,
+            lower_rows: &mut self.lower_rows,
+            lower: &mut self.lower,
+            upper_columns: &mut self.upper_columns,
+            upper: &mut self.upper,
+            counts: (0, 0),
+        }
     }
 
     /// Every row with its entries of L, from the first to the last.
@@ -84,7 +111,7 @@ impl<T: Scalar> Factors<T> {
 
     /// Every row with its entries of U and its pivot, from the last to the first.
     fn backwards(&self) -> impl Iterator<Item = (Ends, Range<usize>, T)> + '_ {
-        let mut to = self.upper.len();
+        let mut to = self.ends.last().map_or(0, |ends| ends.upper as usize);
         let mut next = self.ends.len();
         std::iter::from_fn(move || {
             next = next.checked_sub(1)?;
@@ -145,7 +172,7 @@ impl<T: Scalar> Factors<T> {
                 b[column as usize] -= factor * value;
             }
         }
-        let mut to = self.lower.len();
+        let mut to = self.ends.last().map_or(0, |ends| ends.lower as usize);
         for k in (0..self.ends.len()).rev() {
             let from = k.checked_sub(1).map_or(0, |k| self.ends[k].lower);
             let range = from as usize..to;

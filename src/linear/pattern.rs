@@ -15,8 +15,8 @@ pub(super) struct Pattern {
     pub steps: Vec<Step>,
     /// Entries of the matrix with their columns, by the rows of the steps.
     pub entries: Vec<(u32, u32)>,
-    /// Steps that stand in L, in their order.
-    pub lower: Vec<u32>,
+    /// Steps that stand in L with their columns, in their order.
+    pub lower: Vec<(u32, u32)>,
     /// Columns that stand in U.
     pub upper: Vec<u32>,
 }
@@ -42,48 +42,64 @@ impl Pattern {
         matrix: &Entries<'_, T>,
         (row_scale, column_scale): (&[f64], &[f64]),
         growth: f64,
-        Spread { row, pivots }: &mut Spread<T>,
+        spread: &mut Spread<T>,
+        factors: &mut Factors<T>,
+    ) -> bool {
+        let Spread { row, pivots } = spread;
+        row.resize(matrix.n, T::default());
+        pivots.clear();
+        let done = self.run(
+            matrix,
+            (row_scale, column_scale),
+            growth,
+            (row, pivots),
+            factors,
+        );
+        if !done {
+            row.clear();
+        }
+        done
+    }
+
+    fn run<T: Scalar>(
+        &self,
+        matrix: &Entries<'_, T>,
+        (row_scale, column_scale): (&[f64], &[f64]),
+        growth: f64,
+        (row, pivots): (&mut [T], &mut Vec<Pivot<T>>),
         factors: &mut Factors<T>,
     ) -> bool {
         let zero = T::default();
-        row.resize(matrix.n, zero);
-        pivots.clear();
-        factors.clear();
+        let mut to = factors.begin(self.lower.len(), self.upper.len());
         let (mut entry, mut lower, mut upper) = (0, 0, 0);
         for step in &self.steps {
-            let entries = &self.entries[entry..step.entries as usize];
-            for &(k, column) in entries {
+            for &(k, column) in &self.entries[entry..step.entries as usize] {
                 row[column as usize] = matrix.values[k as usize];
             }
             let scale = row_scale[step.row as usize];
-            for &k in &self.lower[lower..step.lower as usize] {
-                let above = &self.steps[k as usize];
-                let value = std::mem::take(&mut row[above.column as usize]);
+            for &(k, column) in &self.lower[lower..step.lower as usize] {
+                let value = std::mem::take(&mut row[column as usize]);
                 if value == zero {
                     continue;
                 }
                 let pivot = &pivots[k as usize];
                 if !pivot.serves(value, scale) {
-                    row.clear();
                     return false;
                 }
                 let multiplier = value * pivot.inverse;
-                for (column, factor) in factors.upper(k as usize) {
+                let (columns, factors) = to.upper(k as usize);
+                for (&column, &factor) in columns.iter().zip(factors) {
                     row[column as usize] -= multiplier * factor;
                 }
-                factors.push_lower(above.row, multiplier);
+                to.push_lower(self.steps[k as usize].row, multiplier);
             }
             for &column in &self.upper[upper..step.upper as usize] {
-                let value = std::mem::take(&mut row[column as usize]);
-                if value != zero {
-                    factors.push_upper(column, value);
-                }
+                to.push_upper(column, std::mem::take(&mut row[column as usize]));
             }
             let value = std::mem::take(&mut row[step.column as usize]);
-            factors.end_row(step.row, step.column, value);
+            to.end_row(step.row, step.column, value);
             let scales = (scale, column_scale[step.column as usize]);
             let Some(pivot) = step.pivot(value, scales, growth) else {
-                row.clear();
                 return false;
             };
             pivots.push(pivot);

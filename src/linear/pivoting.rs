@@ -279,10 +279,13 @@ impl<T: Scalar> Elimination<'_, T> {
         let mut pattern = Pattern {
             steps: Vec::with_capacity(count),
             entries: entries.1,
-            lower: left.1.iter().map(|(k, _)| *k).collect(),
+            lower: (left.1.iter())
+                .map(|(k, _)| (*k, self.pivots[*k as usize].1))
+                .collect(),
             upper: self.across.iter().map(|(column, _)| *column).collect(),
         };
         let mut factors = Factors::default();
+        let mut to = factors.begin(pattern.lower.len(), pattern.upper.len());
         let zero = T::default();
         let (mut from_lower, mut from_upper) = (0, 0);
         for (k, &(row, column, pivot)) in self.pivots.iter().enumerate() {
@@ -290,18 +293,15 @@ impl<T: Scalar> Elimination<'_, T> {
             for &(k, at) in &left.1[from_lower..lower as usize] {
                 let multiplier = self.values[at as usize];
                 if multiplier != zero {
-                    factors.push_lower(self.pivots[k as usize].0, multiplier);
+                    to.push_lower(self.pivots[k as usize].0, multiplier);
                 }
             }
             for &(column, at) in &self.across[from_upper..upper as usize] {
-                let value = self.values[at as usize];
-                if value != zero {
-                    factors.push_upper(column, value);
-                }
+                to.push_upper(column, self.values[at as usize]);
             }
             (from_lower, from_upper) = (lower as usize, upper as usize);
             let pivot = self.values[pivot as usize];
-            factors.end_row(row, column, pivot);
+            to.end_row(row, column, pivot);
             pattern.steps.push(Step {
                 row,
                 column,
