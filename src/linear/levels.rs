@@ -1,5 +1,7 @@
 use super::Sink;
+use super::additions::by_columns;
 use super::entries::Entries;
+use super::occupied::Occupied;
 use super::scalar::Scalar;
 
 /// A sparse matrix in three levels over one pattern: derivatives by the unknowns, by their first and by their second rates; and a column
@@ -25,6 +27,7 @@ pub(crate) struct Levels {
     /// Additions of the first assembly: column, row, level, value.
     first: Vec<(u32, u32, u8, f64)>,
     known: bool,
+    occupied: Occupied,
 }
 
 impl Sink for Levels {
@@ -82,10 +85,10 @@ impl Levels {
     pub(crate) fn finish(&mut self) {
         if self.known {
             debug_assert_eq!(self.next, self.slots.len(), "same order every time");
+            self.occupy();
             return;
         }
-        let mut order: Vec<u32> = (0..self.first.len() as u32).collect();
-        order.sort_by_key(|&k| (self.first[k as usize].0, self.first[k as usize].1));
+        let order = by_columns(self.n, &self.first, |addition| (addition.0, addition.1));
         for &k in &order {
             let (column, row, level, _) = self.first[k as usize];
             if self.places.last() != Some(&(column, row)) {
@@ -119,6 +122,7 @@ impl Levels {
         self.first = Vec::new();
         self.known = true;
         self.next = self.slots.len();
+        self.occupy();
     }
 
     /// At which levels each entry stands, whatever its value, in the order of [`Self::entries`].
@@ -133,25 +137,44 @@ impl Levels {
         out
     }
 
-    /// Fills `values` with the sum of the levels, weighted by row and column, and gives it as a matrix.
+    /// Fills `values` with the sum of the levels, weighted by row and column, and gives it as a matrix of the places that have ever been
+    /// something but zero.
     pub(crate) fn combined<'a, T: Scalar>(
         &'a self,
         values: &'a mut Vec<T>,
         weights: impl Fn(usize, usize) -> [T; 3],
     ) -> Entries<'a, T> {
         values.clear();
-        let weights = |&(column, row): &(u32, u32)| weights(row as usize, column as usize);
-        let places = self.places.iter().zip(&self.values);
-        values.extend(places.map(|(place, value)| weights(place)[0] * T::of(*value)));
-        for (at, [c, m]) in self.by_rates() {
-            let [_, by_rate, by_second] = weights(&self.places[at]);
-            values[at] = values[at] + by_rate * T::of(c) + by_second * T::of(m);
+        let mut rates = self.by_rates().peekable();
+        values.extend(self.occupied.kept().iter().map(|&at| {
+            let at = at as usize;
+            let (column, row) = self.places[at];
+            let [by_place, by_rate, by_second] = weights(row as usize, column as usize);
+            let value = by_place * T::of(self.values[at]);
+            while rates.next_if(|rate| rate.0 < at).is_some() {}
+            match rates.next_if(|rate| rate.0 == at) {
+                Some((_, [c, m])) => value + by_rate * T::of(c) + by_second * T::of(m),
+                None => value,
+            }
+        }));
+        self.occupied.entries(self.n, values)
+    }
+
+    /// Looks for places that are something but zero for the first time.
+    fn occupy(&mut self) {
+        let (values, rates) = self.values.split_at(self.places.len());
+        self.occupied.begin(values.len());
+        for (entry, value) in values.iter().enumerate() {
+            if *value != 0.0 {
+                self.occupied.mark(entry);
+            }
         }
-        Entries {
-            n: self.n,
-            places: &self.places,
-            values,
+        for (entry, values) in self.rates.iter().zip(rates.chunks_exact(2)) {
+            if values != [0.0, 0.0] {
+                self.occupied.mark(*entry as usize);
+            }
         }
+        self.occupied.end(&self.places);
     }
 
     /// (row, column, [by the unknown, by its rate, by its second rate]) of every entry, by columns.

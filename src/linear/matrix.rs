@@ -1,5 +1,7 @@
 use super::Sink;
+use super::additions::by_columns;
 use super::entries::Entries;
+use super::occupied::Occupied;
 
 /// A sparse matrix whose entries arrive in the same order in every assembly: the place of each is looked up once.
 #[derive(Clone, Debug, Default)]
@@ -69,7 +71,7 @@ impl Matrix {
             debug_assert_eq!(self.next, self.slots.len(), "same order every time");
             return;
         }
-        let order = self.by_columns();
+        let order = by_columns(self.n, &self.first, |addition| (addition.0, addition.1));
         self.slots = vec![0; self.first.len()];
         for k in order {
             let (column, row, value) = self.first[k as usize];
@@ -84,29 +86,6 @@ impl Matrix {
         self.first = Vec::new();
         self.known = true;
         self.next = self.slots.len();
-    }
-
-    /// The additions in order of columns, then rows: counted into columns, which are short.
-    fn by_columns(&self) -> Vec<u32> {
-        let mut ends = vec![0_u32; self.n + 1];
-        for (column, _, _) in &self.first {
-            ends[*column as usize + 1] += 1;
-        }
-        for k in 0..self.n {
-            ends[k + 1] += ends[k];
-        }
-        let mut next = ends.clone();
-        let mut order = vec![0; self.first.len()];
-        for (k, (column, _, _)) in self.first.iter().enumerate() {
-            let at = &mut next[*column as usize];
-            order[*at as usize] = k as u32;
-            *at += 1;
-        }
-        for pair in ends.windows(2) {
-            let column = &mut order[pair[0] as usize..pair[1] as usize];
-            column.sort_unstable_by_key(|&k| (self.first[k as usize].1, k));
-        }
-        order
     }
 
     /// Adds to an entry that is in the pattern, after the assembly.
@@ -129,12 +108,26 @@ impl Matrix {
         &self.values
     }
 
+    /// What has ever been something but zero, with its values in `values`.
+    pub(crate) fn occupied<'a>(
+        &self,
+        occupied: &'a mut Occupied,
+        values: &'a mut Vec<f64>,
+    ) -> Entries<'a, f64> {
+        occupied.begin(self.places.len());
+        for (entry, value) in self.values.iter().enumerate() {
+            if *value != 0.0 {
+                occupied.mark(entry);
+            }
+        }
+        occupied.end(&self.places);
+        values.clear();
+        values.extend(occupied.kept().iter().map(|k| self.values[*k as usize]));
+        occupied.entries(self.n, values)
+    }
+
     /// Its pattern and values.
     pub(crate) fn view(&self) -> Entries<'_, f64> {
-        Entries {
-            n: self.n,
-            places: &self.places,
-            values: &self.values,
-        }
+        Entries::whole(self.n, &self.places, &self.values)
     }
 }

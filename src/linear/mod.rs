@@ -2,15 +2,17 @@
 //!
 //! Knows no equations and no units.
 
-mod blocks;
+mod additions;
 mod dependent;
 mod entries;
+mod factors;
 mod lanes;
 mod levels;
 mod lu;
 mod matrix;
+mod occupied;
 mod ordering;
-mod packed;
+mod pattern;
 mod pivoting;
 mod postorder;
 mod scalar;
@@ -23,6 +25,7 @@ pub(crate) use entries::Entries;
 pub(crate) use levels::Levels;
 pub(crate) use lu::Lu;
 pub(crate) use matrix::Matrix;
+pub(crate) use occupied::Occupied;
 pub(crate) use ordering::by_groups;
 #[cfg(test)]
 pub(crate) use ordering::minimum_degree;

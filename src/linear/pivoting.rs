@@ -1,7 +1,8 @@
 //! The first elimination of a pattern: choosing pivots, and writing down what is done.
 
-use super::blocks::{Blocks, Written};
 use super::entries::Entries;
+use super::factors::Factors;
+use super::pattern::Pattern;
 use super::scalar::Scalar;
 use super::step::Step;
 
@@ -17,16 +18,8 @@ const NOWHERE: u32 = u32::MAX;
 
 /// An elimination as it was done.
 pub(super) struct Eliminated<T> {
-    pub steps: Vec<Step>,
-    /// Where each entry of the matrix goes.
-    pub entries: Vec<u32>,
-    /// Column (of U entries) or row (of L entries) of every value.
-    pub index: Vec<u32>,
-    pub values: Vec<T>,
-    /// For every step, row by row of L: where the products go.
-    pub targets: Vec<u32>,
-    /// The operations of many steps at once, in place of the targets; empty where they were not asked for.
-    pub blocks: Blocks,
+    pub pattern: Pattern,
+    pub factors: Factors<T>,
     /// Columns without a pivot.
     pub free: Vec<u32>,
     /// Rows without a pivot.
@@ -51,20 +44,17 @@ struct Elimination<'a, T> {
     place: Vec<u32>,
     row_scale: &'a [f64],
     column_scale: &'a [f64],
-    steps: Vec<Step>,
-    /// Value indices of pivot and U of all steps, columns beside them; of L, rows beside them.
+    /// Row, column and value index of the pivots.
+    pivots: Vec<(u32, u32, u32)>,
+    /// Columns and value indices of U of all steps, rows and value indices of L; where those of a step end.
     across: Vec<(u32, u32)>,
     down: Vec<(u32, u32)>,
-    targets: Vec<u32>,
+    ends: Vec<(u32, u32)>,
     free: Vec<u32>,
 }
 
-/// Eliminates a matrix, its columns in the order given; where none is, they are searched for. `in_blocks` writes the steps down in blocks.
-pub(super) fn eliminated<T: Scalar>(
-    matrix: &Entries<'_, T>,
-    mut given: Vec<u32>,
-    in_blocks: bool,
-) -> Eliminated<T> {
+/// Eliminates a matrix, its columns in the order given; where none is, they are searched for.
+pub(super) fn eliminated<T: Scalar>(matrix: &Entries<'_, T>, mut given: Vec<u32>) -> Eliminated<T> {
     let n = matrix.n;
     given.reverse();
     let (mut row_scale, mut column_scale) = (vec![0.0; n], vec![0.0; n]);
@@ -85,10 +75,10 @@ pub(super) fn eliminated<T: Scalar>(
         place: vec![NOWHERE; n],
         row_scale: &row_scale,
         column_scale: &column_scale,
-        steps: Vec::with_capacity(n),
+        pivots: Vec::with_capacity(n),
         across: Vec::new(),
         down: Vec::new(),
-        targets: Vec::new(),
+        ends: Vec::with_capacity(n),
         free: Vec::new(),
     };
     for column in 0..n {
@@ -97,55 +87,16 @@ pub(super) fn eliminated<T: Scalar>(
     while let Some((row, column)) = work.choose() {
         work.eliminate(row, column);
     }
+    work.free.sort_unstable();
+    let (pattern, factors) = work.written(matrix);
     let mut active = vec![true; n];
-    for step in &work.steps {
+    for step in &pattern.steps {
         active[step.row as usize] = false;
     }
-    let Elimination {
-        values,
-        mut steps,
-        across: mut order,
-        mut down,
-        mut targets,
-        mut free,
-        ..
-    } = work;
-    free.sort_unstable();
-    let mut blocks = Blocks::default();
-    if in_blocks {
-        let mut written = Written {
-            steps: &steps,
-            across: &mut order,
-            down: &mut down,
-            targets: &targets,
-        };
-        blocks = written.blocks(n);
-        targets = Vec::new();
-    }
-    for step in &mut steps {
-        step.below += order.len() as u32;
-    }
-    order.extend(down);
-    // Values move to where a step finds its own side by side; what no step owns is dropped at the end.
-    let mut moved = vec![NOWHERE; values.len()];
-    for (new, (old, _)) in order.iter().enumerate() {
-        moved[*old as usize] = new as u32;
-    }
-    let dump = order.len() as u32;
-    let to = |old: u32| match moved[old as usize] {
-        NOWHERE => dump,
-        new => new,
-    };
-    blocks.renumber(to);
-    let own = order.iter().map(|(old, _)| values[*old as usize]);
     Eliminated {
-        values: own.chain([T::default()]).collect(),
-        index: order.iter().map(|(_, index)| *index).collect(),
-        entries: (0..matrix.values.len() as u32).map(to).collect(),
-        targets: targets.into_iter().map(to).collect(),
-        blocks,
-        steps,
-        free,
+        pattern,
+        factors,
+        free: work.free,
         idle: (0..n as u32).filter(|r| active[*r as usize]).collect(),
         row_scale,
         column_scale,
@@ -254,18 +205,8 @@ impl<T: Scalar> Elimination<'_, T> {
         lower.retain(|other| other.0 != row);
         self.closed[column as usize] = true;
         let size = self.values[pivot as usize];
-        self.steps.push(Step {
-            row,
-            column,
-            at: self.across.len() as u32,
-            upper: upper.len() as u32,
-            below: self.down.len() as u32,
-            lower: lower.len() as u32,
-            size: size.size(),
-        });
-        self.across.push((pivot, column));
-        for &(other, value) in &upper {
-            self.across.push((value, other));
+        self.pivots.push((row, column, pivot));
+        for &(other, _) in &upper {
             let rows = &mut self.columns[other as usize];
             let at = rows
                 .iter()
@@ -279,7 +220,6 @@ impl<T: Scalar> Elimination<'_, T> {
                 .position(|entry| entry.0 == column)
                 .expect("columns list the rows of their entries");
             self.rows[other as usize].swap_remove(at);
-            self.down.push((value, other));
             let multiplier = self.values[value as usize] / size;
             self.values[value as usize] = multiplier;
             for &(c, v) in &self.rows[other as usize] {
@@ -287,9 +227,9 @@ impl<T: Scalar> Elimination<'_, T> {
             }
             for &(c, v) in &upper {
                 let product = multiplier * self.values[v as usize];
-                let mut target = self.place[c as usize];
+                let target = self.place[c as usize];
                 if target == NOWHERE {
-                    target = self.values.len() as u32;
+                    let target = self.values.len() as u32;
                     self.values.push(-product);
                     self.rows[other as usize].push((c, target));
                     self.columns[c as usize].push((other, target));
@@ -297,7 +237,6 @@ impl<T: Scalar> Elimination<'_, T> {
                 } else {
                     self.values[target as usize] -= product;
                 }
-                self.targets.push(target);
             }
             for &(c, _) in &self.rows[other as usize] {
                 self.place[c as usize] = NOWHERE;
@@ -308,7 +247,96 @@ impl<T: Scalar> Elimination<'_, T> {
                 self.file(other);
             }
         }
+        self.across.extend(upper);
+        self.down.extend(lower);
+        self.ends
+            .push((self.across.len() as u32, self.down.len() as u32));
     }
+
+    /// What was done, row by row.
+    fn written(&self, matrix: &Entries<'_, T>) -> (Pattern, Factors<T>) {
+        let count = self.pivots.len();
+        // Rows without a pivot have no step.
+        let mut step_of = vec![NOWHERE; matrix.n];
+        for (k, (row, ..)) in self.pivots.iter().enumerate() {
+            step_of[*row as usize] = k as u32;
+        }
+        let places = matrix.places.iter().enumerate();
+        let entries = by_rows(count, || {
+            let rows = places.clone();
+            rows.map(|(k, &(column, row))| (step_of[row as usize], (k as u32, column)))
+        });
+        let left = by_rows(count, || {
+            let steps = self.ends.iter().enumerate();
+            steps
+                .flat_map(|(k, &(_, end))| {
+                    let from = k.checked_sub(1).map_or(0, |k| self.ends[k].1);
+                    let down = &self.down[from as usize..end as usize];
+                    down.iter().map(move |&(row, at)| (row, (k as u32, at)))
+                })
+                .map(|(row, entry)| (step_of[row as usize], entry))
+        });
+        let mut pattern = Pattern {
+            steps: Vec::with_capacity(count),
+            entries: entries.1,
+            lower: (left.1.iter())
+                .map(|(k, _)| (*k, self.pivots[*k as usize].1))
+                .collect(),
+            upper: self.across.iter().map(|(column, _)| *column).collect(),
+        };
+        let mut factors = Factors::default();
+        let mut to = factors.begin(pattern.lower.len(), pattern.upper.len());
+        let zero = T::default();
+        let (mut from_lower, mut from_upper) = (0, 0);
+        for (k, &(row, column, pivot)) in self.pivots.iter().enumerate() {
+            let (lower, upper) = (left.0[k], self.ends[k].0);
+            for &(k, at) in &left.1[from_lower..lower as usize] {
+                let multiplier = self.values[at as usize];
+                if multiplier != zero {
+                    to.push_lower(self.pivots[k as usize].0, multiplier);
+                }
+            }
+            for &(column, at) in &self.across[from_upper..upper as usize] {
+                to.push_upper(column, self.values[at as usize]);
+            }
+            (from_lower, from_upper) = (lower as usize, upper as usize);
+            let pivot = self.values[pivot as usize];
+            to.end_row(row, column, pivot);
+            pattern.steps.push(Step {
+                row,
+                column,
+                entries: entries.0[k],
+                lower,
+                upper,
+                size: pivot.size(),
+            });
+        }
+        (pattern, factors)
+    }
+}
+
+/// Items sorted into so many rows, each in the order in which they come, and where the rows end. What has no row is left out.
+fn by_rows<I>(count: usize, items: impl Fn() -> I) -> (Vec<u32>, Vec<(u32, u32)>)
+where
+    I: Iterator<Item = (u32, (u32, u32))>,
+{
+    let of_rows = || items().filter(|(row, _)| *row != NOWHERE);
+    let mut next = vec![0_u32; count + 1];
+    for (row, _) in of_rows() {
+        next[row as usize + 1] += 1;
+    }
+    for k in 0..count {
+        next[k + 1] += next[k];
+    }
+    let mut sorted = vec![(0, 0); next[count] as usize];
+    for (row, item) in of_rows() {
+        let at = &mut next[row as usize];
+        sorted[*at as usize] = item;
+        *at += 1;
+    }
+    // Every row went up to where the next one begins.
+    next.pop();
+    (next, sorted)
 }
 
 /// Powers of two that bring the largest entry of every row, then of every column, close to one. An entry that is round-off beside the

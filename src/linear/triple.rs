@@ -181,11 +181,11 @@ mod tests {
             let pair: Vec<Complex<f64>> = values.iter().map(|v| v.pair).collect();
             let places = &places[..];
             let values = &values[..];
-            both.factor_entries(&Entries { n, places, values });
+            both.factor_entries(&Entries::whole(n, places, values));
             let values = &alone[..];
-            one.factor_entries(&Entries { n, places, values });
+            one.factor_entries(&Entries::whole(n, places, values));
             let values = &pair[..];
-            two.factor_entries(&Entries { n, places, values });
+            two.factor_entries(&Entries::whole(n, places, values));
             let mut b: Vec<Triple> = (0..n)
                 .map(|k| Triple::new(number(k + 5), of_pair(k + 9)))
                 .collect();

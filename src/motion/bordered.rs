@@ -2,7 +2,7 @@
 
 use std::ops::{Div, Mul};
 
-use crate::linear::{Lu, Matrix, Scalar, Sink};
+use crate::linear::{Lu, Matrix, Occupied, Scalar, Sink};
 use crate::mechanics::Mat6;
 use crate::system::{Rows, System};
 
@@ -10,6 +10,8 @@ use crate::system::{Rows, System};
 #[derive(Clone, Debug)]
 pub(super) struct Bordered {
     matrix: Matrix,
+    occupied: Occupied,
+    values: Vec<f64>,
     factors: Lu,
     bodies: usize,
     /// Weights are diagonal.
@@ -21,17 +23,17 @@ impl Bordered {
         let n = system.first_equation + system.equations;
         Self {
             matrix: Matrix::new(n),
+            occupied: Occupied::default(),
+            values: Vec::new(),
             factors: Lu::new(n),
             bodies: system.first_equation,
             plain: false,
         }
     }
 
-    /// For diagonal weights alone, and for many solutions after one factorisation.
+    /// For diagonal weights alone.
     pub(crate) fn plain(system: &System) -> Self {
-        let n = system.first_equation + system.equations;
         Self {
-            factors: Lu::for_many(n),
             plain: true,
             ..Self::new(system)
         }
@@ -66,7 +68,8 @@ impl Bordered {
             self.matrix.add(column as usize, row, value);
         }
         self.matrix.finish();
-        self.factors.factor(&self.matrix);
+        let matrix = self.matrix.occupied(&mut self.occupied, &mut self.values);
+        self.factors.factor_entries(&matrix);
     }
 
     /// Solves in place: motions, then multipliers.

@@ -15,7 +15,7 @@
 
 use super::bordered::plain_weight;
 use super::newton::{Equations, Unknowns, turns};
-use crate::linear::{Levels, Lu, Matrix, Sink, by_groups};
+use crate::linear::{Levels, Lu, Matrix, Occupied, Sink, by_groups};
 use crate::mechanics::{Mat3, Vec3};
 use crate::system::{NoValue, Parameters, Rows, State, System};
 
@@ -23,6 +23,8 @@ use crate::system::{NoValue, Parameters, Rows, State, System};
 #[derive(Debug)]
 pub(super) struct Coupled {
     matrix: Matrix,
+    occupied: Occupied,
+    values: Vec<f64>,
     factors: Lu,
     levels: Levels,
     rows: Rows,
@@ -42,7 +44,10 @@ impl Coupled {
         Self {
             groups,
             matrix: Matrix::new(size),
-            factors: Lu::for_steps(size),
+            occupied: Occupied::default(),
+            values: Vec::new(),
+            // An order for steps stays with pivots so small that next to a singular position its steps do not lead on.
+            factors: Lu::new(size),
             levels: Levels::new(system.moving_unknowns),
             rows: Rows::new(system),
             g: vec![0.0; system.moving_unknowns],
@@ -75,6 +80,8 @@ impl Coupled {
         let B = equations.tableau.B.map(|row| row.map(|b| b / h));
         let Coupled {
             matrix,
+            occupied,
+            values,
             factors,
             levels,
             rows,
@@ -163,7 +170,8 @@ impl Coupled {
             }
         }
         matrix.finish();
-        factors.factor_in_order(&matrix.view(), |entries| by_groups(entries, groups));
+        let matrix = matrix.occupied(occupied, values);
+        factors.factor_in_order(&matrix, |entries| by_groups(entries, groups));
         equations.factorisations += 1;
         equations.jacobians += 3;
         Ok(())

@@ -37,7 +37,8 @@ impl Sequence {
         Self {
             lower: inverse_of_lower(&A),
             linear: std::array::from_fn(|_| equations.linear.clone()),
-            factors: std::array::from_fn(|_| Lu::for_steps(system.moving_unknowns)),
+            // Not for steps, for the reason that [`super::coupled`] has.
+            factors: std::array::from_fn(|_| Lu::new(system.moving_unknowns)),
             values: Vec::new(),
             turns: Default::default(),
             mixing: Mixing::default(),

@@ -84,7 +84,7 @@ fn compared_with_faer() {
         println!(
             "{links} links, {n} unknowns, {} entries\n  ours:  first {first:.4} s, again {again:.5} s, solve {solve:.5} s, {} in the factors",
             matrix.values().len(),
-            lu.index.len()
+            lu.places()
         );
         let mut searched = Lu::new(n);
         let search = |lu: &mut Lu| lu.factor_in_order(&matrix.view(), |_| Vec::new());
@@ -92,7 +92,7 @@ fn compared_with_faer() {
         let (again, ()) = seconds(|| searched.factor(&matrix));
         println!(
             "  ours, pivots searched for: first {first:.4} s, again {again:.5} s, {} in the factors",
-            searched.index.len()
+            searched.places()
         );
         let (order, _) = seconds(|| minimum_degree(&matrix.view()));
         println!("  faer's minimum degree alone: {order:.4} s");
