@@ -6,7 +6,7 @@
 //! aside and their unknowns held at zero.
 //!
 //! Why not all of faer's sparse LU: it has neither a repetition with the pivots frozen nor a word about columns without one. On chains of
-//! 100, 1,000 and 10,000 links (670 to 67,140 unknowns) a repeated factorisation takes it 8, 5 and 5 times as long; its first one, the
+//! 100, 1,000 and 10,000 links (670 to 67,140 unknowns) a repeated factorisation takes it 9, 5 and 4 times as long; its first one, the
 //! order included, is up to twice as fast: `cargo test --lib compared_with_faer -- --nocapture`.
 
 use std::ops::{Div, Mul};
