@@ -2,12 +2,13 @@
 //!
 //! Half and more of the factors of a mechanism are zeros: axes that lie along those of the model, blocks that are diagonal.
 
-use std::ops::{Div, Mul, Range};
+use std::ops::{Div, Mul};
 
 use super::scalar::Scalar;
+use super::upper::{UpperRow, back, forwards_transposed};
 
 /// A row of the factors: its row and column of the matrix, and where its entries of L and U end.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Ends {
     row: u32,
     column: u32,
@@ -18,6 +19,7 @@ struct Ends {
 /// Rows of L and U in the order of the elimination.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Factors<T> {
+    /// Of every row, behind one in front of the first.
     ends: Vec<Ends>,
     pivots: Vec<T>,
     /// Rows of the matrix whose multiples are taken off, and their multipliers.
@@ -73,8 +75,7 @@ impl<T: Scalar> Written<'_, T> {
     /// Columns and values of U of the k-th row.
     #[inline]
     pub(super) fn upper(&self, k: usize) -> (&[u32], &[T]) {
-        let from = k.checked_sub(1).map_or(0, |k| self.ends[k].upper);
-        let range = from as usize..self.ends[k].upper as usize;
+        let range = self.ends[k].upper as usize..self.ends[k + 1].upper as usize;
         (&self.upper_columns[range.clone()], &self.upper[range])
     }
 }
@@ -83,6 +84,7 @@ impl<T: Scalar> Factors<T> {
     /// Begins anew, with room for so many entries of L and U.
     pub(super) fn begin(&mut self, lower: usize, upper: usize) -> Written<'_, T> {
         self.ends.clear();
+        self.ends.push(Ends::default());
         self.pivots.clear();
         self.lower_rows.resize(lower, 0);
         self.lower.resize(lower, T::default());
@@ -99,26 +101,27 @@ impl<T: Scalar> Factors<T> {
         }
     }
 
-    /// Every row with its entries of L, from the first to the last.
-    fn forwards(&self) -> impl Iterator<Item = (Ends, Range<usize>)> + '_ {
-        let mut from = 0;
-        self.ends.iter().map(move |ends| {
-            let range = from..ends.lower as usize;
-            from = range.end;
-            (*ends, range)
+    /// The rows of L: rows whose multiples are taken off, and multipliers.
+    fn lower(&self) -> impl DoubleEndedIterator<Item = (u32, &[u32], &[T])> {
+        self.ends.windows(2).map(|pair| {
+            let range = pair[0].lower as usize..pair[1].lower as usize;
+            let rows = &self.lower_rows[range.clone()];
+            (pair[1].row, rows, &self.lower[range])
         })
     }
 
-    /// Every row with its entries of U and its pivot, from the last to the first.
-    fn backwards(&self) -> impl Iterator<Item = (Ends, Range<usize>, T)> + '_ {
-        let mut to = self.ends.last().map_or(0, |ends| ends.upper as usize);
-        let mut next = self.ends.len();
-        std::iter::from_fn(move || {
-            next = next.checked_sub(1)?;
-            let from = next.checked_sub(1).map_or(0, |k| self.ends[k].upper);
-            let range = from as usize..to;
-            to = range.start;
-            Some((self.ends[next], range, self.pivots[next]))
+    /// The rows of U.
+    fn upper(&self) -> impl DoubleEndedIterator<Item = UpperRow<'_, T>> {
+        let rows = self.ends.windows(2).zip(&self.pivots);
+        rows.map(|(pair, &pivot)| {
+            let range = pair[0].upper as usize..pair[1].upper as usize;
+            UpperRow {
+                row: pair[1].row,
+                column: pair[1].column,
+                pivot,
+                columns: &self.upper_columns[range.clone()],
+                factors: &self.upper[range],
+            }
         })
     }
 
@@ -127,59 +130,27 @@ impl<T: Scalar> Factors<T> {
     where
         R: Scalar + Mul<T, Output = R> + Div<T, Output = R>,
     {
-        for (ends, range) in self.forwards().filter(|(_, range)| !range.is_empty()) {
-            let mut value = b[ends.row as usize];
-            let rows = &self.lower_rows[range.clone()];
-            for (&row, &multiplier) in rows.iter().zip(&self.lower[range]) {
+        for (row, rows, multipliers) in self.lower().filter(|lower| !lower.1.is_empty()) {
+            let mut value = b[row as usize];
+            for (&row, &multiplier) in rows.iter().zip(multipliers) {
                 value -= b[row as usize] * multiplier;
             }
-            b[ends.row as usize] = value;
+            b[row as usize] = value;
         }
-        self.back(x, |row| b[row as usize]);
-    }
-
-    /// From `of_row` to the solution by U.
-    fn back<R>(&self, x: &mut [R], of_row: impl Fn(u32) -> R)
-    where
-        R: Scalar + Mul<T, Output = R> + Div<T, Output = R>,
-    {
-        for (ends, range, pivot) in self.backwards() {
-            let mut value = of_row(ends.row);
-            let columns = &self.upper_columns[range.clone()];
-            for (&column, &factor) in columns.iter().zip(&self.upper[range]) {
-                value -= x[column as usize] * factor;
-            }
-            x[ends.column as usize] = value / pivot;
-        }
+        back(self.upper(), x, |row| b[row as usize]);
     }
 
     /// Changes `x`, where an unknown without a pivot is given, into a motion that nothing resists.
     pub(super) fn follow_free(&self, x: &mut [T]) {
-        self.back(x, |_| T::default());
+        back(self.upper(), x, |_| T::default());
     }
 
     /// Solves with the transposed matrix; rows without a pivot have zero in `y`.
     pub(super) fn solve_transposed(&self, b: &mut [T], y: &mut [T]) {
-        // U' first: the columns of the matrix are its rows now.
-        let mut from = 0;
-        for (ends, &pivot) in self.ends.iter().zip(&self.pivots) {
-            let range = from..ends.upper as usize;
-            from = range.end;
-            let value = b[ends.column as usize] / pivot;
-            y[ends.row as usize] = value;
-            let columns = &self.upper_columns[range.clone()];
-            for (&column, &factor) in columns.iter().zip(&self.upper[range]) {
-                b[column as usize] -= factor * value;
-            }
-        }
-        let mut to = self.ends.last().map_or(0, |ends| ends.lower as usize);
-        for k in (0..self.ends.len()).rev() {
-            let from = k.checked_sub(1).map_or(0, |k| self.ends[k].lower);
-            let range = from as usize..to;
-            to = range.start;
-            let value = y[self.ends[k].row as usize];
-            let rows = &self.lower_rows[range.clone()];
-            for (&row, &multiplier) in rows.iter().zip(&self.lower[range]) {
+        forwards_transposed(self.upper(), b, y);
+        for (row, rows, multipliers) in self.lower().rev() {
+            let value = y[row as usize];
+            for (&row, &multiplier) in rows.iter().zip(multipliers) {
                 y[row as usize] -= multiplier * value;
             }
         }

@@ -1,23 +1,22 @@
 //! Sparse LU factors with an elimination order that is found once.
 //!
 //! The first factorisation takes the columns in faer's approximate minimum degree order, or searches them by sparsity in small systems
-//! (Markowitz), chooses the shortest row among those large enough for stability, and writes the pattern of the factors down. Later ones
-//! fill it with their values. A pivot that has shrunk makes it choose anew. Columns without any pivot (motions nothing resists) are put
-//! aside and their unknowns held at zero.
+//! (Markowitz), chooses the shortest row among those large enough for stability, and writes down what it does. Later ones do the same
+//! with other values. A pivot that has shrunk makes it choose anew. Columns without any pivot (motions nothing resists) are put aside and
+//! their unknowns held at zero.
 //!
 //! Why not all of faer's sparse LU: it has neither a repetition with the pivots frozen nor a word about columns without one. On chains of
-//! 100, 1,000 and 10,000 links (670 to 67,140 unknowns) a repeated factorisation takes it 9, 5 and 4 times as long; its first one, the
-//! order included, is up to twice as fast: `cargo test --lib compared_with_faer -- --nocapture`.
+//! 100, 1,000 and 10,000 links (670 to 67,140 unknowns) a repeated factorisation takes it 10, 11 and 5 times as long; its first one, the
+//! order included, is 1.5 to 2.5 times as fast: `cargo test --lib compared_with_faer -- --nocapture`.
 
 use std::ops::{Div, Mul};
 
 use super::entries::Entries;
-use super::factors::Factors;
+use super::form::Form;
 use super::lanes::Lanes;
 use super::matrix::Matrix;
 use super::ordering::columns_of;
-use super::pattern::{Pattern, Spread};
-use super::pivoting::{Eliminated, eliminated};
+use super::pivoting::eliminated;
 use super::scalar::Scalar;
 use super::step::{GROWTH, GROWTH_OF_STEPS};
 
@@ -25,12 +24,10 @@ use super::step::{GROWTH, GROWTH_OF_STEPS};
 const WIDTH: usize = 8;
 
 /// Sparse LU factors, of real numbers or of complex ones.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Lu<T = f64> {
     n: usize,
-    pattern: Pattern,
-    factors: Factors<T>,
-    spread: Spread<T>,
+    form: Form<T>,
     free: Vec<u32>,
     idle: Vec<u32>,
     row_scale: Vec<f64>,
@@ -40,8 +37,8 @@ pub(crate) struct Lu<T = f64> {
     fingerprint: u64,
     /// How often an order was chosen.
     pub(crate) orders: usize,
-    /// Only steps of an iteration come from it.
-    for_steps: bool,
+    /// What may stand below a small pivot.
+    growth: f64,
 }
 
 impl Lu {
@@ -52,30 +49,43 @@ impl Lu {
 }
 
 impl<T: Scalar> Lu<T> {
+    /// For answers; one or two solutions follow a factorisation.
     pub(crate) fn new(n: usize) -> Self {
+        Self::with(n, Form::operations(), GROWTH)
+    }
+
+    /// For answers; many solutions follow a factorisation, or the system is large.
+    pub(crate) fn for_many(n: usize) -> Self {
+        Self::with(n, Form::rows(), GROWTH)
+    }
+
+    /// The same, if its solutions are steps of an iteration alone: an order stays for longer.
+    pub(crate) fn for_steps(n: usize) -> Self {
+        Self::with(n, Form::rows(), GROWTH_OF_STEPS)
+    }
+
+    fn with(n: usize, form: Form<T>, growth: f64) -> Self {
         Self {
             n,
+            form,
+            free: Vec::new(),
+            idle: Vec::new(),
             row_scale: vec![1.0; n],
             column_scale: vec![1.0; n],
             work: vec![T::default(); n],
-            ..Self::default()
+            fingerprint: 0,
+            orders: 0,
+            growth,
         }
     }
 
-    /// Its solutions are steps of an iteration alone: an order stays for longer.
-    pub(crate) fn for_steps(n: usize) -> Self {
-        Self {
-            for_steps: true,
-            ..Self::new(n)
-        }
-    }
-
-    /// Takes over the order of other factors, of a matrix of the same pattern and about the same sizes, where it has none of its own.
+    /// Takes over the order of other factors, of a matrix of the same pattern and about the same sizes, where it has none of its own. Both
+    /// are for many solutions.
     pub(crate) fn follow<R: Scalar>(&mut self, other: &Lu<R>) {
-        if self.orders > 0 || other.orders == 0 || !other.free.is_empty() {
+        let may = self.orders == 0 && other.orders > 0 && other.free.is_empty();
+        if !(may && self.form.follow(&other.form)) {
             return;
         }
-        self.pattern.clone_from(&other.pattern);
         self.idle.clone_from(&other.idle);
         self.row_scale.clone_from(&other.row_scale);
         self.column_scale.clone_from(&other.column_scale);
@@ -106,29 +116,19 @@ impl<T: Scalar> Lu<T> {
         matrix: &Entries<'_, T>,
         order: impl FnOnce(&Entries<'_, T>) -> Vec<u32>,
     ) {
-        Eliminated {
-            pattern: self.pattern,
-            factors: self.factors,
-            free: self.free,
-            idle: self.idle,
-            row_scale: self.row_scale,
-            column_scale: self.column_scale,
-        } = eliminated(matrix, order(matrix));
+        let mut done = eliminated(matrix, order(matrix), self.form.takes_targets());
+        self.form.take(&mut done, matrix);
+        (self.free, self.idle) = (done.free, done.idle);
+        (self.row_scale, self.column_scale) = (done.row_scale, done.column_scale);
         self.fingerprint = matrix.fingerprint;
         self.orders += 1;
         self.work.resize(self.n, T::default());
     }
 
-    /// Fills the known pattern; false if a pivot has shrunk too far.
+    /// Repeats the known operations; false if a pivot has shrunk too far.
     fn repeat(&mut self, matrix: &Entries<'_, T>) -> bool {
-        let growth = if self.for_steps {
-            GROWTH_OF_STEPS
-        } else {
-            GROWTH
-        };
         let scales = (&self.row_scale[..], &self.column_scale[..]);
-        let (spread, factors) = (&mut self.spread, &mut self.factors);
-        self.pattern.fill(matrix, scales, growth, spread, factors)
+        self.form.repeat(matrix, scales, self.growth)
     }
 
     /// Solves for the right side given; unknowns without a pivot are zero.
@@ -173,7 +173,7 @@ impl<T: Scalar> Lu<T> {
         for &column in &self.free {
             x[column as usize] = R::default();
         }
-        self.factors.solve_into(b, x);
+        self.form.solve_into(b, x);
     }
 
     /// Solves with the transposed matrix.
@@ -182,7 +182,7 @@ impl<T: Scalar> Lu<T> {
         for &row in &self.idle {
             y[row as usize] = T::default();
         }
-        self.factors.solve_transposed(b, y);
+        self.form.solve_transposed(b, y);
         b.copy_from_slice(y);
     }
 
@@ -195,14 +195,14 @@ impl<T: Scalar> Lu<T> {
     pub(crate) fn null_vector(&self, m: usize) -> Vec<T> {
         let mut x = vec![T::default(); self.n];
         x[self.free[m] as usize] = T::ONE;
-        self.factors.follow_free(&mut x);
+        self.form.follow_free(&mut x);
         x
     }
 
     /// How many places the factors have.
     #[cfg(test)]
     pub(crate) fn places(&self) -> usize {
-        self.pattern.len()
+        self.form.places()
     }
 
     /// Length of a residual in the scale of its rows.
@@ -232,28 +232,34 @@ mod tests {
         m
     }
 
+    /// Without factors, in both forms.
+    fn forms(n: usize) -> [Lu; 2] {
+        [Lu::new(n), Lu::for_many(n)]
+    }
+
     #[test]
     fn solves_both_ways_and_again() {
         let rows: &[&[f64]] = &[&[0.0, 2e5, 1.0], &[3.0, 1e5, -1.0], &[1e-3, 4.0, 0.0]];
         let x = [0.3, -1e-5, 7.0];
         let m = matrix(rows);
-        let mut lu = Lu::new(3);
-        for _ in 0..2 {
-            lu.factor(&m);
-            assert_eq!(lu.orders, 1);
-            let mut b: Vec<f64> = rows
-                .iter()
-                .map(|r| r.iter().zip(&x).map(|(a, b)| a * b).sum())
-                .collect();
-            lu.solve(&mut b);
-            let mut t: Vec<f64> = (0..3)
-                .map(|j| (0..3).map(|i| rows[i][j] * x[i]).sum())
-                .collect();
-            lu.solve_transposed(&mut t);
-            // Elimination is stable by the norm of the solution, not by each of its components.
-            for k in 0..3 {
-                assert!((b[k] - x[k]).abs() < 1e-12 * 7.0, "{b:?}");
-                assert!((t[k] - x[k]).abs() < 1e-12 * 7.0, "{t:?}");
+        for mut lu in forms(3) {
+            for _ in 0..2 {
+                lu.factor(&m);
+                assert_eq!(lu.orders, 1);
+                let mut b: Vec<f64> = rows
+                    .iter()
+                    .map(|r| r.iter().zip(&x).map(|(a, b)| a * b).sum())
+                    .collect();
+                lu.solve(&mut b);
+                let mut t: Vec<f64> = (0..3)
+                    .map(|j| (0..3).map(|i| rows[i][j] * x[i]).sum())
+                    .collect();
+                lu.solve_transposed(&mut t);
+                // Elimination is stable by the norm of the solution, not by each of its components.
+                for k in 0..3 {
+                    assert!((b[k] - x[k]).abs() < 1e-12 * 7.0, "{b:?}");
+                    assert!((t[k] - x[k]).abs() < 1e-12 * 7.0, "{t:?}");
+                }
             }
         }
     }
@@ -261,15 +267,16 @@ mod tests {
     #[test]
     fn many_right_sides_are_solved_as_one_is() {
         let rows: &[&[f64]] = &[&[0.0, 2e5, 1.0], &[3.0, 1e5, -1.0], &[1e-3, 4.0, 0.0]];
-        let mut lu = Lu::new(3);
-        lu.factor(&matrix(rows));
-        let side = |k: usize| vec![k as f64 - 4.0, 0.0, 1.0 / (1.0 + k as f64)];
-        let mut many: Vec<f64> = (0..19).flat_map(side).collect();
-        lu.solve_many(&mut many);
-        for (k, found) in many.chunks_exact(3).enumerate() {
-            let mut one = side(k);
-            lu.solve(&mut one);
-            assert_eq!(found, one);
+        for mut lu in forms(3) {
+            lu.factor(&matrix(rows));
+            let side = |k: usize| vec![k as f64 - 4.0, 0.0, 1.0 / (1.0 + k as f64)];
+            let mut many: Vec<f64> = (0..19).flat_map(side).collect();
+            lu.solve_many(&mut many);
+            for (k, found) in many.chunks_exact(3).enumerate() {
+                let mut one = side(k);
+                lu.solve(&mut one);
+                assert_eq!(found, one);
+            }
         }
     }
 
@@ -277,34 +284,36 @@ mod tests {
     fn a_motion_without_resistance_is_found_and_held() {
         // The motion (1, 2, 1) is free; the load is balanced otherwise.
         let rows: &[&[f64]] = &[&[2.0, -1.0, 0.0], &[-1.0, 1.0, -1.0], &[0.0, -1.0, 2.0]];
-        let mut lu = Lu::new(3);
-        lu.factor(&matrix(rows));
-        assert_eq!(lu.deficiency(), 1);
-        let z = lu.null_vector(0);
-        for row in rows {
-            let sum: f64 = row.iter().zip(&z).map(|(a, b)| a * b).sum();
-            assert!(sum.abs() < 1e-14, "{z:?}");
-        }
-        let mut b = [2.0, -2.0, 2.0];
-        lu.solve(&mut b);
-        for (k, row) in rows.iter().enumerate() {
-            let sum: f64 = row.iter().zip(&b).map(|(a, b)| a * b).sum();
-            assert!((sum - [2.0, -2.0, 2.0][k]).abs() < 1e-14, "{b:?}");
+        for mut lu in forms(3) {
+            lu.factor(&matrix(rows));
+            assert_eq!(lu.deficiency(), 1);
+            let z = lu.null_vector(0);
+            for row in rows {
+                let sum: f64 = row.iter().zip(&z).map(|(a, b)| a * b).sum();
+                assert!(sum.abs() < 1e-14, "{z:?}");
+            }
+            let mut b = [2.0, -2.0, 2.0];
+            lu.solve(&mut b);
+            for (k, row) in rows.iter().enumerate() {
+                let sum: f64 = row.iter().zip(&b).map(|(a, b)| a * b).sum();
+                assert!((sum - [2.0, -2.0, 2.0][k]).abs() < 1e-14, "{b:?}");
+            }
         }
     }
 
     #[test]
     fn a_pivot_that_vanishes_makes_it_choose_anew() {
-        let mut lu = Lu::new(2);
-        lu.factor(&matrix(&[&[1.0, 1.0], &[1.0, 2.0]]));
-        lu.factor(&matrix(&[&[0.0, 1.0], &[1.0, 0.0]]));
-        assert_eq!(lu.orders, 2);
-        let mut b = [3.0, 5.0];
-        lu.solve(&mut b);
-        assert_eq!(b, [5.0, 3.0]);
+        for mut lu in forms(2) {
+            lu.factor(&matrix(&[&[1.0, 1.0], &[1.0, 2.0]]));
+            lu.factor(&matrix(&[&[0.0, 1.0], &[1.0, 0.0]]));
+            assert_eq!(lu.orders, 2);
+            let mut b = [3.0, 5.0];
+            lu.solve(&mut b);
+            assert_eq!(b, [5.0, 3.0]);
+        }
     }
 
-    /// The pattern of the first elimination, filled with other values, has their solutions: both ways.
+    /// What the first elimination has found, done with other values, has their solutions: both ways, and to the bit the same in both forms.
     #[test]
     fn a_known_pattern_takes_other_values() {
         let n = 60;
@@ -317,7 +326,7 @@ mod tests {
             .flat_map(|row| (0..n).map(move |column| (row, column)))
             .filter(|(row, column)| row == column || random() > 0.42)
             .collect();
-        let mut lu = Lu::new(n);
+        let mut forms = forms(n);
         for _ in 0..3 {
             let mut m = Matrix::new(n);
             for &(row, column) in &places {
@@ -325,20 +334,24 @@ mod tests {
                 m.add(row, column, random() + own);
             }
             m.finish();
-            lu.factor(&m);
             let b: Vec<f64> = (0..n).map(|_| random()).collect();
-            let (mut x, mut y) = (b.clone(), b.clone());
-            lu.solve(&mut x);
-            lu.solve_transposed(&mut y);
-            let (mut left, mut left_transposed) = (b.clone(), b);
-            for (row, column, value) in m.entries() {
-                left[row] -= value * x[column];
-                left_transposed[column] -= value * y[row];
-            }
-            for left in left.iter().chain(&left_transposed) {
-                assert!(left.abs() < 1e-12, "{left:e}");
-            }
+            let found = forms.each_mut().map(|lu| {
+                lu.factor(&m);
+                let (mut x, mut y) = (b.clone(), b.clone());
+                lu.solve(&mut x);
+                lu.solve_transposed(&mut y);
+                let (mut left, mut left_transposed) = (b.clone(), b.clone());
+                for (row, column, value) in m.entries() {
+                    left[row] -= value * x[column];
+                    left_transposed[column] -= value * y[row];
+                }
+                for left in left.iter().chain(&left_transposed) {
+                    assert!(left.abs() < 1e-12, "{left:e}");
+                }
+                x
+            });
+            assert_eq!(found[0], found[1]);
         }
-        assert_eq!(lu.orders, 1);
+        assert_eq!(forms.map(|lu| lu.orders), [1, 1]);
     }
 }

@@ -114,7 +114,7 @@ mod tests {
     fn zeros_join_when_they_are_none_any_more() {
         let count = 40;
         let (mut occupied, mut values) = (Occupied::default(), Vec::new());
-        let (mut lu, mut whole) = (Lu::new(3 * count), Lu::new(3 * count));
+        let (mut lu, mut whole) = (Lu::for_many(3 * count), Lu::for_many(3 * count));
         whole.factor(&springs(count, None));
         let mut places = Vec::new();
         for lean in [None, Some(7), None, Some(7), Some(30)] {
@@ -134,7 +134,7 @@ mod tests {
     fn places_that_join_one_by_one_do_not_choose_for_ever() {
         let count = 40;
         let (mut occupied, mut values) = (Occupied::default(), Vec::new());
-        let mut lu = Lu::new(3 * count);
+        let mut lu = Lu::for_many(3 * count);
         for k in 0..count {
             let matrix = springs(count, Some(k));
             lu.factor_entries(&matrix.occupied(&mut occupied, &mut values));
@@ -148,10 +148,10 @@ mod tests {
     fn other_places_are_told_apart() {
         let count = 40;
         let mut values = Vec::new();
-        let mut one = Lu::new(3 * count);
+        let mut one = Lu::for_many(3 * count);
         let first = springs(count, Some(7));
         one.factor_entries(&first.occupied(&mut Occupied::default(), &mut values));
-        let mut other = Lu::new(3 * count);
+        let mut other = Lu::for_many(3 * count);
         other.follow(&one);
         let second = springs(count, Some(8));
         other.factor_entries(&second.occupied(&mut Occupied::default(), &mut values));

@@ -6,19 +6,31 @@
 
 use super::entries::Entries;
 use super::factors::Factors;
+use super::pivoting::Eliminated;
 use super::scalar::Scalar;
 use super::step::{Pivot, Step};
+
+const NOWHERE: u32 = u32::MAX;
+
+/// A step, and where its row ends in the lists of the pattern.
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    step: Step,
+    entries: u32,
+    lower: u32,
+    upper: u32,
+}
 
 /// The steps of an elimination with the places that may not be zero.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pattern {
-    pub steps: Vec<Step>,
+    rows: Vec<Row>,
     /// Entries of the matrix with their columns, by the rows of the steps.
-    pub entries: Vec<(u32, u32)>,
+    entries: Vec<(u32, u32)>,
     /// Steps that stand in L with their columns, in their order.
-    pub lower: Vec<(u32, u32)>,
+    lower: Vec<(u32, u32)>,
     /// Columns that stand in U.
-    pub upper: Vec<u32>,
+    upper: Vec<u32>,
 }
 
 /// Memory of an elimination.
@@ -30,10 +42,69 @@ pub(super) struct Spread<T> {
 }
 
 impl Pattern {
+    /// What an elimination of the matrix has found, and its factors.
+    pub(super) fn of<T: Scalar>(
+        done: &Eliminated<T>,
+        matrix: &Entries<'_, T>,
+    ) -> (Self, Factors<T>) {
+        let count = done.steps.len();
+        // Rows without a pivot have no step.
+        let mut step_of = vec![NOWHERE; matrix.n];
+        for (k, step) in done.steps.iter().enumerate() {
+            step_of[step.row as usize] = k as u32;
+        }
+        let places = matrix.places.iter().enumerate();
+        let (entry_ends, entries) = by_rows(count, || {
+            let rows = places.clone();
+            rows.map(|(k, &(column, row))| (step_of[row as usize], (k as u32, column)))
+        });
+        let (lower_ends, left) = by_rows(count, || {
+            let of_step = |k: usize| done.of_step(k).1.iter().map(move |entry| (k, entry));
+            let all = (0..count).flat_map(of_step);
+            all.map(|(k, &(row, at))| (step_of[row as usize], (k as u32, at)))
+        });
+        let mut pattern = Self {
+            rows: Vec::with_capacity(count),
+            entries,
+            lower: (left.iter())
+                .map(|(k, _)| (*k, done.steps[*k as usize].column))
+                .collect(),
+            upper: Vec::new(),
+        };
+        let across = (0..count).flat_map(|k| done.of_step(k).0);
+        pattern.upper.extend(across.map(|(column, _)| *column));
+        let mut factors = Factors::default();
+        let mut to = factors.begin(pattern.lower.len(), pattern.upper.len());
+        let (mut from, mut upper) = (0, 0);
+        for (k, &step) in done.steps.iter().enumerate() {
+            let lower = lower_ends[k];
+            for &(k, at) in &left[from as usize..lower as usize] {
+                let multiplier = done.values[at as usize];
+                if multiplier != T::default() {
+                    to.push_lower(done.steps[k as usize].row, multiplier);
+                }
+            }
+            from = lower;
+            let across = done.of_step(k).0;
+            for &(column, at) in across {
+                to.push_upper(column, done.values[at as usize]);
+            }
+            upper += across.len() as u32;
+            to.end_row(step.row, step.column, done.values[done.pivots[k] as usize]);
+            pattern.rows.push(Row {
+                step,
+                entries: entry_ends[k],
+                lower,
+                upper,
+            });
+        }
+        (pattern, factors)
+    }
+
     /// How many places the factors have.
     #[cfg(test)]
     pub(super) fn len(&self) -> usize {
-        self.steps.len() + self.lower.len() + self.upper.len()
+        self.rows.len() + self.lower.len() + self.upper.len()
     }
 
     /// Factors of a matrix; false if a pivot has shrunk too far, by the scales of rows and columns and the growth that is allowed.
@@ -72,12 +143,13 @@ impl Pattern {
         let zero = T::default();
         let mut to = factors.begin(self.lower.len(), self.upper.len());
         let (mut entry, mut lower, mut upper) = (0, 0, 0);
-        for step in &self.steps {
-            for &(k, column) in &self.entries[entry..step.entries as usize] {
+        for ends in &self.rows {
+            let step = &ends.step;
+            for &(k, column) in &self.entries[entry..ends.entries as usize] {
                 row[column as usize] = matrix.values[k as usize];
             }
             let scale = row_scale[step.row as usize];
-            for &(k, column) in &self.lower[lower..step.lower as usize] {
+            for &(k, column) in &self.lower[lower..ends.lower as usize] {
                 let value = std::mem::take(&mut row[column as usize]);
                 if value == zero {
                     continue;
@@ -91,9 +163,9 @@ impl Pattern {
                 for (&column, &factor) in columns.iter().zip(factors) {
                     row[column as usize] -= multiplier * factor;
                 }
-                to.push_lower(self.steps[k as usize].row, multiplier);
+                to.push_lower(self.rows[k as usize].step.row, multiplier);
             }
-            for &column in &self.upper[upper..step.upper as usize] {
+            for &column in &self.upper[upper..ends.upper as usize] {
                 to.push_upper(column, std::mem::take(&mut row[column as usize]));
             }
             let value = std::mem::take(&mut row[step.column as usize]);
@@ -104,11 +176,35 @@ impl Pattern {
             };
             pivots.push(pivot);
             (entry, lower, upper) = (
-                step.entries as usize,
-                step.lower as usize,
-                step.upper as usize,
+                ends.entries as usize,
+                ends.lower as usize,
+                ends.upper as usize,
             );
         }
         true
     }
+}
+
+/// Items sorted into so many rows, each in the order in which they come, and where the rows end. What has no row is left out.
+fn by_rows<I>(count: usize, items: impl Fn() -> I) -> (Vec<u32>, Vec<(u32, u32)>)
+where
+    I: Iterator<Item = (u32, (u32, u32))>,
+{
+    let of_rows = || items().filter(|(row, _)| *row != NOWHERE);
+    let mut next = vec![0_u32; count + 1];
+    for (row, _) in of_rows() {
+        next[row as usize + 1] += 1;
+    }
+    for k in 0..count {
+        next[k + 1] += next[k];
+    }
+    let mut sorted = vec![(0, 0); next[count] as usize];
+    for (row, item) in of_rows() {
+        let at = &mut next[row as usize];
+        sorted[*at as usize] = item;
+        *at += 1;
+    }
+    // Every row went up to where the next one begins.
+    next.pop();
+    (next, sorted)
 }

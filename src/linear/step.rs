@@ -11,15 +11,11 @@ const SMALL: f64 = 1e-8;
 pub(super) const GROWTH: f64 = 1e3;
 pub(super) const GROWTH_OF_STEPS: f64 = 1e7;
 
-/// One step of the elimination, and where its row ends in the lists of the pattern.
+/// One step of the elimination.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step {
     pub row: u32,
     pub column: u32,
-    /// Entries of the matrix, of L and of U.
-    pub entries: u32,
-    pub lower: u32,
-    pub upper: u32,
     /// Size of the pivot when it was chosen.
     pub size: f64,
 }

@@ -25,7 +25,7 @@ impl Bordered {
             matrix: Matrix::new(n),
             occupied: Occupied::default(),
             values: Vec::new(),
-            factors: Lu::new(n),
+            factors: Lu::for_many(n),
             bodies: system.first_equation,
             plain: false,
         }

@@ -46,7 +46,7 @@ impl Consistent {
             rows: Rows::new(system),
             bordered: Bordered::new(system),
             levels: Levels::new(n),
-            factors: Lu::new(n),
+            factors: Lu::for_many(n),
             values: Vec::new(),
             g: vec![0.0; n],
             dx: vec![0.0; n],

@@ -47,7 +47,7 @@ impl Coupled {
             occupied: Occupied::default(),
             values: Vec::new(),
             // An order for steps stays with pivots so small that next to a singular position its steps do not lead on.
-            factors: Lu::new(size),
+            factors: Lu::for_many(size),
             levels: Levels::new(system.moving_unknowns),
             rows: Rows::new(system),
             g: vec![0.0; system.moving_unknowns],

@@ -38,7 +38,7 @@ impl Sequence {
             lower: inverse_of_lower(&A),
             linear: std::array::from_fn(|_| equations.linear.clone()),
             // Not for steps, for the reason that [`super::coupled`] has.
-            factors: std::array::from_fn(|_| Lu::new(system.moving_unknowns)),
+            factors: std::array::from_fn(|_| Lu::for_many(system.moving_unknowns)),
             values: Vec::new(),
             turns: Default::default(),
             mixing: Mixing::default(),

@@ -1,0 +1,197 @@
+//! LU factors with a list of all operations that lead to them.
+//!
+//! A repetition knows where every product goes and looks for nothing. The list has a place for each product.
+
+use std::ops::{Div, Mul, Range};
+
+use super::entries::Entries;
+use super::pivoting::Eliminated;
+use super::scalar::Scalar;
+use super::step::Step;
+use super::upper::{UpperRow, back, forwards_transposed};
+
+/// A step and where its values stand: its pivot and row of U one after the other, its column of L with those of the others behind. What
+/// goes forwards through a large system reads nothing of U, what goes backwards nothing of L.
+#[derive(Clone, Copy, Debug)]
+struct Operation {
+    step: Step,
+    /// Place of the pivot; U follows.
+    at: u32,
+    upper: u32,
+    /// Place of L.
+    below: u32,
+    lower: u32,
+}
+
+impl Operation {
+    #[inline]
+    fn across(&self) -> Range<usize> {
+        let from = self.at as usize + 1;
+        from..from + self.upper as usize
+    }
+
+    #[inline]
+    fn down(&self) -> Range<usize> {
+        let from = self.below as usize;
+        from..from + self.lower as usize
+    }
+}
+
+/// Factors with the operations that make them of a matrix.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Recorded<T> {
+    operations: Vec<Operation>,
+    /// Where each entry of the matrix goes.
+    entries: Vec<u32>,
+    /// Column (of U) or row (of L) of every value.
+    index: Vec<u32>,
+    values: Vec<T>,
+    /// For every step, row by row of L: where the products go.
+    targets: Vec<u32>,
+    /// The row of U of a step.
+    row: Vec<T>,
+}
+
+impl<T: Scalar> Recorded<T> {
+    /// Of an elimination of a matrix of so many entries, whose targets it takes.
+    pub(super) fn of(done: &mut Eliminated<T>, entries: usize) -> Self {
+        let mut order = Vec::with_capacity(done.values.len());
+        let mut operations = Vec::with_capacity(done.steps.len());
+        for (k, &step) in done.steps.iter().enumerate() {
+            let (across, down) = done.of_step(k);
+            operations.push(Operation {
+                step,
+                at: order.len() as u32,
+                upper: across.len() as u32,
+                below: 0,
+                lower: down.len() as u32,
+            });
+            order.push((step.column, done.pivots[k]));
+            order.extend(across);
+        }
+        for (k, operation) in operations.iter_mut().enumerate() {
+            operation.below = order.len() as u32;
+            order.extend(done.of_step(k).1);
+        }
+        // What no step owns goes to one more value, at the end.
+        let mut moved = vec![order.len() as u32; done.values.len()];
+        for (new, (_, old)) in order.iter().enumerate() {
+            moved[*old as usize] = new as u32;
+        }
+        let values = order.iter().map(|(_, old)| done.values[*old as usize]);
+        let targets = std::mem::take(&mut done.targets).into_iter();
+        Self {
+            values: values.chain([T::default()]).collect(),
+            index: order.iter().map(|(index, _)| *index).collect(),
+            targets: targets.map(|old| moved[old as usize]).collect(),
+            entries: moved[..entries].to_vec(),
+            operations,
+            row: Vec::new(),
+        }
+    }
+
+    /// How many places the factors have.
+    #[cfg(test)]
+    pub(super) fn len(&self) -> usize {
+        self.index.len()
+    }
+
+    /// Runs through the operations with another matrix; false if a pivot has shrunk too far, by the scales of rows and columns and the
+    /// growth that is allowed.
+    pub(super) fn repeat(
+        &mut self,
+        matrix: &Entries<'_, T>,
+        (row_scale, column_scale): (&[f64], &[f64]),
+        growth: f64,
+    ) -> bool {
+        let (zero, values) = (T::default(), &mut self.values[..]);
+        values.fill(zero);
+        for (&at, value) in self.entries.iter().zip(matrix.values) {
+            values[at as usize] = *value;
+        }
+        let mut targets = &self.targets[..];
+        for operation in &self.operations {
+            let step = &operation.step;
+            let scales = (
+                row_scale[step.row as usize],
+                column_scale[step.column as usize],
+            );
+            let Some(pivot) = step.pivot(values[operation.at as usize], scales, growth) else {
+                return false;
+            };
+            self.row.clear();
+            self.row.extend_from_slice(&values[operation.across()]);
+            for k in operation.down() {
+                let (now, later) = targets.split_at(operation.upper as usize);
+                targets = later;
+                let value = values[k];
+                if value == zero {
+                    continue;
+                }
+                if !pivot.serves(value, row_scale[self.index[k] as usize]) {
+                    return false;
+                }
+                let multiplier = value * pivot.inverse;
+                values[k] = multiplier;
+                for (&target, &factor) in now.iter().zip(&self.row) {
+                    values[target as usize] -= multiplier * factor;
+                }
+            }
+        }
+        true
+    }
+
+    /// The rows of U.
+    fn upper(&self) -> impl DoubleEndedIterator<Item = UpperRow<'_, T>> {
+        self.operations.iter().map(|operation| UpperRow {
+            row: operation.step.row,
+            column: operation.step.column,
+            pivot: self.values[operation.at as usize],
+            columns: &self.index[operation.across()],
+            factors: &self.values[operation.across()],
+        })
+    }
+
+    /// The columns of L: rows and multipliers.
+    fn lower(&self) -> impl DoubleEndedIterator<Item = (u32, &[u32], &[T])> {
+        self.operations.iter().map(|operation| {
+            let down = operation.down();
+            let row = operation.step.row;
+            (row, &self.index[down.clone()], &self.values[down])
+        })
+    }
+
+    /// Solves for the right side `b`, which is used up; the solution goes to `x`, where unknowns without a pivot are zero.
+    pub(super) fn solve_into<R>(&self, b: &mut [R], x: &mut [R])
+    where
+        R: Scalar + Mul<T, Output = R> + Div<T, Output = R>,
+    {
+        for (row, rows, multipliers) in self.lower() {
+            let value = b[row as usize];
+            if value == R::default() {
+                continue;
+            }
+            for (&row, &multiplier) in rows.iter().zip(multipliers) {
+                b[row as usize] -= value * multiplier;
+            }
+        }
+        back(self.upper(), x, |row| b[row as usize]);
+    }
+
+    /// Changes `x`, where an unknown without a pivot is given, into a motion that nothing resists.
+    pub(super) fn follow_free(&self, x: &mut [T]) {
+        back(self.upper(), x, |_| T::default());
+    }
+
+    /// Solves with the transposed matrix; rows without a pivot have zero in `y`.
+    pub(super) fn solve_transposed(&self, b: &mut [T], y: &mut [T]) {
+        forwards_transposed(self.upper(), b, y);
+        for (row, rows, multipliers) in self.lower().rev() {
+            let mut value = y[row as usize];
+            for (&row, &multiplier) in rows.iter().zip(multipliers) {
+                value -= multiplier * y[row as usize];
+            }
+            y[row as usize] = value;
+        }
+    }
+}
