@@ -331,7 +331,9 @@ fn both_ways(values: &[f64]) -> Option<Vec<f64>> {
 
 #[cfg(test)]
 mod tests {
-    use super::both_ways;
+    use super::{Aspect, StructureTest, both_ways, is_structured};
+    use crate::rig::noise::Noise;
+    use crate::rig::orientation::chi_square_p_value;
 
     #[test]
     fn a_load_that_only_goes_one_way_has_no_way_back() {
@@ -345,5 +347,30 @@ mod tests {
     fn only_loads_met_both_ways_are_compared() {
         let ways = both_ways(&[0.0, 1.0, 2.0, 3.0, 2.0, 1.0]).unwrap();
         assert_eq!(ways, [0.0, 1.0, 1.0, 0.0, -1.0, -1.0]);
+    }
+
+    /// Readings that are as the model says: all together once in a thousand studies, and the worst of them once in a thousand.
+    #[test]
+    fn noise_has_structure_in_two_of_a_thousand_studies() {
+        let mut noise = Noise::new(5, "structure");
+        let studies = 20_000;
+        let structured = (0..studies)
+            .filter(|_| {
+                let squares: Vec<f64> = (0..50).map(|_| noise.normal().powi(2)).collect();
+                let test = |aspect, value, dof| StructureTest {
+                    aspect,
+                    what: String::new(),
+                    value,
+                    dof,
+                    p_value: chi_square_p_value(value, dof),
+                };
+                let mut tests: Vec<StructureTest> =
+                    squares.iter().map(|s| test(Aspect::Mark, *s, 1)).collect();
+                tests.push(test(Aspect::All, squares.iter().sum(), squares.len()));
+                is_structured(&tests)
+            })
+            .count();
+        // The two share readings: 40 at most are expected, of a standard deviation of 6.
+        assert!((20..=55).contains(&structured), "{structured}");
     }
 }
