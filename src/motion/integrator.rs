@@ -71,6 +71,8 @@ pub struct Integrator<'a> {
     fresh: bool,
     /// The multipliers of this step did not settle.
     pub(super) loose: bool,
+    /// How often a step was cut as its iteration did not settle, since one settled at once.
+    pub(super) cuts: usize,
     pub(super) statistics: Statistics,
     /// What was worst in the last step that was given up.
     pub(super) worst: String,
@@ -108,6 +110,7 @@ impl<'a> Integrator<'a> {
             factored: None,
             fresh: false,
             loose: false,
+            cuts: 0,
             statistics: Statistics::default(),
             worst: String::new(),
             regimes,
@@ -286,6 +289,7 @@ impl<'a> Integrator<'a> {
                 failures += 1;
                 if self.fresh || failures > 1 {
                     self.h = 0.4 * h;
+                    self.cuts += 1;
                     rejected = true;
                 } else {
                     // The same step with derivatives of its own.
@@ -319,6 +323,9 @@ impl<'a> Integrator<'a> {
                     factor = 1.0;
                 }
                 self.accept(h, to).map_err(|reason| reason.at(time))?;
+                if !self.loose && !rejected {
+                    self.cuts = 0;
+                }
                 self.anew = std::mem::take(&mut self.loose);
                 self.before = Some((h, error.max(1e-2)));
                 // A step that was cut, as at an output, may be short without being too short.

@@ -5,6 +5,7 @@ use super::derivatives::Derivatives;
 use super::error::NotSettled;
 use super::integrator::Integrator;
 use super::sequence::Sequence;
+use super::settings::INSIDE;
 use crate::system::NoValue;
 
 /// The iteration ends when what is left is this share of the tolerance.
@@ -13,8 +14,11 @@ const KAPPA: f64 = 1e-2;
 const FAST: f64 = 0.1;
 /// Derivatives of all stages stay while the iteration falls by this.
 const SLUGGISH: f64 = 0.3;
-/// A motion has settled, whatever its multipliers do, when its last correction is this share of the tolerance.
+/// A motion has settled, whatever its multipliers do, when its last correction is this share of the tolerance;
 const SETTLED: f64 = 1e-1;
+/// or, after so many cuts of the step, no more than ERROR: what cuts do not make smaller is round-off.
+const CUTS: usize = 3;
+const SETTLED_AFTER_CUTS: f64 = 1.0 / INSIDE;
 /// Round-off of positions and velocities: what the iteration cannot go below.
 const ROUND_OFF: f64 = 1e-14;
 
@@ -95,10 +99,15 @@ impl Integrator<'_> {
         exact: Option<usize>,
     ) -> Result<usize, NotSettled> {
         let multipliers = self.system.first_equation..self.system.first_variable;
+        let settled = if self.cuts < CUTS {
+            SETTLED
+        } else {
+            SETTLED_AFTER_CUTS
+        };
         if let Some(iteration) = exact
             && !worst.2
             && multipliers.contains(&worst.1)
-            && self.largest_change(false).0 <= SETTLED
+            && self.largest_change(false).0 <= settled
         {
             self.loose = true;
             return Ok(iteration);
