@@ -13,7 +13,7 @@ const SLIPS: [f64; 2] = [0.4, 2.0];
 /// A fit that ends so many nats below the model without the cause went astray; it begins again with so much of the guesses.
 const ASTRAY: f64 = 30.0;
 const SMALL: f64 = 0.1;
-/// A fit that could go no further though it promises so many nats is stuck; it begins anew from the deck.
+/// A fit that could go no further is stuck if it promises so many nats and would lead with them; it begins anew from the deck.
 const STUCK: f64 = 10.0;
 /// A model has to be better by so many nats.
 pub(super) const BETTER: f64 = 0.05;
@@ -209,7 +209,7 @@ impl<'a, 'b> Tried<'a, 'b> {
         };
         // Stiffnesses that make up for the cause in the model without it may lead into a valley that does not lead back.
         let found = match found {
-            Some(found) if found.posterior.gain > STUCK && !target.is_beaten(&found) => {
+            Some(found) if found.posterior.gain > STUCK && found.posterior.ln_z > target.lead => {
                 let mut all = unguessed(base);
                 all.push((h.clone(), guesses.clone()));
                 match aimed(self.subject, &all, None, None, self.data, alone) {
