@@ -1,10 +1,10 @@
 //! The two forms in which factors are kept.
 //!
-//! In statics one or two solutions follow a factorisation. To run through recorded operations is the fastest way to it, and the solutions
-//! read the values where they stand, zeros included. Rows made sweeps of axles 3 to 8 % slower.
+//! In statics one or two solutions follow a factorisation. Repeating recorded operations is fastest there, and the solutions read the
+//! values where they stand, zeros included.
 //!
-//! In motion many solutions follow, of right sides side by side. They repay the writing of rows without zeros. Large systems keep no long
-//! list of operations.
+//! In motion many solutions follow, often of several right sides at once. They repay the cost of writing rows without zeros. Large systems
+//! need no long list of operations.
 
 use std::ops::{Div, Mul};
 
