@@ -13,6 +13,11 @@ pub(crate) fn prefix() -> String {
     format!("{PREFIX}{}-", std::process::id())
 }
 
+/// True for the name of a temporary file of some process of ours.
+pub(crate) fn is_ours(name: &str) -> bool {
+    name.starts_with(PREFIX)
+}
+
 /// Removes temporary files whose process is gone from a folder.
 pub(crate) fn remove(folder: &Path) {
     let Ok(entries) = std::fs::read_dir(folder) else {

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::diagnostic::{Code, Diagnostic};
+use crate::front::leftover;
 use crate::text::Source;
 
 use super::plan::SweepPlan;
@@ -259,6 +260,8 @@ impl SweepFolder {
             name == MANIFEST
                 || name == SHARDS
                 || name.starts_with(".sweep-")
+                // Of a run that was killed while it wrote an answer; the next that writes removes it.
+                || leftover::is_ours(name)
                 || ANSWERS.contains(&plain)
         })?;
         look(&self.path.join(SHARDS), &|name| {

@@ -1,9 +1,10 @@
 #![cfg(unix)]
 
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use super::{Bench, NUMBERS, bits, shown};
+use super::{Bench, NUMBERS, bits, said, shown};
 
 #[test]
 fn a_sweep_that_is_killed_again_and_again_loses_and_doubles_nothing() {
@@ -27,10 +28,25 @@ fn a_sweep_that_is_killed_again_and_again_loses_and_doubles_nothing() {
         let _ = child.wait();
     }
     assert!(kills > 2, "{kills} runs were killed");
-    assert!(bench.sweep("killed", &[]).status.success());
+    let last = bench.sweep("killed", &[]);
+    assert!(last.status.success(), "{}", said(&last));
     let (whole, killed) = (bench.rows("whole", NUMBERS), bench.rows("killed", NUMBERS));
     assert_eq!(killed.len(), 1500);
     assert!(whole.iter().map(bits).eq(killed.iter().map(bits)));
+}
+
+/// What a run leaves that is killed while it writes the summary: the temporary file of a process that is gone.
+#[test]
+fn a_sweep_killed_while_it_writes_its_answer_goes_on() {
+    let bench = Bench::cases(10);
+    assert!(bench.sweep("out", &[]).status.success());
+    let out = bench.path("out");
+    let left = out.join(format!(".admire-{}-aBcDeF", u32::MAX));
+    std::fs::rename(out.join("summary.json"), &left).expect("renamed");
+    let again = bench.sweep("out", &[]);
+    assert!(again.status.success(), "{}", said(&again));
+    assert!(out.join("summary.json").exists());
+    assert_eq!(left.exists(), !Path::new("/proc/self").exists());
 }
 
 /// The most memory that a sweep of so many cases had, bytes.
