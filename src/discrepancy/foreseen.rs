@@ -2,6 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::tolerance::transposed;
+
 /// The covariance of foreseen rows, by what acts on them.
 pub(super) struct Foreseen {
     /// Derivatives of the whitened rows by all that is uncertain.
@@ -40,7 +42,7 @@ impl Foreseen {
     /// `r' (I + J C J')^-1 r = r'r - r'J (I + C J'J)^-1 C J'r` (Woodbury's formula), whose cost is linear in the count of rows.
     pub(super) fn chi_square(&self, r: &DVector<f64>) -> Option<f64> {
         let k = self.J.ncols();
-        let M = self.JC.tr_mul(&self.J) + DMatrix::identity(k, k);
+        let M = transposed(&self.JC, &self.J) + DMatrix::identity(k, k);
         let step = M.lu().solve(&self.JC.tr_mul(r))?;
         Some(r.norm_squared() - self.J.tr_mul(r).dot(&step))
     }

@@ -5,7 +5,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use super::fit::Fitted;
 use crate::mechanics::eigen::symmetric_eigen;
 use crate::rig::orientation::chi_square_p_value;
-use crate::tolerance::Factor;
+use crate::tolerance::{Factor, transposed};
 
 /// A column of a contrast: rows and their weights.
 pub(super) type Contrast = Vec<(usize, f64)>;
@@ -148,7 +148,7 @@ impl Along {
             return None;
         }
         let QX = self.QX.select_columns(&used);
-        let mut A = self.own.select_rows(&used).select_columns(&used) - QX.tr_mul(&QX);
+        let mut A = self.own.select_rows(&used).select_columns(&used) - transposed(&QX, &QX);
         let mut s = self.s.select_rows(&used);
         // Columns to one scale, so that what is absorbed can be told.
         for (c, at) in used.iter().enumerate() {

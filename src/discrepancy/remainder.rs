@@ -23,7 +23,7 @@ use super::survey::Survey;
 use crate::mechanics::Vec6;
 use crate::model::{Header, JointKind, MarkerIx, Model};
 use crate::rig::orientation::chi_square_p_value;
-use crate::tolerance::{Posterior, Sizes};
+use crate::tolerance::{Posterior, Sizes, transposed};
 
 /// A first guess moves no stiffness by more than this factor of e.
 const FAR: f64 = 0.8;
@@ -386,9 +386,9 @@ fn most_spoken_for(
         for (mut row, weight) in effect.row_iter_mut().zip(weights.iter()) {
             row *= *weight;
         }
-        let cross = jacobian.tr_mul(&effect);
-        let taken_up = &posterior.covariance * &cross;
-        let information = effect.tr_mul(&effect) - cross.tr_mul(&taken_up);
+        let cross = transposed(&jacobian, &effect);
+        let taken_up = transposed(&posterior.covariance, &cross);
+        let information = transposed(&effect, &effect) - transposed(&cross, &taken_up);
         let gradient = effect.tr_mul(&residual);
         responses.push((plain, taken_up));
         for (over, load, coordinate) in coordinates(subject, place) {

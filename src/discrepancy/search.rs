@@ -82,6 +82,14 @@ fn by_evidence(a: &Arc<Fitted>, b: &Arc<Fitted>) -> Ordering {
     a.ln_posterior().total_cmp(&b.ln_posterior())
 }
 
+/// The one with more evidence.
+fn better(known: Option<Arc<Fitted>>, other: Arc<Fitted>) -> Arc<Fitted> {
+    match known {
+        Some(known) if known.ln_posterior() >= other.ln_posterior() => known,
+        _ => other,
+    }
+}
+
 /// One more cause for a model, as the linear model weighs it.
 type Candidate = (Hypothesis, Weighed);
 
@@ -358,6 +366,7 @@ impl<'a, 'b> Search<'a, 'b> {
         }
         let mut reached: Vec<(&Hypothesis, f64)> = Vec::new();
         let mut winner: Option<Arc<Fitted>> = None;
+        let mut ends: Vec<(&Hypothesis, &Weighed, Arc<Fitted>)> = Vec::new();
         for (h, weighed) in forms.into_iter().flatten() {
             let leads = winner
                 .as_ref()
@@ -381,11 +390,16 @@ impl<'a, 'b> Search<'a, 'b> {
                 continue;
             };
             reached.push((h, found.ln_posterior()));
-            if winner
+            ends.push((h, weighed, Arc::clone(&found)));
+            winner = Some(better(winner, found));
+        }
+        // One that is stuck begins anew only if its promise leads all others.
+        for (h, weighed, found) in ends {
+            let leads = winner
                 .as_ref()
-                .is_none_or(|w| found.ln_posterior() > w.ln_posterior())
-            {
-                winner = Some(found);
+                .map_or(least, |w| w.ln_posterior().max(least));
+            if let Some(again) = self.tried.anew((base, &found), (h, weighed), leads) {
+                winner = Some(better(winner, again));
             }
         }
         winner

@@ -30,6 +30,8 @@ pub(super) struct Tried<'a, 'b> {
     begun: Vec<(Arc<Fitted>, Arc<Fitted>)>,
     /// Models, a cause more, and the fit with it.
     added: Vec<(Arc<Fitted>, Hypothesis, Arc<Fitted>)>,
+    /// The same where the cause came out with the wrong sign.
+    wrong: Vec<(Arc<Fitted>, Hypothesis, Arc<Fitted>)>,
     /// Models, and further sliders that began with half of a force there.
     halved: Vec<(Arc<Fitted>, Hypothesis)>,
 }
@@ -44,6 +46,7 @@ impl<'a, 'b> Tried<'a, 'b> {
             elsewhere: Vec::new(),
             begun: Vec::new(),
             added: Vec::new(),
+            wrong: Vec::new(),
             halved: Vec::new(),
         }
     }
@@ -58,7 +61,7 @@ impl<'a, 'b> Tried<'a, 'b> {
     }
 
     /// Fits `base` with one more cause, as long as it may come near to `lead` nats, prior included. A fit that leads to the end of
-    /// another start of the same law counts as that one.
+    /// another start of the same law counts as that one. `None` where the cause comes out with the wrong sign.
     pub(super) fn with(
         &mut self,
         base: &Arc<Fitted>,
@@ -72,9 +75,12 @@ impl<'a, 'b> Tried<'a, 'b> {
         }
         let known = of_base.find(|(added, _)| added.is_law_of(h));
         let known = known.map(|(_, found)| Arc::clone(found));
+        let mut wrong = self.wrong.iter();
+        let wrong = wrong.find(|(of, added, _)| Arc::ptr_eq(of, base) && added.is_law_of(h));
+        let wrong = wrong.map(|(.., found)| found);
         let target = Target {
             lead: lead - base.ln_prior() - h.ln_prior,
-            known: known.as_deref(),
+            known: known.as_ref().or(wrong).map(|known| &**known),
             ..Target::NONE
         };
         // Forms of a slider that differ in their first guess come to the same here.
@@ -88,7 +94,15 @@ impl<'a, 'b> Tried<'a, 'b> {
             self.halved.push((Arc::clone(base), half.clone()));
         }
         let found = match self.added_to(base, (h, weighed), halves, target) {
-            Some(Fit::New(found)) => Some(Arc::from(found)),
+            Some(Fit::New(found)) => {
+                let found: Arc<Fitted> = Arc::from(found);
+                let is_wrong = found.has_wrong_sign(base.chosen.len());
+                if is_wrong && found.is_settled() {
+                    let wrong = (Arc::clone(base), h.clone(), Arc::clone(&found));
+                    self.wrong.push(wrong);
+                }
+                (!is_wrong).then_some(found)
+            }
             Some(Fit::Known) => known,
             None => None,
         };
@@ -148,7 +162,39 @@ impl<'a, 'b> Tried<'a, 'b> {
         }
     }
 
-    /// The same fit, begun where the linear model puts it.
+    /// The fit with one more cause begun anew from the deck, where `found` could go no further though it would lead with what it
+    /// promises: stiffnesses that make up for the cause in the model without it may lead into a valley that does not lead back. `None`
+    /// where that is no better.
+    pub(super) fn anew(
+        &mut self,
+        (base, found): (&Fitted, &Fitted),
+        (h, weighed): (&Hypothesis, &Weighed),
+        lead: f64,
+    ) -> Option<Arc<Fitted>> {
+        let promise = found.posterior.ln_z + found.ln_prior();
+        if found.posterior.gain < STUCK || promise < lead {
+            return None;
+        }
+        let mut all = unguessed(base);
+        all.push((h.clone(), weighed.guesses.clone()));
+        let target = Target {
+            lead: lead - found.ln_prior(),
+            ..Target::NONE
+        };
+        let again = aimed(self.subject, &all, None, None, self.data, target);
+        let Some(Fit::New(again)) = again else {
+            return None;
+        };
+        let is_better = again.ln_posterior() > found.ln_posterior();
+        if !is_better || again.has_wrong_sign(base.chosen.len()) {
+            return None;
+        }
+        let again = Arc::from(again);
+        self.note(&again);
+        Some(again)
+    }
+
+    /// The fit with one more cause, begun where the linear model puts it.
     fn added_to(
         &self,
         base: &Fitted,
@@ -207,20 +253,6 @@ impl<'a, 'b> Tried<'a, 'b> {
                 }
             }
         };
-        // Stiffnesses that make up for the cause in the model without it may lead into a valley that does not lead back.
-        let found = match found {
-            Some(found) if found.posterior.gain > STUCK && found.posterior.ln_z > target.lead => {
-                let mut all = unguessed(base);
-                all.push((h.clone(), guesses.clone()));
-                match aimed(self.subject, &all, None, None, self.data, alone) {
-                    Some(Fit::New(again)) if again.ln_posterior() > found.ln_posterior() => {
-                        Some(*again)
-                    }
-                    _ => Some(found),
-                }
-            }
-            found => found,
-        };
         // What the linear model promises of a large effect may be out of its reach.
         let found = match found {
             Some(found) if found.ln_posterior() < least => {
@@ -242,7 +274,7 @@ impl<'a, 'b> Tried<'a, 'b> {
         };
         let last = found.chosen.len() - 1;
         let first = found.places[last].first().map_or(0.0, |at| found.x[*at]);
-        if h.one_sided && first < 0.0 && guesses.len() > 1 {
+        if h.one_sided && first < 0.0 && guesses.iter().skip(1).any(|guess| *guess != 0.0) {
             // A force that can only push came out pulling: a higher term took the place of the first. Begin with the first term alone.
             let mut one_term = vec![0.0; guesses.len()];
             one_term[0] = guesses.iter().map(|g| g.abs()).sum();
@@ -254,7 +286,7 @@ impl<'a, 'b> Tried<'a, 'b> {
                 return Some(Fit::New(Box::new(again)));
             }
         }
-        (!found.has_wrong_sign(last)).then(|| Fit::New(Box::new(found)))
+        Some(Fit::New(Box::new(found)))
     }
 
     /// The best fits with friction at other places beside a model than a winner's, if no worse than `least`.

@@ -7,7 +7,7 @@ use faer::linalg::triangular_inverse::invert_lower_triangular;
 use faer::{Accum, Auto, Par, Spec};
 use nalgebra::{DMatrix, DVector};
 
-use super::product::{read, write};
+use super::product::{dot, read, write};
 
 /// `M = L L'`.
 #[derive(Clone, Debug)]
@@ -55,8 +55,7 @@ impl Factor {
         }
         for k in (0..n).rev() {
             let column = &self.L.as_slice()[k * n..(k + 1) * n];
-            let below = x.as_slice()[k + 1..].iter().zip(&column[k + 1..]);
-            let sum: f64 = below.map(|(x, l)| x * l).sum();
+            let sum = dot(&x.as_slice()[k + 1..], &column[k + 1..]);
             x[k] = (x[k] - sum) / column[k];
         }
         x
@@ -67,8 +66,7 @@ impl Factor {
         let n = v.len();
         let of = |k: usize| {
             let column = &self.L.as_slice()[k * n..(k + 1) * n];
-            let pairs = column[k..].iter().zip(&v.as_slice()[k..]);
-            pairs.map(|(l, v)| l * v).sum::<f64>()
+            dot(&column[k..], &v.as_slice()[k..])
         };
         (0..n).map(|k| of(k).powi(2)).sum()
     }

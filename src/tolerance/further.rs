@@ -5,8 +5,8 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 
 use super::columns::{ByClass, Columns};
-use super::product::transposed;
-use super::share::{Block, dot};
+use super::product::{dot, transposed};
+use super::share::Block;
 use super::whitening::{Class, Whitening};
 
 /// So many columns are looked at together: few enough to stay in a processor's cache.

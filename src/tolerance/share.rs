@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::columns::Columns;
-use super::product::{gram, transposed};
+use super::product::{dot, gram, transposed};
 use super::whitening::Class;
 
 /// Rows of one class: of `A`, the derivatives by the unknowns, and `z`, what is left.
@@ -202,18 +202,4 @@ impl Share {
         }
         self.q - 2.0 * dot(&own, &self.g) + curved
     }
-}
-
-/// Sums in eight parts, which processors add side by side.
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 8];
-    let (a_blocks, b_blocks) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest = a_blocks.remainder().iter().zip(b_blocks.remainder());
-    let rest: f64 = rest.map(|(a, b)| a * b).sum();
-    for (a, b) in a_blocks.zip(b_blocks) {
-        for k in 0..8 {
-            sums[k] += a[k] * b[k];
-        }
-    }
-    sums.iter().sum::<f64>() + rest
 }
