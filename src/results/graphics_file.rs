@@ -20,7 +20,7 @@ pub struct GraphicsMarker {
 
 /// Writes a `.gra` file (format A.G8, guide/formats.md 6.4): frames of part positions, each flushed.
 ///
-/// Laid out after the real file of ../shared/real-decks/aview-hpc: nine counts, of which the first two (parts with ground,
+/// Laid out after the one real file known (AHPC of guide/formats.md): nine counts, of which the first two (parts with ground,
 /// markers) are known and the others zero; the parts; the markers; a sentinel; the pose of ground; then for each frame the
 /// time and the pose of every other part. The shapes that hang on the markers are in the dataset, not here.
 #[derive(Debug)]

@@ -3,10 +3,25 @@
 
 pub mod tiling;
 
+use std::io::Write;
 use std::path::PathBuf;
 
-/// A folder or file of the shared reference material beside the project, or `None` (with a printed notice) where it is absent,
-/// as on a user's machine.
+/// Says what a test was skipped for, past the capture of the test harness.
+pub fn skipped(what: &str) {
+    let _ = writeln!(std::io::stderr(), "skipped: {what}");
+}
+
+/// Says that something is missing; under CI that fails the test.
+pub fn missing(what: &str) {
+    assert!(
+        std::env::var_os("CI").is_none_or(|value| value.is_empty()),
+        "{what} is missing, and CI skips nothing"
+    );
+    skipped(&format!("{what} is missing"));
+}
+
+/// A folder or file of the shared reference material beside the project, or `None` where it is absent, as on a user's machine.
+/// See [`missing`].
 pub fn shared(path: &str) -> Option<PathBuf> {
     let full = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
         .join("../shared")
@@ -14,7 +29,7 @@ pub fn shared(path: &str) -> Option<PathBuf> {
     if full.exists() {
         return Some(full);
     }
-    println!("skipped: {} is not here", full.display());
+    missing(&full.display().to_string());
     None
 }
 

@@ -4,6 +4,7 @@
 use std::path::Path;
 use std::process::{Command, Stdio};
 
+use crate::common::skipped;
 use crate::faults::{ADMIRE, MDI, long_deck, not_believed, strangers};
 use crate::run::{Results, SLIDER, folder, mdi};
 
@@ -18,7 +19,7 @@ fn strace_works() -> bool {
         .output();
     let works = run.is_ok_and(|run| run.status.success());
     if !works {
-        println!("SKIPPED: strace cannot follow programs here");
+        skipped("strace cannot follow programs here");
     }
     works
 }

@@ -3,6 +3,8 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
+use crate::common::skipped;
+
 pub(super) const DECK: &str = "a title\r\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\r\nPART/1, GROUND\r\n\
 MARKER/10, PART=1, REULER = 90D, 0, 0\r\n!                   adams_view_name='arm'\r\nPART/2\r\n, MASS = 1.5, CM = 20\r\n\
 , IP = 1.0E+04, 2.0E+04,\r\n! between\r\n, 3.0E+04\r\nMARKER/20, PART=2\r\nJOINT/1, REVOLUTE, I=20, J=10\r\n\
@@ -252,7 +254,7 @@ fn an_answer_that_is_lost_is_no_success() {
     ] {
         let full = std::fs::OpenOptions::new().write(true).open("/dev/full");
         let Ok(full) = full else {
-            println!("skipped: there is no /dev/full here");
+            skipped("there is no /dev/full here");
             return;
         };
         let status = Command::new(env!("CARGO_BIN_EXE_admire"))

@@ -20,15 +20,6 @@ pub fn path_with_mdi() -> OsString {
     std::env::join_paths(folders).expect("folders without separators")
 }
 
-/// Says that a client is missing; under CI that fails the test.
-pub fn missing(client: &str) {
-    assert!(
-        std::env::var_os("CI").is_none(),
-        "{client} is missing, and CI skips nothing"
-    );
-    println!("skipped: {client} is not installed");
-}
-
 /// Runs a client to its end and returns what it printed; a failure shows everything.
 pub fn run(command: &mut Command) -> String {
     let output = command

@@ -7,8 +7,8 @@ use std::process::{Command, Stdio};
 
 use admire::results::{StepKind, XrfReader};
 
-use crate::client::{LineEnds, copy, load_cases, missing, project, run};
-use crate::common::shared;
+use crate::client::{LineEnds, copy, load_cases, project, run};
+use crate::common::{missing, shared};
 use crate::identification::by_admire;
 
 /// Octave ready to run a script of `tests/octave`, or `None` where there is none.

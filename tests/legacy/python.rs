@@ -4,8 +4,8 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
 
-use crate::client::{LineEnds, copy, load_cases, missing, project, run};
-use crate::common::shared;
+use crate::client::{LineEnds, copy, load_cases, project, run};
+use crate::common::{missing, shared};
 
 /// The Python that has the readers: READERS_PYTHON, or the one `.ci/run` made.
 fn python() -> Option<PathBuf> {

@@ -5,6 +5,8 @@ use std::process::Command;
 
 use serde_json::Value;
 
+use crate::common::skipped;
+
 const DECK: &str = "t\nPART/1, GROUND\nMARKER/1, PART=1\nPART/2, MASS=1,CM=20\nMARKER/20,PART=2\nJOINT/1, SPHERICAL, J=1, I=20\nEND\n";
 
 /// The settings for Neovim as the guide has them.
@@ -17,7 +19,7 @@ fn of_the_guide() -> &'static str {
 #[test]
 fn neovim_shows_complaints_and_applies_edits() {
     if Command::new("nvim").arg("--version").output().is_err() {
-        println!("skipped: nvim is not here");
+        skipped("nvim is not here");
         return;
     }
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,6 +1,8 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::common::skipped;
+
 /// What a page tells of itself after it was loaded and its controls were used.
 #[derive(serde::Deserialize, Debug)]
 pub struct Seen {
@@ -45,7 +47,7 @@ pub fn chromium() -> Option<PathBuf> {
             std::env::var_os("ADMIRE_REQUIRE_CHROMIUM").is_none(),
             "Chromium is required and not installed"
         );
-        println!("skipped: Chromium is not installed");
+        skipped("Chromium is not installed");
     }
     found
 }
