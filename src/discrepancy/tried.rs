@@ -451,3 +451,53 @@ fn halved(base: &Fitted, h: &Hypothesis) -> Option<Halved> {
     let guesses = vec![x[force], 0.0, x[anchor] - at.mean / at.sd];
     Some((h, guesses, x))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::discrepancy::scan::Catalogue;
+    use crate::discrepancy::sought::as_it_is;
+    use crate::identify::LoadedStudy;
+
+    /// A fit that stopped where it promised much begins anew from the deck if it would lead, and comes to where an undisturbed one ends.
+    #[test]
+    fn a_fit_that_is_stuck_begins_anew_where_its_promise_leads() {
+        let folder =
+            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/pseudo-mcpherson");
+        let loaded = LoadedStudy::read(&folder).value.expect("a shipped study");
+        let problem = loaded.problem();
+        let held_out = vec![false; loaded.measurement.cases.len()];
+        let mut subject = Subject::new(&problem, held_out);
+        let none = Arc::new(as_it_is(&mut subject, Data::All).expect("it can be solved"));
+        let catalogue = Catalogue::new(&subject, &none);
+        let smooth = |at: usize| !catalogue.hypotheses[at].cause.has_rough_law();
+        let promises = catalogue.scan(&none, &none.sizes);
+        let promise = promises.iter().find(|promise| smooth(promise.at));
+        let promise = promise.expect("something is promised");
+        let weighed = catalogue.weigh(&none, promise.at, &none.sizes);
+        let candidate = (
+            &catalogue.hypotheses[promise.at],
+            &weighed.expect("it promises something"),
+        );
+        let mut tried = Tried::new(&subject, Data::All);
+        let found = tried.with(&none, candidate, f64::NEG_INFINITY);
+        let found = found.expect("it can be fitted");
+        let mut stuck = (*found).clone();
+        stuck.posterior.gain += 2.0 * STUCK;
+        let reached = found.ln_posterior();
+        let again = tried.anew((&none, &stuck), candidate, reached - 1.0);
+        let again = again.expect("a fit from the deck");
+        assert!((again.ln_posterior() - reached).abs() < 0.1);
+        // Others lead in spite of its promise, and one that came to its end promises nothing.
+        assert!(
+            tried
+                .anew((&none, &stuck), candidate, reached + 1.0)
+                .is_none()
+        );
+        assert!(
+            tried
+                .anew((&none, &found), candidate, reached - 1.0)
+                .is_none()
+        );
+    }
+}
