@@ -49,6 +49,8 @@ impl Catalogue {
             }
             count == 0
         });
+        let coupled = Hypothesis::causes(&fitted.chosen).filter(|h| !h.is_refined(&fitted.chosen));
+        hypotheses.extend(coupled.filter_map(|h| causes::bushing_coupling::growth(&survey, h)));
         let seen: Vec<&Number> = hypotheses.iter().flat_map(seen).collect();
         let mut responses = survey.responses(&seen);
         let turned = |range: Range<usize>| fitted.whitening.apply(&responses.columns(range.len()));

@@ -249,16 +249,15 @@ impl<'a> Survey<'a> {
         }
     }
 
-    /// A GFORCE along one axis of J, with the floating marker it needs; and its id.
+    /// A GFORCE along some axes of J, with the floating marker it needs; and its id.
     pub(super) fn vector_force(
         &self,
         (i, j): (MarkerIx, MarkerIx),
-        axis: usize,
-        function: &str,
+        functions: &[(usize, &str)],
     ) -> (u32, Vec<NewStatement>) {
         let part = self.model.parts[self.model.markers[j.0].part.0].header.id;
         let pair = [i, j].map(|marker| self.marker_id(marker));
-        self.force_between(pair, (part, self.free_id("MARKER")), axis, function)
+        self.force_between(pair, (part, self.free_id("MARKER")), functions)
     }
 
     /// The same between markers by their ids, J on this part, with the id of the floating marker.
@@ -266,8 +265,7 @@ impl<'a> Survey<'a> {
         &self,
         [i, j]: [u32; 2],
         (part, floating): (u32, u32),
-        axis: usize,
-        function: &str,
+        functions: &[(usize, &str)],
     ) -> (u32, Vec<NewStatement>) {
         let id = self.free_id("GFORCE");
         let mut arguments = vec![
@@ -276,7 +274,8 @@ impl<'a> Survey<'a> {
             ("RM", j.to_string()),
         ];
         for (k, word) in ["FX", "FY", "FZ", "TX", "TY", "TZ"].into_iter().enumerate() {
-            let text = if k == axis { function } else { "0.0" };
+            let own = functions.iter().find(|(axis, _)| *axis == k);
+            let text = own.map_or("0.0", |(_, function)| function);
             // The continuation of ADAMS: components of a GFORCE are separated by a backslash.
             let end = if k < 5 { "\\" } else { "" };
             arguments.push((word, format!("{text}{end}")));

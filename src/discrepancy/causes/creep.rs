@@ -25,7 +25,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             let pair = (bushing.i, bushing.j);
             let (place, flow) = (survey.free_id("VARIABLE"), survey.free_id("VARIABLE") + 1);
             let law = format!("0.0*VARVAL({place})");
-            let (force, added) = survey.vector_force(pair, axis, &law);
+            let (force, added) = survey.vector_force(pair, &[(axis, &law)]);
             let literal = |id| number("VARIABLE", id, "FUNCTION", Some(1));
             for (rate, form) in RATES {
                 let mut flown = 0.0;

@@ -118,7 +118,7 @@ fn put(
     let measure = survey.deflection_function(pair, axis);
     let anchor = survey.free_id("VARIABLE");
     let law = format!("0.0*MAX(-1.0,MIN(1.0,(VARVAL({anchor})-{measure})/1.0))");
-    let (force, added) = survey.vector_force(pair, axis, &law);
+    let (force, added) = survey.vector_force(pair, &[(axis, &law)]);
     let variable = statement("VARIABLE", anchor, &[("FUNCTION", "0.0".to_string())]);
     let changes: Vec<Change> = std::iter::once(variable)
         .chain(added)

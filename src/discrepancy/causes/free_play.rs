@@ -33,7 +33,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
         let contact = CONTACT.0 * per_length;
         let half = format!("{contact:E}*(MAX(0.0,{measure}-0.0)");
         let text = format!("-{half}-MAX(0.0,-{measure}-0.0))");
-        let (force, added) = survey.force_between(pair, (end.part, floating), 2, &text);
+        let (force, added) = survey.force_between(pair, (end.part, floating), &[(2, &text)]);
         changes.extend(added.into_iter().map(Change::Add));
         // The first literal is the stiffness of the contact, the last of both terms is half of the play.
         let first = crate::syntax::Expression::parse_str(&format!("{half})"));

@@ -4,7 +4,7 @@
 
 mod assembly_offset;
 mod body_compliance;
-mod bushing_coupling;
+pub(super) mod bushing_coupling;
 mod bushing_orientation;
 mod channel_fault;
 mod creep;

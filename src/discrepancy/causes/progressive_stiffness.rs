@@ -38,7 +38,8 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                     })
                     .collect();
                 let text = terms.concat();
-                let (gforce, changes) = survey.vector_force((bushing.i, bushing.j), axis, &text);
+                let (gforce, changes) =
+                    survey.vector_force((bushing.i, bushing.j), &[(axis, &text)]);
                 // Literals of the function: those of a term are its factor, its markers, its power.
                 let each = crate::syntax::Expression::parse_str(&text)
                     .map_or(0, |text| text.literals.len())

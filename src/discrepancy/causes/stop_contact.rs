@@ -37,7 +37,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
         let directions = vec![Vec6::ith(2, 1.0); u.len()];
         let measure = survey.deflection_function((joint.i, joint.j), 2);
         let address = format!("JOINT/{}", joint.header.id);
-        let text = |body: &str| survey.vector_force((joint.i, joint.j), 2, body);
+        let text = |body: &str| survey.vector_force((joint.i, joint.j), &[(2, body)]);
         stops(
             &address,
             ("GFORCE", "FZ"),
