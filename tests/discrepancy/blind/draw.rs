@@ -575,7 +575,8 @@ fn drawn(
     Plant {
         cause,
         address,
-        foreign,
+        // The terms of third order of a coupling are those of the hypothesis.
+        foreign: foreign && cause != "bushing-coupling",
         // Less may be within a tolerance: 2 mm of a point, 2.5 percent of a load.
         form: Form {
             pieces,
