@@ -221,3 +221,68 @@ impl<'a> Survey<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::discrepancy::causes::{bushing_coupling, dry_friction};
+    use crate::discrepancy::fit::{Fitted, fit, unguessed};
+    use crate::discrepancy::hypothesis::{BY_DIRECTION, Hypothesis};
+    use crate::discrepancy::scan::Catalogue;
+    use crate::discrepancy::sought::as_it_is;
+    use crate::discrepancy::subject::{Data, Subject};
+    use crate::identify::LoadedStudy;
+
+    /// Holds the columns of the last cause of a fit against the derivatives of the deck that has it.
+    fn compare(subject: &Subject<'_>, fitted: &Fitted) {
+        let at = fitted.chosen.len() - 1;
+        let own = &fitted.chosen[at];
+        let survey = Survey::new(subject, fitted);
+        let here = match own.part {
+            BY_DIRECTION => own.clone(),
+            _ => bushing_coupling::growth(&survey, own).expect("it is deflected"),
+        };
+        let columns = survey.columns(&here.numbers.iter().collect::<Vec<_>>());
+        for (k, column) in columns.column_iter().enumerate() {
+            let scale = here.numbers[k].sd / own.numbers[k].sd;
+            let exact = fitted.jacobian.column(fitted.places[at][k]) * scale;
+            let off = (&exact - column).norm() / exact.norm();
+            // The derivatives are those of the last step but one.
+            assert!(off < 1e-3, "{own} {}: {off:e}", own.numbers[k].name);
+        }
+    }
+
+    /// What a further part of a law does to first order is what its numbers in the extended deck do.
+    #[test]
+    fn a_further_part_does_what_its_numbers_in_the_deck_do() {
+        let folder =
+            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/pseudo-mcpherson");
+        let loaded = LoadedStudy::read(&folder).value.expect("a shipped study");
+        let problem = loaded.problem();
+        let held_out = vec![false; loaded.measurement.cases.len()];
+        let mut subject = Subject::new(&problem, held_out);
+        let none = as_it_is(&mut subject, Data::All).expect("it can be solved");
+        let with = |base: &Fitted, h: &Hypothesis| {
+            let mut chosen = unguessed(base);
+            chosen.push((h.clone(), vec![0.5; h.numbers.len()]));
+            let found = fit(&subject, &chosen, Some((base, &base.x)), Data::All);
+            found.expect("it can be fitted")
+        };
+        let catalogue = Catalogue::new(&subject, &none);
+        let mut growing = 0;
+        for h in catalogue.hypotheses.iter().filter(|h| h.with.is_some()) {
+            // Some of them: each is a fit.
+            if growing % 7 == 0 {
+                compare(&subject, &with(&none, h));
+            }
+            growing += 1;
+        }
+        assert!(growing > 30, "{growing}");
+        let friction = |h: &&Hypothesis| h.memory.is_some() && h.address == "BUSHING/2.K.1";
+        let friction = catalogue.hypotheses.iter().find(friction).expect("a place");
+        let fitted = with(&none, friction);
+        let parts = dry_friction::by_direction(&Survey::new(&subject, &fitted));
+        assert_eq!(parts.len(), 1);
+        compare(&subject, &with(&fitted, &parts[0]));
+    }
+}

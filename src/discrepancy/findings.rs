@@ -8,7 +8,7 @@ use super::cross_validation::Folds;
 use super::diagnosis::{Evidence, Finding, Gain, Indistinguishable, LAW_MISFIT};
 use super::fit::{Estimate, Fitted};
 use super::folds::{Blind, HeldOutTest, moved};
-use super::hypothesis::Hypothesis;
+use super::hypothesis::{BY_DIRECTION, Hypothesis};
 use super::remainder::is_at_element_of;
 use super::sought::{NAMED, of_place, probability};
 use super::subject::Subject;
@@ -102,8 +102,12 @@ pub(super) fn findings(
                 left = Some(own.map(|n| n.value * n.value).sum::<f64>().sqrt());
                 continue;
             }
+            let named = |name: String| match other.part {
+                BY_DIRECTION => name,
+                part => format!("{name}_{}", part + 1),
+            };
             numbers.extend(own.map(|n| Estimate {
-                name: format!("{}_{}", n.name, other.part + 1),
+                name: named(n.name),
                 ..n
             }));
         }

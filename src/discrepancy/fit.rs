@@ -342,6 +342,7 @@ pub(super) fn aimed(
 ) -> Option<Fit> {
     let own = || warm.map_or(&subject.sizes, |(fitted, _)| &fitted.sizes);
     let sizes = sizes.unwrap_or_else(own);
+    let chosen = &apart(chosen)[..];
     let aim = target.aim(chosen);
     let deck = deck_of(
         subject,
@@ -460,6 +461,20 @@ pub(super) fn aimed(
         states,
         deck,
     })))
+}
+
+/// Causes and the further parts that come in with them, each for itself.
+fn apart(chosen: &[(Hypothesis, Vec<f64>)]) -> Vec<(Hypothesis, Vec<f64>)> {
+    let each = |(h, guesses): &(Hypothesis, Vec<f64>)| {
+        let mut left = guesses.as_slice();
+        let own = |h: Hypothesis| {
+            let (own, rest) = left.split_at(h.numbers.len());
+            left = rest;
+            (h, own.to_vec())
+        };
+        h.apart().into_iter().map(own).collect::<Vec<_>>()
+    };
+    chosen.iter().flat_map(each).collect()
 }
 
 /// A model as it is written for others: causes and stiffnesses, small errors of everything else left out.

@@ -108,10 +108,14 @@ pub struct Hypothesis {
     /// What it carries from case to case.
     pub memory: Option<MemoryPlan>,
     /// Zero for a cause of its own; else the number of a further part of the law of one that is there already, told with that.
-    /// [`LEFT_BY_LAW`] for what the law leaves.
+    /// [`BY_DIRECTION`] for a limit that differs by direction, [`LEFT_BY_LAW`] for what the law leaves.
     pub part: usize,
+    /// A further part of its law that comes in with it: its numbers and changes are the last ones here. A fit takes both for themselves.
+    pub with: Option<Box<Hypothesis>>,
 }
 
+/// The part of a friction by which its limit differs by direction.
+pub(super) const BY_DIRECTION: usize = usize::MAX - 1;
 /// The part of a cause that is not its law but what that leaves at its place: a force that differs from case to case.
 pub(super) const LEFT_BY_LAW: usize = usize::MAX;
 
@@ -150,7 +154,31 @@ impl Hypothesis {
             changes: Vec::new(),
             memory: None,
             part: 0,
+            with: None,
         }
+    }
+
+    /// A cause and a further part of its law at once.
+    pub fn together(mut self, further: Self) -> Self {
+        self.numbers.extend(further.numbers.iter().cloned());
+        self.changes.extend(further.changes.iter().cloned());
+        self.ln_prior += further.ln_prior;
+        self.with = Some(Box::new(further));
+        self
+    }
+
+    /// The cause and the further part that comes in with it, each for itself.
+    pub fn apart(&self) -> Vec<Self> {
+        let mut own = self.clone();
+        let Some(further) = own.with.take() else {
+            return vec![own];
+        };
+        own.numbers
+            .truncate(own.numbers.len() - further.numbers.len());
+        own.changes
+            .truncate(own.changes.len() - further.changes.len());
+        own.ln_prior -= further.ln_prior;
+        vec![own, *further]
     }
 
     /// Members of the tolerance layer that stand out of their groups.
@@ -190,6 +218,18 @@ impl Hypothesis {
     /// True if both say the same of the same place, in whatever form.
     pub fn same_place(&self, other: &Self) -> bool {
         self.cause == other.cause && self.address == other.address && self.side == other.side
+    }
+
+    /// True for a law that is known in kind but not in shape.
+    pub fn has_rough_law(&self) -> bool {
+        self.cause.has_rough_law() && self.part != BY_DIRECTION
+    }
+
+    /// True if both are the same part of the same cause at the same place, with or without a further part, in whatever form.
+    pub fn same_part(&self, other: &Self) -> bool {
+        self.same_place(other)
+            && self.part == other.part
+            && self.with.is_some() == other.with.is_some()
     }
 
     /// The case in which alone it acts, if it is a fault of readings of one case.

@@ -81,7 +81,8 @@ pub(super) fn cause_limits(subject: &Subject<'_>, fitted: &Fitted) -> Vec<CauseL
     let information = catalogue.information(fitted, &fitted.sizes);
     let mut out: Vec<CauseLimit> = Vec::new();
     for (h, information) in catalogue.hypotheses.iter().zip(&information) {
-        if h.cause == Cause::HardpointError || h.part > 0 || h.only_case(&subject.rows).is_some() {
+        let is_part = h.part > 0 || h.with.is_some();
+        if h.cause == Cause::HardpointError || is_part || h.only_case(&subject.rows).is_some() {
             continue;
         }
         for (k, number) in h.numbers.iter().enumerate() {

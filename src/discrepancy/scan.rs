@@ -7,7 +7,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use super::cause::Cause;
 use super::causes;
 use super::fit::Fitted;
-use super::hypothesis::{Column, Hypothesis, Number};
+use super::hypothesis::{BY_DIRECTION, Column, Hypothesis, Number};
 use super::subject::Subject;
 use super::survey::Survey;
 use crate::tolerance::{ByClass, Further, Posterior, Sizes, Unknown, transposed};
@@ -38,7 +38,7 @@ impl Catalogue {
         let mut hypotheses = causes::all(&survey);
         hypotheses.retain_mut(|h| {
             let there = || fitted.chosen.iter().filter(|chosen| chosen.same_place(h));
-            let count = there().count();
+            let count = there().filter(|chosen| chosen.part != BY_DIRECTION).count();
             let is_closed = there().any(Hypothesis::is_left_by_law);
             if (1..causes::dry_friction::SLIDERS).contains(&count)
                 && h.cause == Cause::DryFriction
@@ -49,8 +49,15 @@ impl Catalogue {
             }
             count == 0
         });
+        let own = |h: &Hypothesis| causes::bushing_coupling::growth(&survey, h);
+        let growing = hypotheses
+            .iter()
+            .filter_map(|h| Some(h.clone().together(own(h)?)));
+        let growing: Vec<Hypothesis> = growing.collect();
+        hypotheses.extend(growing);
         let coupled = Hypothesis::causes(&fitted.chosen).filter(|h| !h.is_refined(&fitted.chosen));
-        hypotheses.extend(coupled.filter_map(|h| causes::bushing_coupling::growth(&survey, h)));
+        hypotheses.extend(coupled.filter_map(own));
+        hypotheses.extend(causes::dry_friction::by_direction(&survey));
         let seen: Vec<&Number> = hypotheses.iter().flat_map(seen).collect();
         let mut responses = survey.responses(&seen);
         let turned = |range: Range<usize>| fitted.whitening.apply(&responses.columns(range.len()));

@@ -107,10 +107,11 @@ fn promised(catalogue: &Catalogue, base: &Fitted, sizes: [&Sizes; 2]) -> Vec<AtS
         let mut places: Vec<&Hypothesis> = Vec::new();
         for promise in catalogue.scan(base, sizes) {
             let h = &catalogue.hypotheses[promise.at];
-            let forms = places.iter().filter(|other| other.same_place(h)).count();
+            let forms = places.iter().filter(|other| other.same_part(h)).count();
             // Forms of one place differ little, but for laws that are known in kind only.
-            let most = if h.cause.has_rough_law() { FORMS } else { 1 };
-            if forms == 0 && distinct(&places) == WEIGHED {
+            let most = if h.has_rough_law() { FORMS } else { 1 };
+            let is_elsewhere = !places.iter().any(|other| other.same_place(h));
+            if is_elsewhere && distinct(&places) == WEIGHED {
                 break;
             }
             if forms >= most.max(if h.is_slab() { FORMS } else { 1 }) {
@@ -317,7 +318,7 @@ impl<'a, 'b> Search<'a, 'b> {
         out.sort_by(|a, b| b.1.ln_posterior.total_cmp(&a.1.ln_posterior));
         for (h, weighed) in &out {
             let mut causes = base.chosen.clone();
-            causes.push(h.clone());
+            causes.extend(h.apart());
             self.tried.visited.push(Visited {
                 causes,
                 ln_posterior: weighed.ln_posterior,
@@ -338,7 +339,9 @@ impl<'a, 'b> Search<'a, 'b> {
         candidates: &[&Candidate],
         (least, lost): (f64, (f64, f64)),
     ) -> Option<Arc<Fitted>> {
-        let best = candidates.first()?.1.ln_posterior;
+        // With a further part of its law a cause may promise much that it cannot keep.
+        let alone = candidates.iter().find(|(h, _)| h.with.is_none());
+        let best = alone.or(candidates.first())?.1.ln_posterior;
         // Of every place its most promising form first.
         let mut forms: [Vec<(&Hypothesis, &Weighed)>; FORMS] = Default::default();
         for (h, weighed) in candidates {
@@ -347,9 +350,11 @@ impl<'a, 'b> Search<'a, 'b> {
             } else {
                 WITHIN.0
             };
-            let same = |of: &&(&Hypothesis, &Weighed)| of.0.same_place(h);
+            let same = |of: &&(&Hypothesis, &Weighed)| of.0.same_part(h);
             let known = forms.iter().flatten().filter(same).count();
-            let (most, hopeless) = if h.cause.has_rough_law() {
+            let mut places: Vec<&Hypothesis> = forms[0].iter().map(|(h, _)| *h).collect();
+            places.push(h);
+            let (most, hopeless) = if h.has_rough_law() {
                 (FORMS, lost.1)
             } else {
                 (1, lost.0)
@@ -357,7 +362,7 @@ impl<'a, 'b> Search<'a, 'b> {
             let promised = best - least;
             let is_as_good = promised > FAR.0 && weighed.ln_posterior - least > FAR.1 * promised;
             if weighed.ln_posterior < (best - within).max(least + hopeless)
-                || (known == 0 && forms[0].len() >= REFITTED && !is_as_good)
+                || (known == 0 && distinct(&places) > REFITTED && !is_as_good)
                 || known >= most
             {
                 continue;
@@ -371,12 +376,16 @@ impl<'a, 'b> Search<'a, 'b> {
             let leads = winner
                 .as_ref()
                 .map_or(least, |w| w.ln_posterior().max(least));
-            // Of a further slider the linear model knows well what it promises.
-            if h.part > 0 && weighed.ln_posterior < leads - LINEAR {
+            // Of a further slider the linear model knows well what it promises; with a further part it promises too much.
+            let least = match (h.part, &h.with) {
+                (0, None) => f64::NEG_INFINITY,
+                (0, Some(_)) => leads,
+                _ => leads - LINEAR,
+            };
+            if weighed.ln_posterior < least {
                 continue;
             }
-            let far =
-                |(other, ln): &(&Hypothesis, f64)| other.same_place(h) && *ln < leads - BEHIND;
+            let far = |(other, ln): &(&Hypothesis, f64)| other.same_part(h) && *ln < leads - BEHIND;
             // What a slider of the winner would come to from another first guess is seen when that is fitted anew.
             let is_winner = |w: &Arc<Fitted>| {
                 w.is_settled() && w.chosen.last().is_some_and(|l| l.same_place(h))
@@ -441,7 +450,7 @@ impl<'a, 'b> Search<'a, 'b> {
         let (Some(own), Some(places)) = (winner.chosen.last(), winner.places.last()) else {
             return winner;
         };
-        if !own.cause.has_rough_law() || own.memory.is_some() {
+        if !own.has_rough_law() || own.memory.is_some() {
             return winner;
         }
         let guesses: Vec<f64> = places.iter().map(|at| winner.x[*at]).collect();
@@ -505,12 +514,26 @@ impl<'a, 'b> Search<'a, 'b> {
         current
     }
 
+    /// A model without a cause and the further parts of its law. `None` for such a part.
+    fn without_all_parts(&mut self, current: &Arc<Fitted>, at: usize) -> Option<Arc<Fitted>> {
+        let own = &current.chosen[at];
+        if own.part > 0 {
+            return None;
+        }
+        let others = current.chosen.iter().filter(|h| !h.same_place(own));
+        let others: Vec<Hypothesis> = others.cloned().collect();
+        if others.is_empty() {
+            return Some(Arc::clone(&self.none));
+        }
+        self.tried.of(current, others)
+    }
+
     /// Holds each cause against what else could stand in its place; what would count beside it is refitted.
     fn exchanged(&mut self, mut current: Arc<Fitted>) -> Arc<Fitted> {
         let mut at = 0;
         while at < current.chosen.len() && !self.tried.subject.is_spent() {
             let base = if current.chosen[at].is_refined(&current.chosen) {
-                None
+                self.without_all_parts(&current, at)
             } else if current.chosen.len() == 1 {
                 Some(Arc::clone(&self.none))
             } else {
@@ -522,7 +545,9 @@ impl<'a, 'b> Search<'a, 'b> {
             };
             let least = current.ln_posterior();
             let candidates = self.candidates(&base, least);
-            let is_other = |(h, _): &&Candidate| !h.same(&current.chosen[at]);
+            let own = &current.chosen[at];
+            let is_refined = own.is_refined(&current.chosen);
+            let is_other = |(h, _): &&Candidate| !h.same(own) && !(is_refined && h.same_place(own));
             let others: Vec<&Candidate> = candidates.iter().filter(is_other).collect();
             match self.refitted(&base, &others, (least, (-LINEAR, -LINEAR))) {
                 Some(found) if found.ln_posterior() > least + BETTER => {

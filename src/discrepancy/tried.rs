@@ -112,7 +112,7 @@ impl<'a, 'b> Tried<'a, 'b> {
             self.added.push(known);
         }
         self.visited.push(Visited {
-            causes: base.chosen.iter().chain([h]).cloned().collect(),
+            causes: found.chosen.clone(),
             ln_posterior: found.ln_posterior(),
             fitted: Some(Arc::clone(&found)),
         });
@@ -172,7 +172,7 @@ impl<'a, 'b> Tried<'a, 'b> {
         lead: f64,
     ) -> Option<Arc<Fitted>> {
         let promise = found.posterior.ln_z + found.ln_prior();
-        if found.posterior.gain < STUCK || promise < lead {
+        if found.posterior.gain < STUCK || promise < lead || h.with.is_some() {
             return None;
         }
         let mut all = unguessed(base);
@@ -225,7 +225,9 @@ impl<'a, 'b> Tried<'a, 'b> {
         // A law that promises nothing and begins so far below has a guess that is out of the reach of the linear model. Friction has kinks
         // on its way.
         let is_promised = weighed.ln_posterior > base.ln_posterior();
-        let begin = if h.cause.has_rough_law() && h.memory.is_none() && !is_promised {
+        // With a further part the linear model promises more than it can keep.
+        let is_rough = h.has_rough_law() && h.memory.is_none() && !is_promised;
+        let begin = if is_rough || h.with.is_some() {
             least - base.ln_prior()
         } else {
             f64::NEG_INFINITY

@@ -6,7 +6,7 @@ use std::process::Command;
 use super::extension::reproduces;
 use super::found::{UP_AND_DOWN, named};
 use super::plant::{Friction, FrictionLaw, Plant, gforce, study};
-use admire::discrepancy::{Cause, Verdict, diagnose, held_out};
+use admire::discrepancy::{Cause, Diagnosis, Verdict, diagnose, held_out};
 use admire::identify::LoadedStudy;
 
 fn found(plant: Plant, seed: u64, loads: Option<&str>) {
@@ -223,7 +223,7 @@ fn gives_way_by_degrees(friction: Friction, place: &'static str, seed: u64) {
     friction_alone(folder.path(), place);
 }
 
-fn friction_alone(study: &Path, place: &str) {
+fn friction_alone(study: &Path, place: &str) -> Diagnosis {
     let loaded = LoadedStudy::read(study).value.unwrap();
     let held = held_out(&loaded.study, &loaded.measurement);
     let diagnosis = diagnose(&loaded.problem(), held).unwrap().diagnosis;
@@ -239,6 +239,7 @@ fn friction_alone(study: &Path, place: &str) {
     assert!(!elsewhere, "{named:?}");
     assert!(named.iter().all(|(_, _, p)| *p <= 1.0), "{named:?}");
     assert_eq!(diagnosis.verdict, Verdict::Discrepancy);
+    diagnosis
 }
 
 const STRUT: Friction = Friction {
@@ -297,6 +298,31 @@ fn friction_of_a_strut_that_gives_way_by_degrees_on_tolerances() {
         let done = rig.output().unwrap();
         assert!(done.status.success(), "{done:?}");
         friction_alone(&out, "JOINT/3");
+    }
+}
+
+/// 1,500 N one way and 300 N the other, as the rig plants it: as large apart from their mean as told.
+#[test]
+fn friction_that_differs_by_direction() {
+    let base = study("pseudo-mcpherson", &nothing(), 0.02, 1, Some(UP_AND_DOWN));
+    let folder = tempfile::tempdir().unwrap();
+    for seed in ["11", "12"] {
+        let out = folder.path().join(seed);
+        let mut rig = Command::new(env!("CARGO_BIN_EXE_admire"));
+        rig.arg("rig").arg(base.path()).arg("--out").arg(&out);
+        rig.args(["--seed", seed, "--effect"]);
+        rig.arg("asymmetric-friction@BUSHING/1.K.1:force=1500,back=300,stiffness=6000");
+        let done = rig.output().unwrap();
+        assert!(done.status.success(), "{done:?}");
+        let diagnosis = friction_alone(&out, "BUSHING/1.K.1");
+        let (numbers, errors) = {
+            let found = &diagnosis.findings[0];
+            (&found.parameters, &found.std_error)
+        };
+        for (name, planted) in [("force", 900.0), ("asymmetry", 600.0)] {
+            let off = (numbers[name] - planted) / errors[name];
+            assert!(off.abs() < 3.0, "{name}: {numbers:?}, {errors:?}");
+        }
     }
 }
 
@@ -432,6 +458,28 @@ fn a_conical_bushing() {
         24,
         None,
     );
+}
+
+/// The energy `k r y sinh(x / r)` is no polynomial. Its constant part alone would leave the first place to rubber that hardens or to a
+/// load cell.
+#[test]
+fn a_conical_bushing_that_hardens() {
+    let [x, y] = ["DX(3,4,4)", "DY(3,4,4)"];
+    let law = format!(
+        "MARKER/990, PART = 1, FLOATING\nGFORCE/990\n, I = 3\n, JFLOAT = 990\n, RM = 4\n, FX = -150.0*{y}*COSH({x}/40.0)\\\n, FY = -150.0*40.0*SINH({x}/40.0)\\\n, FZ = 0.0\\\n, TX = 0.0\\\n, TY = 0.0\\\n, TZ = 0.0\n"
+    );
+    for seed in [24, 31] {
+        let plant = Plant {
+            truth: ("bushing-coupling", "BUSHING/2"),
+            added: law.clone(),
+            ..nothing()
+        };
+        named("pseudo-mcpherson", &plant, seed, None, |outcome| {
+            let findings = &outcome.diagnosis.findings;
+            assert_eq!(findings[0].cause, Cause::BushingCoupling);
+            assert_eq!(findings.len(), 1, "{findings:#?}");
+        });
+    }
 }
 
 /// The bump stop is a parabola, not a straight line.

@@ -67,6 +67,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 changes,
                 memory: None,
                 part: 0,
+                with: None,
             });
         };
     for joint in model.joints.iter().filter(|j| j.header.active) {

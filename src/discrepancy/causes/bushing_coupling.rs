@@ -95,6 +95,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 changes: vec![Change::Add(statement)],
                 memory: None,
                 part: 0,
+                with: None,
             });
         }
     }

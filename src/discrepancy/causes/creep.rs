@@ -65,6 +65,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                         .map(Change::Add)
                         .collect(),
                     part: 0,
+                    with: None,
                     memory: Some(MemoryPlan {
                         anchor: literal(place),
                         carries: Carries::Flow,

@@ -8,7 +8,8 @@ use crate::model::{JointKind, MarkerIx};
 
 use super::super::cause::Cause;
 use super::super::hypothesis::{
-    Change, Column, Hypothesis, MemoryPlan, Number, Unknown, component, number,
+    BY_DIRECTION, Change, Column, FORCES, Hypothesis, MemoryPlan, Number, Unknown, component,
+    number,
 };
 use super::super::survey::Survey;
 
@@ -42,6 +43,46 @@ pub(crate) const SLIDERS: usize = 3;
 pub(crate) fn further_slider(h: &mut Hypothesis, part: usize) {
     h.part = part;
     h.ln_prior = libm::log(GRADUAL / FORMS.len() as f64);
+}
+
+/// The limit of a friction differs by direction with this probability,
+const DIFFERS: f64 = 0.1;
+/// and usually by this part of it, up and down.
+const BY: f64 = 0.3;
+
+/// What makes the limit of each friction in the model larger one way and smaller the other: a constant force beside a slider is a slider
+/// whose spring starts elsewhere and whose limits are this force apart from the mean.
+pub(crate) fn by_direction(survey: &Survey<'_>) -> Vec<Hypothesis> {
+    let chosen = &survey.fitted.chosen;
+    let of = |(at, h): (usize, &Hypothesis)| {
+        let differs = |other: &Hypothesis| other.part == BY_DIRECTION && other.same_place(h);
+        if h.cause != Cause::DryFriction || h.part > 0 || chosen.iter().any(differs) {
+            return None;
+        }
+        let force = survey.fitted.estimates(at).first()?.value.abs();
+        let Column::Wrench(pair, wrench) = &h.numbers[0].column else {
+            return None;
+        };
+        let axis = wrench
+            .iter()
+            .find_map(|w| w.iter().position(|f| *f != 0.0))?;
+        let (gforce, changes) = survey.vector_force(*pair, &[(axis, "-0.0*1.0")]);
+        let against = vec![crate::mechanics::Vec6::ith(axis, -1.0); survey.cases()];
+        let numbers = vec![Number {
+            column: Column::Wrench(*pair, against),
+            ..Number::new(
+                "asymmetry",
+                BY * force,
+                Unknown::Extended(vec![(number("GFORCE", gforce, FORCES[axis], Some(1)), 1.0)]),
+            )
+        }];
+        let mut out = Hypothesis::plain(h.cause, h.address.clone(), h.form, numbers);
+        out.changes = changes.into_iter().map(Change::Add).collect();
+        out.part = BY_DIRECTION;
+        out.ln_prior = libm::log(DIFFERS);
+        (force > 0.0).then_some(out)
+    };
+    chosen.iter().enumerate().filter_map(of).collect()
 }
 
 /// The force of each case as a part of the limit, if the displacements were these: the spring of length `length` starts at `anchor`.
@@ -124,14 +165,7 @@ fn put(
         .chain(added)
         .map(Change::Add)
         .collect();
-    let literal = |k: usize| {
-        number(
-            "GFORCE",
-            force,
-            super::super::hypothesis::FORCES[axis],
-            Some(k),
-        )
-    };
+    let literal = |k: usize| number("GFORCE", force, FORCES[axis], Some(k));
     // Ids of markers are literals too; the length is the last of all.
     let last = crate::syntax::Expression::parse_str(&law).map_or(0, |law| law.literals.len());
     let at_start = number("VARIABLE", anchor, "FUNCTION", Some(1));
@@ -184,6 +218,7 @@ fn put(
             one_sided: true,
             changes: changes.clone(),
             part: 0,
+            with: None,
             memory: Some(MemoryPlan {
                 anchor: at_start.clone(),
                 carries: Carries::Slider,

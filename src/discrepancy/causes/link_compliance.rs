@@ -119,6 +119,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             changes,
             memory: None,
             part: 0,
+            with: None,
         });
     }
 }

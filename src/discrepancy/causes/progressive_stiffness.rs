@@ -78,6 +78,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                     changes: changes.into_iter().map(Change::Add).collect(),
                     memory: None,
                     part: 0,
+                    with: None,
                 });
             }
         }

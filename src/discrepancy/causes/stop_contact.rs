@@ -204,6 +204,7 @@ fn stops(
             changes: added.into_iter().map(Change::Add).collect(),
             memory: None,
             part: 0,
+            with: None,
         });
     }
 }
