@@ -159,6 +159,7 @@ impl Hypothesis {
     }
 
     /// A cause and a further part of its law at once.
+    #[must_use]
     pub fn together(mut self, further: Self) -> Self {
         self.numbers.extend(further.numbers.iter().cloned());
         self.changes.extend(further.changes.iter().cloned());

@@ -547,7 +547,7 @@ impl<'a, 'b> Search<'a, 'b> {
             let candidates = self.candidates(&base, least);
             let own = &current.chosen[at];
             let is_refined = own.is_refined(&current.chosen);
-            let is_other = |(h, _): &&Candidate| !h.same(own) && !(is_refined && h.same_place(own));
+            let is_other = |(h, _): &&Candidate| !(h.same(own) || is_refined && h.same_place(own));
             let others: Vec<&Candidate> = candidates.iter().filter(is_other).collect();
             match self.refitted(&base, &others, (least, (-LINEAR, -LINEAR))) {
                 Some(found) if found.ln_posterior() > least + BETTER => {
