@@ -139,18 +139,23 @@ impl Binary {
     }
 }
 
+/// Powers that are products.
+const PRODUCTS: [f64; 4] = [2.0, 3.0, 4.0, 5.0];
+
 /// `x ** y` and its derivatives. Negative x with whole y is defined; where the value or a derivative is not defined it is not a
 /// finite number, except that the derivative by y is taken as zero for x <= 0, where only whole y are meant.
 pub(super) fn power(x: f64, y: f64) -> (f64, [f64; 2]) {
-    if y == 2.0 {
-        let by_y = if x > 0.0 { x * x * libm::log(x) } else { 0.0 };
-        return (x * x, [2.0 * x, by_y]);
-    }
-    let value = libm::pow(x, y);
-    let by_x = if y == 0.0 {
-        0.0
+    let (value, by_x) = if PRODUCTS.contains(&y) {
+        // What laws of rubber have: many times as fast as the general case.
+        let before = (1..y as u32 - 1).fold(x, |product, _| product * x);
+        (before * x, y * before)
     } else {
-        y * libm::pow(x, y - 1.0)
+        let by_x = if y == 0.0 {
+            0.0
+        } else {
+            y * libm::pow(x, y - 1.0)
+        };
+        (libm::pow(x, y), by_x)
     };
     let by_y = if x > 0.0 { value * libm::log(x) } else { 0.0 };
     (value, [by_x, by_y])
