@@ -373,6 +373,7 @@ pub(super) fn aimed(
             .remembering(unknowns.memories.clone());
         Some(Sweep {
             of_the_model: unknowns.of_the_model(),
+            on_rows: Vec::new(),
             unknowns: &unknowns,
             observations,
             predictor,

@@ -26,6 +26,8 @@ pub enum Column {
 pub enum Unknown {
     /// As the column says, which holds for any size.
     Linear,
+    /// So many times the prediction of these rows comes to them, the readings there being so large in units of their noise.
+    Gain(Vec<(usize, f64)>),
     /// This member of the tolerance layer: it may be larger than others of its group by the number's standard deviation.
     Member(usize),
     /// Numbers of the extended deck.

@@ -33,7 +33,7 @@ pub(super) fn next_measurement(
             return Some(NextMeasurement {
                 case: case_of(&programme.cases[case].values),
                 why: format!(
-                    "repeating case {} separates {finding} from {rival}",
+                    "separates {finding} from {rival}, as it repeats case {}",
                     programme.cases[case].label
                 ),
             });

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector};
 
 use super::aim::Aim;
-use super::unknowns::Unknowns;
+use super::unknowns::{RowColumn, Unknowns};
 use crate::identify::global::gauss_newton::{LeastSquares, approach};
 use crate::identify::global::{Evaluation, FitUnknowns, NativePredictor, Observations, Predictor};
 use crate::tolerance::{ByClass, Linear, Posterior, Reached, Sizes, Whitening};
@@ -153,6 +153,8 @@ pub(super) struct Sweep<'a> {
     pub stiffnesses: usize,
     /// Unknowns of the deck that are no small errors, in ascending order.
     pub of_the_model: Vec<usize>,
+    /// What acts on rows directly, per unit, at the last evaluation.
+    pub on_rows: Vec<Vec<(usize, f64)>>,
 }
 
 impl Sweep<'_> {
@@ -255,7 +257,25 @@ impl Sweep<'_> {
             .observations
             .evaluate(&prediction, layout, &x[..inner], width);
         let mut out = found?;
+        let at_rows = |column: &RowColumn| match column {
+            RowColumn::Fixed(column) => column.clone(),
+            RowColumn::Gain(unit, readings) => {
+                let predicted = |&(row, reading): &(usize, f64)| (row, reading + out.residual[row]);
+                let each = readings.iter().map(predicted);
+                each.map(|(row, value)| (row, unit * value)).collect()
+            }
+        };
+        self.on_rows = rows.iter().map(at_rows).collect();
         for (k, column) in rows.iter().enumerate() {
+            let RowColumn::Gain(unit, readings) = column else {
+                continue;
+            };
+            let factor = 1.0 + unit * x[inner + k];
+            for (row, _) in readings {
+                out.jacobian.row_mut(*row).scale_mut(factor);
+            }
+        }
+        for (k, column) in self.on_rows.iter().enumerate() {
             for (row, value) in column {
                 out.residual[*row] += value * x[inner + k];
             }
@@ -266,11 +286,10 @@ impl Sweep<'_> {
         Some(out)
     }
 
-    /// Derivatives by what acts on single rows.
+    /// Derivatives by what acts on single rows, at the last evaluation.
     fn set_rows(&self, jacobian: &mut DMatrix<f64>) {
-        let rows = &self.unknowns.rows;
-        let first = jacobian.ncols() - rows.len();
-        for (k, column) in rows.iter().enumerate() {
+        let first = jacobian.ncols() - self.on_rows.len();
+        for (k, column) in self.on_rows.iter().enumerate() {
             for (row, value) in column {
                 jacobian[(*row, first + k)] = *value;
             }

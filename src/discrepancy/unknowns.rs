@@ -23,6 +23,14 @@ pub(super) struct Known<'a> {
     pub x: &'a [f64],
 }
 
+/// What an unknown that acts on rows directly adds to each of them.
+pub(super) enum RowColumn {
+    /// So much per unit.
+    Fixed(Vec<(usize, f64)>),
+    /// So many times the prediction per unit; the readings there, in units of their noise.
+    Gain(f64, Vec<(usize, f64)>),
+}
+
 /// Unknowns of a fit.
 pub(super) struct Unknowns {
     /// The deck's numbers as they were.
@@ -32,7 +40,7 @@ pub(super) struct Unknowns {
     /// Places of marks.
     pub layout: NuisanceLayout,
     /// Columns that act on rows directly.
-    pub rows: Vec<Vec<(usize, f64)>>,
+    pub rows: Vec<RowColumn>,
     /// Contacts that remember.
     pub memories: Vec<Memory>,
     /// Where each number of each hypothesis is.
@@ -137,7 +145,13 @@ impl Unknowns {
                     (Unknown::Linear, Column::Rows(column)) => {
                         let column = column.iter().map(|(at, v)| (*at, v * number.sd));
                         place.push(usize::MAX - rows.len());
-                        rows.push(column.collect::<Vec<_>>());
+                        rows.push(RowColumn::Fixed(column.collect()));
+                        row_starts.push(guess);
+                        continue;
+                    }
+                    (Unknown::Gain(readings), _) => {
+                        place.push(usize::MAX - rows.len());
+                        rows.push(RowColumn::Gain(number.sd, readings.clone()));
                         row_starts.push(guess);
                         continue;
                     }

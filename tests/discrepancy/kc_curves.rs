@@ -48,6 +48,33 @@ fn a_wrong_hardpoint_and_friction_are_found_from_curves_of_the_wheel() {
     );
 }
 
+/// Without the gain the stiffnesses make up for a part of it: it is a factor on what the model predicts once they do not.
+#[test]
+fn a_toe_that_is_read_40_percent_too_large_is_found_as_large() {
+    let rig = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/rigs/kc-curves");
+    let folder = tempfile::tempdir().unwrap();
+    for seed in ["1", "2"] {
+        let study = folder.path().join(seed);
+        let mut command = Command::new(env!("CARGO_BIN_EXE_admire"));
+        command.arg("rig").arg(&rig).arg("--out").arg(&study);
+        command.args(["--seed", seed, "--effect", "channel-fault@toe:gain=1.4"]);
+        let made = command.output().unwrap();
+        assert!(made.status.success(), "{made:?}");
+        let loaded = LoadedStudy::read(&study).value.unwrap();
+        let held = held_out(&loaded.study, &loaded.measurement);
+        let findings = diagnose(&loaded.problem(), held)
+            .unwrap()
+            .diagnosis
+            .findings;
+        let [finding] = &findings[..] else {
+            panic!("{findings:#?}");
+        };
+        assert_eq!(finding.address, "toe");
+        let (gain, error) = (finding.parameters["gain"], finding.std_error["gain"]);
+        assert!((gain - 0.4).abs() < 3.0 * error, "{gain} +- {error}");
+    }
+}
+
 /// Marks in the loops of the rig, tolerances everywhere, other stiffnesses than the deck's, and friction by the law of Dahl, which no
 /// hypothesis has. The fit without a cause puts the strut's friction into the arms, where another cause then promises more.
 #[test]

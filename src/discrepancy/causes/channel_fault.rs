@@ -3,7 +3,7 @@
 use crate::identify::global::Row;
 
 use super::super::cause::Cause;
-use super::super::hypothesis::{Column, Hypothesis, Number};
+use super::super::hypothesis::{Column, Hypothesis, Number, Unknown};
 use super::super::survey::Survey;
 
 /// Every channel: its gain, its zero, and each single reading.
@@ -25,37 +25,39 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             .iter()
             .map(|(_, _, value)| value.abs())
             .fold(info.sigma, f64::max);
-        let mut put = |form: &'static str, name: &str, sd: f64, rows: Vec<(usize, f64)>| {
-            out.push(Hypothesis::plain(
-                Cause::ChannelFault,
-                info.name.clone(),
-                form,
-                vec![Number::linear(name, sd, Column::Rows(rows))],
-            ));
+        let mut put = |form: &'static str, number: Number| {
+            let (cause, address) = (Cause::ChannelFault, info.name.clone());
+            out.push(Hypothesis::plain(cause, address, form, vec![number]));
         };
+        let off =
+            |name: &str, rows: Vec<(usize, f64)>| Number::linear(name, size, Column::Rows(rows));
         // The reading is (1 + gain) times the truth plus a zero. The truth is what the fit predicts: a factor on the reading itself
         // would explain anything by making it nothing.
         // A single number has no gain and zero of its own.
         if info.summary.is_some() {
             for (at, ..) in &read {
-                put("value", "value", size, vec![(*at, -1.0 / info.sigma)]);
+                put("value", off("value", vec![(*at, -1.0 / info.sigma)]));
             }
             continue;
         }
-        let gain = read
+        let readings: Vec<(usize, f64)> = read
             .iter()
-            .map(|(at, _, value)| (*at, value / info.sigma + survey.misfit(*at)));
-        put("gain", "gain", 0.1, gain.collect());
+            .map(|(at, _, value)| (*at, value / info.sigma))
+            .collect();
+        let predicted = readings
+            .iter()
+            .map(|(at, reading)| (*at, reading + survey.misfit(*at)));
+        let gain = Number {
+            column: Column::Rows(predicted.collect()),
+            ..Number::new("gain", 0.1, Unknown::Gain(readings))
+        };
+        put("gain", gain);
         let zero = read.iter().map(|(at, _, _)| (*at, -1.0 / info.sigma));
-        put("zero", "zero", size, zero.collect());
+        put("zero", off("zero", zero.collect()));
         for (at, case, _) in &read {
             let label = &measurement.cases[*case].label;
-            put(
-                "value",
-                &format!("case {label}"),
-                size,
-                vec![(*at, -1.0 / info.sigma)],
-            );
+            let name = format!("case {label}");
+            put("value", off(&name, vec![(*at, -1.0 / info.sigma)]));
         }
     }
 }
