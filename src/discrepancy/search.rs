@@ -514,26 +514,12 @@ impl<'a, 'b> Search<'a, 'b> {
         current
     }
 
-    /// A model without a cause and the further parts of its law. `None` for such a part.
-    fn without_all_parts(&mut self, current: &Arc<Fitted>, at: usize) -> Option<Arc<Fitted>> {
-        let own = &current.chosen[at];
-        if own.part > 0 {
-            return None;
-        }
-        let others = current.chosen.iter().filter(|h| !h.same_place(own));
-        let others: Vec<Hypothesis> = others.cloned().collect();
-        if others.is_empty() {
-            return Some(Arc::clone(&self.none));
-        }
-        self.tried.of(current, others)
-    }
-
     /// Holds each cause against what else could stand in its place; what would count beside it is refitted.
     fn exchanged(&mut self, mut current: Arc<Fitted>) -> Arc<Fitted> {
         let mut at = 0;
         while at < current.chosen.len() && !self.tried.subject.is_spent() {
             let base = if current.chosen[at].is_refined(&current.chosen) {
-                self.without_all_parts(&current, at)
+                self.tried.without_all_parts(&current, at, &self.none)
             } else if current.chosen.len() == 1 {
                 Some(Arc::clone(&self.none))
             } else {

@@ -367,7 +367,26 @@ impl<'a, 'b> Tried<'a, 'b> {
         self.of(fitted, causes)
     }
 
-    /// The same, refitted from where the model with the cause ended if that is better. What replaces the cause is compared with a fit
+    /// A model without a cause and the further parts of its law; `none` where nothing else is in it. `None` for such a part.
+    pub(super) fn without_all_parts(
+        &mut self,
+        fitted: &Arc<Fitted>,
+        at: usize,
+        none: &Arc<Fitted>,
+    ) -> Option<Arc<Fitted>> {
+        let own = &fitted.chosen[at];
+        if own.part > 0 {
+            return None;
+        }
+        let others = fitted.chosen.iter().filter(|h| !h.same_place(own));
+        let others: Vec<Hypothesis> = others.cloned().collect();
+        if others.is_empty() {
+            return Some(Arc::clone(none));
+        }
+        self.of(fitted, others)
+    }
+
+    /// The fit without one cause, refitted from where the model with the cause ended if that is better. What replaces the cause is compared with a fit
     /// that has come as far.
     pub(super) fn without_refitted(
         &mut self,

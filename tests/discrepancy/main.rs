@@ -8,6 +8,7 @@ mod common;
 mod extension;
 mod few;
 mod found;
+mod friction;
 mod hidden;
 mod kc_curves;
 mod kc_experiment;

@@ -1,0 +1,135 @@
+//! Friction by other laws than a slider's, and of other limits one way than the other.
+
+use std::path::Path;
+use std::process::Command;
+
+use super::found::UP_AND_DOWN;
+use super::plant::{Friction, FrictionLaw, Plant, study};
+use admire::discrepancy::{Cause, Diagnosis, Verdict, diagnose, held_out};
+use admire::identify::LoadedStudy;
+
+/// By the law of Dahl, which no hypothesis has: friction at its place is named first, and nothing at another element with more than even odds.
+fn gives_way_by_degrees(friction: Friction, place: &'static str, seed: u64) {
+    let plant = Plant {
+        truth: ("dry-friction", place),
+        friction: Some(friction),
+        ..Plant::nothing()
+    };
+    let folder = study("pseudo-mcpherson", &plant, 0.02, seed, Some(UP_AND_DOWN));
+    friction_alone(folder.path(), place);
+}
+
+fn friction_alone(study: &Path, place: &str) -> Diagnosis {
+    let loaded = LoadedStudy::read(study).value.unwrap();
+    let held = held_out(&loaded.study, &loaded.measurement);
+    let diagnosis = diagnose(&loaded.problem(), held).unwrap().diagnosis;
+    let named: Vec<_> = diagnosis
+        .findings
+        .iter()
+        .map(|f| (f.cause, f.address.as_str(), f.probability))
+        .collect();
+    println!("{}: {:?} {named:?}", study.display(), diagnosis.verdict);
+    let (cause, at, _) = named[0];
+    assert_eq!((cause, at), (Cause::DryFriction, place));
+    let elsewhere = named.iter().any(|(_, at, p)| *at != place && *p > 0.5);
+    assert!(!elsewhere, "{named:?}");
+    assert!(named.iter().all(|(_, _, p)| *p <= 1.0), "{named:?}");
+    assert_eq!(diagnosis.verdict, Verdict::Discrepancy);
+    diagnosis
+}
+
+const STRUT: Friction = Friction {
+    law: FrictionLaw::Dahl,
+    force: 150.0,
+    stiffness: 300.0,
+    i: 11,
+    j: 12,
+    part_of_j: 4,
+    axis: 2,
+};
+
+// One test for each seed: they run side by side.
+#[test]
+fn friction_of_a_strut_that_gives_way_by_degrees() {
+    gives_way_by_degrees(STRUT, "JOINT/3", 27);
+}
+
+#[test]
+fn friction_of_a_strut_that_gives_way_by_degrees_in_other_noise() {
+    gives_way_by_degrees(STRUT, "JOINT/3", 28);
+}
+
+#[test]
+fn friction_of_a_bushing_that_gives_way_by_degrees() {
+    let friction = Friction {
+        law: FrictionLaw::Dahl,
+        force: 1500.0,
+        stiffness: 1000.0,
+        i: 3,
+        j: 4,
+        part_of_j: 1,
+        axis: 0,
+    };
+    for seed in [27, 28] {
+        gives_way_by_degrees(friction, "BUSHING/2.K.1", seed);
+    }
+}
+
+/// The same on tolerances, by the deck that the rig writes. Fits that stop at a kink put it into a bushing, or see a coupling beside it.
+#[test]
+fn friction_of_a_strut_that_gives_way_by_degrees_on_tolerances() {
+    let base = study(
+        "pseudo-mcpherson",
+        &Plant::nothing(),
+        0.02,
+        1,
+        Some(UP_AND_DOWN),
+    );
+    let folder = tempfile::tempdir().unwrap();
+    for (force, stiffness, seed) in [("60", "41.5", "1026"), ("100", "219.2", "1086")] {
+        let out = folder.path().join(seed);
+        let mut rig = Command::new(env!("CARGO_BIN_EXE_admire"));
+        rig.arg("rig").arg(base.path()).arg("--out").arg(&out);
+        rig.args(["--seed", seed, "--tolerances"]);
+        rig.arg(
+            "hardpoints=0.2,load_gain=0.003,load_direction_deg=0.057,marks_on_parts=0.1,pose=0.02",
+        );
+        rig.arg("--effect").arg(format!(
+            "dry-friction@JOINT/3:force={force},stiffness={stiffness},law=dahl"
+        ));
+        let done = rig.output().unwrap();
+        assert!(done.status.success(), "{done:?}");
+        friction_alone(&out, "JOINT/3");
+    }
+}
+
+/// 1,500 N one way and 300 N the other, as the rig plants it: as large apart from their mean as told.
+#[test]
+fn friction_that_differs_by_direction() {
+    let base = study(
+        "pseudo-mcpherson",
+        &Plant::nothing(),
+        0.02,
+        1,
+        Some(UP_AND_DOWN),
+    );
+    let folder = tempfile::tempdir().unwrap();
+    for seed in ["11", "12"] {
+        let out = folder.path().join(seed);
+        let mut rig = Command::new(env!("CARGO_BIN_EXE_admire"));
+        rig.arg("rig").arg(base.path()).arg("--out").arg(&out);
+        rig.args(["--seed", seed, "--effect"]);
+        rig.arg("asymmetric-friction@BUSHING/1.K.1:force=1500,back=300,stiffness=6000");
+        let done = rig.output().unwrap();
+        assert!(done.status.success(), "{done:?}");
+        let diagnosis = friction_alone(&out, "BUSHING/1.K.1");
+        let (numbers, errors) = {
+            let found = &diagnosis.findings[0];
+            (&found.parameters, &found.std_error)
+        };
+        for (name, planted) in [("force", 900.0), ("asymmetry", 600.0)] {
+            let off = (numbers[name] - planted) / errors[name];
+            assert!(off.abs() < 3.0, "{name}: {numbers:?}, {errors:?}");
+        }
+    }
+}
