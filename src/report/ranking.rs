@@ -122,14 +122,42 @@ fn sizes(finding: &Finding, units: &Units) -> String {
     texts.collect::<Vec<_>>().join("; ")
 }
 
+/// The unit of a coefficient of a bushing's energy by the components it multiplies, as in `x-rzrzrz`.
+fn of_coupling(name: &str, force: &str, length: &str) -> String {
+    let turns = name.matches('r').count();
+    let shifts = name.matches(['x', 'y', 'z']).count() - turns;
+    let over = |unit: &str, power: usize| match power {
+        0 => String::new(),
+        1 => format!("/{unit}"),
+        _ => format!("/{unit}^{power}"),
+    };
+    match shifts {
+        0 => format!("{force}-{length}{}", over("rad", turns.saturating_sub(1))),
+        _ => format!("{force}{}{}", over(length, shifts - 1), over("rad", turns)),
+    }
+}
+
 /// The unit of a number of a finding; empty where it has none, or where only the deck knows it.
 fn unit(finding: &Finding, name: &str, units: &Units) -> String {
     let (force, length) = (units.force.word, units.length.word);
     let turns = finding.address.contains(".KT");
+    let power = |power: u32| {
+        if turns {
+            format!("{force}-{length}/rad^{power}")
+        } else {
+            format!("{force}/{length}^{power}")
+        }
+    };
+    // Numbers of further parts of a law.
+    let name = name.trim_end_matches(|c: char| c == '_' || c.is_ascii_digit());
     match name {
+        _ if finding.cause == Cause::BushingCoupling => of_coupling(name, force, length),
+        "quadratic" => power(2),
+        "cubic" => power(3),
+        "quintic" => power(5),
         "compliance" => format!("{length}/{force}"),
-        "force" if turns => format!("{force}-{length}"),
-        "force" => force.to_string(),
+        "force" | "asymmetry" if turns => format!("{force}-{length}"),
+        "force" | "asymmetry" => force.to_string(),
         "stiffness" if turns => format!("{force}-{length}/rad"),
         "stiffness" | "contact" => format!("{force}/{length}"),
         "anchor" if turns => "rad".to_string(),
@@ -142,5 +170,20 @@ fn unit(finding: &Finding, name: &str, units: &Units) -> String {
             _ => String::new(),
         },
         _ => String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn units_of_couplings() {
+        let unit = |name: &str| super::of_coupling(name, "newton", "mm");
+        assert_eq!(unit("x-y"), "newton/mm");
+        assert_eq!(unit("x-yyy"), "newton/mm^3");
+        assert_eq!(unit("y-rx"), "newton/rad");
+        assert_eq!(unit("yyy-rx"), "newton/mm^2/rad");
+        assert_eq!(unit("y-rxrxrx"), "newton/rad^3");
+        assert_eq!(unit("rx-ry"), "newton-mm/rad");
+        assert_eq!(unit("rx-ryryry"), "newton-mm/rad^3");
     }
 }
