@@ -229,9 +229,8 @@ mod tests {
     use crate::discrepancy::fit::{Fitted, fit, unguessed};
     use crate::discrepancy::hypothesis::{BY_DIRECTION, Hypothesis};
     use crate::discrepancy::scan::Catalogue;
-    use crate::discrepancy::sought::as_it_is;
+    use crate::discrepancy::sought::tests::{of_the_axle, shipped_axle};
     use crate::discrepancy::subject::{Data, Subject};
-    use crate::identify::LoadedStudy;
 
     /// Holds the columns of the last cause of a fit against the derivatives of the deck that has it.
     fn compare(subject: &Subject<'_>, fitted: &Fitted) {
@@ -255,13 +254,9 @@ mod tests {
     /// What a further part of a law does to first order is what its numbers in the extended deck do.
     #[test]
     fn a_further_part_does_what_its_numbers_in_the_deck_do() {
-        let folder =
-            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/pseudo-mcpherson");
-        let loaded = LoadedStudy::read(&folder).value.expect("a shipped study");
+        let loaded = shipped_axle();
         let problem = loaded.problem();
-        let held_out = vec![false; loaded.measurement.cases.len()];
-        let mut subject = Subject::new(&problem, held_out);
-        let none = as_it_is(&mut subject, Data::All).expect("it can be solved");
+        let (subject, none) = of_the_axle(&problem);
         let with = |base: &Fitted, h: &Hypothesis| {
             let mut chosen = unguessed(base);
             chosen.push((h.clone(), vec![0.05; h.numbers.len()]));

@@ -26,7 +26,7 @@ pub enum Column {
 pub enum Unknown {
     /// As the column says, which holds for any size.
     Linear,
-    /// So many times the prediction of these rows comes to them, the readings there being so large in units of their noise.
+    /// The readings of these rows are 1 plus the number times the truth. With each row stands its reading in units of its noise.
     Gain(Vec<(usize, f64)>),
     /// This member of the tolerance layer: it may be larger than others of its group by the number's standard deviation.
     Member(usize),
@@ -112,7 +112,7 @@ pub struct Hypothesis {
     /// Zero for a cause of its own; else the number of a further part of the law of one that is there already, told with that.
     /// [`BY_DIRECTION`] for a limit that differs by direction, [`LEFT_BY_LAW`] for what the law leaves.
     pub part: usize,
-    /// A further part of its law that comes in with it: its numbers and changes are the last ones here. A fit takes both for themselves.
+    /// A further part of its law that is tried together with it. Its numbers and changes are the last ones here; a fit takes the two apart.
     pub with: Option<Box<Hypothesis>>,
 }
 

@@ -551,19 +551,15 @@ impl<'a, 'b> Search<'a, 'b> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::discrepancy::sought::as_it_is;
-    use crate::identify::LoadedStudy;
+    use crate::discrepancy::sought::tests::{of_the_axle, shipped_axle};
 
     /// A cause that only gains something because the fit without any went astray is not held to have gained it.
     #[test]
     fn a_fit_without_causes_that_went_astray_is_replaced() {
-        let folder =
-            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/pseudo-mcpherson");
-        let loaded = LoadedStudy::read(&folder).value.expect("a shipped study");
+        let loaded = shipped_axle();
         let problem = loaded.problem();
-        let held_out = vec![false; loaded.measurement.cases.len()];
-        let mut subject = Subject::new(&problem, held_out);
-        let none = Arc::new(as_it_is(&mut subject, Data::All).expect("it can be solved"));
+        let (subject, none) = of_the_axle(&problem);
+        let none = Arc::new(none);
         let mut search = Search::new(&subject, Arc::clone(&none), Data::All);
         let candidates = search.candidates(&none, f64::NEG_INFINITY);
         let fits = candidates.iter().filter_map(|(h, weighed)| {

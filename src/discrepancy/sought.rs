@@ -174,3 +174,24 @@ fn leading(found: &Found) -> Arc<Fitted> {
         .next()
         .map_or_else(|| Arc::clone(&found.best), Arc::clone)
 }
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::identify::{LoadedStudy, Problem};
+
+    /// The shipped axle in which nothing is wrong.
+    pub(in super::super) fn shipped_axle() -> LoadedStudy {
+        let folder =
+            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/pseudo-mcpherson");
+        LoadedStudy::read(&folder).value.expect("a shipped study")
+    }
+
+    /// The same with no case held out, and its model without any cause.
+    pub(in super::super) fn of_the_axle<'a>(problem: &'a Problem<'a>) -> (Subject<'a>, Fitted) {
+        let held_out = vec![false; problem.measurement.cases.len()];
+        let mut subject = Subject::new(problem, held_out);
+        let none = as_it_is(&mut subject, Data::All).expect("it can be solved");
+        (subject, none)
+    }
+}

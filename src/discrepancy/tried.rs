@@ -477,19 +477,15 @@ fn halved(base: &Fitted, h: &Hypothesis) -> Option<Halved> {
 mod tests {
     use super::*;
     use crate::discrepancy::scan::Catalogue;
-    use crate::discrepancy::sought::as_it_is;
-    use crate::identify::LoadedStudy;
+    use crate::discrepancy::sought::tests::{of_the_axle, shipped_axle};
 
     /// A fit that stopped where it promised much begins anew from the deck if it would lead, and comes to where an undisturbed one ends.
     #[test]
     fn a_fit_that_is_stuck_begins_anew_where_its_promise_leads() {
-        let folder =
-            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/pseudo-mcpherson");
-        let loaded = LoadedStudy::read(&folder).value.expect("a shipped study");
+        let loaded = shipped_axle();
         let problem = loaded.problem();
-        let held_out = vec![false; loaded.measurement.cases.len()];
-        let mut subject = Subject::new(&problem, held_out);
-        let none = Arc::new(as_it_is(&mut subject, Data::All).expect("it can be solved"));
+        let (subject, none) = of_the_axle(&problem);
+        let none = Arc::new(none);
         let catalogue = Catalogue::new(&subject, &none);
         let smooth = |at: usize| !catalogue.hypotheses[at].cause.has_rough_law();
         let promises = catalogue.scan(&none, &none.sizes);

@@ -27,7 +27,7 @@ pub(super) struct Known<'a> {
 pub(super) enum RowColumn {
     /// So much per unit.
     Fixed(Vec<(usize, f64)>),
-    /// So many times the prediction per unit; the readings there, in units of their noise.
+    /// A factor on the prediction: 1 plus the unknown times this unit. With each row stands its reading in units of its noise.
     Gain(f64, Vec<(usize, f64)>),
 }
 

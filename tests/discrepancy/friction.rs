@@ -1,6 +1,6 @@
 //! Friction by other laws than a slider's, and of other limits one way than the other.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use super::found::UP_AND_DOWN;
@@ -75,54 +75,54 @@ fn friction_of_a_bushing_that_gives_way_by_degrees() {
     }
 }
 
+const TOLERANCES: &str =
+    "hardpoints=0.2,load_gain=0.003,load_direction_deg=0.057,marks_on_parts=0.1,pose=0.02";
+
+/// What the rig reads in this study, in a folder of its own.
+fn measured(base: &tempfile::TempDir, seed: &str, options: &[&str]) -> PathBuf {
+    let out = base.path().join(seed);
+    let mut rig = Command::new(env!("CARGO_BIN_EXE_admire"));
+    rig.arg("rig").arg(base.path()).arg("--out").arg(&out);
+    let done = rig.args(["--seed", seed]).args(options).output().unwrap();
+    assert!(done.status.success(), "{done:?}");
+    out
+}
+
 /// The same on tolerances, by the deck that the rig writes. Fits that stop at a kink put it into a bushing, or see a coupling beside it.
 #[test]
 fn friction_of_a_strut_that_gives_way_by_degrees_on_tolerances() {
-    let base = study(
+    let folder = study(
         "pseudo-mcpherson",
         &Plant::nothing(),
         0.02,
         1,
         Some(UP_AND_DOWN),
     );
-    let folder = tempfile::tempdir().unwrap();
     for (force, stiffness, seed) in [("60", "41.5", "1026"), ("100", "219.2", "1086")] {
-        let out = folder.path().join(seed);
-        let mut rig = Command::new(env!("CARGO_BIN_EXE_admire"));
-        rig.arg("rig").arg(base.path()).arg("--out").arg(&out);
-        rig.args(["--seed", seed, "--tolerances"]);
-        rig.arg(
-            "hardpoints=0.2,load_gain=0.003,load_direction_deg=0.057,marks_on_parts=0.1,pose=0.02",
+        let effect = format!("dry-friction@JOINT/3:force={force},stiffness={stiffness},law=dahl");
+        let study = measured(
+            &folder,
+            seed,
+            &["--tolerances", TOLERANCES, "--effect", &effect],
         );
-        rig.arg("--effect").arg(format!(
-            "dry-friction@JOINT/3:force={force},stiffness={stiffness},law=dahl"
-        ));
-        let done = rig.output().unwrap();
-        assert!(done.status.success(), "{done:?}");
-        friction_alone(&out, "JOINT/3");
+        friction_alone(&study, "JOINT/3");
     }
 }
 
 /// 1,500 N one way and 300 N the other, as the rig plants it: as large apart from their mean as told.
 #[test]
 fn friction_that_differs_by_direction() {
-    let base = study(
+    let folder = study(
         "pseudo-mcpherson",
         &Plant::nothing(),
         0.02,
         1,
         Some(UP_AND_DOWN),
     );
-    let folder = tempfile::tempdir().unwrap();
     for seed in ["11", "12"] {
-        let out = folder.path().join(seed);
-        let mut rig = Command::new(env!("CARGO_BIN_EXE_admire"));
-        rig.arg("rig").arg(base.path()).arg("--out").arg(&out);
-        rig.args(["--seed", seed, "--effect"]);
-        rig.arg("asymmetric-friction@BUSHING/1.K.1:force=1500,back=300,stiffness=6000");
-        let done = rig.output().unwrap();
-        assert!(done.status.success(), "{done:?}");
-        let diagnosis = friction_alone(&out, "BUSHING/1.K.1");
+        let effect = "asymmetric-friction@BUSHING/1.K.1:force=1500,back=300,stiffness=6000";
+        let study = measured(&folder, seed, &["--effect", effect]);
+        let diagnosis = friction_alone(&study, "BUSHING/1.K.1");
         let (numbers, errors) = {
             let found = &diagnosis.findings[0];
             (&found.parameters, &found.std_error)
