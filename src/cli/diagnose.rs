@@ -196,10 +196,8 @@ fn line(finding: &Finding) -> String {
     );
     for rival in &finding.indistinguishable_from {
         text += &format!(
-            "    or {} {} ({:.1} times less probable)\n",
-            rival.cause,
-            rival.address,
-            libm::exp(0.5 * rival.bic_behind)
+            "    or {} {}, probability {:.2}\n",
+            rival.cause, rival.address, rival.probability
         );
     }
     text

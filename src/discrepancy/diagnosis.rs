@@ -51,6 +51,8 @@ pub struct Indistinguishable {
     pub cause: Cause,
     /// Where.
     pub address: String,
+    /// Posterior probability of that cause at that place.
+    pub probability: f64,
     /// By how much its criterion is behind, after its own refit.
     pub bic_behind: f64,
 }
@@ -90,6 +92,8 @@ pub struct Finding {
     pub members: Vec<String>,
     /// Posterior probability of this cause at this place.
     pub probability: f64,
+    /// Posterior probability that it acts or one of `indistinguishable_from` does.
+    pub group_probability: f64,
     /// How large.
     pub parameters: BTreeMap<String, f64>,
     /// How well that is known.

@@ -72,14 +72,20 @@ pub(super) fn findings(
                 .iter()
                 .any(|r| (r.cause, r.address.as_str()) == (rival.cause, rival.address.as_str()));
             if behind <= RIVAL && !known {
+                let is_rival = |h: &Hypothesis| is_at(h, rival.cause, &rival.address);
                 rivals.push(Indistinguishable {
                     cause: rival.cause,
                     address: rival.address.clone(),
+                    probability: probability(found, |causes| causes.iter().any(is_rival)),
                     bic_behind: behind.max(0.0),
                 });
             }
         }
-        let probability = of_place(found, h);
+        let in_group = |other: &Hypothesis| {
+            let mut rivals = rivals.iter();
+            other.same_place(h) || rivals.any(|r| is_at(other, r.cause, &r.address))
+        };
+        let group = probability(found, |causes| causes.iter().any(in_group));
         let without = without(found, leading, k);
         let evidence = 2.0 * (leading.posterior.ln_z - without.posterior.ln_z);
         let before = Blind::new(subject, &without);
@@ -117,7 +123,8 @@ pub(super) fn findings(
             address: h.address.clone(),
             form: (!h.side.is_empty()).then(|| h.side.to_string()),
             members: h.members.clone(),
-            probability,
+            probability: of_place(found, h),
+            group_probability: group,
             parameters: numbers
                 .iter()
                 .map(|n| (n.name.clone(), n.value))
@@ -145,13 +152,7 @@ pub(super) fn findings(
                 cross_validated_nats: advantage,
             },
         };
-        let group = probability
-            + finding
-                .indistinguishable_from
-                .iter()
-                .map(|rival| of_rival(found, rival))
-                .sum::<f64>();
-        (finding, group, k)
+        (finding, k)
     };
     // Beside a force of an unknown law, cases in which it is met badly look like faults of theirs, and what it does beyond the first
     // order looks like a second cause at its own element.
@@ -168,10 +169,10 @@ pub(super) fn findings(
             })
     };
     let told = (0..leading.chosen.len()).filter(is_told);
-    let mut out: Vec<(Finding, f64, usize)> = told.map(of).collect();
+    let mut out: Vec<(Finding, usize)> = told.map(of).collect();
     // What makes the prediction of other cases worse is no cause.
-    out.retain(|(finding, group, _)| {
-        *group > NAMED
+    out.retain(|(finding, _)| {
+        finding.group_probability > NAMED
             && finding
                 .gain
                 .cross_validated_nats
@@ -182,15 +183,11 @@ pub(super) fn findings(
             .cmp(&b.minor)
             .then(b.evidence.value.total_cmp(&a.evidence.value))
     });
-    out.into_iter().map(|(finding, _, k)| (finding, k)).unzip()
+    out.into_iter().unzip()
 }
 
-fn of_rival(found: &Found, rival: &Indistinguishable) -> f64 {
-    probability(found, |causes| {
-        causes
-            .iter()
-            .any(|h| h.cause == rival.cause && h.address == rival.address)
-    })
+fn is_at(h: &Hypothesis, cause: Cause, address: &str) -> bool {
+    h.cause == cause && h.address == address
 }
 
 /// The best fitted model without one cause and what refines it; the one without any where there is none.
@@ -216,6 +213,7 @@ pub(super) fn faults_of_marks(subject: &Subject<'_>) -> Vec<Finding> {
         form: None,
         members: Vec::new(),
         probability: 1.0,
+        group_probability: 1.0,
         parameters: numbers[0].clone(),
         std_error: numbers[1].clone(),
         minor: true,

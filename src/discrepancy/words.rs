@@ -284,8 +284,14 @@ impl Outcome<'_> {
                     Some("part") => ", one side only",
                     _ => "",
                 };
+                let rivals = if f.indistinguishable_from.is_empty() {
+                    String::new()
+                } else {
+                    let group = percent(f.group_probability);
+                    format!("; that it or one of its rivals acts, {group}")
+                };
                 format!(
-                    "The probability of {} at {}{side} is {}{minor}.",
+                    "The probability of {} at {}{side} is {}{minor}{rivals}.",
                     f.cause,
                     f.address,
                     percent(f.probability)

@@ -114,8 +114,9 @@ pub(super) fn headline(loaded: &LoadedStudy, outcome: &Outcome<'_>, scene: &Scen
     );
     if !rivals.is_empty() {
         text += &format!(
-            " These readings do not tell it from {}.",
-            rivals.join(", or from ")
+            " These readings do not tell it from {}; the probability that one of them acts is {:.0} %.",
+            rivals.join(", or from "),
+            (100.0 * finding.group_probability).min(99.0)
         );
     }
     if let (Some(before), Some(after)) = (

@@ -34,14 +34,13 @@ pub(super) fn ranking(diagnosis: &Diagnosis, units: &Units, scene: &Scene) -> Ta
             sizes(finding, units),
         );
         for rival in &finding.indistinguishable_from {
-            let behind = libm::exp(0.5 * rival.bic_behind);
-            table.row([
+            line(
+                &mut table,
                 format!("or {}", words(rival.cause)),
                 scene.named(&rival.address),
+                rival.probability,
                 String::new(),
-                String::new(),
-                format!("{behind:.1} times less probable"),
-            ]);
+            );
             table.mark(0, "soft");
         }
     }

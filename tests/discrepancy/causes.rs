@@ -47,7 +47,8 @@ fn a_spring_that_is_stiffer() {
     );
 }
 
-/// A preload and a free length shift the spring's force by the same constant: neither may be named without the other.
+/// A preload and a free length shift the spring's force by the same constant: neither may be named without the other, neither is sure,
+/// and that one of the two is wrong is.
 #[test]
 fn a_preload_and_a_free_length_are_rivals() {
     let of_the_spring = |outcome: &admire::discrepancy::Outcome<'_>| {
@@ -62,6 +63,9 @@ fn a_preload_and_a_free_length_are_rivals() {
         for rival in &first.indistinguishable_from {
             assert!(rival.bic_behind >= 0.0, "{rival:?}");
         }
+        let single = first.indistinguishable_from.iter().map(|r| r.probability);
+        let most = single.fold(first.probability, f64::max);
+        assert!(most < 0.9 && first.group_probability > 0.99, "{first:?}");
     };
     let plant = Plant {
         truth: ("element-parameter", "SPRINGDAMPER/1.FORCE"),

@@ -124,20 +124,25 @@ class Identification:
 
 @dataclass(frozen=True)
 class Rival:
-    """Another explanation that does as well; ``bic_behind`` is twice the logarithm of how much less probable it is."""
+    """Another explanation that does as well: its probability; ``bic_behind`` is twice the logarithm by which its model is less probable."""
 
     cause: str
     address: str
+    probability: float
     bic_behind: float
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that a model gets wrong: the cause, its place, its probability and size, and what mending it gains."""
+    """One thing that a model gets wrong: the cause, its place, its probability and size, and what mending it gains.
+
+    ``group_probability`` is the probability that this cause acts or one of ``indistinguishable_from`` does.
+    """
 
     cause: str
     address: str
     probability: float
+    group_probability: float
     parameters: Mapping[str, float]
     std_error: Mapping[str, float]
     minor: bool
@@ -329,6 +334,7 @@ def _finding(item: Mapping[str, Any]) -> Finding:
         item["cause"],
         item["address"],
         item["probability"],
+        item["group_probability"],
         item["parameters"],
         item["std_error"],
         item["minor"],

@@ -7,6 +7,7 @@ probabilities come true.
 
 import argparse
 import json
+import math
 import os
 import statistics
 import subprocess
@@ -49,6 +50,26 @@ def same(named, planted):
     return any(a.replace(" ", "").upper() in words for a in planted["addresses"])
 
 
+def beside_limit(planted, said):
+    """How large a planted cause is beside the limit that the diagnosis prints for it, above which it is named with more than even odds;
+    None where no limit is printed. Along the axes of a point ratios add up as squares."""
+    words = {a.replace(" ", "").upper() for a in planted["addresses"]}
+    is_at = lambda limit: any(a.replace(" ", "").upper() in words for a in [limit["address"], *limit.get("members", [])])
+    if planted["cause"] == "hardpoint-error":
+        limits = [limit["mm"] for limit in said.get("detection_limits", []) if is_at(limit)]
+        return max((math.hypot(*(s / m for s, m in zip(planted["shift_mm"], mm) if m)) for mm in limits), default=None)
+    sizes = {"force": planted.get("force"), "cubic": planted.get("cubic"), "play": planted.get("play")}
+    if "stiffness" in planted:
+        sizes["compliance"] = 1 / planted["stiffness"]
+    for number, factor in (("gain", "gain"), ("change", "factor")):
+        if factor in planted:
+            sizes[number] = abs(planted[factor] - 1)
+    if planted["cause"] == "load-point-error":
+        sizes |= dict(zip("xyz", planted["shift_mm"]))
+    limits = [limit for limit in said.get("cause_limits", []) if limit["cause"] == planted["cause"] and is_at(limit) and sizes.get(limit["number"])]
+    return math.hypot(*(sizes[limit["number"]] / limit["size"] for limit in limits if limit["size"])) if limits else None
+
+
 def judged(truth, said, seconds):
     """One line of the tables, as data."""
     planted = [c for c in truth["causes"] if c["cause"] != "mark-outlier"]
@@ -58,7 +79,10 @@ def judged(truth, said, seconds):
     listed = [f for f in findings if f["cause"] == "mark-outlier"]
     hits = [any(same(f, c) for f in names) for c in planted]
     rivals = [any(same(f, c) or any(same(r, c) for r in f.get("indistinguishable_from", [])) for f in names) for c in planted]
+    missed = [c for c, hit, rival in zip(planted, hits, rivals) if not (hit or rival)]
+    beside = [(f"{c['cause']} {c['addresses'][0]}", beside_limit(c, said)) for c in missed]
     right = lambda f: any(same(f, c) or any(same(r, c) for r in f.get("indistinguishable_from", [])) for c in planted)
+    groups = [(f["group_probability"], right(f)) for f in names if f.get("group_probability") is not None]
     false = [f for f in names if not f.get("minor") and not right(f)]
     statements = [(f["probability"], any(same(f, c) for c in planted)) for f in names if f.get("probability") is not None]
     for f in names:
@@ -80,7 +104,7 @@ def judged(truth, said, seconds):
             least = truth.get("least_sd_of_ln", {}).get(p["address"])
             if least:
                 ratios.append((high - low) / (2 * 1.96 * least * abs(p["value"])))
-    return dict(verdict=said["verdict"], planted=len(planted), hits=sum(hits), with_rivals=sum(rivals), false=false, wrong_marks=len(wrong_marks),
+    return dict(verdict=said["verdict"], planted=len(planted), hits=sum(hits), with_rivals=sum(rivals), missed=beside, groups=groups, false=false, wrong_marks=len(wrong_marks),
                 listed=sum(any(same(f, c) for f in listed) for c in wrong_marks), invented=sum(not any(same(f, c) for c in wrong_marks) for f in listed),
                 statements=statements, none=none, blind=len(blind),
                 blind_hits=sum(any(same(f, c) for f in blind) for c in planted), blind_false=sum(not any(same(f, c) for c in planted) for f in blind), effect=truth.get("effect_shift_mm_rms", 0.0) / (truth.get("sigma_mm") or 1.0), covered=covered, widths=widths, ratios=ratios, identified=identified, seconds=seconds,
@@ -89,6 +113,18 @@ def judged(truth, said, seconds):
 
 def percent(part, whole):
     return f"{100 * part / whole:.0f} %" if whole else ""
+
+
+def reliability(statements, what):
+    """How often stated probabilities come true, a table."""
+    if not statements:
+        return ["", f"No probabilities are stated of {what}."]
+    out = ["", "| stated probability | times | mean stated | came true |", "|---|---|---|---|"]
+    for low, high in BINS:
+        group = [(p, t) for p, t in statements if low <= p < high]
+        if group:
+            out.append(f"| {low:g} to {min(high, 1):g} | {len(group)} | {sum(p for p, _ in group) / len(group):.2f} | {sum(t for _, t in group) / len(group):.2f} |")
+    return [*out, "", f"Brier score {sum((p - t) ** 2 for p, t in statements) / len(statements):.4f} over {len(statements)} statements of {what}."]
 
 
 def tables(lines, failed):
@@ -122,21 +158,20 @@ def tables(lines, failed):
     if every:
         out += ["", f"{len(every)} studies: {percent(sum(line['hits'] for line in every), planted)} of {planted} planted causes named with place; a false name in "
                     f"{percent(sum(bool(line['false']) for line in every), len(every))} of the studies; 95 % intervals hold in {percent(sum(covered), len(covered))}."]
+        missed = [(study, name, ratio) for study, line in lines for name, ratio in line["missed"]]
+        if missed:
+            below = [m for m in missed if m[2] is not None and m[2] < 1]
+            named, rival = sum(line["hits"] for line in every), sum(line["with_rivals"] for line in every)
+            out.append(f"{named} are named, {rival - named} are a rival of what is named, {len(below)} lie below the limit that the diagnosis prints for them.")
+            out += [f"- missed: {name} of {study['kind']}-{study['axle']}-{study['seed']}, " + (f"{ratio:.2f} of its limit" if ratio else "no limit printed")
+                    for study, name, ratio in missed if ratio is None or ratio >= 1]
         if any(line["blind"] for line in every):
             searched = [line for line in every if line["blind"]]
             out.append(f"The searches without the cases held out chose {sum(line['blind'] for line in searched)} causes in {len(searched)} studies: "
                        f"{sum(line['blind_hits'] for line in searched)} of the {sum(line['planted'] for line in searched)} planted there, and "
                        f"{sum(line['blind_false'] for line in searched)} others.")
-    statements = [s for line in every for s in line["statements"]]
-    if statements:
-        out += ["", "| stated probability | times | mean stated | came true |", "|---|---|---|---|"]
-        for low, high in BINS:
-            group = [(p, t) for p, t in statements if low <= p < high]
-            if group:
-                out.append(f"| {low:g} to {min(high, 1):g} | {len(group)} | {sum(p for p, _ in group) / len(group):.2f} | {sum(t for _, t in group) / len(group):.2f} |")
-        out += ["", f"Brier score {sum((p - t) ** 2 for p, t in statements) / len(statements):.4f} over {len(statements)} statements of causes with their places."]
-    else:
-        out += ["", "No probabilities are stated."]
+    out += reliability([s for line in every for s in line["statements"]], "causes with their places, of rivals too")
+    out += reliability([s for line in every for s in line["groups"]], "a cause or one of its rivals")
     none = [(line, *s) for line in every for s in line["none"]]
     if none:
         out += ["", "| what is planted moves the marks by, sigma rms | studies | named with place | mean probability that no cause acts |", "|---|---|---|---|"]
