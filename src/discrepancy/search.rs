@@ -535,7 +535,11 @@ impl<'a, 'b> Search<'a, 'b> {
             let is_refined = own.is_refined(&current.chosen);
             let is_other = |(h, _): &&Candidate| !(h.same(own) || is_refined && h.same_place(own));
             let others: Vec<&Candidate> = candidates.iter().filter(is_other).collect();
-            match self.refitted(&base, &others, (least, (-LINEAR, -LINEAR))) {
+            // Where a fit gains on what the linear model promised of it, that of a rival may gain as much.
+            let of_own = candidates.iter().filter(|(h, _)| h.same_place(own));
+            let of_own = of_own.map(|(_, weighed)| weighed.ln_posterior - least);
+            let lost = of_own.reduce(f64::max).unwrap_or(0.0).min(0.0) - LINEAR;
+            match self.refitted(&base, &others, (least, (lost, lost))) {
                 Some(found) if found.ln_posterior() > least + BETTER => {
                     let found = self.restarted(&base, found);
                     current = self.pruned(found, 1);
