@@ -151,6 +151,18 @@ impl Units {
         }
     }
 
+    /// One of these units of a dimension in SI units (N, kg, m, s, rad).
+    pub(crate) fn si(&self, dimension: Dimension) -> f64 {
+        let powers = [
+            (self.force.si, dimension.force),
+            (self.mass.si, dimension.mass),
+            (self.length.si, dimension.length),
+            (self.time.si, dimension.time),
+        ];
+        let product = powers.map(|(size, exponent)| size.powi(exponent.into()));
+        product.iter().product()
+    }
+
     /// The name of a dimension in these units as result files spell it, for example `newton-mm`, `mm/sec**2`; empty for a
     /// pure number.
     pub(crate) fn name(&self, dimension: Dimension) -> String {

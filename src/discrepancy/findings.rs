@@ -19,8 +19,9 @@ use crate::rig::orientation::chi_square_p_value;
 const MATTERS_MARKS: f64 = 0.2;
 /// or the wheel by so many degrees.
 const MATTERS_WHEEL_DEG: f64 = 0.01;
-/// A cause with which other cases are predicted worse by so many nats is not listed: less is within the error of the comparison.
-const WORSE: f64 = 0.5;
+/// A cause with which other cases are predicted worse by so many nats is not listed: less is within the error of the comparison. A member
+/// of a group of tolerances is taken up by the group where it is no cause, and both predict nearly alike: then by so many.
+const WORSE: (f64, f64) = (0.5, 3.0);
 /// Rivals are no further behind than so many units of twice the logarithm of probability.
 const RIVAL: f64 = 6.0;
 
@@ -171,12 +172,17 @@ pub(super) fn findings(
     let told = (0..leading.chosen.len()).filter(is_told);
     let mut out: Vec<(Finding, usize)> = told.map(of).collect();
     // What makes the prediction of other cases worse is no cause.
-    out.retain(|(finding, _)| {
+    out.retain(|(finding, k)| {
+        let worse = if leading.chosen[*k].is_slab() {
+            WORSE.1
+        } else {
+            WORSE.0
+        };
         finding.group_probability > NAMED
             && finding
                 .gain
                 .cross_validated_nats
-                .is_none_or(|nats| nats > -WORSE)
+                .is_none_or(|nats| nats > -worse)
     });
     out.sort_by(|(a, ..), (b, ..)| {
         a.minor

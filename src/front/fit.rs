@@ -140,7 +140,8 @@ fn among_tolerances(
 /// Whether tolerances may be fitted beside the stiffnesses: by the built-in solver and the method that knows how exact it is.
 fn allows_for_tolerances(loaded: &LoadedStudy) -> bool {
     let settings = &loaded.study.identify;
-    let frames = settings.frame_sd.length > 0.0 || settings.frame_sd.angle_deg > 0.0;
+    let frames = [0, 3].map(|axis| settings.frame_sd.of_axis(axis, &loaded.model.units));
+    let frames = frames.iter().any(|sd| *sd > 0.0);
     settings.method == Method::GaussNewton
         && loaded.study.solver.backend == BackendChoice::Native
         && !frames

@@ -164,6 +164,9 @@ pub fn unknowns(
     unknowns
 }
 
+/// Force per length.
+const STIFFNESS: Dimension = Dimension::new(1, 0, -1, 0, 0);
+
 fn of_bushing(settings: &IdentifySettings, model: &Model, at: usize, round: bool) -> Vec<Unknown> {
     let bushing = &model.bushings[at];
     let axes: &[usize] = if round {
@@ -180,16 +183,21 @@ fn of_bushing(settings: &IdentifySettings, model: &Model, at: usize, round: bool
         let (dimension, value) = if axis < 3 {
             let value = match settings.initial {
                 Initial::Deck => deck,
-                Initial::Values { translational, .. } => translational,
+                Initial::Values { translational, .. } => {
+                    translational.in_units(&model.units, STIFFNESS)
+                }
             };
-            (Dimension::new(1, 0, -1, 0, 0), value)
+            (STIFFNESS, value)
         } else {
             let value = match settings.initial {
                 Initial::Deck => deck,
                 Initial::Values {
                     rotational_per_degree,
                     ..
-                } => rotational_per_degree.to_degrees(),
+                } => {
+                    let value = rotational_per_degree.in_units(&model.units, Dimension::TORQUE);
+                    value.to_degrees()
+                }
             };
             (Dimension::new(1, 0, 1, 0, -1), value)
         };

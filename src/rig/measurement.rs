@@ -9,6 +9,7 @@ use crate::diagnostic::Diagnostic;
 use crate::mechanics::{Pose, Vec3};
 use crate::model::{MarkerIx, Model, PartIx};
 use crate::text::Span;
+use crate::units::Dimension;
 
 /// A mark made on a part, as the first CMM session measured it.
 #[derive(Clone, PartialEq, Debug)]
@@ -236,7 +237,7 @@ pub(super) fn wheel(settings: &WheelSettings, marker: MarkerIx, model: &Model) -
     Wheel {
         marker,
         spin: SpinDirection::at_design(&design, settings.axis),
-        sigma_position: settings.sigma_position,
+        sigma_position: (settings.sigma_position).in_units(&model.units, Dimension::LENGTH),
         sigma_angle_deg: settings.sigma_angle_deg,
     }
 }

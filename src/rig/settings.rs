@@ -1,5 +1,6 @@
 use super::section::{Section, Spelled};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::units::{Dimension, Units};
 
 const ANY: (f64, f64) = (0.0, f64::INFINITY);
 
@@ -101,6 +102,38 @@ impl Method {
     }
 }
 
+/// A number that may be left out.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Amount {
+    /// As the study states it, in units of the deck.
+    Stated(f64),
+    /// The usual one, in newton and millimetre.
+    Usual(f64),
+}
+
+impl Amount {
+    /// A number of a section, or the usual one.
+    fn read(
+        section: &mut Section<'_>,
+        key: &'static str,
+        usual: f64,
+        range: (f64, f64),
+        out: &mut Vec<Diagnostic>,
+    ) -> Self {
+        let stated = section.optional_number(key, range, out);
+        stated.map_or(Self::Usual(usual), Self::Stated)
+    }
+
+    /// In units of a deck.
+    pub(crate) fn in_units(self, units: &Units, dimension: Dimension) -> f64 {
+        match self {
+            Self::Stated(value) => value,
+            // Millimetre and newton are the units of a deck that states none.
+            Self::Usual(value) => value * (Units::default().si(dimension) / units.si(dimension)),
+        }
+    }
+}
+
 /// Where stiffnesses start.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Initial {
@@ -109,19 +142,30 @@ pub enum Initial {
     /// One value for all translational ones (force/length), one for all rotational ones (torque per degree).
     Values {
         /// Force per length.
-        translational: f64,
+        translational: Amount,
         /// Torque per degree.
-        rotational_per_degree: f64,
+        rotational_per_degree: Amount,
     },
 }
 
 /// A prior standard deviation of a shift and a turn; zero switches it off.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ShiftSd {
-    /// Of each translation, in length units.
-    pub length: f64,
+    /// Of each translation.
+    pub length: Amount,
     /// Of each rotation, in degrees.
     pub angle_deg: f64,
+}
+
+impl ShiftSd {
+    /// Along an axis (0 to 2, in length units of a deck) or about one (3 to 5, in radians).
+    pub(crate) fn of_axis(self, axis: usize, units: &Units) -> f64 {
+        if axis < 3 {
+            self.length.in_units(units, Dimension::LENGTH)
+        } else {
+            self.angle_deg.to_radians()
+        }
+    }
 }
 
 /// How residuals count.
@@ -168,8 +212,14 @@ impl IdentifySettings {
             let mut initial = section.section("initial", out);
             let positive = (f64::MIN_POSITIVE, f64::INFINITY);
             let values = Initial::Values {
-                translational: initial.number("translational", 1e4, positive, out),
-                rotational_per_degree: initial.number("rotational_per_degree", 1e4, positive, out),
+                translational: Amount::read(&mut initial, "translational", 1e4, positive, out),
+                rotational_per_degree: Amount::read(
+                    &mut initial,
+                    "rotational_per_degree",
+                    1e4,
+                    positive,
+                    out,
+                ),
             };
             initial.finish(out);
             values
@@ -221,7 +271,7 @@ fn shift_sd(
 ) -> ShiftSd {
     let mut inner = section.section(key, out);
     let sd = ShiftSd {
-        length: inner.number("length", length, ANY, out),
+        length: Amount::read(&mut inner, "length", length, ANY, out),
         angle_deg: inner.number("angle_deg", angle_deg, ANY, out),
     };
     inner.finish(out);
@@ -325,7 +375,7 @@ pub struct WheelSettings {
     /// Its spin axis.
     pub axis: SpinAxis,
     /// Sd of a coordinate.
-    pub sigma_position: f64,
+    pub sigma_position: Amount,
     /// Sd of an angle, degrees.
     pub sigma_angle_deg: f64,
 }
@@ -337,7 +387,7 @@ impl WheelSettings {
         let mut sigma = section.section("sigma", out);
         let positive = (1e-12, f64::INFINITY);
         let (sigma_position, sigma_angle_deg) = (
-            sigma.number("position", 0.05, positive, out),
+            Amount::read(&mut sigma, "position", 0.05, positive, out),
             sigma.number("angle_deg", 0.01, positive, out),
         );
         sigma.finish(out);

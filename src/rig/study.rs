@@ -468,7 +468,7 @@ impl Files<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::settings::{BackendChoice, Initial, Method, Symmetry};
+    use super::super::settings::{Amount, BackendChoice, Initial, Method, Symmetry};
     use super::*;
 
     fn study(toml: &str) -> (tempfile::TempDir, Checked<Option<Study>>) {
@@ -494,12 +494,12 @@ mod tests {
         assert_eq!(study.identify.method, Method::GaussNewton);
         assert_eq!(study.identify.symmetry, Symmetry::None);
         assert_eq!(study.identify.prior_log_sd, 3.0);
-        assert_eq!(study.identify.offset_sd.length, 0.5);
+        assert_eq!(study.identify.offset_sd.length, Amount::Usual(0.5));
         assert_eq!(study.identify.frame_sd.angle_deg, 0.0);
         assert_eq!(study.regression, RegressionSettings::default());
         let initial = Initial::Values {
-            translational: 1e4,
-            rotational_per_degree: 1e4,
+            translational: Amount::Usual(1e4),
+            rotational_per_degree: Amount::Usual(1e4),
         };
         assert_eq!(study.identify.initial, initial);
         assert_eq!(study.columns[0].1.text, "SFORCE/3");

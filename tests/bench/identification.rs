@@ -20,7 +20,7 @@ use admire::identify::{LoadedStudy, regression};
 use admire::mechanics::Pose;
 use admire::model::Model;
 use admire::rig::noise::Noise;
-use admire::rig::settings::{ShiftSd, SpinAxis};
+use admire::rig::settings::{Amount, ShiftSd, SpinAxis};
 use admire::rig::wheel::SpinDirection;
 use admire::syntax::Address;
 use rayon::prelude::*;
@@ -127,7 +127,7 @@ fn measured(setting: Setting, seed: u64) -> Option<(LoadedStudy, Sweep)> {
     study.measurement.sigma = setting.sigma;
     let sd = if setting.offsets { OFFSET } else { 0.0 };
     study.study.identify.offset_sd = ShiftSd {
-        length: sd,
+        length: Amount::Stated(sd),
         angle_deg: sd,
     };
     study.study.regression.max_iterations = LOOP;
@@ -195,7 +195,7 @@ fn bounds(setting: Setting) -> Vec<f64> {
     let (mut study, _) = measured(plain, 0).expect("the reference deck solves");
     let sd = if setting.offsets { OFFSET } else { 0.0 };
     study.study.identify.offset_sd = ShiftSd {
-        length: sd,
+        length: Amount::Stated(sd),
         angle_deg: sd,
     };
     let problem = study.problem();

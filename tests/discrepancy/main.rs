@@ -16,4 +16,5 @@ mod plant;
 #[path = "../common/proportion.rs"]
 mod proportion;
 mod remainder;
+mod units;
 mod unseen;

@@ -8,7 +8,7 @@ use admire::identify::global::{
 };
 use admire::identify::{LoadedStudy, Status};
 use admire::mechanics::Vec3;
-use admire::rig::settings::{Loss, ShiftSd};
+use admire::rig::settings::{Amount, Loss, ShiftSd};
 use admire::rig::{RigOptions, virtual_rig};
 
 use crate::setup::{copy, replace};
@@ -26,7 +26,7 @@ fn study(name: &str, change: impl Fn(&Path)) -> LoadedStudy {
 fn plain(change: impl Fn(&Path)) -> LoadedStudy {
     let mut loaded = study("pseudo-mcpherson", change);
     loaded.study.identify.offset_sd = ShiftSd {
-        length: 0.0,
+        length: Amount::Stated(0.0),
         angle_deg: 0.0,
     };
     loaded
@@ -65,7 +65,7 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
 fn claimed_uncertainty_is_real_over_seeds() {
     let mut loaded = crate::setup::load("pseudo-mcpherson", |_| {});
     loaded.study.identify.offset_sd = ShiftSd {
-        length: 0.0,
+        length: Amount::Stated(0.0),
         angle_deg: 0.0,
     };
     let (mut z, mut missed, mut chi2) = (Vec::new(), 0, Vec::new());
@@ -119,7 +119,7 @@ fn a_frame_that_moved_in_one_case_is_a_nuisance_if_asked_for() {
         )
     });
     loaded.study.identify.frame_sd = ShiftSd {
-        length: 1.0,
+        length: Amount::Stated(1.0),
         angle_deg: 0.1,
     };
     let (chi2, right) = fitted(&loaded, false, |found| {
@@ -283,7 +283,7 @@ fn profile_intervals_end_where_the_likelihood_says() {
     for seed in 0..4 {
         let mut loaded = crate::setup::load("pseudo-mcpherson", |_| {});
         loaded.study.identify.offset_sd = ShiftSd {
-            length: 0.0,
+            length: Amount::Stated(0.0),
             angle_deg: 0.0,
         };
         crate::setup::measure(&mut loaded, 0.5, seed);

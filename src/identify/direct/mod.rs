@@ -157,8 +157,7 @@ impl<'a> Direct<'a> {
         for bushing in problem.bushings() {
             let id = problem.model.bushings[bushing].header.id;
             for axis in 0..6 {
-                let off = if axis < 3 { sd.length } else { sd.angle_deg } <= 0.0;
-                if !off {
+                if sd.of_axis(axis, &problem.model.units) > 0.0 {
                     let argument = if axis < 3 { "FORCE" } else { "TORQUE" };
                     let address = Address {
                         argument: Some(argument.to_string()),
@@ -359,10 +358,8 @@ impl<'a> Direct<'a> {
         let unknowns = self.problem.unknowns.iter();
         let stiffnesses =
             unknowns.map(|unknown| (libm::log(unknown.initial), settings.prior_log_sd));
-        let offset_sd = |axis: usize| match axis {
-            0..3 => settings.offset_sd.length,
-            _ => settings.offset_sd.angle_deg.to_radians(),
-        };
+        let units = &self.problem.model.units;
+        let offset_sd = |axis: usize| settings.offset_sd.of_axis(axis, units);
         let offsets = self.offsets.iter().map(|(_, axis)| (0.0, offset_sd(*axis)));
         stiffnesses.chain(offsets).collect()
     }

@@ -110,12 +110,7 @@ pub fn fit_unknowns(
         let mean = usable(unknown.initial);
         for (component, axis) in components.iter().zip(&axes) {
             let Some(axis) = axis else { continue };
-            let angular = *axis >= 3;
-            let sd = if angular {
-                settings.offset_sd.angle_deg.to_radians()
-            } else {
-                settings.offset_sd.length
-            };
+            let sd = (settings.offset_sd).of_axis(*axis, &problem.model.units);
             if sd > 0.0 && component.preload.is_some() {
                 let known = start.into_iter().flat_map(|start| &start.offsets);
                 let found = known
@@ -153,7 +148,10 @@ pub fn global_problem<'a>(
     predictor: Box<dyn Predictor + 'a>,
 ) -> GlobalProblem<'a> {
     let frame = problem.settings.frame_sd;
-    let frame = (frame.length, frame.angle_deg.to_radians());
+    let frame = (
+        frame.of_axis(0, &problem.model.units),
+        frame.of_axis(3, &problem.model.units),
+    );
     GlobalProblem {
         deck: predictor.system().parameters(),
         layout: NuisanceLayout::new(problem.measurement, unknowns.len(), frame),
