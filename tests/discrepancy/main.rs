@@ -1,5 +1,6 @@
 //! Hidden effects: each is planted on an axle, the diagnosis sees only the study folder, then the truth is opened.
 
+mod arm;
 mod axles;
 mod blind;
 mod causes;

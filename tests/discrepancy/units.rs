@@ -2,9 +2,7 @@
 
 use std::path::Path;
 
-use admire::discrepancy::{
-    Diagnosis, GainCheck, Parameter, Progress, diagnose_watched, held_out,
-};
+use admire::discrepancy::{Diagnosis, GainCheck, Parameter, Progress, diagnose_watched, held_out};
 use admire::identify::{LoadedStudy, Status};
 
 use crate::common::shared;
