@@ -13,6 +13,7 @@ mod averaged;
 mod candidate;
 mod cause;
 mod causes;
+mod channel_miss;
 mod columns;
 mod comparison;
 mod cross_validation;
@@ -61,6 +62,7 @@ mod words;
 
 pub use candidate::Kind;
 pub use cause::Cause;
+pub use channel_miss::ChannelMiss;
 pub use cross_validation::{CrossValidation, GroupGain};
 pub use diagnose::{Outcome, diagnose, diagnose_watched, held_out};
 pub use diagnosis::{
@@ -83,4 +85,3 @@ pub use tolerant::{Tolerant, tolerant};
 pub use trend::Trend;
 pub use unseen::{HoldOut, Unseen};
 pub use wheel_run::WheelRun;
-pub use words::ChannelMiss;

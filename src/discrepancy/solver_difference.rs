@@ -1,5 +1,6 @@
 //! What another solver makes of the same deck with the same numbers: before anything is said of a model, the two must agree.
 
+use crate::text::Decimals;
 use serde::Serialize;
 
 /// A difference of the solvers below this part of the noise of a mark is none.
@@ -48,20 +49,24 @@ impl SolverDifference {
         } else {
             ": what is found below may be a difference of the solvers."
         };
-        if let Some([own, other]) = self.residual_rms {
+        let told = |rms: f64| Decimals::of_error(sigma).finer().told(rms);
+        if let Some(both) = self.residual_rms {
+            let [own, other] = both.map(told);
             text += &format!(
-                " Tolerances left out, the marks are missed by {own:.4} by the built-in solver and by {other:.4} by the other"
+                " Tolerances left out, the marks are missed by {own} by the built-in solver and by {other} by the other"
             );
             text += &match self.held_out_rms {
-                Some([own, other]) => {
-                    format!(", by {own:.4} and {other:.4} in the cases held out.")
+                Some(both) => {
+                    let [own, other] = both.map(told);
+                    format!(", by {own} and {other} in the cases held out.")
                 }
                 None => ".".to_string(),
             };
         }
         if let Some(rms) = self.refitted_rms {
             text += &format!(
-                " The numbers below, the extended deck and the gain are fitted to the other solver, which then misses the marks by {rms:.4}."
+                " The numbers below, the extended deck and the gain are fitted to the other solver, which then misses the marks by {}.",
+                told(rms)
             );
         }
         if !self.unsolved.is_empty() {

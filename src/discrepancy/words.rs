@@ -1,6 +1,7 @@
 //! What a diagnosis means, in sentences.
 
 use super::cause::Cause;
+use super::channel_miss::ChannelMiss;
 use super::diagnose::Outcome;
 use super::diagnosis::{LAW_MISFIT, ToleranceFound};
 use super::fit::Fitted;
@@ -8,6 +9,7 @@ use super::folds::Blind;
 use super::hypothesis::Hypothesis;
 use super::remainder::{Over, RemainderPoint};
 use crate::identify::global::Row;
+use crate::text::Decimals;
 
 /// A bias is worth a sentence from so many of its standard errors on.
 const NOTABLE: f64 = 2.0;
@@ -18,35 +20,6 @@ const SEEN: f64 = 0.05;
 const RIVAL_PLACE: f64 = 5.0;
 /// So many failing tests are listed.
 const LISTED: usize = 6;
-
-/// How far the model misses a channel, rms over all its readings.
-#[derive(Clone, PartialEq, Debug)]
-pub struct ChannelMiss {
-    /// The channel.
-    pub name: String,
-    /// Its unit with a blank before it, or nothing.
-    pub behind: String,
-    /// As the model was, after its best fit.
-    pub before: f64,
-    /// As it is extended.
-    pub after: f64,
-    /// Of a reading.
-    pub noise: f64,
-}
-
-impl ChannelMiss {
-    /// The same in words.
-    pub fn sentence(&self) -> String {
-        format!(
-            "Channel {} is missed by {:.3}{unit} rms as the model was and by {:.3}{unit} as it is extended, where its noise is {:.3}{unit}.",
-            self.name,
-            self.before,
-            self.after,
-            self.noise,
-            unit = self.behind
-        )
-    }
-}
 
 impl Outcome<'_> {
     /// The answer in sentences: what the model misses and where, what of it sits in which cause, what is gained on cases no fit saw,
@@ -107,6 +80,19 @@ impl Outcome<'_> {
         format!("case {} ({loads})", of.label)
     }
 
+    /// Of places of marks.
+    fn decimals(&self) -> Decimals {
+        Decimals::of_error(self.subject.mark_sigma())
+    }
+
+    /// Of what is compared over cases held out.
+    fn compared_decimals(&self) -> Decimals {
+        match self.subject.compared() {
+            ("mark", _) => self.decimals().finer(),
+            (_, unit) => Decimals::of_error(unit).finer(),
+        }
+    }
+
     fn findings_matter(&self) -> bool {
         let diagnosis = &self.diagnosis;
         diagnosis.unexplained.structured || diagnosis.findings.iter().any(|f| !f.minor)
@@ -150,8 +136,11 @@ impl Outcome<'_> {
         let unit = self.subject.sigma;
         let sigma = self.subject.mark_sigma();
         let rms = (sum / count).sqrt() * unit;
+        let decimals = self.decimals();
         let mut text = format!(
-            "After its best fit, tolerances included, the model misses the marks by {rms:.3} rms per coordinate, where their noise is {sigma:.3}"
+            "After its best fit, tolerances included, the model misses the marks by {} rms per coordinate, where their noise is {}",
+            decimals.told(rms),
+            decimals.told(sigma)
         );
         if let (true, Row::Mark { case, reading, .. }) =
             (self.findings_matter(), self.subject.rows[worst.1])
@@ -159,11 +148,11 @@ impl Outcome<'_> {
             let read = measurement.cases[case].marks[reading];
             let part = &measurement.parts[read.part];
             text += &format!(
-                "; the worst is {} {} in {}, by {:.3}",
+                "; the worst is {} {} in {}, by {}",
                 part.name,
                 part.marks[read.mark].label,
                 self.case_text(case),
-                worst.0 * unit
+                decimals.told(worst.0 * unit)
             );
         }
         Some(text + ".")
@@ -314,8 +303,11 @@ impl Outcome<'_> {
             noise.declared,
             noise.estimated,
         ) {
+            let decimals = self.decimals().finer();
             out.push(format!(
-                "The study declares a noise of {declared:.4} for the marks; marks of rigid parts show {estimated:.4}, which is used."
+                "The study declares a noise of {} for the marks; marks of rigid parts show {}, which is used.",
+                decimals.told(declared),
+                decimals.told(estimated)
             ));
         }
         if let Some(dof) = noise.dof {
@@ -362,14 +354,20 @@ impl Outcome<'_> {
         }
         let unseen = self.unseen.as_ref()?;
         let [before, after] = &unseen.tests;
+        let decimals = self.decimals().finer();
         let mut parts = Vec::new();
         if let (Some(a), Some(b)) = (before.marks_rms, after.marks_rms) {
             let by = match &self.diagnosis.hold_out {
-                Some(found) => format!(" ({})", fallen_by(found.gain, found.gain_std_error)),
+                Some(found) => format!(
+                    " ({})",
+                    fallen_by(decimals, found.gain, found.gain_std_error)
+                ),
                 None => String::new(),
             };
             parts.push(format!(
-                "the rms of the marks goes from {a:.4} to {b:.4}{by}"
+                "the rms of the marks goes from {} to {}{by}",
+                decimals.told(a),
+                decimals.told(b)
             ));
         }
         if let (Some([camber, steer]), Some([camber_after, steer_after])) =
@@ -425,6 +423,7 @@ impl Outcome<'_> {
             }
             _ => String::new(),
         };
+        let decimals = self.compared_decimals();
         let predicts = found.held_out.as_ref().map_or_else(String::new, |held_out| {
             let place = if held_out.address == found.address {
                 String::new()
@@ -432,10 +431,10 @@ impl Outcome<'_> {
                 format!(" (then at {})", held_out.address)
             };
             format!(
-                " Found without the cases held out{place}, it predicts them to {:.4} ({:.4} without it); {:.0} percent of their readings lie within \
+                " Found without the cases held out{place}, it predicts them to {} ({} without it); {:.0} percent of their readings lie within \
                  their 95 percent bands.",
-                held_out.rms_after,
-                held_out.rms_before,
+                decimals.told(held_out.rms_after),
+                decimals.told(held_out.rms_before),
                 100.0 * held_out.within95
             )
         });
@@ -457,24 +456,25 @@ impl Outcome<'_> {
             "mark" => "the rms of the marks goes",
             _ => "the rms in units of the noise goes",
         };
+        let decimals = self.compared_decimals();
         let mut out = vec![format!(
-            "In {} groups of cases, each predicted from the others with the causes {}, {what} from {:.4} to {:.4} ({}).",
+            "In {} groups of cases, each predicted from the others with the causes {}, {what} from {} to {} ({}).",
             found.groups.len(),
             if found.searched {
                 "searched anew"
             } else {
                 "chosen anew"
             },
-            found.rms_before,
-            found.rms_after,
-            fallen_by(found.gain, found.gain_std_error)
+            decimals.told(found.rms_before),
+            decimals.told(found.rms_after),
+            fallen_by(decimals, found.gain, found.gain_std_error)
         )];
         if let Some(groups) = found.spread() {
             let [least, most] = groups.map(|group| {
                 format!(
-                    "from {:.4} to {:.4} for {}",
-                    group.rms_before,
-                    group.rms_after,
+                    "from {} to {} for {}",
+                    decimals.told(group.rms_before),
+                    decimals.told(group.rms_after),
                     labels(&group.cases)
                 )
             });
@@ -505,11 +505,12 @@ impl Outcome<'_> {
                     (squares.sum::<f64>() / count as f64).sqrt() * info.sigma
                 };
                 (count > 0).then(|| {
+                    let decimals = Decimals::of_error(info.sigma);
                     format!(
-                        "{} from {:.3} to {:.3}{} rms",
+                        "{} from {} to {}{} rms",
                         info.name,
-                        rms(before),
-                        rms(after),
+                        decimals.told(rms(before)),
+                        decimals.told(rms(after)),
                         info.behind()
                     )
                 })
@@ -544,11 +545,12 @@ impl Outcome<'_> {
 }
 
 /// A gain with its standard error, which a single case does not have.
-fn fallen_by(gain: f64, std_error: f64) -> String {
+fn fallen_by(decimals: Decimals, gain: f64, std_error: f64) -> String {
+    let gain = decimals.told(gain);
     if std_error.is_finite() {
-        format!("by {gain:.4} +- {std_error:.4}")
+        format!("by {gain} +- {}", decimals.told(std_error))
     } else {
-        format!("by {gain:.4}, in one case")
+        format!("by {gain}, in one case")
     }
 }
 

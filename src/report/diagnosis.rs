@@ -2,6 +2,7 @@ use crate::discrepancy::{
     ChannelMiss, CrossValidation, Fitted, HoldOut, Outcome, Over, Remainder, StructureTest, Verdict,
 };
 use crate::identify::global::Row;
+use crate::text::Decimals;
 
 use super::diagnosis_view::{curves, diagnosis_scene, headline};
 use super::interval::IntervalScale;
@@ -487,7 +488,9 @@ impl DiagnosisReport<'_> {
             ("with", Align::Right),
         ]);
         let mut table = Table::new(&columns);
-        let rms = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:.4}"));
+        let rms = |value: Option<f64>| {
+            value.map_or_else(String::new, |v| Decimals::of_error(v).finer().told(v))
+        };
         for finding in findings {
             let gain = &finding.gain;
             let place = scene.named(&finding.address);

@@ -9,6 +9,7 @@ use super::{Align, DrawingError, Page, Positions, Table, headline, study_scene};
 use crate::identify::structure::{is_structured, worst};
 use crate::identify::{Fit, LoadedStudy, ParameterFit, Status, Verdict};
 use crate::results::Timestamp;
+use crate::text::Decimals;
 
 /// What the page shows beside the fit.
 #[derive(Clone, Debug)]
@@ -319,7 +320,9 @@ impl IdentificationReport<'_> {
 
     fn quality(&self, page: &mut Page) {
         page.heading("How well the measurement is explained");
-        let show = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:.4}"));
+        let show = |value: Option<f64>| {
+            value.map_or_else(String::new, |v| Decimals::of_error(v).finer().told(v))
+        };
         let mut rows: Vec<(String, Option<f64>, Option<f64>)> = Vec::new();
         if let Some(marks) = &self.fit.marks {
             rows.push(("marks, rms of one coordinate".into(), None, marks.rms));

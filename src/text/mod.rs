@@ -3,6 +3,7 @@
 //! Knows nothing about ADAMS. Bytes of files are never decoded to be edited: real decks hold Latin-1.
 
 mod code_page;
+mod decimals;
 mod digest;
 mod edit;
 mod held;
@@ -13,6 +14,7 @@ mod source;
 mod span;
 
 pub(crate) use code_page::{CodePage, Encoded};
+pub(crate) use decimals::Decimals;
 pub(crate) use digest::digest;
 pub(crate) use edit::EditConflict;
 pub use edit::{Edit, apply_edits};
