@@ -357,10 +357,18 @@ impl<'a, 'b> Tried<'a, 'b> {
         fitted.max_by(better).cloned()
     }
 
-    /// Fits a model without one of its causes.
+    /// Fits a model without one of its causes, or without a further part of its law. No such part stays without the first one.
     pub(super) fn without(&mut self, fitted: &Arc<Fitted>, at: usize) -> Option<Arc<Fitted>> {
-        let mut causes = fitted.chosen.clone();
-        causes.remove(at);
+        let dropped = &fitted.chosen[at];
+        let is_dropped = |(k, h): &(usize, &Hypothesis)| {
+            *k == at || (dropped.part == 0 && h.part > 0 && h.same_place(dropped))
+        };
+        let kept = fitted
+            .chosen
+            .iter()
+            .enumerate()
+            .filter(|of| !is_dropped(of));
+        let causes: Vec<Hypothesis> = kept.map(|(_, h)| h.clone()).collect();
         if causes.is_empty() {
             return None;
         }
