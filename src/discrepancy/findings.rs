@@ -141,7 +141,7 @@ pub(super) fn findings(
                 value: evidence,
                 p_value: (chi_square_p_value(evidence.max(0.0), count) * found.places as f64)
                     .min(1.0),
-                bic_gain: evidence + 2.0 * h.ln_prior,
+                bic_gain: evidence + 2.0 * (leading.ln_prior() - without.ln_prior()),
             },
             indistinguishable_from: rivals,
             gain: Gain {

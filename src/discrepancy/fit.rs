@@ -106,7 +106,7 @@ impl Fitted {
 
     /// Logarithm of the prior odds of what is in it.
     pub fn ln_prior(&self) -> f64 {
-        self.chosen.iter().map(|h| h.ln_prior).sum()
+        Hypothesis::ln_prior_of(&self.chosen)
     }
 
     /// Logarithm of evidence and prior. What the linear model promises beyond where the fit could go does not count.

@@ -116,6 +116,9 @@ pub struct Hypothesis {
     pub with: Option<Box<Hypothesis>>,
 }
 
+/// Rubber that grows stiffer along one axis of a bushing does so along another with this probability, by each law.
+const ALONG_OTHERS: f64 = 0.15;
+
 /// The part of a friction by which its limit differs by direction.
 pub(super) const BY_DIRECTION: usize = usize::MAX - 1;
 /// The part of a cause that is not its law but what that leaves at its place: a force that differs from case to case.
@@ -221,6 +224,29 @@ impl Hypothesis {
     /// True if both say the same of the same place, in whatever form.
     pub fn same_place(&self, other: &Self) -> bool {
         self.cause == other.cause && self.address == other.address && self.side == other.side
+    }
+
+    /// Logarithm of its prior odds beside these causes: rubber that grows stiffer along one axis of a bushing mostly does so along others.
+    pub fn ln_prior_beside(&self, others: &[Self]) -> f64 {
+        let bushing = |h: &Self| {
+            h.address
+                .rsplit_once('.')
+                .map(|(bushing, _)| bushing.to_string())
+        };
+        let is_alike = |other: &Self| {
+            other.cause == self.cause && !other.same_place(self) && bushing(other) == bushing(self)
+        };
+        if self.cause == Cause::ProgressiveStiffness && others.iter().any(is_alike) {
+            libm::log(ALONG_OTHERS)
+        } else {
+            self.ln_prior
+        }
+    }
+
+    /// Logarithm of the prior odds of all of these together, in whatever order.
+    pub fn ln_prior_of(all: &[Self]) -> f64 {
+        let own = all.iter().enumerate();
+        own.map(|(k, h)| h.ln_prior_beside(&all[..k])).sum()
     }
 
     /// True for a law that is known in kind but not in shape.

@@ -94,7 +94,8 @@ impl Catalogue {
                 let g = g.rows(from, count).into_owned();
                 projected(&effects.information(at, &range), &g, one_sided(h)?)?
             };
-            let ln_posterior = gain + h.ln_prior + posterior.ln_z + fitted.ln_prior();
+            let prior = h.ln_prior_beside(&fitted.chosen) + fitted.ln_prior();
+            let ln_posterior = gain + posterior.ln_z + prior;
             let promise = Promise { at, ln_posterior };
             ln_posterior.is_finite().then_some(promise)
         };
@@ -184,7 +185,7 @@ impl Catalogue {
             })
             .collect();
         Some(Weighed {
-            ln_posterior: posterior.ln_z + h.ln_prior + fitted.ln_prior(),
+            ln_posterior: posterior.ln_z + h.ln_prior_beside(&fitted.chosen) + fitted.ln_prior(),
             guesses,
             x,
             sizes,

@@ -79,7 +79,7 @@ impl<'a, 'b> Tried<'a, 'b> {
         let wrong = wrong.find(|(of, added, _)| Arc::ptr_eq(of, base) && added.is_law_of(h));
         let wrong = wrong.map(|(.., found)| found);
         let target = Target {
-            lead: lead - base.ln_prior() - h.ln_prior,
+            lead: lead - base.ln_prior() - h.ln_prior_beside(&base.chosen),
             known: known.as_ref().or(wrong).map(|known| &**known),
             ..Target::NONE
         };
@@ -147,7 +147,7 @@ impl<'a, 'b> Tried<'a, 'b> {
         let h = &start.chosen[at];
         all.push((h.clone(), vec![0.0; h.numbers.len()]));
         let target = Target {
-            lead: lead - base.ln_prior() - h.ln_prior,
+            lead: lead - base.ln_prior() - h.ln_prior_beside(&base.chosen),
             known: found.as_deref(),
             ..Target::NONE
         };
