@@ -364,3 +364,29 @@ pub(super) const SIX: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
 pub(super) const FORCES: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
 /// Stiffness of the directions in which a split part does not yield, in newtons per millimetre and newton millimetres per radian.
 pub(super) const RIGID: [f64; 2] = [1e7, 1e11];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn axes_of_one_bushing_share_their_prior_in_any_order() {
+        let at = |cause, address: &str| {
+            let mut h = Hypothesis::plain(cause, address.to_string(), "", Vec::new());
+            h.ln_prior = -7.0;
+            h
+        };
+        let of = |addresses: &[&str]| -> f64 {
+            let all = addresses.iter().map(|a| at(Cause::ProgressiveStiffness, a));
+            Hypothesis::ln_prior_of(&all.collect::<Vec<_>>())
+        };
+        let shared = libm::log(ALONG_OTHERS);
+        assert_eq!(of(&["BUSHING/1.K.1"]), -7.0);
+        assert_eq!(of(&["BUSHING/1.K.1", "BUSHING/2.K.1"]), -14.0);
+        let three = ["BUSHING/1.K.1", "BUSHING/2.K.1", "BUSHING/1.K.2"];
+        assert_eq!(of(&three), -14.0 + shared);
+        assert_eq!(of(&[three[2], three[1], three[0]]), -14.0 + shared);
+        let friction = ["BUSHING/1.K.1", "BUSHING/1.K.2"].map(|a| at(Cause::DryFriction, a));
+        assert_eq!(Hypothesis::ln_prior_of(&friction), -14.0);
+    }
+}

@@ -52,8 +52,8 @@ PART/2,3,20,-300,30
 PART/2,4,-30,-340,-20
 ";
 
-/// The study without readings, for a rig to measure.
-fn write(folder: &Path) {
+/// Loads of the study in kilonewtons, vertical, lateral, longitudinal: one after the other in loops of equal steps.
+fn loops() -> Vec<[f64; 3]> {
     let loop_of = |k: usize| {
         let thousands = [1, 2, 3, 2, 1, 0, -1, -2, -3, -2, -1, 0];
         thousands.map(|t| {
@@ -65,7 +65,26 @@ fn write(folder: &Path) {
         })
     };
     let vertical = [1.5, 2.5, 3.5, 2.5, 1.5].map(|v| [v, 0.0, 0.0]);
-    let loads = vertical.into_iter().chain(loop_of(0)).chain(loop_of(1));
+    vertical
+        .into_iter()
+        .chain(loop_of(0))
+        .chain(loop_of(1))
+        .collect()
+}
+
+/// Loads of which none is like another.
+fn all_round() -> Vec<[f64; 3]> {
+    let levels = [1.0, 2.0, 3.0, -1.0, -2.0, -3.0];
+    let vertical = [1.5, 2.5, 3.5, 2.0].map(|v| [v, 0.0, 0.0]);
+    let lateral = levels.map(|l| [2.0, l, 0.0]);
+    let longitudinal = levels.map(|l| [2.0, 0.0, l]);
+    let both = [1.5, -1.5, 2.5, -2.5].map(|l| [2.5, l, -l]);
+    let loads = vertical.into_iter().chain(lateral);
+    loads.chain(longitudinal).chain(both).collect()
+}
+
+/// The study of a deck without readings, for a rig to measure.
+fn write(folder: &Path, deck: &str, loads: &[[f64; 3]]) {
     let (mut cases, mut marks) = (
         "case,vertical,lateral,longitudinal\n".to_string(),
         "case,part,mark,x,y,z\n".to_string(),
@@ -78,7 +97,7 @@ fn write(folder: &Path) {
         }
     }
     let files = [
-        ("model.adm", DECK),
+        ("model.adm", deck),
         ("study.toml", STUDY),
         ("marks_on_parts.csv", MARKS),
         ("load_cases.csv", &cases),
@@ -89,14 +108,15 @@ fn write(folder: &Path) {
     }
 }
 
-/// What is found on the arm with one effect, as the rig reads it with this seed.
-fn diagnosis(effect: &str, seed: u64) -> Diagnosis {
+/// What is found on an arm with these effects, as the rig reads it with this seed.
+fn diagnosis((deck, loads): (&str, &[[f64; 3]]), effects: &[String], seed: u64) -> Diagnosis {
     let base = tempfile::tempdir().unwrap();
-    write(base.path());
+    write(base.path(), deck, loads);
     let out = base.path().join("measured");
     let mut rig = Command::new(env!("CARGO_BIN_EXE_admire"));
     rig.arg("rig").arg(base.path()).arg("--out").arg(&out);
-    rig.args(["--seed", &seed.to_string(), "--effect", effect]);
+    rig.args(["--seed", &seed.to_string()]);
+    rig.args(effects.iter().flat_map(|effect| ["--effect", effect]));
     let done = rig.output().unwrap();
     assert!(done.status.success(), "{done:?}");
     let loaded = LoadedStudy::read(&out).value.unwrap();
@@ -120,7 +140,7 @@ fn friction_in_equal_steps_is_not_called_creep() {
     let studies = [(1, 1), (1, 2), (1, 3), (2, 1), (2, 2), (2, 3)];
     for (bushing, seed) in studies {
         let effect = format!("dry-friction@BUSHING/{bushing}.K.3:force=300,stiffness=3000");
-        let diagnosis = diagnosis(&effect, seed);
+        let diagnosis = diagnosis((DECK, &loops()), std::slice::from_ref(&effect), seed);
         let [finding] = &diagnosis.findings[..] else {
             panic!("{:#?}", diagnosis.findings);
         };
@@ -141,12 +161,55 @@ fn friction_in_equal_steps_is_not_called_creep() {
 #[test]
 fn rubber_flows_at_the_planted_rate() {
     for seed in [1, 2, 3] {
-        let diagnosis = diagnosis("creep@BUSHING/1.K.3:rate=0.15", seed);
+        let diagnosis = diagnosis(
+            (DECK, &loops()),
+            &["creep@BUSHING/1.K.3:rate=0.15".to_string()],
+            seed,
+        );
         let finding = &diagnosis.findings[0];
         assert!(told(finding, Cause::Creep) > 0.9, "{finding:#?}");
         let (rate, error) = (finding.parameters["rate"], finding.std_error["rate"]);
         println!("{} {rate} +- {error}", finding.address);
         assert!((rate - 0.15).abs() < 3.0 * error, "{rate} +- {error}");
         assert!(error < 0.05, "{error}");
+    }
+}
+
+/// Rubber is mostly progressive along more than one axis. The axes of these bushings stand askew to the loads, so that all work.
+#[test]
+fn rubber_that_is_progressive_along_two_axes_of_two_bushings() {
+    let deck = DECK
+        .replace(
+            "QP = 150, 0, 0, REULER = 90D, 90D, 0D",
+            "QP = 150, 0, 0, REULER = 90D, 90D, 40D",
+        )
+        .replace(
+            "QP = -170, 20, 10, REULER = 90D, 90D, 0D",
+            "QP = -170, 20, 10, REULER = 90D, 90D, -35D",
+        )
+        .replace("K = 9000, 9000, 1200", "K = 1500, 1200, 1200")
+        .replace("K = 6000, 6000, 900", "K = 1100, 1600, 900");
+    let planted = [
+        ("1.K.1", 300),
+        ("1.K.2", 250),
+        ("2.K.1", 200),
+        ("2.K.2", 300),
+    ];
+    let effects = planted
+        .map(|(at, cubic)| format!("progressive-stiffness@BUSHING/{at}:law=cubic,cubic={cubic}"));
+    for seed in [1, 2, 3] {
+        let diagnosis = diagnosis((&deck, &all_round()), &effects, seed);
+        let mut found: Vec<(Cause, &str)> = Vec::new();
+        for finding in &diagnosis.findings {
+            assert!(finding.probability > 0.9, "{finding:#?}");
+            found.push((finding.cause, &finding.address));
+        }
+        found.sort_by_key(|(_, at)| *at);
+        let expected = planted.map(|(at, _)| format!("BUSHING/{at}"));
+        let expected: Vec<_> = expected
+            .iter()
+            .map(|at| (Cause::ProgressiveStiffness, at.as_str()))
+            .collect();
+        assert_eq!(found, expected, "seed {seed}");
     }
 }
