@@ -547,13 +547,22 @@ impl<'a, 'b> Search<'a, 'b> {
                     current = self.pruned(found, 1);
                     at = 0;
                 }
-                _ => match is_refined.then(|| self.in_two(&base, &current.chosen[at])) {
-                    Some(Some(found)) if found.ln_posterior() > least + BETTER => {
-                        current = self.pruned(found, 2);
-                        at = 0;
+                _ => {
+                    let own = &current.chosen[at];
+                    // Further sliders only say how friction gives way.
+                    let found = if is_refined && own.memory.is_none() {
+                        self.in_two(&base, own)
+                    } else {
+                        None
+                    };
+                    match found.filter(|found| found.ln_posterior() > least + BETTER) {
+                        Some(found) => {
+                            current = self.pruned(found, 2);
+                            at = 0;
+                        }
+                        None => at += 1,
                     }
-                    _ => at += 1,
-                },
+                }
             }
         }
         current

@@ -52,7 +52,13 @@ CONDITIONS = {
     "tolerances-friction-tie-rod": (("dry-friction", "link-compliance"), LARGE, {}),
     "tolerances-hardpoint-friction": (("hardpoint-error", "dry-friction"), LARGE, {}),
     "calibration": (None, None, {}),
+    "rubber": (("rubber",), {}, {}),
+    "tolerances-rubber": (("rubber",), LARGE, {}),
+    "frictions": (("frictions",), {}, {}),
+    "tolerances-frictions": (("frictions",), LARGE, {}),
 }
+# Not among all kinds: these plant a cause in every bushing that works.
+BY_NAME = ("calibration", "rubber", "tolerances-rubber", "frictions", "tolerances-frictions")
 SIGMA_WHEEL = (0.02, 0.005)
 
 
@@ -114,7 +120,25 @@ class Causes:
         return c, axis, high[axis] - low[axis], max(abs(low[axis]), abs(high[axis]))
 
     def plant(self, cause, reality):
-        return getattr(self, cause.replace("-", "_"))(reality)
+        """What is planted; several causes where one word stands for them."""
+        planted = getattr(self, cause.replace("-", "_"))(reality)
+        return planted if isinstance(planted, list) else [planted]
+
+    def everywhere(self):
+        """Every translation of a bushing that is sought and works at all."""
+        for c in self.axle.of(Bushing):
+            low, high = self.ranges[c.name]
+            for axis in range(3):
+                if c.sought and high[axis] - low[axis] > 0.02:
+                    yield c, axis, high[axis] - low[axis], max(abs(low[axis]), abs(high[axis]))
+
+    def rubber(self, reality):
+        """Rubber is progressive along every axis."""
+        return [self.progressive(reality, c, axis, most, self.rng.uniform(0.05, 0.25)) for c, axis, _, most in self.everywhere()]
+
+    def frictions(self, reality):
+        """A little friction along every axis."""
+        return [self.rubbing(reality, c, axis, width, self.rng.uniform(0.005, 0.02)) for c, axis, width, _ in self.everywhere()]
 
     def hardpoint_error(self, reality):
         seen = [p for p in self.axle.hardpoints() if p not in ("FOOT", "SEAT", "LOW", "TOP")]
@@ -137,6 +161,9 @@ class Causes:
     def dry_friction(self, reality):
         c, axis, width, _ = self.component()
         share = log_uniform(self.rng, 0.0005, 0.02) if self.near else self.rng.uniform(0.015, 0.04)
+        return self.rubbing(reality, c, axis, width, share)
+
+    def rubbing(self, reality, c, axis, width, share):
         force = float(share * c.K[axis] * width)
         reach = width * self.rng.uniform(0.01, 0.04)
         reality.friction[c.name, axis] = (force, reach)
@@ -145,6 +172,9 @@ class Causes:
     def progressive_stiffness(self, reality):
         c, axis, _, most = self.component()
         more = log_uniform(self.rng, 0.005, 0.2) if self.near else self.rng.uniform(0.2, 0.4)
+        return self.progressive(reality, c, axis, most, more)
+
+    def progressive(self, reality, c, axis, most, more):
         length = most / np.sqrt(6 * more)
         reality.growing[c.name, axis] = length
         return dict(cause="progressive-stiffness", addresses=[f"{self.deck.address[c.name]}.K.{axis + 1}"], cubic=float(c.K[axis] / (6 * length**2)))
@@ -255,7 +285,7 @@ def drawn(path, kind, axle_name, seed, instruments, streams, with_bound, cases):
     reality.points = dict(background.points)
     reality.load_matrix, reality.springs = background.load_matrix.copy(), dict(background.springs)
     causes = Causes(axle, deck, nominal.ranges(design), of_causes, near)
-    truth = [causes.plant(cause, reality) for cause in planted]
+    truth = [said for cause in planted for said in causes.plant(cause, reality)]
     world, without = World(axle, reality), World(axle, background)
     poses = world.sweep()
     exact = nominal.marks(design)
@@ -298,7 +328,7 @@ def main():
     parser.add_argument("--cases", type=int, help="so few of the 31 load cases, in their order")
     parser.add_argument("--bound", action="store_true", help="also the least standard deviations the marks allow, for the widths of intervals")
     options = parser.parse_args()
-    kinds = [k for k in CONDITIONS if k != "calibration"] if options.kind == "all" else options.kind.split(",")
+    kinds = [k for k in CONDITIONS if k not in BY_NAME] if options.kind == "all" else options.kind.split(",")
     axles = list(KINDS) if options.axle == "all" else options.axle.split(",")
     unknown = [k for kind in kinds for k in kind.split("+") if k not in CONDITIONS] + [a for a in axles if a not in KINDS]
     if unknown:
