@@ -116,7 +116,7 @@ pub struct Hypothesis {
     pub with: Option<Box<Hypothesis>>,
 }
 
-/// Rubber that grows stiffer along one axis of a bushing does so along another with this probability, by each law.
+/// Rubber that grows stiffer in one translation of a bushing does so in another with this probability, by each law.
 const ALONG_OTHERS: f64 = 0.15;
 
 /// The part of a friction by which its limit differs by direction.
@@ -226,15 +226,13 @@ impl Hypothesis {
         self.cause == other.cause && self.address == other.address && self.side == other.side
     }
 
-    /// Logarithm of its prior odds beside these causes: rubber that grows stiffer along one axis of a bushing mostly does so along others.
+    /// Logarithm of its prior odds beside these causes: rubber that grows stiffer in one translation of a bushing mostly does so in others.
     pub fn ln_prior_beside(&self, others: &[Self]) -> f64 {
-        let bushing = |h: &Self| {
-            h.address
-                .rsplit_once('.')
-                .map(|(bushing, _)| bushing.to_string())
-        };
+        let translations = |h: &Self| h.address.rsplit_once(".K.").map(|(of, _)| of.to_string());
         let is_alike = |other: &Self| {
-            other.cause == self.cause && !other.same_place(self) && bushing(other) == bushing(self)
+            other.cause == self.cause
+                && !other.same_place(self)
+                && translations(self).is_some_and(|own| translations(other) == Some(own))
         };
         if self.cause == Cause::ProgressiveStiffness && others.iter().any(is_alike) {
             libm::log(ALONG_OTHERS)
