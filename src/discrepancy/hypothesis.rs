@@ -368,7 +368,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn axes_of_one_bushing_share_their_prior_in_any_order() {
+    fn translations_of_one_bushing_share_their_prior_in_any_order() {
         let at = |cause, address: &str| {
             let mut h = Hypothesis::plain(cause, address.to_string(), "", Vec::new());
             h.ln_prior = -7.0;
@@ -384,6 +384,8 @@ mod tests {
         let three = ["BUSHING/1.K.1", "BUSHING/2.K.1", "BUSHING/1.K.2"];
         assert_eq!(of(&three), -14.0 + shared);
         assert_eq!(of(&[three[2], three[1], three[0]]), -14.0 + shared);
+        assert_eq!(of(&["BUSHING/1.KT.1", "BUSHING/1.KT.2"]), -14.0);
+        assert_eq!(of(&["BUSHING/1.K.1", "BUSHING/1.KT.2"]), -14.0);
         let friction = ["BUSHING/1.K.1", "BUSHING/1.K.2"].map(|a| at(Cause::DryFriction, a));
         assert_eq!(Hypothesis::ln_prior_of(&friction), -14.0);
     }
