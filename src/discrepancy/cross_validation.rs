@@ -18,6 +18,7 @@ use super::fit::Fitted;
 use super::hypothesis::Hypothesis;
 use super::jackknife::{Squares, fall};
 use super::progress::Progress;
+use super::sought::Begun;
 use super::subject::Subject;
 use super::unseen::Unseen;
 use super::visited::Visited;
@@ -274,7 +275,8 @@ impl<'a> Folds<'a> {
         self.collected(true, |group| {
             let mut subject = unfitted.clone();
             subject.hold_out(&self.groups[group]);
-            let unseen = Unseen::new(&subject, progress).filter(|found| !found.is_cut_short())?;
+            let begun = Begun::without_held_out(&subject)?;
+            let unseen = Unseen::new(begun, progress).filter(|found| !found.is_cut_short())?;
             let chosen = Hypothesis::causes(&unseen.chosen.chosen);
             Some(Predicted {
                 causes: chosen.map(ToString::to_string).collect(),

@@ -16,7 +16,7 @@ use super::next_measurement::next_measurement;
 use super::progress::Progress;
 use super::remainder::{predicted, remainder};
 use super::search::Search;
-use super::sought::{Sought, as_it_is, probability};
+use super::sought::{Begun, Sought, as_it_is, probability};
 use super::stiffness::{CorrectedStiffness, corrected};
 use super::structure::{StructureTest, is_significant, is_structured, least, structure};
 use super::subject::{Data, Subject};
@@ -93,12 +93,15 @@ pub fn diagnose_watched<'a>(
     let unfitted = subject.clone();
     let is_blind = check != GainCheck::Quick;
     progress.begin("fitting the model as it is");
-    let none = as_it_is(&mut subject, Data::All).ok_or_else(no_cases)?;
+    // That without the held-out cases comes first: the fit to all of them begins where it ends, and it owes them nothing.
+    let mut begun = Begun::without_held_out(&unfitted);
+    let known = begun.as_ref().map(|begun| &*begun.none);
+    let none = as_it_is(&mut subject, known, Data::All).ok_or_else(no_cases)?;
     progress.begin("searching causes");
     let mut search = Search::new(&subject, Arc::new(none), Data::All);
     // The search without the held-out cases says what is gained. Where a cause acts for sure it comes first: this one begins where it ends.
     let mut unseen = (is_blind && search.is_sure())
-        .then(|| Unseen::new(&unfitted, progress))
+        .then(|| Unseen::new(begun.take()?, progress))
         .flatten();
     let is_first = unseen.is_some();
     if is_first {
@@ -117,7 +120,7 @@ pub fn diagnose_watched<'a>(
     let mut tested = structure(&subject, &sought.leading);
     let is_explained = !unexplained(&tested).structured;
     if !is_first && (!is_explained || (is_blind && !sought.leading.chosen.is_empty())) {
-        unseen = Unseen::new(&unfitted, progress);
+        unseen = begun.and_then(|begun| Unseen::new(begun, progress));
     }
     // Where this search did not begin there, that one gives a second start.
     if is_second

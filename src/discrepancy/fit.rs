@@ -340,9 +340,10 @@ pub(super) fn aimed(
     data: Data,
     target: Target<'_>,
 ) -> Option<Fit> {
+    let chosen = &apart(chosen)[..];
+    let parent = warm.filter(|warm| sizes.is_none() && is_end_with(*warm, chosen));
     let own = || warm.map_or(&subject.sizes, |(fitted, _)| &fitted.sizes);
     let sizes = sizes.unwrap_or_else(own);
-    let chosen = &apart(chosen)[..];
     let aim = target.aim(chosen);
     let deck = deck_of(
         subject,
@@ -390,9 +391,16 @@ pub(super) fn aimed(
                 .predictor
                 .start_from(case, state, unknowns.deck.clone());
         }
-        let first = sizes.at(sizes.modest(1.0));
+        // What a further cause takes up is left to it at first. Of the same causes sizes are known.
+        let is_again = parent.is_some_and(|(parent, _)| parent.chosen.len() == chosen.len());
+        let first = if is_again {
+            sizes.clone()
+        } else {
+            sizes.at(sizes.modest(1.0))
+        };
         let start = sweep.beside(x, (&warm.jacobian, warm.unknowns.len()));
-        let end = start.and_then(|start| sweep.settle(start, &first, (STEPS, aim), false));
+        let is_free = parent.is_some();
+        let end = start.and_then(|start| sweep.settle(start, &first, (STEPS, aim), is_free));
         subject.spend(sweep.predictor.sweeps());
         (sweep, end)
     } else {
@@ -462,6 +470,12 @@ pub(super) fn aimed(
         states,
         deck,
     })))
+}
+
+/// True for a fit of these causes, and perhaps others, and unknowns as it left them.
+fn is_end_with((fitted, x): (&Fitted, &[f64]), chosen: &[(Hypothesis, Vec<f64>)]) -> bool {
+    let is_held = |(h, _): &(Hypothesis, Vec<f64>)| fitted.chosen.iter().any(|own| own.same(h));
+    fitted.is_settled() && fitted.x == x && chosen.iter().all(is_held)
 }
 
 /// Causes and the further parts that come in with them, each for itself.

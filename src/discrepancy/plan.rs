@@ -159,7 +159,7 @@ pub fn plan(problem: &Problem<'_>, aim: Aim, progress: &Progress) -> Result<Plan
     of_all.watched_by(progress);
     let (mut rivals, mut of_points, mut of_causes) = (None, Vec::new(), Vec::new());
     if aim.looks_at(Aim::Causes) {
-        let sought = seek(&mut of_all, Data::All, progress).ok_or_else(no_cases)?;
+        let sought = seek(&mut of_all, progress).ok_or_else(no_cases)?;
         rivals = Rivals::of(&sought.found, &sought.leading);
         of_points = detection_limits(&of_all, &sought.leading);
         of_causes = cause_limits(&of_all, &sought.leading);
@@ -167,7 +167,7 @@ pub fn plan(problem: &Problem<'_>, aim: Aim, progress: &Progress) -> Result<Plan
     let mut subject = Subject::new(problem, held_out);
     subject.watched_by(progress);
     progress.begin("fitting the model as it is");
-    let fitted = as_it_is(&mut subject, Data::Fitted).ok_or_else(no_cases)?;
+    let fitted = as_it_is(&mut subject, None, Data::Fitted).ok_or_else(no_cases)?;
     progress.begin("weighing what could be measured");
     let programme = problem.programme;
     let mut candidates = Candidates::loads(programme, &[1.0, BEYOND]);

@@ -14,7 +14,7 @@ use crate::tolerance::Sizes;
 
 /// From each scan so many places are weighed with sizes of their own,
 const WEIGHED: usize = 7;
-/// if they promise no less than the best by so many nats,
+/// if they promise no less than what would be refitted by so many nats,
 const ASIDE: f64 = 300.0;
 /// and of those so many places are refitted,
 const REFITTED: usize = 3;
@@ -105,25 +105,26 @@ fn promised(catalogue: &Catalogue, base: &Fitted, sizes: [&Sizes; 2]) -> Vec<AtS
     let mut union: Vec<AtSizes> = Vec::new();
     for sizes in sizes {
         let mut places: Vec<&Hypothesis> = Vec::new();
+        let mut is_full = false;
         for promise in catalogue.scan(base, sizes) {
-            let h = &catalogue.hypotheses[promise.at];
+            let at = promise.at;
+            if let Some((known, at)) = union.iter_mut().find(|(known, _)| known.at == at)
+                && known.ln_posterior < promise.ln_posterior
+            {
+                (*known, *at) = (promise.clone(), sizes.clone());
+            }
+            let h = &catalogue.hypotheses[at];
             let forms = places.iter().filter(|other| other.same_part(h)).count();
             // Forms of one place differ little, but for laws that are known in kind only.
             let most = if h.has_rough_law() { FORMS } else { 1 };
             let is_elsewhere = !places.iter().any(|other| other.same_place(h));
-            if is_elsewhere && distinct(&places) == WEIGHED {
-                break;
-            }
-            if forms >= most.max(if h.is_slab() { FORMS } else { 1 }) {
+            is_full |= is_elsewhere && distinct(&places) == WEIGHED;
+            if is_full || forms >= most.max(if h.is_slab() { FORMS } else { 1 }) {
                 continue;
             }
             places.push(h);
-            match union.iter_mut().find(|(known, _)| known.at == promise.at) {
-                Some((known, at)) if known.ln_posterior < promise.ln_posterior => {
-                    (*known, *at) = (promise, sizes.clone());
-                }
-                Some(_) => {}
-                None => union.push((promise, sizes.clone())),
+            if !union.iter().any(|(known, _)| known.at == at) {
+                union.push((promise, sizes.clone()));
             }
         }
     }
@@ -291,7 +292,8 @@ impl<'a, 'b> Search<'a, 'b> {
             let (promise, at) = &union[k];
             let h = &catalogue.hypotheses[promise.at];
             let is_first = out.is_empty();
-            let is_far = promise.ln_posterior < best - ASIDE && h.memory.is_none();
+            let within = if h.memory.is_some() { WITHIN.1 } else { 0.0 };
+            let is_far = promise.ln_posterior < best - within - ASIDE;
             if is_far || (!is_first && promise.ln_posterior < least - ASIDE) {
                 continue;
             }

@@ -14,7 +14,7 @@ use crate::tolerance::{ByClass, Linear, Posterior, Reached, Sizes, Whitening};
 const REACH: [f64; 2] = [0.8, 1.2];
 /// A step that promises less than so many nats was the last one.
 pub(super) const ENOUGH: f64 = 0.05;
-/// Sizes of tolerances are held for so many steps of a fit that starts from another, unless a step promises less than so many nats.
+/// Sizes of tolerances that are not free are held for so many steps of a fit, unless a step promises less than so many nats.
 const HELD: usize = 5;
 const NEAR: f64 = 30.0;
 /// A step that lowers the objective by less than this is a small one; after so many in a row a fit ends.
@@ -339,15 +339,15 @@ impl Sweep<'_> {
         self.near(there, from)
     }
 
-    /// Gauss-Newton over everything, the sizes by their evidence: at every step where the stiffnesses `alone` were fitted before. Ends
-    /// early where its aim says so. On the way derivatives by small errors stay as they are; at the end, and
-    /// where they lead nowhere, they are exact.
+    /// Gauss-Newton over everything, the sizes by their evidence: at every step where they are `free`, as beside stiffnesses that were
+    /// fitted alone, or where no cause is new. Ends early where its aim says so. On the way derivatives by small errors stay as they
+    /// are; at the end, and where they lead nowhere, they are exact.
     pub(super) fn settle(
         &mut self,
         start: Point,
         first: &Sizes,
         (steps, aim): (usize, Aim<'_>),
-        alone: bool,
+        free: bool,
     ) -> Option<End> {
         let mut sizes = first.clone();
         let mut here = start;
@@ -362,7 +362,7 @@ impl Sweep<'_> {
         for step_number in 0.. {
             // Far from the answer the sizes would take up what is not fitted yet.
             let mut reached = here.linear.reached(&sizes, 0.0)?;
-            if alone || step_number >= HELD || reached.gain < NEAR {
+            if free || step_number >= HELD || reached.gain < NEAR {
                 sizes = here.linear.sized(&sizes);
                 reached = here.linear.reached(&sizes, 0.0)?;
             } else if step_number > 0 && aim.is_lost(&reached) {

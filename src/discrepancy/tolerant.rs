@@ -39,7 +39,7 @@ pub struct Tolerant {
 pub fn tolerant(problem: &Problem<'_>) -> Option<Tolerant> {
     let cases = problem.measurement.cases.iter();
     let mut subject = Subject::new(problem, cases.map(|case| case.held_out).collect());
-    let found = as_it_is(&mut subject, Data::Fitted)?;
+    let found = as_it_is(&mut subject, None, Data::Fitted)?;
     let tests = structure(&subject, &found).into_iter();
     let structure = tests
         .map(|test| StructureTest {

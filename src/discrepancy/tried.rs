@@ -6,7 +6,7 @@ use super::fit::{Fit, Fitted, Target, aimed, fit, unguessed};
 use super::hypothesis::{Hypothesis, Number, Unknown};
 use super::scan::Weighed;
 use super::subject::{Data, Subject};
-use super::visited::{Visited, same_set};
+use super::visited::{Visited, same_laws, same_set};
 
 /// Slip lengths are tried again at these parts of themselves.
 const SLIPS: [f64; 2] = [0.4, 2.0];
@@ -350,7 +350,7 @@ impl<'a, 'b> Tried<'a, 'b> {
 
     /// The best fit of a model that was fitted to its end already.
     pub(super) fn known(&self, causes: &[Hypothesis]) -> Option<Arc<Fitted>> {
-        let same = self.visited.iter().filter(|v| same_set(&v.causes, causes));
+        let same = self.visited.iter().filter(|v| same_laws(&v.causes, causes));
         let fitted = same.filter_map(|v| v.fitted.as_ref().filter(|f| f.is_settled()));
         let better =
             |a: &&Arc<Fitted>, b: &&Arc<Fitted>| a.ln_posterior().total_cmp(&b.ln_posterior());
@@ -434,7 +434,7 @@ impl<'a, 'b> Tried<'a, 'b> {
         }
         // One that did not come to an end would not do so from the same start.
         let is_again = |(found, from): &&(Arc<Fitted>, Arc<Fitted>)| {
-            Arc::ptr_eq(from, fitted) && same_set(&found.chosen, &causes)
+            Arc::ptr_eq(from, fitted) && same_laws(&found.chosen, &causes)
         };
         if let Some((known, _)) = self.begun.iter().find(is_again) {
             return Some(Arc::clone(known));
@@ -443,8 +443,10 @@ impl<'a, 'b> Tried<'a, 'b> {
             let count = h.numbers.len();
             (h, vec![0.0; count])
         };
-        let elsewhere = self.elsewhere.iter().find(|f| same_set(&f.chosen, &causes));
-        let start = elsewhere.filter(|f| f.is_settled()).unwrap_or(fitted);
+        let of_laws = |f: &&Arc<Fitted>| f.is_settled() && same_laws(&f.chosen, &causes);
+        let elsewhere = self.elsewhere.iter().find(of_laws);
+        let start = elsewhere.unwrap_or(fitted);
+        let causes = elsewhere.map_or(causes, |start| start.chosen.clone());
         let all: Vec<_> = causes.into_iter().map(zeros).collect();
         let from = Some((&**start, start.x.as_slice()));
         let found = Arc::new(fit(self.subject, &all, from, self.data)?);

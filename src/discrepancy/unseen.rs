@@ -10,7 +10,8 @@ use super::folds::{Blind, HeldOutTest, compared};
 use super::hypothesis::Hypothesis;
 use super::jackknife::{Squares, fall};
 use super::progress::Progress;
-use super::sought::seek;
+use super::search::Search;
+use super::sought::{Begun, Sought};
 use super::subject::{Data, Subject};
 use crate::backend::BackendError;
 
@@ -60,13 +61,14 @@ pub struct HoldOut {
 }
 
 impl Unseen {
-    /// Of a study that nothing was fitted to yet; `None` without cases held out, or where the search may not begin.
-    pub fn new(subject: &Subject<'_>, progress: &Progress) -> Option<Self> {
-        if !subject.holds_out() || !progress.extend() {
+    /// Of a model fitted without the cases held out; `None` where the search may not begin.
+    pub(super) fn new(begun: Begun<'_>, progress: &Progress) -> Option<Self> {
+        if !progress.extend() {
             return None;
         }
-        let mut subject = subject.clone();
-        let sought = seek(&mut subject, Data::Fitted, progress)?;
+        progress.begin("searching causes without the cases held out");
+        let Begun { subject, none } = begun;
+        let sought = Sought::new(Search::new(&subject, none, Data::Fitted).ended());
         let found = sought.found;
         let models = [found.none, sought.leading];
         let new = Self::of(&subject, models, (true, found.cut_short))?;

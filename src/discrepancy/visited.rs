@@ -81,6 +81,13 @@ pub(super) fn same_set(a: &[Hypothesis], b: &[Hypothesis]) -> bool {
     a.len() == b.len() && within(a, b) && within(b, a)
 }
 
+/// The same of laws: sliders whose forms say where their numbers begin count as one.
+pub(super) fn same_laws(a: &[Hypothesis], b: &[Hypothesis]) -> bool {
+    let within =
+        |a: &[Hypothesis], b: &[Hypothesis]| a.iter().all(|h| b.iter().any(|o| o.is_law_of(h)));
+    a.len() == b.len() && within(a, b) && within(b, a)
+}
+
 /// How many places these are, in whatever forms.
 pub(super) fn distinct(hypotheses: &[&Hypothesis]) -> usize {
     let first = |(k, h): &(usize, &&Hypothesis)| !hypotheses[..*k].iter().any(|o| o.same_place(h));
