@@ -148,9 +148,9 @@ enum Command {
     Completions(completions::Arguments),
 }
 
-/// The C library of Linux gives a large block back to the system when it is freed and fetches the next one anew, page by page: a
-/// diagnosis spent a twelfth of its time on that. Once a block of nearly 32 MB was freed it keeps blocks up to that size. Source:
-/// mallopt(3), "Dynamic adjustment of the mmap threshold". Elsewhere this does nothing.
+/// Keeps large blocks with the process. The C library of Linux gives a freed one back to the system and fetches the next one anew, page
+/// by page. Once a block of nearly 32 MB was freed it keeps blocks up to that size. Source: mallopt(3), `M_MMAP_THRESHOLD`, "dynamic
+/// mmap threshold". Elsewhere this does nothing.
 fn keep_freed_memory() {
     drop(std::hint::black_box(Vec::<u8>::with_capacity(31 << 20)));
 }

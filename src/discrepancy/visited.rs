@@ -77,14 +77,21 @@ pub(super) fn probabilities(visited: &[Visited]) -> Vec<(Visited, f64)> {
 
 /// True if both hold the same causes in the same forms.
 pub(super) fn same_set(a: &[Hypothesis], b: &[Hypothesis]) -> bool {
-    let within = |a: &[Hypothesis], b: &[Hypothesis]| a.iter().all(|h| b.iter().any(|o| o.same(h)));
-    a.len() == b.len() && within(a, b) && within(b, a)
+    match_each_other(a, b, Hypothesis::same)
 }
 
 /// The same of laws: sliders whose forms say where their numbers begin count as one.
 pub(super) fn same_laws(a: &[Hypothesis], b: &[Hypothesis]) -> bool {
+    match_each_other(a, b, Hypothesis::is_law_of)
+}
+
+fn match_each_other(
+    a: &[Hypothesis],
+    b: &[Hypothesis],
+    same: fn(&Hypothesis, &Hypothesis) -> bool,
+) -> bool {
     let within =
-        |a: &[Hypothesis], b: &[Hypothesis]| a.iter().all(|h| b.iter().any(|o| o.is_law_of(h)));
+        |a: &[Hypothesis], b: &[Hypothesis]| a.iter().all(|h| b.iter().any(|o| same(o, h)));
     a.len() == b.len() && within(a, b) && within(b, a)
 }
 
