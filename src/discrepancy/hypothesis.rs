@@ -82,6 +82,8 @@ pub struct Number {
 pub enum Change {
     /// A new statement.
     Add(NewStatement),
+    /// A new part that was a piece of the part with this id, and begins where that is.
+    Piece(NewStatement, u32),
     /// The text of an argument.
     Text(Address, String),
 }

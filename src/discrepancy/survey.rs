@@ -342,7 +342,7 @@ impl<'a> Survey<'a> {
         );
         let whose = super::hypothesis::number("MARKER", marker, "PART", None);
         let changes = vec![
-            Change::Add(body),
+            Change::Piece(body, part),
             Change::Add(end(first, new)),
             Change::Add(end(first + 1, part)),
             Change::Add(law),
