@@ -308,6 +308,11 @@ impl<'a> Target<'a> {
         aim.is_beaten(fitted.posterior.ln_z, fitted.posterior.gain)
     }
 
+    /// True for a fit that went no further because it began astray.
+    pub(super) fn is_astray(&self, fitted: &Fitted) -> bool {
+        fitted.posterior.ln_z - fitted.posterior.gain < self.least
+    }
+
     fn aim(&self, chosen: &[(Hypothesis, Vec<f64>)]) -> Aim<'a> {
         let alike = |(a, (b, _)): (&Hypothesis, &(Hypothesis, Vec<f64>))| a.is_law_of(b);
         let same = |known: &&Fitted| {

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::fit::{Fitted, fit, unguessed};
+use super::fit::{Fit, Fitted, Target, aimed, unguessed};
 use super::hypothesis::Hypothesis;
 use super::remainder::{Unnamed, left_by_laws, unnamed};
 use super::tried::{BETTER, Tried};
@@ -11,6 +11,9 @@ use super::visited::same_set;
 
 /// So many causes of a model, or faults of the readings of single cases, may together be one effect that no cause has.
 const MANY: usize = 3;
+/// Where such a force begins so many times as far off as the model without it, weights and priors counted, what the linear model says
+/// of it holds no longer.
+const WILD: f64 = 1000.0;
 
 /// Such forces that were tried.
 #[derive(Default)]
@@ -66,7 +69,8 @@ impl StandIns {
         let base = tried.of(current, causes.clone())?;
         let mut best: Option<Arc<Fitted>> = None;
         for force in unnamed(tried.subject, &base) {
-            let found = standing_in(tried, &base, &force);
+            let lead = best.as_deref().unwrap_or(current).ln_posterior();
+            let found = standing_in(tried, &base, &force, lead);
             let leads = |f: &Arc<Fitted>| f.ln_posterior();
             if found.as_ref().map(leads) > best.as_ref().map(leads) {
                 best = found;
@@ -118,7 +122,7 @@ pub(super) fn loosened(tried: &mut Tried<'_, '_>, current: &Arc<Fitted>) -> Opti
     for base in bases {
         for force in left_by_laws(tried.subject, &base) {
             let leads = best.as_deref().unwrap_or(current).ln_posterior();
-            let found = standing_in(tried, &base, &force);
+            let found = standing_in(tried, &base, &force, leads);
             best = found
                 .filter(|found| found.ln_posterior() > leads + BETTER)
                 .or(best);
@@ -143,24 +147,48 @@ pub(super) fn left_by_friction(
         if base.ln_posterior() + force.nats + force.hypothesis.ln_prior < leads {
             continue;
         }
-        let found = standing_in(tried, base, &force);
+        let found = standing_in(tried, base, &force, leads);
         best = found.filter(|found| found.ln_posterior() > leads).or(best);
     }
     best
 }
 
-/// Fits a model with such a force, then once more with what the force does linearised where that ended.
-fn standing_in(tried: &mut Tried<'_, '_>, base: &Fitted, force: &Unnamed) -> Option<Arc<Fitted>> {
+/// Fits a model with such a force, then once more with what the force does linearised where that ended, as long as that may come near
+/// to `lead` nats, prior included.
+fn standing_in(
+    tried: &mut Tried<'_, '_>,
+    base: &Fitted,
+    force: &Unnamed,
+    lead: f64,
+) -> Option<Arc<Fitted>> {
     let subject = tried.subject;
     let mut all = unguessed(base);
     all.push((force.hypothesis.clone(), force.guesses.clone()));
-    let from = |x: &[f64]| fit(subject, &all, Some((base, x)), tried.data);
-    let first = from(&force.x).or_else(|| from(&base.x))?;
+    let chosen: Vec<Hypothesis> = all.iter().map(|(h, _)| h.clone()).collect();
+    let target = Target {
+        lead: lead - Hypothesis::ln_prior_of(&chosen),
+        least: -0.5 * WILD * base.linear.objective(&base.sizes),
+        ..Target::NONE
+    };
+    let fitted = |all: &[(Hypothesis, Vec<f64>)], from: &Fitted, x: &[f64]| match aimed(
+        subject,
+        all,
+        Some((from, x)),
+        None,
+        tried.data,
+        target,
+    )? {
+        Fit::New(fitted) => Some(*fitted),
+        Fit::Known => None,
+    };
+    let begun = |x: &[f64]| fitted(&all, base, x).filter(|found| !target.is_astray(found));
+    let first = begun(&force.x).or_else(|| begun(&base.x))?;
     let mut again = unguessed(&first);
     if let Some((last, _)) = again.last_mut() {
         *last = force.at(subject, &first);
     }
-    let second = fit(subject, &again, Some((&first, &first.x)), tried.data);
+    let second = (!target.is_beaten(&first)).then(|| fitted(&again, &first, &first.x));
+    let second = second.flatten();
     let better = second.filter(|second| second.ln_posterior() > first.ln_posterior());
     let found = Arc::new(better.unwrap_or(first));
     tried.note(&found);

@@ -32,6 +32,8 @@ pub(super) struct Tried<'a, 'b> {
     added: Vec<(Arc<Fitted>, Hypothesis, Arc<Fitted>)>,
     /// The same where the cause came out with the wrong sign.
     wrong: Vec<(Arc<Fitted>, Hypothesis, Arc<Fitted>)>,
+    /// The same of fits that stopped short, and the lead that stopped them.
+    stopped: Vec<(Arc<Fitted>, Hypothesis, Option<Arc<Fitted>>, f64)>,
     /// Models, and further sliders that began with half of a force there.
     halved: Vec<(Arc<Fitted>, Hypothesis)>,
 }
@@ -47,6 +49,7 @@ impl<'a, 'b> Tried<'a, 'b> {
             begun: Vec::new(),
             added: Vec::new(),
             wrong: Vec::new(),
+            stopped: Vec::new(),
             halved: Vec::new(),
         }
     }
@@ -74,6 +77,13 @@ impl<'a, 'b> Tried<'a, 'b> {
             return Some(Arc::clone(known));
         }
         let known = of_base.find(|(added, _)| added.is_law_of(h));
+        let mut stopped = self.stopped.iter();
+        // A better lead would stop it no later.
+        let stopped = stopped
+            .find(|(of, added, _, by)| Arc::ptr_eq(of, base) && added.same(h) && *by <= lead);
+        if let Some((_, _, found, _)) = stopped {
+            return found.clone();
+        }
         let known = known.map(|(_, found)| Arc::clone(found));
         let mut wrong = self.wrong.iter();
         let wrong = wrong.find(|(of, added, _)| Arc::ptr_eq(of, base) && added.is_law_of(h));
@@ -106,7 +116,12 @@ impl<'a, 'b> Tried<'a, 'b> {
             Some(Fit::Known) => known,
             None => None,
         };
-        let found = self.continued(base, h, found, lead)?;
+        let found = self.continued(base, h, found, lead);
+        if !found.as_ref().is_some_and(|found| found.is_settled()) {
+            let stopped = (Arc::clone(base), h.clone(), found.clone(), lead);
+            self.stopped.push(stopped);
+        }
+        let found = found?;
         if found.is_settled() {
             let known = (Arc::clone(base), h.clone(), Arc::clone(&found));
             self.added.push(known);
