@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::cause::Cause;
 use super::fit::{Fit, Fitted, Target, aimed, fit, unguessed};
 use super::hypothesis::{Hypothesis, Number, Unknown};
 use super::scan::Weighed;
@@ -34,6 +35,8 @@ pub(super) struct Tried<'a, 'b> {
     wrong: Vec<(Arc<Fitted>, Hypothesis, Arc<Fitted>)>,
     /// The same of fits that stopped short, and the lead that stopped them.
     stopped: Vec<(Arc<Fitted>, Hypothesis, Option<Arc<Fitted>>, f64)>,
+    /// Fits that were stuck, what was found where they began anew from the deck, and the lead that this was to reach.
+    unstuck: Vec<(Arc<Fitted>, Option<Arc<Fitted>>, f64)>,
     /// Models, and further sliders that began with half of a force there.
     halved: Vec<(Arc<Fitted>, Hypothesis)>,
 }
@@ -50,6 +53,7 @@ impl<'a, 'b> Tried<'a, 'b> {
             added: Vec::new(),
             wrong: Vec::new(),
             stopped: Vec::new(),
+            unstuck: Vec::new(),
             halved: Vec::new(),
         }
     }
@@ -182,7 +186,7 @@ impl<'a, 'b> Tried<'a, 'b> {
     /// where that is no better.
     pub(super) fn anew(
         &mut self,
-        (base, found): (&Fitted, &Fitted),
+        (base, found): (&Fitted, &Arc<Fitted>),
         (h, weighed): (&Hypothesis, &Weighed),
         lead: f64,
     ) -> Option<Arc<Fitted>> {
@@ -190,23 +194,31 @@ impl<'a, 'b> Tried<'a, 'b> {
         if found.posterior.gain < STUCK || promise < lead || h.with.is_some() {
             return None;
         }
+        let mut unstuck = self.unstuck.iter();
+        if let Some((_, again, _)) =
+            unstuck.find(|(of, _, by)| Arc::ptr_eq(of, found) && *by <= lead)
+        {
+            return again.clone();
+        }
         let mut all = unguessed(base);
         all.push((h.clone(), weighed.guesses.clone()));
         let target = Target {
             lead: lead - found.ln_prior(),
             ..Target::NONE
         };
-        let again = aimed(self.subject, &all, None, None, self.data, target);
-        let Some(Fit::New(again)) = again else {
-            return None;
+        let again = match aimed(self.subject, &all, None, None, self.data, target) {
+            Some(Fit::New(again)) => Some(Arc::<Fitted>::from(again)),
+            _ => None,
         };
-        let is_better = again.ln_posterior() > found.ln_posterior();
-        if !is_better || again.has_wrong_sign(base.chosen.len()) {
-            return None;
+        let again = again.filter(|again| {
+            again.ln_posterior() > found.ln_posterior() && !again.has_wrong_sign(base.chosen.len())
+        });
+        if let Some(again) = &again {
+            self.note(again);
         }
-        let again = Arc::from(again);
-        self.note(&again);
-        Some(again)
+        let unstuck = (Arc::clone(found), again.clone(), lead);
+        self.unstuck.push(unstuck);
+        again
     }
 
     /// The fit with one more cause, begun where the linear model puts it.
@@ -253,8 +265,12 @@ impl<'a, 'b> Tried<'a, 'b> {
             Some(Fit::New(found)) => Some(*found),
             None => None,
         };
+        // Where the linear model promises nothing of an effect that it knows well, no other start will make good so much.
+        let is_known = !h.cause.has_rough_law() && h.cause != Cause::FreePlay;
+        let is_vain = |found: &Fitted| is_known && !is_promised && found.ln_posterior() < least;
         let is_done = |found: &Fitted| {
-            found.is_settled()
+            is_vain(found)
+                || found.is_settled()
                 || found.ln_posterior() > base.ln_posterior()
                 || (target.is_beaten(found) && found.ln_posterior() > least)
         };
@@ -272,7 +288,7 @@ impl<'a, 'b> Tried<'a, 'b> {
         };
         // What the linear model promises of a large effect may be out of its reach.
         let found = match found {
-            Some(found) if found.ln_posterior() < least => {
+            Some(found) if found.ln_posterior() < least && !is_vain(&found) => {
                 let small: Vec<f64> = guesses.iter().map(|guess| SMALL * guess).collect();
                 let again = anew(h, &small, &base.x, alone);
                 if reached(&again) > Some(found.ln_posterior()) {
@@ -526,6 +542,7 @@ mod tests {
         let found = found.expect("it can be fitted");
         let mut stuck = (*found).clone();
         stuck.posterior.gain += 2.0 * STUCK;
+        let stuck = Arc::new(stuck);
         let reached = found.ln_posterior();
         let again = tried.anew((&none, &stuck), candidate, reached - 1.0);
         let again = again.expect("a fit from the deck");
