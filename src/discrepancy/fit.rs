@@ -261,7 +261,7 @@ pub(super) fn fit(
     data: Data,
 ) -> Option<Fitted> {
     match aimed(subject, chosen, warm, None, data, Target::NONE)? {
-        Fit::New(fitted) => Some(*fitted),
+        Fit::New(fitted) => Some(Arc::unwrap_or_clone(fitted)),
         Fit::Known => None,
     }
 }
@@ -329,9 +329,10 @@ impl<'a> Target<'a> {
 }
 
 /// How a fit ended.
+#[derive(Clone)]
 pub(super) enum Fit {
     /// Where no other did.
-    New(Box<Fitted>),
+    New(Arc<Fitted>),
     /// Where the known one of its target ended.
     Known,
 }
@@ -456,7 +457,7 @@ pub(super) fn aimed(
         thetas.push(theta.clone());
     }
     let (x, misfit, [jacobian, turned], linear) = settled.point.into_parts();
-    Some(Fit::New(Box::new(Fitted {
+    Some(Fit::New(Arc::new(Fitted {
         chosen: chosen.iter().map(|(h, _)| h.clone()).collect(),
         x,
         turned,

@@ -19,6 +19,7 @@ mod comparison;
 mod cross_validation;
 mod diagnose;
 mod diagnosis;
+mod ends;
 mod extended_deck;
 mod extension;
 mod findings;

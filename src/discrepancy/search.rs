@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 use std::sync::Arc;
 
-use super::fit::{Fit, Fitted, Target, aimed, fit, unguessed};
+use super::fit::{Fit, Fitted, Target, aimed, unguessed};
 use super::hypothesis::Hypothesis;
 use super::scan::{Catalogue, Promise, Weighed};
 use super::stand_in::{StandIns, left_by_friction, loosened};
@@ -56,7 +56,7 @@ pub(super) fn resume(
             return None;
         };
         let is_better = again.ln_posterior() > known.ln_posterior() + ELSEWHERE;
-        is_better.then(|| Arc::<Fitted>::from(again))
+        is_better.then_some(again)
     };
     let none = better(none, &found.none);
     let best = better(best, &found.best);
@@ -183,14 +183,14 @@ impl<'a, 'b> Search<'a, 'b> {
         }
         let from = Some((&*best, best.x.as_slice()));
         let target = Target::beyond(known);
-        let again = aimed(self.tried.subject, &[], from, None, self.tried.data, target);
+        let again = self.tried.fitted(&[], from, None, target);
         let Some(Fit::New(again)) = again else {
             return best;
         };
         if again.ln_posterior() < known.ln_posterior() + ELSEWHERE {
             return best;
         }
-        self.none = Arc::from(again);
+        self.none = again;
         let none = Arc::clone(&self.none);
         self.tried.note(&none);
         let other = self.climbed(none);
@@ -209,9 +209,8 @@ impl<'a, 'b> Search<'a, 'b> {
         let from = Some((chosen, chosen.x.as_slice()));
         let causes = unguessed(chosen);
         self.tried.elsewhere = fits.to_vec();
-        let start = fit(self.tried.subject, &causes, from, self.tried.data);
+        let start = self.tried.to_its_end(&causes, from);
         if let Some(start) = start.filter(|start| start.ln_posterior() > none.ln_posterior()) {
-            let start = Arc::new(start);
             self.tried.note(&start);
             let start = self.pruned(start, 0);
             ends.push(self.climbed(start));
@@ -478,18 +477,10 @@ impl<'a, 'b> Search<'a, 'b> {
                     - h.ln_prior_beside(&base.chosen),
                 ..Target::NONE
             };
-            let found = aimed(
-                self.tried.subject,
-                &all,
-                from,
-                None,
-                self.tried.data,
-                target,
-            );
+            let found = self.tried.fitted(&all, from, None, target);
             if let Some(Fit::New(found)) = found
                 && !found.has_wrong_sign(all.len() - 1)
             {
-                let found = Arc::<Fitted>::from(found);
                 self.tried.note(&found);
                 if found.ln_posterior() > best.ln_posterior() {
                     best = found;

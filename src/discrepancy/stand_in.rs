@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::fit::{Fit, Fitted, Target, aimed, unguessed};
+use super::fit::{Fit, Fitted, Target, unguessed};
 use super::hypothesis::Hypothesis;
 use super::remainder::{Unnamed, left_by_laws, unnamed};
 use super::tried::{BETTER, Tried};
@@ -170,18 +170,14 @@ fn standing_in(
         least: -0.5 * WILD * base.linear.objective(&base.sizes),
         ..Target::NONE
     };
-    let fitted = |all: &[(Hypothesis, Vec<f64>)], from: &Fitted, x: &[f64]| match aimed(
-        subject,
-        all,
-        Some((from, x)),
-        None,
-        tried.data,
-        target,
-    )? {
-        Fit::New(fitted) => Some(*fitted),
-        Fit::Known => None,
+    let mut fitted = |all: &[(Hypothesis, Vec<f64>)], from: &Fitted, x: &[f64]| {
+        let fit = tried.fitted(all, Some((from, x)), None, target)?;
+        match fit {
+            Fit::New(fitted) => Some(fitted),
+            Fit::Known => None,
+        }
     };
-    let begun = |x: &[f64]| fitted(&all, base, x).filter(|found| !target.is_astray(found));
+    let mut begun = |x: &[f64]| fitted(&all, base, x).filter(|found| !target.is_astray(found));
     let first = begun(&force.x).or_else(|| begun(&base.x))?;
     let mut again = unguessed(&first);
     if let Some((last, _)) = again.last_mut() {
@@ -190,7 +186,7 @@ fn standing_in(
     let second = (!target.is_beaten(&first)).then(|| fitted(&again, &first, &first.x));
     let second = second.flatten();
     let better = second.filter(|second| second.ln_posterior() > first.ln_posterior());
-    let found = Arc::new(better.unwrap_or(first));
+    let found = better.unwrap_or(first);
     tried.note(&found);
     Some(found)
 }

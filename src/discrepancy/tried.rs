@@ -1,13 +1,15 @@
-//! Models that were fitted on the way of a search: none is fitted twice from the same start.
+//! Models that were fitted on the way of a search.
 
 use std::sync::Arc;
 
 use super::cause::Cause;
-use super::fit::{Fit, Fitted, Target, aimed, fit, unguessed};
+use super::ends::{Ends, Start};
+use super::fit::{Fit, Fitted, Target, aimed, unguessed};
 use super::hypothesis::{Hypothesis, Number, Unknown};
 use super::scan::Weighed;
 use super::subject::{Data, Subject};
 use super::visited::{Visited, same_laws, same_set};
+use crate::tolerance::Sizes;
 
 /// Slip lengths are tried again at these parts of themselves.
 const SLIPS: [f64; 2] = [0.4, 2.0];
@@ -33,12 +35,10 @@ pub(super) struct Tried<'a, 'b> {
     added: Vec<(Arc<Fitted>, Hypothesis, Arc<Fitted>)>,
     /// The same where the cause came out with the wrong sign.
     wrong: Vec<(Arc<Fitted>, Hypothesis, Arc<Fitted>)>,
-    /// The same of fits that stopped short, and the lead that stopped them.
-    stopped: Vec<(Arc<Fitted>, Hypothesis, Option<Arc<Fitted>>, f64)>,
-    /// Fits that were stuck, what was found where they began anew from the deck, and the lead that this was to reach.
-    unstuck: Vec<(Arc<Fitted>, Option<Arc<Fitted>>, f64)>,
     /// Models, and further sliders that began with half of a force there.
     halved: Vec<(Arc<Fitted>, Hypothesis)>,
+    /// How all fits ended.
+    ends: Ends,
 }
 
 impl<'a, 'b> Tried<'a, 'b> {
@@ -52,9 +52,37 @@ impl<'a, 'b> Tried<'a, 'b> {
             begun: Vec::new(),
             added: Vec::new(),
             wrong: Vec::new(),
-            stopped: Vec::new(),
-            unstuck: Vec::new(),
+            ends: Ends::default(),
             halved: Vec::new(),
+        }
+    }
+
+    /// A fit for a target, `sizes` of tolerances from there if not from `from`, unless it was made from the same start.
+    pub(super) fn fitted(
+        &mut self,
+        causes: &[(Hypothesis, Vec<f64>)],
+        from: Option<(&Fitted, &[f64])>,
+        sizes: Option<&Sizes>,
+        target: Target<'_>,
+    ) -> Option<Fit> {
+        let start = Start::new(causes, from, sizes);
+        if let Some(known) = self.ends.of(&start, &target) {
+            return known;
+        }
+        let fit = aimed(self.subject, causes, from, sizes, self.data, target);
+        self.ends.note(start, &target, fit.as_ref());
+        fit
+    }
+
+    /// The same without a target.
+    pub(super) fn to_its_end(
+        &mut self,
+        causes: &[(Hypothesis, Vec<f64>)],
+        from: Option<(&Fitted, &[f64])>,
+    ) -> Option<Arc<Fitted>> {
+        match self.fitted(causes, from, None, Target::NONE)? {
+            Fit::New(found) => Some(found),
+            Fit::Known => None,
         }
     }
 
@@ -81,20 +109,13 @@ impl<'a, 'b> Tried<'a, 'b> {
             return Some(Arc::clone(known));
         }
         let known = of_base.find(|(added, _)| added.is_law_of(h));
-        let mut stopped = self.stopped.iter();
-        // A better lead would stop it no later.
-        let stopped = stopped
-            .find(|(of, added, _, by)| Arc::ptr_eq(of, base) && added.same(h) && *by <= lead);
-        if let Some((_, _, found, _)) = stopped {
-            return found.clone();
-        }
         let known = known.map(|(_, found)| Arc::clone(found));
         let mut wrong = self.wrong.iter();
         let wrong = wrong.find(|(of, added, _)| Arc::ptr_eq(of, base) && added.is_law_of(h));
-        let wrong = wrong.map(|(.., found)| found);
+        let wrong = wrong.map(|(.., found)| Arc::clone(found));
         let target = Target {
             lead: lead - base.ln_prior() - h.ln_prior_beside(&base.chosen),
-            known: known.as_ref().or(wrong).map(|known| &**known),
+            known: known.as_deref().or(wrong.as_deref()),
             ..Target::NONE
         };
         // Forms of a slider that differ in their first guess come to the same here.
@@ -109,7 +130,6 @@ impl<'a, 'b> Tried<'a, 'b> {
         }
         let found = match self.added_to(base, (h, weighed), halves, target) {
             Some(Fit::New(found)) => {
-                let found: Arc<Fitted> = Arc::from(found);
                 let is_wrong = found.has_wrong_sign(base.chosen.len());
                 if is_wrong && found.is_settled() {
                     let wrong = (Arc::clone(base), h.clone(), Arc::clone(&found));
@@ -120,12 +140,7 @@ impl<'a, 'b> Tried<'a, 'b> {
             Some(Fit::Known) => known,
             None => None,
         };
-        let found = self.continued(base, h, found, lead);
-        if !found.as_ref().is_some_and(|found| found.is_settled()) {
-            let stopped = (Arc::clone(base), h.clone(), found.clone(), lead);
-            self.stopped.push(stopped);
-        }
-        let found = found?;
+        let found = self.continued(base, h, found, lead)?;
         if found.is_settled() {
             let known = (Arc::clone(base), h.clone(), Arc::clone(&found));
             self.added.push(known);
@@ -141,7 +156,7 @@ impl<'a, 'b> Tried<'a, 'b> {
     /// The better of a fit of `base` with friction and one that begins where a search of other cases ended with the same causes: that one
     /// may have crossed kinks for it.
     fn continued(
-        &self,
+        &mut self,
         base: &Fitted,
         h: &Hypothesis,
         found: Option<Arc<Fitted>>,
@@ -159,7 +174,8 @@ impl<'a, 'b> Tried<'a, 'b> {
         };
         let same = self.elsewhere.iter().filter(is_same);
         let start = same.max_by(|a, b| a.ln_posterior().total_cmp(&b.ln_posterior()));
-        let Some((start, at)) = start.and_then(|start| Some((start, own(start)?))) else {
+        let Some((start, at)) = start.and_then(|start| Some((Arc::clone(start), own(start)?)))
+        else {
             return found;
         };
         let mut all = unguessed(base);
@@ -170,14 +186,14 @@ impl<'a, 'b> Tried<'a, 'b> {
             known: found.as_deref(),
             ..Target::NONE
         };
-        let from = Some((&**start, start.x.as_slice()));
-        let again = match aimed(self.subject, &all, from, None, self.data, target) {
+        let from = Some((&*start, start.x.as_slice()));
+        let again = match self.fitted(&all, from, None, target) {
             Some(Fit::New(again)) if !again.has_wrong_sign(all.len() - 1) => again,
             _ => return found,
         };
         match found {
             Some(found) if found.ln_posterior() >= again.ln_posterior() => Some(found),
-            _ => Some(Arc::from(again)),
+            _ => Some(again),
         }
     }
 
@@ -186,7 +202,7 @@ impl<'a, 'b> Tried<'a, 'b> {
     /// where that is no better.
     pub(super) fn anew(
         &mut self,
-        (base, found): (&Fitted, &Arc<Fitted>),
+        (base, found): (&Fitted, &Fitted),
         (h, weighed): (&Hypothesis, &Weighed),
         lead: f64,
     ) -> Option<Arc<Fitted>> {
@@ -194,57 +210,39 @@ impl<'a, 'b> Tried<'a, 'b> {
         if found.posterior.gain < STUCK || promise < lead || h.with.is_some() {
             return None;
         }
-        let mut unstuck = self.unstuck.iter();
-        if let Some((_, again, _)) =
-            unstuck.find(|(of, _, by)| Arc::ptr_eq(of, found) && *by <= lead)
-        {
-            return again.clone();
-        }
         let mut all = unguessed(base);
         all.push((h.clone(), weighed.guesses.clone()));
         let target = Target {
             lead: lead - found.ln_prior(),
             ..Target::NONE
         };
-        let again = match aimed(self.subject, &all, None, None, self.data, target) {
-            Some(Fit::New(again)) => Some(Arc::<Fitted>::from(again)),
-            _ => None,
+        let Some(Fit::New(again)) = self.fitted(&all, None, None, target) else {
+            return None;
         };
-        let again = again.filter(|again| {
-            again.ln_posterior() > found.ln_posterior() && !again.has_wrong_sign(base.chosen.len())
-        });
-        if let Some(again) = &again {
-            self.note(again);
+        let is_better = again.ln_posterior() > found.ln_posterior();
+        if !is_better || again.has_wrong_sign(base.chosen.len()) {
+            return None;
         }
-        let unstuck = (Arc::clone(found), again.clone(), lead);
-        self.unstuck.push(unstuck);
-        again
+        self.note(&again);
+        Some(again)
     }
 
     /// The fit with one more cause, begun where the linear model puts it.
     fn added_to(
-        &self,
+        &mut self,
         base: &Fitted,
         (h, weighed): (&Hypothesis, &Weighed),
         halved: Option<Halved>,
         target: Target<'_>,
     ) -> Option<Fit> {
-        let begun = |h: &Hypothesis, guesses: &[f64], x: &[f64], target: Target<'_>| {
+        let mut begun = |h: &Hypothesis, guesses: &[f64], x: &[f64], target: Target<'_>| {
             let mut all = unguessed(base);
             all.push((h.clone(), guesses.to_vec()));
-            let (from, sizes) = (Some((base, x)), Some(&weighed.sizes));
-            aimed(self.subject, &all, from, sizes, self.data, target)
+            self.fitted(&all, Some((base, x)), Some(&weighed.sizes), target)
         };
         let alone = Target {
             known: None,
             ..target
-        };
-        let anew = |h: &Hypothesis, guesses: &[f64], x: &[f64], target: Target<'_>| {
-            let found = begun(h, guesses, x, target)?;
-            match found {
-                Fit::New(fitted) => Some(*fitted),
-                Fit::Known => None,
-            }
         };
         let guesses = &weighed.guesses;
         // With the cause in the model it cannot be far worse than without.
@@ -262,8 +260,15 @@ impl<'a, 'b> Tried<'a, 'b> {
         // If the step of the linear model leads astray, begin where the fit without the cause ended.
         let found = match begun(h, guesses, &weighed.x, target.above(begin)) {
             Some(Fit::Known) => return Some(Fit::Known),
-            Some(Fit::New(found)) => Some(*found),
+            Some(Fit::New(found)) => Some(found),
             None => None,
+        };
+        let mut anew = |h: &Hypothesis, guesses: &[f64], x: &[f64], target: Target<'_>| {
+            let found = begun(h, guesses, x, target)?;
+            match found {
+                Fit::New(fitted) => Some(fitted),
+                Fit::Known => None,
+            }
         };
         // Where the linear model promises nothing of an effect that it knows well, no other start will make good so much.
         let is_known = !h.cause.has_rough_law() && h.cause != Cause::FreePlay;
@@ -274,7 +279,7 @@ impl<'a, 'b> Tried<'a, 'b> {
                 || found.ln_posterior() > base.ln_posterior()
                 || (target.is_beaten(found) && found.ln_posterior() > least)
         };
-        let reached = |f: &Option<Fitted>| f.as_ref().map(Fitted::ln_posterior);
+        let reached = |f: &Option<Arc<Fitted>>| f.as_ref().map(|f| f.ln_posterior());
         let found = match found {
             Some(found) if is_done(&found) => Some(found),
             astray => {
@@ -316,10 +321,10 @@ impl<'a, 'b> Tried<'a, 'b> {
                     && (found.has_wrong_sign(last) || again.ln_posterior() > found.ln_posterior())
             });
             if let Some(again) = again {
-                return Some(Fit::New(Box::new(again)));
+                return Some(Fit::New(again));
             }
         }
-        Some(Fit::New(Box::new(found)))
+        Some(Fit::New(found))
     }
 
     /// The best fits with friction at other places beside a model than a winner's, if no worse than `least`.
@@ -365,13 +370,12 @@ impl<'a, 'b> Tried<'a, 'b> {
                 let chosen = unguessed(&current);
                 let target = Target::beyond(&current);
                 let from = Some((&*current, x.as_slice()));
-                let found = aimed(self.subject, &chosen, from, None, self.data, target);
-                let Some(Fit::New(found)) = found else {
+                let Some(Fit::New(found)) = self.fitted(&chosen, from, None, target) else {
                     continue;
                 };
                 let is_better = found.ln_posterior() > current.ln_posterior() + BETTER;
                 if is_better && !found.has_wrong_sign(at) {
-                    current = Arc::from(found);
+                    current = found;
                     self.note(&current);
                 }
             }
@@ -443,10 +447,8 @@ impl<'a, 'b> Tried<'a, 'b> {
         all.remove(at);
         let from = Some((&**fitted, fitted.x.as_slice()));
         let target = Target::beyond(&known);
-        let again = match aimed(self.subject, &all, from, None, self.data, target) {
-            Some(Fit::New(again)) if again.ln_posterior() > known.ln_posterior() + BETTER => {
-                Arc::<Fitted>::from(again)
-            }
+        let again = match self.fitted(&all, from, None, target) {
+            Some(Fit::New(again)) if again.ln_posterior() > known.ln_posterior() + BETTER => again,
             _ => return Some(known),
         };
         self.note(&again);
@@ -476,11 +478,14 @@ impl<'a, 'b> Tried<'a, 'b> {
         };
         let of_laws = |f: &&Arc<Fitted>| f.is_settled() && same_laws(&f.chosen, &causes);
         let elsewhere = self.elsewhere.iter().find(of_laws);
-        let start = elsewhere.unwrap_or(fitted);
-        let causes = elsewhere.map_or(causes, |start| start.chosen.clone());
+        let elsewhere = elsewhere.cloned();
+        let start = elsewhere.as_ref().unwrap_or(fitted);
+        let causes = elsewhere
+            .as_ref()
+            .map_or(causes, |start| start.chosen.clone());
         let all: Vec<_> = causes.into_iter().map(zeros).collect();
         let from = Some((&**start, start.x.as_slice()));
-        let found = Arc::new(fit(self.subject, &all, from, self.data)?);
+        let found = self.to_its_end(&all, from)?;
         self.note(&found);
         self.begun.push((Arc::clone(&found), Arc::clone(fitted)));
         Some(found)
@@ -542,7 +547,6 @@ mod tests {
         let found = found.expect("it can be fitted");
         let mut stuck = (*found).clone();
         stuck.posterior.gain += 2.0 * STUCK;
-        let stuck = Arc::new(stuck);
         let reached = found.ln_posterior();
         let again = tried.anew((&none, &stuck), candidate, reached - 1.0);
         let again = again.expect("a fit from the deck");
