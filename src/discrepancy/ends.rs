@@ -54,12 +54,11 @@ impl Ends {
                 lead: end.lead,
                 ..Target::NONE
             };
-            let is_like = match &end.fit {
+            let is_over = match &end.fit {
                 Some(Fit::New(fit)) => is_as_hard || (fit.is_settled() && !own.is_beaten(fit)),
-                Some(Fit::Known) => end.known.as_deref() == known,
-                None => true,
+                Some(Fit::Known) | None => true,
             };
-            is_like && end.start == *start
+            is_over && end.known.as_deref() == known && end.start == *start
         };
         self.0.iter().find(counts).map(|end| end.fit.clone())
     }
