@@ -74,3 +74,47 @@ impl Ends {
         });
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::progress::Progress;
+    use super::super::scan::Catalogue;
+    use super::super::sought::tests::{of_the_axle, shipped_axle};
+    use super::super::subject::Data;
+    use super::super::tried::Tried;
+    use super::*;
+
+    /// A fit that was to reach more stopped short; one that has to reach less goes on from the same start, and is not made again.
+    #[test]
+    fn a_fit_is_made_again_only_for_a_target_that_is_less_hard() {
+        let loaded = shipped_axle();
+        let problem = loaded.problem();
+        let (mut subject, none) = of_the_axle(&problem);
+        let progress = Progress::default();
+        subject.watched_by(&progress);
+        let catalogue = Catalogue::new(&subject, &none);
+        let mut smooth = catalogue.hypotheses.iter();
+        let smooth = smooth.find(|h| !h.cause.has_rough_law() && h.numbers.len() == 1);
+        let far = vec![(smooth.expect("a cause of one number").clone(), vec![3.0])];
+        let mut tried = Tried::new(&subject, Data::All);
+        let mut reached = |lead: f64| {
+            let target = Target {
+                lead,
+                ..Target::NONE
+            };
+            let from = Some((&none, none.x.as_slice()));
+            let Some(Fit::New(found)) = tried.fitted(&far, from, None, target) else {
+                panic!("it can be fitted");
+            };
+            (found.posterior.gain, progress.sweeps())
+        };
+        let best = none.posterior.ln_z;
+        let (short, first) = reached(best + 1e6);
+        let (harder, second) = reached(best + 2e6);
+        assert_eq!((harder, second), (short, first));
+        let (end, third) = reached(f64::NEG_INFINITY);
+        assert!(end < short && third > second, "{end} {short}");
+        let (again, fourth) = reached(best);
+        assert_eq!((again, fourth), (end, third));
+    }
+}

@@ -1,3 +1,4 @@
+use super::super::fit::fit;
 use super::*;
 use crate::discrepancy::sought::tests::{of_the_axle, shipped_axle};
 
