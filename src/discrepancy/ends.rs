@@ -30,14 +30,14 @@ impl Start {
 }
 
 /// A fit that was made.
-struct End {
+pub(super) struct End {
     start: Start,
     /// What it was measured by,
     lead: f64,
     least: f64,
     known: Option<Vec<f64>>,
     /// and how it ended; `None` where it could not be made.
-    fit: Option<Fit>,
+    pub fit: Option<Fit>,
 }
 
 /// Fits that were made on the same readings.
@@ -46,7 +46,7 @@ pub(super) struct Ends(Vec<End>);
 
 impl Ends {
     /// How the fit from a start ended. One that stopped short of its end counts where its target was no harder: it would stop no later now.
-    pub(super) fn of(&self, start: &Start, target: &Target<'_>) -> Option<Option<Fit>> {
+    pub(super) fn of(&self, start: &Start, target: &Target<'_>) -> Option<&End> {
         let known = target.known.map(|known| known.x.as_slice());
         let counts = |end: &&End| {
             let is_as_hard = target.lead >= end.lead && target.least >= end.least;
@@ -60,7 +60,7 @@ impl Ends {
             };
             is_over && end.known.as_deref() == known && end.start == *start
         };
-        self.0.iter().find(counts).map(|end| end.fit.clone())
+        self.0.iter().find(counts)
     }
 
     /// Takes note of how a fit ended.

@@ -209,7 +209,7 @@ impl<'a, 'b> Search<'a, 'b> {
         let from = Some((chosen, chosen.x.as_slice()));
         let causes = unguessed(chosen);
         self.tried.elsewhere = fits.to_vec();
-        let start = self.tried.to_its_end(&causes, from);
+        let start = self.tried.settled(&causes, from);
         if let Some(start) = start.filter(|start| start.ln_posterior() > none.ln_posterior()) {
             self.tried.note(&start);
             let start = self.pruned(start, 0);

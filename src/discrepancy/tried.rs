@@ -67,7 +67,7 @@ impl<'a, 'b> Tried<'a, 'b> {
     ) -> Option<Fit> {
         let start = Start::new(causes, from, sizes);
         if let Some(known) = self.ends.of(&start, &target) {
-            return known;
+            return known.fit.clone();
         }
         let fit = aimed(self.subject, causes, from, sizes, self.data, target);
         self.ends.note(start, &target, fit.as_ref());
@@ -75,7 +75,7 @@ impl<'a, 'b> Tried<'a, 'b> {
     }
 
     /// The same without a target.
-    pub(super) fn to_its_end(
+    pub(super) fn settled(
         &mut self,
         causes: &[(Hypothesis, Vec<f64>)],
         from: Option<(&Fitted, &[f64])>,
@@ -485,7 +485,7 @@ impl<'a, 'b> Tried<'a, 'b> {
             .map_or(causes, |start| start.chosen.clone());
         let all: Vec<_> = causes.into_iter().map(zeros).collect();
         let from = Some((&**start, start.x.as_slice()));
-        let found = self.to_its_end(&all, from)?;
+        let found = self.settled(&all, from)?;
         self.note(&found);
         self.begun.push((Arc::clone(&found), Arc::clone(fitted)));
         Some(found)
