@@ -1,4 +1,4 @@
-//! How the fits of a search ended, by where they began: none is made twice from the same start.
+//! Where the fits of a search began and how they ended, so that none is made twice.
 
 use super::fit::{Fit, Fitted, Target};
 use super::hypothesis::Hypothesis;
@@ -45,7 +45,7 @@ pub(super) struct End {
 pub(super) struct Ends(Vec<End>);
 
 impl Ends {
-    /// How the fit from a start ended. One that stopped short of its end counts where its target was no harder: it would stop no later now.
+    /// The fit from a start, if it was made. One that stopped short counts where its target was no harder: now it would stop no later.
     pub(super) fn of(&self, start: &Start, target: &Target<'_>) -> Option<&End> {
         let known = target.known.map(|known| known.x.as_slice());
         let counts = |end: &&End| {
@@ -84,7 +84,7 @@ mod tests {
     use super::super::tried::Tried;
     use super::*;
 
-    /// A fit that was to reach more stopped short; one that has to reach less goes on from the same start, and is not made again.
+    /// A fit with a target out of reach stops short. It is made again for a nearer target, and then not again.
     #[test]
     fn a_fit_is_made_again_only_for_a_target_that_is_less_hard() {
         let loaded = shipped_axle();

@@ -72,8 +72,7 @@ fn piece(change: &Change) -> Option<(u32, u32)> {
 }
 
 /// A state of one deck as a first guess for another that has the same parts and joints and perhaps some more parts. A piece is where
-/// the same piece was, or where the part was that it belonged to: a rigid link that is elsewhere by its own length would pull with
-/// more than any load.
+/// the same piece was, or where the part was that it belongs to: anywhere else its stiff bushing would pull with more than any load.
 pub(super) fn like(deck: &ExtendedDeck, state: &State, theirs: &ExtendedDeck) -> State {
     if std::ptr::eq(deck, theirs) {
         return state.clone();
@@ -106,7 +105,7 @@ mod tests {
     use super::super::sought::tests::{of_the_axle, shipped_axle};
     use super::*;
 
-    /// Angles in degrees, as in this deck, are no round numbers in radians, in which the piece is written.
+    /// The angles of this deck are in degrees. The piece is written in radians, whose last digits are cut off.
     #[test]
     fn a_piece_begins_where_its_part_is() {
         let loaded = shipped_axle();

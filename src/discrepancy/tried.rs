@@ -57,7 +57,8 @@ impl<'a, 'b> Tried<'a, 'b> {
         }
     }
 
-    /// A fit for a target, `sizes` of tolerances from there if not from `from`, unless it was made from the same start.
+    /// A fit for a target, with the `sizes` of tolerances given or else those of `from`. One that was made from the same start is not made
+    /// again.
     pub(super) fn fitted(
         &mut self,
         causes: &[(Hypothesis, Vec<f64>)],
@@ -270,9 +271,9 @@ impl<'a, 'b> Tried<'a, 'b> {
                 Fit::Known => None,
             }
         };
-        // Where the linear model promises nothing of an effect that it knows well, no other start will make good so much.
-        let is_known = !h.cause.has_rough_law() && h.cause != Cause::FreePlay;
-        let is_vain = |found: &Fitted| is_known && !is_promised && found.ln_posterior() < least;
+        // The linear model knows a smooth effect well: where it promises nothing, no other start makes up for so much.
+        let is_smooth = !h.cause.has_rough_law() && h.cause != Cause::FreePlay;
+        let is_vain = |found: &Fitted| is_smooth && !is_promised && found.ln_posterior() < least;
         let is_done = |found: &Fitted| {
             is_vain(found)
                 || found.is_settled()
