@@ -12,6 +12,9 @@ const CLOSE: (f64, f64) = (7.0, 3.0);
 const PACE: usize = 3;
 /// or, sizes of its own granted, to within so many nats after the first step. What is promised of a far way may be half of what it brings.
 const LOST: f64 = 200.0;
+/// A fit whose evidence rises by less than so many nats in so many steps goes in a circle: each step leads down at the sizes of tolerances
+/// where it begins, and those found at its end lead back.
+const STILL: (usize, f64) = (4, 0.2);
 /// A fit is on the way to a known end that its linear model puts within so many nats of its own.
 const SAME: f64 = 0.5;
 
@@ -74,5 +77,35 @@ impl Aim<'_> {
                 DVector::from_iterator(known.len(), known.iter().zip(x).map(|(k, x)| k - x));
             reached.above(&there) < SAME
         })
+    }
+}
+
+/// True where a fit goes in a circle: its last steps brought no more evidence than there was before them, and the last one of all
+/// brought it no nearer.
+pub(super) fn is_still(course: &[f64]) -> bool {
+    let Some(from) = course.len().checked_sub(STILL.0 + 1) else {
+        return false;
+    };
+    let most = course[from] + STILL.1;
+    let last = &course[course.len() - 2..];
+    last[1] < last[0] + STILL.1 && course[from + 1..].iter().all(|own| *own < most)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The evidence of a fit that went up and down between two ends is still; of one that was set back by exact derivatives and rises again
+    /// it is not.
+    #[test]
+    fn a_fit_that_goes_in_a_circle_is_still() {
+        let circle = [
+            -808.9, -799.1, -799.0, -798.9, -798.9, -798.8, -798.9, -799.4,
+        ];
+        assert!(is_still(&circle));
+        assert!(!is_still(&circle[..5]));
+        let set_back = [-830.0, -819.4, -825.0, -823.0, -821.0, -820.0];
+        assert!(!is_still(&set_back));
+        assert!(!is_still(&[-20.0, -15.0, -11.0]));
     }
 }

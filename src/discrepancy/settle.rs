@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::aim::Aim;
+use super::aim::{Aim, is_still};
 use super::unknowns::{RowColumn, Unknowns};
 use crate::identify::global::gauss_newton::{LeastSquares, approach};
 use crate::identify::global::{Evaluation, FitUnknowns, NativePredictor, Observations, Predictor};
@@ -383,7 +383,7 @@ impl Sweep<'_> {
             if aim.is_known(&here.x, &reached) {
                 return Some(End::Known);
             }
-            let is_over = step_number >= steps || slow == SLOW;
+            let is_over = step_number >= steps || slow == SLOW || is_still(&course);
             if reached.gain < ENOUGH || is_over || hopeless {
                 if here.is_exact || hopeless {
                     return Settled::end(here, sizes);
