@@ -200,9 +200,10 @@ impl<'a> Folds<'a> {
         if let Some((_, refits)) = self.known.borrow().iter().find(is_own) {
             return Rc::clone(refits);
         }
-        let residual = fitted.turned_residual();
+        let (jacobian, residual) = (fitted.turned(), fitted.turned_residual());
         let without = |left_out: &Vec<bool>| {
-            let (misfit, ln_z) = fitted.evidence_without(&residual, left_out)?;
+            let rows = (&jacobian, &residual);
+            let (misfit, ln_z) = fitted.evidence_without(rows, left_out)?;
             Some(Refit { misfit, ln_z })
         };
         let refits: Rc<Refits> = Rc::new(self.left_out.iter().map(without).collect());

@@ -46,8 +46,6 @@ pub struct Fitted {
     pub jacobian: DMatrix<f64>,
     /// What turned the rows.
     pub whitening: Arc<Whitening>,
-    /// The Jacobian of turned rows.
-    pub turned: DMatrix<f64>,
     /// The linear model.
     pub linear: Arc<Linear>,
     /// Sizes of tolerances.
@@ -91,7 +89,7 @@ impl Fitted {
         let weights = self.whitening.weights(&sizes.ln);
         let end = &self.misfit + &self.jacobian * &posterior.step;
         let residual = self.whitening.apply_vector(&-end).component_mul(&weights);
-        let mut jacobian = self.turned.clone();
+        let mut jacobian = self.turned();
         for (mut row, weight) in jacobian.row_iter_mut().zip(weights.iter()) {
             row *= *weight;
         }
@@ -195,7 +193,8 @@ impl Fitted {
             effect.axpy(self.x[*at], &self.jacobian.column(*at), 1.0);
         }
         let weights = self.whitening.weights(&self.sizes.ln);
-        let mut own = self.turned.columns(0, stiffnesses).into_owned();
+        let own = self.jacobian.columns(0, stiffnesses).into_owned();
+        let mut own = self.whitening.apply(&own);
         for (mut row, weight) in own.row_iter_mut().zip(weights.iter()) {
             row *= *weight;
         }
@@ -232,19 +231,23 @@ impl Fitted {
         Some((misfit, posterior))
     }
 
+    /// The Jacobian of turned rows, made anew: searches keep many fits.
+    pub fn turned(&self) -> DMatrix<f64> {
+        self.whitening.apply(&self.jacobian)
+    }
+
     /// Turned rows of reading minus prediction.
     pub fn turned_residual(&self) -> DVector<f64> {
         self.whitening.apply_vector(&-&self.misfit)
     }
 
     /// The evidence of the same linear model without some rows, whose marks of one part and case go together, and what it leaves of
-    /// all; `residual` are turned rows.
+    /// all. Jacobian and residual are those of turned rows.
     pub fn evidence_without(
         &self,
-        residual: &DVector<f64>,
+        rows: (&DMatrix<f64>, &DVector<f64>),
         left_out: &[bool],
     ) -> Option<(DVector<f64>, f64)> {
-        let rows = (&self.turned, residual);
         let linear = self.linear.without(&self.whitening, rows, left_out);
         let reached = linear.reached(&self.sizes, 0.0)?;
         let misfit = &self.misfit + &self.jacobian * &reached.step;
@@ -456,11 +459,10 @@ pub(super) fn aimed(
         states.push(state.clone());
         thetas.push(theta.clone());
     }
-    let (x, misfit, [jacobian, turned], linear) = settled.point.into_parts();
+    let (x, misfit, jacobian, linear) = settled.point.into_parts();
     Some(Fit::New(Arc::new(Fitted {
         chosen: chosen.iter().map(|(h, _)| h.clone()).collect(),
         x,
-        turned,
         misfit,
         jacobian,
         linear: Arc::new(linear),

@@ -62,7 +62,7 @@ impl Catalogue {
         let mut responses = survey.responses(&seen);
         let turned = |range: Range<usize>| fitted.whitening.apply(&responses.columns(range.len()));
         let residual = fitted.turned_residual();
-        let by_class = ByClass::new(&fitted.whitening, &fitted.turned);
+        let by_class = ByClass::new(&fitted.whitening, &fitted.turned());
         let mut next = 0;
         let range = |h: &Hypothesis| {
             let from = next;

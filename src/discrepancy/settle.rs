@@ -81,19 +81,18 @@ impl Point {
         change.tr_mul(&change)
     }
 
-    /// Unknowns, residual, its derivatives and those of turned rows, and the linear model.
-    pub(super) fn into_parts(self) -> (Vec<f64>, DVector<f64>, [DMatrix<f64>; 2], Linear) {
-        let (mut jacobian, mut turned) = match Arc::try_unwrap(self.derivatives) {
-            Ok(own) => (own.jacobian, own.turned),
-            Err(shared) => (shared.jacobian.clone(), shared.turned.clone()),
+    /// Unknowns, residual, its derivatives and the linear model.
+    pub(super) fn into_parts(self) -> (Vec<f64>, DVector<f64>, DMatrix<f64>, Linear) {
+        let mut jacobian = match Arc::try_unwrap(self.derivatives) {
+            Ok(own) => own.jacobian,
+            Err(shared) => shared.jacobian.clone(),
         };
-        if let Some((places, own)) = self.own {
+        if let Some((places, [own, _])) = self.own {
             for (k, place) in places.into_iter().enumerate() {
-                jacobian.set_column(place, &own[0].column(k));
-                turned.set_column(place, &own[1].column(k));
+                jacobian.set_column(place, &own.column(k));
             }
         }
-        (self.x, self.residual, [jacobian, turned], self.linear)
+        (self.x, self.residual, jacobian, self.linear)
     }
 }
 
