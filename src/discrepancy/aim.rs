@@ -80,8 +80,8 @@ impl Aim<'_> {
     }
 }
 
-/// True where a fit goes in a circle: its last steps brought no more evidence than there was before them, and the last one of all
-/// brought it no nearer.
+/// True where a fit goes in a circle: none of its last steps reached more evidence than there was before them. A fit whose last step
+/// raised the evidence may still come back from a setback.
 pub(super) fn is_still(course: &[f64]) -> bool {
     let Some(from) = course.len().checked_sub(STILL.0 + 1) else {
         return false;
@@ -95,8 +95,7 @@ pub(super) fn is_still(course: &[f64]) -> bool {
 mod tests {
     use super::*;
 
-    /// The evidence of a fit that went up and down between two ends is still; of one that was set back by exact derivatives and rises again
-    /// it is not.
+    /// A fit that goes up and down between two ends is still. One that exact derivatives set back, and that rises again, is not.
     #[test]
     fn a_fit_that_goes_in_a_circle_is_still() {
         let circle = [
