@@ -12,6 +12,7 @@ use super::folds::{Blind, HeldOutTest};
 use super::gain_check::GainCheck;
 use super::hypothesis::Hypothesis;
 use super::limits::{cause_limits, detection_limits};
+use super::load_errors::{self, ASKED, SHORT};
 use super::next_measurement::next_measurement;
 use super::progress::Progress;
 use super::remainder::{predicted, remainder};
@@ -87,51 +88,20 @@ pub fn diagnose_watched<'a>(
     check: GainCheck,
     progress: &Progress,
 ) -> Result<Outcome<'a>, IdentifyError> {
-    let mut subject = Subject::new(problem, held_out);
-    subject.watched_by(progress);
     let no_cases = || IdentifyError::NoCases(None);
-    let unfitted = subject.clone();
     let is_blind = check != GainCheck::Quick;
-    progress.begin("fitting the model as it is");
-    // That without the held-out cases comes first: the fit to all of them begins where it ends, and it owes them nothing.
-    let mut begun = Begun::without_held_out(&unfitted);
-    let known = begun.as_ref().map(|begun| &*begun.none);
-    let none = as_it_is(&mut subject, known, Data::All).ok_or_else(no_cases)?;
-    progress.begin("searching causes");
-    let mut search = Search::new(&subject, Arc::new(none), Data::All);
-    // The search without the held-out cases says what is gained. Where a cause acts for sure it comes first: this one begins where it ends.
-    let mut unseen = (is_blind && search.is_sure())
-        .then(|| Unseen::new(begun.take()?, progress))
-        .flatten();
-    let is_first = unseen.is_some();
-    if is_first {
-        progress.renew();
-        progress.begin("searching causes");
+    let mut unfitted = Subject::new(problem, held_out);
+    unfitted.watched_by(progress);
+    let mut searched = Searched::new(&unfitted, is_blind, progress).ok_or_else(no_cases)?;
+    if let Some((scattered, again)) = searched.with_load_errors(&unfitted, is_blind, progress) {
+        (unfitted, searched) = (scattered, again);
     }
-    // Beside a law that was met badly it would begin with what that law leaves.
-    let is_plain = |unseen: &&Unseen| unseen.chosen.chosen.iter().all(Hypothesis::is_plain);
-    let start = unseen.as_ref().filter(is_plain);
-    let is_second = start.is_none();
-    let mut sought = Sought::new(match start {
-        Some(start) => search.ended_from(&start.chosen, start.fits()),
-        None => search.ended(),
-    });
-    progress.begin("testing what was found");
-    let mut tested = structure(&subject, &sought.leading);
-    let is_explained = !unexplained(&tested).structured;
-    if !is_first && (!is_explained || (is_blind && !sought.leading.chosen.is_empty())) {
-        unseen = begun.and_then(|begun| Unseen::new(begun, progress));
-    }
-    // Where this search did not begin there, that one gives a second start.
-    if is_second
-        && let Some(unseen) = &unseen
-        && sought.resume(&subject, unseen.models(), Data::All)
-    {
-        tested = structure(&subject, &sought.leading);
-    }
-    if unexplained(&tested).structured && sought.with_tails(&mut subject) {
-        tested = structure(&subject, &sought.leading);
-    }
+    let Searched {
+        subject,
+        sought,
+        tested,
+        mut unseen,
+    } = searched;
     let Sought { found, leading } = sought;
     let none = Arc::clone(&found.none);
     let structures = [structure(&subject, &none), tested];
@@ -253,6 +223,116 @@ pub fn diagnose_watched<'a>(
     })
 }
 
+/// A search of all cases, and one without those held out.
+struct Searched<'a> {
+    /// The study, its readings weighed.
+    subject: Subject<'a>,
+    /// What the search of all cases ended with.
+    sought: Sought,
+    /// Tests of structure in what its leading model leaves.
+    tested: Vec<StructureTest>,
+    /// What the other one chose and predicts.
+    unseen: Option<Unseen>,
+}
+
+impl<'a> Searched<'a> {
+    /// `None` where the deck cannot be solved.
+    fn new(unfitted: &Subject<'a>, is_blind: bool, progress: &Progress) -> Option<Self> {
+        let mut subject = unfitted.clone();
+        progress.begin("fitting the model as it is");
+        // That without the held-out cases comes first: the fit to all of them begins where it ends, and it owes them nothing.
+        let mut begun = Begun::without_held_out(unfitted);
+        let known = begun.as_ref().map(|begun| &*begun.none);
+        let none = as_it_is(&mut subject, known, Data::All)?;
+        progress.begin("searching causes");
+        let mut search = Search::new(&subject, Arc::new(none), Data::All);
+        // The search without the held-out cases says what is gained. Where a cause acts for sure it comes first: this one begins where it ends.
+        let mut unseen = (is_blind && search.is_sure())
+            .then(|| Unseen::new(begun.take()?, progress))
+            .flatten();
+        let is_first = unseen.is_some();
+        if is_first {
+            progress.renew();
+            progress.begin("searching causes");
+        }
+        // Beside a law that was met badly it would begin with what that law leaves.
+        let is_plain = |unseen: &&Unseen| unseen.chosen.chosen.iter().all(Hypothesis::is_plain);
+        let start = unseen.as_ref().filter(is_plain);
+        let is_second = start.is_none();
+        let mut sought = Sought::new(match start {
+            Some(start) => search.ended_from(&start.chosen, start.fits()),
+            None => search.ended(),
+        });
+        progress.begin("testing what was found");
+        let mut tested = structure(&subject, &sought.leading);
+        let is_explained = !unexplained(&tested).structured;
+        if !is_first && (!is_explained || (is_blind && !sought.leading.chosen.is_empty())) {
+            unseen = begun.and_then(|begun| Unseen::new(begun, progress));
+        }
+        // Where this search did not begin there, that one gives a second start.
+        if is_second
+            && let Some(unseen) = &unseen
+            && sought.resume(&subject, unseen.models(), Data::All)
+        {
+            tested = structure(&subject, &sought.leading);
+        }
+        if unexplained(&tested).structured && sought.with_tails(&mut subject) {
+            tested = structure(&subject, &sought.leading);
+        }
+        Some(Self {
+            subject,
+            sought,
+            tested,
+            unseen,
+        })
+    }
+
+    /// The same with errors of loads in single cases among the tolerances, where that makes the readings more probable.
+    fn with_load_errors(
+        &self,
+        unfitted: &Subject<'a>,
+        is_blind: bool,
+        progress: &Progress,
+    ) -> Option<(Subject<'a>, Self)> {
+        let leading = &self.sought.leading;
+        let scattered = unfitted.with_load_errors()?;
+        // A force of an unknown law may have taken them up.
+        if self.is_plain() && load_errors::promised(&self.subject, leading) < ASKED {
+            return None;
+        }
+        progress.renew();
+        if scattered.is_spent() {
+            return None;
+        }
+        let again = Self::new(&scattered, is_blind, progress)?;
+        let other = &again.sought.leading;
+        let gained = other.ln_posterior() - leading.ln_posterior();
+        if load_errors::carried(other) < ASKED {
+            return None;
+        }
+        let is_better = if self.subject.tails == again.subject.tails {
+            let is_named = leading.chosen.iter().all(Hypothesis::is_named);
+            let least = if again.is_plain() && !is_named {
+                -SHORT
+            } else {
+                ASKED
+            };
+            gained > least
+        } else {
+            // Readings are weighed differently: evidence does not tell.
+            again.is_plain()
+                && !unexplained(&again.tested).structured
+                && other.chosen.len() <= leading.chosen.len()
+        };
+        is_better.then_some((scattered, again))
+    }
+
+    /// True if no force of an unknown law is in the leading model.
+    fn is_plain(&self) -> bool {
+        self.sought.leading.chosen.iter().all(Hypothesis::is_plain)
+    }
+}
+
 /// Sizes of tolerances as the report states them.
 pub(super) fn tolerances(
     subject: &Subject<'_>,
@@ -275,9 +355,12 @@ pub(super) fn tolerances(
         }
         let (scale, unit) = match group {
             Group::Axes | Group::LoadDirections => (1f64.to_degrees(), "deg"),
-            Group::LoadGains | Group::Preloads | Group::SpringRates | Group::KnownStiffnesses => {
-                (1.0, "fraction")
-            }
+            Group::LoadGains
+            | Group::LoadRepeatability
+            | Group::IdleLoads
+            | Group::Preloads
+            | Group::SpringRates
+            | Group::KnownStiffnesses => (1.0, "fraction"),
             _ => (1.0 / length, "mm"),
         };
         out.insert(

@@ -5,7 +5,7 @@
 //!
 //! One direction: `subject` (what was read, and its tolerances) and `hypothesis` (data) <- `unknowns`, `aim` <- `settle` <- `fit` <- `survey` <-
 //! `causes`, `columns` <- `scan` <- `search` (`stand_in` adds forces of unknown laws to it) <- `sought`, `foreseen` <- `folds` <- `unseen` <- `cross_validation`,
-//! `structure`, `gaussian_process` <- `remainder`, `averaged` <- `findings` <- `diagnose`, and what shows its outcome.
+//! `structure`, `gaussian_process` <- `remainder`, `averaged` <- `findings` <- `diagnose` (`load_errors` beside it), and what shows its outcome.
 //! What could be measured next goes beside: `candidate` <- `forecast` <- `prospect` <- `information` <- `rivals` <- `next_measurement`, `plan`.
 
 mod aim;
@@ -34,6 +34,7 @@ mod influence;
 mod information;
 mod jackknife;
 mod limits;
+mod load_errors;
 mod next_measurement;
 mod other_solver;
 mod plan;
@@ -51,6 +52,7 @@ mod stiffness;
 mod structure;
 mod subject;
 mod survey;
+mod tolerance_words;
 mod tolerant;
 mod trend;
 mod tried;

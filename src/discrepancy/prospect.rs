@@ -176,7 +176,13 @@ impl<'a, 'b> Prospect<'a, 'b> {
             for (column, change) in case.by_unknown.iter().enumerate() {
                 let of_the_rig = matches!(
                     self.fitted.priors[column].group,
-                    Some(Group::LoadGains | Group::LoadDirections | Group::LoadPoints)
+                    Some(
+                        Group::LoadGains
+                            | Group::LoadRepeatability
+                            | Group::IdleLoads
+                            | Group::LoadDirections
+                            | Group::LoadPoints
+                    )
                 );
                 if of_the_rig {
                     continue;

@@ -7,14 +7,20 @@ use crate::identify::Problem;
 use crate::identify::global::{Observations, Row};
 use crate::mechanics::Vec3;
 use crate::rig::settings::Loss;
-use crate::rig::{Measurement, ToleranceSettings};
-use crate::tolerance::{Layer, LayerOf, MarkBlock, Noise, Scale, Sizes, Tails, Whitening, spread};
+use crate::rig::{Measurement, Stated, ToleranceSettings};
+use crate::syntax::Address;
+use crate::tolerance::{
+    Group, Layer, LayerOf, MarkBlock, Noise, Scale, Size, Sizes, Tails, Whitening, scattering,
+    spread,
+};
 
 /// Precision of a reading whose residual Huber's loss weighs down: beyond so many standard deviations.
 const HUBER: f64 = 1.345;
 /// A reading is far out from so many standard deviations on; few are less than this part.
 const FAR: f64 = 4.0;
 const FEW: f64 = 0.03;
+/// Errors of loads in single cases are looked for where they are no more than so many.
+const LOAD_ERRORS: usize = 400;
 
 /// A study under diagnosis: what was read, how exact it is, and the tolerances it stands among.
 #[derive(Clone, Debug)]
@@ -53,17 +59,8 @@ impl<'a> Subject<'a> {
         let observations = Observations::new(measurement, problem.model, &cases);
         let (rows, sigma) = (observations.rows, observations.sigma);
         let noise = Noise::of(measurement);
-        let sought = |address: &crate::syntax::Address| {
-            let unknowns = problem.unknowns.iter();
-            unknowns
-                .clone()
-                .any(|u| u.address == *address || u.tied.contains(address))
-        };
-        let layer = Layer::of(&LayerOf {
-            model: problem.model,
-            programme: problem.programme,
-            is_sought: &sought,
-        });
+        let stated = matches!(problem.tolerances.load_repeatability, Stated::Size(s) if s > 0.0);
+        let layer = layer_of(problem, stated);
         let millimetre = 1e-3 / problem.model.units.length.si;
         let mut sizes = Sizes::new(problem.tolerances, measurement.sigma_on_parts, millimetre);
         if noise.estimated.is_none() && !measurement.parts.is_empty() {
@@ -96,6 +93,29 @@ impl<'a> Subject<'a> {
         (new.blocks, new.single) = placed(&new.rows, measurement, new.sigma, &seen);
         new.weigh(None);
         new
+    }
+
+    /// The same with errors of each load in each case by itself; `None` where the study states their size, where no force is applied, or
+    /// where they would be too many.
+    pub fn with_load_errors(&self) -> Option<Self> {
+        let problem = &self.problem;
+        if problem.tolerances.load_repeatability != Stated::Estimate
+            || self.sizes.group(Group::LoadRepeatability).is_some()
+        {
+            return None;
+        }
+        let loads = scattering(problem.model, problem.programme).len();
+        let count = loads * problem.programme.cases.len();
+        if count == 0 || count > LOAD_ERRORS {
+            return None;
+        }
+        let mut new = self.clone();
+        new.layer = Arc::new(layer_of(problem, true));
+        for (group, size) in Size::of_load_errors() {
+            new.sizes = new.sizes.with_group(group, size);
+        }
+        new.whitenings = Default::default();
+        Some(new)
     }
 
     /// Weighs all rows: marks by their own noise, outliers not at all; with the residuals of a fit also by their tails.
@@ -372,6 +392,20 @@ impl<'a> Subject<'a> {
     pub fn cases_held_out(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.held_out.len()).filter(|case| self.held_out[*case])
     }
+}
+
+/// The small errors of a study's axle and rig.
+fn layer_of(problem: &Problem<'_>, load_errors: bool) -> Layer {
+    let is_sought = |address: &Address| {
+        let mut unknowns = problem.unknowns.iter();
+        unknowns.any(|u| u.address == *address || u.tied.contains(address))
+    };
+    Layer::of(&LayerOf {
+        model: problem.model,
+        programme: problem.programme,
+        load_errors,
+        is_sought: &is_sought,
+    })
 }
 
 /// Which rows belong together: the marks of a part in a case, each with its way from their mean, and what stands alone.

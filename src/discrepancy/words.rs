@@ -3,7 +3,7 @@
 use super::cause::Cause;
 use super::channel_miss::ChannelMiss;
 use super::diagnose::Outcome;
-use super::diagnosis::{LAW_MISFIT, ToleranceFound};
+use super::diagnosis::LAW_MISFIT;
 use super::fit::Fitted;
 use super::folds::Blind;
 use super::hypothesis::Hypothesis;
@@ -14,8 +14,6 @@ use crate::text::Decimals;
 /// A bias is worth a sentence from so many of its standard errors on.
 const NOTABLE: f64 = 2.0;
 
-/// A size whose logarithm moves by less says nothing.
-const SEEN: f64 = 0.05;
 /// A place for what remains is named as a rival when it is so few nats behind.
 const RIVAL_PLACE: f64 = 5.0;
 /// So many failing tests are listed.
@@ -321,30 +319,7 @@ impl Outcome<'_> {
                 "{count} readings of marks are plainly wrong and are left out."
             ));
         }
-        // Where the readings do not see points their size stays where it was.
-        let seen = |size: &&ToleranceFound| libm::log(size.sd / size.usual).abs() > SEEN;
-        if let Some(points) = self.diagnosis.tolerances.get("hardpoints").filter(seen) {
-            let word = match points.sd / points.usual {
-                ratio if ratio < 2.0 => "usual for a production axle",
-                ratio if ratio < 4.0 => "much for a production axle",
-                _ => "more than a production axle has",
-            };
-            out.push(format!(
-                "The readings look as if hardpoints were {:.2} {} off, {word}.",
-                points.sd, points.unit
-            ));
-        }
-        if let Some(pose) = self.diagnosis.tolerances.get("pose-noise") {
-            let sigma = self.subject.mark_sigma() / self.subject.millimetre();
-            if pose.sd > sigma {
-                out.push(format!(
-                    "Whole parts are read {:.3} {} off in each case, {:.1} times the noise of a mark.",
-                    pose.sd,
-                    pose.unit,
-                    pose.sd / sigma
-                ));
-            }
-        }
+        out.extend(self.tolerances_in_words());
         out
     }
 

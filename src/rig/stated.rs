@@ -20,6 +20,8 @@ pub struct ToleranceSettings {
     pub hardpoints: Stated,
     /// Factor of each load, parts of one.
     pub load_gain: Stated,
+    /// Each load in each case by itself, parts of the largest value of that load.
+    pub load_repeatability: Stated,
     /// Direction of each load, degrees.
     pub load_direction_deg: Stated,
     /// Places of marks on their parts, mm.
@@ -47,6 +49,7 @@ impl ToleranceSettings {
         Self {
             hardpoints: stated("hardpoints"),
             load_gain: stated("load_gain"),
+            load_repeatability: stated("load_repeatability"),
             load_direction_deg: stated("load_direction_deg"),
             marks_on_parts: stated("marks_on_parts"),
             pose: stated("pose"),

@@ -2,6 +2,7 @@
 
 use super::effect::{EffectSpec, Reality, direction_of, held, points};
 use super::noise::Noise;
+use crate::backend::{Load, LoadProgramme};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::mechanics::Vec3;
 use crate::syntax::Address;
@@ -22,6 +23,8 @@ pub struct Tolerances {
     pub preload: f64,
     /// Of the gain of each load, relative.
     pub load_gain: f64,
+    /// Of each load in each case by itself, relative to the largest value of that load.
+    pub load_repeatability: f64,
     /// Of the turn of each load about each axis across it, degrees.
     pub load_direction_deg: f64,
     /// Of one coordinate of each mark on its part, constant over cases.
@@ -54,7 +57,7 @@ impl Tolerances {
     }
 
     /// Every size with its name.
-    fn named(&mut self) -> [(&'static str, &mut f64); 10] {
+    fn named(&mut self) -> [(&'static str, &mut f64); 11] {
         [
             ("hardpoints", &mut self.hardpoints),
             ("parts", &mut self.parts),
@@ -62,6 +65,7 @@ impl Tolerances {
             ("bushing_axis_deg", &mut self.bushing_axis_deg),
             ("preload", &mut self.preload),
             ("load_gain", &mut self.load_gain),
+            ("load_repeatability", &mut self.load_repeatability),
             ("load_direction_deg", &mut self.load_direction_deg),
             ("marks_on_parts", &mut self.marks_on_parts),
             ("pose", &mut self.pose),
@@ -140,6 +144,23 @@ impl Tolerances {
             }
         }
         texts.iter().map(|text| EffectSpec::parse(text)).collect()
+    }
+
+    /// Moves each load in each case away from what the table says. What a rig does not apply in any case it does not hold either.
+    pub(super) fn scatter(&self, seed: u64, programme: &mut LoadProgramme) {
+        let mut noise = Noise::new(seed, "load repeatability");
+        let is_force = |load: &Load| {
+            let kind = load.target.kind.as_str();
+            matches!(kind, "SFORCE" | "GFORCE" | "VFORCE" | "VTORQUE")
+        };
+        let forces: Vec<bool> = programme.loads.iter().map(is_force).collect();
+        for load in (0..forces.len()).filter(|load| forces[*load]) {
+            let values = programme.cases.iter().map(|case| case.values[load].abs());
+            let largest = values.fold(0.0, f64::max);
+            for case in &mut programme.cases {
+                case.values[load] += self.load_repeatability * largest * noise.normal();
+            }
+        }
     }
 
     /// The names of `[tolerances]` with what was asked for, for the truth.

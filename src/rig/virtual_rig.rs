@@ -126,6 +126,10 @@ pub(crate) fn virtual_rig_watched(
     for spec in tolerances.iter().chain(&options.effects).chain(&outliers) {
         plant(spec, &mut reality).map_err(|why| vec![why])?;
     }
+    // Gains and directions act on what is applied.
+    options
+        .tolerances
+        .scatter(options.seed, &mut reality.programme);
     let rest = at_rest(&reality, &measured, progress)?;
     let exact = options.sigma == Some(0.0);
     let read = Readings::new(&measured, &reality, &rest, options, exact);

@@ -15,6 +15,10 @@ pub enum Group {
     Axes,
     /// Factors of loads.
     LoadGains,
+    /// Loads in single cases in which they act, parts of the largest value of each.
+    LoadRepeatability,
+    /// The same where they are zero.
+    IdleLoads,
     /// Parts of one load that act along another.
     LoadDirections,
     /// Places of marks on their parts.
@@ -57,6 +61,12 @@ pub struct Size {
 
 /// Sizes that the user states are known so well.
 const STATED: f64 = 0.25;
+/// The usual error of a load in a single case, part of the largest value, and the most it may be; of one that is zero it is so much less.
+const REPEATED: f64 = 0.001;
+const MOST: f64 = 0.01;
+const IDLE: f64 = 0.3;
+/// Standard deviation of the logarithm of either.
+const LOOSE: f64 = 1.0;
 
 impl Size {
     fn new(usual: f64, ln_sd: f64) -> Self {
@@ -66,6 +76,20 @@ impl Size {
             ln_sd,
             bounds: (middle - 4.0 * ln_sd, middle + 2.5 * ln_sd),
         }
+    }
+
+    /// What load cells and their control leave from case to case; and where a load is zero.
+    pub(crate) fn of_load_errors() -> [(Group, Self); 2] {
+        [
+            (
+                Group::LoadRepeatability,
+                Self::new(REPEATED, LOOSE).at_most(MOST),
+            ),
+            (
+                Group::IdleLoads,
+                Self::new(IDLE * REPEATED, LOOSE).at_most(MOST),
+            ),
+        ]
     }
 
     fn at_most(mut self, most: f64) -> Self {
@@ -92,7 +116,7 @@ pub struct Sizes {
 }
 
 impl Sizes {
-    /// All groups and scales a study may need; `None` where the user has switched one off. `millimetre` is one in the deck's unit.
+    /// All groups and scales a study needs as a rule; none that the user has switched off. `millimetre` is one in the deck's unit.
     pub(crate) fn new(settings: &ToleranceSettings, sigma_on_parts: f64, millimetre: f64) -> Self {
         let degree = 1f64.to_radians();
         let mm = millimetre;
@@ -107,6 +131,10 @@ impl Sizes {
             Size::new(0.01 * mm, 0.7)
         };
         let s = settings;
+        let stated = match s.load_repeatability {
+            Stated::Size(size) if size > 0.0 => Some(size),
+            _ => None,
+        };
         let groups = [
             (
                 Group::Hardpoints,
@@ -121,6 +149,14 @@ impl Sizes {
             (
                 Group::LoadGains,
                 of(s.load_gain, 1.0, Size::new(0.003, 0.5).at_most(0.01)),
+            ),
+            (
+                Group::LoadRepeatability,
+                stated.map(|size| Size::new(size, STATED)),
+            ),
+            (
+                Group::IdleLoads,
+                stated.map(|size| Size::new(IDLE * size, LOOSE)),
             ),
             (
                 Group::LoadDirections,
@@ -162,6 +198,15 @@ impl Sizes {
         let size = Size::new(1.0, if declared { 0.5 } else { 3.0 });
         self.scales.push((scale, size));
         self.ln.push(libm::log(size.usual));
+    }
+
+    /// With one more group, at its usual size.
+    #[must_use]
+    pub(crate) fn with_group(&self, group: Group, size: Size) -> Self {
+        let mut new = self.clone();
+        new.ln.insert(new.groups.len(), libm::log(size.usual));
+        new.groups.push((group, size));
+        new
     }
 
     /// Logarithms of the usual sizes.
@@ -215,6 +260,8 @@ impl Group {
             Self::Offsets => "assembly-offsets",
             Self::Axes => "axes",
             Self::LoadGains => "load-gains",
+            Self::LoadRepeatability => "load-repeatability",
+            Self::IdleLoads => "idle-loads",
             Self::LoadDirections => "load-directions",
             Self::Marks => "marks-on-parts",
             Self::Preloads => "spring-preloads",

@@ -44,6 +44,8 @@ pub(crate) struct LayerOf<'a> {
     pub model: &'a Model,
     /// Its loads and cases.
     pub programme: &'a LoadProgramme,
+    /// Whether loads have errors in single cases.
+    pub load_errors: bool,
     /// True for a number that is sought.
     pub is_sought: &'a dyn Fn(&Address) -> bool,
 }
@@ -70,6 +72,9 @@ impl Layer {
         layer.joints(study.model);
         layer.springs(study);
         layer.driven(study.programme);
+        if study.load_errors {
+            layer.load_errors(study);
+        }
         layer
     }
 
@@ -158,6 +163,28 @@ impl Layer {
                     address: format!("{}<-{target}", other.target),
                     axis: 0,
                     effect: Effect::PerCase(vec![(other.target.clone(), values.clone())]),
+                });
+            }
+        }
+    }
+
+    /// Each load in each case by itself.
+    fn load_errors(&mut self, study: &LayerOf<'_>) {
+        let cases = study.programme.cases.len();
+        for (load, largest) in scattering(study.model, study.programme) {
+            let target = &study.programme.loads[load].target;
+            for (case, at) in study.programme.cases.iter().enumerate() {
+                let mut factors = vec![0.0; cases];
+                factors[case] = largest;
+                self.members.push(Member {
+                    group: if at.values[load] == 0.0 {
+                        Group::IdleLoads
+                    } else {
+                        Group::LoadRepeatability
+                    },
+                    address: target.to_string(),
+                    axis: 0,
+                    effect: Effect::PerCase(vec![(target.clone(), factors)]),
                 });
             }
         }
@@ -286,6 +313,18 @@ pub(super) fn shift(model: &Model, markers: &[MarkerIx], direction: &Vec3) -> Ef
             .collect::<Vec<_>>()
     };
     Effect::Always(markers.iter().flat_map(of).collect())
+}
+
+/// Forces that the rig applies, by their index, with the largest value of each.
+pub(crate) fn scattering(model: &Model, programme: &LoadProgramme) -> Vec<(usize, f64)> {
+    let loads = programme.loads.iter().enumerate();
+    let of = |(k, load): (usize, &crate::backend::Load)| {
+        acts_at(model, &load.target)?;
+        let values = programme.cases.iter().map(|case| case.values[k].abs());
+        let largest = values.fold(0.0, f64::max);
+        (largest > 0.0).then_some((k, largest))
+    };
+    loads.filter_map(of).collect()
 }
 
 /// The marker at which a driven force acts.

@@ -13,19 +13,19 @@ use serde_json::Value;
 use crate::common::shared;
 
 /// One study and what became of it.
-struct Judged {
+pub struct Judged {
     name: String,
-    diagnosis: Diagnosis,
+    pub diagnosis: Diagnosis,
     planted: Vec<(String, Vec<String>)>,
     /// Which of the planted were named at their place.
-    named: Vec<bool>,
+    pub named: Vec<bool>,
     /// Findings that are not planted.
-    false_names: Vec<String>,
+    pub false_names: Vec<String>,
     /// Intervals that hold the truth, and all.
-    held: (usize, usize),
+    pub held: (usize, usize),
 }
 
-fn judge(folder: &Path, name: &str) -> Judged {
+pub fn judge(folder: &Path, name: &str) -> Judged {
     let loaded = LoadedStudy::read(&folder.join(name)).value.expect(name);
     let problem = loaded.problem();
     let held = held_out(&loaded.study, &loaded.measurement);

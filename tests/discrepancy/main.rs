@@ -13,6 +13,7 @@ mod friction;
 mod hidden;
 mod kc_curves;
 mod kc_experiment;
+mod loads;
 mod plant;
 #[path = "../common/proportion.rs"]
 mod proportion;

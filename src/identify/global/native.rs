@@ -155,7 +155,19 @@ impl<'a> NativePredictor<'a> {
                 }
             }
         }
-        tangent.respond_to_all(out.as_mut_slice());
+        // What acts in other cases alone changes nothing here.
+        let acting: Vec<usize> = (0..directions.len())
+            .filter(|k| out.column(*k).iter().any(|value| *value != 0.0))
+            .collect();
+        if acting.len() == directions.len() {
+            tangent.respond_to_all(out.as_mut_slice());
+        } else {
+            let mut own = out.select_columns(&acting);
+            tangent.respond_to_all(own.as_mut_slice());
+            for (column, k) in own.column_iter().zip(acting) {
+                out.set_column(k, &column);
+            }
+        }
         self.sweeper.solver().give_back(tangent);
         Some(out)
     }

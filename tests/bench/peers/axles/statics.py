@@ -53,7 +53,8 @@ class Reality:
     friction: dict = field(default_factory=dict)  # (bushing, component) -> (force, displacement at which half has slipped)
     compliance: dict = field(default_factory=dict)  # ball -> (body, other point, mm/N) along the line of the two
     play: tuple = None  # (ball, body, other point, half the play in mm, force of its law): along the line half * tanh(force / that)
-    load_matrix: np.ndarray = None  # acting loads = matrix @ stated loads
+    load_matrix: np.ndarray = None  # acting loads = matrix @ (stated loads + their errors)
+    load_errors: np.ndarray = 0.0  # of each load in each case
     springs: dict = field(default_factory=dict)  # spring -> (factor of K, factor of force)
     stiffness: dict = field(default_factory=dict)  # bushing -> (K, KT) instead of the axle's own
 
@@ -283,7 +284,7 @@ class World:
     def sweep(self):
         """All load cases: at once, or one after the other where the past matters."""
         matrix = self.reality.load_matrix
-        loads = np.array(self.axle.cases, float)
+        loads = np.array(self.axle.cases, float) + self.reality.load_errors
         loads = loads if matrix is None else loads @ np.asarray(matrix).T
         if not self.sliders:
             return self.solve(loads)
