@@ -1,15 +1,15 @@
-//! Loads that are not exactly repeated: each has an error in each case by itself. Where the readings ask for them the search is made
-//! again with these errors among the tolerances.
+//! Loads that are not held exactly: each has an error in each case by itself. Where the readings ask for these errors, the search is
+//! made again with them among the tolerances.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::fit::Fitted;
 use super::subject::Subject;
+use crate::identify::global::Row;
 use crate::mechanics::eigen::symmetric_eigen;
 use crate::tolerance::{Group, Posterior, Size, Sizes, scattering, transposed};
 
-/// Errors of loads have to make the readings more probable by so many nats: those of a rig that holds its loads well are in the errors
-/// of poses already.
+/// Errors of loads have to make the readings more probable by so many nats.
 pub(super) const ASKED: f64 = 5.0;
 /// They may stand in the place of a force of an unknown law that makes the readings more probable by so many nats: it needs fewer numbers,
 /// but nothing at an element changes at random from case to case.
@@ -73,7 +73,7 @@ fn columns(subject: &Subject<'_>, fitted: &Fitted) -> DMatrix<f64> {
                 continue;
             }
             let factor = largest / value;
-            let of = |(row, by): (&crate::identify::global::Row, &f64)| {
+            let of = |(row, by): (&Row, &f64)| {
                 if row.case() == case { by * factor } else { 0.0 }
             };
             let column = subject.rows.iter().zip(by_gain.iter()).map(of);

@@ -38,7 +38,7 @@ impl Outcome<'_> {
         let loads = Group::LoadRepeatability.as_str();
         if let Some(loads) = self.diagnosis.tolerances.get(loads) {
             out.push(format!(
-                "Loads scatter from case to case, by {:.2} percent of the largest value of each. The case file states others than acted.",
+                "Loads scatter from case to case, by {:.2} percent of the largest value of each. The loads that acted are not quite those of the table.",
                 100.0 * loads.sd
             ));
         }

@@ -196,6 +196,7 @@ fn refuse(item: &str) -> Diagnostic {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::backend::LoadCase;
 
     #[test]
     fn what_is_not_given_is_zero_and_what_is_unknown_is_refused() {
@@ -210,5 +211,38 @@ mod tests {
                 "{text}"
             );
         }
+    }
+
+    /// Forces scatter by the part that was asked for of their largest value, a stroke not at all, and no two cases by the same.
+    #[test]
+    fn forces_scatter_by_their_largest_value() {
+        let load = |kind: &str| Load {
+            name: kind.to_string(),
+            target: Address {
+                kind: kind.to_string(),
+                id: Some(1),
+                argument: None,
+                index: None,
+            },
+        };
+        let cases: u16 = 400;
+        let case = |k: u16| LoadCase {
+            label: k.to_string(),
+            values: vec![if k == 0 { -5000.0 } else { 1000.0 }, 20.0],
+        };
+        let stated = LoadProgramme {
+            loads: vec![load("SFORCE"), load("MOTION")],
+            cases: (0..cases).map(case).collect(),
+        };
+        let mut acting = stated.clone();
+        let tolerances = Tolerances::parse("load_repeatability=0.002").unwrap();
+        tolerances.scatter(4, &mut acting);
+        let pairs = acting.cases.iter().zip(&stated.cases);
+        let off: Vec<f64> = pairs.map(|(a, s)| a.values[0] - s.values[0]).collect();
+        let rms = (off.iter().map(|x| x * x).sum::<f64>() / f64::from(cases)).sqrt();
+        // Of 400 draws the rms is known to 3.5 percent.
+        assert!((rms / 10.0 - 1.0).abs() < 0.12, "{rms}");
+        assert!(off.windows(2).all(|pair| pair[0] != pair[1]));
+        assert!(acting.cases.iter().all(|case| case.values[1] == 20.0));
     }
 }

@@ -2,7 +2,7 @@
 
 use super::group::Group;
 use super::point::{Point, points};
-use crate::backend::LoadProgramme;
+use crate::backend::{Load, LoadProgramme};
 use crate::mechanics::Vec3;
 use crate::model::{JointKind, MarkerIx, Model, SpringKind};
 use crate::syntax::Address;
@@ -318,7 +318,7 @@ pub(super) fn shift(model: &Model, markers: &[MarkerIx], direction: &Vec3) -> Ef
 /// Forces that the rig applies, by their index, with the largest value of each.
 pub(crate) fn scattering(model: &Model, programme: &LoadProgramme) -> Vec<(usize, f64)> {
     let loads = programme.loads.iter().enumerate();
-    let of = |(k, load): (usize, &crate::backend::Load)| {
+    let of = |(k, load): (usize, &Load)| {
         acts_at(model, &load.target)?;
         let values = programme.cases.iter().map(|case| case.values[k].abs());
         let largest = values.fold(0.0, f64::max);

@@ -55,7 +55,7 @@ fn scatter(table: &Path, seed: u64) {
     std::fs::write(table, out).unwrap();
 }
 
-/// Without them among the tolerances friction, progressive rubber and moved frames are named at 1.00 here.
+/// Nothing is wrong with the axle but usual tolerances. The size that is found is that of the errors made here.
 #[test]
 fn loads_that_scatter_are_no_cause() {
     let Some(judged) = scattered("tolerances-1", 1) else {
