@@ -42,6 +42,8 @@ pub enum Cause {
     NoiseLevel,
     /// One mark reading is wrong.
     MarkOutlier,
+    /// A mark sits elsewhere on its part than the list says, or came loose.
+    MarkPlace,
     /// A reading's gain, zero or single value is wrong.
     ChannelFault,
     /// A force whose law no cause of the catalogue has: never a finding, shown as what remains.
@@ -70,6 +72,7 @@ impl Cause {
             Self::FrameDrift => "frame-drift",
             Self::NoiseLevel => "noise-level",
             Self::MarkOutlier => "mark-outlier",
+            Self::MarkPlace => "mark-place",
             Self::ChannelFault => "channel-fault",
             Self::UnnamedForce => "unnamed-force",
         }
@@ -79,8 +82,17 @@ impl Cause {
     pub const fn of_the_measurement(self) -> bool {
         matches!(
             self,
-            Self::FrameDrift | Self::MarkOutlier | Self::ChannelFault | Self::NoiseLevel
+            Self::FrameDrift
+                | Self::MarkOutlier
+                | Self::MarkPlace
+                | Self::ChannelFault
+                | Self::NoiseLevel
         )
+    }
+
+    /// True for what the marks tell by themselves, without any model.
+    pub const fn is_told_by_marks(self) -> bool {
+        matches!(self, Self::MarkOutlier | Self::MarkPlace | Self::NoiseLevel)
     }
 
     /// True for a cause whose law is known in kind but not in shape.

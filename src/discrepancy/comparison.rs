@@ -40,11 +40,7 @@ impl Outcome<'_> {
                 let part = &measurement.parts[read.part];
                 let place = part.marks[read.mark].p;
                 let both = [own, foreign].map(|at| at.poses[part.part.0].point(&place));
-                let outliers = self.subject.noise.outliers.iter();
-                if !outliers
-                    .clone()
-                    .any(|o| (o.case, o.reading) == (k, reading))
-                {
+                if !self.subject.noise.is_wrong(k, reading, read) {
                     for (held, sums) in residuals.iter_mut().enumerate() {
                         if held == 0 || self.subject.is_held_out(k) {
                             for (sum, at) in sums.iter_mut().zip(&both) {

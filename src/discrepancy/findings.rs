@@ -246,16 +246,32 @@ pub(super) fn faults_of_marks(subject: &Subject<'_>) -> Vec<Finding> {
         ));
     }
     let sigma = subject.mark_sigma();
+    let named = |values: [f64; 3]| {
+        let pairs = ["x", "y", "z"].into_iter().zip(values);
+        pairs
+            .map(|(name, value)| (name.to_string(), value))
+            .collect()
+    };
+    for misplaced in &noise.misplaced {
+        let part = &measurement.parts[misplaced.part];
+        let mut found = fault(
+            Cause::MarkPlace,
+            format!("{} {}", part.name, part.marks[misplaced.mark].label),
+            [named(misplaced.error.into()), named([misplaced.sd; 3])],
+            misplaced.error.norm_squared() / (misplaced.sd * misplaced.sd),
+        );
+        let form = if misplaced.is_loose() {
+            "loose"
+        } else {
+            "listed"
+        };
+        found.form = Some(form.to_string());
+        out.push(found);
+    }
     for outlier in &noise.outliers {
         let read = measurement.cases[outlier.case].marks[outlier.reading];
         let part = &measurement.parts[read.part];
         let label = &measurement.cases[outlier.case].label;
-        let named = |values: [f64; 3]| {
-            let pairs = ["x", "y", "z"].into_iter().zip(values);
-            pairs
-                .map(|(name, value)| (name.to_string(), value))
-                .collect()
-        };
         out.push(fault(
             Cause::MarkOutlier,
             format!("case {label} {} {}", part.name, part.marks[read.mark].label),

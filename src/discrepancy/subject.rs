@@ -133,15 +133,13 @@ impl<'a> Subject<'a> {
         let relative = self.noise.sigma().map_or(1.0, |sigma| self.sigma / sigma);
         let relative = if relative.is_finite() { relative } else { 1.0 };
         let measurement = self.problem.measurement;
-        let is_outlier = |case: usize, reading: usize| {
-            let outliers = self.noise.outliers.iter();
-            let part = measurement.cases[case].marks[reading].part;
-            outliers
-                .clone()
-                .any(|o| (o.case, o.reading) == (case, reading))
-                || self.noise.suspects.contains(&(case, part))
+        let dropped = |row: &Row| match *row {
+            Row::Mark { case, reading, .. } => {
+                let read = &measurement.cases[case].marks[reading];
+                self.noise.leaves_out(case, reading, read)
+            }
+            _ => false,
         };
-        let dropped = |row: &Row| matches!(*row, Row::Mark { case, reading, .. } if is_outlier(case, reading));
         let used: Vec<f64> = misfit.map_or_else(Vec::new, |misfit| {
             let marks = |(_, row): &(&f64, &Row)| matches!(row, Row::Mark { .. }) && !dropped(row);
             let pairs = misfit.iter().zip(&self.rows).filter(marks);

@@ -2,7 +2,7 @@
 
 use super::diagnose::Outcome;
 use super::diagnosis::ToleranceFound;
-use crate::tolerance::Group;
+use crate::tolerance::{Group, Misplaced};
 
 /// A size whose logarithm moves by less says nothing.
 const SEEN: f64 = 0.05;
@@ -43,5 +43,30 @@ impl Outcome<'_> {
             ));
         }
         out
+    }
+
+    /// Marks that do not sit where they are listed.
+    pub(super) fn misplaced_in_words(&self) -> Vec<String> {
+        let measurement = self.subject.problem.measurement;
+        let decimals = self.decimals().finer();
+        let of = |misplaced: &Misplaced| {
+            let part = &measurement.parts[misplaced.part];
+            let label = &part.marks[misplaced.mark].label;
+            let off = decimals.told(misplaced.error.norm());
+            let how = if misplaced.is_loose() {
+                let case = &measurement.cases[misplaced.cases[0]].label;
+                let (count, read) = (misplaced.cases.len(), misplaced.read);
+                format!(
+                    "is loose: in {count} of {read} cases, case {case} first, it sits {off} from"
+                )
+            } else {
+                format!("sits {off} from")
+            };
+            format!(
+                "Mark {label} of {} {how} where the list of marks on parts has it. It is left out.",
+                part.name
+            )
+        };
+        self.subject.noise.misplaced.iter().map(of).collect()
     }
 }

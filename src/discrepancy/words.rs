@@ -1,6 +1,5 @@
 //! What a diagnosis means, in sentences.
 
-use super::cause::Cause;
 use super::channel_miss::ChannelMiss;
 use super::diagnose::Outcome;
 use super::diagnosis::LAW_MISFIT;
@@ -79,7 +78,7 @@ impl Outcome<'_> {
     }
 
     /// Of places of marks.
-    fn decimals(&self) -> Decimals {
+    pub(super) fn decimals(&self) -> Decimals {
         Decimals::of_error(self.subject.mark_sigma())
     }
 
@@ -257,8 +256,7 @@ impl Outcome<'_> {
     /// How sure each cause is, and what else could be there.
     fn probabilities(&self) -> Vec<String> {
         let findings = self.diagnosis.findings.iter();
-        let acting =
-            findings.filter(|f| f.cause != Cause::MarkOutlier && f.cause != Cause::NoiseLevel);
+        let acting = findings.filter(|f| !f.cause.is_told_by_marks());
         let mut out: Vec<String> = acting
             .map(|f| {
                 let minor = if f.minor {
@@ -313,6 +311,7 @@ impl Outcome<'_> {
                 "The noise has heavy tails, like Student's t with {dof} degrees of freedom; far readings count less."
             ));
         }
+        out.extend(self.misplaced_in_words());
         let count = self.subject.noise.outliers.len();
         if count > 0 {
             out.push(format!(

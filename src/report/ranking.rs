@@ -165,7 +165,9 @@ fn unit(finding: &Finding, name: &str, units: &Units) -> String {
             Cause::HardpointError
             | Cause::AssemblyOffset
             | Cause::LoadPointError
-            | Cause::FrameDrift => length.to_string(),
+            | Cause::FrameDrift
+            | Cause::MarkPlace
+            | Cause::MarkOutlier => length.to_string(),
             _ => String::new(),
         },
         _ => String::new(),

@@ -53,7 +53,7 @@ impl Readings {
         let model = reality.model();
         let (mut marks, mut wheel, mut channels) = (Vec::new(), Vec::new(), Vec::new());
         for (case, at) in rest.iter().enumerate() {
-            let mut seen = true_marks(reality, &model, measured, (&places, at));
+            let mut seen = true_marks(reality, &model, measured, (&places, case, at));
             for part in &mut seen {
                 let shift = of_poses.vector(tolerances.pose);
                 let turn = exp(&of_poses.vector(tolerances.pose_deg.to_radians()));
@@ -168,20 +168,32 @@ fn true_marks(
     reality: &Reality,
     model: &Model,
     measured: &Measurement,
-    (places, at): (&[Vec<Vec3>], &Rest),
+    (places, case, at): (&[Vec<Vec3>], usize, &Rest),
 ) -> Vec<Vec<Vec3>> {
-    let of_part =
-        |((part, marked), places): ((&MarkedPart, &super::effect::Marked), &Vec<Vec3>)| {
-            let carriers = places.iter().zip(&marked.carriers);
-            carriers
-                .map(|(place, id)| {
-                    let carrier = model.parts.iter().position(|part| part.header.id == *id);
-                    at.poses[carrier.unwrap_or(part.part.0)].point(place)
-                })
-                .collect()
-        };
-    let parts = measured.parts.iter().zip(&reality.marks).zip(places);
-    parts.map(of_part).collect()
+    let moved = |own: (usize, usize)| {
+        let faults = reality.faults.iter();
+        let by = faults.filter_map(|fault| match fault {
+            ReadingFault::Place {
+                first,
+                part,
+                mark,
+                shift,
+            } if (*part, *mark) == own && case >= *first => Some(shift),
+            _ => None,
+        });
+        by.sum::<Vec3>()
+    };
+    let of_part = |(k, part): (usize, &MarkedPart)| {
+        let carriers = places[k].iter().zip(&reality.marks[k].carriers).enumerate();
+        carriers
+            .map(|(mark, (place, id))| {
+                let carrier = model.parts.iter().position(|part| part.header.id == *id);
+                let pose = &at.poses[carrier.unwrap_or(part.part.0)];
+                pose.point(&(place + moved((k, mark))))
+            })
+            .collect()
+    };
+    measured.parts.iter().enumerate().map(of_part).collect()
 }
 
 /// Where the marks really sit on their parts, by part and mark.

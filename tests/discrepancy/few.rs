@@ -71,7 +71,7 @@ fn tails_are_no_structure_in_six_cases() {
         let names = found
             .findings
             .iter()
-            .filter(|f| !matches!(f.cause, Cause::NoiseLevel | Cause::MarkOutlier));
+            .filter(|f| !f.cause.is_told_by_marks());
         println!(
             "{seed}: {:?} {:?} {:?}",
             found.verdict, found.noise, found.unexplained.places
@@ -171,7 +171,7 @@ fn tails_beside_a_cause_are_no_structure_in_six_cases() {
             ..RigOptions::default()
         };
         let found = diagnosis(six_cases, &options);
-        let of_the_axle = |f: &&Finding| !matches!(f.cause, Cause::NoiseLevel | Cause::MarkOutlier);
+        let of_the_axle = |f: &&Finding| !f.cause.is_told_by_marks();
         let named: Vec<_> = found.findings.iter().filter(of_the_axle).collect();
         println!("{seed}: {:?} {:?}", found.verdict, found.unexplained.places);
         assert_eq!(found.verdict, Verdict::Discrepancy, "{seed}");

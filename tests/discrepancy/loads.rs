@@ -6,23 +6,13 @@ use admire::discrepancy::Verdict;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::axles::{Judged, judge};
-use crate::common::shared;
+use super::axles::{Judged, copied, judge};
 
 /// An axle of the independent simulator, whose table of loads is off by 0.3 percent of the largest value of each load, case by case. The
 /// readings are those of the loads that acted.
 fn scattered(name: &str, seed: u64) -> Option<Judged> {
-    let axles = shared("reference/realistic-axles")?;
-    let folder = tempfile::tempdir().unwrap();
-    let to = folder.path().join(name);
-    std::fs::create_dir(&to).unwrap();
-    for entry in std::fs::read_dir(axles.join(name)).unwrap() {
-        let from = entry.unwrap().path();
-        std::fs::copy(&from, to.join(from.file_name().unwrap())).unwrap();
-    }
-    let truth = format!("{name}.truth.json");
-    std::fs::copy(axles.join(&truth), folder.path().join(&truth)).unwrap();
-    scatter(&to.join("load_cases.csv"), seed);
+    let folder = copied(name)?;
+    scatter(&folder.path().join(name).join("load_cases.csv"), seed);
     Some(judge(folder.path(), name))
 }
 

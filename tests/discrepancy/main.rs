@@ -14,6 +14,7 @@ mod hidden;
 mod kc_curves;
 mod kc_experiment;
 mod loads;
+mod mark_places;
 mod plant;
 #[path = "../common/proportion.rs"]
 mod proportion;

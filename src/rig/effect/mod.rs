@@ -23,6 +23,7 @@ mod load_direction;
 mod load_gain;
 mod load_point_error;
 mod mark_outlier;
+mod mark_place;
 mod marks_exchanged;
 mod memory;
 mod part_flexibility;
@@ -62,6 +63,7 @@ const CAUSES: &[(&str, Plant)] = &[
     ("load-point-error", load_point_error::plant),
     ("frame-drift", frame_drift::plant),
     ("mark-outlier", mark_outlier::plant),
+    ("mark-place", mark_place::plant),
     ("channel-fault", channel_fault::plant),
 ];
 

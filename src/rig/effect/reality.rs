@@ -29,6 +29,17 @@ pub enum ReadingFault {
         /// By how much.
         shift: Vec3,
     },
+    /// A mark sits elsewhere on its part than the list says.
+    Place {
+        /// In this case and all after it.
+        first: usize,
+        /// Index of the marked part.
+        part: usize,
+        /// Index of the mark.
+        mark: usize,
+        /// By how much, in the frame of the part.
+        shift: Vec3,
+    },
     /// A channel reads `gain * value + offset`, in one case or in all.
     Channel {
         /// The channel.

@@ -15,6 +15,7 @@ import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 
+OF_MARKS = {"mark-outlier", "mark-place"}  # what marks tell by themselves
 NOT_A_NAME = {"noise-level"}  # of the noise, which is no cause of an error
 BINS = [(0.0, 0.02), (0.02, 0.1), (0.1, 0.3), (0.3, 0.5), (0.5, 0.7), (0.7, 0.9), (0.9, 0.99), (0.99, 1.0001)]
 EFFECTS = [(0, 0.05), (0.05, 0.2), (0.2, 0.5), (0.5, 1), (1, 2), (2, 1e9)]
@@ -72,11 +73,11 @@ def beside_limit(planted, said):
 
 def judged(truth, said, seconds):
     """One line of the tables, as data."""
-    planted = [c for c in truth["causes"] if c["cause"] != "mark-outlier"]
-    wrong_marks = [c for c in truth["causes"] if c["cause"] == "mark-outlier"]
+    planted = [c for c in truth["causes"] if c["cause"] not in OF_MARKS]
+    wrong_marks = [c for c in truth["causes"] if c["cause"] in OF_MARKS]
     findings = [f for f in said["findings"] if f["cause"] not in NOT_A_NAME]
-    names = [f for f in findings if f["cause"] != "mark-outlier"]
-    listed = [f for f in findings if f["cause"] == "mark-outlier"]
+    names = [f for f in findings if f["cause"] not in OF_MARKS]
+    listed = [f for f in findings if f["cause"] in OF_MARKS]
     hits = [any(same(f, c) for f in names) for c in planted]
     rivals = [any(same(f, c) or any(same(r, c) for r in f.get("indistinguishable_from", [])) for f in names) for c in planted]
     missed = [c for c, hit, rival in zip(planted, hits, rivals) if not (hit or rival)]

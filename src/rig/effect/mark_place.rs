@@ -1,0 +1,29 @@
+//! A mark sits elsewhere on its part than the list says: `KNUCKLE 3`.
+
+use super::{EffectSpec, ReadingFault, Reality};
+use crate::diagnostic::Diagnostic;
+
+/// `x, y, z`: by so much in the frame of the part; `from=8`: in that case and all after it, where the mark came loose.
+pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+    let words: Vec<&str> = spec.address.split_whitespace().collect();
+    let [part, mark] = words.as_slice() else {
+        return Err(spec.refuse("sits at a mark, for example `KNUCKLE 3`"));
+    };
+    let part = reality.marked(spec, part)?;
+    let labels = &reality.marks[part].labels;
+    let Some(mark) = labels.iter().position(|own| own == mark) else {
+        return Err(spec.refuse(format!("that part has no mark `{mark}`")));
+    };
+    let first = match spec.label("from") {
+        Some(label) => reality.case(spec, &label)?,
+        None => 0,
+    };
+    let shift = spec.shift()?;
+    reality.faults.push(ReadingFault::Place {
+        first,
+        part,
+        mark,
+        shift,
+    });
+    Ok(())
+}
