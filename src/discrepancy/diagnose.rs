@@ -2,6 +2,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::averaged::averaged;
+use super::case_errors::{ASKED, CaseErrors, SHORT};
 use super::cross_validation::Folds;
 use super::diagnosis::{
     BaselineFit, Diagnosis, Finding, NoiseFound, ToleranceFound, Unexplained, Verdict,
@@ -12,7 +13,6 @@ use super::folds::{Blind, HeldOutTest};
 use super::gain_check::GainCheck;
 use super::hypothesis::Hypothesis;
 use super::limits::{cause_limits, detection_limits};
-use super::load_errors::{self, ASKED, SHORT};
 use super::next_measurement::next_measurement;
 use super::progress::Progress;
 use super::remainder::{predicted, remainder};
@@ -93,8 +93,13 @@ pub fn diagnose_watched<'a>(
     let mut unfitted = Subject::new(problem, held_out);
     unfitted.watched_by(progress);
     let mut searched = Searched::new(&unfitted, is_blind, progress).ok_or_else(no_cases)?;
-    if let Some((scattered, again)) = searched.with_load_errors(&unfitted, is_blind, progress) {
-        (unfitted, searched) = (scattered, again);
+    let mut open = vec![CaseErrors::Loads, CaseErrors::Frame];
+    open.retain(|errors| errors.are_open(&unfitted));
+    while let Some(at) = searched.asked(&open) {
+        let errors = open.remove(at);
+        if let Some((added, again)) = searched.with(errors, &unfitted, is_blind, progress) {
+            (unfitted, searched) = (added, again);
+        }
     }
     let Searched {
         subject,
@@ -287,44 +292,78 @@ impl<'a> Searched<'a> {
         })
     }
 
-    /// The same with errors of loads in single cases among the tolerances, where that makes the readings more probable.
-    fn with_load_errors(
+    /// Which errors of single cases the search is to be made again with: those that promise most, if that is enough. A force of an unknown
+    /// law may have taken those of loads up.
+    fn asked(&self, open: &[CaseErrors]) -> Option<usize> {
+        let promised = |errors: &CaseErrors| errors.promised(&self.subject, &self.sought.leading);
+        let each = open.iter().map(promised).enumerate();
+        let best = each.max_by(|a, b| a.1.total_cmp(&b.1));
+        let best = best.filter(|(_, promised)| *promised >= ASKED);
+        let hidden = || open.iter().position(|errors| *errors == CaseErrors::Loads);
+        match best {
+            Some((at, _)) => Some(at),
+            None if !self.is_plain() => hidden(),
+            None => None,
+        }
+    }
+
+    /// The same with errors of single cases among the tolerances, where that makes the readings more probable.
+    fn with(
         &self,
+        errors: CaseErrors,
         unfitted: &Subject<'a>,
         is_blind: bool,
         progress: &Progress,
     ) -> Option<(Subject<'a>, Self)> {
         let leading = &self.sought.leading;
-        let scattered = unfitted.with_load_errors()?;
-        // A force of an unknown law may have taken them up.
-        if self.is_plain() && load_errors::promised(&self.subject, leading) < ASKED {
-            return None;
-        }
+        let scattered = errors.added(unfitted);
         progress.renew();
         if scattered.is_spent() {
             return None;
         }
-        let again = Self::new(&scattered, is_blind, progress)?;
-        let other = &again.sought.leading;
-        let gained = other.ln_posterior() - leading.ln_posterior();
-        if load_errors::carried(other) < ASKED {
+        // Without a promise they are seldom there: the search of all cases alone tells.
+        let is_promised = errors.promised(&self.subject, leading) >= ASKED;
+        if !is_promised && !self.gives_way(errors, &Self::of_all_cases(&scattered)?) {
             return None;
         }
-        let is_better = if self.subject.tails == again.subject.tails {
+        let again = Self::new(&scattered, is_blind, progress)?;
+        self.gives_way(errors, &again).then_some((scattered, again))
+    }
+
+    /// The search of all cases, nothing else. `None` where the deck cannot be solved.
+    fn of_all_cases(unfitted: &Subject<'a>) -> Option<Self> {
+        let mut subject = unfitted.clone();
+        let none = as_it_is(&mut subject, None, Data::All)?;
+        let search = Search::new(&subject, Arc::new(none), Data::All);
+        let sought = Sought::new(search.ended());
+        Some(Self {
+            tested: structure(&subject, &sought.leading),
+            subject,
+            sought,
+            unseen: None,
+        })
+    }
+
+    /// True if what was found with errors of single cases makes the readings more probable, and would not without them.
+    fn gives_way(&self, errors: CaseErrors, again: &Self) -> bool {
+        let (leading, other) = (&self.sought.leading, &again.sought.leading);
+        if errors.carried(&again.subject, other) < ASKED {
+            return false;
+        }
+        if self.subject.tails == again.subject.tails {
             let is_named = leading.chosen.iter().all(Hypothesis::is_named);
             let least = if again.is_plain() && !is_named {
                 -SHORT
             } else {
                 ASKED
             };
-            gained > least
+            other.ln_posterior() - leading.ln_posterior() > least
         } else {
             // Readings are weighed differently: evidence does not tell.
             again.is_plain()
                 && !unexplained(&again.tested).structured
                 && other.chosen.len() <= leading.chosen.len()
-        };
-        is_better.then_some((scattered, again))
+        }
     }
 
     /// True if no force of an unknown law is in the leading model.
@@ -343,6 +382,10 @@ pub(super) fn tolerances(
     let length = subject.millimetre();
     let present = |group: Group| {
         group == Group::Marks && fitted.layout.marks.is_some()
+            || matches!(
+                group,
+                Group::FrameShifts | Group::FrameTurns | Group::FrameDrifts
+            ) && fitted.layout.frames.is_some()
             || subject
                 .layer
                 .members
@@ -354,7 +397,7 @@ pub(super) fn tolerances(
             continue;
         }
         let (scale, unit) = match group {
-            Group::Axes | Group::LoadDirections => (1f64.to_degrees(), "deg"),
+            Group::Axes | Group::LoadDirections | Group::FrameTurns => (1f64.to_degrees(), "deg"),
             Group::LoadGains
             | Group::LoadRepeatability
             | Group::IdleLoads

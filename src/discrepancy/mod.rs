@@ -5,12 +5,13 @@
 //!
 //! One direction: `subject` (what was read, and its tolerances) and `hypothesis` (data) <- `unknowns`, `aim` <- `settle` <- `fit` <- `survey` <-
 //! `causes`, `columns` <- `scan` <- `search` (`stand_in` adds forces of unknown laws to it) <- `sought`, `foreseen` <- `folds` <- `unseen` <- `cross_validation`,
-//! `structure`, `gaussian_process` <- `remainder`, `averaged` <- `findings` <- `diagnose` (`load_errors` beside it), and what shows its outcome.
+//! `structure`, `gaussian_process` <- `remainder`, `averaged` <- `findings` <- `diagnose` (`case_errors` beside it), and what shows its outcome.
 //! What could be measured next goes beside: `candidate` <- `forecast` <- `prospect` <- `information` <- `rivals` <- `next_measurement`, `plan`.
 
 mod aim;
 mod averaged;
 mod candidate;
+mod case_errors;
 mod cause;
 mod causes;
 mod channel_miss;
@@ -27,6 +28,7 @@ mod fit;
 mod folds;
 mod forecast;
 mod foreseen;
+mod frame;
 mod gain_check;
 mod gaussian_process;
 mod hypothesis;
@@ -34,7 +36,6 @@ mod influence;
 mod information;
 mod jackknife;
 mod limits;
-mod load_errors;
 mod next_measurement;
 mod other_solver;
 mod plan;

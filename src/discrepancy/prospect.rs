@@ -5,15 +5,16 @@ use nalgebra::{DMatrix, DVector};
 use super::candidate::{Candidate, Candidates, New, sigma_of_a_cell, sigma_of_a_mark};
 use super::fit::Fitted;
 use super::forecast::{Asked, Forecast};
+use super::frame::{at_point, by_frame, centroid, drifts};
 use super::subject::Subject;
 use super::wheel_place::WheelPlace;
-use crate::identify::global::{CaseChange, CasePrediction, Observations, Row};
+use crate::identify::global::{CaseChange, CasePrediction, NuisanceLayout, Observations, Row};
 use crate::mechanics::Vec3;
 use crate::model::PartIx;
 use crate::rig::wheel::WheelReading;
 use crate::rig::{Case, MarkReading, Measurement};
 use crate::text::Span;
-use crate::tolerance::{Group, MarkBlock, Whitening};
+use crate::tolerance::{Group, MarkBlock, Size, Whitening};
 
 /// What one candidate would read.
 #[derive(Clone, Debug)]
@@ -221,7 +222,12 @@ impl<'a, 'b> Prospect<'a, 'b> {
         prediction.extend(further.iter().cloned().map(Some));
         let inner = fitted.unknowns.len() + fitted.layout.sd.len();
         let x = &fitted.x[..inner];
-        let found = observations.evaluate(&prediction, &fitted.layout, x, x.len())?;
+        // Where the frame will be in a further case nobody knows.
+        let layout = NuisanceLayout {
+            frames: None,
+            ..fitted.layout.clone()
+        };
+        let found = observations.evaluate(&prediction, &layout, x, x.len())?;
         let seen = |case: usize, reading: usize| {
             let read = measurement.cases[case].marks[reading];
             let part = &measurement.parts[read.part];
@@ -229,7 +235,25 @@ impl<'a, 'b> Prospect<'a, 'b> {
         };
         let whitening = subject.whitening_ahead(&observations.rows, &measurement, &seen);
         // What acts on single readings acts on no new ones.
-        let jacobian = found.jacobian.resize_horizontally(fitted.x.len(), 0.0);
+        let mut jacobian = found.jacobian.resize_horizontally(fitted.x.len(), 0.0);
+        let mut prior = Vec::new();
+        if fitted.layout.frames.is_some() {
+            let size = |group| fitted.sizes.of(group).unwrap_or_default();
+            let of_a_case = [Group::FrameShifts, Group::FrameTurns].map(|group| [size(group); 3]);
+            for case in &cases {
+                let first = jacobian.ncols();
+                let readings = 0..measurement.cases[*case].marks.len();
+                let places: Vec<Vec3> = readings.map(|k| seen(*case, k)).collect();
+                jacobian = jacobian.resize_horizontally(first + 6, 0.0);
+                let by = by_frame(&observations.rows, *case, &places, subject.sigma);
+                for (k, column) in by.iter().enumerate() {
+                    for (row, value) in column {
+                        jacobian[(*row, first + k)] = *value;
+                    }
+                }
+                prior.extend(of_a_case.as_flattened());
+            }
+        }
         let weights = whitening.weights(&fitted.sizes.ln);
         let unit = vec![1.0; found.residual.len()];
         let mut readings = Readings::new(
@@ -238,6 +262,7 @@ impl<'a, 'b> Prospect<'a, 'b> {
             unit,
         );
         readings.turning = Some((whitening, weights));
+        readings.further = prior;
         readings.is_finite().then_some(readings)
     }
 
@@ -249,6 +274,8 @@ impl<'a, 'b> Prospect<'a, 'b> {
         let own = subject.problem.measurement;
         let marked = own.parts.iter().position(|marked| marked.part == part);
         let n = fitted.x.len();
+        let inner = fitted.unknowns.len() + fitted.layout.sd.len();
+        let turn = Size::turn_by_shift(subject.millimetre());
         let (mut jacobian, mut value, mut precision) = (Vec::new(), Vec::new(), Vec::new());
         let mut blocks = [Vec::new(), Vec::new()];
         let usual = subject.usual_precision();
@@ -288,10 +315,27 @@ impl<'a, 'b> Prospect<'a, 'b> {
             block.rows.push(value.len());
             block.levers.push(point);
             let arm = pose.R * place;
+            let places: Vec<Vec3> = own.cases[*case].marks.iter().map(|mark| mark.x).collect();
+            let by_frame = at_point(&(point - centroid(&places)));
             for axis in 0..3 {
                 let mut row = vec![0.0; n];
                 for (to, change) in row.iter_mut().zip(predicted.by_unknown.iter()) {
                     *to = moved(change, at, &arm)[axis] / sigma;
+                }
+                if let Some(first) = fitted.layout.frames {
+                    let at = first + 6 * case;
+                    for (to, by) in row[at..at + 6].iter_mut().zip(&by_frame) {
+                        *to = by[axis] / sigma;
+                    }
+                    let drifts = drifts(*case, own.cases.len()).into_iter();
+                    let followed = subject.frame_drifts().len() / 6;
+                    for (j, drift) in drifts.take(followed).enumerate() {
+                        let at = inner + 6 * j;
+                        for (k, to) in row[at..at + 6].iter_mut().enumerate() {
+                            let factor = if k < 3 { drift } else { drift * turn };
+                            *to = factor * by_frame[k][axis] / sigma;
+                        }
+                    }
                 }
                 let by_place = Vec3::from_fn(|k, _| pose.R[(axis, k)] / sigma);
                 jacobian.push((row, Some(by_place)));

@@ -42,6 +42,14 @@ impl Outcome<'_> {
                 100.0 * loads.sd
             ));
         }
+        let of = |group: Group| self.diagnosis.tolerances.get(group.as_str());
+        if let Some(shifts) = of(Group::FrameShifts) {
+            let drifts = of(Group::FrameDrifts).map_or(0.0, |drifts| drifts.sd);
+            out.push(format!(
+                "The measuring frame is elsewhere in each case, the same for all marks: by {:.3} {}, and {:.3} {} more from each case to the next.",
+                shifts.sd, shifts.unit, drifts, shifts.unit
+            ));
+        }
         out
     }
 

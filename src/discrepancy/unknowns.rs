@@ -1,4 +1,5 @@
-//! The unknowns of a fit with their priors: stiffnesses, tolerances, numbers of causes, places of marks, and what acts on rows alone.
+//! The unknowns of a fit with their priors: stiffnesses, tolerances, numbers of causes, frames and places of marks, and what acts on rows
+//! alone.
 
 use super::hypothesis::{Column, Hypothesis, Unknown};
 use super::subject::Subject;
@@ -37,7 +38,7 @@ pub(super) struct Unknowns {
     pub deck: Parameters,
     /// Stiffnesses, members of the layer in its order, numbers of causes.
     pub list: FitUnknowns,
-    /// Places of marks.
+    /// Unknowns of the measurement.
     pub layout: NuisanceLayout,
     /// Columns that act on rows directly.
     pub rows: Vec<RowColumn>,
@@ -106,7 +107,9 @@ impl Unknowns {
             Some(known) => known.x[..members].to_vec(),
             None => list.iter().map(|unknown| unknown.start).collect(),
         };
-        let (mut rows, mut row_starts) = (Vec::new(), Vec::new());
+        let drifts = subject.frame_drifts();
+        let mut rows: Vec<RowColumn> = drifts.iter().cloned().map(RowColumn::Fixed).collect();
+        let mut row_starts = Vec::new();
         let (mut memories, mut places) = (Vec::new(), Vec::new());
         for (hypothesis, guesses) in chosen {
             let before = known.and_then(|known| {
@@ -220,18 +223,13 @@ impl Unknowns {
             places.push(place);
         }
         let list = FitUnknowns::new(list);
-        let layout = marks(subject, list.len());
+        let (layout, groups) = of_the_measurement(subject, list.len());
         let first_mark = list.len();
         start.extend(
-            (0..layout.sd.len())
+            (0..layout.sd.len() + drifts.len())
                 .map(|k| known.map_or(0.0, |known| known.x[known.unknowns.len() + k])),
         );
-        priors.extend(
-            layout
-                .sd
-                .iter()
-                .map(|_| tolerance::Unknown::member(Group::Marks)),
-        );
+        priors.extend(groups.into_iter().map(tolerance::Unknown::member));
         let first_row = first_mark + layout.sd.len();
         for at in places
             .iter_mut()
@@ -241,7 +239,9 @@ impl Unknowns {
             *at = first_row + (usize::MAX - *at);
         }
         start.extend(row_starts);
-        priors.extend(rows.iter().map(|_| own(0.0, 1.0)));
+        let drifting = tolerance::Unknown::member(Group::FrameDrifts);
+        priors.extend(drifts.iter().map(|_| drifting));
+        priors.extend(rows[drifts.len()..].iter().map(|_| own(0.0, 1.0)));
         Some(Self {
             deck: system.parameters(),
             list,
@@ -273,19 +273,30 @@ const fn own(mean: f64, sd: f64) -> tolerance::Unknown {
     }
 }
 
-/// Places of marks on their parts, unless the user says they are exact.
-fn marks(subject: &Subject<'_>, first: usize) -> NuisanceLayout {
+/// Shifts and turns of the frame where they are looked for, and places of marks on their parts, unless the user says they are exact;
+/// with the group of each.
+fn of_the_measurement(subject: &Subject<'_>, first: usize) -> (NuisanceLayout, Vec<Group>) {
     let mut layout = NuisanceLayout::default();
+    let mut groups = Vec::new();
+    let measurement = subject.problem.measurement;
     let mut count = 0;
-    for part in &subject.problem.measurement.parts {
+    for part in &measurement.parts {
         layout.first_mark.push(count);
         count += part.marks.len();
     }
-    if subject.sizes.group(Group::Marks).is_some() && count > 0 {
-        layout.marks = Some(first);
-        layout.sd = vec![1.0; 3 * count];
+    if subject.has_frames() && count > 0 {
+        layout.frames = Some(first);
+        let of_a_case = [[Group::FrameShifts; 3], [Group::FrameTurns; 3]];
+        for _ in &measurement.cases {
+            groups.extend(of_a_case.as_flattened());
+        }
     }
-    layout
+    if subject.sizes.group(Group::Marks).is_some() && count > 0 {
+        layout.marks = Some(first + groups.len());
+        groups.extend(std::iter::repeat_n(Group::Marks, 3 * count));
+    }
+    layout.sd = vec![1.0; groups.len()];
+    (layout, groups)
 }
 
 fn slots(

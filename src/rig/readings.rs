@@ -35,6 +35,7 @@ impl Readings {
         let mut first_session = Noise::new(seed, "marks on parts");
         let mut second_session = Noise::new(seed, "marks measured");
         let mut of_poses = Noise::new(seed, "poses");
+        let mut of_frames = Noise::new(seed, "frames");
         let mut at_wheel = Noise::new(seed, "wheel");
         let mut sensors = Noise::new(seed, "readings");
         let on_parts = measured.sigma_on_parts * on;
@@ -55,15 +56,17 @@ impl Readings {
         for (case, at) in rest.iter().enumerate() {
             let mut seen = true_marks(reality, &model, measured, (&places, case, at));
             for part in &mut seen {
-                let shift = of_poses.vector(tolerances.pose);
-                let turn = exp(&of_poses.vector(tolerances.pose_deg.to_radians()));
-                let centre = part.iter().sum::<Vec3>() / part.len().max(1) as f64;
-                if tolerances.pose > 0.0 || tolerances.pose_deg > 0.0 {
-                    for x in part.iter_mut() {
-                        *x = centre + shift + turn * (*x - centre);
-                    }
-                }
+                moved(
+                    part.iter_mut().collect(),
+                    &mut of_poses,
+                    (tolerances.pose, tolerances.pose_deg),
+                );
             }
+            moved(
+                seen.iter_mut().flatten().collect(),
+                &mut of_frames,
+                (tolerances.frame, tolerances.frame_deg),
+            );
             for fault in &reality.faults {
                 if let ReadingFault::Frame {
                     case: of,
@@ -159,6 +162,18 @@ impl Readings {
             marks,
             wheel,
             channels,
+        }
+    }
+}
+
+/// Moves points together, by a shift and by a turn about each axis through their mean.
+fn moved(mut points: Vec<&mut Vec3>, noise: &mut Noise, (length, angle_deg): (f64, f64)) {
+    let shift = noise.vector(length);
+    let turn = exp(&noise.vector(angle_deg.to_radians()));
+    let centre = points.iter().map(|x| **x).sum::<Vec3>() / points.len().max(1) as f64;
+    if length > 0.0 || angle_deg > 0.0 {
+        for x in &mut points {
+            **x = centre + shift + turn * (**x - centre);
         }
     }
 }

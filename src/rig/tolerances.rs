@@ -33,6 +33,10 @@ pub struct Tolerances {
     pub pose: f64,
     /// Of the turn of each part in each case about each axis, through the mean of its marks, degrees.
     pub pose_deg: f64,
+    /// Of each coordinate of the measuring frame in each case, the same for all marks, in the deck's length unit.
+    pub frame: f64,
+    /// Of the turn of the measuring frame in each case about each axis, through the mean of all marks, degrees.
+    pub frame_deg: f64,
 }
 
 impl Tolerances {
@@ -57,7 +61,7 @@ impl Tolerances {
     }
 
     /// Every size with its name.
-    fn named(&mut self) -> [(&'static str, &mut f64); 11] {
+    fn named(&mut self) -> [(&'static str, &mut f64); 13] {
         [
             ("hardpoints", &mut self.hardpoints),
             ("parts", &mut self.parts),
@@ -70,6 +74,8 @@ impl Tolerances {
             ("marks_on_parts", &mut self.marks_on_parts),
             ("pose", &mut self.pose),
             ("pose_deg", &mut self.pose_deg),
+            ("frame", &mut self.frame),
+            ("frame_deg", &mut self.frame_deg),
         ]
     }
 

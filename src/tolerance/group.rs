@@ -23,6 +23,12 @@ pub enum Group {
     LoadDirections,
     /// Places of marks on their parts.
     Marks,
+    /// Shifts of the measuring frame in each case, the same for all marks.
+    FrameShifts,
+    /// Turns of it about the centroid of the marks.
+    FrameTurns,
+    /// How it goes on from case to case: a random walk, whose step from a case to the next this is.
+    FrameDrifts,
     /// Forces of springs at design.
     Preloads,
     /// Rates of springs.
@@ -65,7 +71,12 @@ const STATED: f64 = 0.25;
 const REPEATED: f64 = 0.001;
 const MOST: f64 = 0.01;
 const IDLE: f64 = 0.3;
-/// Standard deviation of the logarithm of either.
+/// The usual shift of the measuring frame in a case, mm, and turn, radians, and the most they may be.
+const SHIFTED: f64 = 0.005;
+const MOST_SHIFTED: f64 = 0.2;
+const TURNED: f64 = 1e-5;
+const MOST_TURNED: f64 = 5e-4;
+/// Standard deviation of the logarithm of a size that differs much from rig to rig.
 const LOOSE: f64 = 1.0;
 
 impl Size {
@@ -92,6 +103,24 @@ impl Size {
         ]
     }
 
+    /// What setting up a measuring frame anew for each case leaves. `millimetre` is one in the deck's unit.
+    pub(crate) fn of_frames(millimetre: f64) -> [(Group, Self); 3] {
+        let shift = Self::new(SHIFTED * millimetre, LOOSE).at_most(MOST_SHIFTED * millimetre);
+        [
+            (Group::FrameShifts, shift),
+            (
+                Group::FrameTurns,
+                Self::new(TURNED, LOOSE).at_most(MOST_TURNED),
+            ),
+            (Group::FrameDrifts, shift),
+        ]
+    }
+
+    /// The turn of a frame that goes with a shift, per length.
+    pub(crate) const fn turn_by_shift(millimetre: f64) -> f64 {
+        TURNED / (SHIFTED * millimetre)
+    }
+
     fn at_most(mut self, most: f64) -> Self {
         self.bounds.1 = self.bounds.1.min(libm::log(most));
         self
@@ -116,8 +145,13 @@ pub struct Sizes {
 }
 
 impl Sizes {
-    /// All groups and scales a study needs as a rule; none that the user has switched off. `millimetre` is one in the deck's unit.
-    pub(crate) fn new(settings: &ToleranceSettings, sigma_on_parts: f64, millimetre: f64) -> Self {
+    /// All groups and scales a study needs as a rule; none that the user has switched off. `millimetre` is one in the deck's unit, in
+    /// which marks on parts and shifts of the frame are stated; its turns are in radians.
+    pub(crate) fn new(
+        settings: &ToleranceSettings,
+        (sigma_on_parts, frames): (f64, [f64; 2]),
+        millimetre: f64,
+    ) -> Self {
         let degree = 1f64.to_radians();
         let mm = millimetre;
         let of = |stated: Stated, unit: f64, usual: Size| match stated {
@@ -135,6 +169,9 @@ impl Sizes {
             Stated::Size(size) if size > 0.0 => Some(size),
             _ => None,
         };
+        // One that is stated to be zero is next to nothing where the other is not.
+        let has_frames = frames.iter().any(|size| *size > 0.0);
+        let known = |size: f64, least: f64| has_frames.then(|| Size::new(size.max(least), STATED));
         let groups = [
             (
                 Group::Hardpoints,
@@ -163,6 +200,8 @@ impl Sizes {
                 of(s.load_direction_deg, degree, Size::new(0.001, 0.7)),
             ),
             (Group::Marks, of(s.marks_on_parts, mm, marks)),
+            (Group::FrameShifts, known(frames[0], 1e-6 * mm)),
+            (Group::FrameTurns, known(frames[1], 1e-9)),
             (Group::Preloads, Some(Size::new(0.003, 0.5).at_most(0.01))),
             (
                 Group::SpringRates,
@@ -264,6 +303,9 @@ impl Group {
             Self::IdleLoads => "idle-loads",
             Self::LoadDirections => "load-directions",
             Self::Marks => "marks-on-parts",
+            Self::FrameShifts => "frame-shifts",
+            Self::FrameTurns => "frame-turns",
+            Self::FrameDrifts => "frame-drifts",
             Self::Preloads => "spring-preloads",
             Self::SpringRates => "spring-rates",
             Self::KnownStiffnesses => "known-stiffnesses",

@@ -463,7 +463,7 @@ mod tests {
     /// Against the density of a Gaussian with the covariance of readings written out.
     #[test]
     fn evidence_is_the_density_of_the_readings() {
-        let sizes = Sizes::new(&ToleranceSettings::default(), 0.0, 1.0);
+        let sizes = Sizes::new(&ToleranceSettings::default(), (0.0, [0.0; 2]), 1.0);
         let (linear, whitening, J, z) = linear(&sizes);
         let used: Vec<usize> = (0..144)
             .filter(|k| whitening.class_of[*k].is_some())
@@ -507,7 +507,7 @@ mod tests {
 
     #[test]
     fn the_gradient_by_the_sizes_is_that_of_differences() {
-        let mut sizes = Sizes::new(&ToleranceSettings::default(), 0.0, 1.0);
+        let mut sizes = Sizes::new(&ToleranceSettings::default(), (0.0, [0.0; 2]), 1.0);
         sizes.add_scale(Scale::Marks, true);
         let (linear, ..) = linear(&sizes);
         let (_, gradient, _) = linear.evidence(&sizes, true).unwrap();
@@ -529,7 +529,7 @@ mod tests {
     /// Half of what the objective of the linear model is above its minimum: at no step, what the whole step gains.
     #[test]
     fn a_step_is_below_the_maximum_by_what_it_does_not_gain() {
-        let mut sizes = Sizes::new(&ToleranceSettings::default(), 0.0, 1.0);
+        let mut sizes = Sizes::new(&ToleranceSettings::default(), (0.0, [0.0; 2]), 1.0);
         sizes.add_scale(Scale::Marks, true);
         let (linear, ..) = linear(&sizes);
         let reached = linear.reached(&sizes, 0.0).unwrap();
@@ -544,7 +544,7 @@ mod tests {
     /// Columns that are added or replaced leave what a model made anew of all of them has.
     #[test]
     fn a_model_with_other_columns_is_that_made_anew() {
-        let sizes = Sizes::new(&ToleranceSettings::default(), 0.0, 1.0);
+        let sizes = Sizes::new(&ToleranceSettings::default(), (0.0, [0.0; 2]), 1.0);
         let (linear, whitening, J, z) = linear(&sizes);
         let unknowns = &linear.unknowns;
         let alike = |a: &Linear, b: &Linear| {
@@ -577,7 +577,7 @@ mod tests {
     /// Rows that are taken out leave what a model of the others has.
     #[test]
     fn a_model_without_some_rows_is_that_of_the_others() {
-        let sizes = Sizes::new(&ToleranceSettings::default(), 0.0, 1.0);
+        let sizes = Sizes::new(&ToleranceSettings::default(), (0.0, [0.0; 2]), 1.0);
         let (linear, whitening, J, z) = linear(&sizes);
         let left_out: Vec<bool> = (0..144).map(|row| row >= 96).collect();
         let less = linear.without(&whitening, (&J, &z), &left_out);

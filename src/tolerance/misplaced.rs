@@ -169,7 +169,7 @@ pub(super) fn told(
             part,
             mark,
             error,
-            sd: spread(around.collect()) / (off.len() as f64).sqrt(),
+            sd: spread(around.collect()).max(sorted.sigma) / (off.len() as f64).sqrt(),
             cases: off.into_iter().map(|(case, _)| case).collect(),
             read,
         });

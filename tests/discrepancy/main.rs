@@ -9,6 +9,7 @@ mod common;
 mod extension;
 mod few;
 mod found;
+mod frames;
 mod friction;
 mod hidden;
 mod kc_curves;

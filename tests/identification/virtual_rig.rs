@@ -414,6 +414,8 @@ fn tolerances_have_their_sizes_and_the_folder_tells_only_what_a_data_sheet_would
         "marks_on_parts=0.05",
         "pose=0.05",
         "pose_deg=0.03",
+        "frame=0.05",
+        "frame_deg=0.005",
     ] {
         let moved = rms_difference(&exact(list), &plain);
         assert!((0.005..1.0).contains(&moved), "{list}: {moved}");
@@ -424,6 +426,14 @@ fn tolerances_have_their_sizes_and_the_folder_tells_only_what_a_data_sheet_would
     assert!((moved / 0.05 - 1.0).abs() < 0.25, "{moved}");
     for k in 0..3 {
         assert!((posed[k] - plain[k] - (posed[k + 3] - plain[k + 3])).abs() < 1e-8);
+    }
+    // The frame moves all marks of a case alike.
+    let framed = exact("frame=0.05");
+    let of_a_case = plain.len() / 13;
+    for k in 0..of_a_case {
+        let shift = |at: usize| framed[at] - plain[at];
+        assert!((shift(k) - shift(k % 3)).abs() < 1e-8);
+        assert!((shift(k) - shift(of_a_case + k)).abs() > 1e-6);
     }
     // Sixty places of marks, the same in every case.
     let on_parts = rms_difference(&exact("marks_on_parts=0.05"), &plain);

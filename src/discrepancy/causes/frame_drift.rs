@@ -1,9 +1,9 @@
 //! `frame-drift`: the measuring frame moved in one load case.
 
-use crate::identify::global::Row;
 use crate::mechanics::Vec3;
 
 use super::super::cause::Cause;
+use super::super::frame::by_frame;
 use super::super::hypothesis::{Column, Hypothesis, Number, SIX};
 use super::super::survey::Survey;
 
@@ -18,29 +18,8 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
         if read.marks.len() < 4 {
             continue;
         }
-        let centroid = read.marks.iter().map(|m| m.x).sum::<Vec3>() / read.marks.len() as f64;
-        let mut columns = vec![Vec::new(); 6];
-        for (at, row) in survey.rows().iter().enumerate() {
-            let Row::Mark {
-                case: of,
-                reading,
-                axis,
-            } = *row
-            else {
-                continue;
-            };
-            if of != case {
-                continue;
-            }
-            let lever = read.marks[reading].x - centroid;
-            for k in 0..3 {
-                let turn = Vec3::ith(k, 1.0).cross(&lever);
-                if k == axis {
-                    columns[k].push((at, 1.0 / survey.sigma()));
-                }
-                columns[3 + k].push((at, turn[axis] / survey.sigma()));
-            }
-        }
+        let places: Vec<Vec3> = read.marks.iter().map(|mark| mark.x).collect();
+        let columns = by_frame(survey.rows(), case, &places, survey.sigma());
         let numbers = columns.into_iter().enumerate().map(|(k, rows)| {
             let sd = if k < 3 {
                 SD.0 * survey.millimetre()

@@ -35,6 +35,10 @@ CONDITIONS = {
     "heavy-tails": ((), {}, dict(tails=3.0)),
     "outliers": ((), {}, dict(outliers=6)),
     "loads": ((), {}, dict(loads=0.003)),
+    "frame": ((), {}, dict(frame=0.03)),
+    "frame-walk": ((), {}, dict(frame_walk=0.02)),
+    "mark-place": ((), {}, dict(misplaced=0.8)),
+    "mark-loose": ((), {}, dict(loose=0.8)),
     "tolerances-friction": (("dry-friction",), LARGE, {}),
     "play": (("free-play",), {}, {}),
     "tolerances-play": (("free-play",), LARGE, {}),
@@ -239,6 +243,25 @@ def measure(world, poses, rng, how, sigma):
     return marks, wrong
 
 
+def moved(world, poses, marks, rng, how):
+    """Moves all marks of each case together, by itself or on from the case before, and one mark on its part. Tells what is a cause."""
+    count = len(marks)
+    for size, followed in ((how.get("frame", 0.0), False), (how.get("frame_walk", 0.0), True)):
+        if size:
+            steps = size * rng.normal(size=(2, count, 1, 1, 3)) / np.array([1.0, 700.0])[:, None, None, None, None]
+            shift, turn = np.cumsum(steps, axis=1) if followed else steps
+            marks += shift + np.cross(np.broadcast_to(turn, marks.shape), marks - marks.mean((1, 2), keepdims=True))
+    size = how.get("misplaced") or how.get("loose")
+    if not size:
+        return []
+    part, mark = int(rng.integers(marks.shape[1])), int(rng.integers(marks.shape[2]))
+    first = int(count * rng.uniform(0.2, 0.8)) if how.get("loose") else 0
+    places = {n: b.marks.copy() for n, b in world.axle.bodies.items()}
+    places[world.names[part]][mark] += size * direction(rng)
+    marks[first:] += (world.marks(poses, places) - world.marks(poses))[first:]
+    return [dict(cause="mark-place", addresses=[f"{world.names[part]} {mark + 1}"])]
+
+
 def wheel(world, poses, rng):
     """Wheel centre, camber (top outboard is positive) and steer (right-handed about z)."""
     body, centre, spin = world.axle.wheel
@@ -296,6 +319,7 @@ def drawn(path, kind, axle_name, seed, instruments, streams, with_bound, cases):
     exact = nominal.marks(design)
     off = without.marks(without.sweep()) if sizes else exact
     marks, wrong = measure(world, poses, of_noise, how, sigma)
+    truth += moved(world, poses, marks, np.random.default_rng([seed, 6]), how)
     truth += [dict(cause="mark-outlier", addresses=[address]) for address in wrong]
     declared = how.get("declared", 1.0)
     measured = dict(sigma=sigma * declared, sigma_wheel=SIGMA_WHEEL)

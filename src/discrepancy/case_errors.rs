@@ -1,0 +1,180 @@
+//! Loads that are not held exactly, and a measuring frame that does not stay: each has an error in each case by itself. Where the readings
+//! ask for these errors, the search is made again with them among the tolerances.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::fit::Fitted;
+use super::frame::by_frame;
+use super::subject::Subject;
+use crate::identify::global::Row;
+use crate::mechanics::Vec3;
+use crate::mechanics::eigen::symmetric_eigen;
+use crate::tolerance::{Group, Posterior, Size, Sizes, scattering, transposed};
+
+/// Errors of single cases have to make the readings more probable by so many nats.
+pub(super) const ASKED: f64 = 5.0;
+/// They may stand in the place of a force of an unknown law that makes the readings more probable by so many nats: it needs fewer numbers,
+/// but nothing at an element changes at random from case to case.
+pub(super) const SHORT: f64 = 50.0;
+
+/// Sizes at which the evidence is looked at, between their bounds.
+const SIZES: usize = 40;
+
+/// What has an error of its own in each case.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum CaseErrors {
+    /// Each load.
+    Loads,
+    /// The place of the measuring frame.
+    Frame,
+}
+
+impl CaseErrors {
+    /// The groups of tolerances that hold them, with their usual sizes.
+    fn groups(self, subject: &Subject<'_>) -> Vec<(Group, Size)> {
+        match self {
+            Self::Loads => Size::of_load_errors().to_vec(),
+            Self::Frame => Size::of_frames(subject.millimetre()).to_vec(),
+        }
+    }
+
+    /// True where they are not known, and can be looked for.
+    pub(super) fn are_open(self, subject: &Subject<'_>) -> bool {
+        match self {
+            Self::Loads => subject.lacks_load_errors(),
+            Self::Frame => subject.lacks_frames(),
+        }
+    }
+
+    /// The same study with them among its tolerances.
+    pub(super) fn added<'a>(self, subject: &Subject<'a>) -> Subject<'a> {
+        match self {
+            Self::Loads => subject.with_load_errors(),
+            Self::Frame => subject.with_frames(),
+        }
+    }
+
+    /// By how many nats they would make the readings more probable beside a fit, in its linear model: with its sizes of tolerances or with
+    /// usual ones, where other tolerances may have taken these errors up.
+    pub(super) fn promised(self, subject: &Subject<'_>, fitted: &Fitted) -> f64 {
+        let columns = match self {
+            Self::Loads => of_loads(subject, fitted),
+            Self::Frame => of_frames(subject),
+        };
+        if columns.ncols() == 0 {
+            return 0.0;
+        }
+        let size = self.groups(subject)[0].1;
+        let modest = fitted.sizes.at(fitted.sizes.modest(0.0));
+        let usual = fitted.linear.posterior(&modest);
+        let options = [
+            Some((&fitted.sizes, &fitted.posterior)),
+            usual.as_ref().map(|posterior| (&modest, posterior)),
+        ];
+        let of = |(sizes, posterior): (&Sizes, &Posterior)| {
+            let gained = gained(fitted, (sizes, posterior), (&columns, size));
+            posterior.ln_z - fitted.posterior.ln_z + gained
+        };
+        options.into_iter().flatten().map(of).fold(0.0, f64::max)
+    }
+
+    /// By how many nats they make the readings of a fit that has them more probable, the priors of their sizes left out.
+    pub(super) fn carried(self, subject: &Subject<'_>, fitted: &Fitted) -> f64 {
+        let mut without = fitted.sizes.clone();
+        let mut of_priors = 0.0;
+        for (group, _) in self.groups(subject) {
+            if let Some(at) = without.group(group) {
+                let size = without.groups[at].1;
+                let least = size.bounds.0;
+                of_priors += size.ln_prior(without.ln[at]) - size.ln_prior(least);
+                without.ln[at] = least;
+            }
+        }
+        let reached = fitted.linear.reached(&without, 0.0);
+        reached.map_or(0.0, |reached| {
+            fitted.posterior.ln_z - reached.ln_z - of_priors
+        })
+    }
+}
+
+/// Derivatives of all rows by each shift of the frame in each case, and by each turn in parts of its usual size over that of a shift.
+fn of_frames(subject: &Subject<'_>) -> DMatrix<f64> {
+    let measurement = subject.problem.measurement;
+    let turn = Size::turn_by_shift(subject.millimetre());
+    let mut out = DMatrix::zeros(subject.rows.len(), 6 * measurement.cases.len());
+    for (case, read) in measurement.cases.iter().enumerate() {
+        let places: Vec<Vec3> = read.marks.iter().map(|mark| mark.x).collect();
+        let columns = by_frame(&subject.rows, case, &places, subject.sigma);
+        for (k, column) in columns.into_iter().enumerate() {
+            let factor = if k < 3 { 1.0 } else { turn };
+            for (row, value) in column {
+                out[(row, 6 * case + k)] = factor * value;
+            }
+        }
+    }
+    out
+}
+
+/// Derivatives of all rows by each load in each case, in units of the load's largest value: those by the gain of the load, row by row. A
+/// load that is zero in a case has none there: the fit has no derivative by it.
+fn of_loads(subject: &Subject<'_>, fitted: &Fitted) -> DMatrix<f64> {
+    let problem = &subject.problem;
+    let programme = problem.programme;
+    let mut out: Vec<DVector<f64>> = Vec::new();
+    for (load, largest) in scattering(problem.model, programme) {
+        let name = programme.loads[load].target.to_string();
+        let Some(gain) = subject.layer.at(Group::LoadGains, &name).next() else {
+            continue;
+        };
+        let by_gain = fitted.jacobian.column(problem.unknowns.len() + gain);
+        for (case, at) in programme.cases.iter().enumerate() {
+            let value = at.values[load];
+            if value == 0.0 {
+                continue;
+            }
+            let factor = largest / value;
+            let of = |(row, by): (&Row, &f64)| {
+                if row.case() == case { by * factor } else { 0.0 }
+            };
+            let column = subject.rows.iter().zip(by_gain.iter()).map(of);
+            out.push(DVector::from_iterator(subject.rows.len(), column));
+        }
+    }
+    if out.is_empty() {
+        return DMatrix::zeros(subject.rows.len(), 0);
+    }
+    DMatrix::from_columns(&out)
+}
+
+/// `max ln Z` over the size `s` of further unknowns with columns `U`, beside what is known of the others: with `r` the whitened residual
+/// at the maximum, `b = U'r` and `G = U'U - U'J C J'U`, it is `b'(G + 1/s^2)^-1 b / 2 - ln det(1 + s^2 G) / 2`.
+fn gained(
+    fitted: &Fitted,
+    (sizes, posterior): (&Sizes, &Posterior),
+    (columns, size): (&DMatrix<f64>, Size),
+) -> f64 {
+    let (residual, J) = fitted.whitened_at(sizes, posterior);
+    let mut U = fitted.whitening.apply(columns);
+    let weights = fitted.whitening.weights(&sizes.ln);
+    for (mut row, weight) in U.row_iter_mut().zip(weights.iter()) {
+        row *= *weight;
+    }
+    let JU = transposed(&J, &U);
+    let G = transposed(&U, &U) - transposed(&JU, &(&posterior.covariance * &JU));
+    let eigen = symmetric_eigen(G);
+    let b = eigen.eigenvectors.tr_mul(&U.tr_mul(&residual));
+    let (low, high) = size.bounds;
+    let at = |k: usize| {
+        let ln = low + (high - low) * k as f64 / SIZES as f64;
+        let s = libm::exp(2.0 * ln);
+        let each = eigen.eigenvalues.iter().zip(b.iter());
+        let sum: f64 = each
+            .map(|(g, b)| {
+                let wider = 1.0 + s * g.max(0.0);
+                0.5 * (s * b * b / wider - libm::log(wider))
+            })
+            .sum();
+        sum + size.ln_prior(ln)
+    };
+    (0..=SIZES).map(at).fold(f64::NEG_INFINITY, f64::max)
+}
