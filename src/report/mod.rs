@@ -17,6 +17,8 @@ mod identification;
 mod interval;
 mod kc;
 mod limits;
+mod load_table;
+mod mark_scatter;
 mod number;
 mod page;
 mod plausibility;

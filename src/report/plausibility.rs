@@ -3,6 +3,8 @@
 use nalgebra::DMatrix;
 
 use super::agreement::agreement;
+use super::load_table::odd_loads;
+use super::mark_scatter::{repeats, rigidity};
 use crate::diagnostic::Severity;
 use crate::identify::LoadedStudy;
 use crate::identify::global::gauss_newton::LeastSquares;
@@ -409,7 +411,12 @@ impl Plausibility {
         if count == 0 || loaded.study.solver.backend != BackendChoice::Native {
             return;
         }
-        let Some(Forecast { sd, channels }) = forecast(loaded) else {
+        let Some(Forecast {
+            sd,
+            channels,
+            odd_loads,
+        }) = forecast(loaded)
+        else {
             self.add(
                 "forecast",
                 "the start values give no equilibrium in some load case".to_string(),
@@ -418,6 +425,10 @@ impl Plausibility {
             );
             return;
         };
+        if !odd_loads.is_empty() {
+            let found = "marks do not follow the table of loads".to_string();
+            self.add("loads", found, Verdict::Doubtful, odd_loads.join("; "));
+        }
         if let Some((alike, odd)) = channels {
             let verdict = if odd.is_empty() {
                 Verdict::Plausible
@@ -469,6 +480,8 @@ struct Forecast {
     sd: Vec<f64>,
     /// Channels that move as the model does, and what is odd of others.
     channels: Option<(usize, Vec<String>)>,
+    /// What is odd of loads, by how the marks move.
+    odd_loads: Vec<String>,
 }
 
 /// `None` where the start values have no equilibrium in some load case.
@@ -484,7 +497,9 @@ fn forecast(loaded: &LoadedStudy) -> Option<Forecast> {
     let mut global = global_problem(&problem, observations, unknowns, Box::new(predictor));
     let start = global.start();
     let there = global.evaluate(&start, true)?;
-    let channels = agreement(loaded, &global.observations.rows, there.residual.as_slice());
+    let (rows, sigma) = (&global.observations.rows, global.observations.sigma);
+    let channels = agreement(loaded, rows, there.residual.as_slice());
+    let odd_loads = odd_loads(loaded, rows, there.residual.as_slice(), sigma);
     // In units of each prior the information of the priors is the identity.
     let sd: Vec<f64> = global
         .priors()
@@ -501,58 +516,8 @@ fn forecast(loaded: &LoadedStudy) -> Option<Forecast> {
     Some(Forecast {
         sd: (0..loaded.unknowns.len()).map(of).collect(),
         channels,
+        odd_loads,
     })
-}
-
-/// Sd of a coordinate that the fits of rigid parts to their marks show; fits that stand out are left out.
-fn rigidity(loaded: &LoadedStudy) -> Option<f64> {
-    let to = &loaded.measurement;
-    let mut spreads: Vec<(f64, usize)> = Vec::new();
-    for case in 0..to.cases.len() {
-        for part in 0..to.parts.len() {
-            let Ok(fit) = to.orientation(case, part) else {
-                continue;
-            };
-            if fit.dof > 0 {
-                spreads.push((fit.residuals.iter().map(Vec3::norm_squared).sum(), fit.dof));
-            }
-        }
-    }
-    let each = |(squares, dof): &(f64, usize)| (squares / *dof as f64).sqrt();
-    spreads.sort_by(|a, b| each(a).total_cmp(&each(b)));
-    let typical = each(spreads.get(spreads.len() / 2)?);
-    spreads.retain(|spread| each(spread) <= 4.0 * typical);
-    let (squares, dof) = spreads
-        .iter()
-        .fold((0.0, 0), |(a, n), (b, m)| (a + b, n + m));
-    (dof >= 6).then(|| (squares / dof as f64).sqrt())
-}
-
-/// Sd of a coordinate that cases with the same loads show, and how many of them follow another of the same loads.
-fn repeats(loaded: &LoadedStudy) -> Option<(f64, usize)> {
-    let cases = &loaded.measurement.cases;
-    let (mut squares, mut count, mut pairs) = (0.0, 0_usize, 0);
-    for second in 1..cases.len() {
-        let Some(first) = (0..second)
-            .rev()
-            .find(|first| cases[*first].loads == cases[second].loads)
-        else {
-            continue;
-        };
-        pairs += 1;
-        for a in &cases[first].marks {
-            let same = cases[second]
-                .marks
-                .iter()
-                .find(|b| (a.part, a.mark) == (b.part, b.mark));
-            if let Some(b) = same {
-                squares += (a.x - b.x).norm_squared();
-                count += 3;
-            }
-        }
-    }
-    // A difference has twice the variance of a reading.
-    (count > 0).then(|| ((squares / (2 * count) as f64).sqrt(), pairs))
 }
 
 /// The diagonal of the box that holds these points.

@@ -162,6 +162,8 @@ fn every_cause_can_be_planted() {
         "frame-drift@case 7:x=0.2,az_deg=0.01",
         "frame-drift@case 7:x=0.2,creep=1",
         "mark-outlier@case 7 KNUCKLE 3:x=0.5",
+        "mark-place@KNUCKLE 3:x=0.5",
+        "mark-place@KNUCKLE 3:y=0.5,from=8",
     ];
     for text in specs {
         let run = rig(&[text], 0.0, 1);
@@ -331,7 +333,7 @@ fn what_is_outside_the_catalogue_can_be_planted_too() {
         assert!(outside_causes().any(|known| known == cause));
         assert!(causes().all(|known| known != cause));
     }
-    assert_eq!((causes().count(), outside_causes().count()), (17, 6));
+    assert_eq!((causes().count(), outside_causes().count()), (18, 6));
 }
 
 #[test]

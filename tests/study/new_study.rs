@@ -276,6 +276,67 @@ fn curves_that_move_otherwise_than_the_model_are_seen() {
     assert!(said.contains("degrees and minutes"), "{said}");
 }
 
+/// A column of loads with the other sign, or in kilonewtons, and two cases that were exchanged show before any fit.
+#[test]
+fn a_table_of_loads_that_marks_do_not_follow_is_seen() {
+    let (folder, study) = copied("pseudo-mcpherson");
+    let told = || {
+        let said = admire(folder.path(), &["check", "study"]).err;
+        said.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    let odd = "do not follow the table of loads";
+    assert!(!told().contains(odd), "{}", told());
+    let table = study.join("load_cases.csv");
+    let shipped = std::fs::read_to_string(&table).unwrap();
+    let lateral = shipped.lines().next().unwrap();
+    let lateral = lateral.split(',').position(|name| name == "lateral");
+    let changed = |factor: f64| {
+        let line = |(at, line): (usize, &str)| {
+            let mut fields: Vec<String> = line.split(',').map(str::to_string).collect();
+            if at > 0 {
+                let value = &mut fields[lateral.unwrap()];
+                *value = (factor * value.parse::<f64>().unwrap()).to_string();
+            }
+            fields.join(",")
+        };
+        let lines: Vec<String> = shipped.lines().enumerate().map(line).collect();
+        std::fs::write(&table, lines.join("\n") + "\n").unwrap();
+    };
+    changed(-1.0);
+    let said = told();
+    assert!(
+        said.contains(odd) && said.contains("against the model with lateral"),
+        "{said}"
+    );
+    changed(0.001);
+    let said = told();
+    assert!(
+        said.contains(odd) && said.contains("newtons and kilonewtons"),
+        "{said}"
+    );
+    std::fs::write(&table, &shipped).unwrap();
+    let labels: Vec<&str> = shipped
+        .lines()
+        .skip(1)
+        .map(|line| line.split_once(',').unwrap().0)
+        .collect();
+    let (a, b) = (labels[2], labels[9]);
+    let marks = study.join("marks_measured.csv");
+    let lines = std::fs::read_to_string(&marks).unwrap();
+    let exchanged = |line: &str| match line.split_once(',') {
+        Some((case, rest)) if case == a => format!("{b},{rest}"),
+        Some((case, rest)) if case == b => format!("{a},{rest}"),
+        _ => line.to_string(),
+    };
+    let lines: Vec<String> = lines.lines().map(exchanged).collect();
+    std::fs::write(&marks, lines.join("\n") + "\n").unwrap();
+    let said = told();
+    assert!(
+        said.contains(&format!("marks of cases {a} and {b} fit")),
+        "{said}"
+    );
+}
+
 /// A deck with names of another language, loads of a GFORCE, a laboratory's own words: wheel, directions and curves are found. What several
 /// curves share is complained about once.
 #[test]

@@ -1,0 +1,168 @@
+//! Whether the marks follow the table of loads: exchanged cases and columns of another sign or unit show before any fit.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::identify::LoadedStudy;
+use crate::identify::global::Row;
+use crate::rig::Case;
+
+/// Marks move against the model with a load below this cosine between the two motions, and with it above its negative.
+const AGAINST: f64 = -0.5;
+/// Loads in another unit are off by a factor between these: newtons and kilonewtons.
+const THOUSAND: (f64, f64) = (300.0, 3000.0);
+/// Two cases are exchanged if what their loads leave unexplained falls below this part when they change places.
+const EXCHANGED: f64 = 0.25;
+/// So many more cases than functions of the loads tell.
+const SPARE: usize = 4;
+/// Directions of functions of the loads that are shorter than this part of the longest are none.
+const NONE: f64 = 1e-6;
+
+/// What is odd of loads and marks. `residual` of a row is prediction less reading over the noise of a mark, at the start values.
+pub(super) fn odd_loads(
+    loaded: &LoadedStudy,
+    rows: &[Row],
+    residual: &[f64],
+    sigma: f64,
+) -> Vec<String> {
+    let mut out = against(loaded, rows, residual, sigma).unwrap_or_default();
+    out.extend(exchanged(loaded));
+    out
+}
+
+/// Loads with which the marks move against the model, or a thousand times as far.
+fn against(
+    loaded: &LoadedStudy,
+    rows: &[Row],
+    residual: &[f64],
+    sigma: f64,
+) -> Option<Vec<String>> {
+    let to = &loaded.measurement;
+    let cases: Vec<usize> = to.fitted_cases().collect();
+    let mut predicted: Vec<Case> = to.cases.clone();
+    for (row, residual) in rows.iter().zip(residual) {
+        if let Row::Mark {
+            case,
+            reading,
+            axis,
+        } = *row
+        {
+            predicted[case].marks[reading].x[axis] += residual * sigma;
+        }
+    }
+    let loads = varying(&to.cases, &cases);
+    let X = functions(&to.cases, &cases, &loads, false);
+    let turn = X.svd(true, true);
+    let slopes = |of: &[Case]| turn.solve(&coordinates(of, &cases)?, NONE).ok();
+    let [read, model] = [slopes(&to.cases)?, slopes(&predicted)?];
+    if cases.len() < loads.len() + 1 + SPARE || turn.rank(NONE) <= loads.len() {
+        return None;
+    }
+    let mut out = Vec::new();
+    for (k, load) in loads.iter().enumerate() {
+        let [read, model] = [read.row(k + 1), model.row(k + 1)];
+        let (longer, size) = (model.norm() / read.norm(), model.norm() * read.norm());
+        let together = read.dot(&model) / size;
+        let name = &loaded.programme.loads[*load].name;
+        if together < AGAINST {
+            out.push(format!(
+                "marks move against the model with {name}: is its sign that of the deck?"
+            ));
+        } else if together > -AGAINST {
+            let times = longer.max(1.0 / longer);
+            if times > THOUSAND.0 && times < THOUSAND.1 {
+                let than = if longer > 1.0 { "less" } else { "more" };
+                out.push(format!(
+                    "with {name} marks move {times:.0} times {than} than the model: newtons and kilonewtons?"
+                ));
+            }
+        }
+    }
+    Some(out)
+}
+
+/// Two cases whose marks fit each other's loads.
+fn exchanged(loaded: &LoadedStudy) -> Option<String> {
+    let to = &loaded.measurement.cases;
+    let cases: Vec<usize> = (0..to.len()).collect();
+    let loads = varying(to, &cases);
+    let Y = coordinates(to, &cases)?;
+    let enough = |products: bool| {
+        let turn = functions(to, &cases, &loads, products).svd(true, false);
+        let rank = turn.rank(NONE);
+        (cases.len() >= rank + SPARE).then(|| turn.u.map(|u| u.columns(0, rank).into_owned()))?
+    };
+    let U = enough(true).or_else(|| enough(false))?;
+    // What no function of the loads explains, M Y, with M = I - U U'.
+    let left = &Y - &U * (U.transpose() * &Y);
+    let before = left.norm_squared();
+    let mut best: Option<(f64, usize, usize)> = None;
+    for a in 0..cases.len() {
+        for b in a + 1..cases.len() {
+            // With d the difference of the two rows and u their places, the sum of squares of M (Y + u d').
+            let d = Y.row(b) - Y.row(a);
+            let along = d.dot(&(left.row(a) - left.row(b)));
+            let own = (U.row(a) - U.row(b)).norm_squared();
+            let after = before + 2.0 * along + (2.0 - own) * d.norm_squared();
+            if best.is_none_or(|(least, ..)| after < least) {
+                best = Some((after, a, b));
+            }
+        }
+    }
+    let (after, a, b) = best?;
+    (after < EXCHANGED * before).then(|| {
+        let [a, b] = [a, b].map(|case| &to[case].label);
+        format!("marks of cases {a} and {b} fit each other's loads: were they exchanged?")
+    })
+}
+
+/// Loads that are not the same in all cases.
+fn varying(all: &[Case], cases: &[usize]) -> Vec<usize> {
+    let count = all.first().map_or(0, |case| case.loads.len());
+    let is_constant = |load: &usize| {
+        cases
+            .iter()
+            .all(|k| all[*k].loads[*load] == all[cases[0]].loads[*load])
+    };
+    (0..count).filter(|load| !is_constant(load)).collect()
+}
+
+/// One row per case: one, the loads in parts of their largest values, and their products if asked.
+fn functions(all: &[Case], cases: &[usize], loads: &[usize], products: bool) -> DMatrix<f64> {
+    let largest = |load: usize| {
+        let values = cases.iter().map(|k| all[*k].loads[load].abs());
+        values.fold(f64::MIN_POSITIVE, f64::max)
+    };
+    let scale: Vec<f64> = loads.iter().map(|load| largest(*load)).collect();
+    let row = |case: &usize| {
+        let own = loads.iter().zip(&scale);
+        let own: Vec<f64> = own.map(|(k, scale)| all[*case].loads[*k] / scale).collect();
+        let mut row = vec![1.0];
+        row.extend(&own);
+        if products {
+            for (k, a) in own.iter().enumerate() {
+                row.extend(own[k..].iter().map(|b| a * b));
+            }
+        }
+        DVector::from_vec(row).transpose()
+    };
+    let rows: Vec<_> = cases.iter().map(row).collect();
+    DMatrix::from_rows(&rows)
+}
+
+/// One row per case: the coordinates of the marks that were read in all of them; `None` if there are none.
+fn coordinates(all: &[Case], cases: &[usize]) -> Option<DMatrix<f64>> {
+    let mut columns: BTreeMap<(usize, usize, usize), Vec<f64>> = BTreeMap::new();
+    for case in cases {
+        for read in &all[*case].marks {
+            for axis in 0..3 {
+                let column = columns.entry((read.part, read.mark, axis)).or_default();
+                column.push(read.x[axis]);
+            }
+        }
+    }
+    columns.retain(|_, column| column.len() == cases.len());
+    let columns: Vec<DVector<f64>> = columns.into_values().map(DVector::from_vec).collect();
+    (!columns.is_empty()).then(|| DMatrix::from_columns(&columns))
+}

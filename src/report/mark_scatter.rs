@@ -1,0 +1,55 @@
+//! How exact marks are before any fit: by the rigid parts that carry them, and by loads that were applied again.
+
+use crate::identify::LoadedStudy;
+use crate::mechanics::Vec3;
+
+/// Sd of a coordinate that the fits of rigid parts to their marks show; fits that stand out are left out.
+pub(super) fn rigidity(loaded: &LoadedStudy) -> Option<f64> {
+    let to = &loaded.measurement;
+    let mut spreads: Vec<(f64, usize)> = Vec::new();
+    for case in 0..to.cases.len() {
+        for part in 0..to.parts.len() {
+            let Ok(fit) = to.orientation(case, part) else {
+                continue;
+            };
+            if fit.dof > 0 {
+                spreads.push((fit.residuals.iter().map(Vec3::norm_squared).sum(), fit.dof));
+            }
+        }
+    }
+    let each = |(squares, dof): &(f64, usize)| (squares / *dof as f64).sqrt();
+    spreads.sort_by(|a, b| each(a).total_cmp(&each(b)));
+    let typical = each(spreads.get(spreads.len() / 2)?);
+    spreads.retain(|spread| each(spread) <= 4.0 * typical);
+    let (squares, dof) = spreads
+        .iter()
+        .fold((0.0, 0), |(a, n), (b, m)| (a + b, n + m));
+    (dof >= 6).then(|| (squares / dof as f64).sqrt())
+}
+
+/// Sd of a coordinate that cases with the same loads show, and how many of them follow another of the same loads.
+pub(super) fn repeats(loaded: &LoadedStudy) -> Option<(f64, usize)> {
+    let cases = &loaded.measurement.cases;
+    let (mut squares, mut count, mut pairs) = (0.0, 0_usize, 0);
+    for second in 1..cases.len() {
+        let Some(first) = (0..second)
+            .rev()
+            .find(|first| cases[*first].loads == cases[second].loads)
+        else {
+            continue;
+        };
+        pairs += 1;
+        for a in &cases[first].marks {
+            let same = cases[second]
+                .marks
+                .iter()
+                .find(|b| (a.part, a.mark) == (b.part, b.mark));
+            if let Some(b) = same {
+                squares += (a.x - b.x).norm_squared();
+                count += 3;
+            }
+        }
+    }
+    // A difference has twice the variance of a reading.
+    (count > 0).then(|| ((squares / (2 * count) as f64).sqrt(), pairs))
+}
