@@ -44,10 +44,12 @@ impl Outcome<'_> {
         }
         let of = |group: Group| self.diagnosis.tolerances.get(group.as_str());
         if let Some(shifts) = of(Group::FrameShifts) {
-            let drifts = of(Group::FrameDrifts).map_or(0.0, |drifts| drifts.sd);
+            let drift = of(Group::FrameDrifts).map_or_else(String::new, |drifts| {
+                format!(", and drifts by {:.3} {} per case", drifts.sd, drifts.unit)
+            });
             out.push(format!(
-                "The measuring frame is elsewhere in each case, the same for all marks: by {:.3} {}, and {:.3} {} more from each case to the next.",
-                shifts.sd, shifts.unit, drifts, shifts.unit
+                "The measuring frame differs from case to case by {:.3} {}, the same for all marks{drift}.",
+                shifts.sd, shifts.unit
             ));
         }
         out

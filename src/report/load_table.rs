@@ -40,6 +40,9 @@ fn against(
 ) -> Option<Vec<String>> {
     let to = &loaded.measurement;
     let cases: Vec<usize> = to.fitted_cases().collect();
+    if cases.is_empty() {
+        return None;
+    }
     let mut predicted: Vec<Case> = to.cases.clone();
     for (row, residual) in rows.iter().zip(residual) {
         if let Row::Mark {
@@ -67,7 +70,7 @@ fn against(
         let name = &loaded.programme.loads[*load].name;
         if together < AGAINST {
             out.push(format!(
-                "marks move against the model with {name}: is its sign that of the deck?"
+                "marks move against the model with {name}: does its sign agree with the deck's?"
             ));
         } else if together > -AGAINST {
             let times = longer.max(1.0 / longer);
