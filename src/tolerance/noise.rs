@@ -49,8 +49,10 @@ impl Noise {
         let declared = (!measurement.sigma_estimated).then_some(measurement.sigma);
         let none = BTreeMap::new();
         let mut left_out: BTreeSet<Mark> = BTreeSet::new();
-        let sorted = loop {
-            let sorted = Sorted::new(measurement, &part_marks(measurement, &left_out));
+        let without =
+            |marks: &BTreeSet<Mark>| Sorted::new(measurement, &part_marks(measurement, marks));
+        let mut sorted = loop {
+            let sorted = without(&left_out);
             let found = misplaced(measurement, &sorted);
             if found.is_empty() {
                 break sorted;
@@ -58,6 +60,11 @@ impl Noise {
             left_out.extend(found);
         };
         let misplaced = told(measurement, &sorted, &left_out);
+        // One that no case has beside three others cannot be told: it is used, and judged with the rest.
+        if misplaced.len() < left_out.len() {
+            left_out = misplaced.iter().map(|of| (of.part, of.mark)).collect();
+            sorted = without(&left_out);
+        }
         let Sorted {
             blocks,
             outliers,

@@ -251,10 +251,12 @@ pub(super) fn worst((on_part, measured): (&[Vec3], &[Vec3]), sigma: f64) -> Look
     let is_clear = without
         .get(1)
         .is_none_or(|next| next.0 - rest > CLEAR * variance);
-    match (agree && is_clear, error.amax() > OUTLIER * sigma) {
+    let is_far = error.amax() > OUTLIER * sigma;
+    match (agree && is_far, is_clear) {
         (true, true) => Looks::Wrong(at, error),
+        (true, false) => Looks::Mixed,
         // Noise with tails has such blocks, too; only what is far out is kept from the fit.
-        (false, _) if largest > 2.0 * SUSPECT * sigma => Looks::Mixed,
+        _ if !(agree && is_clear) && largest > 2.0 * SUSPECT * sigma => Looks::Mixed,
         _ => Looks::Fine,
     }
 }
