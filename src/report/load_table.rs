@@ -4,12 +4,14 @@ use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::check::Verdict;
 use crate::identify::LoadedStudy;
-use crate::identify::global::Row;
 use crate::rig::Case;
 
 /// Marks move against the model with a load below this cosine between the two motions, and with it above its negative.
 const AGAINST: f64 = -0.5;
+/// Start values that are a hundred times off turn no motion round so far.
+const REVERSED: f64 = -0.8;
 /// Loads in another unit are off by a factor between these: newtons and kilonewtons.
 const THOUSAND: (f64, f64) = (300.0, 3000.0);
 /// Two cases are exchanged if what their loads leave unexplained falls below this part when they change places.
@@ -19,46 +21,25 @@ const SPARE: usize = 4;
 /// Directions of functions of the loads that are shorter than this part of the longest are none.
 const NONE: f64 = 1e-6;
 
-/// What is odd of loads and marks. `residual` of a row is prediction less reading over the noise of a mark, at the start values.
-pub(super) fn odd_loads(
-    loaded: &LoadedStudy,
-    rows: &[Row],
-    residual: &[f64],
-    sigma: f64,
-) -> Vec<String> {
-    let mut out = against(loaded, rows, residual, sigma).unwrap_or_default();
-    out.extend(exchanged(loaded));
+/// What is odd of loads and marks, beside what the model predicts at the start values.
+pub(super) fn odd_loads(loaded: &LoadedStudy, predicted: &[Case]) -> Vec<(Verdict, String)> {
+    let mut out = against(loaded, predicted).unwrap_or_default();
+    out.extend(exchanged(loaded).map(|why| (Verdict::Impossible, why)));
     out
 }
 
 /// Loads with which the marks move against the model, or a thousand times as far.
-fn against(
-    loaded: &LoadedStudy,
-    rows: &[Row],
-    residual: &[f64],
-    sigma: f64,
-) -> Option<Vec<String>> {
+fn against(loaded: &LoadedStudy, predicted: &[Case]) -> Option<Vec<(Verdict, String)>> {
     let to = &loaded.measurement;
     let cases: Vec<usize> = to.fitted_cases().collect();
     if cases.is_empty() {
         return None;
     }
-    let mut predicted: Vec<Case> = to.cases.clone();
-    for (row, residual) in rows.iter().zip(residual) {
-        if let Row::Mark {
-            case,
-            reading,
-            axis,
-        } = *row
-        {
-            predicted[case].marks[reading].x[axis] += residual * sigma;
-        }
-    }
     let loads = varying(&to.cases, &cases);
     let X = functions(&to.cases, &cases, &loads, false);
     let turn = X.svd(true, true);
     let slopes = |of: &[Case]| turn.solve(&coordinates(of, &cases)?, NONE).ok();
-    let [read, model] = [slopes(&to.cases)?, slopes(&predicted)?];
+    let [read, model] = [slopes(&to.cases)?, slopes(predicted)?];
     if cases.len() < loads.len() + 1 + SPARE || turn.rank(NONE) <= loads.len() {
         return None;
     }
@@ -69,16 +50,23 @@ fn against(
         let together = read.dot(&model) / size;
         let name = &loaded.programme.loads[*load].name;
         if together < AGAINST {
-            out.push(format!(
+            let verdict = if together < REVERSED {
+                Verdict::Impossible
+            } else {
+                Verdict::Doubtful
+            };
+            let why = format!(
                 "marks move against the model with {name}: does its sign agree with the deck's?"
-            ));
+            );
+            out.push((verdict, why));
         } else if together > -AGAINST {
             let times = longer.max(1.0 / longer);
             if times > THOUSAND.0 && times < THOUSAND.1 {
                 let than = if longer > 1.0 { "less" } else { "more" };
-                out.push(format!(
+                let why = format!(
                     "with {name} marks move {times:.0} times {than} than the model: newtons and kilonewtons?"
-                ));
+                );
+                out.push((Verdict::Doubtful, why));
             }
         }
     }

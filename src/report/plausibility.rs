@@ -1,44 +1,23 @@
 //! What a study looks like before anything is fitted: what was found, in which units, and whether it can be meant.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::agreement::agreement;
+use super::check::{Check, Verdict};
+use super::frame_place::odd_frame;
 use super::load_table::odd_loads;
 use super::mark_scatter::{repeats, rigidity};
 use crate::diagnostic::Severity;
 use crate::identify::LoadedStudy;
 use crate::identify::global::gauss_newton::LeastSquares;
 use crate::identify::global::{
-    Observations, Prepared, UNIDENTIFIABLE, fit_unknowns, global_problem,
+    Observations, Prepared, Row, UNIDENTIFIABLE, fit_unknowns, global_problem,
 };
 use crate::mechanics::Vec3;
 use crate::model::PartKind;
 use crate::model::lint::implausible_units;
+use crate::rig::Case;
 use crate::rig::settings::BackendChoice;
-
-/// What to think of a line.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
-pub enum Verdict {
-    /// As such things are.
-    Plausible,
-    /// Unusual; a person should look.
-    Doubtful,
-    /// Cannot be meant: a fit of this would answer another question.
-    Impossible,
-}
-
-/// One line of the table.
-#[derive(Clone, PartialEq, Debug)]
-pub(crate) struct Check {
-    /// What was looked at.
-    pub what: &'static str,
-    /// What it is, with its unit.
-    pub found: String,
-    /// What to think of it.
-    pub verdict: Verdict,
-    /// Why, where it is not plausible.
-    pub why: String,
-}
 
 /// The table.
 #[derive(Clone, Default, PartialEq, Debug)]
@@ -414,6 +393,7 @@ impl Plausibility {
         let Some(Forecast {
             sd,
             channels,
+            odd_frame,
             odd_loads,
         }) = forecast(loaded)
         else {
@@ -425,9 +405,14 @@ impl Plausibility {
             );
             return;
         };
-        if !odd_loads.is_empty() {
+        if let Some((verdict, why)) = odd_frame {
+            let found = "marks are not told in the deck's frame".to_string();
+            self.add("frame", found, verdict, why);
+        }
+        if let Some(verdict) = odd_loads.iter().map(|(verdict, _)| *verdict).max() {
             let found = "marks do not follow the table of loads".to_string();
-            self.add("loads", found, Verdict::Doubtful, odd_loads.join("; "));
+            let why: Vec<String> = odd_loads.into_iter().map(|(_, why)| why).collect();
+            self.add("loads", found, verdict, why.join("; "));
         }
         if let Some((alike, odd)) = channels {
             let verdict = if odd.is_empty() {
@@ -480,8 +465,10 @@ struct Forecast {
     sd: Vec<f64>,
     /// Channels that move as the model does, and what is odd of others.
     channels: Option<(usize, Vec<String>)>,
+    /// What is odd of the place of all marks.
+    odd_frame: Option<(Verdict, String)>,
     /// What is odd of loads, by how the marks move.
-    odd_loads: Vec<String>,
+    odd_loads: Vec<(Verdict, String)>,
 }
 
 /// `None` where the start values have no equilibrium in some load case.
@@ -499,7 +486,14 @@ fn forecast(loaded: &LoadedStudy) -> Option<Forecast> {
     let there = global.evaluate(&start, true)?;
     let (rows, sigma) = (&global.observations.rows, global.observations.sigma);
     let channels = agreement(loaded, rows, there.residual.as_slice());
-    let odd_loads = odd_loads(loaded, rows, there.residual.as_slice(), sigma);
+    let predicted = predicted(&problem.measurement.cases, rows, &there.residual, sigma);
+    let odd_frame = odd_frame(loaded, &predicted);
+    // Loads are compared in the deck's frame.
+    let odd_loads = if odd_frame.is_none() {
+        odd_loads(loaded, &predicted)
+    } else {
+        Vec::new()
+    };
     // In units of each prior the information of the priors is the identity.
     let sd: Vec<f64> = global
         .priors()
@@ -516,8 +510,25 @@ fn forecast(loaded: &LoadedStudy) -> Option<Forecast> {
     Some(Forecast {
         sd: (0..loaded.unknowns.len()).map(of).collect(),
         channels,
+        odd_frame,
         odd_loads,
     })
+}
+
+/// The cases with the marks that were predicted. `residual` of a row is prediction less reading, one coordinate of a mark in `sigma`.
+fn predicted(read: &[Case], rows: &[Row], residual: &DVector<f64>, sigma: f64) -> Vec<Case> {
+    let mut out = read.to_vec();
+    for (row, residual) in rows.iter().zip(residual.iter()) {
+        if let Row::Mark {
+            case,
+            reading,
+            axis,
+        } = *row
+        {
+            out[case].marks[reading].x[axis] += residual * sigma;
+        }
+    }
+    out
 }
 
 /// The diagonal of the box that holds these points.

@@ -276,7 +276,7 @@ fn curves_that_move_otherwise_than_the_model_are_seen() {
     assert!(said.contains("degrees and minutes"), "{said}");
 }
 
-/// A column of loads with the other sign, or in kilonewtons, and two cases that were exchanged show before any fit.
+/// A column of loads with the other sign, or in kilonewtons, marks from another origin, and two cases that were exchanged show before any fit.
 #[test]
 fn a_table_of_loads_that_marks_do_not_follow_is_seen() {
     let (folder, study) = copied("pseudo-mcpherson");
@@ -308,6 +308,9 @@ fn a_table_of_loads_that_marks_do_not_follow_is_seen() {
         said.contains(odd) && said.contains("against the model with lateral"),
         "{said}"
     );
+    let refused = admire(folder.path(), &["diagnose", "study"]);
+    assert_eq!(refused.code, 1, "{}", refused.err);
+    assert!(!study.join("diagnosis.json").exists());
     changed(0.001);
     let said = told();
     assert!(
@@ -315,13 +318,37 @@ fn a_table_of_loads_that_marks_do_not_follow_is_seen() {
         "{said}"
     );
     std::fs::write(&table, &shipped).unwrap();
+    // Marks from another origin.
+    let marks = study.join("marks_measured.csv");
+    let read = std::fs::read_to_string(&marks).unwrap();
+    let shifted = |line: &str| {
+        let fields: Vec<&str> = line.split(',').collect();
+        match fields[3].parse::<f64>() {
+            Ok(x) => format!(
+                "{},{},{}",
+                fields[..3].join(","),
+                x + 1500.0,
+                fields[4..].join(",")
+            ),
+            Err(_) => line.to_string(),
+        }
+    };
+    let lines: Vec<String> = read.lines().map(shifted).collect();
+    std::fs::write(&marks, lines.join("\n") + "\n").unwrap();
+    let said = told();
+    assert!(
+        said.contains("sit alike (1") && said.contains("deck's frame"),
+        "{said}"
+    );
+    let refused = admire(folder.path(), &["identify", "study"]);
+    assert_eq!(refused.code, 1, "{}", refused.err);
+    std::fs::write(&marks, read).unwrap();
     let labels: Vec<&str> = shipped
         .lines()
         .skip(1)
         .map(|line| line.split_once(',').unwrap().0)
         .collect();
     let (a, b) = (labels[2], labels[9]);
-    let marks = study.join("marks_measured.csv");
     let lines = std::fs::read_to_string(&marks).unwrap();
     let exchanged = |line: &str| match line.split_once(',') {
         Some((case, rest)) if case == a => format!("{b},{rest}"),
