@@ -308,9 +308,9 @@ fn a_table_of_loads_that_marks_do_not_follow_is_seen() {
         said.contains(odd) && said.contains("against the model with lateral"),
         "{said}"
     );
-    let refused = admire(folder.path(), &["diagnose", "study"]);
+    let refused = admire(folder.path(), &["diagnose", "study", "--out", "told"]);
     assert_eq!(refused.code, 1, "{}", refused.err);
-    assert!(!study.join("diagnosis.json").exists());
+    assert!(!folder.path().join("told/diagnosis.json").exists());
     changed(0.001);
     let said = told();
     assert!(
@@ -340,7 +340,7 @@ fn a_table_of_loads_that_marks_do_not_follow_is_seen() {
         said.contains("sit alike (1") && said.contains("deck's frame"),
         "{said}"
     );
-    let refused = admire(folder.path(), &["identify", "study"]);
+    let refused = admire(folder.path(), &["identify", "study", "--out", "told"]);
     assert_eq!(refused.code, 1, "{}", refused.err);
     std::fs::write(&marks, read).unwrap();
     let labels: Vec<&str> = shipped
